@@ -1,0 +1,77 @@
+//! Running a network on an image in main memory: for tools and tests. A renderer has a [`Plan`](super::Plan) instead.
+
+use super::{ForwardError, Network, Plan};
+use crate::{Activation, Model};
+use deepshade_shaders::Planes;
+use deepshade_shaders::gpu::{self, Gpu, Timing};
+
+/// A plan with buffers of its own for input and output.
+struct Run {
+    plan: Plan,
+    input: wgpu::Buffer,
+    output: wgpu::Buffer,
+}
+
+/// The network's image, `[output channels, height, width]`, of an input `[input channels, height, width]`.
+///
+/// # Errors
+/// If the input is not the network's or the GPU refuses.
+pub fn run(gpu: &Gpu, model: &Model, input: &Planes) -> Result<Planes, ForwardError> {
+    let run = Run::new(gpu, model, input)?;
+    run.once(gpu)?;
+    run.plan.image(&gpu.queue, &run.output)
+}
+
+/// [`run`], with how long it takes on the GPU: the median of `timed` runs after `warm_up` others, without the way
+/// between main memory and the GPU.
+///
+/// # Errors
+/// If the input is not the network's or the GPU refuses.
+pub fn run_timed(
+    gpu: &Gpu,
+    model: &Model,
+    input: &Planes,
+    warm_up: usize,
+    timed: usize,
+) -> Result<(Planes, Timing), ForwardError> {
+    let run = Run::new(gpu, model, input)?;
+    run.once(gpu)?;
+    let timing = gpu::time(&gpu.device, &gpu.queue, "net", warm_up, timed, |encoder| {
+        run.plan.encode(encoder, &run.input, &run.output).expect("it was recorded once already");
+    })?;
+    Ok((run.plan.image(&gpu.queue, &run.output)?, timing))
+}
+
+/// What every layer makes on the way to the network's image, as [`crate::reference::layers`] gives it.
+///
+/// # Errors
+/// If the input is not the network's or the GPU refuses.
+pub fn run_layers(gpu: &Gpu, model: &Model, input: &Planes) -> Result<Vec<Activation>, ForwardError> {
+    let run = Run::new(gpu, model, input)?;
+    run.once(gpu)?;
+    run.plan.layers(&gpu.queue, &run.output)
+}
+
+impl Run {
+    fn new(gpu: &Gpu, model: &Model, input: &Planes) -> Result<Self, ForwardError> {
+        let (expected, found) = (model.spec.input_channels(), input.channels());
+        if expected != found {
+            return Err(ForwardError::Input { expected, found });
+        }
+        let plan = Network::new(&gpu.device, &model.spec, &model.weights)?.plan(input.height(), input.width())?;
+        let elements = model.spec.effect.channels() * input.pixels();
+        Ok(Self {
+            plan,
+            input: gpu::storage(&gpu.device, "net.input", input.data())?,
+            output: gpu::empty::<f32>(&gpu.device, "net.output", elements)?,
+        })
+    }
+
+    fn once(&self, gpu: &Gpu) -> Result<(), ForwardError> {
+        let mut recorded = Ok(());
+        gpu::submit(&gpu.device, &gpu.queue, "net", |encoder| {
+            recorded = self.plan.encode(encoder, &self.input, &self.output);
+        })?;
+        recorded
+    }
+}

@@ -1,0 +1,18 @@
+//! What a trained network does: its spec, its folder, its forward pass in WGSL on the caller's device, and a plain
+//! reference forward pass that the other is checked against.
+
+pub mod forward;
+pub mod input;
+pub mod model;
+pub mod parity;
+pub mod reach;
+pub mod reference;
+pub mod spec;
+pub mod weights;
+
+pub use forward::{ForwardError, Network, Plan};
+pub use model::{Model, ModelError};
+pub use parity::{Activation, Comparison, Parity};
+pub use reach::Reach;
+pub use spec::{ChannelOrder, Layer, NetSpec, Source, SpecError};
+pub use weights::{LayerWeights, Weights};

@@ -1,0 +1,179 @@
+//! Whether two implementations of the same network agree: the one comparator of the project.
+
+use crate::ModelError;
+use crate::model::file;
+use deepshade_shaders::{Planes, random::random};
+use std::path::Path;
+
+/// Largest difference allowed, as a share of max(1, rms of the reference).
+pub const TOLERANCE: f32 = 1e-4;
+
+/// What a layer made: its image after the activation, `[outputs, height, width]` of its level of the padded frame.
+/// The last layer's image is cropped to the size of the network's input.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Activation {
+    /// Name of the layer.
+    pub layer: String,
+    /// Its image.
+    pub planes: Planes,
+}
+
+/// How far an image is from a reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Comparison {
+    /// Largest absolute difference of two elements; infinite where the shapes differ or a number is not finite.
+    pub max_abs: f32,
+    /// Largest difference allowed: [`TOLERANCE`] * max(1, rms of the reference).
+    pub tolerance: f32,
+}
+
+impl Comparison {
+    /// Compares `image` with `reference` element by element.
+    pub fn new(reference: &Planes, image: &Planes) -> Self {
+        let difference = |(a, b): (&f32, &f32)| if (a - b).is_finite() { (a - b).abs() } else { f32::INFINITY };
+        let max_abs = if reference.same_shape(image) {
+            reference.data().iter().zip(image.data()).map(difference).fold(0.0, f32::max)
+        } else {
+            f32::INFINITY
+        };
+        Self { max_abs, tolerance: TOLERANCE * rms(reference).max(1.0) }
+    }
+
+    /// Whether the difference is within the tolerance.
+    pub fn agrees(&self) -> bool {
+        self.max_abs <= self.tolerance
+    }
+}
+
+/// The first layer whose image is not within the tolerance of the reference's, with how far it is off. Layers are
+/// matched by their position and their name.
+pub fn first_difference(reference: &[Activation], made: &[Activation]) -> Option<(String, Comparison)> {
+    let missing = Activation { layer: String::new(), planes: Planes::filled(0, 0, 0, 0.0) };
+    reference.iter().enumerate().find_map(|(index, reference)| {
+        let made = made.get(index).filter(|made| made.layer == reference.layer).unwrap_or(&missing);
+        let comparison = Comparison::new(&reference.planes, &made.planes);
+        (!comparison.agrees()).then(|| (reference.layer.clone(), comparison))
+    })
+}
+
+/// Root of the mean square of all elements.
+pub fn rms(image: &Planes) -> f32 {
+    let sum: f64 = image.data().iter().map(|value| f64::from(*value).powi(2)).sum();
+    (sum / image.data().len().max(1) as f64).sqrt() as f32
+}
+
+/// Random numbers, evenly distributed in [-sqrt(3), sqrt(3)) and so of rms 1: an input for comparisons.
+pub fn noise(channels: usize, height: usize, width: usize, seed: u32) -> Planes {
+    Planes::from_fn(channels, height, width, |c, y, x| {
+        (2.0 * random(x as u32, y as u32, seed, c as u32) - 1.0) * 3f32.sqrt()
+    })
+}
+
+/// An input of a trained network and what the network made of it when it was exported: `parity.safetensors`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parity {
+    /// `[input channels, height, width]`.
+    pub input: Planes,
+    /// `[output channels, height, width]`.
+    pub output: Planes,
+}
+
+impl Parity {
+    /// Reads it from a model folder.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or does not hold two images of the same height and width.
+    pub fn load(folder: &Path) -> Result<Self, ModelError> {
+        let tensors = file::Tensors::open(&folder.join(file::PARITY), file::MOST_PARITY_BYTES)?;
+        let parity = Self { input: tensors.image("input")?, output: tensors.image("output")? };
+        let (input, output) = (&parity.input, &parity.output);
+        if (input.height(), input.width()) != (output.height(), output.width()) {
+            let expected = vec![output.channels(), input.height(), input.width()];
+            let found = vec![output.channels(), output.height(), output.width()];
+            return Err(tensors.shape_error("output", expected, found));
+        }
+        Ok(parity)
+    }
+
+    /// Writes it into a model folder, which is made where there is none.
+    ///
+    /// # Errors
+    /// If the file cannot be written; then an older one is still whole.
+    pub fn save(&self, folder: &Path) -> Result<(), ModelError> {
+        let shape = |planes: &Planes| vec![planes.channels(), planes.height(), planes.width()];
+        let tensors = [
+            ("input".to_owned(), shape(&self.input), self.input.data()),
+            ("output".to_owned(), shape(&self.output), self.output.data()),
+        ];
+        file::write_tensors(&folder.join(file::PARITY), &tensors)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image() -> Planes {
+        noise(4, 13, 11, 1)
+    }
+
+    #[test]
+    fn equal_and_nearly_equal_images_agree() {
+        let image = image();
+        let mut near = image.clone();
+        near.data_mut()[7] += 5e-5;
+        assert!(Comparison::new(&image, &image).agrees());
+        assert!(Comparison::new(&image, &near).agrees());
+    }
+
+    #[test]
+    fn every_wrong_image_is_rejected() {
+        let image = image();
+        let (height, width) = (image.height(), image.width());
+        let made = |value: &dyn Fn(usize, usize, usize) -> f32| Planes::from_fn(4, height, width, value);
+        let mut lone = image.clone();
+        lone.data_mut()[300] += 1e-3;
+        let mut poisoned = image.clone();
+        poisoned.data_mut()[300] = f32::NAN;
+        let wrong = [
+            ("flipped along x", made(&|c, y, x| image.at(c, y, width - 1 - x))),
+            ("flipped along y", made(&|c, y, x| image.at(c, height - 1 - y, x))),
+            ("shifted by a pixel", made(&|c, y, x| image.at(c, y, (x + 1) % width))),
+            ("shifted by a row", made(&|c, y, x| image.at(c, (y + 1) % height, x))),
+            ("scaled by 1 %", made(&|c, y, x| 1.01 * image.at(c, y, x))),
+            ("two channels swapped", made(&|c, y, x| image.at([1, 0, 2, 3][c], y, x))),
+            ("two groups permuted", made(&|c, y, x| image.at([2, 3, 0, 1][c], y, x))),
+            ("one element off", lone),
+            ("not a number", poisoned),
+            ("smaller", image.window(0, 0, height - 1, width)),
+        ];
+        for (what, wrong) in wrong {
+            assert!(!Comparison::new(&image, &wrong).agrees(), "{what}");
+        }
+    }
+
+    #[test]
+    fn two_poisoned_images_do_not_agree() {
+        let poisoned = Planes::filled(1, 2, 2, f32::NAN);
+        assert!(!Comparison::new(&poisoned, &poisoned).agrees());
+    }
+
+    #[test]
+    fn the_first_layer_that_differs_is_named() {
+        let layer = |name: &str, seed| Activation { layer: name.to_owned(), planes: noise(1, 4, 4, seed) };
+        let reference = [layer("down0", 1), layer("down1", 2), layer("up0", 3)];
+        assert_eq!(first_difference(&reference, &reference), None);
+        let wrong = [layer("down0", 1), layer("down1", 9), layer("up0", 9)];
+        assert_eq!(first_difference(&reference, &wrong).map(|(name, _)| name), Some("down1".to_owned()));
+        let short = first_difference(&reference, &reference[..2]);
+        assert_eq!(short.map(|(name, _)| name), Some("up0".to_owned()));
+    }
+
+    #[test]
+    fn a_written_parity_file_reads_the_same() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let parity = Parity { input: noise(6, 5, 7, 1), output: noise(1, 5, 7, 2) };
+        parity.save(folder.path()).expect("writes");
+        assert_eq!(Parity::load(folder.path()).expect("reads"), parity);
+    }
+}

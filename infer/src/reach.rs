@@ -1,0 +1,54 @@
+//! Running a network at another radius or resolution than it was trained for (thesis 7.5.1).
+
+use serde::{Deserialize, Serialize};
+
+/// What a network was trained to reach: fixed by its training data, adjusted by scaling what it reads.
+///
+/// A network is a function of pixels. In an image N times as high as the training images its reach covers 1/N of
+/// the world it covered there, so the effect's radius is divided by N ([`Reach::radius`]); and whatever radius is
+/// wanted, positions are multiplied so that it looks to the network like the one it knows
+/// ([`Reach::position_scale`]). In the thesis' words: positions are scaled by the trained over the wanted radius,
+/// and by N where the image is N times larger.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Reach {
+    /// Radius of the effect in the units in which the network reads positions.
+    pub radius: f32,
+    /// Radius of the effect as a share of the scene's diagonal at the trained height.
+    pub diagonal_share: f32,
+    /// Height of the training frames, pixels (before crops are cut out of them).
+    pub height: usize,
+}
+
+impl Reach {
+    /// The radius, in metres, of a scene with this diagonal in an image of this height: what every method of a
+    /// comparison uses unless a radius is asked for.
+    pub fn radius(&self, diagonal: f32, height: usize) -> f32 {
+        self.diagonal_share * diagonal * self.height as f32 / height as f32
+    }
+
+    /// The factor that camera-space positions in metres are multiplied by before the network reads them, so that
+    /// an effect of `radius` metres looks like the trained one. Training and every way of running use it.
+    pub fn position_scale(&self, radius: f32) -> f32 {
+        self.radius / radius
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+
+    #[test]
+    fn a_taller_image_scales_positions_by_n() {
+        let at_trained = REACH.position_scale(REACH.radius(20.0, 512));
+        let at_double = REACH.position_scale(REACH.radius(20.0, 1024));
+        assert!((at_double / at_trained - 2.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_wider_radius_shrinks_positions() {
+        assert!((REACH.position_scale(4.0) - 0.25).abs() < 1e-7);
+    }
+}

@@ -1,0 +1,277 @@
+//! The shape of a network: one list of layers that drives burn's module, the WGSL passes, the ONNX writer and the
+//! reference forward pass.
+//!
+//! The network is the U-net of the thesis (7.3.2): on the way down, level l has `u0 * 2^l` kernels in `2^l` groups, a
+//! leaky ReLU and 2x2 mean pooling; on the way up, the coarser level is doubled bilinearly, joined with the same
+//! level's way down, and convolved. The step upwards on level 0 makes the image itself, without an activation: with
+//! it ambient occlusion has 71,089 weights, Table 7.1's 71 k.
+
+use crate::Reach;
+use deepshade_shaders::{Attribute, Effect};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Order of the channels after a concatenation, which decides what each group of the next convolution sees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ChannelOrder {
+    /// All of the coarser level, then all of the skip connection, as in the paper's framework: the first groups see
+    /// the coarser level only, the last ones the skip only.
+    Contiguous,
+    /// Group by group: a share of the coarser level, then the same share of the skip, so that every group sees both.
+    Interleaved,
+}
+
+/// A network, but for its weights.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NetSpec {
+    /// What the network computes.
+    pub effect: Effect,
+    /// What it reads, in this order.
+    pub inputs: Vec<Attribute>,
+    /// Number of kernels on level 0.
+    pub u0: usize,
+    /// Number of levels; 1 is no U at all.
+    pub levels: usize,
+    /// Width and height of every kernel; odd.
+    pub kernel: usize,
+    /// Factor of negative values in the leaky ReLU.
+    pub leak: f32,
+    /// Order of the channels after a concatenation.
+    pub channel_order: ChannelOrder,
+    /// What it was trained to reach.
+    pub reach: Reach,
+}
+
+/// A spec that no network can have.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum SpecError {
+    /// A number is out of its range.
+    #[error("`{name}` is {found}; it must be {allowed}")]
+    Range {
+        /// The field.
+        name: &'static str,
+        /// Its value.
+        found: String,
+        /// What it may be.
+        allowed: &'static str,
+    },
+    /// The channels of a layer cannot be dealt out evenly to its groups.
+    #[error("layer `{layer}` has {groups} groups, which do not divide its {inputs} inputs and {outputs} outputs")]
+    Groups {
+        /// Name of the layer.
+        layer: String,
+        /// Its number of groups.
+        groups: usize,
+        /// Channels read.
+        inputs: usize,
+        /// Channels made.
+        outputs: usize,
+    },
+}
+
+/// Where a layer reads from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// The network's input.
+    Input,
+    /// The layer of that index, 2x2 mean pooled.
+    Pooled(usize),
+    /// The coarser layer, doubled bilinearly, joined with the skip connection's layer.
+    Joined {
+        /// Index of the layer one level below.
+        coarse: usize,
+        /// Index of the same level's layer on the way down.
+        skip: usize,
+    },
+}
+
+/// A convolution with what comes before and after it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Layer {
+    /// `down0`, `down1`, ..., `up1`, `up0`: the name in files and messages.
+    pub name: String,
+    /// 0 is full resolution; each further level halves it.
+    pub level: usize,
+    /// Where it reads from.
+    pub source: Source,
+    /// Channels read.
+    pub inputs: usize,
+    /// Channels made.
+    pub outputs: usize,
+    /// Groups of the convolution; the weights are `[outputs, inputs / groups, kernel, kernel]`.
+    pub groups: usize,
+    /// Whether a leaky ReLU follows.
+    pub activation: bool,
+}
+
+impl Layer {
+    /// Number of weights and biases.
+    pub const fn weight_count(&self, kernel: usize) -> usize {
+        self.outputs * (self.inputs / self.groups) * kernel * kernel + self.outputs
+    }
+
+    /// Shape of the weights, `[outputs, inputs / groups, kernel, kernel]`.
+    pub const fn weight_shape(&self, kernel: usize) -> [usize; 4] {
+        [self.outputs, self.inputs / self.groups, kernel, kernel]
+    }
+}
+
+impl NetSpec {
+    /// The paper's network for ambient occlusion (Table 7.1).
+    pub fn ao(channel_order: ChannelOrder, reach: Reach) -> Self {
+        Self {
+            effect: Effect::Ao,
+            inputs: vec![Attribute::Normal, Attribute::Position],
+            u0: 8,
+            levels: 6,
+            kernel: 3,
+            leak: 0.01,
+            channel_order,
+            reach,
+        }
+    }
+
+    /// Checks what a file or a recipe may get wrong, before anything is computed from it.
+    ///
+    /// # Errors
+    /// If a number is out of its range, or a layer's groups do not divide its channels.
+    pub fn validate(&self) -> Result<(), SpecError> {
+        let range = |name, fits: bool, found: &dyn std::fmt::Display, allowed| match fits {
+            true => Ok(()),
+            false => Err(SpecError::Range { name, found: found.to_string(), allowed }),
+        };
+        let reach = &self.reach;
+        let positive = |value: f32| value.is_finite() && value > 0.0;
+        range("inputs", (1..=64).contains(&self.inputs.len()), &self.inputs.len(), "1 to 64 attributes")?;
+        range("u0", (1..=512).contains(&self.u0), &self.u0, "1 to 512")?;
+        range("levels", (1..=8).contains(&self.levels), &self.levels, "1 to 8")?;
+        range("kernel", matches!(self.kernel, 1 | 3 | 5 | 7), &self.kernel, "1, 3, 5 or 7")?;
+        range("leak", (0.0..=1.0).contains(&self.leak), &self.leak, "0 to 1")?;
+        range("reach.radius", positive(reach.radius), &reach.radius, "positive")?;
+        range("reach.diagonal_share", positive(reach.diagonal_share), &reach.diagonal_share, "positive")?;
+        range("reach.height", reach.height > 0, &reach.height, "positive")?;
+        for Layer { name: layer, groups, inputs, outputs, .. } in self.layers() {
+            if inputs % groups != 0 || outputs % groups != 0 {
+                return Err(SpecError::Groups { layer, groups, inputs, outputs });
+            }
+        }
+        Ok(())
+    }
+
+    /// Number of channels read.
+    pub fn input_channels(&self) -> usize {
+        self.inputs.iter().map(|attribute| attribute.width()).sum()
+    }
+
+    /// The size that heights and widths are padded to a multiple of, so that every pooling is whole.
+    pub const fn alignment(&self) -> usize {
+        1 << (self.levels - 1)
+    }
+
+    /// All layers in the order of computation: down, then up. A network of one level is a single layer that makes
+    /// the image.
+    pub fn layers(&self) -> Vec<Layer> {
+        let width = |level: usize| self.u0 << level;
+        let mut layers = Vec::new();
+        for level in 0..self.levels {
+            let first = level == 0;
+            let last_image = self.levels == 1;
+            layers.push(Layer {
+                name: format!("down{level}"),
+                level,
+                source: if first { Source::Input } else { Source::Pooled(level - 1) },
+                inputs: if first { self.input_channels() } else { width(level - 1) },
+                outputs: if last_image { self.effect.channels() } else { width(level) },
+                groups: 1 << level,
+                activation: !last_image,
+            });
+        }
+        for level in (0..self.levels - 1).rev() {
+            let coarse = layers.len() - 1;
+            layers.push(Layer {
+                name: format!("up{level}"),
+                level,
+                source: Source::Joined { coarse, skip: level },
+                inputs: width(level + 1) + width(level),
+                outputs: if level == 0 { self.effect.channels() } else { width(level) },
+                groups: 1 << level,
+                activation: level > 0,
+            });
+        }
+        layers
+    }
+
+    /// Number of weights and biases of all layers.
+    pub fn weight_count(&self) -> usize {
+        self.layers().iter().map(|layer| layer.weight_count(self.kernel)).sum()
+    }
+
+    /// For each channel that a [`Source::Joined`] layer's convolution reads, in order: which channel of the plain
+    /// concatenation (coarse, then skip) it is.
+    pub fn joined_order(&self, coarse: usize, skip: usize, groups: usize) -> Vec<usize> {
+        match self.channel_order {
+            ChannelOrder::Contiguous => (0..coarse + skip).collect(),
+            ChannelOrder::Interleaved => {
+                let (a, b) = (coarse / groups, skip / groups);
+                (0..groups)
+                    .flat_map(|group| {
+                        (group * a..(group + 1) * a).chain(coarse + group * b..coarse + (group + 1) * b)
+                    })
+                    .collect()
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+
+    #[test]
+    fn ao_has_the_papers_number_of_weights() {
+        for order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
+            assert_eq!(NetSpec::ao(order, REACH).weight_count(), 71_089);
+        }
+    }
+
+    #[test]
+    fn the_last_layer_makes_the_image() {
+        let layers = NetSpec::ao(ChannelOrder::Contiguous, REACH).layers();
+        let last = &layers[10];
+        assert_eq!(layers.len(), 11);
+        assert_eq!((last.inputs, last.outputs, last.activation), (24, 1, false));
+        assert_eq!(last.source, Source::Joined { coarse: 9, skip: 0 });
+    }
+
+    #[test]
+    fn interleaving_gives_every_group_both_sources() {
+        let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH);
+        assert_eq!(spec.joined_order(4, 2, 2), vec![0, 1, 4, 2, 3, 5]);
+        let contiguous = NetSpec::ao(ChannelOrder::Contiguous, REACH);
+        assert_eq!(contiguous.joined_order(4, 2, 2), vec![0, 1, 2, 3, 4, 5]);
+    }
+
+    #[test]
+    fn the_papers_network_is_valid_and_absurd_ones_are_named() {
+        let ao = NetSpec::ao(ChannelOrder::Contiguous, REACH);
+        assert_eq!(ao.validate(), Ok(()));
+        let absurd = [
+            (NetSpec { levels: 0, ..ao.clone() }, "`levels` is 0"),
+            (NetSpec { levels: 60, ..ao.clone() }, "`levels` is 60"),
+            (NetSpec { u0: usize::MAX, ..ao.clone() }, "`u0` is"),
+            (NetSpec { kernel: 4, ..ao.clone() }, "`kernel` is 4"),
+            (NetSpec { leak: f32::NAN, ..ao.clone() }, "`leak` is NaN"),
+            (NetSpec { inputs: Vec::new(), ..ao.clone() }, "`inputs` is 0"),
+            (NetSpec { reach: Reach { radius: 0.0, ..REACH }, ..ao.clone() }, "`reach.radius` is 0"),
+            (NetSpec { u0: 5, ..ao }, "layer `down1` has 2 groups"),
+        ];
+        for (spec, message) in absurd {
+            let error = spec.validate().expect_err(message).to_string();
+            assert!(error.starts_with(message), "{error}");
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! The WGSL forward pass equals the reference, layer by layer and element by element, on random asymmetric weights.
+
+use deepshade_infer::parity::{first_difference, noise, rms};
+use deepshade_infer::{ChannelOrder, Model, NetSpec, Network, Reach, Weights, forward, reference};
+use deepshade_shaders::Planes;
+use deepshade_shaders::gpu::Gpu;
+
+const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+
+fn gpu() -> Gpu {
+    Gpu::new().expect("the tests need a Vulkan, Metal or DirectX 12 adapter; a software one will do")
+}
+
+fn ao() -> NetSpec {
+    NetSpec::ao(ChannelOrder::Interleaved, REACH)
+}
+
+fn random_model(spec: NetSpec) -> Model {
+    Model { weights: Weights::random(&spec, 11), spec }
+}
+
+fn assert_agrees(gpu: &Gpu, spec: NetSpec, sizes: &[(usize, usize)]) {
+    let model = random_model(spec);
+    for (height, width) in sizes {
+        let input = noise(model.spec.input_channels(), *height, *width, 7);
+        let expected = reference::layers(&model.spec, &model.weights, &input);
+        let made = forward::run_layers(gpu, &model, &input).expect("runs");
+        assert_eq!(made.len(), expected.len());
+        let what = format!("{:?} at {height}x{width}", model.spec);
+        assert_eq!(first_difference(&expected, &made), None, "{what}");
+        let last = &expected[expected.len() - 1].planes;
+        assert!((0.3..3.0).contains(&rms(last)), "{what}: an image of rms {} proves little", rms(last));
+    }
+}
+
+#[test]
+fn the_papers_network_at_whole_and_odd_sizes() {
+    let gpu = gpu();
+    let contiguous = NetSpec::ao(ChannelOrder::Contiguous, REACH);
+    for spec in [contiguous, ao()] {
+        assert_agrees(&gpu, spec, &[(64, 96), (37, 53), (16, 16)]);
+    }
+}
+
+#[test]
+fn one_and_three_levels_in_both_channel_orders() {
+    let gpu = gpu();
+    for channel_order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
+        for levels in [1, 2, 3] {
+            let spec = NetSpec { levels, channel_order, ..ao() };
+            assert_agrees(&gpu, spec, &[(40, 56), (37, 53), (16, 16)]);
+        }
+    }
+}
+
+#[test]
+fn kernels_of_other_sizes() {
+    let gpu = gpu();
+    for kernel in [1, 5, 7] {
+        assert_agrees(&gpu, NetSpec { kernel, levels: 3, ..ao() }, &[(40, 56), (19, 21)]);
+    }
+}
+
+#[test]
+fn numbers_of_channels_that_fill_no_block() {
+    let gpu = gpu();
+    for channel_order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
+        for u0 in [2, 6, 10, 12] {
+            assert_agrees(&gpu, NetSpec { u0, levels: 4, channel_order, ..ao() }, &[(37, 53)]);
+        }
+    }
+}
+
+#[test]
+fn weights_beyond_one_uniform_buffer() {
+    assert_agrees(&gpu(), NetSpec { u0: 32, levels: 3, ..ao() }, &[(20, 12)]);
+}
+
+#[test]
+fn a_plan_runs_again_and_again_with_other_buffers() {
+    use deepshade_shaders::gpu;
+    let gpu = self::gpu();
+    let model = random_model(NetSpec { levels: 3, ..ao() });
+    let network = Network::new(&gpu.device, &model.spec, &model.weights).expect("compiles");
+    let plan = network.plan(21, 34).expect("fits");
+    for seed in 0..3 {
+        let input = noise(6, 21, 34, seed);
+        let source = gpu::storage(&gpu.device, "input", input.data()).expect("fits");
+        let target = gpu::empty::<f32>(&gpu.device, "output", 21 * 34).expect("fits");
+        gpu::submit(&gpu.device, &gpu.queue, "net", |encoder| {
+            plan.encode(encoder, &source, &target).expect("records");
+        })
+        .expect("runs");
+        let image = plan.image(&gpu.queue, &target).expect("reads");
+        let expected = reference::forward(&model.spec, &model.weights, &input);
+        let comparison = deepshade_infer::Comparison::new(&expected, &image);
+        assert!(comparison.agrees(), "{comparison:?}");
+    }
+}
+
+#[test]
+fn a_wrong_layer_is_found_where_it_is() {
+    let gpu = gpu();
+    let model = random_model(NetSpec { levels: 3, ..ao() });
+    let input = noise(6, 24, 24, 1);
+    let expected = reference::layers(&model.spec, &model.weights, &input);
+    for (index, layer) in model.spec.layers().iter().enumerate() {
+        let mut wrong = model.clone();
+        wrong.weights.0[index].weight.reverse();
+        let made = forward::run_layers(&gpu, &wrong, &input).expect("runs");
+        let (found, _) = first_difference(&expected, &made).expect("the weights are reversed");
+        assert_eq!(found, layer.name);
+    }
+}
+
+#[test]
+fn what_cannot_run_is_named() {
+    let gpu = gpu();
+    let model = random_model(NetSpec { levels: 2, ..ao() });
+    let error = forward::run(&gpu, &model, &Planes::filled(5, 16, 16, 0.0)).expect_err("five channels");
+    assert_eq!(error.to_string(), "the input has 5 channels; the network reads 6");
+    let network = Network::new(&gpu.device, &model.spec, &model.weights).expect("compiles");
+    let message = |height, width| network.plan(height, width).expect_err("cannot be").to_string();
+    assert!(message(0, 16).contains("layer `down0` has no pixel"), "{}", message(0, 16));
+    assert!(message(16, 1 << 20).contains("rows and columns"), "{}", message(16, 1 << 20));
+    assert!(message(8192, 8192).contains("layer `down0` binds a buffer of"), "{}", message(8192, 8192));
+    let wide = random_model(NetSpec { u0: 512, levels: 1, kernel: 7, inputs: ao().inputs, ..ao() });
+    forward::run(&gpu, &wide, &noise(6, 16, 16, 1)).expect("one level has no wide layer");
+    let spec = NetSpec { u0: 128, levels: 2, ..ao() };
+    let error = Network::new(&gpu.device, &spec, &random_model(spec.clone()).weights).expect_err("too wide");
+    assert!(error.to_string().contains("layer `down1`: eight of its outputs have"), "{error}");
+    let mut unfit = model;
+    unfit.weights.0.pop();
+    assert!(Network::new(&gpu.device, &unfit.spec, &unfit.weights).is_err());
+}

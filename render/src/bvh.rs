@@ -1,0 +1,285 @@
+//! Which triangle a ray meets: a scene with an eight-wide bounding volume hierarchy over it, built by `obvhs`.
+//!
+//! Triangles lie in the order of the hierarchy's leaves. Where a material is masked or blended, opacity decides
+//! whether a triangle is there at all.
+
+use crate::scene::{AlphaMode, Bounds, Scene, SceneError};
+use glam::{Vec2, Vec3, Vec3A};
+use obvhs::{
+    BvhBuildParams,
+    cwbvh::{CwBvh, builder::build_cwbvh_from_tris},
+    ray::{Ray, RayHit},
+    triangle::Triangle,
+};
+use std::time::Duration;
+
+/// Opacity from which a blended surface is seen by a camera, which cannot see two surfaces at once.
+const VISIBLE_OPACITY: f32 = 0.5;
+
+/// A scene that rays can be traced through.
+pub struct TracedScene {
+    scene: Scene,
+    bounds: Bounds,
+    bvh: CwBvh,
+    /// In the order of the hierarchy.
+    triangles: Vec<Triangle>,
+    /// Mesh and triangle in it, of each of `triangles`.
+    origins: Vec<TriangleOrigin>,
+}
+
+/// Where a triangle comes from.
+#[derive(Clone, Copy, Debug)]
+struct TriangleOrigin {
+    mesh: u32,
+    triangle: u32,
+    /// Whether the material's opacity must be asked.
+    see_through: bool,
+}
+
+/// Where a ray met a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Along the ray, in lengths of its direction.
+    pub distance: f32,
+    /// Index into [`Scene::meshes`].
+    pub mesh: u32,
+    /// Index into that mesh's triangles.
+    pub triangle: u32,
+    /// Weights of the second and third corner.
+    pub barycentric: Vec2,
+}
+
+impl TracedScene {
+    /// Builds the hierarchy.
+    ///
+    /// # Errors
+    /// If a vertex is not finite or there is no triangle.
+    pub fn new(scene: Scene) -> Result<Self, SceneError> {
+        let finite = |mesh: &crate::scene::Mesh| mesh.positions.iter().all(|position| position.is_finite());
+        if let Some(mesh) = scene.meshes.iter().find(|mesh| !finite(mesh)) {
+            return Err(SceneError::invalid(
+                scene.name.as_ref(),
+                format!("mesh `{}` has a vertex that is not finite", mesh.name),
+            ));
+        }
+        if scene.triangle_count() == 0 {
+            return Err(SceneError::Empty { name: scene.name });
+        }
+        let (triangles, origins) = flattened(&scene);
+        let bvh = build_cwbvh_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default());
+        let in_order = |index: &u32| *index as usize;
+        Ok(Self {
+            bounds: scene.bounds(),
+            scene,
+            triangles: bvh.primitive_indices.iter().map(|index| triangles[in_order(index)]).collect(),
+            origins: bvh.primitive_indices.iter().map(|index| origins[in_order(index)]).collect(),
+            bvh,
+        })
+    }
+
+    /// The scene itself.
+    pub const fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The box around it.
+    pub const fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// Length of that box's diagonal, metres.
+    pub fn diagonal(&self) -> f32 {
+        self.bounds.diagonal()
+    }
+
+    /// The nearest surface that a camera sees along a ray, up to `reach` lengths of `direction`. What masks leave
+    /// out and what is more than half transparent is not seen.
+    pub fn hit(&self, origin: Vec3, direction: Vec3, reach: f32) -> Option<Hit> {
+        let ray = ray(origin, direction, reach);
+        let mut nearest = RayHit::none();
+        self.bvh.ray_traverse(ray, &mut nearest, |ray, index| {
+            self.distance(ray, index, |opacity| opacity >= VISIBLE_OPACITY)
+        });
+        if nearest.t >= reach {
+            return None;
+        }
+        let index = nearest.primitive_id as usize;
+        let TriangleOrigin { mesh, triangle, .. } = self.origins[index];
+        let barycentric = barycentric(&self.triangles[index], &ray);
+        Some(Hit { distance: nearest.t, mesh, triangle, barycentric })
+    }
+
+    /// Whether anything stops light along a ray within `reach` lengths of `direction`. A blended surface stops it
+    /// with the probability of its opacity, decided by a hash of the ray and the triangle.
+    pub fn blocked(&self, origin: Vec3, direction: Vec3, reach: f32) -> bool {
+        let ray = ray(origin, direction, reach);
+        !self.bvh.ray_traverse_miss(ray, |ray, index| {
+            self.distance(ray, index, |opacity| {
+                opacity >= 1.0 || (opacity > 0.0 && opacity > ray_hash(ray, index))
+            })
+        })
+    }
+
+    /// Distance to a triangle if the ray meets it and `present` says so of its opacity there, else infinity.
+    #[inline]
+    fn distance(&self, ray: &Ray, index: usize, present: impl Fn(f32) -> bool) -> f32 {
+        let distance = self.triangles[index].intersect(ray);
+        if distance < ray.tmax && self.origins[index].see_through && !present(self.opacity(ray, index)) {
+            return f32::INFINITY;
+        }
+        distance
+    }
+
+    /// Opacity of a triangle where a ray meets it.
+    #[cold]
+    fn opacity(&self, ray: &Ray, index: usize) -> f32 {
+        let TriangleOrigin { mesh, triangle, .. } = self.origins[index];
+        let mesh = &self.scene.meshes[mesh as usize];
+        let weights = corner_weights(barycentric(&self.triangles[index], ray));
+        let corners = mesh.triangles[triangle as usize];
+        self.scene.material(mesh.material).opacity(
+            &self.scene.textures,
+            crate::intersection::uvs(mesh, corners, weights),
+            crate::intersection::colour(mesh, corners, weights),
+        )
+    }
+}
+
+impl std::fmt::Debug for TracedScene {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "TracedScene({}, {} triangles)", self.scene.name, self.scene.triangle_count())
+    }
+}
+
+/// Weights of all three corners.
+pub fn corner_weights(barycentric: Vec2) -> [f32; 3] {
+    [1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y]
+}
+
+/// All triangles of a scene, with where they come from.
+fn flattened(scene: &Scene) -> (Vec<Triangle>, Vec<TriangleOrigin>) {
+    let mut triangles = Vec::with_capacity(scene.triangle_count());
+    let mut origins = Vec::with_capacity(scene.triangle_count());
+    for (mesh_index, mesh) in scene.meshes.iter().enumerate() {
+        let see_through = scene.material(mesh.material).alpha != AlphaMode::Opaque;
+        for triangle in 0..mesh.triangles.len() {
+            let [v0, v1, v2] = mesh.corners(triangle).map(Vec3A::from);
+            triangles.push(Triangle { v0, v1, v2 });
+            origins.push(TriangleOrigin { mesh: mesh_index as u32, triangle: triangle as u32, see_through });
+        }
+    }
+    (triangles, origins)
+}
+
+fn ray(origin: Vec3, direction: Vec3, reach: f32) -> Ray {
+    // Adding zero turns -0 into 0: the hierarchy takes a ray's octant from `direction < 0` but its slabs from the
+    // sign of the inverse, which differ for -0 and lose hits.
+    Ray::new(origin.into(), (direction + Vec3::ZERO).into(), 0.0, reach)
+}
+
+/// Weights of the second and third corner where a ray meets a triangle's plane.
+fn barycentric(triangle: &Triangle, ray: &Ray) -> Vec2 {
+    let edge1 = triangle.v1 - triangle.v0;
+    let edge2 = triangle.v2 - triangle.v0;
+    let across = ray.direction.cross(edge2);
+    let inverse = edge1.dot(across).recip();
+    let from_corner = ray.origin - triangle.v0;
+    let u = from_corner.dot(across) * inverse;
+    let v = ray.direction.dot(from_corner.cross(edge1)) * inverse;
+    Vec2::new(u, v).clamp(Vec2::ZERO, Vec2::ONE)
+}
+
+/// A number in [0, 1) that a ray and a triangle share, for decisions that must not depend on threads.
+fn ray_hash(ray: &Ray, index: usize) -> f32 {
+    let words = [ray.direction.x, ray.direction.y, ray.direction.z, ray.origin.x, ray.origin.y, ray.origin.z];
+    let hash = words.iter().fold(index as u32, |hash, word| crate::path::sampler::hash(hash ^ word.to_bits()));
+    hash as f32 / 4_294_967_296.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Encoding, Material, Mesh, Texture, TextureId, TextureSlot, Wrap};
+    use glam::{Affine2, Vec4};
+
+    fn square_at(z: f32) -> Mesh {
+        Mesh {
+            positions: [(0., 0.), (1., 0.), (1., 1.), (0., 1.)].map(|(x, y)| Vec3::new(x, y, z)).to_vec(),
+            uvs: [vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y], vec![]],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        }
+    }
+
+    fn scene(meshes: Vec<Mesh>, material: Material) -> Scene {
+        Scene { meshes, materials: vec![material], ..Scene::default() }
+    }
+
+    #[test]
+    fn nearest_of_two_squares_with_its_barycentrics() {
+        let meshes = vec![square_at(0.0), square_at(-1.0)];
+        let traced = TracedScene::new(scene(meshes, Material::default())).expect("two squares");
+        let hit = traced.hit(Vec3::new(0.75, 0.25, 2.0), Vec3::NEG_Z, f32::INFINITY).expect("a hit");
+        assert_eq!((hit.mesh, hit.triangle, hit.distance), (0, 0, 2.0));
+        let corners = traced.scene().meshes[0].corners(0);
+        let weights = corner_weights(hit.barycentric);
+        let point = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
+        assert!((point - Vec3::new(0.75, 0.25, 0.0)).length() < 1e-6);
+        assert!(traced.hit(Vec3::new(0.75, 0.25, 2.0), Vec3::NEG_Z, 1.9).is_none());
+        assert!(traced.blocked(Vec3::new(0.3, 0.3, 2.0), Vec3::NEG_Z, 2.1));
+        assert!(!traced.blocked(Vec3::new(0.3, 0.3, 2.0), Vec3::Z, 9.0));
+    }
+
+    #[test]
+    fn negative_zero_is_a_direction_like_zero() {
+        let traced = TracedScene::new(scene(vec![square_at(0.0)], Material::default())).expect("a square");
+        let origin = Vec3::new(0.3, 0.6, -1.0);
+        assert!(traced.blocked(origin, -Vec3::NEG_Z, f32::INFINITY));
+        assert!(traced.hit(origin, -Vec3::NEG_Z, f32::INFINITY).is_some());
+    }
+
+    #[test]
+    fn a_mask_leaves_holes() {
+        let texels = vec![[255, 255, 255, 255], [255, 255, 255, 0]];
+        let texture = Texture::new(2, 1, texels, Encoding::Srgb, [Wrap::Clamp; 2]);
+        let slot = TextureSlot { texture: TextureId(0), uv_set: 0, transform: Affine2::IDENTITY };
+        let material = Material {
+            base_colour_texture: Some(slot),
+            alpha: AlphaMode::Mask(0.5),
+            ..Material::default()
+        };
+        let scene = Scene { textures: vec![texture], ..scene(vec![square_at(0.0)], material) };
+        let traced = TracedScene::new(scene).expect("a square");
+        assert!(traced.blocked(Vec3::new(0.2, 0.5, 1.0), Vec3::NEG_Z, 9.0));
+        assert!(!traced.blocked(Vec3::new(0.8, 0.5, 1.0), Vec3::NEG_Z, 9.0));
+        assert!(traced.hit(Vec3::new(0.8, 0.5, 1.0), Vec3::NEG_Z, 9.0).is_none());
+    }
+
+    #[test]
+    fn a_blended_surface_stops_its_share_of_rays() {
+        let material = Material {
+            base_colour: Vec4::new(1.0, 1.0, 1.0, 0.3),
+            alpha: AlphaMode::Blend,
+            ..Material::default()
+        };
+        let traced = TracedScene::new(scene(vec![square_at(0.0)], material)).expect("a square");
+        let blocked = (0..10_000)
+            .filter(|i| {
+                let origin = Vec3::new((i % 100) as f32 / 101.0, (i / 100) as f32 / 101.0, 1.0);
+                traced.blocked(origin, Vec3::NEG_Z, 9.0)
+            })
+            .count();
+        // Three standard deviations of a binomial with p = 0.3 are 137.
+        assert!((blocked as i32 - 3_000).abs() < 140, "{blocked} of 10,000 stopped");
+    }
+
+    #[test]
+    fn vertices_that_are_not_finite_are_refused_by_name() {
+        let mut mesh = Mesh { name: "broken".to_owned(), ..square_at(0.0) };
+        mesh.positions[1].x = f32::NAN;
+        let error = TracedScene::new(scene(vec![mesh], Material::default())).expect_err("a NaN");
+        assert!(error.to_string().contains("mesh `broken`"), "{error}");
+        let empty = TracedScene::new(Scene { materials: vec![Material::default()], ..Scene::default() });
+        assert!(matches!(empty, Err(SceneError::Empty { .. })));
+    }
+}

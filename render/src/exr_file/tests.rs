@@ -1,0 +1,164 @@
+use super::*;
+use deepshade_shaders::{Attribute, GBuffer, Planes};
+use exr::prelude::Compression;
+
+fn gbuffer() -> GBuffer {
+    let attributes = vec![Attribute::Position, Attribute::Normal, Attribute::Depth];
+    // Multiples of 1/8, which half floats hold exactly.
+    let planes = Planes::from_fn(7, 21, 34, |c, y, x| (c * 100 + y * 34 + x) as f32 * 0.125 - 20.0);
+    GBuffer::new(attributes, planes)
+}
+
+fn written(folder: &Path) -> (PathBuf, GBuffer, Planes) {
+    let path = folder.join("frame.exr");
+    let target = Planes::from_fn(1, 21, 34, |_, y, x| ((y + x) % 5) as f32 * 0.25);
+    let metadata = Metadata::from([("scene".to_owned(), "rooms 7".to_owned()), ("seed".into(), "3".into())]);
+    let gbuffer = gbuffer();
+    let layers = [Layer::gbuffer(&gbuffer), Layer::image("target.ao", &target)];
+    write(&path, &layers, &metadata).expect("written");
+    (path, gbuffer, target)
+}
+
+#[test]
+fn what_is_written_is_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, gbuffer, target) = written(folder.path());
+    let image = read(&path).expect("read");
+    assert_eq!((image.height(), image.width()), (21, 34));
+    assert_eq!(image.attributes(), gbuffer.attributes());
+    assert_eq!(image.gbuffer(gbuffer.attributes()).expect("all there"), gbuffer);
+    assert_eq!(image.image("target.ao", 1).expect("there"), target);
+    assert_eq!(image.metadata()["scene"], "rooms 7");
+    assert_eq!(image.metadata()["software"], PROGRAM);
+}
+
+#[test]
+fn the_same_image_gives_the_same_bytes() {
+    let metadata: Metadata = (0..20).map(|i| (format!("key{i}"), format!("value {i}"))).collect();
+    let bytes = || {
+        let gbuffer = gbuffer();
+        encode(Path::new("a.exr"), &[Layer::gbuffer(&gbuffer)], &metadata).expect("encoded")
+    };
+    let first = bytes();
+    assert!((0..5).all(|_| bytes() == first));
+}
+
+#[test]
+fn missing_channels_are_named_with_what_is_there() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, ..) = written(folder.path());
+    let error = read_gbuffer(&path, &[Attribute::Normal, Attribute::WorldNormal]).expect_err("no world normal");
+    let text = error.to_string();
+    assert!(text.contains("frame.exr") && text.contains("no channel `world_normal.X`, `world_normal.Y`"), "{text}");
+    assert!(text.contains("holds depth, normal.X") && text.contains("target.ao"), "{text}");
+}
+
+#[test]
+fn values_beyond_half_floats_are_refused() {
+    for value in [f32::NAN, 1e6] {
+        let planes = Planes::from_fn(1, 2, 2, |_, y, x| if (y, x) == (1, 0) { value } else { 0.0 });
+        let error = encode(Path::new("a.exr"), &[Layer::image("depth", &planes)], &Metadata::new());
+        let error = error.expect_err("not a half float");
+        assert!(matches!(error, ExrError::NotHalf { ref channel, .. } if channel == "depth"), "{error}");
+    }
+}
+
+#[test]
+fn a_pixel_that_is_not_finite_is_one_where_nothing_is_seen() {
+    let image = exr::prelude::Image::from_channels(
+        (2, 1),
+        exr::prelude::AnyChannels::sort(
+            vec![
+                exr::prelude::AnyChannel::new("Depth.Z", exr::prelude::FlatSamples::F32(vec![f32::INFINITY, 2.0])),
+                exr::prelude::AnyChannel::new("glossiness", exr::prelude::FlatSamples::U32(vec![1, 1])),
+            ]
+            .into(),
+        ),
+    );
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("other.exr");
+    exr::prelude::WritableImage::write(&image).to_file(&path).expect("written");
+    let gbuffer = read_gbuffer(&path, &[Attribute::Depth, Attribute::Glossiness]).expect("read");
+    assert_eq!(gbuffer.planes().data(), &[0.0, 2.0, 0.0, 1.0]);
+}
+
+#[test]
+fn a_file_cut_off_anywhere_is_an_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, ..) = written(folder.path());
+    let bytes = std::fs::read(&path).expect("read");
+    for length in (0..bytes.len()).step_by(97).chain([bytes.len() - 1]) {
+        std::fs::write(&path, &bytes[..length]).expect("cut");
+        let error = read(&path).expect_err("cut off");
+        assert!(error.to_string().contains("frame.exr"), "{error}");
+    }
+}
+
+/// Damage anywhere may give wrong pixels, since EXR has no checksum, but never a panic or a giant allocation.
+#[test]
+fn damaged_bytes_do_not_panic() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, ..) = written(folder.path());
+    let bytes = std::fs::read(&path).expect("read");
+    let mut refused = 0;
+    for position in (0..bytes.len()).step_by(3) {
+        let mut damaged = bytes.clone();
+        damaged[position] ^= 0xff;
+        std::fs::write(&path, damaged).expect("damaged");
+        refused += usize::from(read(&path).is_err());
+    }
+    assert!(refused > 100, "{refused} refused");
+}
+
+/// Files that once broke OpenEXR or the crate `exr`.
+#[test]
+fn malicious_files_do_not_panic() {
+    let data = std::env::var("DEEPSHADE_DATA")
+        .map_or_else(|_| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/open"), PathBuf::from);
+    let Ok(folder) = std::fs::read_dir(data.join("malformed/images")) else {
+        println!("no test data in {}: the malformed EXR files are not tried", data.display());
+        return;
+    };
+    let paths: Vec<PathBuf> = folder.map(|entry| entry.expect("an entry").path()).collect();
+    let files = paths.iter().filter(|path| path.extension().is_some_and(|ending| ending == "exr"));
+    let mut refused = 0;
+    for path in files.clone() {
+        match read(path) {
+            Ok(image) => println!("{}: read, {} x {}", path.display(), image.width(), image.height()),
+            Err(error) => {
+                println!("{error}");
+                refused += 1;
+            }
+        }
+    }
+    assert!(refused > 0 && refused <= files.count());
+    // Sound, tiled and mip-mapped.
+    let waves = read(&data.join("envmaps/WavyLinesLatLong.exr")).expect("a sound file");
+    assert!(waves.width() > 100 && waves.names().contains(&"R".to_owned()));
+}
+
+/// Prints how long each lossless compression takes and what it saves; the one in use must be no larger than ZIP.
+#[test]
+fn compression() {
+    let planes = Planes::from_fn(7, 256, 256, |c, y, x| {
+        let (x, y) = (x as f32 / 256.0, y as f32 / 256.0);
+        // Two surfaces, a smooth channel each, and one with a sampler's noise.
+        let noise = (x * 12_989.8 + y * 78_233.1).sin().fract().abs();
+        let surface = if x * x + y * y < 0.5 { 1.0 } else { 3.0 };
+        if c == 6 { (surface * 0.2 + noise * 0.1 * 256.0).round() / 256.0 } else { surface * (x + y * c as f32) }
+    });
+    let attributes = vec![Attribute::Position, Attribute::Normal, Attribute::Depth];
+    let gbuffer = GBuffer::new(attributes, planes);
+    let size = |compression: Compression| {
+        let start = std::time::Instant::now();
+        let layers = [Layer::gbuffer(&gbuffer)];
+        let bytes =
+            write::encode_with(Path::new("a.exr"), &layers, &Metadata::new(), compression).expect("encoded");
+        println!("{compression:?}: {} bytes in {:?}", bytes.len(), start.elapsed());
+        bytes.len()
+    };
+    let uncompressed = size(Compression::Uncompressed);
+    let [rle, zip1, zip16, piz] =
+        [Compression::RLE, Compression::ZIP1, Compression::ZIP16, Compression::PIZ].map(size);
+    assert!(piz <= zip16 && piz <= zip1 && piz <= rle && piz < uncompressed);
+}

@@ -1,0 +1,149 @@
+//! Writing.
+
+use super::{ExrError, Metadata, PROGRAM};
+use crate::atomic_file;
+use deepshade_shaders::{GBuffer, Planes};
+use exr::prelude::{
+    AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, Image, LayerAttributes, LineOrder,
+    Text, WritableImage, f16,
+};
+use std::io::Cursor;
+use std::path::Path;
+
+/// Lossless. Of the lossless kinds, PIZ gives the smallest files and is quicker to write than ZIP; `compression` in
+/// the tests prints the comparison.
+const COMPRESSION: Compression = Compression::PIZ;
+
+/// Some planes with the names of their channels.
+#[derive(Clone, Debug)]
+pub struct Layer<'a> {
+    names: Vec<String>,
+    planes: &'a Planes,
+}
+
+impl<'a> Layer<'a> {
+    /// All attributes of a g-buffer.
+    pub fn gbuffer(gbuffer: &'a GBuffer) -> Self {
+        let channels = gbuffer.attributes().iter().flat_map(|attribute| attribute.channels());
+        Self { names: channels.map(|channel| channel.to_string()).collect(), planes: gbuffer.planes() }
+    }
+
+    /// An image: one plane has the layer's name, three are red, green and blue.
+    ///
+    /// # Panics
+    /// If there is another number of planes.
+    pub fn image(name: &str, planes: &'a Planes) -> Self {
+        Self { names: image_names(name, planes.channels()), planes }
+    }
+}
+
+/// Channel names of an image of one or three planes.
+pub(super) fn image_names(name: &str, channels: usize) -> Vec<String> {
+    match channels {
+        1 => vec![name.to_owned()],
+        3 => ["R", "G", "B"].iter().map(|component| format!("{name}.{component}")).collect(),
+        other => unreachable!("an image has one or three channels, not {other}"),
+    }
+}
+
+/// Writes a file of some layers of one size, so that the name never stands for half a file.
+///
+/// # Errors
+/// If a value does not fit into a half float, or the file cannot be written.
+///
+/// # Panics
+/// If there is no layer or the layers differ in size.
+pub fn write(path: &Path, layers: &[Layer<'_>], metadata: &Metadata) -> Result<(), ExrError> {
+    let bytes = encode(path, layers, metadata)?;
+    atomic_file::write(path, &bytes).map_err(|source| ExrError::io(path, source))
+}
+
+/// The bytes of a file: the same for the same layers and metadata. `path` is only named in errors.
+///
+/// # Errors
+/// If a value does not fit into a half float.
+///
+/// # Panics
+/// If there is no layer or the layers differ in size.
+pub fn encode(path: &Path, layers: &[Layer<'_>], metadata: &Metadata) -> Result<Vec<u8>, ExrError> {
+    encode_with(path, layers, metadata, COMPRESSION)
+}
+
+/// [`encode`] with any compression.
+pub(super) fn encode_with(
+    path: &Path,
+    layers: &[Layer<'_>],
+    metadata: &Metadata,
+    compression: Compression,
+) -> Result<Vec<u8>, ExrError> {
+    let size = |layer: &Layer<'_>| (layer.planes.width(), layer.planes.height());
+    assert!(layers.iter().all(|layer| size(layer) == size(&layers[0])), "layers of one size");
+    let mut channels = Vec::new();
+    for layer in layers {
+        for (index, name) in layer.names.iter().enumerate() {
+            let halves = to_half(path, name, layer.planes.plane(index))?;
+            channels.push(AnyChannel::new(name.as_str(), FlatSamples::F16(halves)));
+        }
+    }
+    let encoding = Encoding {
+        compression,
+        blocks: exr::prelude::Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let channels = AnyChannels::sort(channels.into());
+    let layer = exr::prelude::Layer::new(size(&layers[0]), attributes(metadata), encoding, channels);
+    let mut bytes = Vec::new();
+    // One thread: images are written side by side, and each would start a pool of its own.
+    let written = Image::from_layer(layer).write().non_parallel().to_buffered(Cursor::new(&mut bytes));
+    written.map_err(|error| ExrError::from_exr(path, error))?;
+    sort_attributes(&mut bytes);
+    Ok(bytes)
+}
+
+fn to_half(path: &Path, channel: &str, plane: &[f32]) -> Result<Vec<f16>, ExrError> {
+    let halves: Vec<f16> = plane.iter().map(|value| f16::from_f32(*value)).collect();
+    match halves.iter().position(|half| !half.is_finite()) {
+        None => Ok(halves),
+        Some(at) => {
+            Err(ExrError::NotHalf { path: path.to_owned(), channel: channel.to_owned(), value: plane[at] })
+        }
+    }
+}
+
+fn attributes(metadata: &Metadata) -> LayerAttributes {
+    let text = |value: &str| {
+        // EXR text is one byte a character.
+        Text::new_or_none(value).unwrap_or_else(|| Text::new_or_panic(value.escape_unicode().to_string()))
+    };
+    LayerAttributes {
+        software_name: Some(text(PROGRAM)),
+        other: metadata.iter().map(|(name, value)| (text(name), AttributeValue::Text(text(value)))).collect(),
+        ..LayerAttributes::default()
+    }
+}
+
+/// Puts the attributes of a file's only header into the order of their names. The crate `exr` writes them in the
+/// random order of a hash map, and the same image must give the same bytes. No offset changes.
+fn sort_attributes(file: &mut [u8]) {
+    const MAGIC_AND_VERSION: usize = 8;
+    let mut attributes: Vec<Vec<u8>> = Vec::new();
+    let mut at = MAGIC_AND_VERSION;
+    while file[at] != 0 {
+        let length = attribute_length(&file[at..]);
+        attributes.push(file[at..at + length].to_vec());
+        at += length;
+    }
+    attributes.sort();
+    file[MAGIC_AND_VERSION..at].copy_from_slice(&attributes.concat());
+}
+
+/// Bytes of an attribute: name, zero, type, zero, size of the value, value.
+fn attribute_length(bytes: &[u8]) -> usize {
+    let text_end = |from: usize| {
+        let zero = bytes[from..].iter().position(|byte| *byte == 0);
+        from + zero.expect("a header that was just written has terminated names") + 1
+    };
+    let size_at = text_end(text_end(0));
+    let size: [u8; 4] = std::array::from_fn(|i| bytes[size_at + i]);
+    size_at + 4 + u32::from_le_bytes(size) as usize
+}

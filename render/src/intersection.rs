@@ -1,0 +1,183 @@
+//! What is known of the point where a ray met a surface.
+
+use crate::bvh::{Hit, TracedScene, corner_weights};
+use crate::scene::{Mesh, Surface};
+use glam::{Mat3, Vec2, Vec3, Vec4};
+
+/// How far above the surface rays start, in parts of the largest coordinate: well above f32's rounding of the hit
+/// point (6e-8), well below anything modelled.
+const RAY_OFFSET: f32 = 4e-6;
+
+/// A point of a surface, seen from one side; both normals face that side.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// World space, metres.
+    pub position: Vec3,
+    /// Unit normal of the triangle.
+    pub geometric_normal: Vec3,
+    /// Unit normal for shading: interpolated, then turned by the normal map.
+    pub normal: Vec3,
+    /// What the material says there.
+    pub surface: Surface,
+    /// Index of the mesh.
+    pub mesh: u32,
+}
+
+impl SurfacePoint {
+    /// The point of a hit, seen against `direction`.
+    pub fn new(scene: &TracedScene, hit: &Hit, direction: Vec3) -> Self {
+        let mesh = &scene.scene().meshes[hit.mesh as usize];
+        let corners = mesh.triangles[hit.triangle as usize];
+        let weights = corner_weights(hit.barycentric);
+        let [a, b, c] = mesh.corners(hit.triangle as usize);
+        let material = scene.scene().material(mesh.material);
+        let (uvs, colour) = (uvs(mesh, corners, weights), colour(mesh, corners, weights));
+        let geometric = (b - a).cross(c - a).normalize_or(-direction);
+        let smooth = interpolated_normal(mesh, corners, weights).unwrap_or(geometric);
+        let textures = &scene.scene().textures;
+        let mapped = material.normal_texture.zip(material.tangent_normal(textures, uvs)).map(
+            |((slot, _), tangent_normal)| {
+                tangent_frame(mesh, corners, weights, smooth, slot.uv_set) * tangent_normal
+            },
+        );
+        let geometric_normal = facing(geometric, -direction);
+        // The mesh's normal decides which side of its own the shading normal is on, the viewer which side is meant.
+        let side = if smooth.dot(geometric_normal) < 0.0 { -1.0 } else { 1.0 };
+        let normal = leaning_to(side * mapped.unwrap_or(smooth), -direction, geometric_normal);
+        Self {
+            position: a * weights[0] + b * weights[1] + c * weights[2],
+            geometric_normal,
+            normal,
+            surface: material.surface(textures, uvs, colour),
+            mesh: hit.mesh,
+        }
+    }
+
+    /// Where rays into the upper hemisphere start so that they do not meet their own surface.
+    pub fn ray_origin(&self) -> Vec3 {
+        let scale = self.position.abs().max_element().max(1e-3);
+        self.position + self.geometric_normal * (scale * RAY_OFFSET)
+    }
+}
+
+/// Both sets of texture coordinates at a point of a triangle; zero where the mesh has none.
+pub fn uvs(mesh: &Mesh, corners: [u32; 3], weights: [f32; 3]) -> [Vec2; 2] {
+    [0, 1].map(|set| interpolated(&mesh.uvs[set], corners, weights).unwrap_or(Vec2::ZERO))
+}
+
+/// The vertex colour at a point of a triangle; white where the mesh has none.
+pub fn colour(mesh: &Mesh, corners: [u32; 3], weights: [f32; 3]) -> Vec4 {
+    interpolated(&mesh.colours, corners, weights).unwrap_or(Vec4::ONE)
+}
+
+fn interpolated_normal(mesh: &Mesh, corners: [u32; 3], weights: [f32; 3]) -> Option<Vec3> {
+    interpolated(&mesh.normals, corners, weights).and_then(Vec3::try_normalize)
+}
+
+fn interpolated<T>(values: &[T], corners: [u32; 3], weights: [f32; 3]) -> Option<T>
+where
+    T: Copy + std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,
+{
+    if values.is_empty() {
+        return None;
+    }
+    let [a, b, c] = corners.map(|vertex| values[vertex as usize]);
+    Some(a * weights[0] + b * weights[1] + c * weights[2])
+}
+
+/// Columns: tangent, bitangent and normal. From the mesh's tangents, else from the triangle's texture coordinates.
+fn tangent_frame(mesh: &Mesh, corners: [u32; 3], weights: [f32; 3], normal: Vec3, uv_set: usize) -> Mat3 {
+    let (tangent, sign) = match interpolated(&mesh.tangents, corners, weights) {
+        Some(tangent) => (tangent.truncate(), tangent.w.signum()),
+        None => uv_tangent(mesh, corners, uv_set),
+    };
+    let tangent = (tangent - normal * normal.dot(tangent)).normalize_or(normal.any_orthonormal_vector());
+    Mat3::from_cols(tangent, normal.cross(tangent) * sign, normal)
+}
+
+/// Direction in which u grows on a triangle, and the sign of the bitangent, which points up in the image, to where v
+/// shrinks.
+fn uv_tangent(mesh: &Mesh, corners: [u32; 3], uv_set: usize) -> (Vec3, f32) {
+    let uvs = &mesh.uvs[uv_set];
+    if uvs.is_empty() {
+        return (Vec3::ZERO, 1.0);
+    }
+    let [p0, p1, p2] = corners.map(|vertex| mesh.positions[vertex as usize]);
+    let [t0, t1, t2] = corners.map(|vertex| uvs[vertex as usize]);
+    let (d1, d2) = (t1 - t0, t2 - t0);
+    let orientation = d1.perp_dot(d2).signum();
+    (((p1 - p0) * d2.y - (p2 - p0) * d1.y) * orientation, -orientation)
+}
+
+/// `normal` or its opposite, whichever faces `direction`.
+fn facing(normal: Vec3, direction: Vec3) -> Vec3 {
+    if normal.dot(direction) < 0.0 { -normal } else { normal }
+}
+
+/// A unit shading normal that does not look away from the viewer: bent towards the triangle's normal until it faces.
+fn leaning_to(normal: Vec3, to_viewer: Vec3, geometric: Vec3) -> Vec3 {
+    const LEAST_COSINE: f32 = 1e-3;
+    let cosine = normal.dot(to_viewer);
+    if cosine >= LEAST_COSINE {
+        return normal.normalize_or(geometric);
+    }
+    (normal + to_viewer * (LEAST_COSINE - cosine)).normalize_or(geometric)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Encoding, Material, Scene, Texture, TextureId, TextureSlot, Wrap};
+    use glam::Affine2;
+
+    /// A square in the plane z = 0 that faces +z, with u along x, v down along -y, and a normal map of one colour.
+    fn mapped_square(texel: [u8; 4]) -> TracedScene {
+        let mesh = Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y],
+            uvs: [vec![Vec2::Y, Vec2::ONE, Vec2::X, Vec2::ZERO], vec![]],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        };
+        let slot = TextureSlot { texture: TextureId(0), uv_set: 0, transform: Affine2::IDENTITY };
+        let texture = Texture::new(1, 1, vec![texel], Encoding::Linear, [Wrap::Repeat; 2]);
+        let material = Material { normal_texture: Some((slot, 1.0)), ..Material::default() };
+        TracedScene::new(Scene {
+            meshes: vec![mesh],
+            materials: vec![material],
+            textures: vec![texture],
+            ..Scene::default()
+        })
+        .expect("a square")
+    }
+
+    fn seen_from(scene: &TracedScene, z: f32) -> SurfacePoint {
+        let origin = Vec3::new(0.4, 0.7, z);
+        let direction = Vec3::new(0.0, 0.0, -z.signum());
+        let hit = scene.hit(origin, direction, f32::INFINITY).expect("the square");
+        SurfacePoint::new(scene, &hit, direction)
+    }
+
+    #[test]
+    fn red_tilts_to_the_right_and_green_up() {
+        let red = seen_from(&mapped_square([218, 128, 218, 255]), 1.0).normal;
+        assert!((red - Vec3::new(0.707, 0.0, 0.707)).length() < 0.01, "{red}");
+        let green = seen_from(&mapped_square([128, 218, 218, 255]), 1.0).normal;
+        assert!((green - Vec3::new(0.0, 0.707, 0.707)).length() < 0.01, "{green}");
+    }
+
+    #[test]
+    fn normals_face_the_viewer_on_both_sides() {
+        let scene = mapped_square([218, 128, 218, 255]);
+        let (front, back) = (seen_from(&scene, 1.0), seen_from(&scene, -1.0));
+        assert_eq!(front.geometric_normal, Vec3::Z);
+        assert_eq!(back.geometric_normal, Vec3::NEG_Z);
+        assert!((back.normal + front.normal).length() < 1e-6);
+        assert!(back.ray_origin().z < 0.0);
+    }
+
+    #[test]
+    fn a_normal_that_looks_away_is_bent_to_the_viewer() {
+        let normal = leaning_to(Vec3::new(1.0, 0.0, -0.1).normalize(), Vec3::Z, Vec3::Z);
+        assert!(normal.z > 0.0 && (normal.length() - 1.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,14 @@
+//! What light does: scenes, cameras, g-buffers, path-traced truth, analytic methods, and the metrics that compare them.
+//!
+//! Data flows one way: scene, frame, method, image, comparison.
+
+pub mod atomic_file;
+pub mod bvh;
+pub mod exr_file;
+pub mod gbuffer;
+pub mod intersection;
+pub mod method;
+pub mod methods;
+pub mod metrics;
+pub mod path;
+pub mod scene;

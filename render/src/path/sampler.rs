@@ -1,0 +1,96 @@
+//! Counter-based random numbers: a value is a function of pixel, sample, dimension and seed, so that images do not
+//! depend on threads or order. Within a pixel, samples are an Owen-scrambled Sobol sequence (Burley 2020).
+
+use glam::{Mat3, Vec3};
+
+/// The most samples of a pixel; the length of the Sobol sequence.
+pub const MAX_SAMPLES: u32 = 1 << 16;
+
+/// A well mixed 32-bit hash (Wellons' lowbias32).
+pub const fn hash(mut value: u32) -> u32 {
+    value ^= value >> 16;
+    value = value.wrapping_mul(0x7feb_352d);
+    value ^= value >> 15;
+    value = value.wrapping_mul(0x846c_a68b);
+    value ^ (value >> 16)
+}
+
+/// The samples of one pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct PixelSampler {
+    seed: u32,
+}
+
+impl PixelSampler {
+    /// The sequence of pixel (`x`, `y`); sequences of different pixels and seeds are independent scramblings.
+    pub const fn new(x: usize, y: usize, seed: u32) -> Self {
+        Self { seed: hash(x as u32 ^ hash(y as u32 ^ hash(seed))) }
+    }
+
+    /// Dimensions `4 * set` to `4 * set + 3` of a sample, each in [0, 1).
+    pub fn sample_4d(&self, sample: u32, set: u32) -> [f32; 4] {
+        sobol_burley::sample_4d(sample, set, self.seed)
+    }
+}
+
+/// A direction of the upper hemisphere (z up) with density cosine / pi, by Malley's method over a concentric disk
+/// (Shirley and Chiu 1997).
+pub fn cosine_hemisphere(u: f32, v: f32) -> Vec3 {
+    let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+    if a == 0.0 && b == 0.0 {
+        return Vec3::Z;
+    }
+    let quarter = std::f32::consts::FRAC_PI_4;
+    let (radius, angle) =
+        if a.abs() > b.abs() { (a, quarter * (b / a)) } else { (b, 2.0 * quarter - quarter * (a / b)) };
+    let (sin, cos) = angle.sin_cos();
+    Vec3::new(radius * cos, radius * sin, (1.0 - radius * radius).max(0.0).sqrt())
+}
+
+/// Columns: two tangents and the unit `normal` (Duff et al. 2017).
+pub fn frame(normal: Vec3) -> Mat3 {
+    let (x, y) = normal.any_orthonormal_pair();
+    Mat3::from_cols(x, y, normal)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cosine_hemisphere_has_the_moments_of_its_density() {
+        let count = 4096;
+        let sampler = PixelSampler::new(3, 5, 7);
+        let directions = (0..count).map(|i| {
+            let [u, v, ..] = sampler.sample_4d(i, 0);
+            cosine_hemisphere(u, v)
+        });
+        let (mut z, mut zz, mut x, mut xx) = (0.0, 0.0, 0.0, 0.0);
+        for d in directions {
+            assert!((d.length() - 1.0).abs() < 1e-4 && d.z >= 0.0);
+            (z, zz, x, xx) = (z + d.z, zz + d.z * d.z, x + d.x, xx + d.x * d.x);
+        }
+        let n = count as f32;
+        // E z = 2/3, E z^2 = 1/2, E x = 0, E x^2 = 1/4.
+        for (mean, expected) in [(z / n, 2.0 / 3.0), (zz / n, 0.5), (x / n, 0.0), (xx / n, 0.25)] {
+            assert!((mean - expected).abs() < 2e-3, "{mean} is not {expected}");
+        }
+    }
+
+    #[test]
+    fn pixels_and_seeds_have_sequences_of_their_own() {
+        let first = |x, y, seed| PixelSampler::new(x, y, seed).sample_4d(0, 0);
+        assert_ne!(first(1, 2, 0), first(2, 1, 0));
+        assert_ne!(first(1, 2, 0), first(1, 2, 1));
+        assert_eq!(first(1, 2, 0), first(1, 2, 0));
+    }
+
+    #[test]
+    fn a_frame_is_a_rotation_to_the_normal() {
+        for normal in [Vec3::Z, Vec3::NEG_Z, Vec3::new(0.36, -0.48, 0.8)] {
+            let frame = frame(normal);
+            assert!((frame * Vec3::Z - normal).length() < 1e-6);
+            assert!((frame.determinant() - 1.0).abs() < 1e-5);
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! Reading what a scene file refers to: bytes with a size limit, and images.
+
+use super::SceneError;
+use std::{fs, io::Cursor, path::Path};
+
+/// Largest file that is read, bytes.
+const LARGEST_FILE: u64 = 4 << 30;
+
+/// Largest edge of an image, texels.
+const LARGEST_EDGE: u32 = 16_384;
+
+/// An image as four bytes a texel, row by row from the top left.
+#[derive(Clone, Debug)]
+pub(super) struct Image {
+    pub width: usize,
+    pub height: usize,
+    pub texels: Vec<[u8; 4]>,
+}
+
+/// The bytes of a plain file. Devices and pipes, which may never end, are refused.
+pub(super) fn read(path: &Path) -> Result<Vec<u8>, SceneError> {
+    let io = |source| SceneError::Io { path: path.to_owned(), source };
+    let metadata = fs::metadata(path).map_err(io)?;
+    if !metadata.is_file() {
+        return Err(SceneError::invalid(path, "is not a plain file"));
+    }
+    if metadata.len() > LARGEST_FILE {
+        return Err(SceneError::invalid(path, format!("has {} bytes, more than are read", metadata.len())));
+    }
+    fs::read(path).map_err(io)
+}
+
+/// Decodes a PNG or JPEG image; the error says what is wrong with it.
+pub(super) fn decode(bytes: &[u8]) -> Result<Image, String> {
+    let format = match image::guess_format(bytes) {
+        Ok(format @ (image::ImageFormat::Png | image::ImageFormat::Jpeg)) => format,
+        _ => return Err("is neither a PNG nor a JPEG image".to_owned()),
+    };
+    let mut limits = image::Limits::default();
+    limits.max_image_width = Some(LARGEST_EDGE);
+    limits.max_image_height = Some(LARGEST_EDGE);
+    let mut reader = image::ImageReader::with_format(Cursor::new(bytes), format);
+    reader.limits(limits);
+    let image = reader.decode().map_err(|error| format!("is a damaged image: {error}"))?.into_rgba8();
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    let texels = image.into_raw().as_chunks::<4>().0.to_vec();
+    if texels.is_empty() {
+        return Err("is an image without a texel".to_owned());
+    }
+    Ok(Image { width, height, texels })
+}

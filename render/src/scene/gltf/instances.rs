@@ -1,0 +1,87 @@
+//! Which primitives a scene shows, and where: once a node, or many times with EXT_mesh_gpu_instancing.
+
+use super::{
+    super::SceneError,
+    document::File,
+    node::{Hierarchy, label},
+};
+use glam::{Mat4, Quat};
+use gltf::{Node, Primitive, Semantic, mesh::Mode};
+
+/// Most vertices, and most triangles, of a scene.
+const MOST: usize = 1 << 26;
+
+/// A primitive where a node shows it.
+#[derive(Clone, Debug)]
+pub(super) struct Instance<'a> {
+    pub node: Node<'a>,
+    /// What errors and the scene call the primitive.
+    pub name: String,
+    /// Index of the mesh, and of the primitive in it.
+    pub key: (usize, usize),
+    pub primitive: Primitive<'a>,
+    pub world: Mat4,
+}
+
+/// All primitives made of triangles that the scene shows. Points and lines have no surface and are left out.
+pub(super) fn instances<'a>(file: &'a File<'_>, hierarchy: &Hierarchy) -> Result<Vec<Instance<'a>>, SceneError> {
+    let mut instances = Vec::new();
+    let (mut vertices, mut corners) = (0usize, 0usize);
+    for (node, world) in hierarchy.nodes(file) {
+        let Some(mesh) = node.mesh() else { continue };
+        let name = mesh.name().or(node.name()).map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
+        let worlds = worlds(file, &node, world)?;
+        for primitive in mesh.primitives().filter(|primitive| is_surface(primitive.mode())) {
+            let positions = primitive.get(&Semantic::Positions).map_or(0, |accessor| accessor.count());
+            let indices = primitive.indices().map_or(positions, |accessor| accessor.count());
+            vertices = vertices.saturating_add(positions.saturating_mul(worlds.len()));
+            corners = corners.saturating_add(indices.saturating_mul(worlds.len()));
+            if vertices > MOST || corners > 3 * MOST {
+                return Err(file.invalid(format!("mesh `{name}` brings the scene above {MOST} vertices or triangles")));
+            }
+            let name = match mesh.primitives().len() {
+                1 => name.clone(),
+                _ => format!("{name}/{}", primitive.index()),
+            };
+            let key = (mesh.index(), primitive.index());
+            let instance = Instance { node: node.clone(), name, key, primitive, world };
+            instances.extend(worlds.iter().map(|world| Instance { world: *world, ..instance.clone() }));
+        }
+    }
+    Ok(instances)
+}
+
+fn is_surface(mode: Mode) -> bool {
+    matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
+}
+
+/// The places of a node's mesh: the node's own, or one for each of its instances.
+fn worlds(file: &File<'_>, node: &Node<'_>, world: Mat4) -> Result<Vec<Mat4>, SceneError> {
+    let Some(extension) = node.extension_value("EXT_mesh_gpu_instancing") else { return Ok(vec![world]) };
+    let user = format!("instances of {}", label(node));
+    let accessor = |name: &str| {
+        let index = extension.get("attributes")?.get(name)?.as_u64()?;
+        Some((index, file.document.accessors().nth(usize::try_from(index).ok()?)))
+    };
+    let known = |name: &str| match accessor(name) {
+        None => Ok(None),
+        Some((_, Some(accessor))) => Ok(Some(accessor)),
+        Some((index, None)) => Err(file.invalid(format!("{user}: there is no accessor {index}"))),
+    };
+    let (translations, rotations, scales) = (known("TRANSLATION")?, known("ROTATION")?, known("SCALE")?);
+    let counts: Vec<_> = [&translations, &rotations, &scales].into_iter().flatten().map(|a| a.count()).collect();
+    let count = counts.first().copied().unwrap_or(0);
+    if count == 0 || counts.iter().any(|other| *other != count) {
+        return Err(file.invalid(format!("{user}: translations, rotations and scales number {counts:?}")));
+    }
+    let translations = translations.map(|a| file.floats::<3>(&a, &user)).transpose()?;
+    let rotations = rotations.map(|a| file.floats::<4>(&a, &user)).transpose()?;
+    let scales = scales.map(|a| file.floats::<3>(&a, &user)).transpose()?;
+    let instance = |index: usize| {
+        let translation = translations.as_ref().map_or([0.0; 3], |values| values[index]);
+        let rotation = rotations.as_ref().map_or(Quat::IDENTITY, |values| Quat::from_array(values[index]).normalize());
+        let scale = scales.as_ref().map_or([1.0; 3], |values| values[index]);
+        world * Mat4::from_scale_rotation_translation(scale.into(), rotation, translation.into())
+    };
+    Ok((0..count).map(instance).collect())
+}

@@ -1,0 +1,77 @@
+//! Lights and cameras of the nodes that a scene shows.
+//!
+//! glTF states light in photometric units: candela for points and spots, lux for directional lights, and candela per
+//! square metre for emission (KHR_lights_punctual, KHR_materials_emissive_strength). All three are taken as watts one to
+//! one. Dividing by 683 lm/W would scale every light of a scene alike, but files in circulation write values near 1
+//! for both lights and emission, so one to one keeps the ratio of lights to emission that a file states, and gives
+//! radiances near 1.
+
+use super::{
+    super::{Camera, Light, SceneError},
+    document::File,
+    node::{Hierarchy, label},
+};
+use glam::{Mat3, Mat4, Vec3};
+use gltf::khr_lights_punctual::{Kind, Light as FileLight};
+use std::f32::consts::PI;
+
+/// The lights that the scene shows.
+pub(super) fn lights(file: &File<'_>, hierarchy: &Hierarchy) -> Result<Vec<Light>, SceneError> {
+    let lights = hierarchy.nodes(file).filter_map(|(node, world)| Some((node.light()?, label(&node), world)));
+    lights
+        .map(|(light, node, world)| {
+            read_light(&light, world).map_err(|what| file.invalid(format!("the light of {node}: {what}")))
+        })
+        .collect()
+}
+
+fn read_light(light: &FileLight<'_>, world: Mat4) -> Result<Light, String> {
+    let power = Vec3::from(light.color()) * light.intensity();
+    let position = world.w_axis.truncate();
+    let direction = (-world.z_axis.truncate()).try_normalize();
+    if !power.is_finite() || !position.is_finite() {
+        return Err("its power or place is not finite".to_owned());
+    }
+    let direction = || direction.ok_or_else(|| "it has no direction".to_owned());
+    match light.kind() {
+        Kind::Point => Ok(Light::Point { position, intensity: power }),
+        Kind::Directional => Ok(Light::Directional { direction: direction()?, irradiance: power }),
+        Kind::Spot { inner_cone_angle: inner, outer_cone_angle: outer } => {
+            if !(0.0..outer).contains(&inner) || outer > 0.5 * PI + 1e-4 {
+                return Err(format!("cone angles {inner} and {outer} are not 0 <= inner < outer <= pi/2"));
+            }
+            let (cos_inner, cos_outer) = (inner.cos(), outer.cos());
+            Ok(Light::Spot { position, direction: direction()?, intensity: power, cos_inner, cos_outer })
+        }
+    }
+}
+
+/// The perspective cameras that the scene shows, with their names; orthographic ones are no pinhole cameras and are
+/// left out. Aspect ratios are left to the image.
+pub(super) fn cameras(file: &File<'_>, hierarchy: &Hierarchy) -> Result<Vec<(String, Camera)>, SceneError> {
+    let mut cameras = Vec::new();
+    for (node, world) in hierarchy.nodes(file) {
+        let Some(index) = node.camera().map(|camera| camera.index()) else { continue };
+        let camera = &file.document.as_json().cameras[index];
+        let Some(perspective) = &camera.perspective else { continue };
+        let error = |what: &str| file.invalid(format!("the camera of {} {what}", label(&node)));
+        if !(perspective.yfov > 0.0 && perspective.yfov < PI) {
+            return Err(error("has no field of view between 0 and pi"));
+        }
+        let rotation = rotation(world).ok_or_else(|| error("has no direction"))?;
+        let name = node.name().map(str::to_owned).or(camera.name.clone());
+        cameras.push((
+            name.unwrap_or_else(|| format!("camera {index}")),
+            Camera { position: world.w_axis.truncate(), rotation, vertical_fov: perspective.yfov },
+        ));
+    }
+    Ok(cameras)
+}
+
+/// The rotation of a transform: its z and y axes made orthonormal, x to the right of them. Scale has no part in it.
+fn rotation(world: Mat4) -> Option<Mat3> {
+    let finite = world.is_finite();
+    let backward = world.z_axis.truncate().try_normalize().filter(|_| finite)?;
+    let right = world.y_axis.truncate().cross(backward).try_normalize()?;
+    Some(Mat3::from_cols(right, backward.cross(right), backward))
+}

@@ -1,0 +1,35 @@
+//! Lights without an extent. Emissive surfaces are materials.
+
+use glam::Vec3;
+
+/// A light without an extent, in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Light {
+    /// Shines alike in all directions.
+    Point {
+        /// Where it is.
+        position: Vec3,
+        /// Radiant intensity, W/sr, RGB.
+        intensity: Vec3,
+    },
+    /// Shines into a cone.
+    Spot {
+        /// Where it is.
+        position: Vec3,
+        /// Unit axis of the cone, away from the light.
+        direction: Vec3,
+        /// Radiant intensity on the axis, W/sr, RGB.
+        intensity: Vec3,
+        /// Cosine of the half angle inside which the light is full.
+        cos_inner: f32,
+        /// Cosine of the half angle outside which there is none.
+        cos_outer: f32,
+    },
+    /// Infinitely far away.
+    Directional {
+        /// Unit direction in which the light travels.
+        direction: Vec3,
+        /// Irradiance on a surface that faces it, W/m^2, RGB.
+        irradiance: Vec3,
+    },
+}

@@ -1,0 +1,134 @@
+//! Materials: glTF's metallic-roughness model, and what it says of a point of a surface.
+
+use super::{Texture, TextureId};
+use glam::{Affine2, Vec2, Vec3, Vec4};
+
+/// How alpha is used.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum AlphaMode {
+    /// Not at all.
+    #[default]
+    Opaque,
+    /// Present where alpha reaches the cutoff, absent elsewhere.
+    Mask(f32),
+    /// Present with probability alpha.
+    Blend,
+}
+
+/// Where a material reads a value from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureSlot {
+    /// Which texture.
+    pub texture: TextureId,
+    /// Which of the mesh's two sets of coordinates.
+    pub uv_set: usize,
+    /// Applied to the coordinates first (KHR_texture_transform).
+    pub transform: Affine2,
+}
+
+/// glTF's metallic-roughness material. Colours are linear; a texture multiplies its factor.
+#[derive(Clone, Debug)]
+pub struct Material {
+    /// What the file calls it.
+    pub name: String,
+    /// Base colour and alpha.
+    pub base_colour: Vec4,
+    /// Multiplies the base colour.
+    pub base_colour_texture: Option<TextureSlot>,
+    /// 0 dielectric, 1 metal.
+    pub metallic: f32,
+    /// Perceptual roughness; 1 is rough.
+    pub roughness: f32,
+    /// Roughness in green, metallic in blue.
+    pub metallic_roughness_texture: Option<TextureSlot>,
+    /// Tangent-space normals, with the scale of their x and y.
+    pub normal_texture: Option<(TextureSlot, f32)>,
+    /// Emitted radiance.
+    pub emission: Vec3,
+    /// Multiplies the emission.
+    pub emission_texture: Option<TextureSlot>,
+    /// How alpha is used.
+    pub alpha: AlphaMode,
+    /// Whether both sides are seen. Truth blocks light on both sides either way.
+    pub double_sided: bool,
+}
+
+impl Default for Material {
+    /// A white, rough dielectric.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_colour: Vec4::ONE,
+            base_colour_texture: None,
+            metallic: 0.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            emission: Vec3::ZERO,
+            emission_texture: None,
+            alpha: AlphaMode::Opaque,
+            double_sided: true,
+        }
+    }
+}
+
+/// What a material says of one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// `Rdiff`, the diffuse albedo.
+    pub diffuse: Vec3,
+    /// `Rspec`, specular colour at normal incidence: 4 % for a dielectric, the base colour for a metal.
+    pub specular: Vec3,
+    /// Perceptual roughness.
+    pub roughness: f32,
+    /// Emitted radiance.
+    pub emission: Vec3,
+}
+
+/// Specular reflectance of a dielectric with refractive index 1.5 at normal incidence (glTF 2.0, appendix B).
+const DIELECTRIC_SPECULAR: f32 = 0.04;
+
+impl Material {
+    /// A rough dielectric of one colour.
+    pub fn matte(name: &str, colour: Vec3) -> Self {
+        Self { name: name.to_owned(), base_colour: colour.extend(1.0), ..Self::default() }
+    }
+
+    /// The surface at a point with two sets of texture coordinates and an interpolated vertex colour.
+    pub fn surface(&self, textures: &[Texture], uvs: [Vec2; 2], colour: Vec4) -> Surface {
+        let base = self.base_colour * colour * read(self.base_colour_texture, textures, uvs);
+        let metallic_roughness = read(self.metallic_roughness_texture, textures, uvs);
+        let metallic = (self.metallic * metallic_roughness.z).clamp(0.0, 1.0);
+        let base = base.truncate().clamp(Vec3::ZERO, Vec3::ONE);
+        Surface {
+            diffuse: base * (1.0 - metallic),
+            specular: Vec3::splat(DIELECTRIC_SPECULAR).lerp(base, metallic),
+            roughness: (self.roughness * metallic_roughness.y).clamp(0.0, 1.0),
+            emission: self.emission * read(self.emission_texture, textures, uvs).truncate(),
+        }
+    }
+
+    /// The share of light that is stopped at a point: 1, 0 or, for blended materials, alpha.
+    pub fn opacity(&self, textures: &[Texture], uvs: [Vec2; 2], colour: Vec4) -> f32 {
+        let alpha = || (self.base_colour * colour * read(self.base_colour_texture, textures, uvs)).w;
+        match self.alpha {
+            AlphaMode::Opaque => 1.0,
+            AlphaMode::Mask(cutoff) => f32::from(alpha() >= cutoff),
+            AlphaMode::Blend => alpha().clamp(0.0, 1.0),
+        }
+    }
+
+    /// The tangent-space normal at a point, unit length; `None` without a normal map.
+    pub fn tangent_normal(&self, textures: &[Texture], uvs: [Vec2; 2]) -> Option<Vec3> {
+        let (slot, scale) = self.normal_texture?;
+        let value = read(Some(slot), textures, uvs).truncate() * 2.0 - Vec3::ONE;
+        (value * Vec3::new(scale, scale, 1.0)).try_normalize()
+    }
+}
+
+/// The value of a slot, white where there is none.
+fn read(slot: Option<TextureSlot>, textures: &[Texture], uvs: [Vec2; 2]) -> Vec4 {
+    slot.map_or(Vec4::ONE, |slot| {
+        textures[slot.texture.0 as usize].sample(slot.transform.transform_point2(uvs[slot.uv_set]))
+    })
+}

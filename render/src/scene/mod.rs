@@ -1,0 +1,140 @@
+//! Scenes: triangles in world space with materials, textures, lights and cameras, from files or from seeds.
+
+pub mod camera;
+mod file;
+mod finish;
+pub mod gltf;
+pub mod light;
+pub mod material;
+pub mod mesh;
+pub mod obj;
+pub mod procedural;
+pub mod summary;
+pub mod texture;
+
+pub use camera::Camera;
+pub use light::Light;
+pub use material::{AlphaMode, Material, Surface, TextureSlot};
+pub use mesh::{Bounds, Mesh};
+pub use summary::SceneSummary;
+pub use texture::{Encoding, Texture, Wrap};
+
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Index into [`Scene::materials`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct MaterialId(pub u32);
+
+/// Index into [`Scene::textures`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TextureId(pub u32);
+
+/// Everything light can meet, at one moment of time, flattened to world space.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// What the scene is called in tables and file names.
+    pub name: String,
+    /// Triangle meshes in world space; an object placed twice is two meshes.
+    pub meshes: Vec<Mesh>,
+    /// Materials; never empty where there is a mesh.
+    pub materials: Vec<Material>,
+    /// Textures of the materials.
+    pub textures: Vec<Texture>,
+    /// Lights other than emissive triangles.
+    pub lights: Vec<Light>,
+    /// Cameras that the file brings, with their names.
+    pub cameras: Vec<(String, Camera)>,
+}
+
+/// Why a scene could not be had; each names the file and the thing in it.
+#[derive(Debug, Error)]
+pub enum SceneError {
+    /// The file, or one that it refers to, could not be read.
+    #[error("{path}: {source}")]
+    Io {
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The file is damaged or uses what is not supported.
+    #[error("{path}: {what}")]
+    Invalid {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong, with the mesh, material, texture or accessor named.
+        what: String,
+    },
+    /// The scene has no triangle with an area.
+    #[error("scene `{name}` has no triangle with an area")]
+    Empty {
+        /// Which scene.
+        name: String,
+    },
+    /// The ending says neither glTF nor OBJ.
+    #[error("{path}: not a scene file that is known here (.gltf, .glb, .obj)")]
+    UnknownFormat {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// No procedural family of that name.
+    #[error("no procedural family `{name}`; there are {known}")]
+    UnknownFamily {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+}
+
+impl SceneError {
+    /// [`SceneError::Invalid`] of a file.
+    pub fn invalid(path: &Path, what: impl Into<String>) -> Self {
+        Self::Invalid { path: path.to_owned(), what: what.into() }
+    }
+}
+
+impl Scene {
+    /// Reads a glTF 2.0 (.gltf, .glb) or Wavefront (.obj) file, with animations, skins and morph targets at `time`
+    /// seconds.
+    ///
+    /// # Errors
+    /// If a file is missing, damaged or unsupported, or holds no triangle with an area.
+    pub fn load(path: &Path, time: f32) -> Result<Self, SceneError> {
+        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        let mut scene = match ending.as_str() {
+            "gltf" | "glb" => gltf::load(path, time)?,
+            "obj" => obj::load(path)?,
+            _ => return Err(SceneError::UnknownFormat { path: path.to_owned() }),
+        };
+        scene.drop_degenerate_triangles();
+        if scene.triangle_count() == 0 {
+            return Err(SceneError::Empty { name: scene.name });
+        }
+        Ok(scene)
+    }
+
+    /// Number of triangles.
+    pub fn triangle_count(&self) -> usize {
+        self.meshes.iter().map(|mesh| mesh.triangles.len()).sum()
+    }
+
+    /// The box around all vertices that a triangle uses.
+    pub fn bounds(&self) -> Bounds {
+        self.meshes.iter().fold(Bounds::EMPTY, |bounds, mesh| bounds.union(mesh.bounds()))
+    }
+
+    /// A material by its index.
+    pub fn material(&self, id: MaterialId) -> &Material {
+        &self.materials[id.0 as usize]
+    }
+
+    /// Takes out triangles without an area, which have no normal, and meshes that lose all of theirs.
+    fn drop_degenerate_triangles(&mut self) {
+        for mesh in &mut self.meshes {
+            mesh.drop_degenerate_triangles();
+        }
+        self.meshes.retain(|mesh| !mesh.triangles.is_empty());
+    }
+}

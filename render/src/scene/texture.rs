@@ -1,0 +1,123 @@
+//! Textures: 8-bit texels, sampled bilinearly as linear values.
+
+use glam::{Vec2, Vec4};
+
+/// What the stored bytes mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// Red, green and blue in sRGB, alpha linear.
+    Srgb,
+    /// All four linear.
+    Linear,
+}
+
+/// What happens outside [0, 1].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wrap {
+    /// Starts again.
+    Repeat,
+    /// Starts again mirrored.
+    Mirror,
+    /// Stays at the edge.
+    Clamp,
+}
+
+/// An image that materials read, origin top left, `[height][width]` texels of four bytes.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    width: usize,
+    height: usize,
+    texels: Vec<[u8; 4]>,
+    encoding: Encoding,
+    wrap: [Wrap; 2],
+}
+
+impl Texture {
+    /// A texture around `texels`, row by row from the top left.
+    ///
+    /// # Panics
+    /// If it has no texel or not `width * height` of them.
+    pub fn new(width: usize, height: usize, texels: Vec<[u8; 4]>, encoding: Encoding, wrap: [Wrap; 2]) -> Self {
+        assert!(!texels.is_empty() && texels.len() == width * height, "{width} x {height} texels");
+        Self { width, height, texels, encoding, wrap }
+    }
+
+    /// The linear value at `uv`, bilinear between texel middles.
+    pub fn sample(&self, uv: Vec2) -> Vec4 {
+        let x = uv.x * self.width as f32 - 0.5;
+        let y = uv.y * self.height as f32 - 0.5;
+        let (x0, y0) = (x.floor(), y.floor());
+        let (fx, fy) = (x - x0, y - y0);
+        let top = self.texel(x0, y0).lerp(self.texel(x0 + 1.0, y0), fx);
+        let bottom = self.texel(x0, y0 + 1.0).lerp(self.texel(x0 + 1.0, y0 + 1.0), fx);
+        top.lerp(bottom, fy)
+    }
+
+    /// The linear value of the texel at whole-numbered `x` and `y`, wrapped.
+    fn texel(&self, x: f32, y: f32) -> Vec4 {
+        let column = wrapped(x, self.width, self.wrap[0]);
+        let row = wrapped(y, self.height, self.wrap[1]);
+        let [r, g, b, a] = self.texels[row * self.width + column];
+        let [r, g, b] = match self.encoding {
+            Encoding::Srgb => [r, g, b].map(|byte| SRGB_TO_LINEAR[byte as usize]),
+            Encoding::Linear => [r, g, b].map(|byte| f32::from(byte) / 255.0),
+        };
+        Vec4::new(r, g, b, f32::from(a) / 255.0)
+    }
+}
+
+/// The texel index that a whole-numbered coordinate stands for. Coordinates that are not finite give 0.
+fn wrapped(coordinate: f32, size: usize, wrap: Wrap) -> usize {
+    let size = size as i64;
+    let at = coordinate as i64;
+    let index = match wrap {
+        Wrap::Repeat => at.rem_euclid(size),
+        Wrap::Clamp => at.clamp(0, size - 1),
+        Wrap::Mirror => {
+            let folded = at.rem_euclid(2 * size);
+            if folded < size { folded } else { 2 * size - 1 - folded }
+        }
+    };
+    index as usize
+}
+
+/// Linear values of the 256 sRGB bytes (IEC 61966-2-1).
+static SRGB_TO_LINEAR: std::sync::LazyLock<[f32; 256]> = std::sync::LazyLock::new(|| {
+    std::array::from_fn(|byte| {
+        let value = byte as f32 / 255.0;
+        if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+    })
+});
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ramp(wrap: Wrap) -> Texture {
+        let texels = (0..4).map(|x| [x * 10, 0, 0, 255]).collect();
+        Texture::new(4, 1, texels, Encoding::Linear, [wrap; 2])
+    }
+
+    #[test]
+    fn texel_middles_are_exact_and_halfway_is_the_mean() {
+        let texture = ramp(Wrap::Clamp);
+        assert!((texture.sample(Vec2::new(0.375, 0.5)).x * 255.0 - 10.0).abs() < 1e-3);
+        assert!((texture.sample(Vec2::new(0.5, 0.5)).x * 255.0 - 15.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn wrapping_outside() {
+        let at = |wrap, u| (ramp(wrap).sample(Vec2::new(u, 0.5)).x * 255.0).round();
+        assert_eq!(at(Wrap::Repeat, 1.125), 0.0);
+        assert_eq!(at(Wrap::Clamp, 1.125), 30.0);
+        assert_eq!(at(Wrap::Mirror, 1.125), 30.0);
+        assert_eq!(at(Wrap::Mirror, -0.375), 10.0);
+    }
+
+    #[test]
+    fn srgb_is_decoded() {
+        let texture = Texture::new(1, 1, vec![[188, 0, 0, 128]], Encoding::Srgb, [Wrap::Repeat; 2]);
+        let value = texture.sample(Vec2::ZERO);
+        assert!((value.x - 0.5029).abs() < 1e-3 && (value.w - 128.0 / 255.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,107 @@
+//! A g-buffer: some attributes of every pixel of a view.
+
+use crate::{Attribute, Planes};
+use thiserror::Error;
+
+/// Attributes of every pixel of a view; which ones, the renderer or the file decides.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GBuffer {
+    attributes: Vec<Attribute>,
+    planes: Planes,
+}
+
+/// A g-buffer lacks what somebody needs from it.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("the g-buffer has no `{wanted}`; it holds {held}")]
+pub struct MissingAttribute {
+    /// Name of what is missing.
+    pub wanted: String,
+    /// Names of what is there.
+    pub held: String,
+}
+
+impl GBuffer {
+    /// A g-buffer whose planes are the attributes' channels one after the other, `[sum of widths, height, width]`.
+    ///
+    /// # Panics
+    /// If the number of planes is not the sum of the attributes' widths.
+    pub fn new(attributes: Vec<Attribute>, planes: Planes) -> Self {
+        let width: usize = attributes.iter().map(|a| a.width()).sum();
+        assert_eq!(planes.channels(), width, "one plane a channel");
+        Self { attributes, planes }
+    }
+
+    /// The attributes held, in the order of their planes.
+    pub fn attributes(&self) -> &[Attribute] {
+        &self.attributes
+    }
+
+    /// All planes, `[channels, height, width]`.
+    pub const fn planes(&self) -> &Planes {
+        &self.planes
+    }
+
+    /// All planes, to be changed in place.
+    pub const fn planes_mut(&mut self) -> &mut Planes {
+        &mut self.planes
+    }
+
+    /// Rows.
+    pub const fn height(&self) -> usize {
+        self.planes.height()
+    }
+
+    /// Columns.
+    pub const fn width(&self) -> usize {
+        self.planes.width()
+    }
+
+    /// Index of the first plane of an attribute.
+    ///
+    /// # Errors
+    /// If the g-buffer does not hold it.
+    pub fn first_plane(&self, attribute: Attribute) -> Result<usize, MissingAttribute> {
+        let at = self.attributes.iter().position(|a| *a == attribute).ok_or_else(|| MissingAttribute {
+            wanted: attribute.name().to_owned(),
+            held: self.attributes.iter().map(|a| a.name()).collect::<Vec<_>>().join(", "),
+        })?;
+        Ok(self.attributes[..at].iter().map(|a| a.width()).sum())
+    }
+
+    /// The planes of some attributes one after the other, `[sum of widths, height, width]`: what a network reads.
+    ///
+    /// # Errors
+    /// If one of them is not there.
+    pub fn select(&self, attributes: &[Attribute]) -> Result<Planes, MissingAttribute> {
+        let mut data = Vec::new();
+        let mut channels = 0;
+        for attribute in attributes {
+            let first = self.first_plane(*attribute)?;
+            for plane in first..first + attribute.width() {
+                data.extend_from_slice(self.planes.plane(plane));
+            }
+            channels += attribute.width();
+        }
+        Ok(Planes::from_data(channels, self.height(), self.width(), data))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn selection_is_in_the_order_asked_for() {
+        let planes = Planes::from_fn(4, 1, 1, |c, _, _| c as f32);
+        let gbuffer = GBuffer::new(vec![Attribute::Depth, Attribute::Normal], planes);
+        let selected = gbuffer.select(&[Attribute::Normal, Attribute::Depth]).expect("both are there");
+        assert_eq!(selected.data(), &[1.0, 2.0, 3.0, 0.0]);
+    }
+
+    #[test]
+    fn what_is_missing_is_named_with_what_is_there() {
+        let gbuffer = GBuffer::new(vec![Attribute::Depth], Planes::filled(1, 1, 1, 0.0));
+        let error = gbuffer.select(&[Attribute::Position]).expect_err("position is missing");
+        assert_eq!(error.to_string(), "the g-buffer has no `position`; it holds depth");
+    }
+}

@@ -1,0 +1,109 @@
+//! Buffers that are filled once, written by passes, and read back.
+
+use super::{GpuError, catch};
+use bytemuck::Pod;
+use wgpu::BufferUsages;
+
+const STORAGE: BufferUsages =
+    BufferUsages::STORAGE.union(BufferUsages::COPY_SRC).union(BufferUsages::COPY_DST);
+
+/// A storage buffer `deepshade.<label>` that holds `contents`.
+///
+/// # Errors
+/// If the device has no room for it.
+pub fn storage<T: Pod>(device: &wgpu::Device, label: &str, contents: &[T]) -> Result<wgpu::Buffer, GpuError> {
+    filled(device, label, bytemuck::cast_slice(contents), STORAGE)
+}
+
+/// A uniform buffer `deepshade.<label>` that holds `contents`.
+///
+/// # Errors
+/// If the device has no room for it.
+pub fn uniform<T: Pod>(device: &wgpu::Device, label: &str, contents: &T) -> Result<wgpu::Buffer, GpuError> {
+    uniforms(device, label, std::slice::from_ref(contents))
+}
+
+/// A uniform buffer `deepshade.<label>` that holds the elements of `contents` one after the other.
+///
+/// # Errors
+/// If the device has no room for it.
+pub fn uniforms<T: Pod>(device: &wgpu::Device, label: &str, contents: &[T]) -> Result<wgpu::Buffer, GpuError> {
+    let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+    filled(device, label, bytemuck::cast_slice(contents), usage)
+}
+
+/// A storage buffer `deepshade.<label>` with room for `count` elements, all zero.
+///
+/// # Errors
+/// If the device has no room for it.
+pub fn empty<T: Pod>(device: &wgpu::Device, label: &str, count: usize) -> Result<wgpu::Buffer, GpuError> {
+    create(device, label, (count * size_of::<T>()) as u64, STORAGE, false)
+}
+
+/// What a buffer that [`storage`] or [`empty`] made holds once all submitted work is done.
+///
+/// # Errors
+/// If the device is lost or its memory exhausted.
+pub fn read<T: Pod>(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    buffer: &wgpu::Buffer,
+) -> Result<Vec<T>, GpuError> {
+    let failed = |what: String| GpuError::Readback { label: "deepshade.readback".to_owned(), what };
+    let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
+    let staging = create(device, "readback", buffer.size(), usage, false)?;
+    catch(device, || {
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
+        queue.submit([encoder.finish()]);
+    })
+    .map_err(failed)?;
+    let (sender, receiver) = std::sync::mpsc::channel();
+    // The receiver is alive until the map is done or given up; either way nobody misses the message.
+    staging.map_async(wgpu::MapMode::Read, .., move |result| drop(sender.send(result)));
+    device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| failed(e.to_string()))?;
+    receiver.recv().map_err(|e| failed(e.to_string()))?.map_err(|e| failed(e.to_string()))?;
+    let mapped = staging.get_mapped_range(..).map_err(|e| failed(e.to_string()))?;
+    Ok(bytemuck::pod_collect_to_vec(&mapped))
+}
+
+fn filled(
+    device: &wgpu::Device,
+    label: &str,
+    bytes: &[u8],
+    usage: BufferUsages,
+) -> Result<wgpu::Buffer, GpuError> {
+    let buffer = create(device, label, bytes.len() as u64, usage, true)?;
+    let refused = |what: String| GpuError::Refused { label: format!("deepshade.{label}"), what };
+    let mut mapped = buffer.get_mapped_range_mut(..).map_err(|e| refused(e.to_string()))?;
+    mapped.slice(..bytes.len()).copy_from_slice(bytes);
+    drop(mapped);
+    buffer.unmap();
+    Ok(buffer)
+}
+
+/// A buffer of at least one word, since bindings may not be empty.
+fn create(
+    device: &wgpu::Device,
+    label: &str,
+    bytes: u64,
+    usage: BufferUsages,
+    mapped_at_creation: bool,
+) -> Result<wgpu::Buffer, GpuError> {
+    let label = format!("deepshade.{label}");
+    let size = bytes.next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT).max(wgpu::COPY_BUFFER_ALIGNMENT);
+    let limits = device.limits();
+    let mut limit = limits.max_buffer_size;
+    if usage.contains(BufferUsages::STORAGE) {
+        limit = limit.min(limits.max_storage_buffer_binding_size);
+    }
+    if usage.contains(BufferUsages::UNIFORM) {
+        limit = limit.min(limits.max_uniform_buffer_binding_size);
+    }
+    if size > limit {
+        return Err(GpuError::TooLarge { label, bytes: size, limit });
+    }
+    let descriptor = wgpu::BufferDescriptor { label: Some(&label), size, usage, mapped_at_creation };
+    catch(device, || device.create_buffer(&descriptor))
+        .map_err(|what| GpuError::Refused { label: label.clone(), what })
+}

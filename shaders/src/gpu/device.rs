@@ -1,0 +1,43 @@
+//! The device of programs that have none of their own.
+
+use super::GpuError;
+use wgpu::Features;
+
+/// A device and its queue. Clones share both.
+#[derive(Clone, Debug)]
+pub struct Gpu {
+    /// Makes buffers and pipelines.
+    pub device: wgpu::Device,
+    /// Takes the work.
+    pub queue: wgpu::Queue,
+    /// Name, driver and kind of the adapter; every figure states it.
+    pub info: wgpu::AdapterInfo,
+}
+
+impl Gpu {
+    /// Opens the fastest adapter there is; a software one will do.
+    ///
+    /// The limits are those that WebGPU guarantees. The only optional features are timestamps, requested where they
+    /// are offered ([`super::time`]).
+    ///
+    /// # Errors
+    /// If there is no adapter, or it offers less than WebGPU's limits.
+    pub fn new() -> Result<Self, GpuError> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let options = wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            ..Default::default()
+        };
+        let adapter = pollster::block_on(instance.request_adapter(&options)).map_err(GpuError::NoAdapter)?;
+        let info = adapter.get_info();
+        let timestamps = Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("deepshade"),
+            required_features: adapter.features() & timestamps,
+            ..Default::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|source| GpuError::Device { adapter: info.name.clone(), source })?;
+        Ok(Self { device, queue, info })
+    }
+}

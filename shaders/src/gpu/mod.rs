@@ -1,0 +1,88 @@
+//! Running compute passes on a GPU: device, buffers, passes, clock.
+//!
+//! Everything but [`Gpu::new`] takes a plain `wgpu::Device` and `wgpu::Queue`, so that a program with a device of its
+//! own can run the same passes. What wgpu would report to its uncaptured-error handler, which panics, comes back as a
+//! [`GpuError`] that names the buffer or pass.
+
+mod buffer;
+mod device;
+mod pass;
+mod texture;
+mod timing;
+
+pub use buffer::{empty, read, storage, uniform, uniforms};
+pub use device::Gpu;
+pub use pass::{BoundPass, Pass, groups, submit};
+pub use texture::{array_view, read_texture_array, texture_array};
+pub use timing::{Timing, time};
+
+use thiserror::Error;
+
+/// Why something on the GPU did not work.
+#[derive(Clone, Debug, Error)]
+pub enum GpuError {
+    /// No adapter at all.
+    #[error(
+        "no Vulkan, Metal or DirectX 12 adapter ({0}); on Debian or Ubuntu `apt install mesa-vulkan-drivers \
+         libvulkan1` installs a software one"
+    )]
+    NoAdapter(wgpu::RequestAdapterError),
+    /// The adapter gave no device.
+    #[error("adapter `{adapter}` gives no device: {source}")]
+    Device {
+        /// Name of the adapter.
+        adapter: String,
+        /// What it lacks.
+        source: wgpu::RequestDeviceError,
+    },
+    /// A shader does not compile.
+    #[error("shader `{label}`: {what}")]
+    Shader {
+        /// Label of the pass.
+        label: String,
+        /// What the compiler says.
+        what: String,
+    },
+    /// A buffer is larger than the device allows.
+    #[error("buffer `{label}` of {bytes} bytes; the device allows {limit}")]
+    TooLarge {
+        /// Label of the buffer.
+        label: String,
+        /// Size asked for.
+        bytes: u64,
+        /// Largest size allowed.
+        limit: u64,
+    },
+    /// The device refused a buffer, a binding or a submission.
+    #[error("`{label}`: {what}")]
+    Refused {
+        /// Label of the buffer or pass.
+        label: String,
+        /// Why.
+        what: String,
+    },
+    /// A buffer could not be read back.
+    #[error("reading buffer `{label}` back: {what}")]
+    Readback {
+        /// Label of the buffer.
+        label: String,
+        /// Why.
+        what: String,
+    },
+}
+
+/// Runs `work`; whatever the device finds wrong with it is the error, in words.
+fn catch<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> Result<T, String> {
+    let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+    let validation = device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let done = work();
+    let invalid = pollster::block_on(validation.pop());
+    let exhausted = pollster::block_on(memory.pop());
+    match invalid.or(exhausted) {
+        None => Ok(done),
+        Some(error) => Err(error.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,112 @@
+//! A compute pass: a shader, what is bound to it, and how many workgroups run.
+
+use super::{GpuError, catch};
+
+/// A compiled compute shader with one entry point and one bind group.
+#[derive(Clone, Debug)]
+pub struct Pass {
+    label: String,
+    pipeline: wgpu::ComputePipeline,
+}
+
+/// A pass with its resources, ready to run as often as wanted.
+#[derive(Clone, Debug)]
+pub struct BoundPass {
+    label: String,
+    pipeline: wgpu::ComputePipeline,
+    group: wgpu::BindGroup,
+}
+
+impl Pass {
+    /// Compiles WGSL source under the name `deepshade.<label>`. The layout of group 0 follows from the source.
+    ///
+    /// Workgroup memory is not cleared beforehand, which costs time: a shader writes it before it reads it.
+    ///
+    /// # Errors
+    /// If the source or the pipeline is not valid.
+    pub fn new(device: &wgpu::Device, label: &str, wgsl: &str) -> Result<Self, GpuError> {
+        let label = format!("deepshade.{label}");
+        let pipeline = catch(device, || {
+            let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(&label),
+                source: wgpu::ShaderSource::Wgsl(wgsl.into()),
+            });
+            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(&label),
+                layout: None,
+                module: &module,
+                entry_point: None,
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    zero_initialize_workgroup_memory: false,
+                    ..Default::default()
+                },
+                cache: None,
+            })
+        })
+        .map_err(|what| GpuError::Shader { label: label.clone(), what })?;
+        Ok(Self { label, pipeline })
+    }
+
+    /// Binds resources to bindings 0, 1, 2, ... of group 0.
+    ///
+    /// # Errors
+    /// If they are not what the shader declares and uses.
+    pub fn bind(
+        &self,
+        device: &wgpu::Device,
+        resources: &[wgpu::BindingResource<'_>],
+    ) -> Result<BoundPass, GpuError> {
+        let entries: Vec<_> = (0..)
+            .zip(resources)
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
+            .collect();
+        let group = catch(device, || {
+            device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some(&self.label),
+                layout: &self.pipeline.get_bind_group_layout(0),
+                entries: &entries,
+            })
+        })
+        .map_err(|what| GpuError::Refused { label: self.label.clone(), what })?;
+        Ok(BoundPass { label: self.label.clone(), pipeline: self.pipeline.clone(), group })
+    }
+}
+
+impl BoundPass {
+    /// Records the pass, `workgroups` in x, y and z.
+    pub fn dispatch(&self, encoder: &mut wgpu::CommandEncoder, workgroups: [u32; 3]) {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(&self.label),
+            timestamp_writes: None,
+        });
+        let [x, y, z] = workgroups;
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.group, &[]);
+        pass.dispatch_workgroups(x, y, z);
+    }
+}
+
+/// Workgroups of `tile` x `tile` invocations that cover an image.
+pub const fn groups(height: usize, width: usize, tile: u32) -> [u32; 3] {
+    [(width as u32).div_ceil(tile), (height as u32).div_ceil(tile), 1]
+}
+
+/// Records work and submits it, without waiting for it.
+///
+/// # Errors
+/// If what was recorded is not valid, or the device is out of memory; `label` names it.
+pub fn submit(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    label: &str,
+    record: impl FnOnce(&mut wgpu::CommandEncoder),
+) -> Result<(), GpuError> {
+    let label = format!("deepshade.{label}");
+    catch(device, || {
+        let mut encoder =
+            device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(&label) });
+        record(&mut encoder);
+        queue.submit([encoder.finish()]);
+    })
+    .map_err(|what| GpuError::Refused { label: label.clone(), what })
+}

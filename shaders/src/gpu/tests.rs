@@ -1,0 +1,122 @@
+//! Passes that run, and mistakes that must come back as errors with a name.
+
+use super::{Gpu, GpuError, Pass, empty, groups, read, storage, submit, time, uniform};
+use crate::{random, wgsl};
+
+const AFFINE: &str = "
+    @group(0) @binding(0) var<storage, read> before: array<f32>;
+    @group(0) @binding(1) var<storage, read_write> after: array<f32>;
+    @group(0) @binding(2) var<uniform> offset: f32;
+    @compute @workgroup_size(64)
+    fn main(@builtin(global_invocation_id) id: vec3u) {
+        if id.x < arrayLength(&before) {
+            after[id.x] = 2.0 * before[id.x] + offset;
+        }
+    }";
+
+fn gpu() -> Gpu {
+    Gpu::new().expect("an adapter; lavapipe will do")
+}
+
+#[test]
+fn a_pass_computes_every_element() {
+    let Gpu { device, queue, .. } = gpu();
+    let numbers: Vec<f32> = (0..1000).map(|i| i as f32).collect();
+    let before = storage(&device, "before", &numbers).expect("room");
+    let after = empty::<f32>(&device, "after", numbers.len()).expect("room");
+    let offset = uniform(&device, "offset", &0.5f32).expect("room");
+    let resources = [before.as_entire_binding(), after.as_entire_binding(), offset.as_entire_binding()];
+    let pass = Pass::new(&device, "affine", AFFINE).expect("valid").bind(&device, &resources).expect("fits");
+    submit(&device, &queue, "affine", |encoder| pass.dispatch(encoder, [16, 1, 1])).expect("runs");
+    let doubled: Vec<f32> = read(&device, &queue, &after).expect("readable");
+    assert_eq!(doubled, numbers.iter().map(|n| 2.0 * n + 0.5).collect::<Vec<_>>());
+
+    let timing =
+        time(&device, &queue, "affine", 2, 5, |encoder| pass.dispatch(encoder, [16, 1, 1])).expect("runs");
+    assert!(timing.milliseconds > 0.0 && timing.milliseconds < 1e4, "{timing:?}");
+}
+
+#[test]
+fn time_grows_with_the_work() {
+    let Gpu { device, queue, .. } = gpu();
+    let spin = |turns: u32| {
+        let source = format!(
+            "@group(0) @binding(0) var<storage, read_write> value: array<u32>;
+             @compute @workgroup_size(64)
+             fn main(@builtin(global_invocation_id) id: vec3u) {{
+                 var x = id.x;
+                 for (var i = 0u; i < {turns}u; i++) {{ x = x * 747796405u + 2891336453u; }}
+                 value[id.x] = x;
+             }}"
+        );
+        let value = empty::<u32>(&device, "value", 64 * 256).expect("room");
+        let pass = Pass::new(&device, "spin", &source).expect("valid");
+        let pass = pass.bind(&device, &[value.as_entire_binding()]).expect("fits");
+        time(&device, &queue, "spin", 2, 9, |encoder| pass.dispatch(encoder, [256, 1, 1])).expect("runs")
+    };
+    let (short, long) = (spin(100), spin(20_000));
+    assert!(long.milliseconds > 4.0 * short.milliseconds, "{short:?} {long:?}");
+}
+
+#[test]
+fn a_broken_shader_is_an_error_with_its_name() {
+    let device = gpu().device;
+    let error = Pass::new(&device, "broken", "fn main() { nonsense; }").expect_err("not WGSL");
+    assert!(matches!(error, GpuError::Shader { .. }));
+    let message = error.to_string();
+    assert!(message.contains("deepshade.broken") && message.contains("nonsense"), "{message}");
+}
+
+#[test]
+fn a_missing_resource_is_an_error_with_the_passs_name() {
+    let device = gpu().device;
+    let pass = Pass::new(&device, "affine", AFFINE).expect("valid");
+    let before = storage(&device, "before", &[1.0f32]).expect("room");
+    let error = pass.bind(&device, &[before.as_entire_binding()]).expect_err("two are missing");
+    assert!(error.to_string().contains("deepshade.affine"), "{error}");
+}
+
+#[test]
+fn absurd_sizes_are_errors_with_a_name() {
+    let Gpu { device, queue, .. } = gpu();
+    let error = empty::<f32>(&device, "huge", 1 << 40).expect_err("4 TB");
+    assert!(matches!(error, GpuError::TooLarge { .. }));
+    assert!(error.to_string().contains("deepshade.huge"), "{error}");
+
+    let value = empty::<u32>(&device, "value", 1).expect("room");
+    let source = "@group(0) @binding(0) var<storage, read_write> value: array<u32>;
+                  @compute @workgroup_size(1) fn main() { value[0] = 1u; }";
+    let pass = Pass::new(&device, "wide", source).expect("valid");
+    let pass = pass.bind(&device, &[value.as_entire_binding()]).expect("fits");
+    let error = submit(&device, &queue, "wide", |encoder| pass.dispatch(encoder, [1 << 20, 1, 1]))
+        .expect_err("too many workgroups");
+    assert!(error.to_string().contains("deepshade.wide"), "{error}");
+}
+
+#[test]
+fn workgroups_cover_the_image() {
+    assert_eq!(groups(43, 61, 8), [8, 6, 1]);
+    assert_eq!(groups(8, 16, 8), [2, 1, 1]);
+}
+
+#[test]
+fn random_numbers_are_the_same_on_both_sides() {
+    let Gpu { device, queue, .. } = gpu();
+    let source = format!(
+        "{}
+         @group(0) @binding(0) var<storage, read_write> numbers: array<f32>;
+         @compute @workgroup_size(8, 8)
+         fn main(@builtin(global_invocation_id) id: vec3u) {{
+             numbers[id.y * 16u + id.x] = random(id.xy, 4000000000u, 3u);
+         }}",
+        wgsl::HBAO_OCCLUSION.shared[0],
+    );
+    let numbers = empty::<f32>(&device, "numbers", 16 * 16).expect("room");
+    let pass = Pass::new(&device, "random", &source).expect("valid");
+    let pass = pass.bind(&device, &[numbers.as_entire_binding()]).expect("fits");
+    submit(&device, &queue, "random", |encoder| pass.dispatch(encoder, [2, 2, 1])).expect("runs");
+    let found: Vec<f32> = read(&device, &queue, &numbers).expect("readable");
+    let wanted: Vec<f32> =
+        (0..16).flat_map(|y| (0..16).map(move |x| random::random(x, y, 4_000_000_000, 3))).collect();
+    assert_eq!(found, wanted);
+}

@@ -1,0 +1,83 @@
+//! Textures that passes write and later passes read: array layers of four 32-bit floats a texel.
+
+use super::{GpuError, catch, read};
+use wgpu::{BufferUsages, TextureUsages};
+
+/// A texture array `deepshade.<label>` of `layers` x `height` x `width` texels of `rgba32float`.
+///
+/// # Errors
+/// If the device allows none of that size or has no room for it.
+pub fn texture_array(
+    device: &wgpu::Device,
+    label: &str,
+    layers: usize,
+    height: usize,
+    width: usize,
+) -> Result<wgpu::Texture, GpuError> {
+    let label = format!("deepshade.{label}");
+    let descriptor = wgpu::TextureDescriptor {
+        label: Some(&label),
+        size: wgpu::Extent3d {
+            width: width as u32,
+            height: height as u32,
+            depth_or_array_layers: layers as u32,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba32Float,
+        usage: TextureUsages::TEXTURE_BINDING | TextureUsages::STORAGE_BINDING | TextureUsages::COPY_SRC,
+        view_formats: &[],
+    };
+    catch(device, || device.create_texture(&descriptor))
+        .map_err(|what| GpuError::Refused { label: label.clone(), what })
+}
+
+/// All of a texture array, to be bound.
+pub fn array_view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    })
+}
+
+/// What a texture that [`texture_array`] made holds once all submitted work is done, `[layers, height, width, 4]`.
+///
+/// # Errors
+/// If the device is lost or its memory exhausted.
+pub fn read_texture_array(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    texture: &wgpu::Texture,
+) -> Result<Vec<f32>, GpuError> {
+    let failed = |what| GpuError::Readback { label: "deepshade.texture".to_owned(), what };
+    let size = texture.size();
+    let row = size.width as usize * size_of::<[f32; 4]>();
+    let pitch = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT as usize);
+    let rows = (size.height * size.depth_or_array_layers) as usize;
+    let buffer = catch(device, || {
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("deepshade.texture_rows"),
+            size: (pitch * rows) as u64,
+            usage: BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(pitch as u32),
+            rows_per_image: Some(size.height),
+        };
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_texture_to_buffer(
+            texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+            size,
+        );
+        queue.submit([encoder.finish()]);
+        buffer
+    })
+    .map_err(failed)?;
+    let padded: Vec<f32> = read(device, queue, &buffer)?;
+    let floats = size_of::<f32>();
+    Ok(padded.chunks_exact(pitch / floats).flat_map(|padded| &padded[..row / floats]).copied().collect())
+}

@@ -1,0 +1,124 @@
+//! How long recorded work takes on the GPU.
+
+use super::{GpuError, read, submit};
+use std::time::Instant;
+use wgpu::{BufferUsages, Features};
+
+/// Most runs that a query set has room for, at two timestamps a run.
+const MOST_RUNS: usize = wgpu::QUERY_SET_MAX_QUERIES as usize / 2;
+
+/// How long a run takes.
+#[derive(Clone, Copy, Debug)]
+pub struct Timing {
+    /// Median of the timed runs.
+    pub milliseconds: f64,
+    /// Whether timestamps of the GPU measured it. Where the device has none it is the wall clock, from submission
+    /// until the device is idle.
+    pub by_gpu: bool,
+}
+
+/// Runs recorded work `warm_up` times unmeasured and then `timed` times (at least 1, at most 2048), each run a
+/// submission of its own, and takes the median.
+///
+/// Timestamps need the features `TIMESTAMP_QUERY` and `TIMESTAMP_QUERY_INSIDE_ENCODERS`.
+///
+/// # Errors
+/// If what was recorded is not valid, or the timestamps cannot be read; `label` names it.
+pub fn time(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    label: &str,
+    warm_up: usize,
+    timed: usize,
+    mut record: impl FnMut(&mut wgpu::CommandEncoder),
+) -> Result<Timing, GpuError> {
+    let timed = timed.clamp(1, MOST_RUNS);
+    for _ in 0..warm_up {
+        submit(device, queue, label, &mut record)?;
+    }
+    idle(device, label)?;
+    let by_gpu =
+        device.features().contains(Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
+    let runs = if by_gpu {
+        by_timestamps(device, queue, label, timed, record)?
+    } else {
+        by_wall_clock(device, queue, label, timed, record)?
+    };
+    Ok(Timing { milliseconds: median(runs), by_gpu })
+}
+
+fn by_timestamps(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    label: &str,
+    timed: usize,
+    mut record: impl FnMut(&mut wgpu::CommandEncoder),
+) -> Result<Vec<f64>, GpuError> {
+    let count = 2 * timed as u32;
+    let queries = device.create_query_set(&wgpu::QuerySetDescriptor {
+        label: Some("deepshade.timestamps"),
+        ty: wgpu::QueryType::Timestamp,
+        count,
+    });
+    for run in (0..count).step_by(2) {
+        submit(device, queue, label, |encoder| {
+            encoder.write_timestamp(&queries, run);
+            record(encoder);
+            encoder.write_timestamp(&queries, run + 1);
+        })?;
+    }
+    let resolved = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("deepshade.resolved_timestamps"),
+        size: u64::from(count) * u64::from(wgpu::QUERY_SIZE),
+        usage: BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    });
+    // In a submission of its own: wgpu may resolve queries of the same submission before they are written (wgpu
+    // issue 6406).
+    submit(device, queue, label, |encoder| encoder.resolve_query_set(&queries, 0..count, &resolved, 0))?;
+    let ticks: Vec<u64> = read(device, queue, &resolved)?;
+    let period = f64::from(queue.get_timestamp_period());
+    Ok(ticks.chunks_exact(2).map(|run| run[1].saturating_sub(run[0]) as f64 * period * 1e-6).collect())
+}
+
+fn by_wall_clock(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    label: &str,
+    timed: usize,
+    mut record: impl FnMut(&mut wgpu::CommandEncoder),
+) -> Result<Vec<f64>, GpuError> {
+    (0..timed)
+        .map(|_| {
+            let start = Instant::now();
+            submit(device, queue, label, &mut record)?;
+            idle(device, label)?;
+            Ok(start.elapsed().as_secs_f64() * 1e3)
+        })
+        .collect()
+}
+
+/// Waits until all submitted work is done.
+fn idle(device: &wgpu::Device, label: &str) -> Result<(), GpuError> {
+    let refused =
+        |e: wgpu::PollError| GpuError::Refused { label: format!("deepshade.{label}"), what: e.to_string() };
+    device.poll(wgpu::PollType::wait_indefinitely()).map(|_| ()).map_err(refused)
+}
+
+/// The middle of the sorted values; of an even number, the mean of the two in the middle.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn median_is_the_middle_of_the_sorted() {
+        assert_eq!(median(vec![9.0, 1.0, 3.0]), 3.0);
+        assert_eq!(median(vec![9.0, 1.0, 3.0, 4.0]), 3.5);
+    }
+}

@@ -1,0 +1,38 @@
+// One direction of the blur that follows horizon-based ambient occlusion: a Gaussian that fades with the distance from
+// the pixel's tangent plane. The plain version is render/src/methods/hbao/reference.rs.
+
+@group(0) @binding(0) var<uniform> blur: HbaoBlur;
+@group(0) @binding(4) var<storage, read> openness: array<f32>;
+@group(0) @binding(5) var<storage, read_write> blurred: array<f32>;
+
+@compute @workgroup_size(TILE, TILE)
+fn smooth_openness(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= blur.width || id.y >= blur.height {
+        return;
+    }
+    let pixels = blur.width * blur.height;
+    let centre = id.y * blur.width + id.x;
+    if !surface_valid(centre) {
+        blurred[centre] = 1.0;
+        return;
+    }
+    let position = surface_position(centre, pixels);
+    let normal = surface_normal(centre, pixels);
+    var sum = 0.0;
+    var weights = 0.0;
+    for (var i = -blur.radius; i <= blur.radius; i++) {
+        let at = vec2i(id.xy) + i * vec2i(blur.step_x, blur.step_y);
+        if at.x < 0 || at.y < 0 || at.x >= i32(blur.width) || at.y >= i32(blur.height) {
+            continue;
+        }
+        let index = u32(at.y) * blur.width + u32(at.x);
+        if !surface_valid(index) {
+            continue;
+        }
+        let off_plane = blur.sharpness * dot(normal, surface_position(index, pixels) - position);
+        let weight = exp(-(blur.falloff * f32(i * i) + off_plane * off_plane));
+        sum += weight * openness[index];
+        weights += weight;
+    }
+    blurred[centre] = sum / weights;
+}

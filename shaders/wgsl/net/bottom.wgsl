@@ -1,0 +1,11 @@
+// The coarsest layer: from the pooled image of the level above.
+
+@compute @workgroup_size(TILE, TILE)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    let corner = 2 * vec2<i32>(id.xy);
+    if (!inside(corner)) {
+        return;
+    }
+    let sums = activated_all(convolved(corner, id.z));
+    store(corner, layer.first + id.z, sums);
+}

@@ -1,0 +1,11 @@
+// A step upwards: from the coarser level and the skip connection.
+
+@compute @workgroup_size(TILE, TILE)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    let corner = 2 * vec2<i32>(id.xy);
+    if (!inside(corner)) {
+        return;
+    }
+    let sums = activated_all(convolved(corner, id.z));
+    store(corner, layer.first + id.z, sums);
+}

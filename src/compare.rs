@@ -1,0 +1,206 @@
+//! `deepshade compare`: methods against truth on the views of a scene.
+
+use crate::figures::{self, Figures};
+use crate::methods::{self, Setup, TRUTH};
+use crate::report::{Comparison, FrameReport, MethodReport, Truth};
+use crate::scene_source::SceneSource;
+use crate::views::{self, View};
+use anyhow::{Context, Result, ensure};
+use clap::builder::RangedU64ValueParser;
+use deepshade_infer::Model;
+use deepshade_render::bvh::TracedScene;
+use deepshade_render::gbuffer;
+use deepshade_render::method::{Frame, Method, Repeats};
+use deepshade_render::metrics::Scores;
+use deepshade_render::path::ao::Ao;
+use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Radius of an effect as a share of the scene's diagonal, where no network says which one it knows.
+pub const DEFAULT_RADIUS_SHARE: f32 = 0.05;
+
+/// Methods are timed as the median of so many runs.
+pub const REPEATS: Repeats = Repeats { warm_up: 2, timed: 11 };
+
+/// Compares methods on a scene: images, errors, milliseconds and a page to look at.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:\n  deepshade compare --scene stairs:7 --out report\n  \
+    deepshade compare --scene sponza.gltf --views 3 --methods learned,hbao,truth --out report")]
+pub struct Args {
+    /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
+    #[arg(long)]
+    scene: SceneSource,
+    /// What is computed.
+    #[arg(long, default_value = "ao")]
+    effect: Effect,
+    /// Which methods; truth is always rendered, since the others are measured against it.
+    #[arg(long, value_delimiter = ',', default_value = "learned,hbao,truth")]
+    methods: Vec<String>,
+    /// Folder of the page and its images.
+    #[arg(long)]
+    out: PathBuf,
+    /// Folder of the network of `learned`.
+    #[arg(long, default_value = "models/ao")]
+    model: PathBuf,
+    /// Rows of the images.
+    #[arg(long, default_value_t = 512, value_parser = RangedU64ValueParser::<usize>::new().range(16..=8192))]
+    height: usize,
+    /// Columns of the images.
+    #[arg(long, default_value_t = 512, value_parser = RangedU64ValueParser::<usize>::new().range(16..=8192))]
+    width: usize,
+    /// How far the effect reaches, metres; by default what the network knows, else 5 % of the scene's diagonal.
+    #[arg(long, value_parser = positive)]
+    radius: Option<f32>,
+    #[command(flatten)]
+    views: views::Args,
+    /// Rays a pixel of each of truth's two renderings.
+    #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    samples: u32,
+    /// Moment of animations, skins and morph targets, seconds.
+    #[arg(long, default_value_t = 0.0)]
+    time: f32,
+    /// Writes the figures here as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+/// How a frame is compared.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// What is computed.
+    pub effect: Effect,
+    /// Rows.
+    pub height: usize,
+    /// Columns.
+    pub width: usize,
+    /// How far the effect reaches, metres.
+    pub radius: f32,
+    /// Rays a pixel of each of truth's two renderings.
+    pub samples: u32,
+    /// Chooses all random numbers.
+    pub seed: u32,
+    /// How often a method runs.
+    pub repeats: Repeats,
+}
+
+/// Compares, writes the page, prints the table.
+pub fn run(args: &Args) -> Result<()> {
+    methods::check(args.effect, &args.methods)?;
+    let learned = args.methods.iter().any(|name| name == methods::LEARNED);
+    let model = learned.then(|| Model::load(&args.model)).transpose()?;
+    let gpu = Gpu::new()?;
+    let methods = methods::open(args.effect, &args.methods, Setup { gpu: &gpu, model: model.as_ref() })?;
+    let scene = args.scene.trace(args.time).with_context(|| format!("scene {}", args.scene))?;
+    let settings = Settings {
+        effect: args.effect,
+        height: args.height,
+        width: args.width,
+        radius: args.radius.unwrap_or_else(|| default_radius(model.as_ref(), scene.diagonal(), args.height)),
+        samples: args.samples,
+        seed: args.views.seed,
+        repeats: REPEATS,
+    };
+    let views = args.views.of(&scene, &settings)?;
+    let mut frames = Vec::new();
+    for (index, view) in views.iter().enumerate() {
+        eprintln!("frame {} of {}: {}", index + 1, views.len(), view.name);
+        frames.push(compare_frame(&scene, view, settings, &methods)?);
+    }
+    let comparison = Comparison { effect: args.effect, frames, machine: machine(&gpu) };
+    let page = comparison.write(&args.out)?;
+    print!("{comparison}");
+    println!("{}", page.display());
+    let mut figures = Figures::new("compare");
+    comparison.set_figures(&mut figures);
+    figures.set("radius", f64::from(settings.radius));
+    figures.detail("scene", args.scene.to_string().into());
+    figures.write(args.json.as_deref())
+}
+
+/// The radius of a scene with this diagonal in an image of this height, metres.
+pub fn default_radius(model: Option<&Model>, diagonal: f32, height: usize) -> f32 {
+    model.map_or(DEFAULT_RADIUS_SHARE * diagonal, |model| model.spec.reach.radius(diagonal, height))
+}
+
+/// Renders a frame's g-buffer and truth, runs every method on it and scores what they make.
+///
+/// # Errors
+/// If the view sees nothing, or a method fails.
+pub fn compare_frame(
+    scene: &TracedScene,
+    view: &View,
+    settings: Settings,
+    methods: &[Box<dyn Method>],
+) -> Result<FrameReport> {
+    let Settings { effect, height, width, radius, seed, repeats, .. } = settings;
+    let gbuffer = gbuffer::render(scene, &view.camera, height, width, &gbuffer::RENDERED);
+    ensure!(sees_something(&gbuffer)?, "view `{}` sees nothing of the scene", view.name);
+    let frame = Frame { scene, camera: &view.camera, gbuffer: &gbuffer, radius, seed };
+    let truth = render_truth(&frame, settings);
+    let methods = methods
+        .iter()
+        .map(|method| {
+            let shaded = method.shade(&frame, repeats)?;
+            Ok(MethodReport {
+                name: method.name().to_owned(),
+                scores: Scores::new(&shaded.image, &truth.image),
+                image: shaded.image,
+                milliseconds: shaded.milliseconds,
+                clock: shaded.clock,
+            })
+        })
+        .collect::<Result<_>>()?;
+    Ok(FrameReport { name: view.name.clone(), facts: facts(scene, view, settings), truth, methods })
+}
+
+/// Truth by two renderings whose random numbers have nothing to do with each other.
+fn render_truth(frame: &Frame<'_>, settings: Settings) -> Truth {
+    let Settings { effect, height, width, radius, samples, .. } = settings;
+    let half = |half: u32| -> Planes {
+        let seed = frame.seed.wrapping_mul(2).wrapping_add(half);
+        match effect {
+            Effect::Ao => Ao { radius, samples, seed }.render(frame.scene, frame.camera, height, width),
+        }
+    };
+    let start = Instant::now();
+    let halves = [half(0), half(1)];
+    Truth::new(effect, halves, start.elapsed().as_secs_f64() * 1e3)
+}
+
+fn sees_something(gbuffer: &GBuffer) -> Result<bool> {
+    let valid = gbuffer.planes().plane(gbuffer.first_plane(Attribute::Valid)?);
+    Ok(valid.iter().any(|valid| *valid > 0.0))
+}
+
+fn facts(scene: &TracedScene, view: &View, settings: Settings) -> Vec<(String, String)> {
+    let Settings { radius, samples, .. } = settings;
+    let share = 100.0 * radius / scene.diagonal();
+    let position = view.camera.position;
+    [
+        ("scene", scene.scene().name.clone()),
+        ("triangles", scene.scene().triangle_count().to_string()),
+        ("camera", format!("at ({:.2}, {:.2}, {:.2})", position.x, position.y, position.z)),
+        ("radius", format!("{radius:.3} m, {share:.1} % of the diagonal")),
+        ("truth", format!("2 × {samples} rays a pixel")),
+    ]
+    .map(|(name, value)| (name.to_owned(), value))
+    .to_vec()
+}
+
+/// What everything ran on, as the report shows it.
+pub fn machine(gpu: &Gpu) -> Vec<(String, String)> {
+    let info = &gpu.info;
+    let driver = [&info.driver, &info.driver_info].map(String::as_str).join(" ");
+    let adapter = ("adapter".to_owned(), format!("{}, {}, {}", info.name, info.backend, driver.trim()));
+    let text = |value: &serde_json::Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+    let machine = figures::machine();
+    let rest = machine.as_object().into_iter().flatten().map(|(name, value)| (name.clone(), text(value)));
+    [adapter].into_iter().chain(rest).collect()
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    let value: f32 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
+    if value > 0.0 && value.is_finite() { Ok(value) } else { Err(format!("{value} is not above 0 and finite")) }
+}

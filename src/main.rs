@@ -1,0 +1,91 @@
+//! deepshade: learned, analytic and path-traced screen-space shading side by side.
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+mod bench;
+mod compare;
+mod dataset;
+mod demo;
+mod eval;
+#[cfg(feature = "train")]
+mod export;
+mod figures;
+mod infer;
+mod learned;
+mod methods;
+mod onnxruntime;
+#[cfg(feature = "train")]
+mod parity;
+mod report;
+mod scene;
+mod scene_source;
+mod statistics;
+#[cfg(feature = "train")]
+mod train;
+mod tune;
+
+/// Learned, analytic and path-traced screen-space shading side by side.
+#[derive(Parser)]
+#[command(name = "deepshade", version, about, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    /// The whole chain on scenes never seen in training: data, training, export, running, comparing.
+    Demo(demo::Args),
+    /// Says what a scene holds, or lists the procedural families.
+    Scene(scene::Args),
+    /// Generates, verifies and shows training pairs, and makes test sets.
+    #[command(subcommand)]
+    Dataset(dataset::Verb),
+    /// Trains a network on a dataset; the same command resumes.
+    #[cfg(feature = "train")]
+    Train(train::Args),
+    /// Turns a training run into a model folder.
+    #[cfg(feature = "train")]
+    Export(export::Args),
+    /// Runs a network on a g-buffer file from any renderer.
+    Infer(infer::Args),
+    /// Checks that burn, the reference, WGSL and onnxruntime agree.
+    #[cfg(feature = "train")]
+    Parity(parity::Args),
+    /// Compares methods on a scene: images, errors, milliseconds and a page to look at.
+    Compare(compare::Args),
+    /// Evaluates a network and its analytic rival on a test set.
+    Eval(eval::Args),
+    /// Tunes an analytic method's parameters on the validation views of a dataset.
+    Tune(tune::Args),
+    /// Measures speed beside a rival.
+    #[command(subcommand)]
+    Bench(bench::Verb),
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().verb {
+        Verb::Demo(args) => demo::run(&args),
+        Verb::Scene(args) => scene::run(&args),
+        Verb::Dataset(verb) => dataset::run(&verb),
+        #[cfg(feature = "train")]
+        Verb::Train(args) => train::run(&args),
+        #[cfg(feature = "train")]
+        Verb::Export(args) => export::run(&args),
+        Verb::Infer(args) => infer::run(&args),
+        #[cfg(feature = "train")]
+        Verb::Parity(args) => parity::run(&args),
+        Verb::Compare(args) => compare::run(&args),
+        Verb::Eval(args) => eval::run(&args),
+        Verb::Tune(args) => tune::run(&args),
+        Verb::Bench(verb) => bench::run(&verb),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! A comparison's means as text for the terminal and as figures for JSON.
+
+use super::{Comparison, FrameReport};
+use crate::figures::Figures;
+use deepshade_render::metrics::Scores;
+use serde_json::{Value, json};
+use std::fmt;
+
+impl Comparison {
+    /// Sets `ssim_<method>`, `psnr_<method>`, `flip_<method>`, `relmse_<method>` and `ms_<method>`, means over
+    /// frames, with underscores for hyphens; the same of truth's noise (`ssim_ceiling`, ...) and of the white image
+    /// (`ssim_white`, ...); and every frame's own as a detail.
+    pub fn set_figures(&self, figures: &mut Figures) {
+        for (index, method) in self.frames[0].methods.iter().enumerate() {
+            let name = method.name.replace('-', "_");
+            set_scores(figures, &name, self.mean_scores(|frame| frame.methods[index].scores));
+            figures.set(&format!("ms_{name}"), self.mean(|frame| frame.methods[index].milliseconds));
+        }
+        set_scores(figures, "ceiling", self.mean_scores(|frame| frame.truth.noise));
+        set_scores(figures, "white", self.mean_scores(|frame| frame.truth.white));
+        figures.set("ms_truth", self.mean(|frame| frame.truth.milliseconds));
+        figures.set("frames", self.frames.len() as f64);
+        figures.detail("frames", self.frames.iter().map(frame_detail).collect());
+        figures.detail("machine", pairs(&self.machine));
+    }
+}
+
+fn set_scores(figures: &mut Figures, name: &str, scores: Scores) {
+    figures.set(&format!("ssim_{name}"), scores.ssim);
+    figures.set(&format!("psnr_{name}"), scores.psnr);
+    figures.set(&format!("flip_{name}"), scores.flip);
+    figures.set(&format!("relmse_{name}"), scores.relative_mse);
+}
+
+fn frame_detail(frame: &FrameReport) -> Value {
+    let methods = frame.methods.iter().map(|method| {
+        (method.name.clone(), json!({ "scores": method.scores, "milliseconds": method.milliseconds }))
+    });
+    json!({
+        "name": frame.name,
+        "facts": pairs(&frame.facts),
+        "methods": methods.collect::<serde_json::Map<_, _>>(),
+        "ceiling": frame.truth.noise,
+        "white": frame.truth.white,
+    })
+}
+
+fn pairs(pairs: &[(String, String)]) -> Value {
+    pairs.iter().map(|(name, value)| (name.clone(), json!(value))).collect::<serde_json::Map<_, _>>().into()
+}
+
+/// The means as a table.
+impl fmt::Display for Comparison {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let frames = self.frames.len();
+        let header = format!("{} on {frames} frame(s)", self.effect);
+        writeln!(f, "{header:<26}{:>8}{:>8}{:>8}{:>9}{:>10}", "SSIM", "PSNR", "FLIP", "relMSE", "ms")?;
+        for (index, method) in self.frames[0].methods.iter().enumerate() {
+            let milliseconds = self.mean(|frame| frame.methods[index].milliseconds);
+            line(f, &method.name, self.mean_scores(|frame| frame.methods[index].scores), Some(milliseconds))?;
+        }
+        let milliseconds = self.mean(|frame| frame.truth.milliseconds);
+        line(f, "truth, half against half", self.mean_scores(|frame| frame.truth.noise), Some(milliseconds))?;
+        line(f, "white image", self.mean_scores(|frame| frame.truth.white), None)
+    }
+}
+
+fn line(f: &mut fmt::Formatter<'_>, name: &str, scores: Scores, milliseconds: Option<f64>) -> fmt::Result {
+    let Scores { ssim, psnr, flip, relative_mse } = scores;
+    let milliseconds = milliseconds.map_or_else(String::new, |value| format!("{value:.2}"));
+    writeln!(f, "{name:<26}{ssim:>8.3}{psnr:>8.1}{flip:>8.3}{relative_mse:>9.4}{milliseconds:>10}")
+}

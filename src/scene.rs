@@ -1,0 +1,56 @@
+//! `deepshade scene`: what a scene holds.
+
+use crate::{figures::Figures, scene_source::SceneSource};
+use anyhow::Result;
+use deepshade_render::scene::procedural::{Family, Split};
+use deepshade_render::scene::summary::SceneSummary;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Says what a scene holds, or lists the procedural families.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:\n  deepshade scene sponza/sponza.gltf\n  deepshade scene stairs:7\n  \
+    deepshade scene --list")]
+pub struct Args {
+    /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
+    #[arg(required_unless_present = "list")]
+    scene: Option<SceneSource>,
+    /// Moment of animations, skins and morph targets, seconds.
+    #[arg(long, default_value_t = 0.0)]
+    time: f32,
+    /// Lists the procedural families and what they are for.
+    #[arg(long)]
+    list: bool,
+    /// Writes the figures here as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+/// Prints the summary or the list.
+pub fn run(args: &Args) -> Result<()> {
+    let mut figures = Figures::new("scene");
+    match &args.scene {
+        Some(source) if !args.list => {
+            let summary = SceneSummary::of(&source.scene(args.time)?);
+            println!("{summary}");
+            figures.set("triangles", summary.triangles as f64);
+            figures.set("meshes", summary.meshes as f64);
+            figures.set("diagonal", f64::from(summary.bounds.diagonal()));
+            figures.detail("scene", json!(source.to_string()));
+        }
+        _ => {
+            for family in Family::ALL {
+                println!("{:<14} {}", family.name(), purpose(family));
+            }
+            figures.set("families", Family::ALL.len() as f64);
+        }
+    }
+    figures.write(args.json.as_deref())
+}
+
+fn purpose(family: Family) -> &'static str {
+    match family.split() {
+        Split::Train => "training",
+        Split::Test => "testing",
+    }
+}

@@ -1,0 +1,88 @@
+//! Means with confidence intervals. Frames of a scene resemble each other, so scenes, not frames, are what is drawn:
+//! the interval is a bootstrap over scene means (Efron 1979).
+
+/// A mean and the interval that holds it with 95 % confidence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Mean over scenes.
+    pub mean: f64,
+    /// 2.5th percentile of the resampled means.
+    pub low: f64,
+    /// 97.5th percentile.
+    pub high: f64,
+}
+
+impl std::fmt::Display for Estimate {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:.3} [{:.3}, {:.3}]", self.mean, self.low, self.high)
+    }
+}
+
+/// Times that the scenes are drawn anew.
+const RESAMPLES: usize = 2000;
+
+/// The mean over scenes of the mean over each scene's frames, with its interval. `values` are (scene, value) pairs.
+///
+/// # Panics
+/// If there is no value.
+pub fn estimate(values: &[(usize, f64)]) -> Estimate {
+    let means = scene_means(values);
+    assert!(!means.is_empty(), "at least one value");
+    let mut resampled: Vec<f64> = (0..RESAMPLES as u64).map(|resample| resampled_mean(&means, resample)).collect();
+    resampled.sort_by(f64::total_cmp);
+    let percentile = |share: f64| resampled[(share * (RESAMPLES - 1) as f64).round() as usize];
+    Estimate { mean: mean(&means), low: percentile(0.025), high: percentile(0.975) }
+}
+
+fn scene_means(values: &[(usize, f64)]) -> Vec<f64> {
+    let mut sums = std::collections::BTreeMap::<usize, (f64, f64)>::new();
+    for (scene, value) in values {
+        let sum = sums.entry(*scene).or_default();
+        *sum = (sum.0 + value, sum.1 + 1.0);
+    }
+    sums.values().map(|(sum, count)| sum / count).collect()
+}
+
+/// The mean of as many scenes as there are, each drawn at random.
+fn resampled_mean(means: &[f64], resample: u64) -> f64 {
+    let draw = |i: u64| means[(mixed(resample << 32 | i) % means.len() as u64) as usize];
+    (0..means.len() as u64).map(draw).sum::<f64>() / means.len() as f64
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// A well mixed 64-bit hash (the finaliser of SplitMix64, Steele et al. 2014).
+const fn mixed(value: u64) -> u64 {
+    let mut z = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scenes_weigh_alike_however_many_frames_they_have() {
+        let estimate = estimate(&[(0, 0.0), (0, 0.0), (0, 0.0), (1, 1.0)]);
+        assert_eq!(estimate.mean, 0.5);
+    }
+
+    #[test]
+    fn the_interval_is_that_of_the_mean() {
+        // 100 scenes alternating 0 and 1: the mean's standard deviation is 0.05.
+        let values: Vec<(usize, f64)> = (0..100).map(|scene| (scene, (scene % 2) as f64)).collect();
+        let estimate = estimate(&values);
+        assert!((estimate.low - (0.5 - 0.098)).abs() < 0.02, "{estimate}");
+        assert!((estimate.high - (0.5 + 0.098)).abs() < 0.02, "{estimate}");
+    }
+
+    #[test]
+    fn one_scene_has_no_spread() {
+        let estimate = estimate(&[(3, 0.25)]);
+        assert_eq!((estimate.low, estimate.high), (0.25, 0.25));
+    }
+}

@@ -1,0 +1,109 @@
+//! What ARCHITECTURE.md promises: who imports whom, where burn may be, how long a file may be.
+
+use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
+
+/// Who imports whom among the project's own packages; no other edges, not in tests either.
+const EDGES: [(&str, &[&str]); 7] = [
+    ("deepshade-shaders", &[]),
+    ("deepshade-render", &["deepshade-shaders"]),
+    ("deepshade-infer", &["deepshade-shaders"]),
+    ("deepshade-dataset", &["deepshade-render", "deepshade-shaders"]),
+    ("deepshade-train", &["deepshade-dataset", "deepshade-infer", "deepshade-shaders"]),
+    (
+        "deepshade",
+        &["deepshade-dataset", "deepshade-infer", "deepshade-render", "deepshade-shaders", "deepshade-train"],
+    ),
+    ("xtask", &[]),
+];
+
+const MOST_LINES: usize = 500;
+
+fn workspace() -> Metadata {
+    MetadataCommand::new().no_deps().exec().expect("cargo metadata of this workspace")
+}
+
+fn imports<'a>(package: &'a Package, wanted: impl Fn(&str) -> bool) -> BTreeSet<&'a str> {
+    package
+        .dependencies
+        .iter()
+        .map(|dependency| dependency.name.as_str())
+        .filter(|name| wanted(name))
+        .collect()
+}
+
+#[test]
+fn packages_import_only_what_lies_below_them() {
+    let workspace = workspace();
+    let names: BTreeSet<&str> = workspace.packages.iter().map(|package| package.name.as_str()).collect();
+    assert_eq!(names, EDGES.iter().map(|(name, _)| *name).collect(), "packages of the workspace");
+    for (name, allowed) in EDGES {
+        let package = workspace.packages.iter().find(|package| package.name == name).expect("just compared");
+        let ours = imports(package, |dependency| names.contains(dependency));
+        assert_eq!(ours, allowed.iter().copied().collect(), "what {name} imports");
+    }
+}
+
+#[test]
+fn burn_is_only_in_train() {
+    let is_burn = |name: &str| name == "burn" || name.starts_with("burn-") || name.starts_with("cubecl");
+    let users: BTreeSet<String> = workspace()
+        .packages
+        .iter()
+        .filter(|package| !imports(package, is_burn).is_empty())
+        .map(|package| package.name.to_string())
+        .collect();
+    assert_eq!(users, BTreeSet::from(["deepshade-train".to_owned()]));
+}
+
+#[test]
+fn nothing_that_the_program_is_built_from_needs_a_cpp_compiler() {
+    for package in workspace().packages {
+        let flip = package.dependencies.iter().find(|dependency| dependency.name == "nv-flip");
+        assert!(
+            flip.is_none_or(|flip| flip.kind == DependencyKind::Development),
+            "nv-flip in {}",
+            package.name
+        );
+    }
+}
+
+#[test]
+fn every_package_follows_the_one_table_of_lints() {
+    let workspace = workspace();
+    for package in &workspace.packages {
+        let manifest = std::fs::read_to_string(&package.manifest_path).expect("a manifest");
+        assert!(manifest.contains("[lints]\nworkspace = true"), "{} has lints of its own", package.name);
+    }
+}
+
+#[test]
+fn no_file_is_longer_than_one_can_read() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let files = source_files(root);
+    assert!(files.iter().any(|file| file.ends_with("shaders/src/channel.rs")), "the search finds sources");
+    assert!(files.iter().any(|file| file.extension().is_some_and(|kind| kind == "wgsl")), "and shaders");
+    for file in files {
+        let lines = std::fs::read_to_string(&file).expect("a text").lines().count();
+        assert!(lines <= MOST_LINES, "{} has {lines} lines, more than {MOST_LINES}", file.display());
+    }
+}
+
+/// Everything written by hand that is a program, in any language.
+fn source_files(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+        let name = entry.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if entry.is_dir() && name != "target" && !name.starts_with('.') {
+            files.extend(source_files(&entry));
+        } else if entry.extension().is_some_and(|kind| {
+            ["rs", "wgsl", "html", "css", "js", "toml"].iter().any(|known| kind.eq_ignore_ascii_case(known))
+        }) {
+            files.push(entry);
+        }
+    }
+    files
+}

@@ -1,0 +1,212 @@
+//! The network's operations on the CPU, as a backend extension of burn's `flex`.
+//!
+//! burn's own grouped convolution, its gradients and the slices that a bilinear doubling is made of take several
+//! times as long (measured: see `bench train`). Other backends run the same operations written with tensors
+//! ([`crate::plain`]), which are also what these are tested against.
+
+mod conv;
+mod resample;
+mod stripe;
+
+use burn::backend::autodiff::checkpoint::{base::Checkpointer, strategy::CheckpointStrategy};
+use burn::backend::autodiff::grads::Gradients;
+use burn::backend::autodiff::ops::{Backward, Ops, OpsKind, unary};
+use burn::backend::tensor::FloatTensor;
+use burn::backend::{Autodiff, Backend, Dispatch, Flex, TensorMetadata, backend_extension};
+use burn::tensor::{Tensor, TensorData};
+use conv::ConvShape;
+
+/// A tensor of the CPU backend.
+type Cpu = FloatTensor<Flex>;
+
+/// The operations that [`Flex`] has kernels for.
+#[backend_extension(Flex, Autodiff)]
+pub trait NetOps: Backend {
+    /// Grouped convolution that keeps height and width, bias, leaky ReLU (`leak` 1 for none).
+    fn convolve(
+        x: FloatTensor<Self>,
+        weight: FloatTensor<Self>,
+        bias: FloatTensor<Self>,
+        leak: f32,
+    ) -> FloatTensor<Self>;
+    /// 2x2 means.
+    fn halve(x: FloatTensor<Self>) -> FloatTensor<Self>;
+    /// Bilinear doubling.
+    fn double(x: FloatTensor<Self>) -> FloatTensor<Self>;
+}
+
+/// Grouped convolution with zero padding, stride 1, bias and leaky ReLU (`leak` 1 for none).
+///
+/// # Shapes
+/// `x` `[batch, inputs, height, width]`, `weight` `[outputs, inputs / groups, kernel, kernel]`, `bias` `[outputs]`,
+/// to `[batch, outputs, height, width]`.
+pub fn convolve(x: Tensor<4>, weight: Tensor<4>, bias: Tensor<1>, leak: f32) -> Tensor<4> {
+    Tensor::from_dispatch(<Dispatch as NetOps>::convolve(
+        x.into_dispatch(),
+        weight.into_dispatch(),
+        bias.into_dispatch(),
+        leak,
+    ))
+}
+
+/// 2x2 means: `[batch, channels, height, width]` to `[batch, channels, height / 2, width / 2]`.
+pub fn halve(x: Tensor<4>) -> Tensor<4> {
+    Tensor::from_dispatch(<Dispatch as NetOps>::halve(x.into_dispatch()))
+}
+
+/// Bilinear doubling, half-pixel centres, edges replicated: `[batch, channels, height, width]` to
+/// `[batch, channels, 2 * height, 2 * width]`.
+pub fn double(x: Tensor<4>) -> Tensor<4> {
+    Tensor::from_dispatch(<Dispatch as NetOps>::double(x.into_dispatch()))
+}
+
+impl NetOps for Flex {
+    fn convolve(x: Cpu, weight: Cpu, bias: Cpu, leak: f32) -> Cpu {
+        let shape = conv_shape(&x, &weight);
+        let [batch, _, height, width] = dims(&x);
+        let y = conv::forward(
+            shape,
+            numbers(&x.to_contiguous()),
+            numbers(&weight.to_contiguous()),
+            numbers(&bias.to_contiguous()),
+            leak,
+        );
+        tensor(y, [batch, shape.groups * shape.outputs, height, width])
+    }
+
+    fn halve(x: Cpu) -> Cpu {
+        resampled(x, |h, w| [h / 2, w / 2], resample::halve)
+    }
+
+    fn double(x: Cpu) -> Cpu {
+        resampled(x, |h, w| [2 * h, 2 * w], resample::double)
+    }
+}
+
+impl<C: CheckpointStrategy> NetOps for Autodiff<Flex, C> {
+    fn convolve(
+        x: FloatTensor<Self>,
+        weight: FloatTensor<Self>,
+        bias: FloatTensor<Self>,
+        leak: f32,
+    ) -> FloatTensor<Self> {
+        let guards = [x.node(), weight.node(), bias.node()];
+        let x = x.into_primitive().to_contiguous();
+        let weight = weight.into_primitive().to_contiguous();
+        let y = Flex::convolve(x.clone(), weight.clone(), bias.into_primitive(), leak);
+        match Convolve.prepare::<C>(guards).compute_bound().stateful() {
+            OpsKind::Tracked(prep) => prep.finish((x, weight, y.clone(), leak), y),
+            OpsKind::UnTracked(prep) => prep.finish(y),
+        }
+    }
+
+    fn halve(x: FloatTensor<Self>) -> FloatTensor<Self> {
+        let guard = x.node();
+        let y = Flex::halve(x.into_primitive());
+        match Halve.prepare::<C>([guard]).compute_bound().stateful() {
+            OpsKind::Tracked(prep) => prep.finish((), y),
+            OpsKind::UnTracked(prep) => prep.finish(y),
+        }
+    }
+
+    fn double(x: FloatTensor<Self>) -> FloatTensor<Self> {
+        let guard = x.node();
+        let y = Flex::double(x.into_primitive());
+        match Double.prepare::<C>([guard]).compute_bound().stateful() {
+            OpsKind::Tracked(prep) => prep.finish((), y),
+            OpsKind::UnTracked(prep) => prep.finish(y),
+        }
+    }
+}
+
+/// The backward step of a convolution. State: input, weights, output, leak.
+#[derive(Debug)]
+struct Convolve;
+
+impl Backward<Flex, 3> for Convolve {
+    type State = (Cpu, Cpu, Cpu, f32);
+
+    fn backward(self, ops: Ops<Self::State, 3>, grads: &mut Gradients, _: &mut Checkpointer) {
+        let (x, weight, y, leak) = ops.state;
+        let dy = grads.consume::<Flex>(&ops.node).to_contiguous();
+        let [x_node, weight_node, bias_node] = ops.parents;
+        let shape = conv_shape(&x, &weight);
+        let gradients = conv::backward(
+            shape,
+            numbers(&x),
+            numbers(&weight),
+            numbers(&y),
+            numbers(&dy),
+            leak,
+            x_node.is_some(),
+        );
+        if let (Some(node), Some(input)) = (x_node, gradients.input) {
+            grads.register::<Flex>(node.id, tensor(input, dims::<4>(&x)));
+        }
+        if let Some(node) = weight_node {
+            grads.register::<Flex>(node.id, tensor(gradients.weight, dims::<4>(&weight)));
+        }
+        if let Some(node) = bias_node {
+            let length = gradients.bias.len();
+            grads.register::<Flex>(node.id, tensor(gradients.bias, [length]));
+        }
+    }
+}
+
+/// The backward step of a pooling.
+#[derive(Debug)]
+struct Halve;
+
+impl Backward<Flex, 1> for Halve {
+    type State = ();
+
+    fn backward(self, ops: Ops<(), 1>, grads: &mut Gradients, _: &mut Checkpointer) {
+        unary::<Flex, _>(ops.parents, ops.node, grads, |dy| {
+            resampled(dy, |h, w| [2 * h, 2 * w], |dy, h, w| resample::halve_backward(dy, 2 * h, 2 * w))
+        });
+    }
+}
+
+/// The backward step of a doubling.
+#[derive(Debug)]
+struct Double;
+
+impl Backward<Flex, 1> for Double {
+    type State = ();
+
+    fn backward(self, ops: Ops<(), 1>, grads: &mut Gradients, _: &mut Checkpointer) {
+        unary::<Flex, _>(ops.parents, ops.node, grads, |dy| {
+            resampled(dy, |h, w| [h / 2, w / 2], |dy, h, w| resample::double_backward(dy, h / 2, w / 2))
+        });
+    }
+}
+
+/// Runs a kernel on planes: it gets the numbers, height and width.
+fn resampled(
+    x: Cpu,
+    size: impl Fn(usize, usize) -> [usize; 2],
+    kernel: impl Fn(&[f32], usize, usize) -> Vec<f32>,
+) -> Cpu {
+    let [batch, channels, height, width] = dims(&x);
+    let [new_height, new_width] = size(height, width);
+    tensor(kernel(numbers(&x.to_contiguous()), height, width), [batch, channels, new_height, new_width])
+}
+
+fn conv_shape(x: &Cpu, weight: &Cpu) -> ConvShape {
+    let [batch, channels, height, width] = dims(x);
+    let [outputs, inputs, kernel, _] = dims(weight);
+    let groups = channels / inputs;
+    ConvShape { batch, groups, inputs, outputs: outputs / groups, height, width, kernel }
+}
+
+fn dims<const D: usize>(tensor: &Cpu) -> [usize; D] {
+    tensor.shape().dims()
+}
+
+fn numbers(tensor: &Cpu) -> &[f32] {
+    tensor.as_slice().expect("contiguous f32")
+}
+
+fn tensor<const D: usize>(numbers: Vec<f32>, shape: [usize; D]) -> Cpu {
+    Cpu::from_data(TensorData::new(numbers, shape))
+}

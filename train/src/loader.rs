@@ -1,0 +1,153 @@
+//! Batches: pairs decoded, cropped and turned on threads of their own, in an order that depends on seed and step only.
+
+use crate::pairs::{Cache, HalfPair};
+use crate::rng::{Purpose, Rng};
+use crate::{TrainConfig, TrainError};
+use burn::tensor::{Device, Tensor, TensorData};
+use deepshade_dataset::{Pair, Symmetry, augment};
+use deepshade_infer::NetSpec;
+use deepshade_shaders::Attribute;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread;
+
+/// Batches that a worker may be ahead.
+const AHEAD: usize = 2;
+/// A crop that shows fewer surfaces is drawn again, ...
+const VALID_SHARE: f32 = 0.25;
+/// ... so many times.
+const DRAWS: usize = 8;
+
+/// Images that a network reads, with what it should make of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Batch {
+    images: usize,
+    size: [usize; 2],
+    input: Vec<f32>,
+    target: Vec<f32>,
+    valid: Vec<f32>,
+}
+
+impl Batch {
+    /// Adds a pair: positions scaled so that its radius looks like the network's own.
+    pub fn push(&mut self, pair: &Pair, spec: &NetSpec) {
+        let select = |attributes: &[Attribute]| pair.gbuffer.select(attributes).expect("selected before");
+        let mut input = select(&spec.inputs);
+        let scale = spec.reach.position_scale(pair.radius);
+        let mut first = 0;
+        for attribute in &spec.inputs {
+            if *attribute == Attribute::Position {
+                for plane in first..first + attribute.width() {
+                    input.plane_mut(plane).iter_mut().for_each(|value| *value *= scale);
+                }
+            }
+            first += attribute.width();
+        }
+        self.images += 1;
+        self.size = [input.height(), input.width()];
+        self.input.extend_from_slice(input.data());
+        self.target.extend_from_slice(pair.target.data());
+        self.valid.extend_from_slice(select(&[Attribute::Valid]).data());
+    }
+
+    /// Input, target and validity as tensors `[images, channels, height, width]`.
+    pub fn into_tensors(self, device: &Device) -> [Tensor<4>; 3] {
+        let pixels = self.size[0] * self.size[1];
+        [self.input, self.target, self.valid].map(|data| {
+            let channels = data.len() / self.images / pixels;
+            let shape = [self.images, channels, self.size[0], self.size[1]];
+            Tensor::from_data(TensorData::new(data, shape), device)
+        })
+    }
+}
+
+/// What decides which crops a run sees.
+struct Sampler {
+    cache: Arc<Cache>,
+    /// Indices of the pairs trained on.
+    pairs: Vec<usize>,
+    config: TrainConfig,
+}
+
+impl Sampler {
+    /// The batch of a step.
+    fn batch(&self, step: usize) -> Result<Batch, TrainError> {
+        let mut batch = Batch::default();
+        for position in step * self.config.batch..(step + 1) * self.config.batch {
+            batch.push(&self.crop(position)?, &self.config.spec);
+        }
+        Ok(batch)
+    }
+
+    /// The crop at a position in the run: every pair once an epoch, each epoch in another order.
+    fn crop(&self, position: usize) -> Result<Pair, TrainError> {
+        let (epoch, at) = (position / self.pairs.len(), position % self.pairs.len());
+        let order = Rng::new(self.config.seed, Purpose::Order, epoch as u64).permutation(self.pairs.len());
+        let index = self.pairs[order[at]];
+        let pair = self.cache.pair(index)?;
+        let mut rng = Rng::new(self.config.seed, Purpose::Crop, position as u64);
+        let crop = cut(&pair, self.config.crop, &mut rng).ok_or_else(|| TrainError::Pair {
+            index,
+            problem: format!("is {} by {}, smaller than `crop`", pair.height(), pair.width()),
+        })?;
+        Ok(augment(&crop, Symmetry::ALL[rng.below(Symmetry::ALL.len())]))
+    }
+}
+
+/// A random square window that shows something, where a few draws find one.
+fn cut(pair: &HalfPair, size: usize, rng: &mut Rng) -> Option<Pair> {
+    let rows = (pair.height() + 1).checked_sub(size)?;
+    let columns = (pair.width() + 1).checked_sub(size)?;
+    let mut corner = [0; 2];
+    for _ in 0..DRAWS {
+        corner = [rng.below(rows), rng.below(columns)];
+        if pair.valid_share(corner[0], corner[1], size, size) >= VALID_SHARE {
+            break;
+        }
+    }
+    Some(pair.window(corner[0], corner[1], size, size))
+}
+
+/// Threads that make batches ahead of the training.
+pub struct Loader {
+    /// One a worker; worker `w` makes the steps that leave remainder `w`.
+    batches: Vec<Receiver<Result<Batch, TrainError>>>,
+    step: usize,
+}
+
+impl Loader {
+    /// Starts making batches of these pairs from a step on, up to the config's last.
+    pub fn start(cache: &Arc<Cache>, pairs: Vec<usize>, config: &TrainConfig, step: usize) -> Self {
+        let sampler = Arc::new(Sampler { cache: Arc::clone(cache), pairs, config: config.clone() });
+        let workers = config.workers;
+        let start = |worker: usize| {
+            let (sender, receiver) = sync_channel(AHEAD);
+            let sampler = Arc::clone(&sampler);
+            let steps = (step..config.steps).filter(move |step| step % workers == worker);
+            thread::spawn(move || work(&sampler, steps, &sender));
+            receiver
+        };
+        Self { batches: (0..workers).map(start).collect(), step }
+    }
+
+    /// The next step's batch.
+    ///
+    /// # Errors
+    /// If one of its pairs cannot be read.
+    pub fn next(&mut self) -> Result<Batch, TrainError> {
+        let worker = self.step % self.batches.len();
+        self.step += 1;
+        self.batches[worker].recv().expect("a worker lives until its last step or error was taken")
+    }
+}
+
+/// Makes batches until all are made, one fails, or nobody wants them any more.
+fn work(sampler: &Sampler, steps: impl Iterator<Item = usize>, sender: &SyncSender<Result<Batch, TrainError>>) {
+    for step in steps {
+        let batch = sampler.batch(step);
+        let failed = batch.is_err();
+        if sender.send(batch).is_err() || failed {
+            return;
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! What a run measures: JSON lines, one object a line, and a curve drawn from them.
+
+use crate::{TrainError, files};
+use plotters::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Name of the JSON lines in the run's folder.
+pub const METRICS_FILE: &str = "metrics.jsonl";
+/// Name of the curve in the run's folder.
+pub const CURVE_FILE: &str = "curve.svg";
+
+/// A line of the metrics.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Line {
+    /// Steps done.
+    pub step: usize,
+    /// Mean training loss (DSSIM) since the line before.
+    pub loss: f32,
+    /// Loss on the validation pairs, where it was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub validation_loss: Option<f32>,
+    /// The optimiser's rate.
+    pub rate: f64,
+    /// Images trained on a second since the line before, validation and checkpoints not counted.
+    pub images_per_second: f64,
+}
+
+/// The metrics of a run, in memory and in its folder.
+pub struct Metrics {
+    folder: PathBuf,
+    lines: Vec<Line>,
+}
+
+impl Metrics {
+    /// The metrics in a run's folder up to a step: what came after the checkpoint is measured again.
+    ///
+    /// # Errors
+    /// If the file cannot be read or written.
+    pub fn open(folder: &Path, step: usize) -> Result<Self, TrainError> {
+        let path = folder.join(METRICS_FILE);
+        let text = match std::fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+            Err(error) => return Err(TrainError::io("read", &path)(error)),
+        };
+        // A line that a killed run left half written is no JSON, and lies beyond the checkpoint.
+        let lines = text.lines().filter_map(|line| serde_json::from_str::<Line>(line).ok());
+        let lines: Vec<Line> = lines.filter(|line| line.step <= step).collect();
+        let kept: String = lines.iter().map(json).collect();
+        files::replace(&path, kept.as_bytes())?;
+        Ok(Self { folder: folder.to_owned(), lines })
+    }
+
+    /// Adds a line.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn add(&mut self, line: Line) -> Result<(), TrainError> {
+        let path = self.folder.join(METRICS_FILE);
+        let append = || std::fs::OpenOptions::new().append(true).open(&path)?.write_all(json(&line).as_bytes());
+        append().map_err(TrainError::io("write", &path))?;
+        self.lines.push(line);
+        Ok(())
+    }
+
+    /// All lines.
+    pub fn lines(&self) -> &[Line] {
+        &self.lines
+    }
+
+    /// Draws the curve into the run's folder.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn draw(&self) -> Result<(), TrainError> {
+        let path = self.folder.join(CURVE_FILE);
+        let svg = curve(&self.lines).map_err(|problem| TrainError::damaged(&path, problem))?;
+        files::replace(&path, svg.as_bytes())
+    }
+}
+
+fn json(line: &Line) -> String {
+    serde_json::to_string(line).expect("a line is plain data") + "\n"
+}
+
+/// Training and validation loss over steps, on a logarithmic scale, as SVG.
+fn curve(lines: &[Line]) -> Result<String, String> {
+    let training: Vec<(f64, f64)> = lines.iter().map(|line| (line.step as f64, f64::from(line.loss))).collect();
+    let validation: Vec<(f64, f64)> = lines
+        .iter()
+        .filter_map(|line| line.validation_loss.map(|loss| (line.step as f64, f64::from(loss))))
+        .collect();
+    let losses = training.iter().chain(&validation).map(|point| point.1.max(1e-6));
+    let (low, high) = losses.fold((f64::INFINITY, 1e-6), |(low, high), loss| (low.min(loss), loss.max(high)));
+    let last = training.last().map_or(1.0, |point| point.0);
+    let mut svg = String::new();
+    draw(&mut svg, &training, &validation, last, [low.min(high) / 1.1, high * 1.1]).map_err(|e| e.to_string())?;
+    Ok(svg)
+}
+
+type DrawError = Box<dyn std::error::Error>;
+
+fn draw(
+    svg: &mut String,
+    training: &[(f64, f64)],
+    validation: &[(f64, f64)],
+    last: f64,
+    [low, high]: [f64; 2],
+) -> Result<(), DrawError> {
+    let area = SVGBackend::with_string(svg, (900, 500)).into_drawing_area();
+    area.fill(&WHITE)?;
+    let mut chart = ChartBuilder::on(&area)
+        .caption("DSSIM", ("sans-serif", 20))
+        .margin(15)
+        .x_label_area_size(40)
+        .y_label_area_size(70)
+        .build_cartesian_2d(0.0..last, (low..high).log_scale())?;
+    chart
+        .configure_mesh()
+        .x_desc("step")
+        .y_desc("loss")
+        .x_label_formatter(&|step| format!("{step:.0}"))
+        .y_label_formatter(&|loss| format!("{loss:.3}"))
+        .light_line_style(WHITE)
+        .draw()?;
+    let grey = RGBColor(150, 150, 150);
+    chart
+        .draw_series(LineSeries::new(training.iter().copied(), grey))?
+        .label("training crops")
+        .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], grey));
+    let blue = RGBColor(0, 90, 200);
+    chart
+        .draw_series(LineSeries::new(validation.iter().copied(), blue.stroke_width(2)))?
+        .label("validation")
+        .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], blue.stroke_width(2)));
+    chart.configure_series_labels().background_style(WHITE).border_style(grey).draw()?;
+    area.present()?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(step: usize, validation_loss: Option<f32>) -> Line {
+        Line { step, loss: 0.2 / step as f32, validation_loss, rate: 1e-3, images_per_second: 9.5 }
+    }
+
+    #[test]
+    fn what_came_after_the_checkpoint_and_half_lines_are_forgotten() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut metrics = Metrics::open(folder.path(), 0).expect("opens");
+        for step in [1, 2, 3] {
+            metrics.add(line(step, None)).expect("adds");
+        }
+        let path = folder.path().join(METRICS_FILE);
+        let text = std::fs::read_to_string(&path).expect("reads");
+        std::fs::write(&path, text.clone() + "{\"step\":4,\"lo").expect("writes");
+        let metrics = Metrics::open(folder.path(), 2).expect("opens");
+        assert_eq!(metrics.lines(), [line(1, None), line(2, None)]);
+        let kept = std::fs::read_to_string(&path).expect("reads");
+        assert_eq!(kept.lines().collect::<Vec<_>>(), text.lines().take(2).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn the_curve_shows_both_losses() {
+        let lines: Vec<Line> = (1..50).map(|step| line(step, (step % 10 == 0).then_some(0.1))).collect();
+        let svg = curve(&lines).expect("draws");
+        assert!(svg.contains("validation") && svg.matches("<polyline").count() >= 2, "{svg}");
+        assert!(curve(&[]).is_ok(), "a curve without points");
+    }
+}

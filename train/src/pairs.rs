@@ -1,0 +1,160 @@
+//! Where pairs come from, and pairs as training keeps them: only what the network reads, as half floats.
+
+use crate::TrainError;
+use deepshade_dataset::{Dataset, Pair};
+use deepshade_infer::NetSpec;
+use deepshade_shaders::{Attribute, GBuffer, Planes};
+use half::f16;
+use half::slice::HalfFloatSliceExt;
+use std::sync::{Arc, OnceLock};
+
+/// Something that pairs are read from by their index.
+pub trait PairSource: Send + Sync {
+    /// Number of pairs.
+    fn count(&self) -> usize;
+
+    /// Reads a pair.
+    ///
+    /// # Errors
+    /// If it cannot be read; the message names the file.
+    fn read(&self, index: usize) -> Result<Pair, String>;
+}
+
+impl PairSource for Dataset {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn read(&self, index: usize) -> Result<Pair, String> {
+        self.pair(index).map_err(|error| error.to_string())
+    }
+}
+
+/// A pair as half floats, which is what files hold: the channels that a network reads, validity, and the target.
+#[derive(Debug)]
+pub struct HalfPair {
+    attributes: Vec<Attribute>,
+    height: usize,
+    width: usize,
+    gbuffer: Vec<f16>,
+    target: Vec<f16>,
+    radius: f32,
+}
+
+impl HalfPair {
+    fn new(pair: &Pair, spec: &NetSpec) -> Result<Self, String> {
+        let mut attributes = spec.inputs.clone();
+        if !attributes.contains(&Attribute::Valid) {
+            attributes.push(Attribute::Valid);
+        }
+        let planes = pair.gbuffer.select(&attributes).map_err(|error| error.to_string())?;
+        let (height, width) = (planes.height(), planes.width());
+        let shape = [pair.target.channels(), pair.target.height(), pair.target.width()];
+        let expected = [spec.effect.channels(), height, width];
+        if shape != expected {
+            return Err(format!("its target is {shape:?}, expected {expected:?}"));
+        }
+        if !(pair.radius.is_finite() && pair.radius > 0.0) {
+            return Err(format!("its radius is {}", pair.radius));
+        }
+        Ok(Self {
+            attributes,
+            height,
+            width,
+            gbuffer: halves(&planes),
+            target: halves(&pair.target),
+            radius: pair.radius,
+        })
+    }
+
+    /// Rows.
+    pub const fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Columns.
+    pub const fn width(&self) -> usize {
+        self.width
+    }
+
+    const fn bytes(&self) -> usize {
+        (self.gbuffer.len() + self.target.len()) * size_of::<f16>()
+    }
+
+    /// The share of pixels of a window that show a surface.
+    pub fn valid_share(&self, y: usize, x: usize, height: usize, width: usize) -> f32 {
+        let first: usize =
+            self.attributes.iter().take_while(|a| **a != Attribute::Valid).map(|a| a.width()).sum();
+        let valid = window(&self.gbuffer[first * self.height * self.width..], self.width, [y, x, height, width]);
+        valid.iter().sum::<f32>() / valid.len() as f32
+    }
+
+    /// A window of the pair.
+    pub fn window(&self, y: usize, x: usize, height: usize, width: usize) -> Pair {
+        let cut = |data: &[f16]| {
+            let planes = data.chunks_exact(self.height * self.width);
+            let channels = planes.len();
+            let data = planes.flat_map(|plane| window(plane, self.width, [y, x, height, width])).collect();
+            Planes::from_data(channels, height, width, data)
+        };
+        Pair {
+            gbuffer: GBuffer::new(self.attributes.clone(), cut(&self.gbuffer)),
+            target: cut(&self.target),
+            radius: self.radius,
+        }
+    }
+}
+
+fn halves(planes: &Planes) -> Vec<f16> {
+    let mut halves = vec![f16::ZERO; planes.data().len()];
+    halves.convert_from_f32_slice(planes.data());
+    halves
+}
+
+fn window(plane: &[f16], stride: usize, [y, x, height, width]: [usize; 4]) -> Vec<f32> {
+    let mut window = vec![0.0; height * width];
+    for (row, window) in window.chunks_exact_mut(width).enumerate() {
+        plane[(y + row) * stride + x..][..width].convert_to_f32_slice(window);
+    }
+    window
+}
+
+/// Pairs of a source, kept in memory once read while there is room.
+pub struct Cache {
+    source: Arc<dyn PairSource>,
+    spec: NetSpec,
+    pairs: Vec<OnceLock<Arc<HalfPair>>>,
+    room: std::sync::atomic::AtomicUsize,
+}
+
+impl Cache {
+    /// An empty cache with room for so many bytes.
+    pub fn new(source: Arc<dyn PairSource>, spec: NetSpec, room: usize) -> Self {
+        let pairs = (0..source.count()).map(|_| OnceLock::new()).collect();
+        Self { source, spec, pairs, room: room.into() }
+    }
+
+    /// Number of pairs.
+    pub fn count(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// A pair.
+    ///
+    /// # Errors
+    /// If it cannot be read or is not what the network needs.
+    pub fn pair(&self, index: usize) -> Result<Arc<HalfPair>, TrainError> {
+        use std::sync::atomic::Ordering::Relaxed;
+        if let Some(pair) = self.pairs[index].get() {
+            return Ok(Arc::clone(pair));
+        }
+        let read = self.source.read(index).and_then(|pair| HalfPair::new(&pair, &self.spec));
+        let pair = Arc::new(read.map_err(|problem| TrainError::Pair { index, problem })?);
+        let bytes = pair.bytes();
+        if self.room.fetch_update(Relaxed, Relaxed, |room| room.checked_sub(bytes)).is_ok() {
+            // Two threads may have read it at once; the pairs are equal.
+            let _ = self.pairs[index].set(Arc::clone(&pair));
+        }
+        Ok(pair)
+    }
+}

@@ -1,0 +1,41 @@
+//! The network's operations written with burn's tensors: they train on every backend, and they are what the CPU's
+//! own kernels (`kernels`) are tested against.
+
+use burn::tensor::Tensor;
+use burn::tensor::activation::leaky_relu;
+use burn::tensor::module::{avg_pool2d, conv2d};
+use burn::tensor::ops::{AvgPoolOptions, ConvOptions};
+
+/// As `kernels::convolve`.
+pub fn convolve(x: Tensor<4>, weight: Tensor<4>, bias: Tensor<1>, leak: f32) -> Tensor<4> {
+    let [_, inputs, kernel, _] = weight.dims();
+    let groups = x.dims()[1] / inputs;
+    let options = ConvOptions::new([1, 1], [kernel / 2; 2], [1, 1], groups);
+    let sums = conv2d(x, weight, Some(bias), options);
+    if leak == 1.0 { sums } else { leaky_relu(sums, leak) }
+}
+
+/// As `kernels::halve`.
+pub fn halve(x: Tensor<4>) -> Tensor<4> {
+    avg_pool2d(x, AvgPoolOptions::new([2, 2], [2, 2], [0, 0], true, false))
+}
+
+/// As `kernels::double`. burn's `interpolate` has no gradient on its GPU backends; slices and blends have.
+pub fn double(x: Tensor<4>) -> Tensor<4> {
+    double_along(double_along(x, 2), 3)
+}
+
+/// Doubles one dimension: every value's two children lean a quarter towards its neighbour on their side.
+fn double_along(x: Tensor<4>, dimension: usize) -> Tensor<4> {
+    let mut dims = x.dims();
+    let size = dims[dimension];
+    let edge = |at: usize| x.clone().narrow(dimension, at, 1);
+    let replicated = Tensor::cat(vec![edge(0), x.clone(), edge(size - 1)], dimension) * 0.25;
+    let centre = x * 0.75;
+    let children = vec![
+        centre.clone() + replicated.clone().narrow(dimension, 0, size),
+        centre + replicated.narrow(dimension, 2, size),
+    ];
+    dims[dimension] *= 2;
+    Tensor::stack::<5>(children, dimension + 1).reshape(dims)
+}

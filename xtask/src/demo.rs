@@ -1,0 +1,17 @@
+//! `cargo xtask demo`: the program's main job on a machine that has only a Rust toolchain.
+
+use crate::{
+    command::{self, cargo},
+    vulkan,
+};
+use anyhow::Result;
+
+/// Sets up and runs `deepshade demo`.
+///
+/// # Errors
+/// If there is no Vulkan adapter, or the program does not build or fails.
+pub fn run(args: &[String]) -> Result<()> {
+    vulkan::ensure()?;
+    let mut demo = cargo(&["run", "--release", "--locked", "--", "demo"]);
+    command::run(demo.args(args))
+}

@@ -1,0 +1,55 @@
+//! Set-up and the commands that the README and CI call: `cargo xtask demo`, `cargo xtask test`, `cargo xtask deny`.
+//!
+//! Plain std, so that it builds in seconds on a machine that has nothing else yet.
+
+mod apt;
+mod command;
+mod demo;
+mod deny;
+mod python;
+mod test;
+mod vulkan;
+
+use anyhow::{Result, bail};
+use std::process::ExitCode;
+
+const HELP: &str = "\
+Usage: cargo xtask <COMMAND>
+
+Commands:
+  demo [ARGS]  Set up Vulkan where it is missing, build deepshade and run `deepshade demo` with ARGS
+  test         Set up Vulkan and onnxruntime where they are missing, then check everything: formatting, clippy,
+               documentation, features, all tests; CI runs this
+  deny         Check licences, banned crates and sources of all dependencies with cargo-deny
+  help         Print this
+
+On Linux, set-up installs Debian or Ubuntu packages if it may (as root, or by sudo without a password); otherwise it
+says which ones are missing and stops.";
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    match run(&args) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("xtask: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(args: &[String]) -> Result<()> {
+    let (name, rest) = match args.split_first() {
+        Some((name, rest)) => (name.as_str(), rest),
+        None => ("help", args),
+    };
+    match (name, rest) {
+        ("demo", rest) => demo::run(rest),
+        ("test", []) => test::run(),
+        ("deny", []) => deny::run(),
+        ("help" | "-h" | "--help", []) => {
+            println!("{HELP}");
+            Ok(())
+        }
+        _ => bail!("do not understand `{}`\n\n{HELP}", args.join(" ")),
+    }
+}

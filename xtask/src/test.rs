@@ -1,0 +1,84 @@
+//! `cargo xtask test`: everything that must hold before a change goes in. CI runs the same.
+
+use crate::{
+    apt,
+    command::{cargo, command, run as run_command, succeeds},
+    python, vulkan,
+};
+use anyhow::{Context, Result};
+use std::{
+    path::Path,
+    process::Command,
+    time::{Duration, Instant},
+};
+
+/// A check: what it is called, and the arguments of cargo.
+type Step = (&'static str, &'static [&'static str]);
+
+const STEPS: [Step; 6] = [
+    ("formatting", &["fmt", "--all", "--check"]),
+    ("clippy", &["clippy", "--release", "--locked", "--workspace", "--all-targets", "--", "-D", "warnings"]),
+    (
+        "the program without training",
+        &["clippy", "--release", "--locked", "--no-default-features", "--", "-D", "warnings"],
+    ),
+    (
+        "documentation",
+        &["doc", "--release", "--locked", "--workspace", "--no-deps", "--document-private-items"],
+    ),
+    (
+        "training on Vulkan, type check",
+        &["check", "--release", "--locked", "--package", "deepshade-train", "--features", "vulkan"],
+    ),
+    ("tests", &["test", "--release", "--locked", "--workspace", "--no-fail-fast"]),
+];
+
+/// Sets up and runs every check in order, up to the first that fails.
+///
+/// # Errors
+/// If something is missing and cannot be installed, or a check fails.
+pub fn run() -> Result<()> {
+    let start = Instant::now();
+    let onnxruntime = set_up().context("set-up")?;
+    let mut times = vec![("set-up", start.elapsed())];
+    for (name, args) in STEPS {
+        println!("\n=== {name}: cargo {}", args.join(" "));
+        let start = Instant::now();
+        run_command(&mut check(args, &onnxruntime)).with_context(|| format!("step `{name}` failed"))?;
+        times.push((name, start.elapsed()));
+        println!("=== {name}: passed in {} s", start.elapsed().as_secs());
+    }
+    print_summary(&times);
+    Ok(())
+}
+
+/// Vulkan, a C++ compiler and onnxruntime; gives the path of the latter's library.
+fn set_up() -> Result<std::path::PathBuf> {
+    println!("=== set-up");
+    vulkan::ensure()?;
+    // The oracle of the FLIP metric, nv-flip, is C++.
+    let compiler = std::env::var("CXX").unwrap_or_else(|_| "c++".to_owned());
+    if !succeeds(&mut command(&compiler, &["--version"])) {
+        apt::install(&["g++"], "A C++ compiler, for nv-flip in the tests,")?;
+    }
+    let onnxruntime = python::onnxruntime()?;
+    println!("onnxruntime: {}", onnxruntime.display());
+    Ok(onnxruntime)
+}
+
+/// A step's command, with warnings of rustdoc as errors and onnxruntime where the tests look for it.
+fn check(args: &[&str], onnxruntime: &Path) -> Command {
+    let mut check = cargo(args);
+    check.env("RUSTDOCFLAGS", "-D warnings").env("ORT_DYLIB_PATH", onnxruntime);
+    check
+}
+
+fn print_summary(times: &[(&str, Duration)]) {
+    println!("\n=== everything passed");
+    for (name, time) in times {
+        println!("{:>6} s  {name}", time.as_secs());
+    }
+    let total: Duration = times.iter().map(|(_, time)| *time).sum();
+    println!("{:>6} s  total", total.as_secs());
+    println!("Not part of this: `cargo xtask deny` (licences; needs cargo-deny)");
+}
