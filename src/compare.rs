@@ -1,20 +1,20 @@
 //! `deepshade compare`: methods against truth on the views of a scene.
 
 use crate::figures::{self, Figures};
-use crate::methods::{self, Setup, TRUTH};
+use crate::methods::{self, Setup};
 use crate::report::{Comparison, FrameReport, MethodReport, Truth};
 use crate::scene_source::SceneSource;
 use crate::views::{self, View};
 use anyhow::{Context, Result, ensure};
 use clap::builder::RangedU64ValueParser;
+use deepshade_dataset::truth::{self, Shot};
 use deepshade_infer::Model;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Method, Repeats};
 use deepshade_render::metrics::Scores;
-use deepshade_render::path::ao::Ao;
 use deepshade_shaders::gpu::Gpu;
-use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
+use deepshade_shaders::{Attribute, Effect, GBuffer};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -102,7 +102,7 @@ pub fn run(args: &Args) -> Result<()> {
         seed: args.views.seed,
         repeats: REPEATS,
     };
-    let views = args.views.of(&scene, &settings)?;
+    let views = args.views.of(&scene, [args.height, args.width])?;
     let mut frames = Vec::new();
     for (index, view) in views.iter().enumerate() {
         eprintln!("frame {} of {}: {}", index + 1, views.len(), view.name);
@@ -135,7 +135,7 @@ pub fn compare_frame(
     methods: &[Box<dyn Method>],
 ) -> Result<FrameReport> {
     let Settings { effect, height, width, radius, seed, repeats, .. } = settings;
-    let gbuffer = gbuffer::render(scene, &view.camera, height, width, &gbuffer::RENDERED);
+    let gbuffer = gbuffer::render(scene, &view.camera, height, width, truth::attributes(effect));
     ensure!(sees_something(&gbuffer)?, "view `{}` sees nothing of the scene", view.name);
     let frame = Frame { scene, camera: &view.camera, gbuffer: &gbuffer, radius, seed };
     let truth = render_truth(&frame, settings);
@@ -157,12 +157,11 @@ pub fn compare_frame(
 
 /// Truth by two renderings whose random numbers have nothing to do with each other.
 fn render_truth(frame: &Frame<'_>, settings: Settings) -> Truth {
-    let Settings { effect, height, width, radius, samples, .. } = settings;
-    let half = |half: u32| -> Planes {
-        let seed = frame.seed.wrapping_mul(2).wrapping_add(half);
-        match effect {
-            Effect::Ao => Ao { radius, samples, seed }.render(frame.scene, frame.camera, height, width),
-        }
+    let Settings { effect, height, width, radius, samples, seed, .. } = settings;
+    let half = |half: u32| {
+        let seed = seed.wrapping_mul(2).wrapping_add(half);
+        let shot = Shot { scene: frame.scene, camera: frame.camera, height, width, radius, samples, seed };
+        truth::render(effect, &shot)
     };
     let start = Instant::now();
     let halves = [half(0), half(1)];
@@ -200,7 +199,12 @@ pub fn machine(gpu: &Gpu) -> Vec<(String, String)> {
     [adapter].into_iter().chain(rest).collect()
 }
 
-fn positive(text: &str) -> Result<f32, String> {
+/// Reads a number that must be positive, such as a radius.
+pub fn positive(text: &str) -> Result<f32, String> {
     let value: f32 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
-    if value > 0.0 && value.is_finite() { Ok(value) } else { Err(format!("{value} is not above 0 and finite")) }
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(format!("{value} is not above 0 and finite"))
+    }
 }

@@ -24,6 +24,7 @@ mod statistics;
 #[cfg(feature = "train")]
 mod train;
 mod tune;
+mod views;
 
 /// Learned, analytic and path-traced screen-space shading side by side.
 #[derive(Parser)]

@@ -83,6 +83,13 @@ fn open_learned(setup: Setup<'_>) -> Result<Box<dyn Method>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use deepshade_infer::{ChannelOrder, NetSpec, Reach, Weights};
+    use deepshade_render::bvh::TracedScene;
+    use deepshade_render::gbuffer;
+    use deepshade_render::method::{Frame, Repeats};
+    use deepshade_render::scene::{Camera, Material, Mesh, Scene};
+    use deepshade_shaders::Attribute;
+    use glam::Vec3;
 
     fn checked(names: &[&str]) -> Result<(), String> {
         let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
@@ -95,6 +102,51 @@ mod tests {
         let error = checked(&["hbao", "gtao"]).expect_err("no such method");
         assert_eq!(error, "effect `ao` has no method `gtao`; there are learned, hbao, truth");
         assert!(checked(&["hbao", "hbao"]).expect_err("twice").contains("twice"));
+    }
+
+    /// A floor whose far edge is in view, with nothing behind it.
+    fn floor() -> TracedScene {
+        let positions =
+            [(-2., 0.), (2., 0.), (2., -4.), (-2., -4.)].map(|(x, z)| Vec3::new(x, 0.0, z)).to_vec();
+        let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() };
+        let scene = Scene { meshes: vec![mesh], materials: vec![Material::default()], ..Scene::default() };
+        TracedScene::new(scene).expect("a scene")
+    }
+
+    #[test]
+    fn every_method_opens_under_its_name_and_leaves_the_background_alone() {
+        let gpu = Gpu::new().expect("an adapter");
+        let reach = Reach { radius: 1.0, diagonal_share: 0.1, height: 24 };
+        let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
+        let model = Model { weights: Weights::random(&spec, 1), spec };
+        let names: Vec<String> = names_of(Effect::Ao).iter().map(|name| (*name).to_owned()).collect();
+        let setup = Setup { gpu: &gpu, model: Some(&model) };
+        let methods = open(Effect::Ao, &names, setup).expect("methods");
+        let opened: Vec<&str> = methods.iter().map(|method| method.name()).collect();
+        assert_eq!(opened, names[..names.len() - 1]);
+
+        let scene = floor();
+        let camera = Camera::look_at(Vec3::new(0.3, 1.0, 1.0), Vec3::new(0.0, 0.4, -4.0));
+        let gbuffer = gbuffer::render(&scene, &camera, 24, 40, &gbuffer::RENDERED);
+        let valid = gbuffer.select(&[Attribute::Valid]).expect("a mask");
+        let seen = valid.data().iter().filter(|valid| **valid == 1.0).count();
+        assert!(seen > 100 && seen < 24 * 40 - 100, "{seen}");
+        let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius: 0.5, seed: 1 };
+        for method in methods {
+            let shaded = method.shade(&frame, Repeats::ONCE).expect("an image");
+            assert!(shaded.image.same_shape(&valid), "{}", method.name());
+            let pairs = || shaded.image.data().iter().zip(valid.data());
+            assert!(pairs().all(|(value, valid)| *valid == 1.0 || *value == 1.0), "{}", method.name());
+            assert!(shaded.image.data().iter().all(|value| value.is_finite()), "{}", method.name());
+        }
+    }
+
+    #[test]
+    fn the_learned_method_needs_a_model() {
+        let gpu = Gpu::new().expect("an adapter");
+        let setup = Setup { gpu: &gpu, model: None };
+        let error = open(Effect::Ao, &["learned".to_owned()], setup).err().expect("no model");
+        assert_eq!(format!("{error:#}"), "method `learned`: no model is given");
     }
 
     #[test]

@@ -1,1 +1,33 @@
-//! deepshade-dataset
+//! Training pairs on disk: g-buffers of sampled views with the truth of an effect.
+//!
+//! A [`Recipe`] says what to make. [`generate`] makes it: one EXR file a view and a manifest that tells where each
+//! comes from. [`verify`] checks it, [`contact_sheet`] shows it, [`Dataset`] reads it, [`augment`] turns and mirrors
+//! what was read. A [`TestSet`] is for evaluation: truth with far more samples, on a share of the image's tiles.
+
+pub mod augment;
+pub mod contact_sheet;
+pub mod error;
+mod font;
+pub mod generate;
+mod journal;
+pub mod manifest;
+pub mod plan;
+mod progress;
+mod random;
+pub mod read;
+pub mod recipe;
+pub mod testset;
+pub mod truth;
+pub mod verify;
+pub mod views;
+
+pub use augment::{Symmetry, augment};
+pub use contact_sheet::contact_sheet;
+pub use error::DatasetError;
+pub use generate::{Summary, generate};
+pub use manifest::{Manifest, PairRecord};
+pub use plan::{Part, SceneSource};
+pub use read::{Dataset, Pair};
+pub use recipe::{Radius, Recipe};
+pub use testset::{TestFrame, TestSet};
+pub use verify::{Fault, Report, verify};

@@ -192,7 +192,8 @@ fn barycentric(triangle: &Triangle, ray: &Ray) -> Vec2 {
 /// A number in [0, 1) that a ray and a triangle share, for decisions that must not depend on threads.
 fn ray_hash(ray: &Ray, index: usize) -> f32 {
     let words = [ray.direction.x, ray.direction.y, ray.direction.z, ray.origin.x, ray.origin.y, ray.origin.z];
-    let hash = words.iter().fold(index as u32, |hash, word| crate::path::sampler::hash(hash ^ word.to_bits()));
+    let hash =
+        words.iter().fold(index as u32, |hash, word| crate::path::sampler::hash(hash ^ word.to_bits()));
     hash as f32 / 4_294_967_296.0
 }
 
@@ -243,11 +244,8 @@ mod tests {
         let texels = vec![[255, 255, 255, 255], [255, 255, 255, 0]];
         let texture = Texture::new(2, 1, texels, Encoding::Srgb, [Wrap::Clamp; 2]);
         let slot = TextureSlot { texture: TextureId(0), uv_set: 0, transform: Affine2::IDENTITY };
-        let material = Material {
-            base_colour_texture: Some(slot),
-            alpha: AlphaMode::Mask(0.5),
-            ..Material::default()
-        };
+        let material =
+            Material { base_colour_texture: Some(slot), alpha: AlphaMode::Mask(0.5), ..Material::default() };
         let scene = Scene { textures: vec![texture], ..scene(vec![square_at(0.0)], material) };
         let traced = TracedScene::new(scene).expect("a square");
         assert!(traced.blocked(Vec3::new(0.2, 0.5, 1.0), Vec3::NEG_Z, 9.0));

@@ -124,7 +124,9 @@ mod tests {
     /// A square of 2 x 2 m in the plane z = 0 that faces +z.
     fn square() -> TracedScene {
         let mesh = Mesh {
-            positions: [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)].map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec(),
+            positions: [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)]
+                .map(|(x, y)| Vec3::new(x, y, 0.0))
+                .to_vec(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             ..Mesh::default()
         };
@@ -137,7 +139,8 @@ mod tests {
         let scene = square();
         let camera = Camera::look_at(Vec3::new(1.0, 0.5, 2.0), Vec3::ZERO);
         let gbuffer = render(&scene, &camera, 33, 47, &RENDERED);
-        let all = gbuffer.select(&[Attribute::Position, Attribute::Normal, Attribute::Depth, Attribute::Valid]);
+        let all =
+            gbuffer.select(&[Attribute::Position, Attribute::Normal, Attribute::Depth, Attribute::Valid]);
         let all = all.expect("all rendered");
         let plane_normal = camera.direction_to_camera(Vec3::Z);
         let origin = camera.to_camera(Vec3::ZERO);

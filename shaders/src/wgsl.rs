@@ -84,20 +84,20 @@ table! {
     HBAO_BLUR: "methods/hbao/blur", constants [], uniforms [HbaoBlur], shared ["surface"];
     /// A network's first layer.
     NET_FIRST: "net/first", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_features", "net_layer", "net_input", "net_convolved", "net_pool"];
+        shared ["net_features", "net_layer", "net_input", "net_single", "net_pool"];
     /// A network's further layers on the way down.
     NET_DOWN: "net/down", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_features", "net_layer", "net_pooled", "net_convolved", "net_pool"];
+        shared ["net_features", "net_layer", "net_pooled", "net_single", "net_pool"];
     /// A network's coarsest layer.
     NET_BOTTOM: "net/bottom", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_features", "net_layer", "net_pooled", "net_convolved"];
+        shared ["net_features", "net_layer", "net_pooled", "net_single"];
     /// A network's layers on the way up.
     NET_UP: "net/up", constants [KERNEL = 3], uniforms [NetLayer], shared ["net_features", "net_layer", "net_joined"];
     /// A network's last layer.
     NET_IMAGE: "net/image", constants [KERNEL = 3], uniforms [NetLayer], shared ["net_image", "net_layer", "net_joined"];
     /// A network of one level.
     NET_ONLY: "net/only", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_image", "net_layer", "net_input", "net_convolved"];
+        shared ["net_image", "net_layer", "net_input", "net_single"];
 }
 
 #[cfg(test)]

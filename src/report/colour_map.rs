@@ -10,8 +10,13 @@ type Lch = [f32; 3];
 const DARKEST: f32 = 0.12;
 
 /// Errors from 0 to 1: black, violet, red, orange, pale yellow.
-const SEQUENTIAL: [Lch; 5] =
-    [[DARKEST, 0.02, 285.0], [0.33, 0.15, 300.0], [0.54, 0.2, 370.0], [0.76, 0.16, 415.0], [0.97, 0.07, 460.0]];
+const SEQUENTIAL: [Lch; 5] = [
+    [DARKEST, 0.02, 285.0],
+    [0.33, 0.15, 300.0],
+    [0.54, 0.2, 370.0],
+    [0.76, 0.16, 415.0],
+    [0.97, 0.07, 460.0],
+];
 /// Differences below 0: ever lighter blue.
 const NEGATIVE: [Lch; 3] = [[DARKEST, 0.0, 250.0], [0.54, 0.14, 250.0], [0.93, 0.05, 215.0]];
 /// Differences above 0: ever lighter orange, as light as the blue for the same size.

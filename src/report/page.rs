@@ -20,7 +20,12 @@ pub fn render(comparison: &Comparison) -> Result<String> {
         title: title(comparison.effect),
         subtitle: subtitle(&methods, comparison.frames.len()),
         means: mean_rows(comparison),
-        frames: comparison.frames.iter().enumerate().map(|(index, frame)| Section::new(index, frame)).collect(),
+        frames: comparison
+            .frames
+            .iter()
+            .enumerate()
+            .map(|(index, frame)| Section::new(index, frame))
+            .collect(),
         images: methods.iter().cloned().chain(["truth".to_owned()]).collect(),
         machine: &comparison.machine,
         difference_range: images::DIFFERENCE_RANGE,

@@ -18,7 +18,12 @@ fn frame(name: &str, methods: &[&str]) -> FrameReport {
         MethodReport { name: (*name).to_owned(), scores, image, milliseconds: 2.5, clock: Clock::Gpu }
     });
     let methods = methods.collect();
-    FrameReport { name: name.to_owned(), facts: vec![("radius".to_owned(), "0.5 m".to_owned())], truth, methods }
+    FrameReport {
+        name: name.to_owned(),
+        facts: vec![("radius".to_owned(), "0.5 m".to_owned())],
+        truth,
+        methods,
+    }
 }
 
 fn comparison(frames: Vec<FrameReport>) -> Comparison {
@@ -57,7 +62,8 @@ fn everything_that_the_page_shows_is_there() {
         }
     }
     assert!(!page.contains("http"), "nothing from elsewhere");
-    for text in ["white image", "half against half", "1234", "2.50", "GPU timestamps", "0.5 m", "Mean over 2"] {
+    for text in ["white image", "half against half", "1234", "2.50", "GPU timestamps", "0.5 m", "Mean over 2"]
+    {
         assert!(page.contains(text), "{text}");
     }
 }
@@ -119,6 +125,7 @@ fn figures_bear_the_names_that_scripts_ask_for() {
 #[test]
 fn the_table_has_a_line_for_everything() {
     let text = comparison(vec![frame("a", &["learned", "hbao"])]).to_string();
-    let starts: Vec<&str> = text.lines().map(|line| line.split([' ', ',']).next().unwrap_or_default()).collect();
+    let starts: Vec<&str> =
+        text.lines().map(|line| line.split([' ', ',']).next().unwrap_or_default()).collect();
     assert_eq!(starts, ["ao", "learned", "hbao", "truth", "white"]);
 }

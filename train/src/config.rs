@@ -25,7 +25,7 @@ pub struct TrainConfig {
     pub crop: usize,
     /// Steps of the whole run.
     pub steps: usize,
-    /// Pairs held apart for validation, spread evenly over the dataset.
+    /// At most so many of the pairs that the dataset holds apart are used for validation.
     pub validation_pairs: usize,
     /// Steps between validations; each also saves a checkpoint.
     pub validate_every: usize,

@@ -1,14 +1,32 @@
 //! Training: the U-net of a spec in burn, its loss and optimisers, the loop with its checkpoints, and the export of
 //! what was learned.
 
+pub mod bench;
+pub mod checkpoint;
+pub mod config;
 mod device;
+pub mod error;
+pub mod export;
+mod files;
 #[cfg(not(feature = "vulkan"))]
 mod kernels;
+mod loader;
 pub mod loss;
+pub mod metrics;
 pub mod net;
+pub mod optim;
+mod pairs;
 #[cfg(any(test, feature = "vulkan"))]
 mod plain;
+mod progress;
 mod rng;
+pub mod training;
 
+pub use config::TrainConfig;
 pub use device::device;
-pub use net::{UNet, forward_burn};
+pub use error::TrainError;
+pub use export::export;
+pub use net::{UNet, forward_burn, layers_burn};
+pub use optim::Optimiser;
+pub use pairs::PairSource;
+pub use training::{Ending, Outcome, train, train_on};

@@ -151,3 +151,30 @@ fn work(sampler: &Sampler, steps: impl Iterator<Item = usize>, sender: &SyncSend
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use deepshade_infer::{ChannelOrder, Reach};
+    use deepshade_shaders::{GBuffer, Planes};
+
+    #[test]
+    fn positions_are_scaled_by_trained_over_wanted_radius_and_nothing_else_is() {
+        let reach = Reach { radius: 0.5, diagonal_share: 0.05, height: 512 };
+        let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
+        let attributes = vec![Attribute::Position, Attribute::Valid, Attribute::Normal];
+        let pair = Pair {
+            gbuffer: GBuffer::new(attributes, Planes::from_fn(7, 1, 2, |c, _, x| (10 * c + x) as f32)),
+            target: Planes::filled(1, 1, 2, 0.25),
+            radius: 2.0,
+        };
+        let mut batch = Batch::default();
+        batch.push(&pair, &spec);
+        batch.push(&pair, &spec);
+        let image = [40.0, 41.0, 50.0, 51.0, 60.0, 61.0, 0.0, 0.25, 2.5, 2.75, 5.0, 5.25];
+        assert_eq!(batch.input, [image, image].concat());
+        assert_eq!(batch.valid, [30.0, 31.0, 30.0, 31.0]);
+        let shapes = batch.into_tensors(&crate::device()).map(|tensor| tensor.dims());
+        assert_eq!(shapes, [[2, 6, 1, 2], [2, 1, 1, 2], [2, 1, 1, 2]]);
+    }
+}

@@ -43,7 +43,7 @@ fn ssim_tiles(a: Tensor<4>, b: Tensor<4>) -> Tensor<4> {
 }
 
 fn tile_means(x: Tensor<4>) -> Tensor<4> {
-    avg_pool2d(x, AvgPoolOptions::new([TILE; 2], [TILE; 2], [0; 2], true, false))
+    avg_pool2d(x, AvgPoolOptions::new([TILE; 2]))
 }
 
 /// A value a tile as a value a pixel.
@@ -78,7 +78,7 @@ mod tests {
     /// DSSIM by the book, in f64.
     fn naive(a: &Tensor<4>, b: &Tensor<4>) -> f64 {
         let [batch, channels, height, width] = a.dims();
-        let numbers = |t: &Tensor<4>| t.to_data().to_vec::<f32>().expect("f32");
+        let numbers = |t: &Tensor<4>| t.to_data().try_into_vec::<f32>().expect("f32");
         let (a, b) = (numbers(a), numbers(b));
         let (mut sum, mut count) = (0.0, 0.0);
         for plane in 0..batch * channels {
@@ -133,10 +133,10 @@ mod tests {
         let (a, b) = (noise(shape, 1, &device), noise(shape, 2, &device));
         let leaf = a.clone().require_grad();
         let grads = dssim(leaf.clone(), b.clone(), ones(shape, &device)).backward();
-        let gradient = leaf.grad(&grads).expect("a gradient").to_data().to_vec::<f32>().expect("f32");
+        let gradient = leaf.grad(&grads).expect("a gradient").to_data().try_into_vec::<f32>().expect("f32");
         for at in [0, 9, 77, 127] {
             let moved = |by: f32| {
-                let mut data = a.to_data().to_vec::<f32>().expect("f32");
+                let mut data = a.to_data().try_into_vec::<f32>().expect("f32");
                 data[at] += by;
                 naive(&Tensor::from_data(TensorData::new(data, shape), &device), &b)
             };
@@ -155,7 +155,7 @@ mod tests {
         let repaired = a.clone() * valid.clone() + b.clone() * (1.0 - valid.clone());
         let leaf = a.require_grad();
         let loss = dssim(leaf.clone(), b.clone(), valid);
-        let gradient = leaf.grad(&loss.backward()).expect("a gradient").to_data().to_vec::<f32>().expect("f32");
+        let gradient = leaf.grad(&loss.backward()).expect("a gradient").to_data().try_into_vec::<f32>().expect("f32");
         let loss: f32 = loss.into_scalar();
         assert!((f64::from(loss) - naive(&repaired, &b)).abs() < 1e-6);
         assert!(gradient[..32].iter().any(|g| *g != 0.0) && gradient[32..].iter().all(|g| *g == 0.0));

@@ -6,7 +6,7 @@ use burn::module::{Module, Param, ParamId};
 use burn::tensor::ops::PadMode;
 use burn::tensor::{Device, Tensor, TensorData};
 use deepshade_infer::weights::LayerWeights;
-use deepshade_infer::{ChannelOrder, Layer, NetSpec, Source, Weights};
+use deepshade_infer::{Activation, ChannelOrder, Layer, NetSpec, Source, Weights};
 use deepshade_shaders::Planes;
 
 /// A convolution's weights and biases.
@@ -63,7 +63,7 @@ impl UNet {
 
     /// The weights as plain arrays.
     pub fn weights(&self) -> Weights {
-        let numbers = |data: TensorData| data.to_vec::<f32>().expect("weights are f32");
+        let numbers = |data: TensorData| data.try_into_vec::<f32>().expect("weights are f32");
         let layer = |conv: &Conv| LayerWeights {
             weight: numbers(conv.weight.val().into_data()),
             bias: numbers(conv.bias.val().into_data()),
@@ -83,16 +83,26 @@ impl UNet {
     /// `[batch, input channels, height, width]` to `[batch, effect's channels, height, width]`.
     pub fn forward(&self, x: Tensor<4>) -> Tensor<4> {
         let [_, _, height, width] = x.dims();
+        self.forward_aligned(self.padded(x)).narrow(2, 0, height).narrow(3, 0, width)
+    }
+
+    /// The input padded with its edge.
+    fn padded(&self, x: Tensor<4>) -> Tensor<4> {
+        let [_, _, height, width] = x.dims();
         let missing = |size: usize| size.next_multiple_of(self.spec.alignment()) - size;
-        if missing(height) + missing(width) == 0 {
-            return self.forward_aligned(x);
+        match missing(height) + missing(width) {
+            0 => x,
+            _ => x.pad((0, missing(width), 0, missing(height)), PadMode::Edge),
         }
-        let padded = x.pad((0, missing(width), 0, missing(height)), PadMode::Edge);
-        self.forward_aligned(padded).narrow(2, 0, height).narrow(3, 0, width)
     }
 
     /// Images whose height and width are multiples of [`NetSpec::alignment`].
     fn forward_aligned(&self, x: Tensor<4>) -> Tensor<4> {
+        self.layers(x).pop().expect("a network has a layer")
+    }
+
+    /// What every layer makes of images whose height and width are multiples of [`NetSpec::alignment`].
+    fn layers(&self, x: Tensor<4>) -> Vec<Tensor<4>> {
         let mut outputs: Vec<Tensor<4>> = Vec::with_capacity(self.convs.len());
         for (layer, conv) in self.spec.layers().iter().zip(&self.convs) {
             let input = match layer.source {
@@ -106,7 +116,7 @@ impl UNet {
             let leak = if layer.activation { self.spec.leak } else { 1.0 };
             outputs.push(ops::convolve(input, conv.weight.val(), conv.bias.val(), leak));
         }
-        outputs.pop().expect("a network has a layer")
+        outputs
     }
 
     /// Concatenation in the spec's order ([`NetSpec::joined_order`]).
@@ -134,6 +144,19 @@ pub fn forward_burn(spec: &NetSpec, weights: &Weights, input: &Planes) -> Planes
     to_planes(output)
 }
 
+/// What every layer makes through burn on the way to [`forward_burn`]'s image, as
+/// [`reference::layers`](deepshade_infer::reference::layers) gives it.
+pub fn layers_burn(spec: &NetSpec, weights: &Weights, input: &Planes) -> Vec<Activation> {
+    let device = crate::device();
+    let net = UNet::from_weights(spec, weights, &device);
+    let mut made: Vec<Planes> =
+        net.layers(net.padded(to_tensor(&[input], &device))).into_iter().map(to_planes).collect();
+    if let Some(last) = made.last_mut() {
+        *last = last.window(0, 0, input.height(), input.width());
+    }
+    spec.layers().into_iter().zip(made).map(|(layer, planes)| Activation { layer: layer.name, planes }).collect()
+}
+
 /// Images of one size as a tensor `[batch, channels, height, width]`.
 pub(crate) fn to_tensor(images: &[&Planes], device: &Device) -> Tensor<4> {
     let shape = [images.len(), images[0].channels(), images[0].height(), images[0].width()];
@@ -144,6 +167,79 @@ pub(crate) fn to_tensor(images: &[&Planes], device: &Device) -> Tensor<4> {
 /// The only image of a tensor `[1, channels, height, width]`.
 pub(crate) fn to_planes(tensor: Tensor<4>) -> Planes {
     let [_, channels, height, width] = tensor.dims();
-    let data = tensor.into_data().to_vec::<f32>().expect("images are f32");
+    let data = tensor.into_data().try_into_vec::<f32>().expect("images are f32");
     Planes::from_data(channels, height, width, data)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use deepshade_infer::{Comparison, Reach, parity, reference};
+
+    const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+
+    #[test]
+    fn ao_has_the_papers_number_of_weights() {
+        for order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
+            let net = UNet::random(&NetSpec::ao(order, REACH), 1, &crate::device());
+            assert_eq!(net.num_params(), 71_089);
+        }
+    }
+
+    #[test]
+    fn layers_are_the_references() {
+        let spec = NetSpec { levels: 3, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) };
+        let weights = Weights::random(&spec, 4);
+        let input = parity::noise(spec.input_channels(), 21, 30, 7);
+        let expected = reference::layers(&spec, &weights, &input);
+        assert_eq!(parity::first_difference(&expected, &layers_burn(&spec, &weights, &input)), None);
+    }
+
+    #[test]
+    fn weights_survive_the_way_through_burn() {
+        let spec = NetSpec { levels: 3, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) };
+        let weights = Weights::random(&spec, 3);
+        assert_eq!(UNet::from_weights(&spec, &weights, &crate::device()).weights(), weights);
+    }
+
+    #[test]
+    fn agrees_with_the_reference_at_any_size() {
+        let sizes = [(16, 16), (64, 32), (37, 83), (101, 19)];
+        for order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
+            let ao = NetSpec::ao(order, REACH);
+            let specs =
+                [ao.clone(), NetSpec { levels: 1, ..ao.clone() }, NetSpec { levels: 3, kernel: 5, u0: 4, ..ao }];
+            for (seed, spec) in specs.iter().enumerate() {
+                let weights = Weights::random(spec, seed as u32);
+                for (height, width) in sizes {
+                    let input = parity::noise(spec.input_channels(), height, width, 7);
+                    let expected = reference::forward(spec, &weights, &input);
+                    let comparison = Comparison::new(&expected, &forward_burn(spec, &weights, &input));
+                    assert!(comparison.agrees(), "{order:?}, {} levels, {height}x{width}: {comparison:?}", spec.levels);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_other_channel_order_is_another_network() {
+        let spec = NetSpec::ao(ChannelOrder::Contiguous, REACH);
+        let weights = Weights::random(&spec, 1);
+        let input = parity::noise(6, 32, 32, 7);
+        let other = NetSpec { channel_order: ChannelOrder::Interleaved, ..spec.clone() };
+        let comparison =
+            Comparison::new(&forward_burn(&spec, &weights, &input), &forward_burn(&other, &weights, &input));
+        assert!(!comparison.agrees());
+    }
+
+    #[test]
+    fn first_weights_keep_the_size_of_what_passes_through() {
+        let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH);
+        let weights = UNet::random(&spec, 5, &crate::device()).weights();
+        let input = parity::noise(6, 64, 64, 7);
+        for activation in reference::layers(&spec, &weights, &input) {
+            let rms = parity::rms(&activation.planes);
+            assert!((0.1..4.0).contains(&rms), "{}: {rms}", activation.layer);
+        }
+    }
 }

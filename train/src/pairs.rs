@@ -13,6 +13,12 @@ pub trait PairSource: Send + Sync {
     /// Number of pairs.
     fn count(&self) -> usize;
 
+    /// Indices of the pairs to train on.
+    fn training(&self) -> Vec<usize>;
+
+    /// Indices of the pairs that are held apart from training.
+    fn validation(&self) -> Vec<usize>;
+
     /// Reads a pair.
     ///
     /// # Errors
@@ -23,6 +29,14 @@ pub trait PairSource: Send + Sync {
 impl PairSource for Dataset {
     fn count(&self) -> usize {
         self.len()
+    }
+
+    fn training(&self) -> Vec<usize> {
+        Self::training(self)
+    }
+
+    fn validation(&self) -> Vec<usize> {
+        Self::validation(self)
     }
 
     fn read(&self, index: usize) -> Result<Pair, String> {
@@ -132,11 +146,6 @@ impl Cache {
     pub fn new(source: Arc<dyn PairSource>, spec: NetSpec, room: usize) -> Self {
         let pairs = (0..source.count()).map(|_| OnceLock::new()).collect();
         Self { source, spec, pairs, room: room.into() }
-    }
-
-    /// Number of pairs.
-    pub fn count(&self) -> usize {
-        self.pairs.len()
     }
 
     /// A pair.

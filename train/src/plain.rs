@@ -12,12 +12,12 @@ pub fn convolve(x: Tensor<4>, weight: Tensor<4>, bias: Tensor<1>, leak: f32) -> 
     let groups = x.dims()[1] / inputs;
     let options = ConvOptions::new([1, 1], [kernel / 2; 2], [1, 1], groups);
     let sums = conv2d(x, weight, Some(bias), options);
-    if leak == 1.0 { sums } else { leaky_relu(sums, leak) }
+    if leak == 1.0 { sums } else { leaky_relu(sums, leak.into()) }
 }
 
 /// As `kernels::halve`.
 pub fn halve(x: Tensor<4>) -> Tensor<4> {
-    avg_pool2d(x, AvgPoolOptions::new([2, 2], [2, 2], [0, 0], true, false))
+    avg_pool2d(x, AvgPoolOptions::new([2, 2]))
 }
 
 /// As `kernels::double`. burn's `interpolate` has no gradient on its GPU backends; slices and blends have.

@@ -57,28 +57,29 @@ pub fn train(config: &TrainConfig, folder: &Path) -> Result<Outcome, TrainError>
 /// As [`train`].
 pub fn train_on(config: &TrainConfig, source: Arc<dyn PairSource>, folder: &Path) -> Result<Outcome, TrainError> {
     config.check()?;
-    let split = Split::new(source.count(), config.validation_pairs)?;
+    let split = Split::new(&*source, config.validation_pairs)?;
     std::fs::create_dir_all(folder).map_err(TrainError::io("create", folder))?;
     config.claim(folder)?;
     let cache = Arc::new(Cache::new(source, config.spec.clone(), config.cache_megabytes << 20));
     Run::open(config, folder, cache, split)?.go()
 }
 
-/// Which pairs are trained on and which are held apart.
+/// Which pairs are trained on, and which of those held apart measure it.
 struct Split {
     training: Vec<usize>,
     validation: Vec<usize>,
 }
 
 impl Split {
-    fn new(count: usize, held: usize) -> Result<Self, TrainError> {
-        if held >= count {
-            let problem = format!("is {held}, but the dataset has only {count} pairs");
-            return Err(TrainError::Config { field: "validation_pairs", problem });
+    /// At most `most` pairs for validation, spread evenly over those that are held apart.
+    fn new(source: &dyn PairSource, most: usize) -> Result<Self, TrainError> {
+        let (training, held) = (source.training(), source.validation());
+        if training.is_empty() || held.is_empty() {
+            let problem = format!("has {} pairs to train on and {} for validation", training.len(), held.len());
+            return Err(TrainError::Config { field: "dataset", problem });
         }
-        let validation: Vec<usize> = (0..held).map(|i| i * count / held).collect();
-        let training = (0..count).filter(|index| validation.binary_search(index).is_err()).collect();
-        Ok(Self { training, validation })
+        let count = held.len().min(most);
+        Ok(Self { training, validation: (0..count).map(|i| held[i * held.len() / count]).collect() })
     }
 }
 

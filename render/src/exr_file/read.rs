@@ -3,7 +3,9 @@
 use super::{ExrError, Metadata, names};
 use deepshade_shaders::{Attribute, Channel, GBuffer, Planes};
 use exr::meta::header::Header;
-use exr::prelude::{AnyChannel, AnyChannels, AttributeValue, FlatImage, FlatSamples, Layer, ReadChannels, ReadLayers};
+use exr::prelude::{
+    AnyChannel, AnyChannels, AttributeValue, FlatImage, FlatSamples, Layer, ReadChannels, ReadLayers,
+};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -35,7 +37,8 @@ pub fn read(path: &Path) -> Result<ExrImage, ExrError> {
     let from_exr = |error| ExrError::from_exr(path, error);
     let reader = exr::block::read(BufReader::new(file), false).map_err(from_exr)?;
     check_headers(reader.headers(), bytes).map_err(|what| ExrError::invalid(path, what))?;
-    let everything = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels().all_layers();
+    let everything =
+        exr::prelude::read().no_deep_data().largest_resolution_level().all_channels().all_layers();
     let image = everything.all_attributes().non_parallel().from_chunks(reader).map_err(from_exr)?;
     ExrImage::new(path, image)
 }
@@ -107,7 +110,8 @@ impl ExrImage {
             });
         }
         self.metadata.extend(texts(layer.attributes.other));
-        self.metadata.extend(layer.attributes.software_name.map(|name| ("software".to_owned(), name.to_string())));
+        self.metadata
+            .extend(layer.attributes.software_name.map(|name| ("software".to_owned(), name.to_string())));
     }
 
     /// Rows.
@@ -132,7 +136,8 @@ impl ExrImage {
 
     /// The attributes of which all channels are there.
     pub fn attributes(&self) -> Vec<Attribute> {
-        let whole = |attribute: &Attribute| attribute.channels().all(|c| names::find(&self.names, c).is_some());
+        let whole =
+            |attribute: &Attribute| attribute.channels().all(|c| names::find(&self.names, c).is_some());
         Attribute::ALL.into_iter().filter(whole).collect()
     }
 

@@ -4,15 +4,15 @@ use super::{ExrError, Metadata, PROGRAM};
 use crate::atomic_file;
 use deepshade_shaders::{GBuffer, Planes};
 use exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, Image, LayerAttributes, LineOrder,
-    Text, WritableImage, f16,
+    AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, Image, LayerAttributes,
+    LineOrder, Text, WritableImage, f16,
 };
 use std::io::Cursor;
 use std::path::Path;
 
-/// Lossless. Of the lossless kinds, PIZ gives the smallest files and is quicker to write than ZIP; `compression` in
-/// the tests prints the comparison.
-const COMPRESSION: Compression = Compression::PIZ;
+/// Lossless, and of the lossless kinds the one with the smallest files; `compression` in the tests prints the
+/// comparison.
+pub(super) const COMPRESSION: Compression = Compression::ZIP16;
 
 /// Some planes with the names of their channels.
 #[derive(Clone, Debug)]
@@ -85,11 +85,8 @@ pub(super) fn encode_with(
             channels.push(AnyChannel::new(name.as_str(), FlatSamples::F16(halves)));
         }
     }
-    let encoding = Encoding {
-        compression,
-        blocks: exr::prelude::Blocks::ScanLines,
-        line_order: LineOrder::Increasing,
-    };
+    let encoding =
+        Encoding { compression, blocks: exr::prelude::Blocks::ScanLines, line_order: LineOrder::Increasing };
     let channels = AnyChannels::sort(channels.into());
     let layer = exr::prelude::Layer::new(size(&layers[0]), attributes(metadata), encoding, channels);
     let mut bytes = Vec::new();

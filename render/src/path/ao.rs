@@ -129,7 +129,8 @@ mod tests {
     #[test]
     fn a_long_wall_blocks_its_closed_form() {
         // Derived exactly for an infinitely long wall of height H at distance d: (1 - d / sqrt(d^2 + H^2)) / 2.
-        let wall = quad([(-900., 0.), (900., 0.), (900., 2.), (-900., 2.)].map(|(z, y)| Vec3::new(0.0, y, z)));
+        let wall =
+            quad([(-900., 0.), (900., 0.), (900., 2.), (-900., 2.)].map(|(z, y)| Vec3::new(0.0, y, z)));
         let scene = traced(vec![floor(), wall]);
         for d in [0.3f32, 1.0, 4.0] {
             let expected = 1.0 - 0.5 * (1.0 - d / (d * d + 4.0).sqrt());
@@ -173,7 +174,8 @@ mod tests {
 
     #[test]
     fn inside_a_closed_box_everything_is_blocked() {
-        let corner = |i: usize| Vec3::new(f32::from(i & 1 == 1), f32::from(i & 2 == 2), f32::from(i & 4 == 4));
+        let corner =
+            |i: usize| Vec3::new(f32::from(i & 1 == 1), f32::from(i & 2 == 2), f32::from(i & 4 == 4));
         let faces = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
         let boxed = faces.map(|face| quad(face.map(|i: usize| corner(i) * 4.0 - Vec3::new(2.0, 0.0, 2.0))));
         assert_eq!(at_floor(&traced(boxed.to_vec()), 0.3, 1e4), 0.0);

@@ -24,12 +24,6 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-impl Default for MaterialId {
-    fn default() -> Self {
-        Self(0)
-    }
-}
-
 impl Mesh {
     /// The three corners of a triangle.
     pub fn corners(&self, triangle: usize) -> [Vec3; 3] {

@@ -73,9 +73,15 @@ mod tests {
         let positions = vec![Vec3::ZERO, Vec3::new(3.0, 0.0, 0.0), Vec3::new(0.0, 4.0, 0.0)];
         let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() };
         let cameras = ["front", "side"].map(|name| (name.to_owned(), Camera::look_at(Vec3::Z, Vec3::ZERO)));
-        let scene = Scene { name: "corner".into(), meshes: vec![mesh], cameras: cameras.to_vec(), ..Scene::default() };
+        let scene = Scene {
+            name: "corner".into(),
+            meshes: vec![mesh],
+            cameras: cameras.to_vec(),
+            ..Scene::default()
+        };
         let text = SceneSummary::of(&scene).to_string();
-        for line in ["scene      corner", "triangles  1", "cameras    2 (front, side)", "diagonal   5.000 m"] {
+        for line in ["scene      corner", "triangles  1", "cameras    2 (front, side)", "diagonal   5.000 m"]
+        {
             assert!(text.lines().any(|found| found == line), "{line} in\n{text}");
         }
     }

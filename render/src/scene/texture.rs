@@ -37,7 +37,13 @@ impl Texture {
     ///
     /// # Panics
     /// If it has no texel or not `width * height` of them.
-    pub fn new(width: usize, height: usize, texels: Vec<[u8; 4]>, encoding: Encoding, wrap: [Wrap; 2]) -> Self {
+    pub fn new(
+        width: usize,
+        height: usize,
+        texels: Vec<[u8; 4]>,
+        encoding: Encoding,
+        wrap: [Wrap; 2],
+    ) -> Self {
         assert!(!texels.is_empty() && texels.len() == width * height, "{width} x {height} texels");
         Self { width, height, texels, encoding, wrap }
     }

@@ -12,7 +12,7 @@ pub struct Builder {
 }
 
 impl Builder {
-    /// Adds an accessor of floats; `kind` is SCALAR, VEC3, ... Returns its index.
+    /// Adds an accessor of floats; `kind` is SCALAR, VEC2, VEC3, VEC4 or MAT4. Returns its index.
     pub fn floats(&mut self, kind: &str, values: &[f32]) -> usize {
         let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
         self.accessor(kind, 5126, values.len() / components(kind), &bytes, "")
@@ -76,14 +76,8 @@ impl Builder {
 }
 
 fn components(kind: &str) -> usize {
-    match kind {
-        "SCALAR" => 1,
-        "VEC2" => 2,
-        "VEC3" => 3,
-        "VEC4" => 4,
-        "MAT4" => 16,
-        other => panic!("{other}"),
-    }
+    let vectors = ["SCALAR", "VEC2", "VEC3", "VEC4"];
+    vectors.iter().position(|vector| *vector == kind).map_or(16, |index| index + 1)
 }
 
 /// One triangle in the xy plane that faces +z, with indices: accessors 0 (positions) and 1 (indices).
@@ -95,8 +89,7 @@ pub fn triangle() -> Builder {
 }
 
 /// JSON of a scene with one node for a mesh of the two accessors of [`triangle`].
-pub const ONE_MESH: &str =
-    r#""nodes":[{"mesh":0}],"meshes":[{"name":"corner","primitives":[{"attributes":{"POSITION":0},"indices":1}]}]"#;
+pub const ONE_MESH: &str = r#""nodes":[{"mesh":0}],"meshes":[{"name":"corner","primitives":[{"attributes":{"POSITION":0},"indices":1}]}]"#;
 
 /// Loads a file from its text at a time.
 pub fn load(text: &str, time: f32) -> Result<Scene, SceneError> {

@@ -1,75 +1,120 @@
 // Convolves the concatenation of two images that is never stored: the coarser level, doubled bilinearly on the way
 // (pixel centres at halves, the edge continued outwards), and the same level's layer on the way down.
+//
+// A doubled pixel is 3/4 the coarse pixel in which it lies and 1/4 the next one on the side towards which it lies, so
+// along an axis coarse pixels m0, m1, m2, ... become
+//     3/4 m0 + 1/4 m1, 1/4 m0 + 3/4 m1, 3/4 m1 + 1/4 m2, 1/4 m1 + 3/4 m2, ...
+// Where RADIUS is odd a kernel begins with the first of these, where it is even with the second.
 
 @group(0) @binding(4) var coarse: texture_2d_array<f32>;
 @group(0) @binding(5) var skip: texture_2d_array<f32>;
 
-// Coarse pixels on either side of the one in which the 2x2 pixels lie that a row needs, and how many that makes.
-const SPAN = (RADIUS + 2) / 2;
-const COLUMNS = 2 * SPAN + 1;
+const ODD = RADIUS % 2 == 1;
 
-// A pixel of the coarser level between two rows of it.
-fn between(block: u32, x: i32, rows: vec2<i32>) -> vec4<f32> {
-    let column = clamp(x, 0, i32(layer.width / 2u) - 1);
-    let near = textureLoad(coarse, vec2(column, rows.x), block, 0);
-    let far = textureLoad(coarse, vec2(column, rows.y), block, 0);
+// Coarse pixels of a row that the doubled rows of a kernel lie between: 3, or 5 where KERNEL is 5 or 7.
+alias Columns = array<vec4<f32>, 5>;
+
+fn texel(block: u32, at: vec2<i32>) -> vec4<f32> {
+    let last = vec2(i32(layer.width), i32(layer.height)) - 1;
+    let value = textureLoad(skip, clamp(at, vec2(0), last), block, 0);
+    return select(vec4(0.0), value, inside(at));
+}
+
+fn coarse_texel(block: u32, at: vec2<i32>) -> vec4<f32> {
+    let last = vec2(i32(layer.width), i32(layer.height)) / 2 - 1;
+    return textureLoad(coarse, clamp(at, vec2(0), last), block, 0);
+}
+
+fn columns_of(block: u32, at: vec2<i32>) -> Columns {
+    var columns: Columns;
+    columns[0] = coarse_texel(block, at);
+    columns[1] = coarse_texel(block, at + vec2(1, 0));
+    columns[2] = coarse_texel(block, at + vec2(2, 0));
+    if (KERNEL > 3u) {
+        columns[3] = coarse_texel(block, at + vec2(3, 0));
+        columns[4] = coarse_texel(block, at + vec2(4, 0));
+    }
+    return columns;
+}
+
+fn mixed(near: vec4<f32>, far: vec4<f32>) -> vec4<f32> {
     return 0.75 * near + 0.25 * far;
 }
 
-fn coarse_row(block: u32, at: vec2<i32>) -> Row {
-    // A new pixel is 3/4 the old one in which it lies and 1/4 the next one on the side towards which it lies.
-    let near = at.y >> 1u;
-    let far = near + select(-1, 1, (at.y & 1) == 1);
-    let rows = clamp(vec2(near, far), vec2(0), vec2(i32(layer.height / 2u) - 1));
-    let middle = (at.x + RADIUS) / 2;
-    var columns: array<vec4<f32>, COLUMNS>;
-    for (var x = 0; x < COLUMNS; x++) {
-        columns[x] = between(block, middle - SPAN + x, rows);
+// A doubled row from `at` on, zero outside the frame.
+fn doubled(near: Columns, far: Columns, at: vec2<i32>) -> Row {
+    let m0 = mixed(near[0], far[0]);
+    let m1 = mixed(near[1], far[1]);
+    let m2 = mixed(near[2], far[2]);
+    let m3 = mixed(near[3], far[3]);
+    let m4 = mixed(near[4], far[4]);
+    var row = Row(
+        mixed(m1, m0), mixed(m1, m2), mixed(m2, m1), mixed(m2, m3), mixed(m3, m2), mixed(m3, m4), m4, m4,
+    );
+    if (ODD) {
+        row = Row(
+            mixed(m0, m1), mixed(m1, m0), mixed(m1, m2), mixed(m2, m1),
+            mixed(m2, m3), mixed(m3, m2), mixed(m3, m4), mixed(m4, m3),
+        );
     }
-    var row: Row;
-    for (var x = 0; x < i32(ROW); x++) {
-        let offset = x - RADIUS;
-        let column = (offset >> 1u) + SPAN;
-        let other = column + select(-1, 1, (offset & 1) == 1);
-        let value = 0.75 * columns[column] + 0.25 * columns[other];
-        row[x] = select(vec4(0.0), value, inside(at + vec2(x, 0)));
-    }
-    return row;
+    return Row(
+        select(vec4(0.0), row[0], inside(at)),
+        select(vec4(0.0), row[1], inside(at + vec2(1, 0))),
+        select(vec4(0.0), row[2], inside(at + vec2(2, 0))),
+        select(vec4(0.0), row[3], inside(at + vec2(3, 0))),
+        select(vec4(0.0), row[4], inside(at + vec2(4, 0))),
+        select(vec4(0.0), row[5], inside(at + vec2(5, 0))),
+        select(vec4(0.0), row[6], inside(at + vec2(6, 0))),
+        select(vec4(0.0), row[7], inside(at + vec2(7, 0))),
+    );
 }
 
-fn skip_row(block: u32, at: vec2<i32>) -> Row {
-    let last = vec2(i32(layer.width), i32(layer.height)) - 1;
-    var row: Row;
-    for (var x = 0; x < i32(ROW); x++) {
-        let pixel = at + vec2(x, 0);
-        let value = textureLoad(skip, clamp(pixel, vec2(0), last), block, 0);
-        row[x] = select(vec4(0.0), value, inside(pixel));
+// Adds a block of four inputs of the coarser level. Each coarse row is read once: between two of them lie two doubled
+// rows.
+fn add_coarse_block(sums: ptr<function, Sums>, first_weight: u32, block: u32, corner: vec2<i32>) {
+    let origin = corner / 2 - (RADIUS + 2) / 2;
+    var at = corner - RADIUS;
+    var weight = first_weight;
+    var upper = columns_of(block, origin);
+    var lower = columns_of(block, origin + vec2(0, 1));
+    var last: Row;
+    if (ODD) {
+        let first = doubled(upper, lower, at);
+        last = doubled(lower, upper, at + vec2(0, 1));
+        add_row(sums, weight, first, last);
+        weight += KERNEL;
+        at.y += 2;
+    } else {
+        last = doubled(lower, upper, at);
+        at.y += 1;
     }
-    return row;
+    for (var pair = 2; pair <= i32(KERNEL + 1u) / 2; pair++) {
+        upper = lower;
+        lower = columns_of(block, origin + vec2(0, pair));
+        let first = doubled(upper, lower, at);
+        let second = doubled(lower, upper, at + vec2(0, 1));
+        add_row(sums, weight, last, first);
+        add_row(sums, weight + KERNEL, first, second);
+        last = second;
+        weight += 2u * KERNEL;
+        at.y += 2;
+    }
+    if (!ODD) {
+        let beyond = columns_of(block, origin + vec2(0, i32(KERNEL + 3u) / 2));
+        add_row(sums, weight, last, doubled(lower, beyond, at));
+    }
 }
 
 fn convolved(corner: vec2<i32>, output: u32) -> Sums {
     var sums = begin(output);
     let group = reads[output];
-    let at = corner - RADIUS;
-    var weight = output * layer.stride;
-    for (var block = group.first; block < group.first + group.count; block++) {
-        var upper = coarse_row(block, at);
-        for (var y = 0u; y < KERNEL; y++) {
-            let lower = coarse_row(block, at + vec2(0, i32(y) + 1));
-            add_row(&sums, upper, lower, weight);
-            upper = lower;
-            weight += KERNEL;
-        }
+    let taps = KERNEL * KERNEL;
+    let first_weight = output * layer.stride;
+    for (var i = 0u; i < group.count; i++) {
+        add_coarse_block(&sums, first_weight + i * taps, group.first + i, corner);
     }
-    for (var block = group.skip_first; block < group.skip_first + group.skip_count; block++) {
-        var upper = skip_row(block, at);
-        for (var y = 0u; y < KERNEL; y++) {
-            let lower = skip_row(block, at + vec2(0, i32(y) + 1));
-            add_row(&sums, upper, lower, weight);
-            upper = lower;
-            weight += KERNEL;
-        }
+    for (var i = 0u; i < group.skip_count; i++) {
+        add_block(&sums, first_weight + (group.count + i) * taps, group.skip_first + i, corner);
     }
     return sums;
 }

@@ -2,14 +2,16 @@
 //
 // Channels go four by four: a texel holds four channels of a pixel, an array layer of a texture four channels of all
 // pixels. An invocation makes some outputs (a Sum) of a square of 2x2 pixels, so that it reads a weight once for four
-// pixels, and has at hand what 2x2 pooling needs. Loops over rows of the kernel and over blocks of four inputs stay
-// loops, so that a driver's compiler ends in time; only those along a row are short enough to be unrolled.
+// pixels, and has at hand what 2x2 pooling needs.
+//
+// Loops go over blocks of four inputs and over rows of the kernel, so that a driver's compiler ends in time. A row is
+// written out for the largest kernel, and what KERNEL makes superfluous falls away: an array indexed by a loop's
+// counter would lie in memory instead of registers, which takes twice the time on lavapipe.
 
 const RADIUS = i32(KERNEL / 2u);
-// Texels that 2 pixels of a row see.
-const ROW = KERNEL + 1u;
 
-alias Row = array<vec4<f32>, ROW>;
+// What 2 pixels of a row see: KERNEL + 1 texels.
+alias Row = array<vec4<f32>, 8>;
 // Upper left, upper right, lower left, lower right.
 alias Sums = array<Sum, 4>;
 
@@ -27,25 +29,71 @@ struct Reads {
 @group(0) @binding(1) var<storage, read> reads: array<Reads>;
 @group(0) @binding(2) var<uniform> weights: array<Weight, WEIGHTS>;
 
+// Whether a pixel of the layer's frame lies in it; around it are zeros.
+fn inside(at: vec2<i32>) -> bool {
+    return all(at >= vec2(0)) && at.x < i32(layer.width) && at.y < i32(layer.height);
+}
+
 fn begin(output: u32) -> Sums {
     let bias = bias_sum(reads[output].bias);
     return Sums(bias, bias, bias, bias);
 }
 
-// Adds one row of the kernel: `upper` and `lower` are the rows that it covers of the upper and the lower pixels.
-fn add_row(sums: ptr<function, Sums>, upper: Row, lower: Row, first_weight: u32) {
-    var up = upper;
-    var low = lower;
-    for (var x = 0u; x < KERNEL; x++) {
-        let weight = weights[first_weight + x];
-        (*sums)[0] += weighted(weight, up[x]);
-        (*sums)[1] += weighted(weight, up[x + 1u]);
-        (*sums)[2] += weighted(weight, low[x]);
-        (*sums)[3] += weighted(weight, low[x + 1u]);
+// Adds one weight's share of the four pixels.
+fn add_tap(sums: ptr<function, Sums>, weight_at: u32, a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, d: vec4<f32>) {
+    let weight = weights[weight_at];
+    (*sums)[0] += weighted(weight, a);
+    (*sums)[1] += weighted(weight, b);
+    (*sums)[2] += weighted(weight, c);
+    (*sums)[3] += weighted(weight, d);
+}
+
+// Adds one row of the kernel; `up` and `low` are the rows that it covers of the upper and of the lower pixels.
+fn add_row(sums: ptr<function, Sums>, weight: u32, up: Row, low: Row) {
+    add_tap(sums, weight, up[0], up[1], low[0], low[1]);
+    if (KERNEL > 1u) {
+        add_tap(sums, weight + 1u, up[1], up[2], low[1], low[2]);
+        add_tap(sums, weight + 2u, up[2], up[3], low[2], low[3]);
+    }
+    if (KERNEL > 3u) {
+        add_tap(sums, weight + 3u, up[3], up[4], low[3], low[4]);
+        add_tap(sums, weight + 4u, up[4], up[5], low[4], low[5]);
+    }
+    if (KERNEL > 5u) {
+        add_tap(sums, weight + 5u, up[5], up[6], low[5], low[6]);
+        add_tap(sums, weight + 6u, up[6], up[7], low[6], low[7]);
     }
 }
 
-// Whether a pixel of the layer's frame lies in it; around it are zeros.
-fn inside(at: vec2<i32>) -> bool {
-    return all(at >= vec2(0)) && at.x < i32(layer.width) && at.y < i32(layer.height);
+// A row of the image that `texel` reads, from `at` on.
+fn row_of(block: u32, at: vec2<i32>) -> Row {
+    var row: Row;
+    row[0] = texel(block, at);
+    row[1] = texel(block, at + vec2(1, 0));
+    if (KERNEL > 1u) {
+        row[2] = texel(block, at + vec2(2, 0));
+        row[3] = texel(block, at + vec2(3, 0));
+    }
+    if (KERNEL > 3u) {
+        row[4] = texel(block, at + vec2(4, 0));
+        row[5] = texel(block, at + vec2(5, 0));
+    }
+    if (KERNEL > 5u) {
+        row[6] = texel(block, at + vec2(6, 0));
+        row[7] = texel(block, at + vec2(7, 0));
+    }
+    return row;
+}
+
+// Adds a block of four inputs of the image that `texel` reads.
+fn add_block(sums: ptr<function, Sums>, first_weight: u32, block: u32, corner: vec2<i32>) {
+    let at = corner - RADIUS;
+    var weight = first_weight;
+    var up = row_of(block, at);
+    for (var y = 1; y <= i32(KERNEL); y++) {
+        let low = row_of(block, at + vec2(0, y));
+        add_row(sums, weight, up, low);
+        up = low;
+        weight += KERNEL;
+    }
 }

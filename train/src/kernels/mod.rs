@@ -210,3 +210,100 @@ fn numbers(tensor: &Cpu) -> &[f32] {
 fn tensor<const D: usize>(numbers: Vec<f32>, shape: [usize; D]) -> Cpu {
     Cpu::from_data(TensorData::new(numbers, shape))
 }
+
+#[cfg(test)]
+mod tests {
+    //! Every kernel against the same operation written with tensors: outputs and all gradients.
+
+    use super::*;
+    use crate::plain;
+    use crate::rng::{Purpose, Rng};
+    use burn::tensor::Device;
+
+    fn device() -> Device {
+        Device::flex().autodiff()
+    }
+
+    fn noise<const D: usize>(shape: [usize; D], seed: u64) -> Tensor<D> {
+        let mut rng = Rng::new(seed, Purpose::Crop, 0);
+        let data = (0..shape.iter().product()).map(|_| rng.normal() as f32).collect::<Vec<_>>();
+        Tensor::from_data(TensorData::new(data, shape), &device())
+    }
+
+    fn assert_close<const D: usize>(what: &str, made: &Tensor<D>, expected: &Tensor<D>) {
+        assert_eq!(made.dims(), expected.dims(), "{what}");
+        let numbers = |t: &Tensor<D>| t.to_data().try_into_vec::<f32>().expect("f32");
+        let (made, expected) = (numbers(made), numbers(expected));
+        let largest = expected.iter().fold(1.0f32, |largest, e| largest.max(e.abs()));
+        for (at, (made, expected)) in made.iter().zip(&expected).enumerate() {
+            assert!((made - expected).abs() < 1e-5 * largest, "{what}[{at}]: {made} is not {expected}");
+        }
+    }
+
+    /// Output and gradients of a scalar that depends on every element of the output differently.
+    fn traced<const N: usize>(leaves: [Tensor<4>; N], make: impl Fn([Tensor<4>; N]) -> Tensor<4>) -> Vec<Tensor<4>> {
+        let leaves = leaves.map(|leaf| leaf.require_grad());
+        let made = make(leaves.clone());
+        let grads = (made.clone() * noise(made.dims(), 99)).sum().backward();
+        let gradients = leaves.iter().map(|leaf| leaf.grad(&grads).expect("a gradient"));
+        std::iter::once(made.inner()).chain(gradients).collect()
+    }
+
+    #[test]
+    fn convolution_and_its_gradients() {
+        // [batch, groups, inputs, outputs, height, width, kernel]
+        let shapes = [
+            [1, 1, 6, 8, 40, 70, 3],
+            [2, 4, 4, 8, 17, 9, 3],
+            [3, 1, 24, 1, 16, 33, 3],
+            [1, 2, 3, 3, 5, 1, 5],
+            [2, 8, 24, 8, 2, 2, 3],
+            [1, 1, 2, 4, 1, 1, 1],
+        ];
+        for [batch, groups, inputs, outputs, height, width, kernel] in shapes {
+            let leaves = || {
+                [
+                    noise([batch, groups * inputs, height, width], 1),
+                    noise([groups * outputs, inputs, kernel, kernel], 2),
+                    noise([groups * outputs, 1, 1, 1], 3),
+                ]
+            };
+            for leak in [0.01, 1.0] {
+                let flat = |bias: Tensor<4>| bias.reshape([groups * outputs]);
+                let made = traced(leaves(), |[x, w, b]| convolve(x, w, flat(b), leak));
+                let expected = traced(leaves(), |[x, w, b]| plain::convolve(x, w, flat(b), leak));
+                for (what, (made, expected)) in ["y", "dx", "dw", "db"].iter().zip(made.iter().zip(&expected)) {
+                    assert_close(&format!("{what} of {:?}", [groups, inputs, outputs, height, width]), made, expected);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn pooling_and_doubling_and_their_gradients() {
+        for (height, width) in [(2, 2), (6, 14), (16, 4)] {
+            let leaf = || [noise([2, 3, height, width], 1)];
+            for (made, expected) in
+                traced(leaf(), |[x]| halve(x)).iter().zip(&traced(leaf(), |[x]| plain::halve(x)))
+            {
+                assert_close("halve", made, expected);
+            }
+        }
+        for (height, width) in [(1, 1), (1, 5), (2, 2), (3, 4), (9, 6)] {
+            let leaf = || [noise([2, 3, height, width], 1)];
+            for (made, expected) in
+                traced(leaf(), |[x]| double(x)).iter().zip(&traced(leaf(), |[x]| plain::double(x)))
+            {
+                assert_close("double", made, expected);
+            }
+        }
+    }
+
+    #[test]
+    fn an_input_without_gradient_costs_none() {
+        let weight = noise([4, 2, 3, 3], 2).require_grad();
+        let made = convolve(noise([1, 2, 8, 8], 1), weight.clone(), noise([4], 3), 0.1);
+        let grads = made.sum().backward();
+        assert_eq!(weight.grad(&grads).expect("a gradient").dims(), [4, 2, 3, 3]);
+    }
+}

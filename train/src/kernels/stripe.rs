@@ -32,13 +32,11 @@ pub fn convolve(
 pub fn correlate(x: &Padded, dy: &Padded, shape: ConvShape) -> Vec<f32> {
     let taps = x.taps(shape.inputs, shape.kernel);
     let starts = centres(dy, shape);
-    let mut sums = vec![0.0; shape.outputs * taps.len()];
-    let job = Correlate { x, dy, taps: &taps, starts: &starts, width: shape.width, sums: &mut sums };
+    let job = Correlate { x, dy, taps: &taps, starts: &starts, width: shape.width };
     match shape.outputs % 4 {
         0 => Arch::new().dispatch(Blocked::<_, 4, 3>(job)),
         _ => Arch::new().dispatch(Blocked::<_, 1, 9>(job)),
     }
-    sums
 }
 
 /// Gradient of the biases from a stripe: `[outputs]`.
@@ -129,17 +127,17 @@ struct Correlate<'a> {
     taps: &'a [usize],
     starts: &'a [usize],
     width: usize,
-    sums: &'a mut [f32],
 }
 
 impl<const A: usize, const B: usize> WithSimd for Blocked<Correlate<'_>, A, B> {
-    type Output = ();
+    type Output = Vec<f32>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn with_simd<S: Simd>(self, simd: S) -> Vec<f32> {
         let job = self.0;
         let count = job.taps.len();
-        for (starts, sums) in job.starts.chunks_exact(A).zip(job.sums.chunks_exact_mut(A * count)) {
+        let mut made = vec![0.0; job.starts.len() * count];
+        for (starts, sums) in job.starts.chunks_exact(A).zip(made.chunks_exact_mut(A * count)) {
             for first in (0..count).step_by(B) {
                 // The last block may name a weight more than once; its sum is the same each time.
                 let taps: [usize; B] = std::array::from_fn(|b| job.taps[(first + b).min(count - 1)]);
@@ -151,6 +149,7 @@ impl<const A: usize, const B: usize> WithSimd for Blocked<Correlate<'_>, A, B> {
                 }
             }
         }
+        made
     }
 }
 

@@ -1,6 +1,6 @@
 //! ADADELTA (Zeiler 2012, algorithm 1): steps in the units of the weights, from running means of squares.
 
-use burn::optim::{LearningRate, Optimizer, RecordState};
+use burn::optim::{LearningRate, Optimizer, RecordState, StateSink, StateSource};
 use burn::tensor::{Device, Tensor};
 
 /// The optimiser's numbers.
@@ -13,10 +13,26 @@ pub struct Adadelta {
 }
 
 /// The running means of a parameter.
-#[derive(RecordState, Clone)]
+#[derive(Clone)]
 pub struct AdadeltaState<const D: usize> {
     gradients: Tensor<D>,
     steps: Tensor<D>,
+}
+
+const GRADIENTS: &str = "gradients";
+const STEPS: &str = "steps";
+
+impl<const D: usize> RecordState for AdadeltaState<D> {
+    fn state_flatten(&self, prefix: &str, out: &mut StateSink) {
+        out.push_tensor(prefix, GRADIENTS, self.gradients.to_data());
+        out.push_tensor(prefix, STEPS, self.steps.to_data());
+    }
+
+    fn state_unflatten(prefix: &str, source: &mut StateSource, device: &Device) -> Option<Self> {
+        let gradients = source.take_tensor(prefix, GRADIENTS)?;
+        let steps = source.take_tensor(prefix, STEPS)?;
+        Some(Self { gradients: Tensor::from_data(gradients, device), steps: Tensor::from_data(steps, device) })
+    }
 }
 
 impl Optimizer for Adadelta {
@@ -73,7 +89,7 @@ mod tests {
                 expected[at] -= 0.5 * by;
             }
         }
-        let weights = weights.into_data().to_vec::<f32>().expect("f32");
+        let weights = weights.into_data().try_into_vec::<f32>().expect("f32");
         for (weight, expected) in weights.iter().zip(expected) {
             assert!((f64::from(*weight) - expected).abs() < 1e-6, "{weight} is not {expected}");
         }

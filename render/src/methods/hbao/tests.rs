@@ -1,7 +1,10 @@
 //! The reference against closed forms, and the GPU against the reference, pixel by pixel.
 
 use super::*;
-use crate::scene::Camera;
+use crate::bvh::TracedScene;
+use crate::gbuffer;
+use crate::path::ao::Ao;
+use crate::scene::{Camera, Material, Mesh, Scene};
 use glam::{Mat3, Vec2, Vec3};
 
 const HEIGHT: usize = 43;
@@ -96,8 +99,7 @@ fn agree(a: &Planes, b: &Planes) -> Result<(), String> {
 #[test]
 fn a_plane_is_open_however_it_is_tilted() {
     for normal in [Vec3::Z, Vec3::new(0.5, 0.3, 1.0), Vec3::new(-2.0, 1.0, 1.0), Vec3::new(0.0, 6.0, 1.0)] {
-        let surface =
-            surface(HEIGHT, WIDTH, |ray| plane(ray, Vec3::new(0.0, 0.0, -4.0), normal.normalize()));
+        let surface = surface(HEIGHT, WIDTH, |ray| plane(ray, Vec3::new(0.0, 0.0, -4.0), normal.normalize()));
         let openness = reference::shade(&surface, &settings(&PLAIN, &surface, 1.5));
         let darkest = openness.data().iter().fold(1.0f32, |a, b| a.min(*b));
         assert!(darkest > 0.999, "normal {normal}: {darkest}");
@@ -109,7 +111,7 @@ fn a_plane_is_open_however_it_is_tilted() {
 /// is `1 / (2 pi)` times the integral of `h / r * (1 - (r / radius)^2)` with `r^2 = h^2 + (a / cos(theta))^2`.
 #[test]
 fn a_step_occludes_as_its_integral_says() {
-    let (height, width) = (151, 151);
+    let (height, width) = (111, 111);
     let (floor, rise, radius) = (-5.0, 0.5f32, 2.0f32);
     let surface = surface(height, width, |ray| {
         let low = plane(ray, Vec3::new(0.0, 0.0, floor), Vec3::Z);
@@ -130,7 +132,8 @@ fn a_step_occludes_as_its_integral_says() {
         let samples = 10_000;
         let integral: f32 = (0..samples)
             .map(|i| {
-                let theta = (i as f32 + 0.5) / samples as f32 * std::f32::consts::PI - std::f32::consts::FRAC_PI_2;
+                let theta =
+                    (i as f32 + 0.5) / samples as f32 * std::f32::consts::PI - std::f32::consts::FRAC_PI_2;
                 let reach = rise.hypot(away / theta.cos());
                 if reach < radius { rise / reach * (1.0 - (reach / radius).powi(2)) } else { 0.0 }
             })
@@ -141,12 +144,12 @@ fn a_step_occludes_as_its_integral_says() {
         assert!((found - integral).abs() < 0.015, "{away} m away: {found}, integral {integral}");
         compared += 1;
     }
-    assert!(compared > 30, "{compared} pixels compared");
+    assert!(compared > 20, "{compared} pixels compared");
 }
 
 #[test]
 fn a_corner_darkens_steadily_from_open_to_half() {
-    let size = 151;
+    let size = 111;
     let surface = surface(size, size, |ray| {
         let wall = |normal: Vec3| plane(ray, Vec3::new(0.0, 0.0, -5.0), normal.normalize());
         nearest([wall(Vec3::new(1.0, 0.0, 1.0)), wall(Vec3::new(-1.0, 0.0, 1.0))])
@@ -155,12 +158,12 @@ fn a_corner_darkens_steadily_from_open_to_half() {
     let openness = reference::shade(&surface, &settings(&parameters, &surface, 1.2));
     let row: Vec<f32> = (0..=size / 2).map(|x| openness.at(0, size / 2, x)).collect();
     let corner = row[size / 2];
-    assert!(row[0] > 0.999 && row[15] > 0.99, "open far from the corner: {row:?}");
+    assert!(row[0] > 0.999 && row[10] > 0.99, "open far from the corner: {row:?}");
     assert!((0.4..0.6).contains(&corner), "half of all directions meet the other wall: {corner}");
     for (x, pair) in row.windows(2).enumerate() {
         assert!(pair[1] <= pair[0] + 0.01, "brighter towards the corner at {x}: {pair:?}");
     }
-    assert!(row[40] > row[60] + 0.03 && row[60] > row[70] + 0.03, "{row:?}");
+    assert!(row[30] > row[44] + 0.03 && row[44] > row[52] + 0.03, "{row:?}");
 }
 
 #[test]
@@ -201,7 +204,8 @@ fn the_blur_smooths_planes_and_keeps_steps() {
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let passes = Passes::new(&gpu.device).expect("valid shaders");
-    let coarse = Parameters { directions: 5, steps: 7, strength: 1.7, blur_radius: 0, ..Parameters::default() };
+    let coarse =
+        Parameters { directions: 5, steps: 7, strength: 1.7, blur_radius: 0, ..Parameters::default() };
     for (height, width, parameters, radius) in [
         (HEIGHT, WIDTH, Parameters::default(), 1.0),
         (HEIGHT, WIDTH, coarse, 3.0),
@@ -221,7 +225,8 @@ fn gpu_and_reference_agree_at_every_pixel() {
 fn the_comparator_rejects_what_is_wrong() {
     let surface = still_life(HEIGHT, WIDTH);
     let right = reference::shade(&surface, &settings(&Parameters::default(), &surface, 1.0));
-    let changed = |value: &dyn Fn(usize, usize) -> f32| Planes::from_fn(1, HEIGHT, WIDTH, |_, y, x| value(y, x));
+    let changed =
+        |value: &dyn Fn(usize, usize) -> f32| Planes::from_fn(1, HEIGHT, WIDTH, |_, y, x| value(y, x));
     let shifted = changed(&|y, x| right.at(0, y, x.saturating_sub(1)));
     let scaled = changed(&|y, x| 0.99 * right.at(0, y, x));
     let mirrored = changed(&|y, x| right.at(0, y, WIDTH - 1 - x));
@@ -238,9 +243,49 @@ fn the_comparator_rejects_what_is_wrong() {
     assert!(agree(&right, &reference::shade(&surface, &reseeded)).is_err(), "another seed");
 }
 
+/// A floor and two walls that meet in a corner.
+fn corner() -> TracedScene {
+    let (x, y, z) = (3.0 * Vec3::X, 3.0 * Vec3::Y, 3.0 * Vec3::Z);
+    let quad = |along: Vec3, beside: Vec3| Mesh {
+        positions: vec![Vec3::ZERO, along, along + beside, beside],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    };
+    let materials = vec![Material::matte("grey", Vec3::splat(0.5))];
+    let meshes = vec![quad(z, x), quad(x, y), quad(y, z)];
+    TracedScene::new(Scene { meshes, materials, ..Scene::default() }).expect("three squares")
+}
+
 #[test]
-fn what_the_gbuffer_lacks_is_named() {
-    let gbuffer = GBuffer::new(vec![Attribute::Position], Planes::filled(3, 2, 2, 0.0));
-    let error = Surface::of(&gbuffer).expect_err("no normals");
-    assert_eq!(error.to_string(), "the g-buffer has no `normal`; it holds position");
+fn the_method_is_nearer_to_truth_than_white() {
+    let (scene, radius) = (corner(), 1.0);
+    let camera = Camera::look_at(Vec3::new(4.0, 3.0, 5.0), Vec3::splat(0.8));
+    let gbuffer = gbuffer::render(
+        &scene,
+        &camera,
+        HEIGHT,
+        WIDTH,
+        &[Attribute::Normal, Attribute::Position, Attribute::Valid],
+    );
+    let truth = Ao { radius, samples: 256, seed: 1 }.render(&scene, &camera, HEIGHT, WIDTH);
+    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+    let hbao = Hbao::new(&gpu, Parameters::default()).expect("valid shaders");
+    let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: 3 };
+    let shaded = hbao.shade(&frame, Repeats { warm_up: 1, timed: 3 }).expect("runs");
+    let error = |image: &Planes| -> f32 {
+        let differences = image.data().iter().zip(truth.data()).map(|(a, b)| (a - b).abs());
+        differences.sum::<f32>() / truth.pixels() as f32
+    };
+    let (white, found) = (error(&Planes::filled(1, HEIGHT, WIDTH, 1.0)), error(&shaded.image));
+    assert!(white > 0.03 && found < 0.5 * white, "white {white}, hbao {found}");
+    assert!(shaded.milliseconds > 0.0);
+
+    let faint = hbao.with(Parameters { strength: 0.0, ..Parameters::default() });
+    let faint = faint.shade(&frame, Repeats::ONCE).expect("runs").image;
+    assert!(faint.data().iter().all(|value| *value == 1.0), "no strength, no occlusion");
+
+    let lacking = gbuffer::render(&scene, &camera, 4, 4, &[Attribute::Position]);
+    let frame = Frame { gbuffer: &lacking, ..frame };
+    let message = hbao.shade(&frame, Repeats::ONCE).expect_err("no normals").to_string();
+    assert_eq!(message, "method `hbao`: the g-buffer has no `normal`; it holds position");
 }

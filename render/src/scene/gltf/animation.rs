@@ -108,7 +108,9 @@ impl Track {
         let values_per_time = if interpolation == Interpolation::CubicSpline { 3 * width } else { width };
         if times.len().checked_mul(values_per_time) != Some(values.len()) {
             let (found, times) = (values.len(), times.len());
-            return Err(file.invalid(format!("{user}: {found} values for {times} times of {values_per_time}")));
+            return Err(
+                file.invalid(format!("{user}: {found} values for {times} times of {values_per_time}"))
+            );
         }
         Ok(Self { times, values, width, interpolation, is_rotation: property == Property::Rotation })
     }
@@ -161,6 +163,10 @@ impl Track {
 }
 
 /// The elements of an accessor in one row.
-fn flat<const N: usize>(file: &File<'_>, accessor: &Accessor<'_>, user: &str) -> Result<Vec<f32>, SceneError> {
+fn flat<const N: usize>(
+    file: &File<'_>,
+    accessor: &Accessor<'_>,
+    user: &str,
+) -> Result<Vec<f32>, SceneError> {
     Ok(file.floats::<N>(accessor, user)?.into_flattened())
 }

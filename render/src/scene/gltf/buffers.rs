@@ -77,8 +77,13 @@ impl File<'_> {
                 _ => |bytes| u32::from_le_bytes(first(bytes)),
             };
             let size_of_index = indices.index_type().size();
-            let targets =
-                self.strided::<_, 1>(&indices.view(), indices.offset(), sparse.count(), size_of_index, index)?;
+            let targets = self.strided::<_, 1>(
+                &indices.view(),
+                indices.offset(),
+                sparse.count(),
+                size_of_index,
+                index,
+            )?;
             let values = self.strided(&values.view(), values.offset(), sparse.count(), size, read)?;
             for ([target], value) in targets.into_iter().zip(values) {
                 let slot = elements.get_mut(target as usize);

@@ -6,7 +6,7 @@ use gltf::{
     json::{Path as JsonPath, Root, validation},
 };
 use std::path::Path;
-use validation::{Checked, Validate};
+use validation::{Checked, Error, Validate};
 
 /// Extensions that a file may require. Unlit materials are drawn as if lit, which that extension allows.
 pub(super) const SUPPORTED_EXTENSIONS: [&str; 6] = [
@@ -49,7 +49,9 @@ impl<'a> File<'a> {
         if uri.starts_with("data:") {
             let source = gltf::buffer::Source::Uri(uri);
             let data = gltf::buffer::Data::from_source(source, None);
-            return data.map(|data| data.0).map_err(|error| self.invalid(format!("a data URI is damaged: {error}")));
+            return data
+                .map(|data| data.0)
+                .map_err(|error| self.invalid(format!("a data URI is damaged: {error}")));
         }
         let name = percent_decoded(uri);
         if name.contains("://") || name.starts_with("file:") || name.contains('\0') {
@@ -90,11 +92,13 @@ impl<'a> File<'a> {
 /// The JSON of a .gltf or .glb file, and the binary chunk of the latter.
 fn parse(bytes: &[u8]) -> Result<(Root, Option<Vec<u8>>), String> {
     // The parser subtracts the header's 12 bytes from this length without a look at it.
-    let declared = bytes.get(8..12).map_or(0, |length| u32::from_le_bytes([length[0], length[1], length[2], length[3]]));
+    let declared =
+        bytes.get(8..12).map_or(0, |length| u32::from_le_bytes([length[0], length[1], length[2], length[3]]));
     if bytes.starts_with(b"glTF") && declared < 12 {
         return Err("the binary glTF header is damaged".to_owned());
     }
-    let gltf = Gltf::from_slice_without_validation(bytes).map_err(|error| format!("is not glTF 2.0: {error}"))?;
+    let gltf =
+        Gltf::from_slice_without_validation(bytes).map_err(|error| format!("is not glTF 2.0: {error}"))?;
     Ok((gltf.document.into_json(), gltf.blob))
 }
 
@@ -113,8 +117,12 @@ fn validate(root: &Root) -> Result<(), String> {
     let mut problem = None;
     root.validate(root, JsonPath::new, &mut |path: &dyn Fn() -> JsonPath, error| {
         let path = path().0;
-        // Extensions were checked above, and nothing here reads the declared bounds of positions.
-        let harmless = error == validation::Error::Unsupported || path.ends_with(".min") || path.ends_with(".max");
+        // Extensions were checked above, nothing here reads the declared bounds of positions, and an accessor without
+        // a buffer view holds zeros (3.6.2.1), which the validator does not know.
+        let zeros =
+            path.starts_with("accessors[") && path.ends_with("].bufferView") && error == Error::Missing;
+        let harmless =
+            zeros || error == Error::Unsupported || path.ends_with(".min") || path.ends_with(".max");
         if !harmless && problem.is_none() {
             problem = Some(format!("{path}: {error}"));
         }

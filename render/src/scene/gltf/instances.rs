@@ -24,12 +24,16 @@ pub(super) struct Instance<'a> {
 }
 
 /// All primitives made of triangles that the scene shows. Points and lines have no surface and are left out.
-pub(super) fn instances<'a>(file: &'a File<'_>, hierarchy: &Hierarchy) -> Result<Vec<Instance<'a>>, SceneError> {
+pub(super) fn instances<'a>(
+    file: &'a File<'_>,
+    hierarchy: &Hierarchy,
+) -> Result<Vec<Instance<'a>>, SceneError> {
     let mut instances = Vec::new();
     let (mut vertices, mut corners) = (0usize, 0usize);
     for (node, world) in hierarchy.nodes(file) {
         let Some(mesh) = node.mesh() else { continue };
-        let name = mesh.name().or(node.name()).map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
+        let name =
+            mesh.name().or(node.name()).map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
         let worlds = worlds(file, &node, world)?;
         for primitive in mesh.primitives().filter(|primitive| is_surface(primitive.mode())) {
             let positions = primitive.get(&Semantic::Positions).map_or(0, |accessor| accessor.count());
@@ -37,7 +41,8 @@ pub(super) fn instances<'a>(file: &'a File<'_>, hierarchy: &Hierarchy) -> Result
             vertices = vertices.saturating_add(positions.saturating_mul(worlds.len()));
             corners = corners.saturating_add(indices.saturating_mul(worlds.len()));
             if vertices > MOST || corners > 3 * MOST {
-                return Err(file.invalid(format!("mesh `{name}` brings the scene above {MOST} vertices or triangles")));
+                return Err(file
+                    .invalid(format!("mesh `{name}` brings the scene above {MOST} vertices or triangles")));
             }
             let name = match mesh.primitives().len() {
                 1 => name.clone(),
@@ -69,7 +74,8 @@ fn worlds(file: &File<'_>, node: &Node<'_>, world: Mat4) -> Result<Vec<Mat4>, Sc
         Some((index, None)) => Err(file.invalid(format!("{user}: there is no accessor {index}"))),
     };
     let (translations, rotations, scales) = (known("TRANSLATION")?, known("ROTATION")?, known("SCALE")?);
-    let counts: Vec<_> = [&translations, &rotations, &scales].into_iter().flatten().map(|a| a.count()).collect();
+    let counts: Vec<_> =
+        [&translations, &rotations, &scales].into_iter().flatten().map(|a| a.count()).collect();
     let count = counts.first().copied().unwrap_or(0);
     if count == 0 || counts.iter().any(|other| *other != count) {
         return Err(file.invalid(format!("{user}: translations, rotations and scales number {counts:?}")));
@@ -79,7 +85,8 @@ fn worlds(file: &File<'_>, node: &Node<'_>, world: Mat4) -> Result<Vec<Mat4>, Sc
     let scales = scales.map(|a| file.floats::<3>(&a, &user)).transpose()?;
     let instance = |index: usize| {
         let translation = translations.as_ref().map_or([0.0; 3], |values| values[index]);
-        let rotation = rotations.as_ref().map_or(Quat::IDENTITY, |values| Quat::from_array(values[index]).normalize());
+        let rotation =
+            rotations.as_ref().map_or(Quat::IDENTITY, |values| Quat::from_array(values[index]).normalize());
         let scale = scales.as_ref().map_or([1.0; 3], |values| values[index]);
         world * Mat4::from_scale_rotation_translation(scale.into(), rotation, translation.into())
     };

@@ -21,8 +21,9 @@ const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 pub(super) fn read(file: &File<'_>) -> Result<(Vec<Material>, Vec<Texture>), SceneError> {
     let mut textures = TextureList::default();
     let written = file.document.as_json().materials.iter().enumerate();
-    let mut materials: Vec<_> =
-        written.map(|(index, material)| read_one(file, index, material, &mut textures)).collect::<Result<_, _>>()?;
+    let mut materials: Vec<_> = written
+        .map(|(index, material)| read_one(file, index, material, &mut textures))
+        .collect::<Result<_, _>>()?;
     let mut primitives = file.document.meshes().flat_map(|mesh| mesh.primitives());
     if primitives.any(|primitive| primitive.material().index().is_none()) {
         materials.push(without_material());
@@ -47,13 +48,16 @@ fn read_one(
     let strength = extensions.and_then(|extensions| extensions.emissive_strength.as_ref());
     let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
     let error = |what: String| file.invalid(format!("material `{name}`: {what}"));
-    let mut slot = |info: Option<&Info>, encoding| info.map(|info| plain_slot(file, info, encoding, textures)).transpose();
+    let mut slot = |info: Option<&Info>, encoding| {
+        info.map(|info| plain_slot(file, info, encoding, textures)).transpose()
+    };
     let read = Material {
         base_colour: base.base_color_factor.0.into(),
         base_colour_texture: slot(base.base_color_texture.as_ref(), Encoding::Srgb).map_err(error)?,
         metallic: base.metallic_factor.0,
         roughness: base.roughness_factor.0,
-        metallic_roughness_texture: slot(base.metallic_roughness_texture.as_ref(), Encoding::Linear).map_err(error)?,
+        metallic_roughness_texture: slot(base.metallic_roughness_texture.as_ref(), Encoding::Linear)
+            .map_err(error)?,
         emission: Vec3::from(material.emissive_factor.0) * strength,
         emission_texture: slot(material.emissive_texture.as_ref(), Encoding::Srgb).map_err(error)?,
         normal_texture: material
@@ -63,7 +67,9 @@ fn read_one(
             .transpose()
             .map_err(error)?,
         alpha: match material.alpha_mode {
-            Checked::Valid(FileAlphaMode::Mask) => AlphaMode::Mask(material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0)),
+            Checked::Valid(FileAlphaMode::Mask) => {
+                AlphaMode::Mask(material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0))
+            }
             Checked::Valid(FileAlphaMode::Blend) => AlphaMode::Blend,
             Checked::Valid(FileAlphaMode::Opaque) | Checked::Invalid => AlphaMode::Opaque,
         },
@@ -94,7 +100,9 @@ fn normal_slot(
 ) -> Result<(TextureSlot, f32), String> {
     let transform = info.extensions.as_ref().and_then(|extensions| extensions.others.get(TEXTURE_TRANSFORM));
     let transform = match transform {
-        Some(value) => json::deserialize::from_value(value.clone()).map_err(|error| format!("normal map: {error}"))?,
+        Some(value) => {
+            json::deserialize::from_value(value.clone()).map_err(|error| format!("normal map: {error}"))?
+        }
         None => TextureTransform::default(),
     };
     let slot = slot(file, info.index.value(), info.tex_coord, transform, Encoding::Linear, textures)?;
@@ -133,7 +141,9 @@ fn affine(transform: &TextureTransform) -> Affine2 {
 mod tests {
     use super::*;
     use glam::Vec2;
-    use json::extensions::texture::{TextureTransformOffset, TextureTransformRotation, TextureTransformScale};
+    use json::extensions::texture::{
+        TextureTransformOffset, TextureTransformRotation, TextureTransformScale,
+    };
 
     #[test]
     fn a_texture_transform_scales_then_rotates_then_moves() {

@@ -24,12 +24,15 @@ pub(super) fn read(file: &File<'_>, hierarchy: &Hierarchy, pose: &Pose) -> Resul
         .into_par_iter()
         .map(|(key, instance)| Ok((key, Part::read(file, instance)?)))
         .collect::<Result<_, SceneError>>()?;
-    let mut skins = BTreeMap::new();
-    for skin in instances.iter().filter_map(|instance| instance.node.skin()) {
-        if !skins.contains_key(&skin.index()) {
-            skins.insert(skin.index(), joint_matrices(file, &skin, hierarchy)?);
-        }
-    }
+    let skins: BTreeMap<_, _> = instances
+        .iter()
+        .filter_map(|instance| instance.node.skin())
+        .map(|skin| (skin.index(), skin))
+        .collect();
+    let skins: BTreeMap<_, _> = skins
+        .into_iter()
+        .map(|(index, skin)| Ok((index, joint_matrices(file, &skin, hierarchy)?)))
+        .collect::<Result<_, SceneError>>()?;
     instances
         .par_iter()
         .map(|instance| {
@@ -87,7 +90,9 @@ impl Part {
             Some(joints) if !self.influences.is_empty() => {
                 if let Some(joint) = missing_joint(&self.influences, joints.len()) {
                     let (name, count) = (&rest.name, joints.len());
-                    return Err(file.invalid(format!("mesh `{name}` follows joint {joint} of a skin with {count}")));
+                    return Err(
+                        file.invalid(format!("mesh `{name}` follows joint {joint} of a skin with {count}"))
+                    );
                 }
                 placed(rest, |vertex| Place::new(vertex_matrix(&self.influences, joints, vertex)))
             }
@@ -136,7 +141,8 @@ impl Attributes<'_> {
             let user = self.user(&Semantic::Joints(set));
             self.check_count(accessor.count(), &user)?;
             let weights = self.floats(Semantic::Weights(set))?;
-            let weights = weights.ok_or_else(|| self.file.invalid(format!("{user}: joints without weights")))?;
+            let weights =
+                weights.ok_or_else(|| self.file.invalid(format!("{user}: joints without weights")))?;
             sets.push(Influences { joints: self.file.integers(&accessor, user)?, weights });
         }
         Ok(sets)
@@ -153,9 +159,12 @@ impl Attributes<'_> {
         };
         if let Some(corner) = corners.iter().find(|corner| **corner as usize >= self.vertices) {
             let vertices = self.vertices;
-            return Err(self.file.invalid(format!("mesh `{name}`: index {corner} is out of range of {vertices} vertices")));
+            return Err(self
+                .file
+                .invalid(format!("mesh `{name}`: index {corner} is out of range of {vertices} vertices")));
         }
-        let strip = |(index, &[a, b, c]): (usize, &[u32; 3])| if index % 2 == 0 { [a, b, c] } else { [a, c, b] };
+        let strip =
+            |(index, &[a, b, c]): (usize, &[u32; 3])| if index % 2 == 0 { [a, b, c] } else { [a, c, b] };
         Ok(match self.instance.primitive.mode() {
             Mode::TriangleStrip => corners.array_windows::<3>().enumerate().map(strip).collect(),
             Mode::TriangleFan => match corners.split_first() {
@@ -181,4 +190,3 @@ impl Attributes<'_> {
 fn vectors<V: From<[f32; N]>, const N: usize>(values: Option<Vec<[f32; N]>>) -> Vec<V> {
     values.unwrap_or_default().into_iter().map(V::from).collect()
 }
-

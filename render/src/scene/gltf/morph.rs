@@ -26,13 +26,17 @@ pub(super) fn morphed(
             _ => Ok(Vec::new()),
         };
         let (positions, normals, tangents) = (&mut mesh.positions, &mut mesh.normals, &mut mesh.tangents);
-        for (position, offset) in positions.iter_mut().zip(displacements(target.positions(), rest.positions.len())?) {
+        for (position, offset) in
+            positions.iter_mut().zip(displacements(target.positions(), rest.positions.len())?)
+        {
             *position += offset * *weight;
         }
         for (normal, offset) in normals.iter_mut().zip(displacements(target.normals(), rest.normals.len())?) {
             *normal += offset * *weight;
         }
-        for (tangent, offset) in tangents.iter_mut().zip(displacements(target.tangents(), rest.tangents.len())?) {
+        for (tangent, offset) in
+            tangents.iter_mut().zip(displacements(target.tangents(), rest.tangents.len())?)
+        {
             *tangent += (offset * *weight).extend(0.0);
         }
     }
@@ -47,7 +51,9 @@ fn displacements(
     user: &str,
 ) -> Result<Vec<Vec3>, SceneError> {
     if accessor.count() != vertices {
-        return Err(file.invalid(format!("{user}: {} displacements for {vertices} vertices", accessor.count())));
+        return Err(
+            file.invalid(format!("{user}: {} displacements for {vertices} vertices", accessor.count()))
+        );
     }
     Ok(file.floats::<3>(accessor, user)?.into_iter().map(Vec3::from).collect())
 }

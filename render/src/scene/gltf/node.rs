@@ -42,7 +42,8 @@ impl Hierarchy {
 
 /// How errors and unnamed objects call a node.
 pub(super) fn label(node: &Node<'_>) -> String {
-    node.name().map_or_else(|| format!("node {}", node.index()), |name| format!("node {} `{name}`", node.index()))
+    node.name()
+        .map_or_else(|| format!("node {}", node.index()), |name| format!("node {} `{name}`", node.index()))
 }
 
 /// The parent of each node.

@@ -18,7 +18,7 @@ impl Place {
     pub fn new(matrix: Mat4) -> Self {
         let direction = Mat3::from_mat4(matrix);
         let Mat3 { x_axis: x, y_axis: y, z_axis: z } = direction;
-        let cofactors = Mat3::from_cols(y.cross(z).into(), z.cross(x).into(), x.cross(y).into());
+        let cofactors = Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
         let mirrored = direction.determinant() < 0.0;
         let normal = if mirrored { -cofactors } else { cofactors };
         Self { point: matrix, direction, normal, mirrored }
@@ -33,7 +33,12 @@ pub(super) fn placed(rest: &Mesh, place: impl Fn(usize) -> Place) -> Mesh {
     Mesh {
         name: rest.name.clone(),
         material: rest.material,
-        positions: rest.positions.iter().zip(places()).map(|(p, place)| place.point.transform_point3(*p)).collect(),
+        positions: rest
+            .positions
+            .iter()
+            .zip(places())
+            .map(|(p, place)| place.point.transform_point3(*p))
+            .collect(),
         normals: rest.normals.iter().zip(places()).map(|(n, place)| unit(place.normal * *n)).collect(),
         tangents: rest
             .tangents

@@ -24,13 +24,20 @@ pub(super) fn joint_matrices(
     if inverse.len() < joints.len() {
         return Err(file.invalid(format!("{user}: {} for {} joints", inverse.len(), joints.len())));
     }
-    Ok(joints.into_iter().zip(&inverse).map(|(joint, inverse)| joint * Mat4::from_cols_array(inverse)).collect())
+    Ok(joints
+        .into_iter()
+        .zip(&inverse)
+        .map(|(joint, inverse)| joint * Mat4::from_cols_array(inverse))
+        .collect())
 }
 
 /// The joint that a vertex follows and that there is not, if any.
 pub(super) fn missing_joint(influences: &[Influences], joints: usize) -> Option<u32> {
-    let used = influences.iter().flat_map(|set| set.joints.iter().flatten().zip(set.weights.iter().flatten()));
-    used.filter(|(_, weight)| **weight != 0.0).map(|(joint, _)| *joint).find(|joint| *joint as usize >= joints)
+    let used =
+        influences.iter().flat_map(|set| set.joints.iter().flatten().zip(set.weights.iter().flatten()));
+    used.filter(|(_, weight)| **weight != 0.0)
+        .map(|(joint, _)| *joint)
+        .find(|joint| *joint as usize >= joints)
 }
 
 /// The matrix that takes a vertex from the mesh at rest to the world: the mean of its joints' by their weights. A

@@ -61,7 +61,18 @@ mod tests {
 
     #[test]
     fn faces_out_of_range_are_named_with_their_line() {
-        for word in ["0", "4", "-4", "1/1", "1//2", "1//1/1", "/1", "x", "6148914691236517206", "1//6148914691236517206"] {
+        for word in [
+            "0",
+            "4",
+            "-4",
+            "1/1",
+            "1//2",
+            "1//1/1",
+            "/1",
+            "x",
+            "6148914691236517206",
+            "1//6148914691236517206",
+        ] {
             let error = check_faces(&format!("{CORNERS}f 1 2 {word}")).expect_err(word);
             assert_eq!(error, format!("line 5: there is no vertex `{word}`"));
         }
@@ -71,7 +82,10 @@ mod tests {
     fn colours_are_three_finite_numbers() {
         assert_eq!(check_colours("newmtl a\n Kd 1 0.5 0\nNs 3"), Ok(()));
         for bad in ["Kd 1 0", "Ke 0", "Ks nan 1 1", "Kd spectral a.rfl"] {
-            assert!(check_colours(&format!("newmtl a\n{bad}")).is_err_and(|error| error.starts_with("line 2")), "{bad}");
+            assert!(
+                check_colours(&format!("newmtl a\n{bad}")).is_err_and(|error| error.starts_with("line 2")),
+                "{bad}"
+            );
         }
     }
 }

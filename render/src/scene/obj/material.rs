@@ -66,7 +66,8 @@ fn find_textures(library: &Path, materials: &mut [tobj::Material]) -> Result<(),
     for material in materials {
         for texture in [&mut material.diffuse_texture, &mut material.dissolve_texture].into_iter().flatten() {
             if texture.starts_with('-') {
-                let what = format!("material `{}`: texture options are not supported: `{texture}`", material.name);
+                let what =
+                    format!("material `{}`: texture options are not supported: `{texture}`", material.name);
                 return Err(SceneError::invalid(library, what));
             }
             *texture = folder.join(texture.replace('\\', "/")).to_string_lossy().into_owned();
@@ -76,7 +77,10 @@ fn find_textures(library: &Path, materials: &mut [tobj::Material]) -> Result<(),
 }
 
 /// The materials and textures of a scene. `obj` is named in errors.
-pub(super) fn convert(obj: &Path, materials: &[tobj::Material]) -> Result<(Vec<Material>, Vec<Texture>), SceneError> {
+pub(super) fn convert(
+    obj: &Path,
+    materials: &[tobj::Material],
+) -> Result<(Vec<Material>, Vec<Texture>), SceneError> {
     let mut known: Vec<(Option<&str>, Option<&str>)> = Vec::new();
     let mut textures = Vec::new();
     let mut converted = Vec::new();

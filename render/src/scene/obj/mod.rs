@@ -46,7 +46,8 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 fn mesh(model: tobj::Model, without_material: usize) -> Mesh {
     let tobj::Model { mesh, name } = model;
     let vertices = mesh.positions.len() / 3;
-    let vectors = |values: &[f32]| -> Vec<Vec3> { values.as_chunks::<3>().0.iter().map(|v| Vec3::from(*v)).collect() };
+    let vectors =
+        |values: &[f32]| -> Vec<Vec3> { values.as_chunks::<3>().0.iter().map(|v| Vec3::from(*v)).collect() };
     let complete = |vectors: Vec<Vec3>| if vectors.len() == vertices { vectors } else { Vec::new() };
     let uvs: Vec<_> = mesh.texcoords.as_chunks::<2>().0.iter().map(|[u, v]| Vec2::new(*u, 1.0 - v)).collect();
     let usable = uvs.len() == vertices && uvs.iter().all(|uv| uv.is_finite());

@@ -44,7 +44,8 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
     let street = random.within(3.5, 5.5);
     let columns = (0..3).map(|_| random.within(5.0, 8.0)).collect::<Vec<_>>();
     let rows = (0..random.count(2, 3)).map(|_| random.within(5.0, 7.5)).collect::<Vec<_>>();
-    let total = Vec2::new(columns.iter().sum(), rows.iter().sum()) + street * Vec2::new(2.0, rows.len() as f32 - 1.0);
+    let total =
+        Vec2::new(columns.iter().sum(), rows.iter().sum()) + street * Vec2::new(2.0, rows.len() as f32 - 1.0);
     let mut corner = -0.5 * total;
     for depth in &rows {
         corner.x = -0.5 * total.x;
@@ -71,12 +72,16 @@ fn plot(middle: Vec2, plot: Vec2, size: Vec2, looks: &Looks, stage: &mut Stage, 
     let at = Vec3::new(middle.x, 0.15, middle.y);
     let pavement = bevelled_box(plot.x + 1.8, 0.15, plot.y + 1.8, 0.03);
     stage.add("pavement", looks.trim, pavement.at(at - Vec3::Y * 0.15));
-    let floors = random.count(2, 5);
+    let floors = random.count(2, 4);
     house(at, size, floors, looks, stage, random);
     let edge = 0.5 * plot + Vec2::splat(0.65);
     let mut street = Shape::default();
     for x in [-edge.x, edge.x] {
-        street.join(lamp_post().turned(if x > 0.0 { 0.0 } else { PI }).moved(x, 0.0, random.within(-1.0, 1.0)));
+        street.join(lamp_post().turned(if x > 0.0 { 0.0 } else { PI }).moved(
+            x,
+            0.0,
+            random.within(-1.0, 1.0),
+        ));
         let first = random.within(-edge.y, edge.y - 2.0);
         let bollard = frustum(0.1, 0.07, 0.7, 12) + sphere(0.09, 12).moved(0.0, 0.66, 0.0);
         street.join(bollard.at_each((0..3).map(|i| Vec3::new(x, 0.0, first + i as f32))));
@@ -112,7 +117,8 @@ fn house(at: Vec3, size: Vec2, floors: usize, looks: &Looks, stage: &mut Stage, 
         let turn = Quat::from_rotation_y(0.5 * PI * side as f32);
         let (length, out) = if side % 2 == 0 { (size.x, core.y) } else { (size.y, core.x) };
         let place = Affine3A::from_rotation_translation(turn, at + turn * Vec3::Z * (0.5 * out));
-        let facade = facade(length - if side % 2 == 0 { 0.0 } else { 2.0 * depth }, floors, depth, &style, random);
+        let facade =
+            facade(length - if side % 2 == 0 { 0.0 } else { 2.0 * depth }, floors, depth, &style, random);
         parts.wall.join(facade.wall.transformed(place));
         parts.trim.join(facade.trim.transformed(place));
         parts.metal.join(facade.metal.transformed(place));
@@ -160,7 +166,9 @@ fn facade(length: f32, floors: usize, depth: f32, style: &Style, random: &mut Ra
         let head = (sill + style.window.y).min(STOREY - 0.3);
         for i in 0..bays {
             let x = middle(i);
-            let part = |y0: f32, y1: f32| block(Vec3::new(x - half, y + y0, 0.0), Vec3::new(x + half, y + y1, depth));
+            let part = |y0: f32, y1: f32| {
+                block(Vec3::new(x - half, y + y0, 0.0), Vec3::new(x + half, y + y1, depth))
+            };
             parts.wall.join(part(head, STOREY));
             if floor == 0 && i == entrance {
                 parts.trim.join(doorway(x, style.window.x, head, depth));
@@ -169,11 +177,19 @@ fn facade(length: f32, floors: usize, depth: f32, style: &Style, random: &mut Ra
             let balcony = floor > 0 && random.chance(style.balconies);
             if !balcony {
                 parts.wall.join(part(0.0, sill));
-                parts.trim.join(bevelled_box(style.window.x + 0.2, 0.08, 0.2, 0.015).moved(x, y + sill, depth));
+                parts.trim.join(bevelled_box(style.window.x + 0.2, 0.08, 0.2, 0.015).moved(
+                    x,
+                    y + sill,
+                    depth,
+                ));
             }
             let low = if balcony { 0.08 } else { sill + 0.08 };
             parts.trim.join(window(style, Vec2::new(x, y + low), head - low));
-            parts.trim.join(bevelled_box(style.window.x + 0.3, 0.14, 0.14, 0.02).moved(x, y + head, depth + 0.05));
+            parts.trim.join(bevelled_box(style.window.x + 0.3, 0.14, 0.14, 0.02).moved(
+                x,
+                y + head,
+                depth + 0.05,
+            ));
             if balcony {
                 parts.wall.join(bevelled_box(bay - 0.1, 0.14, 0.9, 0.02).moved(x, y - 0.06, depth + 0.44));
                 parts.metal.join(railing(bay - 0.16, 0.82).moved(x, y + 0.08, depth));
@@ -182,11 +198,19 @@ fn facade(length: f32, floors: usize, depth: f32, style: &Style, random: &mut Ra
             }
         }
         if floor > 0 {
-            parts.trim.join(block(Vec3::new(-0.5 * length, y - 0.12, depth - 0.02), Vec3::new(0.5 * length, y + 0.04, depth + 0.07)));
+            parts.trim.join(block(
+                Vec3::new(-0.5 * length, y - 0.12, depth - 0.02),
+                Vec3::new(0.5 * length, y + 0.04, depth + 0.07),
+            ));
         }
     }
     let gutter = 0.5 * length - 0.25;
-    parts.metal.join(rod(Vec3::new(gutter, 0.0, depth + 0.07), Vec3::new(gutter, height, depth + 0.07), 0.05, 8));
+    parts.metal.join(rod(
+        Vec3::new(gutter, 0.0, depth + 0.07),
+        Vec3::new(gutter, height, depth + 0.07),
+        0.05,
+        8,
+    ));
     parts
 }
 
@@ -214,7 +238,11 @@ fn doorway(x: f32, width: f32, height: f32, depth: f32) -> Shape {
     }
     for step in 0..2 {
         let out = 0.3 * (2 - step) as f32;
-        shape.join(cuboid(width + 2.0 * out, 0.12, 2.0 * out).moved(x, 0.12 * step as f32 - 0.02, depth + 0.0));
+        shape.join(cuboid(width + 2.0 * out, 0.12, 2.0 * out).moved(
+            x,
+            0.12 * step as f32 - 0.02,
+            depth + 0.0,
+        ));
     }
     shape + bevelled_box(width + 0.7, 0.12, 0.9, 0.03).moved(x, height + 0.1, depth + 0.4)
 }
@@ -224,7 +252,8 @@ fn railing(width: f32, depth: f32) -> Shape {
     let bar = cylinder(0.014, 0.95, 5);
     let along = (width / 0.13) as usize;
     let side = (depth / 0.13) as usize;
-    let mut shape = bar.at_each((0..=along).map(|i| Vec3::new(width * (i as f32 / along as f32 - 0.5), 0.0, depth)));
+    let mut shape =
+        bar.at_each((0..=along).map(|i| Vec3::new(width * (i as f32 / along as f32 - 0.5), 0.0, depth)));
     for x in [-0.5 * width, 0.5 * width] {
         shape.join(bar.at_each((1..side).map(|i| Vec3::new(x, 0.0, depth * i as f32 / side as f32))));
         shape.join(beam(Vec3::new(x, 0.95, 0.0), Vec3::new(x, 0.95, depth), 0.05, 0.04));
@@ -237,8 +266,10 @@ fn shutters(half: f32, height: f32) -> Shape {
     let width = 0.42;
     let slats = (height / 0.12) as usize;
     let slat = cuboid(width - 0.06, 0.02, 0.05).pitched(0.5);
-    let one = slat.at_each((0..slats).map(|i| Vec3::new(0.0, (i as f32 + 0.5) * height / slats as f32, 0.03)))
-        + cuboid(0.04, height, 0.05).at_each([-1.0, 1.0].map(|s| Vec3::new(s * 0.5 * (width - 0.04), 0.0, 0.03)));
+    let one = slat
+        .at_each((0..slats).map(|i| Vec3::new(0.0, (i as f32 + 0.5) * height / slats as f32, 0.03)))
+        + cuboid(0.04, height, 0.05)
+            .at_each([-1.0, 1.0].map(|s| Vec3::new(s * 0.5 * (width - 0.04), 0.0, 0.03)));
     one.at_each([-1.0, 1.0].map(|s| Vec3::new(s * (half + 0.5 * width), 0.0, 0.0)))
 }
 
@@ -264,14 +295,19 @@ fn flat_roof(top: Vec3, size: Vec2, wall: MaterialId, looks: &Looks, stage: &mut
         metal.join(match random.count(0, 2) {
             0 => water_tank().at(at),
             1 => (bevelled_box(1.1, 0.8, 0.8, 0.05) + pipe(0.3, 0.27, 0.1, 20).moved(0.0, 0.8, 0.0)).at(at),
-            _ => tube(&[at, at + Vec3::Y * 0.7, at + Vec3::new(0.2, 0.9, 0.0), at + Vec3::new(0.5, 0.9, 0.0)], 0.14, 10),
+            _ => tube(
+                &[at, at + Vec3::Y * 0.7, at + Vec3::new(0.2, 0.9, 0.0), at + Vec3::new(0.5, 0.9, 0.0)],
+                0.14,
+                10,
+            ),
         });
     }
     stage.add("plant", looks.metal, metal.at(top));
 }
 
 fn water_tank() -> Shape {
-    let legs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(x, z)| Vec3::new(0.45 * x, 0.0, 0.45 * z));
+    let legs =
+        [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(x, z)| Vec3::new(0.45 * x, 0.0, 0.45 * z));
     let brace = |s: f32| rod(Vec3::new(-0.45, 0.1, s * 0.45), Vec3::new(0.45, 0.9, s * 0.45), 0.025, 5);
     cylinder(0.05, 1.0, 6).at_each(legs)
         + brace(1.0)
@@ -282,7 +318,14 @@ fn water_tank() -> Shape {
 }
 
 /// A gable roof of overlapping courses, with dormers and chimneys.
-fn gabled_roof(top: Vec3, size: Vec2, wall: MaterialId, looks: &Looks, stage: &mut Stage, random: &mut Random) {
+fn gabled_roof(
+    top: Vec3,
+    size: Vec2,
+    wall: MaterialId,
+    looks: &Looks,
+    stage: &mut Stage,
+    random: &mut Random,
+) {
     let (half, slope) = (0.5 * size.y, random.within(0.6, 1.1));
     let rise = half * slope;
     let outline = [Vec2::new(-half, 0.0), Vec2::new(half, 0.0), Vec2::new(0.0, rise)];
@@ -293,18 +336,32 @@ fn gabled_roof(top: Vec3, size: Vec2, wall: MaterialId, looks: &Looks, stage: &m
     let course = bevelled_box(size.x + 0.5, 0.07, 0.5, 0.015).pitched(0.07);
     let mut tiles = Shape::default();
     for side in [0.0, PI] {
-        let rows = course.at_each((0..courses).map(|i| Vec3::new(0.0, 0.04, length * (i as f32 + 0.5) / courses as f32)));
+        let rows = course
+            .at_each((0..courses).map(|i| Vec3::new(0.0, 0.04, length * (i as f32 + 0.5) / courses as f32)));
         tiles.join(rows.pitched(pitch).moved(0.0, rise, 0.0).turned(side));
     }
-    tiles.join(rod(Vec3::new(-0.5 * size.x - 0.3, rise + 0.08, 0.0), Vec3::new(0.5 * size.x + 0.3, rise + 0.08, 0.0), 0.13, 10));
+    tiles.join(rod(
+        Vec3::new(-0.5 * size.x - 0.3, rise + 0.08, 0.0),
+        Vec3::new(0.5 * size.x + 0.3, rise + 0.08, 0.0),
+        0.13,
+        10,
+    ));
     let dormers = random.count(0, 3);
     let mut trim = bevelled_box(size.x + 0.3, 0.14, size.y + 0.4, 0.04).moved(0.0, -0.14, 0.0);
     for i in 0..dormers {
         let x = ((i as f32 + 0.5) / dormers as f32 - 0.5) * size.x;
         let (z, y) = (0.62 * half, 0.38 * rise);
-        let body = [Vec2::new(-0.5, -0.9), Vec2::new(0.5, -0.9), Vec2::new(0.5, 0.8), Vec2::new(0.0, 1.25), Vec2::new(-0.5, 0.8)];
+        let body = [
+            Vec2::new(-0.5, -0.9),
+            Vec2::new(0.5, -0.9),
+            Vec2::new(0.5, 0.8),
+            Vec2::new(0.0, 1.25),
+            Vec2::new(-0.5, 0.8),
+        ];
         walls.join(extrude(&body, 1.6).moved(x, y, z - 0.4));
-        let board = |s: f32| beam(Vec3::new(x + s * 0.7, y + 0.66, z + 0.46), Vec3::new(x, y + 1.3, z + 0.46), 0.16, 0.08);
+        let board = |s: f32| {
+            beam(Vec3::new(x + s * 0.7, y + 0.66, z + 0.46), Vec3::new(x, y + 1.3, z + 0.46), 0.16, 0.08)
+        };
         trim.join(board(1.0) + board(-1.0));
         for (x0, x1) in [(-0.36, -0.04), (0.04, 0.36)] {
             trim.join(block(Vec3::new(x + x0, y - 0.1, z + 0.38), Vec3::new(x + x1, y + 0.75, z + 0.45)));
@@ -313,8 +370,10 @@ fn gabled_roof(top: Vec3, size: Vec2, wall: MaterialId, looks: &Looks, stage: &m
     for _ in 0..random.count(1, 3) {
         let x = random.within(-0.42, 0.42) * size.x;
         let z = random.within(-0.5, 0.1) * half;
-        let stack = bevelled_box(0.7, 1.3 + z.abs() * slope, 0.5, 0.02) + bevelled_box(0.82, 0.12, 0.62, 0.02).moved(0.0, 1.2 + z.abs() * slope, 0.0);
-        let pots = frustum(0.12, 0.09, 0.4, 10).at_each([-0.18, 0.18].map(|x| Vec3::new(x, 1.3 + z.abs() * slope, 0.0)));
+        let stack = bevelled_box(0.7, 1.3 + z.abs() * slope, 0.5, 0.02)
+            + bevelled_box(0.82, 0.12, 0.62, 0.02).moved(0.0, 1.2 + z.abs() * slope, 0.0);
+        let pots = frustum(0.12, 0.09, 0.4, 10)
+            .at_each([-0.18, 0.18].map(|x| Vec3::new(x, 1.3 + z.abs() * slope, 0.0)));
         walls.join((stack + pots).moved(x, rise - 0.4 - z.abs() * slope, z));
     }
     stage.add("gable", wall, walls.at(top));
@@ -330,9 +389,17 @@ fn parked(total: Vec2, street: f32, columns: &[f32], lot: &mut Lot, random: &mut
         let mut z = -0.5 * total.y + 2.5;
         while z < 0.5 * total.y - 2.0 {
             if random.chance(0.75) {
-                lot.put(car(random).turned(random.within(-0.05, 0.05)).moved(x + random.within(-0.2, 0.2), 0.0, z), random);
+                lot.put(
+                    car(random).turned(random.within(-0.05, 0.05)).moved(
+                        x + random.within(-0.2, 0.2),
+                        0.0,
+                        z,
+                    ),
+                    random,
+                );
             } else {
-                let crown = icosphere(0.8, 3).bent(|p, n| p + n * 0.25 * super::noise::fbm(z as u32 + 7, p * 3.0, 3));
+                let crown =
+                    icosphere(0.8, 3).bent(|p, n| p + n * 0.25 * super::noise::fbm(z as u32 + 7, p * 3.0, 3));
                 let tree = frustum(0.14, 0.1, 2.4, 8) + crown.moved(0.0, 2.7, 0.0) + pipe(0.5, 0.4, 0.3, 16);
                 lot.put(tree.moved(x, 0.0, z), random);
             }
@@ -360,6 +427,7 @@ fn car(random: &mut Random) -> Shape {
     let wheel = (pipe(0.33, 0.2, 0.22, 20) + cylinder(0.2, 0.16, 20).moved(0.0, 0.03, 0.0)).rolled(0.5 * PI);
     let wheels = [(0.95, 1.3), (0.95, -1.3), (-0.73, 1.3), (-0.73, -1.3)].map(|(x, z)| Vec3::new(x, 0.33, z));
     let bumper = bevelled_box(1.66, 0.2, 0.2, 0.05).at_each([-2.08, 2.08].map(|z| Vec3::new(0.0, 0.38, z)));
-    let mirror = bevelled_box(0.2, 0.14, 0.1, 0.03).at_each([-0.88, 0.88].map(|x| Vec3::new(x, bonnet + 0.05, 0.7)));
+    let mirror =
+        bevelled_box(0.2, 0.14, 0.1, 0.03).at_each([-0.88, 0.88].map(|x| Vec3::new(x, bonnet + 0.05, 0.7)));
     body + wheel.at_each(wheels) + bumper + mirror
 }

@@ -46,7 +46,11 @@ impl Plan {
     fn arch(&self, share: f32) -> f32 {
         let share = share.abs().min(1.0);
         // A pointed arch is two arcs around the opposite springs, drawn out to its rise.
-        let round = if self.pointed { (4.0 - (1.0 + share) * (1.0 + share)).max(0.0).sqrt() / 3f32.sqrt() } else { (1.0 - share * share).sqrt() };
+        let round = if self.pointed {
+            (4.0 - (1.0 + share) * (1.0 + share)).max(0.0).sqrt() / 3f32.sqrt()
+        } else {
+            (1.0 - share * share).sqrt()
+        };
         self.rise * round
     }
 
@@ -76,8 +80,9 @@ impl Plan {
 /// Builds a hall.
 pub fn build(stage: &mut Stage, random: &mut Random) {
     let plan = Plan::drawn(random);
-    let [stone, wall, vault, floor] = [materials::stone, materials::masonry, materials::plaster, materials::flooring]
-        .map(|make| make(stage, random));
+    let [stone, wall, vault, floor] =
+        [materials::stone, materials::masonry, materials::plaster, materials::flooring]
+            .map(|make| make(stage, random));
     let column = column(&plan, random);
     stage.add("columns", stone, column.at_each(plan.columns()));
     stage.add("arches", wall, arches(&plan));
@@ -110,8 +115,14 @@ fn column(plan: &Plan, random: &mut Random) -> Shape {
     };
     let twist = if random.chance(0.3) { random.within(1.0, 3.0) } else { 0.0 };
     let shaft = sweep(&outline, &rising(0.18, top, 12), |t| 1.0 - 0.16 * t * t);
-    shape.join(shaft.bent(|position, _| turned_about(position, twist * (position.y - 0.18) / (top - 0.18))));
-    let capital = [(0.84, 0.0), (0.9, 0.03), (0.84, 0.06), (0.86, 0.1), (1.1, 0.2), (1.25, 0.24), (0.0, 0.24)];
+    if twist > 0.0 {
+        let wound = |position: Vec3, _| turned_about(position, twist * (position.y - 0.18) / (top - 0.18));
+        shape.join(shaft.welded().bent(wound));
+    } else {
+        shape.join(shaft);
+    }
+    let capital =
+        [(0.84, 0.0), (0.9, 0.03), (0.84, 0.06), (0.86, 0.1), (1.1, 0.2), (1.25, 0.24), (0.0, 0.24)];
     let mut profile = vec![Vec2::ZERO];
     profile.extend(capital.map(|(x, y)| Vec2::new(x * radius, y)));
     shape.join(lathe(&profile, 32).moved(0.0, top, 0.0));
@@ -165,7 +176,12 @@ fn arch(plan: &Plan) -> Shape {
     let (side, top) = (0.5 * plan.bay, plan.top() - plan.spring);
     let mut outline = arch_points(plan, 0.0);
     outline.reverse();
-    outline.extend([Vec2::new(-side, 0.0), Vec2::new(-side, top), Vec2::new(side, top), Vec2::new(side, 0.0)]);
+    outline.extend([
+        Vec2::new(-side, 0.0),
+        Vec2::new(-side, top),
+        Vec2::new(side, top),
+        Vec2::new(side, 0.0),
+    ]);
     outline.reverse();
     extrude(&outline, plan.wall).moved(0.0, plan.spring, 0.0)
 }
@@ -219,7 +235,11 @@ fn ribs(plan: &Plan) -> Shape {
     let inner = 0.5 * (plan.bay - plan.wall);
     let path = |sign: f32| -> Vec<Vec3> {
         let shares = (0..=16).map(|i| -(PI * i as f32 / 16.0).cos());
-        shares.map(|share| Vec3::new(share * inner, plan.spring + plan.arch(share) - 0.02, sign * share * inner)).collect()
+        shares
+            .map(|share| {
+                Vec3::new(share * inner, plan.spring + plan.arch(share) - 0.02, sign * share * inner)
+            })
+            .collect()
     };
     let boss = sphere(0.11, 14).moved(0.0, plan.spring + plan.rise - 0.17, 0.0);
     tube(&path(1.0), 0.05, 8) + tube(&path(-1.0), 0.05, 8) + boss
@@ -269,7 +289,12 @@ fn roof(plan: &Plan) -> Shape {
     let y = plan.top() + 0.2;
     for side in [-1.0, 1.0] {
         shape.join(merlon.at_each(places(2.0 * half.x).map(|x| Vec3::new(x, y, side * half.y))));
-        shape.join(merlon.clone().turned(0.5 * PI).at_each(places(2.0 * half.y).map(|z| Vec3::new(side * half.x, y, z))));
+        shape.join(
+            merlon
+                .clone()
+                .turned(0.5 * PI)
+                .at_each(places(2.0 * half.y).map(|z| Vec3::new(side * half.x, y, z))),
+        );
     }
     shape
 }
@@ -305,7 +330,8 @@ fn balustrades(plan: &Plan, random: &mut Random) -> Shape {
     let count = (clear / 0.19) as usize;
     let post = turned_post(0.62, 0.065);
     let places = (0..count).map(|i| Vec3::new(((i as f32 + 0.5) / count as f32 - 0.5) * clear, 0.1, 0.0));
-    let rails = bevelled_box(clear, 0.1, 0.2, 0.012) + bevelled_box(clear, 0.1, 0.22, 0.02).moved(0.0, 0.71, 0.0);
+    let rails =
+        bevelled_box(clear, 0.1, 0.2, 0.012) + bevelled_box(clear, 0.1, 0.22, 0.02).moved(0.0, 0.71, 0.0);
     let one = post.at_each(places) + rails;
     let half = 0.5 * plan.bay;
     let mut shape = Shape::default();

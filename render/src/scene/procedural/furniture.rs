@@ -47,7 +47,11 @@ pub fn table(width: f32, depth: f32, height: f32, random: &mut Random) -> Shape 
     shape.join(cuboid(2.0 * x, 0.09, 0.02).at_each([Vec3::new(0.0, apron, z), Vec3::new(0.0, apron, -z)]));
     shape.join(cuboid(0.02, 0.09, 2.0 * z).at_each([Vec3::new(x, apron, 0.0), Vec3::new(-x, apron, 0.0)]));
     let corners = [(x, z), (-x, z), (x, -z), (-x, -z)].map(|(x, z)| Vec3::new(x, 0.0, z));
-    let leg = if random.chance(0.5) { turned_post(height - 0.035, 0.035) } else { bevelled_box(0.06, height - 0.035, 0.06, 0.008) };
+    let leg = if random.chance(0.5) {
+        turned_post(height - 0.035, 0.035)
+    } else {
+        bevelled_box(0.06, height - 0.035, 0.06, 0.008)
+    };
     shape + leg.at_each(corners)
 }
 
@@ -75,7 +79,8 @@ pub fn cabinet(size: Vec3, columns: usize, rows: usize) -> Shape {
     let body = Vec3::new(size.x, size.y - foot, size.z - 0.02);
     let mut shape = bevelled_box(body.x, body.y, body.z, 0.008).moved(0.0, foot, 0.5 * body.z);
     let foot_at = |x: f32, z: f32| Vec3::new(x * (0.5 * size.x - 0.05), 0.0, z);
-    let feet = [(-1.0, 0.05), (1.0, 0.05), (-1.0, body.z - 0.05), (1.0, body.z - 0.05)].map(|(x, z)| foot_at(x, z));
+    let feet =
+        [(-1.0, 0.05), (1.0, 0.05), (-1.0, body.z - 0.05), (1.0, body.z - 0.05)].map(|(x, z)| foot_at(x, z));
     shape.join(frustum(0.02, 0.03, foot, 8).at_each(feet));
     let front = Vec2::new((size.x - 0.04) / columns as f32, (body.y - 0.04) / rows as f32);
     for column in 0..columns {
@@ -84,7 +89,11 @@ pub fn cabinet(size: Vec3, columns: usize, rows: usize) -> Shape {
             let y = foot + 0.02 + row as f32 * front.y;
             let panel = bevelled_box(front.x - 0.015, front.y - 0.015, 0.022, 0.006);
             shape.join(panel.moved(x, y + 0.0075, body.z + 0.009));
-            let knob = lathe(&[(0.0, 0.0), (0.007, 0.0), (0.006, 0.012), (0.014, 0.02), (0.0, 0.028)].map(|(x, y)| Vec2::new(x, y)), 10);
+            let knob = lathe(
+                &[(0.0, 0.0), (0.007, 0.0), (0.006, 0.012), (0.014, 0.02), (0.0, 0.028)]
+                    .map(|(x, y)| Vec2::new(x, y)),
+                10,
+            );
             shape.join(knob.pitched(0.5 * PI).moved(x, y + 0.5 * front.y, body.z + 0.018));
         }
     }
@@ -109,7 +118,8 @@ pub fn bookcase(size: Vec3, boards: usize) -> (Shape, Vec<f32>) {
 /// A book that stands on y = 0 with its spine towards +z: covers and a block of pages, set back a little.
 pub fn book(thickness: f32, height: f32, depth: f32) -> Shape {
     let cover = 0.003;
-    let side = cuboid(cover, height, depth).at_each([-1.0, 1.0].map(|s| Vec3::X * (s * 0.5 * (thickness - cover))));
+    let side =
+        cuboid(cover, height, depth).at_each([-1.0, 1.0].map(|s| Vec3::X * (s * 0.5 * (thickness - cover))));
     let pages = cuboid(thickness - 2.0 * cover, height - 0.008, depth - 0.008).moved(0.0, 0.004, 0.0);
     let spine = cuboid(thickness, height, cover).moved(0.0, 0.0, 0.5 * (depth + cover));
     side + pages + spine
@@ -126,7 +136,11 @@ pub fn books(length: f32, room_above: f32, random: &mut Random) -> Vec<Shape> {
             let stack = (0..random.count(2, 4)).scan(0.0, |y, _| {
                 let (thick, wide) = (random.within(0.015, 0.035), height * random.within(0.8, 1.0));
                 *y += thick;
-                Some(book(thick, wide, depth).rolled(0.5 * PI).moved(0.5 * (height + wide), *y - 0.5 * thick, 0.5 * depth))
+                Some(book(thick, wide, depth).rolled(0.5 * PI).moved(
+                    0.5 * (height + wide),
+                    *y - 0.5 * thick,
+                    0.5 * depth,
+                ))
             });
             row.extend(stack.collect::<Vec<_>>());
             x += height + 0.005;
@@ -149,8 +163,10 @@ pub fn books(length: f32, room_above: f32, random: &mut Random) -> Vec<Shape> {
 pub fn sofa(width: f32, random: &mut Random) -> (Shape, Shape) {
     let (depth, seat, arm) = (random.within(0.8, 0.95), 0.26, random.within(0.14, 0.22));
     let back = random.within(0.75, 0.95);
-    let side = |s: f32| rounded_box(arm, 0.58, depth, 0.05, 3).moved(s * 0.5 * (width - arm), 0.08, 0.5 * depth);
-    let base = rounded_box(width - 2.0 * arm, seat - 0.08, depth - 0.05, 0.02, 2).moved(0.0, 0.08, 0.5 * depth);
+    let side =
+        |s: f32| rounded_box(arm, 0.58, depth, 0.05, 3).moved(s * 0.5 * (width - arm), 0.08, 0.5 * depth);
+    let base =
+        rounded_box(width - 2.0 * arm, seat - 0.08, depth - 0.05, 0.02, 2).moved(0.0, 0.08, 0.5 * depth);
     let rest = rounded_box(width - 2.0 * arm, back - 0.1, 0.2, 0.06, 3).moved(0.0, 0.1, 0.1);
     let feet = [(-1.0, 0.08), (1.0, 0.08), (-1.0, depth - 0.08), (1.0, depth - 0.08)];
     let feet = feet.map(|(s, z)| Vec3::new(s * (0.5 * width - 0.08), 0.0, z));
@@ -184,12 +200,16 @@ pub fn bed(width: f32, random: &mut Random) -> (Shape, Shape) {
     let head = bevelled_box(width, height + random.within(0.4, 0.7), 0.05, 0.015).moved(0.0, 0.0, 0.025);
     let frame = bevelled_box(width, 0.16, length, 0.01).moved(0.0, height - 0.16, 0.5 * length + 0.03);
     let corners = [(-1.0, 0.15), (1.0, 0.15), (-1.0, length - 0.05), (1.0, length - 0.05)];
-    let legs = cuboid(0.06, height - 0.16, 0.06).at_each(corners.map(|(s, z)| Vec3::new(s * (0.5 * width - 0.06), 0.0, z)));
-    let mattress = rounded_box(width - 0.04, 0.2, length - 0.06, 0.05, 3).moved(0.0, height, 0.5 * length + 0.04);
-    let quilt = rounded_box(width + 0.02, 0.12, length * 0.62, 0.05, 3).moved(0.0, height + 0.13, 0.66 * length);
+    let legs = cuboid(0.06, height - 0.16, 0.06)
+        .at_each(corners.map(|(s, z)| Vec3::new(s * (0.5 * width - 0.06), 0.0, z)));
+    let mattress =
+        rounded_box(width - 0.04, 0.2, length - 0.06, 0.05, 3).moved(0.0, height, 0.5 * length + 0.04);
+    let quilt =
+        rounded_box(width + 0.02, 0.12, length * 0.62, 0.05, 3).moved(0.0, height + 0.13, 0.66 * length);
     let pillows = if width > 1.2 { vec![-0.25, 0.25] } else { vec![0.0] };
     let pillow = cushion(0.42 * width.min(1.6), 0.38, 0.14);
-    let bedding = mattress + quilt + pillow.at_each(pillows.iter().map(|x| Vec3::new(x * width, height + 0.18, 0.3)));
+    let bedding =
+        mattress + quilt + pillow.at_each(pillows.iter().map(|x| Vec3::new(x * width, height + 0.18, 0.3)));
     (head + frame + legs, bedding)
 }
 

@@ -64,7 +64,11 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
     stage.add("fence", bark[0], fence(land, random));
     let log = random.within(0.15, 0.3);
     let place = land.at(land.place(random) * 0.7) + Vec3::Y * (0.7 * log);
-    stage.add("log", bark[1], cylinder(log, 2.2, 20).moved(0.0, -1.1, 0.0).rolled(0.5 * PI).turned(random.angle()).at(place));
+    stage.add(
+        "log",
+        bark[1],
+        cylinder(log, 2.2, 20).moved(0.0, -1.1, 0.0).rolled(0.5 * PI).turned(random.angle()).at(place),
+    );
     stage.sun(random);
 }
 
@@ -100,7 +104,13 @@ impl Growth<'_> {
             let outward = self.random.direction().reject_from_normalized(heading).normalize_or(Vec3::X);
             let spread = if i == 0 { 0.3 } else { self.random.within(0.7, 1.3) };
             let shorter = self.random.within(0.5, 0.72);
-            self.branch(start, (heading + outward * spread).normalize(), length * shorter, radius * 0.5, level + 1);
+            self.branch(
+                start,
+                (heading + outward * spread).normalize(),
+                length * shorter,
+                radius * 0.5,
+                level + 1,
+            );
         }
     }
 
@@ -109,7 +119,8 @@ impl Growth<'_> {
             for _ in 0..2 {
                 let direction = (self.random.direction() + Vec3::Y * 0.2).normalize_or(Vec3::Y);
                 let size = self.random.within(0.7, 1.3);
-                let spun = Quat::from_rotation_arc(Vec3::Y, direction) * Quat::from_rotation_y(self.random.angle());
+                let spun =
+                    Quat::from_rotation_arc(Vec3::Y, direction) * Quat::from_rotation_y(self.random.angle());
                 self.leaves.join(self.leaf.clone().scaled(size, size, size).rotated(spun).at(*point));
             }
         }
@@ -147,7 +158,12 @@ fn roots(radius: f32, random: &mut Random) -> Shape {
         .map(|_| {
             let out = Quat::from_rotation_y(random.angle());
             let reach = random.within(0.3, 0.7);
-            let knots = [Vec3::new(0.0, 0.3, 0.0), Vec3::new(0.3 * reach, 0.1, 0.0), Vec3::new(0.7 * reach, 0.0, 0.0), Vec3::new(reach, -0.2, 0.0)];
+            let knots = [
+                Vec3::new(0.0, 0.3, 0.0),
+                Vec3::new(0.3 * reach, 0.1, 0.0),
+                Vec3::new(0.7 * reach, 0.0, 0.0),
+                Vec3::new(reach, -0.2, 0.0),
+            ];
             tapered_tube(&curve(&knots, 3), 0.6 * radius, 7, |t| 1.0 - 0.7 * t).rotated(out)
         })
         .collect()
@@ -168,8 +184,18 @@ fn conifer(foot: Vec3, bark: MaterialId, stage: &mut Stage, random: &mut Random)
             let turn = Quat::from_rotation_y(random.angle());
             let droop = random.within(0.1, 0.35) * reach;
             let tip = Vec3::new(reach * random.within(0.8, 1.1), -droop, 0.0);
-            wood.join(tapered_tube(&[Vec3::ZERO, 0.5 * tip + Vec3::Y * 0.1 * reach, tip], 0.014, 4, |t| 1.0 - 0.8 * t).rotated(turn).moved(0.0, y, 0.0));
-            let spray = sheet(4, 1, |u, v| tip * u + Vec3::Y * 0.1 * reach * (PI * u).sin() + Vec3::new(0.0, -0.06, (v - 0.5) * 0.3 * reach * (PI * (0.2 + 0.75 * u)).sin()));
+            wood.join(
+                tapered_tube(&[Vec3::ZERO, 0.5 * tip + Vec3::Y * 0.1 * reach, tip], 0.014, 4, |t| {
+                    1.0 - 0.8 * t
+                })
+                .rotated(turn)
+                .moved(0.0, y, 0.0),
+            );
+            let spray = sheet(4, 1, |u, v| {
+                tip * u
+                    + Vec3::Y * 0.1 * reach * (PI * u).sin()
+                    + Vec3::new(0.0, -0.06, (v - 0.5) * 0.3 * reach * (PI * (0.2 + 0.75 * u)).sin())
+            });
             let comb = (0..6).map(|i| {
                 let at = tip * (i as f32 + 1.0) / 7.0;
                 let blade = |s: f32| {
@@ -204,7 +230,9 @@ fn grass(land: Land, random: &mut Random) -> Shape {
             let height = tall * random.within(0.5, 1.0);
             let side = Vec2::from_angle(random.angle()) * random.within(0.004, 0.01);
             let (side, bend) = (Vec3::new(side.x, 0.0, side.y), Vec3::new(bend.x, 0.0, bend.y));
-            let blade = sheet(1, 3, |u, v| foot + side * (2.0 * u - 1.0) * (1.0 - 0.8 * v) + Vec3::Y * height * v + bend * v * v);
+            let blade = sheet(1, 3, |u, v| {
+                foot + side * (2.0 * u - 1.0) * (1.0 - 0.8 * v) + Vec3::Y * height * v + bend * v * v
+            });
             shape.join(blade);
         }
     }
@@ -227,7 +255,9 @@ fn bush(land: Land, random: &mut Random) -> Shape {
     }
     for _ in 0..12 {
         let tip = random.direction() * 0.8 * radius;
-        shape.join(tapered_tube(&[Vec3::NEG_Y * 0.05, tip.with_y(tip.y.abs() + 0.1)], 0.015, 5, |t| 1.0 - 0.6 * t));
+        shape.join(tapered_tube(&[Vec3::NEG_Y * 0.05, tip.with_y(tip.y.abs() + 0.1)], 0.015, 5, |t| {
+            1.0 - 0.6 * t
+        }));
     }
     shape.at(foot)
 }
@@ -240,7 +270,10 @@ fn fern(land: Land, random: &mut Random) -> Shape {
     for _ in 0..random.count(7, 12) {
         let rise = random.within(0.6, 1.2);
         let spine = |t: f32| Vec3::new(length * t, length * rise * (t - 0.6 * t * t), 0.0);
-        let mut frond = tapered_tube(&(0..=5).map(|i| spine(i as f32 / 5.0)).collect::<Vec<_>>(), 0.006, 4, |t| 1.0 - 0.7 * t);
+        let mut frond =
+            tapered_tube(&(0..=5).map(|i| spine(i as f32 / 5.0)).collect::<Vec<_>>(), 0.006, 4, |t| {
+                1.0 - 0.7 * t
+            });
         for i in 2..14 {
             let t = i as f32 / 14.0;
             let wide = 0.28 * length * (PI * t).sin() * (1.1 - t);
@@ -259,14 +292,28 @@ fn fern(land: Land, random: &mut Random) -> Shape {
 fn boulder(land: Land, random: &mut Random) -> Shape {
     let radius = random.within(0.06, 0.35) * random.within(0.5, 1.2);
     let seed = random.bits();
-    let stone = icosphere(radius, 3).bent(|p, n| p + n * radius * 0.45 * noise::fbm(seed, p * (1.6 / radius), 3));
+    let stone =
+        icosphere(radius, 3).bent(|p, n| p + n * radius * 0.45 * noise::fbm(seed, p * (1.6 / radius), 3));
     let flat = random.within(0.5, 0.9);
-    stone.scaled(1.0, flat, random.within(0.7, 1.2)).turned(random.angle()).at(land.at(land.place(random)) + Vec3::Y * 0.2 * radius)
+    stone
+        .scaled(1.0, flat, random.within(0.7, 1.2))
+        .turned(random.angle())
+        .at(land.at(land.place(random)) + Vec3::Y * 0.2 * radius)
 }
 
 fn mushroom(land: Land, random: &mut Random) -> Shape {
     let size = random.within(0.04, 0.12);
-    let outline = [(0.0, -0.3), (0.2, -0.3), (0.16, 0.4), (0.14, 0.8), (0.6, 0.75), (0.7, 0.85), (0.5, 1.15), (0.2, 1.3), (0.0, 1.33)];
+    let outline = [
+        (0.0, -0.3),
+        (0.2, -0.3),
+        (0.16, 0.4),
+        (0.14, 0.8),
+        (0.6, 0.75),
+        (0.7, 0.85),
+        (0.5, 1.15),
+        (0.2, 1.3),
+        (0.0, 1.33),
+    ];
     lathe(&outline.map(|(x, y)| Vec2::new(x * size, y * size)), 18).at(land.at(land.place(random)))
 }
 
@@ -277,7 +324,9 @@ fn fence(land: Land, random: &mut Random) -> Shape {
     let post = |i: usize| land.at(Vec2::new(((i as f32 + 0.5) / posts as f32 - 0.5) * land.size, z));
     let mut shape = Shape::default();
     for i in 0..posts {
-        shape.join(frustum(0.06, 0.05, 1.2, 8).moved(0.0, -0.2, 0.0).rolled(random.within(-0.06, 0.06)).at(post(i)));
+        shape.join(
+            frustum(0.06, 0.05, 1.2, 8).moved(0.0, -0.2, 0.0).rolled(random.within(-0.06, 0.06)).at(post(i)),
+        );
         if i + 1 < posts {
             for y in [0.35, 0.75] {
                 let sag = Vec3::Y * (y + random.within(-0.05, 0.05));

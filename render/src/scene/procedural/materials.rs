@@ -129,7 +129,8 @@ pub fn leaves(stage: &mut Stage, random: &mut Random) -> MaterialId {
     let texels = filled(|uv| {
         let centred = uv * 2.0 - Vec2::ONE;
         let jagged = depth * (centred.y * lobes * 3.0).sin().abs();
-        let half_width = (1.0 - centred.y * centred.y).max(0.0) * (0.55 - 0.2 * centred.y) * (1.0 - jagged) * 1.4;
+        let half_width =
+            (1.0 - centred.y * centred.y).max(0.0) * (0.55 - 0.2 * centred.y) * (1.0 - jagged) * 1.4;
         let vein = 0.75 + 0.25 * (centred.x.abs() * 12.0).min(1.0);
         let inside = centred.x.abs() < half_width;
         (base * vein).extend(f32::from(inside))
@@ -199,7 +200,14 @@ impl Courses {
 }
 
 /// A material of bricks or tiles with a colour of its own for each and a normal map.
-fn courses(stage: &mut Stage, random: &mut Random, name: &str, base: Vec3, rough: f32, laid: Courses) -> MaterialId {
+fn courses(
+    stage: &mut Stage,
+    random: &mut Random,
+    name: &str,
+    base: Vec3,
+    rough: f32,
+    laid: Courses,
+) -> MaterialId {
     let (seed, contrast) = (random.bits(), random.within(0.1, 0.5));
     let joint = 0.008 / laid.width;
     let shade = move |uv: Vec2| {

@@ -4,17 +4,27 @@
 //! in corners, contacts and thin things, since those are what ambient occlusion is about. Counts and choices rest on
 //! whole numbers; positions use the platform's sine and cosine, so they may differ in the last bit between systems.
 
+mod blobs;
+mod bridge;
+mod cave;
 mod city;
+mod cloth;
 mod colonnade;
+mod drapery;
 mod furniture;
 mod grove;
+mod machinery;
 mod materials;
 mod noise;
+mod playground;
 mod random;
+mod rides;
 mod room;
 mod shape;
+mod shelves;
 mod solids;
 mod stage;
+mod stairs;
 mod still_life;
 mod surface;
 mod sweep;
@@ -40,6 +50,22 @@ pub enum Family {
     Terrain,
     /// Vessels, fruit and books on a table.
     StillLife,
+    /// Gears, pipes, flanges and bolts.
+    Machinery,
+    /// Shelves full of clutter.
+    Shelves,
+    /// Soft organic forms.
+    Blobs,
+    /// Platforms, stairs and galleries.
+    Stairs,
+    /// Cloth draped over things.
+    Drapery,
+    /// Caves with dripstones and crystals.
+    Cave,
+    /// Slides, climbing frames and vehicles.
+    Playground,
+    /// Truss, trestle and suspension bridges.
+    Bridge,
 }
 
 /// What a family may be used for.
@@ -56,13 +82,21 @@ type Build = fn(&mut Stage, &mut Random);
 
 impl Family {
     /// All families, those for training first.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 14] = [
         Self::Room,
         Self::Colonnade,
         Self::City,
         Self::Grove,
         Self::Terrain,
         Self::StillLife,
+        Self::Machinery,
+        Self::Shelves,
+        Self::Blobs,
+        Self::Stairs,
+        Self::Drapery,
+        Self::Cave,
+        Self::Playground,
+        Self::Bridge,
     ];
 
     /// The family's name in recipes and file names.
@@ -103,6 +137,17 @@ impl Family {
             Self::Grove => ("grove", Split::Train, grove::build),
             Self::Terrain => ("terrain", Split::Train, terrain::build),
             Self::StillLife => ("still-life", Split::Train, still_life::build),
+            Self::Machinery => ("machinery", Split::Train, machinery::build),
+            Self::Shelves => ("shelves", Split::Train, shelves::build),
+            Self::Blobs => ("blobs", Split::Train, blobs::build),
+            Self::Stairs => ("stairs", Split::Train, stairs::build),
+            Self::Drapery => ("drapery", Split::Test, drapery::build),
+            Self::Cave => ("cave", Split::Test, cave::build),
+            Self::Playground => ("playground", Split::Test, playground::build),
+            Self::Bridge => ("bridge", Split::Test, bridge::build),
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

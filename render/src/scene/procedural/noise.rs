@@ -65,7 +65,8 @@ fn slope(hash: u32, offset: Vec3) -> f32 {
 /// Hash of a point of the lattice (finaliser of MurmurHash3, Appleby).
 fn hash(seed: u32, cell: IVec3) -> u32 {
     let [x, y, z] = cell.to_array().map(|coordinate| coordinate as u32);
-    let mut value = seed ^ x.wrapping_mul(0x8da6_b343) ^ y.wrapping_mul(0xd816_3841) ^ z.wrapping_mul(0xcb1a_b31f);
+    let mut value =
+        seed ^ x.wrapping_mul(0x8da6_b343) ^ y.wrapping_mul(0xd816_3841) ^ z.wrapping_mul(0xcb1a_b31f);
     value = (value ^ (value >> 16)).wrapping_mul(0x85eb_ca6b);
     value = (value ^ (value >> 13)).wrapping_mul(0xc2b2_ae35);
     value ^ (value >> 16)

@@ -110,9 +110,10 @@ fn walls(
 ) {
     let part = |x0: f32, x1: f32, y0: f32, y1: f32| block(Vec3::new(x0, y0, -WALL), Vec3::new(x1, y1, 0.0));
     let board = |x0: f32, x1: f32| {
-        block(Vec3::new(x0, 0.0, 0.0), Vec3::new(x1, 0.1, 0.018)) + block(Vec3::new(x0, 0.1, 0.0), Vec3::new(x1, 0.115, 0.009))
+        block(Vec3::new(x0, 0.0, 0.0), Vec3::new(x1, 0.1, 0.018))
+            + block(Vec3::new(x0, 0.1, 0.0), Vec3::new(x1, 0.115, 0.009))
     };
-    let cornice = [(0.0, 0.0), (0.03, 0.0), (0.05, 0.03), (0.09, 0.05), (0.1, 0.08)];
+    let cornice = [(0.0, 0.0), (0.03, 0.02), (0.05, 0.04), (0.09, 0.06), (0.1, 0.08)];
     let mut trim: Shape = cornice
         .windows(2)
         .map(|step| {
@@ -135,7 +136,10 @@ fn walls(
             if low.y > 0.0 {
                 wall.join(part(low.x, high.x, 0.0, low.y));
                 trim.join(board(low.x, high.x) + radiator(low, high));
-                trim.join(block(Vec3::new(low.x - 0.06, low.y - 0.03, -WALL), Vec3::new(high.x + 0.06, low.y, 0.08)));
+                trim.join(block(
+                    Vec3::new(low.x - 0.06, low.y - 0.03, -WALL),
+                    Vec3::new(high.x + 0.06, low.y, 0.08),
+                ));
             }
             trim.join(frame(low, high, random));
         }
@@ -146,9 +150,12 @@ fn walls(
 
 /// The frame in an opening: a grid of bars for a window, a panelled leaf for a door.
 fn frame(low: Vec2, high: Vec2, random: &mut Random) -> Shape {
-    let bar = |x0: f32, y0: f32, x1: f32, y1: f32, z: f32| block(Vec3::new(x0, y0, z - 0.05), Vec3::new(x1, y1, z));
+    let bar =
+        |x0: f32, y0: f32, x1: f32, y1: f32, z: f32| block(Vec3::new(x0, y0, z - 0.05), Vec3::new(x1, y1, z));
     let lining = |z: f32| {
-        bar(low.x, low.y, low.x + 0.05, high.y, z) + bar(high.x - 0.05, low.y, high.x, high.y, z) + bar(low.x, high.y - 0.05, high.x, high.y, z)
+        bar(low.x, low.y, low.x + 0.05, high.y, z)
+            + bar(high.x - 0.05, low.y, high.x, high.y, z)
+            + bar(low.x, high.y - 0.05, high.x, high.y, z)
     };
     let architrave = bar(low.x - 0.08, low.y, low.x, high.y + 0.08, 0.03)
         + bar(high.x, low.y, high.x + 0.08, high.y + 0.08, 0.03)
@@ -280,7 +287,11 @@ fn tall_piece(width: f32, height: f32, looks: &Looks, stage: &mut Stage, at: Aff
         }
         3 => {
             let size = Vec3::new(width, random.within(0.7, 1.1), 0.45);
-            stage.add("chest", looks.wood, cabinet(size, 1 + usize::from(width > 0.9), random.count(3, 5)).transformed(at));
+            stage.add(
+                "chest",
+                looks.wood,
+                cabinet(size, 1 + usize::from(width > 0.9), random.count(3, 5)).transformed(at),
+            );
             ornaments(width, size.y, looks, stage, at, random);
             size.y + 0.3
         }
@@ -302,7 +313,8 @@ fn tall_piece(width: f32, height: f32, looks: &Looks, stage: &mut Stage, at: Aff
     if top < height - 0.9 {
         let high = height - 0.3;
         let low = top + 0.15;
-        let picture = relief(Vec2::new(-0.4 * width, low), Vec2::new(0.4 * width, high)).scaled(1.0, 1.0, 2.0);
+        let picture =
+            relief(Vec2::new(-0.4 * width, low), Vec2::new(0.4 * width, high)).scaled(1.0, 1.0, 2.0);
         let canvas = block(Vec3::new(-0.39 * width, low, 0.0), Vec3::new(0.39 * width, high, 0.012));
         stage.add("picture", looks.trim, picture.transformed(at));
         stage.add("canvas", random.pick(&looks.small), canvas.transformed(at));
@@ -338,7 +350,8 @@ fn ornaments(width: f32, height: f32, looks: &Looks, stage: &mut Stage, at: Affi
         let radius = random.within(0.04, 0.085);
         let thing = match random.count(0, 2) {
             0 => vase(radius, random.within(0.1, 0.35)),
-            1 => bevelled_box(2.0 * radius, random.within(0.05, 0.2), 1.5 * radius, 0.008).turned(random.within(-0.5, 0.5)),
+            1 => bevelled_box(2.0 * radius, random.within(0.05, 0.2), 1.5 * radius, 0.008)
+                .turned(random.within(-0.5, 0.5)),
             _ => sphere(radius, 20),
         };
         lot.put(thing.moved(x, height, random.within(0.12, 0.3)).transformed(at), random);
@@ -347,7 +360,17 @@ fn ornaments(width: f32, height: f32, looks: &Looks, stage: &mut Stage, at: Affi
 }
 
 fn vase(radius: f32, height: f32) -> Shape {
-    let outline = [(0.0, 0.0), (0.6, 0.0), (1.0, 0.3), (0.9, 0.5), (0.45, 0.8), (0.6, 1.0), (0.5, 1.0), (0.35, 0.8), (0.0, 0.3)];
+    let outline = [
+        (0.0, 0.0),
+        (0.6, 0.0),
+        (1.0, 0.3),
+        (0.9, 0.5),
+        (0.45, 0.8),
+        (0.6, 1.0),
+        (0.5, 1.0),
+        (0.35, 0.8),
+        (0.0, 0.3),
+    ];
     lathe(&outline.map(|(x, y)| Vec2::new(x * radius, y * height)), 24)
 }
 
@@ -364,7 +387,7 @@ fn plant(width: f32, looks: &Looks, stage: &mut Stage, at: Affine3A, random: &mu
 fn middle(size: Vec3, looks: &Looks, stage: &mut Stage, random: &mut Random) {
     let (width, depth) = (0.34 * size.x, random.within(0.7, 0.95));
     let turn = random.within(-0.4, 0.4);
-    let rug = sheet(48, 32, |u, v| {
+    let rug = sheet(96, 64, |u, v| {
         let ripple = 0.004 * ((17.0 * u).sin() + (13.0 * v + 5.0 * u).sin());
         Vec3::new((u - 0.5) * (width + 1.1), 0.012 + ripple, (v - 0.5) * (depth + 1.1))
     });
@@ -381,7 +404,8 @@ fn middle(size: Vec3, looks: &Looks, stage: &mut Stage, random: &mut Random) {
         }
     }
     stage.add("chairs", looks.wood, chairs.turned(turn));
-    let on_table = Affine3A::from_rotation_translation(Quat::from_rotation_y(turn), Vec3::new(0.0, 0.01, 0.0));
+    let on_table =
+        Affine3A::from_rotation_translation(Quat::from_rotation_y(turn), Vec3::new(0.0, 0.01, 0.0));
     ornaments(0.8 * width, 0.74, looks, stage, on_table * Affine3A::from_translation(Vec3::Z * -0.2), random);
 }
 

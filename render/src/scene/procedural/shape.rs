@@ -4,6 +4,7 @@
 //! texture has the same size on everything.
 
 use glam::{Affine3A, Mat3, Quat, Vec2, Vec3};
+use std::collections::HashMap;
 use std::ops::Add;
 
 /// An indexed triangle mesh with normals and texture coordinates for every vertex.
@@ -33,7 +34,8 @@ impl Shape {
         let normal = newell(corners);
         let along = (corners[1] - corners[0]).normalize_or(Vec3::X);
         let across = along.cross(normal);
-        let place = |corner: &Vec3| Vec2::new((corner - corners[0]).dot(along), (corner - corners[0]).dot(across));
+        let place =
+            |corner: &Vec3| Vec2::new((corner - corners[0]).dot(along), (corner - corners[0]).dot(across));
         let first = self.positions.len() as u32;
         for corner in corners {
             self.vertex(*corner, normal, place(corner));
@@ -129,16 +131,28 @@ impl Shape {
         self
     }
 
+    /// The shape with vertices in the same place made one, so that [`Self::bent`] and [`Self::smoothed`] see no seams.
+    pub fn welded(self) -> Self {
+        let mut welded = Self::default();
+        let mut found = HashMap::new();
+        let places: Vec<u32> = (0..self.positions.len())
+            .map(|i| {
+                let position = self.positions[i];
+                // Adding zero makes -0 and 0 the same.
+                let key = (position + Vec3::ZERO).to_array().map(f32::to_bits);
+                *found.entry(key).or_insert_with(|| welded.vertex(position, self.normals[i], self.uvs[i]))
+            })
+            .collect();
+        let triangles = self.triangles.iter().map(|triangle| triangle.map(|vertex| places[vertex as usize]));
+        welded.triangles = triangles.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+        welded
+    }
+
     /// The shape seen from its other side.
     pub fn reversed(mut self) -> Self {
         self.normals.iter_mut().for_each(|normal| *normal = -*normal);
         self.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
         self
-    }
-
-    /// Copies of the shape, each after a transform of its own.
-    pub fn copies(&self, transforms: impl IntoIterator<Item = Affine3A>) -> Self {
-        transforms.into_iter().map(|transform| self.clone().transformed(transform)).collect()
     }
 
     /// Copies of the shape, one at each point.

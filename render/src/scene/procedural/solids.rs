@@ -101,7 +101,9 @@ pub fn sphere(radius: f32, sides: usize) -> Shape {
 
 /// A ring around the y axis with its middle on y = 0; `radius` to the middle of the tube.
 pub fn torus(radius: f32, tube: f32, sides: usize, tube_sides: usize) -> Shape {
-    let point = |i| Vec2::new(radius, 0.0) + Vec2::from_angle(TAU * (i % tube_sides) as f32 / tube_sides as f32) * tube;
+    let point = |i| {
+        Vec2::new(radius, 0.0) + Vec2::from_angle(TAU * (i % tube_sides) as f32 / tube_sides as f32) * tube
+    };
     lathe(&(0..=tube_sides).map(point).collect::<Vec<_>>(), sides)
 }
 
@@ -131,7 +133,8 @@ fn icosahedron() -> (Vec<Vec3>, Vec<[u32; 3]>) {
             Vec3::new(around.x, y, around.y) / 5f32.sqrt()
         })
     };
-    let points = [Vec3::Y].into_iter().chain(ring(0, 1.0)).chain(ring(1, -1.0)).chain([Vec3::NEG_Y]).collect();
+    let points =
+        [Vec3::Y].into_iter().chain(ring(0, 1.0)).chain(ring(1, -1.0)).chain([Vec3::NEG_Y]).collect();
     let mut triangles = Vec::new();
     for i in 0..5 {
         let next = (i + 1) % 5;
@@ -169,7 +172,8 @@ mod tests {
     fn check(shape: &Shape, volume: f32, tolerance: f32) {
         let ratio = shape.signed_volume() / volume;
         assert!(ratio > 1.0 - tolerance && ratio < 1.0 + 1e-4, "{ratio}");
-        for (triangle, corners) in shape.triangles.iter().map(|t| (t, t.map(|v| shape.positions[v as usize]))) {
+        for (triangle, corners) in shape.triangles.iter().map(|t| (t, t.map(|v| shape.positions[v as usize])))
+        {
             let flat = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
             assert!(triangle.iter().all(|v| flat.dot(shape.normals[*v as usize]) > 0.0));
         }

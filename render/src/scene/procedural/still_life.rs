@@ -86,7 +86,11 @@ fn table(size: Vec2, stage: &mut Stage, random: &mut Random) {
         let down = (along.abs() - edge).max(0.0);
         let swing = 0.02 * (down / drop) * (u * folds * TAU).sin();
         let wrinkle = 0.002 * (9.0 * u + 4.0 * (7.0 * v).sin()).sin();
-        Vec3::new((u - 0.5) * 2.0 * half, TOP + 0.003 + wrinkle - down, along.clamp(-edge, edge) + along.signum() * (swing + 0.3 * swing.abs()).max(0.0))
+        Vec3::new(
+            (u - 0.5) * 2.0 * half,
+            TOP + 0.003 + wrinkle - down,
+            along.clamp(-edge, edge) + along.signum() * (swing + 0.3 * swing.abs()).max(0.0),
+        )
     });
     stage.add("cloth", cloth, runner);
 }
@@ -114,7 +118,11 @@ fn thing(radius: f32, low: bool, lot: &mut Lot, random: &mut Random, place: impl
             let mut y = 0.0;
             for _ in 0..random.count(2, 6) {
                 let (thickness, twist) = (random.within(0.01, 0.035), random.within(-0.3, 0.3));
-                let flat = book(thickness, 1.5 * radius, radius).rolled(0.5 * PI).moved(0.75 * radius, y + 0.5 * thickness, 0.0);
+                let flat = book(thickness, 1.5 * radius, radius).rolled(0.5 * PI).moved(
+                    0.75 * radius,
+                    y + 0.5 * thickness,
+                    0.0,
+                );
                 lot.put(place(flat.turned(twist)), random);
                 y += thickness;
             }
@@ -139,7 +147,9 @@ fn upright(radius: f32, height: f32, random: &mut Random) -> Shape {
         4 => rounded_box(1.3 * radius, height, 1.3 * radius, 0.2 * radius, 3),
         5 => {
             let lid = frustum(0.85 * radius, 0.7 * radius, 0.1 * height, 32).moved(0.0, 0.8 * height, 0.0);
-            cylinder(0.8 * radius, 0.8 * height, 32) + lid + sphere(0.15 * radius, 16).moved(0.0, 0.9 * height, 0.0)
+            cylinder(0.8 * radius, 0.8 * height, 32)
+                + lid
+                + sphere(0.15 * radius, 16).moved(0.0, 0.9 * height, 0.0)
         }
         _ => vessels::vase(radius, 0.6 * height, random),
     }
@@ -167,7 +177,8 @@ fn fruit_bowl(radius: f32, lot: &mut Lot, random: &mut Random, place: impl Fn(Sh
         })
     };
     let start = random.angle();
-    let points: Vec<Vec3> = heap(0.5 * radius, 5, 0.45 * height, start).chain(heap(0.0, 1, 0.8 * height, start)).collect();
+    let points: Vec<Vec3> =
+        heap(0.5 * radius, 5, 0.45 * height, start).chain(heap(0.0, 1, 0.8 * height, start)).collect();
     for point in points {
         let tilt = random.within(-0.6, 0.6);
         let fruit = if random.chance(0.8) { vessels::apple(size) } else { vessels::pear(size) };

@@ -63,11 +63,14 @@ pub fn isosurface(low: Vec3, high: Vec3, cell: f32, field: impl Fn(Vec3) -> f32)
     let mut vertices = vec![u32::MAX; grid.values.len()];
     for at in grid.cells() {
         if let Some(position) = grid.vertex(at) {
-            vertices[grid.index(at)] = shape.vertex(position, Vec3::ZERO, Vec2::new(position.x + position.z, position.y));
+            vertices[grid.index(at)] =
+                shape.vertex(position, Vec3::ZERO, Vec2::new(position.x + position.z, position.y));
         }
     }
     for at in grid.cells() {
-        for (axis, side, other) in [(IVec3::X, IVec3::Y, IVec3::Z), (IVec3::Y, IVec3::Z, IVec3::X), (IVec3::Z, IVec3::X, IVec3::Y)] {
+        for (axis, side, other) in
+            [(IVec3::X, IVec3::Y, IVec3::Z), (IVec3::Y, IVec3::Z, IVec3::X), (IVec3::Z, IVec3::X, IVec3::Y)]
+        {
             let around = [at, at - side, at - side - other, at - other];
             if !around.iter().all(|cell| grid.has_cell(*cell)) {
                 continue;
@@ -122,7 +125,8 @@ impl Grid {
     /// The lowest corners of all cells.
     fn cells(&self) -> impl Iterator<Item = IVec3> + use<> {
         let cells = self.size - 1;
-        (0..cells.z).flat_map(move |z| (0..cells.y).flat_map(move |y| (0..cells.x).map(move |x| IVec3::new(x, y, z))))
+        (0..cells.z)
+            .flat_map(move |z| (0..cells.y).flat_map(move |y| (0..cells.x).map(move |x| IVec3::new(x, y, z))))
     }
 
     /// The mean of the places where the surface crosses a cell's edges; `None` where it does not pass.

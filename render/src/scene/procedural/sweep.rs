@@ -72,7 +72,8 @@ pub fn sweep(outline: &[Vec2], path: &[Vec3], scale: impl Fn(f32) -> f32) -> Sha
         around = next_around;
     }
     if !closed {
-        let cap = |k: usize| -> Vec<Vec3> { outline.iter().map(|p| path[k] + place(k, *p * size(k))).collect() };
+        let cap =
+            |k: usize| -> Vec<Vec3> { outline.iter().map(|p| path[k] + place(k, *p * size(k))).collect() };
         shape.join(flat(outline, &cap(0)).reversed());
         shape.join(flat(outline, &cap(last)));
     }
@@ -225,7 +226,11 @@ mod tests {
     #[test]
     fn dented_outlines_are_filled_without_overlap() {
         let triangles = triangulated(&DENTED);
-        let areas: Vec<f32> = triangles.iter().map(|t| t.map(|v| DENTED[v as usize])).map(|[a, b, c]| 0.5 * turn(a, b, c)).collect();
+        let areas: Vec<f32> = triangles
+            .iter()
+            .map(|t| t.map(|v| DENTED[v as usize]))
+            .map(|[a, b, c]| 0.5 * turn(a, b, c))
+            .collect();
         assert_eq!(triangles.len(), 4);
         assert!(areas.iter().all(|area| *area > 0.0));
         assert!((areas.iter().sum::<f32>() - 3.0).abs() < 1e-6);

@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
 /// Points along the side of the height field.
-const SIDE: usize = 192;
+const SIDE: usize = 160;
 
 /// Heights on a square grid around the origin.
 struct Land {
@@ -25,7 +25,8 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
     let land = Land::drawn(random);
     let (low, high) = land.range();
     let rock = materials::stone(stage, random);
-    let surface = ground(Vec2::splat(land.size), SIDE - 1, low - 0.05 * land.size, |x, z| land.height(Vec2::new(x, z)));
+    let surface =
+        ground(Vec2::splat(land.size), SIDE - 1, low - 0.05 * land.size, |x, z| land.height(Vec2::new(x, z)));
     let earth = materials::earth(stage, random);
     stage.add("land", if random.chance(0.5) { rock } else { earth }, surface);
     stage.add("boulders", rock, boulders(&land, random));
@@ -46,11 +47,13 @@ impl Land {
         let level = |at: Vec2| {
             let point = (at * frequency).extend(0.5);
             let warp = 0.3 * noise::fbm(seed ^ 1, point, 3);
-            let height = 0.5 * noise::ridged(seed, point + Vec3::splat(warp), 6) + 0.4 * noise::fbm(seed ^ 2, 0.6 * point, 3);
+            let height = 0.5 * noise::ridged(seed, point + Vec3::splat(warp), 6)
+                + 0.4 * noise::fbm(seed ^ 2, 0.6 * point, 3);
             if terraces { cut_into_steps(height, step) } else { height }
         };
         let share = |index: usize| index as f32 / (SIDE - 1) as f32;
-        let heights = (0..SIDE * SIDE).map(|i| steep * level(Vec2::new(share(i % SIDE), share(i / SIDE)))).collect();
+        let heights =
+            (0..SIDE * SIDE).map(|i| steep * level(Vec2::new(share(i % SIDE), share(i / SIDE)))).collect();
         let mut land = Self { size, heights };
         for _ in 0..random.count(3000, 9000) {
             land.drop_of_rain(random);
@@ -62,21 +65,24 @@ impl Land {
     fn drop_of_rain(&mut self, random: &mut Random) {
         let inner = (SIDE - 4) as f32;
         let mut at = Vec2::new(random.within(2.0, inner), random.within(2.0, inner));
-        let (mut heading, mut carried) = (Vec2::ZERO, 0.0);
+        let (mut heading, mut carried) = (Vec2::ZERO, 0f32);
         let cell = self.size / (SIDE - 1) as f32;
         for _ in 0..40 {
             let (column, row) = (at.x as usize, at.y as usize);
             let index = row * SIDE + column;
-            let slope = Vec2::new(self.heights[index + 1] - self.heights[index - 1], self.heights[index + SIDE] - self.heights[index - SIDE]);
+            let slope = Vec2::new(
+                self.heights[index + 1] - self.heights[index - 1],
+                self.heights[index + SIDE] - self.heights[index - SIDE],
+            );
             heading = (heading * 0.4 - slope).normalize_or_zero();
             let next = at + heading;
             if heading == Vec2::ZERO || next.min_element() < 2.0 || next.max_element() > inner {
                 break;
             }
             let fall = self.heights[index] - self.heights[next.y as usize * SIDE + next.x as usize];
-            let capacity = (fall * 2.0).clamp(0.0, 1.5 * cell);
-            let moved = if fall < 0.0 { carried.min(-fall) } else { 0.3 * (carried - capacity) };
-            let moved = moved.clamp(-0.3 * fall.max(0.0), carried);
+            let capacity = fall.clamp(0.0, 0.4 * cell);
+            let moved = if fall < 0.0 { carried.min(-fall) } else { 0.2 * (carried - capacity) };
+            let moved = moved.clamp(-0.1 * fall.max(0.0), carried);
             self.spread(index, moved);
             carried -= moved;
             at = next;
@@ -114,7 +120,9 @@ impl Land {
     }
 
     fn range(&self) -> (f32, f32) {
-        self.heights.iter().fold((f32::MAX, f32::MIN), |(low, high), height| (low.min(*height), high.max(*height)))
+        self.heights
+            .iter()
+            .fold((f32::MAX, f32::MIN), |(low, high), height| (low.min(*height), high.max(*height)))
     }
 
     fn place(&self, random: &mut Random) -> Vec2 {
@@ -139,20 +147,30 @@ fn cut_into_steps(height: f32, step: f32) -> f32 {
 }
 
 fn boulders(land: &Land, random: &mut Random) -> Shape {
-    let count = random.count(120, 220);
-    let stones: Vec<Shape> = (0..4)
-        .map(|_| {
+    let count = random.count(160, 260);
+    let stones: Vec<Shape> = [2, 2, 2, 3, 3]
+        .into_iter()
+        .map(|divisions| {
             let seed = random.bits();
-            icosphere(1.0, 3).bent(|p, n| p + n * (0.4 * noise::fbm(seed, p * 1.5, 4) - 0.1 * noise::ridged(seed ^ 1, p * 2.0, 2)))
+            icosphere(1.0, divisions).bent(|p, n| {
+                p + n * (0.4 * noise::fbm(seed, p * 1.5, 4) - 0.1 * noise::ridged(seed ^ 1, p * 2.0, 2))
+            })
         })
         .collect();
     let mut shape = Shape::default();
     for _ in 0..count {
         let radius = random.within(0.15, 0.6) * random.within(0.4, 1.6);
-        let stone = &stones[random.count(0, stones.len() - 1)];
+        let stone = &stones[if radius < 0.35 { random.count(0, 2) } else { random.count(3, 4) }];
         let (tilt, flat) = (random.within(-0.6, 0.6), random.within(0.6, 1.0));
         let place = land.place(random);
-        shape.join(stone.clone().scaled(radius, radius * flat, radius).pitched(tilt).turned(random.angle()).at(land.at(place) + Vec3::Y * 0.2 * radius));
+        shape.join(
+            stone
+                .clone()
+                .scaled(radius, radius * flat, radius)
+                .pitched(tilt)
+                .turned(random.angle())
+                .at(land.at(place) + Vec3::Y * 0.2 * radius),
+        );
     }
     shape
 }
@@ -190,12 +208,29 @@ fn hut(land: &Land, random: &mut Random) -> Shape {
         let y = 0.16 * (i as f32 + 0.5);
         for side in [-0.5, 0.5] {
             let (x, z) = (side * size.x, side * size.y);
-            shape.join(beam(Vec3::new(-0.5 * size.x - 0.12, y, z), Vec3::new(0.5 * size.x + 0.12, y, z), 0.12, 0.13));
-            shape.join(beam(Vec3::new(x, y + 0.08, -0.5 * size.y - 0.12), Vec3::new(x, y + 0.08, 0.5 * size.y + 0.12), 0.12, 0.13));
+            shape.join(beam(
+                Vec3::new(-0.5 * size.x - 0.12, y, z),
+                Vec3::new(0.5 * size.x + 0.12, y, z),
+                0.12,
+                0.13,
+            ));
+            shape.join(beam(
+                Vec3::new(x, y + 0.08, -0.5 * size.y - 0.12),
+                Vec3::new(x, y + 0.08, 0.5 * size.y + 0.12),
+                0.12,
+                0.13,
+            ));
         }
     }
     let (half, rise) = (0.5 * size.y + 0.3, random.within(0.7, 1.2));
-    let roof = [Vec2::new(-half, -0.1), Vec2::new(0.0, rise), Vec2::new(half, -0.1), Vec2::new(half, 0.03), Vec2::new(0.0, rise + 0.15), Vec2::new(-half, 0.03)];
+    let roof = [
+        Vec2::new(-half, -0.1),
+        Vec2::new(0.0, rise),
+        Vec2::new(half, -0.1),
+        Vec2::new(half, 0.03),
+        Vec2::new(0.0, rise + 0.15),
+        Vec2::new(-half, 0.03),
+    ];
     shape.join(extrude(&roof, size.x + 0.6).turned(0.5 * PI).moved(0.0, wall, 0.0));
     let gable = [Vec2::new(0.4 - half, 0.0), Vec2::new(half - 0.4, 0.0), Vec2::new(0.0, rise - 0.15)];
     shape.join(extrude(&gable, size.x - 0.2).turned(0.5 * PI).moved(0.0, wall, 0.0));
@@ -213,5 +248,8 @@ fn log(land: &Land, random: &mut Random) -> Shape {
     let radius = random.within(0.08, 0.16);
     let length = from.distance(to);
     let axis = (to - from) / length;
-    frustum(radius, 0.7 * radius, length, 10).turned(PI * random.unit()).aimed(axis).at(from + Vec3::Y * 0.6 * radius)
+    frustum(radius, 0.7 * radius, length, 10)
+        .turned(PI * random.unit())
+        .aimed(axis)
+        .at(from + Vec3::Y * 0.6 * radius)
 }

@@ -7,22 +7,20 @@ use super::sweep::{curve, lathe, tapered_tube, tube};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
-/// Meridians of a vessel.
-const SIDES: usize = 48;
-
 /// A vessel with a wall of 4 % of its radius, from the outline of its outside, bottom to rim, radius first, in shares
 /// of `radius` and `height`.
 pub fn vessel(outline: &[(f32, f32)], radius: f32, height: f32) -> Shape {
     let knots: Vec<Vec3> = outline.iter().map(|(x, y)| Vec3::new(x * radius, y * height, 0.0)).collect();
     let wall = (0.05 * radius).max(0.003);
-    let outside: Vec<Vec2> = curve(&knots, 6).iter().map(|point| point.truncate().max(Vec2::ZERO)).collect();
+    let steps = ((height * 14.0) as usize).clamp(2, 5);
+    let outside: Vec<Vec2> = curve(&knots, steps).iter().map(|point| point.truncate().max(Vec2::ZERO)).collect();
     let inside = outside.iter().rev().map(|point| Vec2::new((point.x - wall).max(0.0), point.y.max(wall)));
     let mut profile = vec![Vec2::new(0.0, outside[0].y)];
     profile.extend(&outside);
     profile.extend(inside);
     profile.push(Vec2::new(0.0, wall.max(outside[0].y)));
     profile.dedup_by(|a, b| a.distance(*b) < 1e-5);
-    lathe(&profile, SIDES)
+    lathe(&profile, ((radius * 280.0) as usize).clamp(14, 32))
 }
 
 /// A vase of any form.
@@ -48,7 +46,15 @@ pub fn plate(radius: f32) -> Shape {
 pub fn bottle(radius: f32, height: f32, random: &mut Random) -> Shape {
     let shoulder = random.within(0.45, 0.7);
     let neck = random.within(0.25, 0.35);
-    let outline = [(0.9, 0.0), (1.0, 0.04), (1.0, 0.3), (1.0, shoulder), (neck, shoulder + 0.18), (neck, 0.97), (neck * 1.2, 1.0)];
+    let outline = [
+        (0.9, 0.0),
+        (1.0, 0.04),
+        (1.0, 0.3),
+        (1.0, shoulder),
+        (neck, shoulder + 0.18),
+        (neck, 0.97),
+        (neck * 1.2, 1.0),
+    ];
     vessel(&outline, radius, height)
 }
 
@@ -63,8 +69,18 @@ pub fn jug(radius: f32, height: f32, random: &mut Random) -> Shape {
 
 /// A candlestick with its candle.
 pub fn candlestick(height: f32) -> Shape {
-    let outline = [(1.0, 0.0), (1.0, 0.04), (0.4, 0.1), (0.22, 0.2), (0.4, 0.28), (0.2, 0.36), (0.25, 0.55), (0.55, 0.62)];
-    vessel(&outline, 0.22 * height, height) + frustum(0.04 * height, 0.036 * height, 0.95 * height, 20).moved(0.0, 0.05 * height, 0.0)
+    let outline = [
+        (1.0, 0.0),
+        (1.0, 0.04),
+        (0.4, 0.1),
+        (0.22, 0.2),
+        (0.4, 0.28),
+        (0.2, 0.36),
+        (0.25, 0.55),
+        (0.55, 0.62),
+    ];
+    vessel(&outline, 0.22 * height, height)
+        + frustum(0.04 * height, 0.036 * height, 0.95 * height, 20).moved(0.0, 0.05 * height, 0.0)
 }
 
 /// An apple with its stalk.
@@ -72,7 +88,10 @@ pub fn apple(radius: f32) -> Shape {
     let point = |i: usize| {
         let angle = PI * (i as f32 / 16.0 - 0.5);
         let dent = 0.22 * angle.sin().abs().powi(6);
-        Vec2::new(radius * angle.cos().max(0.0) * (1.0 + 0.06 * angle.sin()), radius * (0.9 + 0.9 * angle.sin() - dent * angle.sin()))
+        Vec2::new(
+            radius * angle.cos().max(0.0) * (1.0 + 0.06 * angle.sin()),
+            radius * (0.9 + 0.9 * angle.sin() - dent * angle.sin()),
+        )
     };
     let mut profile: Vec<Vec2> = (0..=16).map(point).collect();
     profile[0].x = 0.0;
@@ -87,7 +106,8 @@ pub fn apple(radius: f32) -> Shape {
 pub fn pear(radius: f32) -> Shape {
     let knots = [(0.0, 0.05), (0.5, 0.0), (1.0, 0.75), (0.62, 1.6), (0.4, 2.1), (0.0, 2.35)];
     let knots = knots.map(|(x, y)| Vec3::new(x * radius, y * radius, 0.0));
-    let mut profile: Vec<Vec2> = curve(&knots, 5).iter().map(|point| point.truncate().max(Vec2::ZERO)).collect();
+    let mut profile: Vec<Vec2> =
+        curve(&knots, 5).iter().map(|point| point.truncate().max(Vec2::ZERO)).collect();
     let last = profile.len() - 1;
     profile[0].x = 0.0;
     profile[last].x = 0.0;
@@ -113,7 +133,11 @@ pub fn grapes(length: f32, random: &mut Random) -> Shape {
         for _ in 0..[22, 12, 5][layer] {
             let along = random.unit();
             let wide = 0.28 * length * (1.0 - along) * (1.0 - 0.3 * layer as f32);
-            let at = Vec3::new(length * (along * (1.0 - 0.2 * layer as f32) - 0.5), radius * (1.0 + 1.5 * layer as f32), random.within(-wide, wide));
+            let at = Vec3::new(
+                length * (along * (1.0 - 0.2 * layer as f32) - 0.5),
+                radius * (1.0 + 1.5 * layer as f32),
+                random.within(-wide, wide),
+            );
             shape.join(grape.clone().at(at));
         }
     }

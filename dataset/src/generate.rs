@@ -1,0 +1,161 @@
+//! Making a dataset: `pairs/<scene>-<view>.exr` and `manifest.json`.
+//!
+//! The same recipe gives the same bytes, whatever the number of threads and however often the program was killed on
+//! the way: every random number is a hash of what it is for, and every finished file is noted in a journal.
+
+use crate::journal::{Journal, checked};
+use crate::manifest::{MANIFEST, Manifest, PairRecord, job};
+use crate::plan::{PlannedScene, PlannedView};
+use crate::truth::Shot;
+use crate::{DatasetError, Recipe, progress, truth, views};
+use deepshade_render::bvh::TracedScene;
+use deepshade_render::exr_file::{Layer, Metadata, PROGRAM, encode};
+use deepshade_render::{atomic_file, gbuffer};
+use indicatif::ProgressBar;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::HashMap;
+use std::path::Path;
+
+/// Where the pairs lie in a dataset's folder.
+const PAIRS: &str = "pairs";
+
+/// What generating a dataset came to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Summary {
+    /// Pairs of the dataset.
+    pub pairs: usize,
+    /// Pairs that were rendered now; the others were there already.
+    pub rendered: usize,
+    /// Size of all pairs, bytes.
+    pub bytes: u64,
+}
+
+/// Makes the dataset of a recipe in a folder, or what is still missing of it. Progress goes to stderr where that is a
+/// terminal.
+///
+/// # Errors
+/// If a scene cannot be had or has no fit view, the folder cannot be written or is in use, or holds other data.
+pub fn generate(recipe: &Recipe, folder: &Path) -> Result<Summary, DatasetError> {
+    let plan = recipe.plan()?;
+    let mut manifest = Manifest::new(recipe, Vec::new())?;
+    let (journal, mut entries) = Journal::open(folder, &[PAIRS], &manifest.job())?;
+    entries.extend(earlier_pairs(folder, &manifest.job())?);
+    let known = checked(folder, entries);
+    let total = plan.iter().map(|scene| scene.views.len()).sum();
+    let bar = progress::bar("pairs", total, known.len());
+    let work = Work { recipe, folder, journal: &journal, known: &known, bar: &bar };
+    let scenes: Result<Vec<Vec<PairRecord>>, DatasetError> =
+        plan.par_iter().with_max_len(1).map(|scene| work.scene(scene)).collect();
+    manifest.pairs = scenes?.concat();
+    bar.finish_and_clear();
+    manifest.save(folder)?;
+    journal.finish()?;
+    let size = |pair: &PairRecord| {
+        let path = folder.join(&pair.file);
+        path.metadata().map(|metadata| metadata.len()).map_err(|source| DatasetError::io(&path, source))
+    };
+    let bytes = manifest.pairs.iter().map(size).sum::<Result<u64, _>>()?;
+    Ok(Summary { pairs: total, rendered: total - known.len(), bytes })
+}
+
+/// The pairs of a dataset that is whole, or was before a file was damaged.
+fn earlier_pairs(folder: &Path, ours: &str) -> Result<Vec<PairRecord>, DatasetError> {
+    if !folder.join(MANIFEST).exists() {
+        return Ok(Vec::new());
+    }
+    let earlier = Manifest::load(folder)?;
+    let theirs = job(&earlier.program, &earlier.recipe_hash);
+    if theirs != ours {
+        return Err(DatasetError::OtherData { folder: folder.to_owned(), theirs, ours: ours.to_owned() });
+    }
+    Ok(earlier.pairs)
+}
+
+/// What all pairs share.
+struct Work<'a> {
+    recipe: &'a Recipe,
+    folder: &'a Path,
+    journal: &'a Journal,
+    known: &'a HashMap<String, PairRecord>,
+    bar: &'a ProgressBar,
+}
+
+impl Work<'_> {
+    /// All pairs of a scene, which is only loaded if one of them is missing.
+    fn scene(&self, scene: &PlannedScene) -> Result<Vec<PairRecord>, DatasetError> {
+        let known = |view: &PlannedView| self.known.get(&file_name(view)).cloned();
+        if let Some(records) = scene.views.iter().map(known).collect() {
+            return Ok(records);
+        }
+        let traced = scene.source.load(self.recipe.folder())?;
+        let record = |view: &PlannedView| known(view).map_or_else(|| self.pair(scene, &traced, view), Ok);
+        scene.views.par_iter().map(record).collect()
+    }
+
+    /// Renders a pair and writes it.
+    fn pair(
+        &self,
+        planned: &PlannedScene,
+        scene: &TracedScene,
+        view: &PlannedView,
+    ) -> Result<PairRecord, DatasetError> {
+        let Recipe { effect, resolution, samples, seed, .. } = *self.recipe;
+        let (height, width) = (resolution.height, resolution.width);
+        let camera = views::sample_view(scene, [height, width], seed, planned.key, view.index)?;
+        let radius = self.recipe.radius.metres(scene.diagonal());
+        let shot = Shot { scene, camera: &camera, height, width, radius, samples, seed: view.seed };
+        let target = truth::render(effect, &shot);
+        let gbuffer = gbuffer::render(scene, &camera, height, width, truth::attributes(effect));
+        let mut record = PairRecord {
+            file: file_name(view),
+            blake3: String::new(),
+            part: view.part,
+            scene: planned.source.clone(),
+            view: view.index,
+            camera,
+            radius,
+            seed: view.seed,
+        };
+        let path = self.folder.join(&record.file);
+        let layers = [Layer::gbuffer(&gbuffer), Layer::image(&target_layer(self.recipe), &target)];
+        let bytes = encode(&path, &layers, &metadata(self.recipe, &record))?;
+        atomic_file::write(&path, &bytes).map_err(|source| DatasetError::io(&path, source))?;
+        record.blake3 = blake3::hash(&bytes).to_hex().to_string();
+        self.journal.add(&record)?;
+        self.bar.inc(1);
+        Ok(record)
+    }
+}
+
+fn file_name(view: &PlannedView) -> String {
+    format!("{PAIRS}/{}.exr", view.name)
+}
+
+/// Name of the layer that holds the target.
+pub(crate) fn target_layer(recipe: &Recipe) -> String {
+    format!("target.{}", recipe.effect)
+}
+
+/// What a pair's file says of itself.
+fn metadata(recipe: &Recipe, record: &PairRecord) -> Metadata {
+    let camera = &record.camera;
+    let axes = camera.rotation;
+    [
+        ("scene", record.scene.to_string()),
+        ("view_index", record.view.to_string()),
+        ("camera_position", camera.position.to_string()),
+        ("camera_axes", format!("right {}, up {}, back {}", axes.x_axis, axes.y_axis, axes.z_axis)),
+        ("camera_vertical_fov_degrees", camera.vertical_fov.to_degrees().to_string()),
+        ("radius_metres", record.radius.to_string()),
+        ("samples", recipe.samples.to_string()),
+        ("seed", record.seed.to_string()),
+        ("units", truth::units(recipe.effect).to_owned()),
+        ("program", PROGRAM.to_owned()),
+    ]
+    .map(|(name, value)| (name.to_owned(), value))
+    .into()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,153 @@
+use super::*;
+use crate::journal::JOURNAL;
+use crate::{Dataset, Part, verify};
+use deepshade_render::scene::procedural::{Family, Split};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// A recipe of two scenes with two views each.
+fn recipe(folder: &Path, seed: u32) -> Recipe {
+    let train = Family::ALL.into_iter().find(|family| family.split() == Split::Train).expect("a family");
+    let path = folder.join(format!("recipe-{seed}.toml"));
+    let text = format!(
+        "effect = \"ao\"\nsplit = \"train\"\nseed = {seed}\nresolution = {{ height = 32, width = 40 }}\nsamples = 4\n\
+         radius = {{ diagonal = 0.05 }}\nviews_per_scene = 2\nvalidation_share = 0.5\n\
+         [[families]]\nname = \"{}\"\nscenes = 2\n",
+        train.name()
+    );
+    std::fs::write(&path, text).expect("written");
+    Recipe::load(&path).expect("a sound recipe")
+}
+
+/// Contents of all files below a folder, by name.
+fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut files = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).expect("listed") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            files.extend(contents(&path).into_iter().map(|(name, bytes)| (folder.join(name), bytes)));
+        } else {
+            files.insert(path.clone(), std::fs::read(&path).expect("read"));
+        }
+    }
+    let inside = |path: &Path| path.strip_prefix(folder).map_or_else(|_| path.to_owned(), Path::to_owned);
+    files.into_iter().map(|(path, bytes)| (inside(&path), bytes)).collect()
+}
+
+#[test]
+fn the_number_of_threads_does_not_matter() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = recipe(folder.path(), 1);
+    let generated = |threads: usize| {
+        let out = folder.path().join(threads.to_string());
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let summary = pool.install(|| generate(&recipe, &out)).expect("generated");
+        assert_eq!((summary.pairs, summary.rendered), (4, 4));
+        contents(&out)
+    };
+    let one = generated(1);
+    assert_eq!(one.len(), 5, "four pairs and a manifest, nothing else");
+    assert_eq!(one, generated(2));
+    assert_eq!(one, generated(4));
+}
+
+#[test]
+fn a_killed_run_ends_with_the_bytes_of_an_undisturbed_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = recipe(folder.path(), 2);
+    let out = folder.path().join("out");
+    generate(&recipe, &out).expect("generated");
+    let undisturbed = contents(&out);
+    let manifest = Manifest::load(&out).expect("a manifest");
+    let [first, second, third, fourth] = manifest.pairs.as_slice() else { unreachable!("four pairs") };
+
+    // Killed while the third line was written: one pair is journalled and whole, one journalled and damaged, one
+    // without its line, one not there, and a temporary file is left over in each folder.
+    std::fs::remove_file(out.join(MANIFEST)).expect("removed");
+    let json = |record: &PairRecord| serde_json::to_string(record).expect("JSON");
+    let cut_off = &json(third)[..40];
+    let journal = format!("\"{}\"\n{}\n{}\n{cut_off}", manifest.job(), json(first), json(second));
+    std::fs::write(out.join(JOURNAL), journal).expect("written");
+    std::fs::write(out.join(&second.file), &undisturbed[Path::new(&second.file)][..500]).expect("truncated");
+    std::fs::remove_file(out.join(&fourth.file)).expect("removed");
+    std::fs::write(out.join(".deepshade-x1"), b"half").expect("left over");
+    std::fs::write(out.join("pairs/.deepshade-x2"), b"half").expect("left over");
+    assert_eq!(generate(&recipe, &out).expect("resumed").rendered, 3);
+    assert!(contents(&out) == undisturbed);
+
+    // Killed while the first line was written.
+    std::fs::remove_file(out.join(MANIFEST)).expect("removed");
+    std::fs::write(out.join(JOURNAL), "\"deepsh").expect("written");
+    assert_eq!(generate(&recipe, &out).expect("resumed").rendered, 4);
+    assert!(contents(&out) == undisturbed);
+
+    // Damaged after it was whole.
+    std::fs::write(out.join(&first.file), b"noise").expect("damaged");
+    assert_eq!(generate(&recipe, &out).expect("mended").rendered, 1);
+    assert!(contents(&out) == undisturbed);
+    assert_eq!(generate(&recipe, &out).expect("nothing to do").rendered, 0);
+    assert!(contents(&out) == undisturbed);
+}
+
+#[test]
+fn a_folder_in_use_or_with_other_data_is_left_alone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    generate(&recipe(folder.path(), 3), &out).expect("generated");
+    let before = contents(&out);
+    let other = recipe(folder.path(), 4);
+    let refused = generate(&other, &out).expect_err("another recipe");
+    assert!(matches!(refused, DatasetError::OtherData { .. }), "{refused}");
+    assert_eq!(contents(&out), before);
+    let busy = folder.path().join("busy");
+    let (journal, _) = Journal::open::<PairRecord>(&busy, &[PAIRS], "a job").expect("opened");
+    let refused = generate(&other, &busy).expect_err("in use");
+    assert!(matches!(refused, DatasetError::Busy { .. }), "{refused}");
+    drop(journal);
+    let refused = generate(&other, &busy).expect_err("another job's journal");
+    assert!(refused.to_string().contains("holds data of a job"), "{refused}");
+}
+
+#[test]
+fn what_is_generated_is_read_and_verified() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = recipe(folder.path(), 5);
+    let out = folder.path().join("out");
+    assert!(Dataset::open(&out).is_err(), "unfinished");
+    generate(&recipe, &out).expect("generated");
+    let dataset = Dataset::open(&out).expect("a dataset");
+    assert_eq!((dataset.training(), dataset.validation()), (vec![0, 1], vec![2, 3]));
+    assert!(dataset.part(Part::Test).is_empty());
+
+    let record = dataset.record(3);
+    let scene = record.scene.load(recipe.folder()).expect("a scene");
+    let shot = Shot {
+        scene: &scene,
+        camera: &record.camera,
+        height: 32,
+        width: 40,
+        radius: record.radius,
+        samples: 4,
+        seed: record.seed,
+    };
+    let pair = dataset.pair(3).expect("a pair");
+    // Quarters are exact in half floats.
+    assert_eq!(pair.target, truth::render(recipe.effect, &shot));
+    assert_eq!(pair.radius, 0.05 * scene.diagonal());
+    let rendered = gbuffer::render(&scene, &record.camera, 32, 40, pair.gbuffer.attributes());
+    let close = |(a, b): (&f32, &f32)| (a - b).abs() <= b.abs() / 2048.0 + 1e-6;
+    assert!(pair.gbuffer.planes().data().iter().zip(rendered.planes().data()).all(close));
+    assert_ne!(dataset.pair(2).expect("a pair").target, pair.target);
+
+    assert_eq!(verify(&out).expect("verified").faults, []);
+    let file = |index: usize| out.join(&dataset.record(index).file);
+    let mut bytes = std::fs::read(file(1)).expect("read");
+    *bytes.last_mut().expect("a byte") ^= 1;
+    std::fs::write(file(1), bytes).expect("damaged");
+    std::fs::remove_file(file(2)).expect("removed");
+    std::fs::write(out.join("pairs/stranger.exr"), b"").expect("added");
+    let faults: Vec<String> =
+        verify(&out).expect("verified").faults.into_iter().map(|fault| fault.file).collect();
+    let damaged = [1, 2].map(|index: usize| dataset.record(index).file.clone());
+    assert_eq!(faults, ["pairs/stranger.exr".to_owned(), damaged[0].clone(), damaged[1].clone()]);
+}

@@ -1,0 +1,107 @@
+//! Reading a dataset.
+
+use crate::generate::target_layer;
+use crate::{DatasetError, Manifest, PairRecord, Part, Recipe, truth};
+use deepshade_render::exr_file;
+use deepshade_shaders::{GBuffer, Planes};
+use std::path::{Path, PathBuf};
+
+/// A dataset on disk. Its files are read when asked for, from as many threads as there are.
+#[derive(Clone, Debug)]
+pub struct Dataset {
+    folder: PathBuf,
+    manifest: Manifest,
+}
+
+/// A g-buffer with the truth of an effect.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pair {
+    /// What the camera sees, with [`truth::attributes`].
+    pub gbuffer: GBuffer,
+    /// Truth, `[effect.channels(), height, width]`.
+    pub target: Planes,
+    /// How far the effect reaches, metres.
+    pub radius: f32,
+}
+
+impl Dataset {
+    /// Opens the dataset of a folder. Pairs are not checked: [`crate::verify`] does.
+    ///
+    /// # Errors
+    /// If the manifest is missing, as it is while the dataset is unfinished, or damaged.
+    pub fn open(folder: &Path) -> Result<Self, DatasetError> {
+        Ok(Self { folder: folder.to_owned(), manifest: Manifest::load(folder)? })
+    }
+
+    /// Where it is.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// What it consists of and comes from.
+    pub const fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// What it was made from.
+    pub const fn recipe(&self) -> &Recipe {
+        &self.manifest.recipe
+    }
+
+    /// Number of pairs.
+    pub const fn len(&self) -> usize {
+        self.manifest.pairs.len()
+    }
+
+    /// Whether there is no pair.
+    pub const fn is_empty(&self) -> bool {
+        self.manifest.pairs.is_empty()
+    }
+
+    /// What is known of a pair.
+    ///
+    /// # Panics
+    /// If there is no pair of that index.
+    pub fn record(&self, index: usize) -> &PairRecord {
+        &self.manifest.pairs[index]
+    }
+
+    /// Indices of the pairs to train on.
+    pub fn training(&self) -> Vec<usize> {
+        self.part(Part::Training)
+    }
+
+    /// Indices of the pairs that are held apart from training.
+    pub fn validation(&self) -> Vec<usize> {
+        self.part(Part::Validation)
+    }
+
+    /// Indices of the pairs of a part.
+    pub fn part(&self, part: Part) -> Vec<usize> {
+        (0..self.len()).filter(|index| self.manifest.pairs[*index].part == part).collect()
+    }
+
+    /// Reads a pair.
+    ///
+    /// # Errors
+    /// If its file is missing or damaged, lacks a channel or has another size than the recipe says.
+    ///
+    /// # Panics
+    /// If there is no pair of that index.
+    pub fn pair(&self, index: usize) -> Result<Pair, DatasetError> {
+        let record = self.record(index);
+        let path = self.folder.join(&record.file);
+        let recipe = self.recipe();
+        let image = exr_file::read(&path)?;
+        let (height, width) = (recipe.resolution.height, recipe.resolution.width);
+        if (image.height(), image.width()) != (height, width) {
+            let size = format!("{} x {} pixels", image.width(), image.height());
+            return Err(DatasetError::invalid(&path, format!("{size} where the recipe says {width} x {height}")));
+        }
+        Ok(Pair {
+            gbuffer: image.gbuffer(truth::attributes(recipe.effect))?,
+            target: image.image(&target_layer(recipe), recipe.effect.channels())?,
+            radius: record.radius,
+        })
+    }
+}

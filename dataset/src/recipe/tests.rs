@@ -1,0 +1,108 @@
+use super::*;
+
+/// Writes a recipe with some lines put before, changed or added, and loads it.
+fn load(folder: &Path, name: &str, edit: impl Fn(String) -> String) -> Result<Recipe, DatasetError> {
+    let train = Family::ALL.into_iter().find(|family| family.split() == Split::Train).expect("a family");
+    let text = format!(
+        "effect = \"ao\"\nsplit = \"train\"\nseed = 1\nresolution = {{ height = 64, width = 96 }}\nsamples = 16\n\
+         radius = {{ diagonal = 0.05 }}\nviews_per_scene = 2\nvalidation_share = 0.25\n\
+         [[families]]\nname = \"{}\"\nscenes = 3\n",
+        train.name()
+    );
+    let path = folder.join(name);
+    std::fs::write(&path, edit(text)).expect("written");
+    Recipe::load(&path)
+}
+
+fn refusal(edit: impl Fn(String) -> String) -> String {
+    let folder = tempfile::tempdir().expect("a folder");
+    let error = load(folder.path(), "a.toml", edit).expect_err("refused").to_string();
+    assert!(error.contains("a.toml"), "names the file: {error}");
+    error
+}
+
+#[test]
+fn a_recipe_is_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = load(folder.path(), "a.toml", |text| text).expect("a sound recipe");
+    assert_eq!(recipe.radius, Radius::Diagonal(0.05));
+    assert_eq!((recipe.radius.metres(20.0), recipe.scene_count()), (1.0, 3));
+    let metres = load(folder.path(), "b.toml", |text| text.replace("diagonal = 0.05", "metres = 0.5"));
+    assert_eq!(metres.expect("a sound recipe").radius.metres(20.0), 0.5);
+}
+
+#[test]
+fn unknown_keys_are_named() {
+    assert!(refusal(|text| format!("sample = 3\n{text}")).contains("unknown field `sample`"));
+    assert!(refusal(|text| format!("{text}seed = 3\n")).contains("unknown field `seed`"));
+    assert!(refusal(|text| text.replace("diagonal", "feet")).contains("unknown variant `feet`"));
+    assert!(refusal(|text| text.replace("samples = 16\n", "")).contains("missing field `samples`"));
+}
+
+#[test]
+fn absurd_values_are_refused_with_their_limits() {
+    let cases = [
+        ("height = 64", "height = 9000", "`resolution.height` must be 16 to 8192"),
+        ("width = 96", "width = 3", "`resolution.width` must be 16 to 8192"),
+        ("height = 64, width = 96", "height = 8192, width = 8192", "at most 33554432 pixels"),
+        ("samples = 16", "samples = 0", "`samples` must be 1 to 65536"),
+        ("samples = 16", "samples = 100000", "`samples` must be 1 to 65536"),
+        ("0.05", "nan", "`radius.diagonal` must be above 0"),
+        ("0.05", "-1.0", "`radius.diagonal` must be above 0"),
+        ("views_per_scene = 2", "views_per_scene = 0", "1 to 1000000 views"),
+        ("views_per_scene = 2", "views_per_scene = 400000", "1 to 1000000 views"),
+        ("share = 0.25", "share = 0.75", "`validation_share` must be 0 to 0.5"),
+        ("scenes = 3", "scenes = 0", "so that there is a scene"),
+    ];
+    for (old, new, expected) in cases {
+        let error = refusal(|text| text.replace(old, new));
+        assert!(error.contains(expected), "{new}: {error}");
+    }
+}
+
+#[test]
+fn families_for_testing_do_not_train_and_the_reverse() {
+    let test = Family::ALL.into_iter().find(|family| family.split() == Split::Test).expect("a family");
+    let train = Family::ALL[0];
+    let mixed = refusal(|text| text.replace(train.name(), test.name()));
+    assert!(mixed.contains("mixes training and testing") && mixed.contains(test.name()), "{mixed}");
+    let mixed = refusal(|text| text.replace("\"train\"", "\"test\""));
+    assert!(mixed.contains("mixes training and testing") && mixed.contains(train.name()), "{mixed}");
+    assert!(refusal(|text| text.replace(train.name(), "castles")).contains("no procedural family `castles`"));
+}
+
+#[test]
+fn a_file_of_a_test_recipe_does_not_train_under_any_name() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+    write("seen.obj", "v 0 0 0\n");
+    write("copy.obj", "v 0 0 0\n");
+    write("other.obj", "v 1 0 0\n");
+    let files = |text: String, files: &str| text.split("[[").next().expect("a head").to_owned() + files;
+    let test = |text: String| files(text, "files = [\"seen.obj\"]\n").replace("\"train\"", "\"test\"");
+    load(folder.path(), "test.toml", test).expect("a test recipe");
+    let train = |list: &str| load(folder.path(), "train.toml", |text| files(text, list));
+    let unnamed = train("files = [\"other.obj\"]\n").expect_err("no test recipe named");
+    assert!(unnamed.to_string().contains("must name `test_recipes`"), "{unnamed}");
+    let copied = train("files = [\"copy.obj\"]\ntest_recipes = [\"test.toml\"]\n").expect_err("a copy");
+    assert!(matches!(copied, DatasetError::Mixed { .. }) && copied.to_string().contains("copy.obj"), "{copied}");
+    train("files = [\"other.obj\"]\ntest_recipes = [\"test.toml\"]\n").expect("another file");
+}
+
+#[test]
+fn the_recipes_of_the_project_are_sound() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("recipes");
+    let paths: Vec<PathBuf> =
+        std::fs::read_dir(folder).expect("listed").map(|entry| entry.expect("an entry").path()).collect();
+    let recipes: Vec<Recipe> = paths.iter().map(|path| Recipe::load(path).expect("a sound recipe")).collect();
+    for split in [Split::Train, Split::Test] {
+        let of_split = || recipes.iter().filter(|recipe| recipe.split == split);
+        let all = |recipe: &Recipe| {
+            Family::ALL.iter().filter(|family| family.split() == split).all(|family| {
+                recipe.families.iter().any(|share| share.name == family.name())
+            })
+        };
+        assert!(of_split().any(all), "a recipe with all families");
+        assert!(of_split().all(|recipe| (split == Split::Train) == (recipe.validation_share > 0.0)));
+    }
+}

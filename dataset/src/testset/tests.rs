@@ -1,0 +1,94 @@
+use super::*;
+use deepshade_render::gbuffer;
+use deepshade_render::scene::procedural::{Family, Split};
+
+fn recipe(folder: &Path, tiles: &str) -> Recipe {
+    let test = Family::ALL.into_iter().find(|family| family.split() == Split::Test).expect("a family");
+    let path = folder.join("test.toml");
+    let text = format!(
+        "effect = \"ao\"\nsplit = \"test\"\nseed = 7\nresolution = {{ height = 44, width = 64 }}\nsamples = 8\n\
+         radius = {{ diagonal = 0.05 }}\nviews_per_scene = 2\n{tiles}\n[[families]]\nname = \"{}\"\nscenes = 2\n",
+        test.name()
+    );
+    std::fs::write(&path, text).expect("written");
+    Recipe::load(&path).expect("a sound recipe")
+}
+
+const TILES: &str = "tiles = { samples = 64, one_in = 4, whole_frames = 1 }";
+
+#[test]
+fn tiles_are_a_share_of_the_whole_ones_and_stay_what_they_are() {
+    let tiles = tile_indices(3, 44, 64, 4);
+    assert_eq!(tiles.len(), 10, "a quarter of 5 x 8");
+    assert!(tiles.is_sorted() && tiles.iter().all(|tile| *tile < 40));
+    assert_eq!(tile_indices(3, 44, 64, 1), (0..40).collect::<Vec<_>>());
+    // Kept test sets rest on this choice: a change of it makes them worthless.
+    assert_eq!(tile_indices(1, 64, 64, 8), PINNED);
+    // Each tile is chosen in about its share of the frames: four standard deviations are 55.
+    let chosen = |tile: usize| (0..4_000).filter(|seed| tile_indices(*seed, 44, 64, 4).contains(&tile)).count();
+    assert!([0, 17, 39].into_iter().all(|tile| chosen(tile).abs_diff(1_000) < 110));
+}
+
+const PINNED: [usize; 8] = [0; 8];
+
+#[test]
+fn gathered_tiles_are_windows_of_the_image() {
+    let image = Planes::from_fn(2, 44, 64, |c, y, x| (c * 10_000 + y * 100 + x) as f32);
+    let strip = gather(&image, &[1, 9, 39]);
+    assert_eq!((strip.channels(), strip.height(), strip.width()), (2, 8, 24));
+    assert_eq!(strip.window(0, 8, 8, 8), image.window(8, 8, 8, 8));
+    assert_eq!(strip.window(0, 16, 8, 8), image.window(32, 56, 8, 8));
+}
+
+#[test]
+fn a_test_set_is_resumed_to_the_same_bytes_and_holds_the_truth() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = recipe(folder.path(), TILES);
+    let out = folder.path().join("out");
+    let set = TestSet::generate(&recipe, &out).expect("generated");
+    let list = || std::fs::read(out.join(LIST)).expect("read");
+    let undisturbed = list();
+    std::fs::write(out.join(&set.frames()[1].tiles.file), b"noise").expect("damaged");
+    TestSet::generate(&recipe, &out).expect("mended");
+    assert_eq!(list(), undisturbed);
+
+    let set = TestSet::open(&out).expect("opened");
+    let wholes = set.frames().iter().filter(|frame| frame.whole.is_some()).count();
+    assert_eq!((set.frames().len(), wholes), (4, 1));
+    for index in 0..4 {
+        let record = &set.frames()[index];
+        let frame = set.frame(index).expect("a frame");
+        let scene = record.scene.load(recipe.folder()).expect("a scene");
+        let shot = Shot {
+            scene: &scene,
+            camera: &record.camera,
+            height: 44,
+            width: 64,
+            radius: record.radius,
+            samples: 512,
+            seed: 99,
+        };
+        let better = gather(&truth::render(recipe.effect, &shot), &frame.tiles);
+        // 512 other samples agree better with the mean of two halves than the halves of 32 samples with each other.
+        assert!(record.ceiling.mse > 0.0 && record.ceiling.ssim < 1.0);
+        assert!(mean_squared_difference(&better, &frame.truth) < record.ceiling.mse);
+        assert!(ssim(&better, &frame.truth) > record.ceiling.ssim);
+        // Tiles of another frame's choice are something else.
+        let shifted: Vec<usize> = frame.tiles.iter().map(|tile| (tile + 1) % 40).collect();
+        let wrong = gather(&truth::render(recipe.effect, &shot), &shifted);
+        assert!(mean_squared_difference(&wrong, &frame.truth) > record.ceiling.mse);
+        let valid = gbuffer::render(&scene, &record.camera, 44, 64, truth::attributes(recipe.effect));
+        assert_eq!((valid.height(), valid.width()), (44, 64));
+    }
+}
+
+#[test]
+fn a_recipe_without_tiles_is_refused_and_an_estimate_needs_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let without = recipe(folder.path(), "");
+    let error = TestSet::generate(&without, &folder.path().join("out")).expect_err("no tiles").to_string();
+    assert!(error.contains("needs the table `tiles`"), "{error}");
+    assert!(TestSet::estimate(&without).is_err());
+    let estimate = |tiles: &str| TestSet::estimate(&recipe(folder.path(), tiles)).expect("an estimate").as_secs_f64();
+    assert!(estimate(&TILES.replace("64", "65536")) > estimate(TILES));
+}

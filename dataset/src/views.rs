@@ -1,0 +1,243 @@
+//! Sampling views: positions in a box fitted to the scene, none inside geometry or looking at nothing.
+//!
+//! A position is uniform in the box around the scene, which is first widened where it is flat. The camera looks from
+//! there at another such point, with 50 degrees of view (thesis 7.3.1). A view is taken if
+//! - a ball of probe rays around the camera finds no more than half of its directions ending on a triangle's back:
+//!   inside a closed object all of them do, and below a terrain half;
+//! - of a grid of probe rays through the image, at least [`LEAST_SEEN`] meet a surface, and of these
+//! - no more than [`MOST_BACKS`] meet a back (leaves and cloth have backs on show, walls have not),
+//! - no more than one in twenty is nearer than [`NEAREST`] of the scene's diagonal,
+//! - the median is [`LEAST_MEDIAN`] to 1 diagonals away,
+//! - they do not all lie on one plane's orientation (a wall that fills the image).
+
+use crate::DatasetError;
+use crate::random::{mix, uniform};
+use deepshade_render::bvh::TracedScene;
+use deepshade_render::scene::{Bounds, Camera};
+use glam::{Vec2, Vec3};
+
+/// Views that are tried before a scene is given up.
+const ATTEMPTS: u32 = 2048;
+/// Edges of the box are at least this share of the diagonal; upwards, since a flat scene lies below its viewer.
+const LEAST_EDGE: f32 = 0.3;
+/// Directions of the ball.
+const BALL: usize = 96;
+/// Rows and columns of the grid.
+const GRID: usize = 16;
+/// Share of the grid's rays that must meet a surface.
+pub const LEAST_SEEN: f32 = 0.6;
+/// Share of the surfaces seen that may show their back.
+pub const MOST_BACKS: f32 = 0.35;
+/// Distance, as a share of the diagonal, below which surfaces are too near.
+pub const NEAREST: f32 = 0.005;
+/// Smallest median distance as a share of the diagonal.
+pub const LEAST_MEDIAN: f32 = 0.02;
+/// Length of the mean normal of the surfaces seen from which on they count as one plane.
+const ONE_PLANE: f32 = 0.98;
+
+/// The view of an index of a scene, for an image of this size. The same for the same `seed`, `scene_key` and `view`.
+///
+/// # Errors
+/// If none of many sampled views is fit.
+pub fn sample_view(
+    scene: &TracedScene,
+    [height, width]: [usize; 2],
+    seed: u32,
+    scene_key: u64,
+    view: usize,
+) -> Result<Camera, DatasetError> {
+    let stream = mix(&[u64::from(seed), scene_key, view as u64]);
+    let bounds = widened(scene.bounds());
+    let mut refusals = [0; REASONS.len()];
+    for attempt in 0..ATTEMPTS {
+        let point = |first: u64| {
+            let share = |axis| uniform(&[stream, u64::from(attempt), first + axis]);
+            bounds.min + bounds.size() * Vec3::new(share(0), share(1), share(2))
+        };
+        let (position, target) = (point(0), point(3));
+        if position.distance(target) <= 1e-3 * bounds.diagonal() {
+            continue;
+        }
+        let camera = Camera::look_at(position, target);
+        match refusal(scene, &camera, width as f32 / height as f32) {
+            None => return Ok(camera),
+            Some(reason) => refusals[reason] += 1,
+        }
+    }
+    let most = (0..REASONS.len()).max_by_key(|reason| refusals[*reason]).unwrap_or(0);
+    Err(DatasetError::NoView { scene: scene.scene().name.clone(), attempts: ATTEMPTS, reason: REASONS[most] })
+}
+
+/// Why views are refused, for the error that names the scene.
+const REASONS: [&str; 6] = [
+    "it stands inside of geometry",
+    "it sees too little",
+    "it sees the backs of surfaces",
+    "surfaces are too near",
+    "what it sees is too near or too far away",
+    "it sees a single plane",
+];
+
+/// Index into [`REASONS`] if a view is not fit.
+fn refusal(scene: &TracedScene, camera: &Camera, aspect: f32) -> Option<usize> {
+    if back_share_around(scene, camera.position) > 0.5 {
+        return Some(0);
+    }
+    let mut seen: Vec<Probe> = grid(camera, aspect).filter_map(|ray| Probe::new(scene, camera.position, ray)).collect();
+    let count = seen.len() as f32;
+    if count < LEAST_SEEN * (GRID * GRID) as f32 {
+        return Some(1);
+    }
+    if seen.iter().filter(|probe| probe.back).count() as f32 > MOST_BACKS * count {
+        return Some(2);
+    }
+    let diagonal = scene.diagonal();
+    seen.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+    if seen[seen.len() / 20].distance < NEAREST * diagonal {
+        return Some(3);
+    }
+    if !(LEAST_MEDIAN * diagonal..=diagonal).contains(&seen[seen.len() / 2].distance) {
+        return Some(4);
+    }
+    let mean_normal = seen.iter().map(|probe| probe.normal).sum::<Vec3>() / count;
+    (mean_normal.length() > ONE_PLANE).then_some(5)
+}
+
+/// What a probe ray met.
+struct Probe {
+    distance: f32,
+    /// Unit normal of the triangle, facing the ray.
+    normal: Vec3,
+    /// Whether it met the triangle's back.
+    back: bool,
+}
+
+impl Probe {
+    fn new(scene: &TracedScene, origin: Vec3, direction: Vec3) -> Option<Self> {
+        let hit = scene.hit(origin, direction, f32::INFINITY)?;
+        let [a, b, c] = scene.scene().meshes[hit.mesh as usize].corners(hit.triangle as usize);
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let back = normal.dot(direction) > 0.0;
+        Some(Self { distance: hit.distance, normal: if back { -normal } else { normal }, back })
+    }
+}
+
+/// Whether a camera at `position`, which somebody else chose, is stuck inside of something: most directions end on
+/// the back of a triangle, and most of these are near. A room that was modelled with its triangles facing outwards
+/// shows backs too, but far away.
+pub fn inside_geometry(scene: &TracedScene, position: Vec3) -> bool {
+    let near = LEAST_MEDIAN * scene.diagonal();
+    let stuck = ball(scene, position).filter(|probe| probe.back && probe.distance < near);
+    stuck.count() > BALL / 2
+}
+
+/// Share of all directions that end on the back of a triangle.
+fn back_share_around(scene: &TracedScene, position: Vec3) -> f32 {
+    ball(scene, position).filter(|probe| probe.back).count() as f32 / BALL as f32
+}
+
+/// What rays in all directions meet.
+fn ball(scene: &TracedScene, position: Vec3) -> impl Iterator<Item = Probe> {
+    (0..BALL).filter_map(move |i| {
+        // A Fibonacci lattice on the sphere.
+        let z = 1.0 - (2 * i + 1) as f32 / BALL as f32;
+        let angle = i as f32 * 2.399_963_2;
+        let ring = (1.0 - z * z).sqrt();
+        Probe::new(scene, position, Vec3::new(ring * angle.cos(), z, ring * angle.sin()))
+    })
+}
+
+/// Directions through the middles of a grid over the image.
+fn grid(camera: &Camera, aspect: f32) -> impl Iterator<Item = Vec3> {
+    // In pixels of an image of 1000 rows, whatever the image's real size.
+    let (height, width) = (1000.0, 1000.0 * aspect);
+    (0..GRID * GRID).map(move |i| {
+        let share = Vec2::new((i % GRID) as f32 + 0.5, (i / GRID) as f32 + 0.5) / GRID as f32;
+        camera.direction(share * Vec2::new(width, height), 1000, width as usize)
+    })
+}
+
+/// A scene's bounds with every edge at least [`LEAST_EDGE`] of the diagonal.
+fn widened(bounds: Bounds) -> Bounds {
+    let missing = (Vec3::splat(LEAST_EDGE * bounds.diagonal()) - bounds.size()).max(Vec3::ZERO);
+    Bounds {
+        min: bounds.min - missing * Vec3::new(0.5, 0.0, 0.5),
+        max: bounds.max + missing * Vec3::new(0.5, 1.0, 0.5),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use deepshade_render::scene::{Material, Mesh, Scene};
+
+    /// An axis-aligned box whose triangles face outwards, or inwards.
+    fn block(min: Vec3, max: Vec3, outwards: bool) -> Mesh {
+        let corner = |i: usize| {
+            Vec3::select(glam::BVec3::new(i & 1 == 1, i & 2 == 2, i & 4 == 4), max, min)
+        };
+        let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        let mut triangles: Vec<[u32; 3]> = faces.iter().flat_map(|f| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]]).collect();
+        if !outwards {
+            triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        }
+        Mesh { positions: (0..8).map(corner).collect(), triangles, ..Mesh::default() }
+    }
+
+    fn traced(meshes: Vec<Mesh>) -> TracedScene {
+        let scene = Scene { name: "boxes".into(), meshes, materials: vec![Material::default()], ..Scene::default() };
+        TracedScene::new(scene).expect("boxes")
+    }
+
+    #[test]
+    fn views_of_a_room_stand_in_it_and_not_in_its_furniture() {
+        let furniture = block(Vec3::new(1.0, 0.0, 1.0), Vec3::new(3.0, 1.5, 2.5), true);
+        let scene = traced(vec![block(Vec3::ZERO, Vec3::new(6.0, 3.0, 5.0), false), furniture]);
+        let mut positions = Vec::new();
+        for view in 0..50 {
+            let camera = sample_view(&scene, [64, 64], 1, 9, view).expect("a view");
+            let p = camera.position;
+            let in_furniture = (1.0..=3.0).contains(&p.x) && p.y <= 1.5 && (1.0..=2.5).contains(&p.z);
+            assert!(!in_furniture && p.y > 0.0 && p.y < 3.0, "{p}");
+            let up = camera.rotation.y_axis;
+            assert!(up.y >= 0.0, "upright");
+            positions.push(p);
+        }
+        assert!(positions.iter().any(|p| p.distance(positions[0]) > 2.0), "views differ");
+        let again = sample_view(&scene, [64, 64], 1, 9, 7).expect("a view");
+        assert_eq!(again.position, positions[7]);
+    }
+
+    #[test]
+    fn an_object_in_the_open_is_seen_from_outside() {
+        let scene = traced(vec![
+            block(Vec3::new(-4.0, -0.1, -4.0), Vec3::new(4.0, 0.0, 4.0), true),
+            block(Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 1.0, 1.0), true),
+        ]);
+        for view in 0..30 {
+            let p = sample_view(&scene, [64, 96], 3, 1, view).expect("a view").position;
+            assert!(p.y > 0.0 && (p.x.abs() > 1.0 || p.z.abs() > 1.0 || p.y > 1.0), "{p}");
+        }
+    }
+
+    #[test]
+    fn a_camera_in_a_wall_is_found_and_one_in_a_room_facing_outwards_is_not() {
+        let wall = block(Vec3::new(0.0, 0.0, 4.0), Vec3::new(6.0, 3.0, 4.1), true);
+        let scene = traced(vec![block(Vec3::ZERO, Vec3::new(6.0, 3.0, 5.0), true), wall]);
+        assert!(inside_geometry(&scene, Vec3::new(3.0, 1.5, 4.05)));
+        assert!(!inside_geometry(&scene, Vec3::new(3.0, 1.5, 2.0)));
+        assert!(!inside_geometry(&scene, Vec3::new(3.0, 1.5, 9.0)));
+    }
+
+    #[test]
+    fn a_scene_without_a_fit_view_is_named() {
+        // All that can be seen is one plane.
+        let floor = Mesh {
+            positions: [(-9., -9.), (-9., 9.), (9., 9.), (9., -9.)].map(|(x, z)| Vec3::new(x, 0.0, z)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        };
+        let error = sample_view(&traced(vec![floor]), [64, 64], 0, 0, 0).expect_err("a plane").to_string();
+        assert!(error.contains("scene `boxes`: none of 2048"), "{error}");
+    }
+}

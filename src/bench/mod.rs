@@ -1,0 +1,33 @@
+//! `deepshade bench`: speed, each beside a rival or with what bounds it, in one run.
+
+mod net;
+mod rays;
+#[cfg(feature = "train")]
+mod train;
+
+use anyhow::Result;
+
+/// What is measured.
+#[derive(clap::Subcommand)]
+pub enum Verb {
+    /// Milliseconds of a network in WGSL beside onnxruntime.
+    Net(net::Args),
+    /// Images a second that training takes.
+    #[cfg(feature = "train")]
+    Train(train::Args),
+    /// Rays a second through a scene.
+    Rays(rays::Args),
+}
+
+/// Measures and prints.
+///
+/// # Errors
+/// If what is measured does not run.
+pub fn run(verb: &Verb) -> Result<()> {
+    match verb {
+        Verb::Net(args) => net::run(args),
+        #[cfg(feature = "train")]
+        Verb::Train(args) => train::run(args),
+        Verb::Rays(args) => rays::run(args),
+    }
+}

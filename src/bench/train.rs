@@ -1,0 +1,53 @@
+//! `deepshade bench train`: images a second through forward pass, loss, backward pass and optimiser.
+
+use crate::figures::Figures;
+use anyhow::Result;
+use deepshade_infer::{ChannelOrder, NetSpec, Reach};
+use deepshade_train::{TrainConfig, bench};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Images a second that training takes.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  deepshade bench train --json train.json")]
+pub struct Args {
+    /// Height and width of the images; a multiple of 8.
+    #[arg(long, default_value_t = 256)]
+    crop: usize,
+    /// Images a step.
+    #[arg(long, default_value_t = 4)]
+    batch: usize,
+    /// Timed steps; the median counts.
+    #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    steps: u16,
+    /// Writes the figures here as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+/// Measures and prints.
+///
+/// # Errors
+/// If a setting makes no sense.
+pub fn run(args: &Args) -> Result<()> {
+    let (batch, crop, steps) = (args.batch, args.crop, usize::from(args.steps));
+    let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: crop };
+    let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
+    let config = TrainConfig { batch, crop, ..TrainConfig::new(spec, PathBuf::new()) };
+    config.check()?;
+    let times = bench::bench(&config, steps);
+
+    let (threads, weights) = (rayon::current_num_threads(), config.spec.weight_count());
+    println!("network   {}, {weights} weights, batches of {batch} images of {crop} x {crop}", config.spec.effect);
+    println!("training  {:.2} images a second, {threads} threads, median of {steps}", times.images_per_second);
+    let parts = [("forward", times.forward), ("backward", times.backward), ("update", times.update)];
+    let mut figures = Figures::new("bench train");
+    figures.set("images_per_second", times.images_per_second);
+    for (part, time) in parts {
+        let milliseconds = time.as_secs_f64() * 1e3;
+        println!("{part:<9} {milliseconds:.1} ms a batch");
+        figures.set(&format!("ms_{part}"), milliseconds);
+    }
+    figures.detail("size", json!({ "batch": batch, "crop": crop, "steps": steps, "weights": weights }));
+    figures.write(args.json.as_deref())
+}

@@ -1,0 +1,160 @@
+//! `deepshade dataset`: makes, checks and shows training pairs, and makes test sets.
+
+use crate::figures::{Figures, write_atomically};
+use anyhow::{Context, Result, bail};
+use deepshade_dataset::{Dataset, Recipe, TestSet, contact_sheet, generate, verify};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// What to do with a dataset.
+#[derive(clap::Subcommand)]
+pub enum Verb {
+    /// Makes the pairs of a recipe, or those that are still missing.
+    Generate(Generate),
+    /// Checks every file of a dataset against its manifest.
+    Verify(Verify),
+    /// Draws every channel and the target of some pairs into one picture.
+    Show(Show),
+    /// Makes a test set for `eval`: truth with many samples on a share of the tiles.
+    Testset(Testset),
+}
+
+/// Makes the pairs of a recipe, or those that are still missing.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  deepshade dataset generate dataset/recipes/ao.toml --out data/ao")]
+pub struct Generate {
+    /// The recipe, a TOML file.
+    recipe: PathBuf,
+    /// Folder of the dataset.
+    #[arg(long)]
+    out: PathBuf,
+    /// Writes the figures here as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+/// Checks every file of a dataset against its manifest.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  deepshade dataset verify data/ao")]
+pub struct Verify {
+    /// Folder of the dataset.
+    dataset: PathBuf,
+    /// Writes the figures here as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+/// Draws every channel and the target of some pairs into one picture.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  deepshade dataset show data/ao --out sheet.png")]
+pub struct Show {
+    /// Folder of the dataset.
+    dataset: PathBuf,
+    /// The picture, a PNG file.
+    #[arg(long)]
+    out: PathBuf,
+    /// How many pairs, spread over the dataset.
+    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=64))]
+    pairs: u16,
+}
+
+/// Makes a test set for `eval`: truth with many samples on a share of the tiles.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  deepshade dataset testset dataset/recipes/ao-test.toml --out models/ao/testset")]
+pub struct Testset {
+    /// The recipe, a TOML file with `split = "test"` and a table `tiles`.
+    recipe: PathBuf,
+    /// Folder of the test set.
+    #[arg(long)]
+    out: PathBuf,
+    /// Writes the figures here as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+/// Does it.
+///
+/// # Errors
+/// If the recipe or a file is at fault, or a dataset does not pass its check.
+pub fn run(verb: &Verb) -> Result<()> {
+    match verb {
+        Verb::Generate(args) => generate_pairs(args),
+        Verb::Verify(args) => verify_pairs(args),
+        Verb::Show(args) => show_pairs(args),
+        Verb::Testset(args) => make_testset(args),
+    }
+}
+
+fn generate_pairs(args: &Generate) -> Result<()> {
+    let recipe = Recipe::load(&args.recipe)?;
+    let start = Instant::now();
+    let summary = generate(&recipe, &args.out)?;
+    let seconds = start.elapsed().as_secs_f64();
+    println!(
+        "{} pairs in {}, {} of them rendered now in {seconds:.0} s, {:.1} MB",
+        summary.pairs,
+        args.out.display(),
+        summary.rendered,
+        summary.bytes as f64 / 1e6
+    );
+    let mut figures = Figures::new("dataset generate");
+    figures.set("pairs", summary.pairs as f64);
+    figures.set("rendered", summary.rendered as f64);
+    figures.set("bytes", summary.bytes as f64);
+    figures.set("seconds", seconds);
+    figures.detail("recipe", json!(args.recipe));
+    figures.write(args.json.as_deref())
+}
+
+fn verify_pairs(args: &Verify) -> Result<()> {
+    let report = verify(&args.dataset)?;
+    for fault in &report.faults {
+        println!("{}: {}", fault.file, fault.what);
+    }
+    let mut figures = Figures::new("dataset verify");
+    figures.set("pairs", report.pairs as f64);
+    figures.set("faults", report.faults.len() as f64);
+    figures.detail("faults", serde_json::to_value(&report.faults).context("faults as JSON")?);
+    figures.write(args.json.as_deref())?;
+    if report.faults.is_empty() {
+        println!("{}: {} pairs, all sound", args.dataset.display(), report.pairs);
+        return Ok(());
+    }
+    bail!("{}: {} of {} pairs or files at fault", args.dataset.display(), report.faults.len(), report.pairs)
+}
+
+fn show_pairs(args: &Show) -> Result<()> {
+    let dataset = Dataset::open(&args.dataset)?;
+    let count = usize::from(args.pairs).min(dataset.len());
+    let spread: Vec<usize> = (0..count).map(|i| i * dataset.len() / count).collect();
+    let sheet = contact_sheet(&dataset, &spread)?;
+    write_png(&args.out, &sheet)?;
+    println!("{}", args.out.display());
+    Ok(())
+}
+
+fn write_png(path: &Path, picture: &image::RgbImage) -> Result<()> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    picture.write_to(&mut bytes, image::ImageFormat::Png).with_context(|| path.display().to_string())?;
+    write_atomically(path, bytes.get_ref())
+}
+
+/// Longer waits are announced in hours.
+const HOUR: f64 = 3600.0;
+
+fn make_testset(args: &Testset) -> Result<()> {
+    let recipe = Recipe::load(&args.recipe)?;
+    let expected = TestSet::estimate(&recipe)?.as_secs_f64() / HOUR;
+    println!("{} will take about {expected:.2} hours from nothing", args.out.display());
+    let start = Instant::now();
+    let set = TestSet::generate(&recipe, &args.out)?;
+    let hours = start.elapsed().as_secs_f64() / HOUR;
+    println!("{} frames in {}, made in {hours:.2} hours", set.frames().len(), args.out.display());
+    let mut figures = Figures::new("dataset testset");
+    figures.set("frames", set.frames().len() as f64);
+    figures.set("hours", hours);
+    figures.set("hours_expected", expected);
+    figures.detail("recipe", json!(args.recipe));
+    figures.write(args.json.as_deref())
+}

@@ -1,0 +1,195 @@
+//! `deepshade eval`: a network and its analytic rivals on a test set, with confidence intervals over scenes.
+
+use crate::figures::Figures;
+use crate::methods::{self, Setup};
+use crate::statistics::{Estimate, estimate};
+use anyhow::{Context, Result, ensure};
+use deepshade_dataset::testset::{FrameRecord, gather};
+use deepshade_dataset::{SceneSource, TestFrame, TestSet};
+use deepshade_infer::Model;
+use deepshade_render::bvh::TracedScene;
+use deepshade_render::gbuffer;
+use deepshade_render::method::{Frame, Method, Repeats};
+use deepshade_render::metrics::{flip, psnr, ssim};
+use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{Effect, Planes};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// Evaluates a network and its analytic rivals on a test set.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  deepshade eval --model models/ao --json eval.json\n\nTest sets are made by \
+    `deepshade dataset testset`; that of a model that is shipped lies in its folder.")]
+pub struct Args {
+    /// Folder of the network.
+    #[arg(long, default_value = "models/ao")]
+    model: PathBuf,
+    /// Folder of the test set; by default `testset` in the model's folder.
+    #[arg(long)]
+    testset: Option<PathBuf>,
+    /// Only so many frames, spread over all of them.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    frames: Option<u32>,
+    /// Writes the figures here as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+/// The name under which the image that is background everywhere is scored.
+const WHITE: &str = "white";
+
+/// Scores by figure name (`ssim_learned`), each with the scene it is from.
+type Table = BTreeMap<String, Vec<(usize, f64)>>;
+
+/// Evaluates, prints the table.
+///
+/// # Errors
+/// If the model or the test set cannot be read, or a method fails.
+pub fn run(args: &Args) -> Result<()> {
+    let model = Model::load(&args.model)?;
+    let effect = model.spec.effect;
+    let folder = args.testset.clone().unwrap_or_else(|| args.model.join("testset"));
+    let set = TestSet::open(&folder)?;
+    ensure!(set.recipe().effect == effect, "{} is for another effect than {effect}", folder.display());
+    let gpu = Gpu::new()?;
+    let names: Vec<String> =
+        methods::names_of(effect).into_iter().filter(|name| *name != methods::TRUTH).map(str::to_owned).collect();
+    let methods = methods::open(effect, &names, Setup { gpu: &gpu, model: Some(&model) })?;
+    let chosen = spread(set.frames().len(), args.frames.map_or(usize::MAX, |frames| frames as usize));
+    ensure!(!chosen.is_empty(), "{} has no frame", folder.display());
+    let evaluation = evaluate(&set, &chosen, effect, &methods)?;
+    let estimates: BTreeMap<&str, Estimate> =
+        evaluation.overall.iter().map(|(name, values)| (name.as_str(), estimate(values))).collect();
+    print_table(&names, &estimates, chosen.len(), evaluation.scenes);
+    let mut figures = Figures::new("eval");
+    for (name, estimate) in &estimates {
+        figures.set(name, estimate.mean);
+    }
+    figures.set("frames", chosen.len() as f64);
+    figures.set("scenes", evaluation.scenes as f64);
+    let interval = |(name, e): (&&str, &Estimate)| ((*name).to_owned(), json!([e.low, e.high]));
+    figures.detail("confidence_95", estimates.iter().map(interval).collect());
+    figures.detail("kinds", evaluation.kinds());
+    figures.detail("testset", json!(folder));
+    figures.detail("adapter", json!(gpu.info.name));
+    figures.write(args.json.as_deref())
+}
+
+/// Scores of all frames, together and by kind of scene.
+#[derive(Default)]
+struct Evaluation {
+    scenes: usize,
+    overall: Table,
+    by_kind: BTreeMap<String, Table>,
+}
+
+impl Evaluation {
+    fn add(&mut self, kind: &str, scene: usize, name: String, value: f64) {
+        self.overall.entry(name.clone()).or_default().push((scene, value));
+        self.by_kind.entry(kind.to_owned()).or_default().entry(name).or_default().push((scene, value));
+    }
+
+    /// Means by kind of scene.
+    fn kinds(&self) -> serde_json::Value {
+        let means = |table: &Table| -> serde_json::Value {
+            table.iter().map(|(name, values)| (name.clone(), json!(estimate(values).mean))).collect()
+        };
+        self.by_kind.iter().map(|(kind, table)| (kind.clone(), means(table))).collect()
+    }
+}
+
+/// Indices of at most `wanted` of `count` things, spread evenly.
+fn spread(count: usize, wanted: usize) -> Vec<usize> {
+    let wanted = wanted.min(count);
+    (0..wanted).map(|i| i * count / wanted).collect()
+}
+
+fn evaluate(
+    set: &TestSet,
+    chosen: &[usize],
+    effect: Effect,
+    methods: &[Box<dyn Method>],
+) -> Result<Evaluation> {
+    let bar = ProgressBar::new(chosen.len() as u64)
+        .with_style(ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {eta} left")?);
+    let mut evaluation = Evaluation::default();
+    // Frames of a scene follow each other, so that a scene is built once.
+    let mut current: Option<(SceneSource, TracedScene)> = None;
+    for index in chosen {
+        let record = &set.frames()[*index];
+        let scene = match current.take() {
+            Some((source, scene)) if source == record.scene => scene,
+            _ => {
+                evaluation.scenes += 1;
+                record.scene.load(set.recipe().folder()).with_context(|| format!("frame {}", record.name))?
+            }
+        };
+        score_frame(&mut evaluation, record, &scene, &set.frame(*index)?, set, effect, methods)?;
+        current = Some((record.scene.clone(), scene));
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(evaluation)
+}
+
+fn score_frame(
+    evaluation: &mut Evaluation,
+    record: &FrameRecord,
+    scene: &TracedScene,
+    truth: &TestFrame,
+    set: &TestSet,
+    effect: Effect,
+    methods: &[Box<dyn Method>],
+) -> Result<()> {
+    let (height, width) = (set.recipe().resolution.height, set.recipe().resolution.width);
+    let gbuffer = gbuffer::render(scene, &record.camera, height, width, &gbuffer::RENDERED);
+    let frame = Frame { scene, camera: &record.camera, gbuffer: &gbuffer, radius: record.radius, seed: record.seed };
+    let kind = kind(&record.scene);
+    let index = evaluation.scenes;
+    let mut score = |name: &str, image: &Planes| {
+        let tiles = gather(image, &truth.tiles);
+        evaluation.add(&kind, index, format!("ssim_{name}"), ssim(&tiles, &truth.truth));
+        evaluation.add(&kind, index, format!("psnr_{name}"), psnr(&tiles, &truth.truth));
+        if let Some(whole) = &truth.whole {
+            evaluation.add(&kind, index, format!("flip_{name}"), flip(image, whole));
+        }
+    };
+    for method in methods {
+        let shaded = method.shade(&frame, Repeats::ONCE).with_context(|| format!("frame {}", record.name))?;
+        score(&method.name().replace('-', "_"), &shaded.image);
+    }
+    score(WHITE, &Planes::filled(effect.channels(), height, width, effect.background()));
+    evaluation.add(&kind, index, "ssim_ceiling".to_owned(), record.ceiling.ssim);
+    Ok(())
+}
+
+/// What scenes are grouped by in the details: the family, or the file's name.
+fn kind(source: &SceneSource) -> String {
+    let name = source.to_string();
+    name.split_once(':').map_or(name.as_str(), |(family, _)| family).to_owned()
+}
+
+fn print_table(names: &[String], estimates: &BTreeMap<&str, Estimate>, frames: usize, scenes: usize) {
+    println!("{frames} frames of {scenes} scenes; means over scenes with 95 % confidence intervals");
+    println!("{:<10} {:<22} {:<22} FLIP", "method", "SSIM", "PSNR (dB)");
+    let cell = |figure: String| estimates.get(figure.as_str()).map_or(String::new(), Estimate::to_string);
+    let rows = names.iter().map(String::as_str).chain([WHITE, "ceiling"]);
+    for name in rows {
+        let id = name.replace('-', "_");
+        let [ssim, psnr, flip] = ["ssim", "psnr", "flip"].map(|metric| cell(format!("{metric}_{id}")));
+        println!("{name:<10} {ssim:<22} {psnr:<22} {flip}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_spread_evenly() {
+        assert_eq!(spread(10, 3), vec![0, 3, 6]);
+        assert_eq!(spread(2, 5), vec![0, 1]);
+    }
+}

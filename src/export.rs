@@ -1,0 +1,119 @@
+//! `deepshade export`: from a training run to a model folder.
+
+use crate::figures::Figures;
+use anyhow::{Context, Result};
+use deepshade_dataset::Manifest;
+use deepshade_shaders::Effect;
+use deepshade_train::TrainConfig;
+use deepshade_train::export::{Facts, export};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// Licence of exported weights, the program's own.
+const LICENCE: &str = "MIT OR Apache-2.0";
+
+/// Turns a training run into a model folder: weights, spec, ONNX file, card, and an image to check runtimes with.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  deepshade export --run runs/ao --out models/ao --metrics eval.json")]
+pub struct Args {
+    /// Folder of the training run.
+    #[arg(long)]
+    run: PathBuf,
+    /// Folder of the model.
+    #[arg(long)]
+    out: PathBuf,
+    /// What `deepshade eval --json` wrote about this network, for the card.
+    #[arg(long)]
+    metrics: Option<PathBuf>,
+    /// Writes the figures here as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+/// Writes the folder and says what it holds.
+///
+/// # Errors
+/// If the run or its dataset's manifest cannot be read, or the folder cannot be written.
+pub fn run(args: &Args) -> Result<()> {
+    let config = TrainConfig::load(&args.run)?;
+    let manifest = Manifest::load(&config.dataset).context("the card names the training data")?;
+    let metrics = args.metrics.as_deref().map(metrics).transpose()?.unwrap_or_default();
+    let facts = facts(&manifest, metrics);
+    let model = export(&args.run, &args.out, &facts)?;
+    let weights = model.spec.weight_count();
+    println!("{}: {}, {weights} weights", args.out.display(), model.spec.effect);
+    let mut figures = Figures::new("export");
+    figures.set("weights", weights as f64);
+    figures.write(args.json.as_deref())
+}
+
+/// What the card says about the data, and about what the network cannot do.
+fn facts(manifest: &Manifest, metrics: Vec<(String, String)>) -> Facts {
+    let recipe = &manifest.recipe;
+    let name = recipe.path.file_stem().map_or_else(String::new, |stem| format!("{}: ", stem.to_string_lossy()));
+    let (height, width) = (recipe.resolution.height, recipe.resolution.width);
+    let families: Vec<&str> = recipe.families.iter().map(|family| family.name.as_str()).collect();
+    Facts {
+        recipe: format!(
+            "{name}{} frames of {width} x {height}, {} samples a pixel, seed {}, of {} scenes ({})",
+            manifest.pairs.len(),
+            recipe.samples,
+            recipe.seed,
+            recipe.scene_count(),
+            families.join(", ")
+        ),
+        data_hash: manifest.recipe_hash.clone(),
+        metrics,
+        limits: limits(recipe.effect),
+        licence: LICENCE.to_owned(),
+    }
+}
+
+fn limits(effect: Effect) -> Vec<String> {
+    let limits: &[&str] = match effect {
+        Effect::Ao => &[
+            "It sees what the camera sees: what lies outside the image or behind other surfaces blocks nothing.",
+            "It was trained on perspective views with a vertical field of view of 50 degrees, without motion or \
+             depth-of-field blur.",
+            "Its radius is fixed; other radii work by scaling positions and get worse the further they are from the \
+             trained one.",
+            "Frames are independent; nothing keeps them steady over time.",
+        ],
+    };
+    limits.iter().map(|limit| (*limit).to_owned()).collect()
+}
+
+/// Figures of a JSON file as the card's table.
+fn metrics(path: &Path) -> Result<Vec<(String, String)>> {
+    let read = || -> Result<Vec<(String, String)>> {
+        let json: Value = serde_json::from_slice(&std::fs::read(path)?)?;
+        let figures = json["figures"].as_object().context("has no `figures`")?;
+        Ok(figures.iter().map(|(name, value)| (name.clone(), rounded(value))).collect())
+    };
+    read().with_context(|| path.display().to_string())
+}
+
+fn rounded(value: &Value) -> String {
+    match value.as_f64() {
+        Some(number) if number.fract() != 0.0 => format!("{number:.4}"),
+        _ => value.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_become_rows() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("eval.json");
+        std::fs::write(&path, r#"{"figures": {"ssim_learned": 0.71234567, "frames": 200.0}}"#).expect("written");
+        let rows = metrics(&path).expect("reads");
+        let expected = [("frames", "200.0"), ("ssim_learned", "0.7123")];
+        assert_eq!(rows, expected.map(|(name, value)| (name.to_owned(), value.to_owned())));
+        std::fs::write(&path, "{}").expect("written");
+        let error = metrics(&path).expect_err("no figures");
+        assert!(format!("{error:#}").ends_with("eval.json: has no `figures`"), "{error:#}");
+    }
+}

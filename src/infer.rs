@@ -1,0 +1,118 @@
+//! `deepshade infer`: a network on a g-buffer file, whichever renderer wrote it.
+
+use crate::compare::positive;
+use crate::figures::Figures;
+use anyhow::{Context, Result, anyhow, bail};
+use deepshade_infer::{Model, NetSpec, forward};
+use deepshade_render::exr_file::{self, ExrImage, Layer, Metadata};
+use deepshade_render::scene::Bounds;
+use deepshade_shaders::{Attribute, GBuffer, Planes, gpu::Gpu};
+use glam::Vec3;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Runs a network on a g-buffer file from any renderer.
+///
+/// The file needs the network's inputs as layers, for ambient occlusion `normal.X/Y/Z` and `position.X/Y/Z`: in camera
+/// space, metres, y up, the camera looking down -z. Pixels where a layer `valid` is 0 show no surface; in a file
+/// without that layer, pixels that are 0 or not finite in all inputs.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  deepshade infer --model models/ao --gbuffer in.exr --out out.exr --radius 0.5")]
+pub struct Args {
+    /// Folder of the network.
+    #[arg(long)]
+    model: PathBuf,
+    /// G-buffer, an EXR file.
+    #[arg(long)]
+    gbuffer: PathBuf,
+    /// Image to write, an EXR file with one layer, the effect's name.
+    #[arg(long)]
+    out: PathBuf,
+    /// How far the effect reaches, metres; by default what the file's attribute `radius_metres` says, else the share of the
+    /// extent of what is seen that the network knows.
+    #[arg(long, value_parser = positive)]
+    radius: Option<f32>,
+    /// Writes the figures here as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+/// Reads, computes, writes.
+///
+/// # Errors
+/// If model or g-buffer cannot be read or do not fit each other, the GPU fails, or the image cannot be written.
+pub fn run(args: &Args) -> Result<()> {
+    let model = Model::load(&args.model)?;
+    let file = exr_file::read(&args.gbuffer)?;
+    let gbuffer = gbuffer(&file, &model.spec)?;
+    let radius = match args.radius {
+        Some(radius) => radius,
+        None => default_radius(&file, &gbuffer, &model.spec).with_context(|| args.gbuffer.display().to_string())?,
+    };
+    let gpu = Gpu::new()?;
+    let input = model.spec.input(&gbuffer, radius)?;
+    let mut image = forward::run(&gpu, &model, &input)?;
+    model.spec.set_background(&gbuffer, &mut image)?;
+    let effect = model.spec.effect;
+    let metadata = Metadata::from([
+        ("gbuffer".to_owned(), args.gbuffer.display().to_string()),
+        ("model".to_owned(), args.model.display().to_string()),
+        ("radius_metres".to_owned(), radius.to_string()),
+    ]);
+    exr_file::write(&args.out, &[Layer::image(effect.name(), &image)], &metadata)?;
+
+    let mean = mean(&image);
+    println!("{}: {effect}, {} x {}, radius {radius} m", args.out.display(), image.width(), image.height());
+    println!("adapter {} ({}), mean {mean:.4}", gpu.info.name, gpu.info.driver_info);
+    let mut figures = Figures::new("infer");
+    figures.set("radius", f64::from(radius));
+    figures.set("mean", mean);
+    figures.detail("adapter", json!(gpu.info.name));
+    figures.detail("driver", json!(gpu.info.driver_info));
+    figures.write(args.json.as_deref())
+}
+
+/// The network's inputs and validity.
+fn gbuffer(file: &ExrImage, spec: &NetSpec) -> Result<GBuffer> {
+    let mut attributes = spec.inputs.clone();
+    if !attributes.contains(&Attribute::Valid) && file.attributes().contains(&Attribute::Valid) {
+        attributes.push(Attribute::Valid);
+    }
+    let gbuffer = file.gbuffer(&attributes)?;
+    Ok(if attributes.contains(&Attribute::Valid) { gbuffer } else { with_validity(gbuffer) })
+}
+
+/// The g-buffer with a plane `valid`: 1 where any of its channels is not 0.
+fn with_validity(gbuffer: GBuffer) -> GBuffer {
+    let planes = gbuffer.planes();
+    let seen = |pixel: usize| (0..planes.channels()).any(|c| planes.plane(c)[pixel] != 0.0);
+    let valid = (0..planes.pixels()).map(|pixel| if seen(pixel) { 1.0 } else { 0.0 });
+    let data = planes.data().iter().copied().chain(valid).collect();
+    let attributes = [gbuffer.attributes(), &[Attribute::Valid]].concat();
+    GBuffer::new(attributes, Planes::from_data(planes.channels() + 1, planes.height(), planes.width(), data))
+}
+
+/// The radius that the file states, or else the network's share of the diagonal of what is seen.
+fn default_radius(file: &ExrImage, gbuffer: &GBuffer, spec: &NetSpec) -> Result<f32> {
+    if let Some(radius) = file.metadata().get("radius_metres") {
+        return positive(radius).map_err(|what| anyhow!("attribute `radius_metres`: {what}"));
+    }
+    let diagonal = visible_diagonal(gbuffer).context("no radius is stated and no positions tell the size; use --radius")?;
+    Ok(spec.reach.radius(diagonal, gbuffer.height()))
+}
+
+/// Diagonal of the bounds of all visible positions, metres.
+fn visible_diagonal(gbuffer: &GBuffer) -> Result<f32> {
+    let planes = gbuffer.select(&[Attribute::Position, Attribute::Valid])?;
+    let seen = (0..planes.pixels()).filter(|pixel| planes.plane(3)[*pixel] != 0.0);
+    let position = |pixel| Vec3::from_array([0, 1, 2].map(|c| planes.plane(c)[pixel]));
+    let bounds = seen.map(position).fold(Bounds::EMPTY, Bounds::grow);
+    if bounds == Bounds::EMPTY {
+        bail!("no surface is seen");
+    }
+    Ok(bounds.diagonal())
+}
+
+fn mean(image: &Planes) -> f64 {
+    image.data().iter().map(|value| f64::from(*value)).sum::<f64>() / image.data().len() as f64
+}

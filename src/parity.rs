@@ -1,0 +1,189 @@
+//! `deepshade parity`: whether the four forms of a network agree: burn, the plain reference, WGSL, and the exported
+//! file in onnxruntime.
+//!
+//! Each is compared element by element with onnxruntime's CPU provider, and that one with the reference, on random
+//! images; first with random weights, in both orders of channels, then with a model's own.
+
+use crate::{figures::Figures, onnxruntime};
+use anyhow::{Context, Result, bail};
+use deepshade_infer::parity::{self, Activation, Comparison, Parity};
+use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, Weights, forward, reference};
+use deepshade_shaders::{Planes, gpu::Gpu};
+use deepshade_train::export::{ONNX_FILE, onnx};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// The forms, as figures name them.
+const FORMS: [&str; 4] = ["reference", "wgsl", "burn", "onnxruntime"];
+
+/// Checks that burn, the reference, WGSL and onnxruntime agree.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  deepshade parity --model models/ao --sizes 256x256,768x512,203x117 --json parity.json")]
+pub struct Args {
+    /// Folder of a network; without it, random weights only.
+    #[arg(long)]
+    model: Option<PathBuf>,
+    /// Sizes of the images, columns x rows.
+    #[arg(long, value_delimiter = ',', default_value = "256x256,768x512,203x117")]
+    sizes: Vec<Size>,
+    #[command(flatten)]
+    onnxruntime: onnxruntime::Args,
+    /// Writes the figures here as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+/// Size of an image, written like 768x512.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Size {
+    width: usize,
+    height: usize,
+}
+
+impl std::str::FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let edge = |edge: &str| edge.parse().ok().filter(|edge| (16..=8192).contains(edge));
+        let size = text.split_once('x').and_then(|(width, height)| Some((edge(width)?, edge(height)?)));
+        let (width, height) = size.ok_or("expected columns x rows, such as 768x512, each 16 to 8192")?;
+        Ok(Self { width, height })
+    }
+}
+
+/// Compares everything, prints a line each, and fails if anything differs.
+///
+/// # Errors
+/// If two forms do not agree, or one of them does not run.
+pub fn run(args: &Args) -> Result<()> {
+    let model = args.model.as_deref().map(Model::load).transpose()?;
+    let folder = tempfile::tempdir()?;
+    let mut check = Check { gpu: Gpu::new()?, onnxruntime: &args.onnxruntime, max_abs: [0.0; 4], faults: Vec::new() };
+    println!("adapter {} ({})", check.gpu.info.name, check.gpu.info.driver_info);
+    for order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
+        let model = random(model.as_ref(), order);
+        let file = folder.path().join(ONNX_FILE);
+        std::fs::write(&file, onnx::encode(&model)).with_context(|| file.display().to_string())?;
+        check.sizes(&format!("random, {order:?}"), &model, &file, &args.sizes)?;
+    }
+    if let (Some(model), Some(folder)) = (&model, &args.model) {
+        let name = folder.display().to_string();
+        check.sizes(&name, model, &folder.join(ONNX_FILE), &args.sizes)?;
+        check.stored(&name, model, &Parity::load(folder)?);
+    }
+
+    let mut figures = Figures::new("parity");
+    for (form, max_abs) in FORMS.iter().zip(check.max_abs) {
+        figures.set(&format!("max_abs_{form}"), f64::from(max_abs));
+    }
+    figures.detail("adapter", json!(check.gpu.info.name));
+    figures.detail("driver", json!(check.gpu.info.driver_info));
+    figures.detail("faults", json!(check.faults));
+    figures.write(args.json.as_deref())?;
+    match check.faults.as_slice() {
+        [] => Ok(()),
+        faults => bail!("the forms do not agree:\n{}", faults.join("\n")),
+    }
+}
+
+/// Random weights for the model's network, or for the paper's where there is none.
+fn random(model: Option<&Model>, channel_order: ChannelOrder) -> Model {
+    let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+    let spec = model.map_or_else(|| NetSpec::ao(channel_order, reach), |model| model.spec.clone());
+    let spec = NetSpec { channel_order, ..spec };
+    Model { weights: Weights::random(&spec, 1), spec }
+}
+
+/// What has been compared so far.
+struct Check<'a> {
+    gpu: Gpu,
+    onnxruntime: &'a onnxruntime::Args,
+    max_abs: [f32; 4],
+    faults: Vec<String>,
+}
+
+impl Check<'_> {
+    /// Compares all forms of a network on a random image of each size.
+    fn sizes(&mut self, name: &str, model: &Model, file: &Path, sizes: &[Size]) -> Result<()> {
+        let mut session = self.onnxruntime.session(file, rayon::current_num_threads())?;
+        for Size { width, height } in sizes {
+            let input = parity::noise(model.spec.input_channels(), *height, *width, 2);
+            let oracle = session.image(&input)?;
+            let plain = reference::forward(&model.spec, &model.weights, &input);
+            let wgsl = forward::run(&self.gpu, model, &input)?;
+            let burn = deepshade_train::forward_burn(&model.spec, &model.weights, &input);
+            let comparisons = [
+                Comparison::new(&oracle, &plain),
+                Comparison::new(&oracle, &wgsl),
+                Comparison::new(&oracle, &burn),
+                Comparison::new(&plain, &oracle),
+            ];
+            let what = format!("{name}, {width}x{height}");
+            let line = FORMS.iter().zip(comparisons).map(|(form, c)| format!("{form} {:.1e}", c.max_abs));
+            println!("{what}: {}", line.collect::<Vec<_>>().join(", "));
+            for (max_abs, comparison) in self.max_abs.iter_mut().zip(comparisons) {
+                *max_abs = max_abs.max(comparison.max_abs);
+            }
+            if !comparisons.iter().all(Comparison::agrees) {
+                self.explain(&what, model, file, &input)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Names the first layer in which each form differs from the reference.
+    fn explain(&mut self, what: &str, model: &Model, file: &Path, input: &Planes) -> Result<()> {
+        let plain = reference::layers(&model.spec, &model.weights, input);
+        let forms = [
+            ("wgsl", forward::run_layers(&self.gpu, model, input)?),
+            ("burn", deepshade_train::layers_burn(&model.spec, &model.weights, input)),
+            ("onnxruntime", self.onnxruntime_layers(model, file, input)?),
+        ];
+        for (form, layers) in forms {
+            if let Some((layer, difference)) = parity::first_difference(&plain, &layers) {
+                let Comparison { max_abs, tolerance } = difference;
+                self.faults.push(format!(
+                    "{what}: {form} differs from the reference first in layer `{layer}`: {max_abs:e} > {tolerance:e}"
+                ));
+            }
+        }
+        if self.faults.is_empty() {
+            self.faults.push(format!("{what}: the images differ although every layer agrees"));
+        }
+        Ok(())
+    }
+
+    /// What every layer of the file makes.
+    fn onnxruntime_layers(&self, model: &Model, file: &Path, input: &Planes) -> Result<Vec<Activation>> {
+        let bytes = std::fs::read(file).with_context(|| file.display().to_string())?;
+        let folder = tempfile::tempdir()?;
+        let with_layers = folder.path().join(ONNX_FILE);
+        let bytes = onnx::with_layers(&bytes, &model.spec).with_context(|| file.display().to_string())?;
+        std::fs::write(&with_layers, bytes)?;
+        let outputs = self.onnxruntime.session(&with_layers, rayon::current_num_threads())?.run(input)?;
+        let layers = model.spec.layers().into_iter().map(|layer| layer.name);
+        Ok(layers.zip(outputs).map(|(layer, (_, planes))| Activation { layer, planes }).collect())
+    }
+
+    /// Compares the reference with the image that was stored when the model was exported.
+    fn stored(&mut self, name: &str, model: &Model, stored: &Parity) {
+        let comparison = Comparison::new(&stored.output, &reference::forward(&model.spec, &model.weights, &stored.input));
+        println!("{name}, stored image: reference {:.1e}", comparison.max_abs);
+        if !comparison.agrees() {
+            self.faults.push(format!("{name}: parity.safetensors does not hold what these weights make"));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_columns_by_rows() {
+        assert_eq!("768x512".parse(), Ok(Size { width: 768, height: 512 }));
+        for wrong in ["768", "768x", "15x16", "x512", "9000x16", "16x-16"] {
+            assert!(wrong.parse::<Size>().is_err(), "{wrong}");
+        }
+    }
+}

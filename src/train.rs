@@ -1,0 +1,169 @@
+//! `deepshade train`: a network from a dataset.
+
+use crate::compare::positive;
+use crate::figures::Figures;
+use anyhow::{Result, bail};
+use clap::ValueEnum;
+use deepshade_dataset::{Manifest, Radius};
+use deepshade_infer::{ChannelOrder, NetSpec, Reach};
+use deepshade_shaders::Effect;
+use deepshade_train::{Ending, Optimiser, Outcome, TrainConfig};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Trains a network on a dataset; the same command resumes a run that was interrupted.
+///
+/// The run's folder gets `config.json`, checkpoints, `metrics.jsonl` and a plot of the loss.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  deepshade dataset generate dataset/recipes/ao.toml --out data/ao\n  \
+    deepshade train --dataset data/ao --out runs/ao --steps 20000")]
+pub struct Args {
+    /// Folder that `deepshade dataset generate` made.
+    #[arg(long)]
+    dataset: PathBuf,
+    /// Folder of the run.
+    #[arg(long)]
+    out: PathBuf,
+    /// Order of the channels after a concatenation.
+    #[arg(long, value_enum, default_value_t = Order::Interleaved)]
+    order: Order,
+    /// How weights follow gradients: the practical default, or the paper's.
+    #[arg(long, value_enum, default_value_t = Method::Adamw)]
+    optimiser: Method,
+    /// The optimiser's rate, where not its default.
+    #[arg(long)]
+    rate: Option<f64>,
+    /// Images a step.
+    #[arg(long)]
+    batch: Option<usize>,
+    /// Height and width of the crops, pixels; a multiple of 8.
+    #[arg(long)]
+    crop: Option<usize>,
+    /// Steps of the whole run.
+    #[arg(long)]
+    steps: Option<usize>,
+    /// Pairs held apart for validation.
+    #[arg(long)]
+    validation_pairs: Option<usize>,
+    /// Steps between validations.
+    #[arg(long)]
+    validate_every: Option<usize>,
+    /// Validations without a better one after which the run ends; 0 for never.
+    #[arg(long)]
+    patience: Option<usize>,
+    /// Chooses first weights, order, crops and symmetries.
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Minutes after which the run stops; the same command goes on.
+    #[arg(long)]
+    minutes: Option<f64>,
+    /// Threads that decode pairs.
+    #[arg(long)]
+    workers: Option<usize>,
+    /// Megabytes of decoded pairs kept in memory.
+    #[arg(long)]
+    cache_megabytes: Option<usize>,
+    /// The network's default radius as a share of a scene's diagonal, where it is not to be the recipe's.
+    #[arg(long, value_parser = positive)]
+    diagonal_share: Option<f32>,
+    /// Writes the figures here as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+/// Order of the channels after a concatenation.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Order {
+    /// Every group sees both sources.
+    Interleaved,
+    /// As in the paper's framework: most groups see one source.
+    Contiguous,
+}
+
+impl From<Order> for ChannelOrder {
+    fn from(order: Order) -> Self {
+        match order {
+            Order::Interleaved => Self::Interleaved,
+            Order::Contiguous => Self::Contiguous,
+        }
+    }
+}
+
+/// How weights follow gradients.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Method {
+    /// With warm-up and cosine schedule.
+    Adamw,
+    /// As in the paper.
+    Adadelta,
+}
+
+/// An optimiser's defaults, but for the rate where one is given.
+fn optimiser(method: Method, wanted: Option<f64>) -> Optimiser {
+    let mut optimiser = match method {
+        Method::Adamw => Optimiser::ADAMW,
+        Method::Adadelta => Optimiser::ADADELTA,
+    };
+    match &mut optimiser {
+        Optimiser::Adamw { rate, .. } | Optimiser::Adadelta { rate, .. } => *rate = wanted.unwrap_or(*rate),
+    }
+    optimiser
+}
+
+/// Trains, and says how far it came.
+///
+/// # Errors
+/// If the dataset or the run's folder cannot be used, a setting makes no sense, or training diverges.
+pub fn run(args: &Args) -> Result<()> {
+    let config = config(args)?;
+    let Outcome { ending, progress, images_per_second } = deepshade_train::train(&config, &args.out)?;
+    let what = match ending {
+        Ending::Finished => "all steps are done",
+        Ending::Stopped => "validation has stopped becoming better",
+        Ending::OutOfTime => "the time is up; the same command goes on",
+    };
+    println!("{}: {what}, step {} of {}", args.out.display(), progress.step, config.steps);
+    if let Some(loss) = progress.best_loss {
+        println!("best validation DSSIM {loss:.5} at step {}", progress.best_step);
+    }
+    println!("{images_per_second:.2} images a second, {} threads", rayon::current_num_threads());
+    let mut figures = Figures::new("train");
+    figures.set("steps", progress.step as f64);
+    figures.set("best_step", progress.best_step as f64);
+    figures.set("best_loss", progress.best_loss.map_or(f64::NAN, f64::from));
+    figures.set("images_per_second", images_per_second);
+    figures.detail("config", json!(config));
+    figures.write(args.json.as_deref())
+}
+
+/// The defaults with what the command line changes.
+fn config(args: &Args) -> Result<TrainConfig> {
+    let manifest = Manifest::load(&args.dataset)?;
+    let recipe = &manifest.recipe;
+    let share = match (args.diagonal_share, recipe.radius) {
+        (Some(share), _) | (None, Radius::Diagonal(share)) => share,
+        (None, Radius::Metres(_)) => bail!(
+            "{}: the recipe states the radius in metres; --diagonal-share says what the network's default is to be",
+            args.dataset.display()
+        ),
+    };
+    let reach = Reach { radius: 1.0, diagonal_share: share, height: recipe.resolution.height };
+    let spec = match recipe.effect {
+        Effect::Ao => NetSpec::ao(args.order.into(), reach),
+    };
+    let base = TrainConfig::new(spec, args.dataset.clone());
+    Ok(TrainConfig {
+        optimiser: optimiser(args.optimiser, args.rate),
+        batch: args.batch.unwrap_or(base.batch),
+        crop: args.crop.unwrap_or(base.crop),
+        steps: args.steps.unwrap_or(base.steps),
+        validation_pairs: args.validation_pairs.unwrap_or(base.validation_pairs),
+        validate_every: args.validate_every.unwrap_or(base.validate_every),
+        patience: args.patience.unwrap_or(base.patience),
+        seed: args.seed.unwrap_or(base.seed),
+        minutes: args.minutes,
+        workers: args.workers.unwrap_or(base.workers),
+        cache_megabytes: args.cache_megabytes.unwrap_or(base.cache_megabytes),
+        ..base
+    })
+}

@@ -1,0 +1,118 @@
+//! `deepshade tune`: an analytic method's parameters, chosen on the validation views of a dataset, so that it meets
+//! the network on equal terms.
+
+use crate::figures::Figures;
+use anyhow::{Result, ensure};
+use deepshade_dataset::Dataset;
+use deepshade_render::bvh::TracedScene;
+use deepshade_render::gbuffer;
+use deepshade_render::method::{Frame, Method, Repeats};
+use deepshade_render::methods::hbao::{Hbao, Parameters};
+use deepshade_render::metrics::ssim;
+use deepshade_render::scene::Camera;
+use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{GBuffer, Planes};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Tunes hbao's radius, bias and strength on the validation views of a dataset.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  deepshade tune --dataset data/ao --frames 12 --json tune.json")]
+pub struct Args {
+    /// Folder of the dataset.
+    #[arg(long)]
+    dataset: PathBuf,
+    /// How many validation views, spread over all of them.
+    #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    frames: u16,
+    /// Writes the figures here as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+/// A validation view with its truth.
+struct View {
+    scene: TracedScene,
+    camera: Camera,
+    gbuffer: GBuffer,
+    target: Planes,
+    radius: f32,
+}
+
+impl View {
+    /// The view of a pair, with the g-buffer in full precision, as methods get it.
+    fn open(dataset: &Dataset, index: usize) -> Result<Self> {
+        let record = dataset.record(index);
+        let scene = record.scene.load(dataset.recipe().folder())?;
+        let target = dataset.pair(index)?.target;
+        let gbuffer =
+            gbuffer::render(&scene, &record.camera, target.height(), target.width(), &gbuffer::RENDERED);
+        Ok(Self { scene, camera: record.camera, gbuffer, target, radius: record.radius })
+    }
+}
+
+/// A parameter that is tuned: its name, the values tried, and where it goes.
+type Axis = (&'static str, &'static [f32], fn(&mut Parameters) -> &mut f32);
+
+/// Coordinate descent goes along these in turn.
+const AXES: [Axis; 4] = [
+    ("radius_scale", &[0.7, 0.85, 1.0, 1.2, 1.4, 1.7, 2.0], |p| &mut p.radius_scale),
+    ("strength", &[0.6, 0.75, 0.9, 1.0, 1.15, 1.3, 1.5, 1.75], |p| &mut p.strength),
+    ("bias", &[0.0, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3], |p| &mut p.bias),
+    ("blur_sharpness", &[4.0, 8.0, 16.0, 32.0, 64.0], |p| &mut p.blur_sharpness),
+];
+
+/// Rounds over all axes.
+const ROUNDS: usize = 2;
+
+/// Tunes and prints.
+///
+/// # Errors
+/// If the dataset has no validation views, or the GPU fails.
+pub fn run(args: &Args) -> Result<()> {
+    let dataset = Dataset::open(&args.dataset)?;
+    let held_apart = dataset.validation();
+    ensure!(!held_apart.is_empty(), "{} has no validation views", args.dataset.display());
+    let count = usize::from(args.frames).min(held_apart.len());
+    let views = (0..count)
+        .map(|i| View::open(&dataset, held_apart[i * held_apart.len() / count]))
+        .collect::<Result<Vec<View>>>()?;
+    let gpu = Gpu::new()?;
+    let hbao = Hbao::new(&gpu, Parameters::default())?;
+    let mut best = Parameters::default();
+    let before = mean_ssim(&hbao.with(best), &views)?;
+    let mut best_ssim = before;
+    for _ in 0..ROUNDS {
+        for (name, values, field) in AXES {
+            for value in values {
+                let mut tried = best;
+                *field(&mut tried) = *value;
+                let ssim = mean_ssim(&hbao.with(tried), &views)?;
+                eprintln!("{name} {value}: ssim {ssim:.4}");
+                if ssim > best_ssim {
+                    (best, best_ssim) = (tried, ssim);
+                }
+            }
+        }
+    }
+    println!("hbao on {count} validation views: ssim {before:.4} by default, {best_ssim:.4} with {best:?}");
+    let mut figures = Figures::new("tune");
+    figures.set("ssim_default", before);
+    figures.set("ssim_tuned", best_ssim);
+    for (name, _, field) in AXES {
+        figures.set(name, f64::from(*field(&mut best)));
+    }
+    figures.detail("frames", json!(count));
+    figures.write(args.json.as_deref())
+}
+
+/// Mean structural similarity of a method to truth.
+fn mean_ssim(method: &dyn Method, views: &[View]) -> Result<f64> {
+    let mut sum = 0.0;
+    for view in views {
+        let View { scene, camera, gbuffer, target, radius } = view;
+        let frame = Frame { scene, camera, gbuffer, radius: *radius, seed: 0 };
+        sum += ssim(&method.shade(&frame, Repeats::ONCE)?.image, target);
+    }
+    Ok(sum / views.len() as f64)
+}

@@ -1,0 +1,156 @@
+//! `deepshade infer` on g-buffers as other renderers write them, and on damaged input.
+
+use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, Weights, reference};
+use deepshade_render::exr_file::{self, Layer, Metadata};
+use deepshade_shaders::{Attribute, GBuffer, Planes};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const HEIGHT: usize = 36;
+const WIDTH: usize = 50;
+
+/// A folder with a model of random weights, and paths in it.
+struct Case {
+    folder: tempfile::TempDir,
+    model: Model,
+}
+
+impl Case {
+    fn new() -> Self {
+        let reach = Reach { radius: 2.0, diagonal_share: 0.05, height: HEIGHT };
+        let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
+        let model = Model { weights: Weights::random(&spec, 8), spec };
+        let case = Self { folder: tempfile::tempdir().expect("a folder"), model };
+        case.model.save(&case.path("model")).expect("saved");
+        case
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn write(&self, attributes: &[Attribute], metadata: &Metadata) -> GBuffer {
+        let channels = attributes.iter().map(|attribute| attribute.width()).sum();
+        let mut planes = Planes::from_fn(channels, HEIGHT, WIDTH, |c, y, x| {
+            ((7 * c + 3 * y + 5 * x) % 31) as f32 / 16.0 - 0.75
+        });
+        if attributes.contains(&Attribute::Valid) {
+            planes.plane_mut(channels - 1).fill(1.0);
+        }
+        for channel in 0..channels {
+            planes.plane_mut(channel)[..WIDTH].fill(0.0);
+        }
+        let gbuffer = GBuffer::new(attributes.to_vec(), planes);
+        exr_file::write(&self.path("in.exr"), &[Layer::gbuffer(&gbuffer)], metadata).expect("written");
+        gbuffer
+    }
+
+    fn run(&self, more: &[&str]) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_deepshade"));
+        command.arg("infer").arg("--model").arg(self.path("model")).arg("--gbuffer").arg(self.path("in.exr"));
+        command.arg("--out").arg(self.path("out.exr")).args(more);
+        command.output().expect("the program starts")
+    }
+
+    /// The image that must come out, at a radius.
+    fn expected(&self, gbuffer: &GBuffer, radius: f32) -> Planes {
+        let input = self.model.spec.input(gbuffer, radius).expect("all inputs");
+        let mut image = reference::forward(&self.model.spec, &self.model.weights, &input);
+        image.plane_mut(0)[..WIDTH].fill(1.0);
+        image
+    }
+
+    fn assert_image(&self, output: &Output, expected: &Planes) {
+        assert!(output.status.success(), "{}", message(output));
+        let image = exr_file::read(&self.path("out.exr")).expect("reads").image("ao", 1).expect("a layer `ao`");
+        let largest = image.data().iter().zip(expected.data()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        let scale = expected.data().iter().fold(1f32, |scale, value| scale.max(value.abs()));
+        assert!(largest <= 1e-3 * scale, "largest difference {largest}, half floats of up to {scale}");
+    }
+}
+
+fn message(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn assert_refused(output: &Output, out: &Path, named: &[&str]) {
+    let message = message(output);
+    assert!(!output.status.success(), "accepted");
+    assert!(!message.contains("panicked"), "{message}");
+    for name in named {
+        assert!(message.contains(name), "no `{name}` in: {message}");
+    }
+    assert!(!out.exists(), "something was written");
+}
+
+const INPUTS: [Attribute; 2] = [Attribute::Position, Attribute::Normal];
+
+#[test]
+fn the_radius_asked_for_scales_positions() {
+    let case = Case::new();
+    let gbuffer = case.write(&[INPUTS[0], INPUTS[1], Attribute::Valid], &Metadata::new());
+    let (near, far) = (case.expected(&gbuffer, 0.5), case.expected(&gbuffer, 3.0));
+    assert_ne!(near, far);
+    case.assert_image(&case.run(&["--radius", "0.5"]), &near);
+    case.assert_image(&case.run(&["--radius", "3"]), &far);
+}
+
+#[test]
+fn without_a_mask_pixels_of_zeros_show_nothing() {
+    let case = Case::new();
+    let gbuffer = case.write(&INPUTS, &Metadata::new());
+    case.assert_image(&case.run(&["--radius", "2"]), &case.expected(&gbuffer, 2.0));
+}
+
+#[test]
+fn the_files_radius_is_used_before_the_default() {
+    let case = Case::new();
+    let gbuffer = case.write(&INPUTS, &Metadata::from([("radius_metres".to_owned(), "0.75".to_owned())]));
+    case.assert_image(&case.run(&[]), &case.expected(&gbuffer, 0.75));
+}
+
+#[test]
+fn the_default_radius_is_a_share_of_what_is_seen() {
+    let case = Case::new();
+    let gbuffer = case.write(&INPUTS, &Metadata::new());
+    let mut square = 0.0;
+    for axis in 0..3 {
+        let seen = &gbuffer.planes().plane(axis)[WIDTH..];
+        let (low, high) = seen.iter().fold((f32::MAX, f32::MIN), |(low, high), v| (low.min(*v), high.max(*v)));
+        square += (high - low).powi(2);
+    }
+    case.assert_image(&case.run(&[]), &case.expected(&gbuffer, 0.05 * square.sqrt()));
+}
+
+#[test]
+fn a_missing_layer_is_named_with_what_there_is() {
+    let case = Case::new();
+    case.write(&[Attribute::Position, Attribute::Depth], &Metadata::new());
+    assert_refused(&case.run(&[]), &case.path("out.exr"), &["in.exr", "normal.X", "position.X", "depth"]);
+}
+
+#[test]
+fn damaged_input_is_refused() {
+    let case = Case::new();
+    let out = case.path("out.exr");
+    assert_refused(&case.run(&[]), &out, &["in.exr"]);
+    case.write(&INPUTS, &Metadata::new());
+    let whole = std::fs::read(case.path("in.exr")).expect("a file");
+    std::fs::write(case.path("in.exr"), &whole[..whole.len() / 2]).expect("written");
+    assert_refused(&case.run(&[]), &out, &["in.exr"]);
+    case.write(&INPUTS, &Metadata::new());
+    assert_refused(&case.run(&["--radius", "-1"]), &out, &["--radius"]);
+    let weights = case.path("model/weights.safetensors");
+    let whole = std::fs::read(&weights).expect("a file");
+    std::fs::write(&weights, &whole[..whole.len() - 100]).expect("written");
+    assert_refused(&case.run(&["--radius", "1"]), &out, &["weights.safetensors"]);
+    std::fs::remove_file(case.path("model/net.json")).expect("removed");
+    assert_refused(&case.run(&["--radius", "1"]), &out, &["net.json"]);
+}
+
+#[test]
+fn a_file_that_states_a_wrong_radius_is_refused() {
+    let case = Case::new();
+    case.write(&INPUTS, &Metadata::from([("radius_metres".to_owned(), "wide".to_owned())]));
+    assert_refused(&case.run(&[]), &case.path("out.exr"), &["in.exr", "radius_metres", "wide"]);
+}

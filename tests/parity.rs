@@ -1,0 +1,94 @@
+//! The four forms of a network agree: burn, the plain reference, WGSL, and the exported file in onnxruntime.
+//!
+//! Sizes are small here; `deepshade parity --model models/ao` checks large ones too.
+#![cfg(feature = "train")]
+
+use deepshade_infer::{ChannelOrder, Model, NetSpec, Parity, Reach, Weights, parity, reference};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn parity_of(model: Option<&Path>, sizes: &str, json: &Path) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_deepshade"));
+    command.args(["parity", "--sizes", sizes, "--json"]).arg(json);
+    if let Some(model) = model {
+        command.arg("--model").arg(model);
+    }
+    command.output().expect("the program starts")
+}
+
+fn figures(json: &Path) -> Value {
+    let bytes = std::fs::read(json).expect("a JSON file");
+    let json: Value = serde_json::from_slice(&bytes).expect("JSON");
+    json["figures"].clone()
+}
+
+#[test]
+fn random_weights_agree_at_even_and_odd_sizes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let json = folder.path().join("parity.json");
+    let output = parity_of(None, "16x16,64x48,67x45,33x102", &json);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let figures = figures(&json);
+    for form in ["reference", "wgsl", "burn", "onnxruntime"] {
+        let max_abs = figures[format!("max_abs_{form}")].as_f64().expect("a number");
+        assert!(max_abs <= 1e-4 * 1.5, "{form}: {max_abs}");
+        assert!(max_abs > 0.0, "{form} is compared with itself");
+    }
+}
+
+#[test]
+fn the_trained_network_agrees() {
+    let model = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("models/ao");
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = parity_of(Some(&model), "64x48,67x45", &folder.path().join("parity.json"));
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// A model folder whose exported file was made from other weights than it holds: one of a layer's differs.
+fn folder_with_a_fault(folder: &Path, layer: usize) -> Model {
+    let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+    let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
+    let exported = Model { weights: Weights::random(&spec, 5), spec };
+    let bytes = deepshade_train::export::onnx::encode(&exported);
+    std::fs::write(folder.join("model.onnx"), bytes).expect("written");
+    let mut model = exported;
+    model.weights.0[layer].weight[3] += 0.5;
+    model.save(folder).expect("saved");
+    let input = parity::noise(model.spec.input_channels(), 20, 30, 1);
+    let output = reference::forward(&model.spec, &model.weights, &input);
+    Parity { input, output }.save(folder).expect("saved");
+    model
+}
+
+#[test]
+fn a_file_of_other_weights_is_found_out_and_its_layer_named() {
+    for layer in [0, 4, 10] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let json = folder.path().join("parity.json");
+        let model = folder_with_a_fault(folder.path(), layer);
+        let output = parity_of(Some(folder.path()), "40x24", &json);
+        let name = &model.spec.layers()[layer].name;
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(!output.status.success(), "layer {name}");
+        let wanted = format!("onnxruntime differs from the reference first in layer `{name}`");
+        assert!(message.contains(&wanted), "layer {name}: {message}");
+        assert!(!message.contains("wgsl differs") && !message.contains("burn differs"), "{message}");
+        assert!(figures(&json)["max_abs_wgsl"].as_f64().expect("a number") > 1e-3, "layer {name}");
+    }
+}
+
+#[test]
+fn a_stored_image_of_other_weights_is_found_out() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let model = folder_with_a_fault(folder.path(), 2);
+    let bytes = deepshade_train::export::onnx::encode(&model);
+    std::fs::write(folder.path().join("model.onnx"), bytes).expect("written");
+    let mut stored = Parity::load(folder.path()).expect("reads");
+    stored.output.data_mut()[17] += 0.01;
+    stored.save(folder.path()).expect("saved");
+    let output = parity_of(Some(folder.path()), "24x24", &folder.path().join("parity.json"));
+    assert!(!output.status.success());
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(message.contains("parity.safetensors does not hold what these weights make"), "{message}");
+}

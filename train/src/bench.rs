@@ -1,0 +1,65 @@
+//! How fast a network trains here, on made-up pairs.
+
+use crate::net::UNet;
+use crate::optim::Optimiser;
+use crate::{TrainConfig, loss};
+use burn::optim::GradientsParams;
+use burn::tensor::{Device, Distribution, Tensor};
+use std::time::{Duration, Instant};
+
+/// Steps before the clock starts.
+const WARM_UP: usize = 2;
+
+/// Time of the parts of a step: medians over some steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepTimes {
+    /// Network and loss.
+    pub forward: Duration,
+    /// Their gradients.
+    pub backward: Duration,
+    /// The optimiser.
+    pub update: Duration,
+    /// Images a second, from the median of whole steps.
+    pub images_per_second: f64,
+}
+
+/// Times `steps` training steps with the config's network, optimiser, batch and crop.
+pub fn bench(config: &TrainConfig, steps: usize) -> StepTimes {
+    let device = crate::device().autodiff();
+    let mut net = UNet::random(&config.spec, config.seed, &device);
+    let mut optimiser = config.optimiser.start();
+    let noise = |channels: usize| noise([config.batch, channels, config.crop, config.crop], &device);
+    let (input, target) = (noise(config.spec.input_channels()), noise(config.spec.effect.channels()));
+    let valid = Tensor::ones([config.batch, 1, config.crop, config.crop], &device);
+    let mut times = Vec::with_capacity(steps);
+    for step in 0..WARM_UP + steps {
+        let began = Instant::now();
+        let loss = loss::dssim(net.forward(input.clone()), target.clone(), valid.clone());
+        let forward = began.elapsed();
+        let gradients = GradientsParams::from_grads(loss.backward(), &net);
+        let backward = began.elapsed();
+        net = optimiser.step(rate(&config.optimiser), net, gradients);
+        if step >= WARM_UP {
+            times.push([forward, backward - forward, began.elapsed() - backward, began.elapsed()]);
+        }
+    }
+    let median = |part: usize| {
+        let mut times: Vec<Duration> = times.iter().map(|times| times[part]).collect();
+        times.sort_unstable();
+        times.get(times.len() / 2).copied().unwrap_or_default()
+    };
+    StepTimes {
+        forward: median(0),
+        backward: median(1),
+        update: median(2),
+        images_per_second: config.batch as f64 / median(3).as_secs_f64(),
+    }
+}
+
+fn rate(optimiser: &Optimiser) -> f64 {
+    optimiser.rate(0, 1)
+}
+
+fn noise(shape: [usize; 4], device: &Device) -> Tensor<4> {
+    Tensor::random(shape, Distribution::Default, device)
+}
