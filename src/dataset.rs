@@ -1,10 +1,10 @@
 //! `deepshade dataset`: makes, checks and shows training pairs, and makes test sets.
 
-use crate::figures::{Figures, write_atomically};
+use crate::figures::Figures;
 use anyhow::{Context, Result, bail};
 use deepshade_dataset::{Dataset, Recipe, TestSet, contact_sheet, generate, verify};
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// What to do with a dataset.
@@ -128,16 +128,9 @@ fn show_pairs(args: &Show) -> Result<()> {
     let dataset = Dataset::open(&args.dataset)?;
     let count = usize::from(args.pairs).min(dataset.len());
     let spread: Vec<usize> = (0..count).map(|i| i * dataset.len() / count).collect();
-    let sheet = contact_sheet(&dataset, &spread)?;
-    write_png(&args.out, &sheet)?;
+    contact_sheet(&dataset, &spread, &args.out)?;
     println!("{}", args.out.display());
     Ok(())
-}
-
-fn write_png(path: &Path, picture: &image::RgbImage) -> Result<()> {
-    let mut bytes = std::io::Cursor::new(Vec::new());
-    picture.write_to(&mut bytes, image::ImageFormat::Png).with_context(|| path.display().to_string())?;
-    write_atomically(path, bytes.get_ref())
 }
 
 /// Longer waits are announced in hours.

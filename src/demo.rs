@@ -1,10 +1,157 @@
-//! Placeholder until its owner writes it.
+//! `deepshade demo`: the whole chain. The shipped network beside its analytic rival and truth, on scenes of families
+//! that it was not trained on; then data, a short training, export and a check of another one, on the spot.
 
-/// The whole chain.
+use crate::compare::{self, Settings, compare_frame, default_radius};
+use crate::figures::Figures;
+use crate::learned::Learned;
+use crate::methods::{self, LEARNED, Setup};
+use crate::report::Comparison;
+use crate::views::View;
+use anyhow::{Context, Result};
+use deepshade_dataset::views::sample_view;
+use deepshade_infer::Model;
+use deepshade_render::bvh::TracedScene;
+use deepshade_render::method::Repeats;
+use deepshade_render::scene::procedural::{Family, Split};
+use deepshade_shaders::gpu::Gpu;
+use std::path::PathBuf;
+
+/// The whole chain on scenes never seen in training: data, training, export, running, comparing.
 #[derive(clap::Args)]
-pub struct Args {}
+#[command(after_help = "Example:\n  deepshade demo --out demo")]
+pub struct Args {
+    /// Folder of everything that the demo makes.
+    #[arg(long, default_value = "target/demo")]
+    pub out: PathBuf,
+    /// Folder of the shipped network.
+    #[arg(long, default_value = "models/ao")]
+    model: PathBuf,
+    /// The recipe that the short training's data are made from.
+    #[arg(long, default_value = "dataset/recipes/ao-small.toml")]
+    pub recipe: PathBuf,
+    /// How long the short training takes, minutes.
+    #[arg(long, default_value_t = 2.0)]
+    pub minutes: f64,
+    /// Rays a pixel of each of truth's two renderings.
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    samples: u32,
+    /// Writes the figures here as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
 
-/// Runs the demo.
-pub fn run(_: &Args) -> anyhow::Result<()> {
-    anyhow::bail!("the demo is not written yet")
+/// Chooses the scenes, which no recipe of the project contains.
+const SEED: u32 = 20_170;
+
+/// Goes through the chain and prints the table and the path of the page.
+///
+/// # Errors
+/// If a part of the chain fails; it is named.
+pub fn run(args: &Args) -> Result<()> {
+    let gpu = Gpu::new()?;
+    let model = Model::load(&args.model)?;
+    println!("1. {} beside hbao and truth, on scenes of families it was not trained on", args.model.display());
+    let comparison = compare_on_test_scenes(args, &gpu, &model)?;
+    let page = comparison.write(&args.out)?;
+    let mut figures = Figures::new("demo");
+    comparison.set_figures(&mut figures);
+    #[cfg(feature = "train")]
+    short_training::run(args, &gpu, &mut figures)?;
+    println!("\n{comparison}");
+    println!("{}", page.display());
+    figures.write(args.json.as_deref())
+}
+
+/// One frame of each family that is for testing only.
+fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model) -> Result<Comparison> {
+    let effect = model.spec.effect;
+    let (height, width) = (model.spec.reach.height, model.spec.reach.height);
+    let names: Vec<String> =
+        methods::names_of(effect).into_iter().filter(|name| *name != methods::TRUTH).map(str::to_owned).collect();
+    let methods = methods::open(effect, &names, Setup { gpu, model: Some(model) })?;
+    let mut frames = Vec::new();
+    for family in Family::ALL.into_iter().filter(|family| family.split() == Split::Test) {
+        let scene = TracedScene::new(family.scene(u64::from(SEED)))?;
+        let camera = sample_view(&scene, [height, width], SEED, u64::from(SEED), 0)?;
+        let view = View { name: family.name().to_owned(), camera };
+        println!("   {}, {} triangles", view.name, scene.scene().triangle_count());
+        let radius = default_radius(Some(model), scene.diagonal(), height);
+        let repeats = Repeats { warm_up: 1, timed: 3 };
+        let settings = Settings { effect, height, width, radius, samples: args.samples, seed: SEED, repeats };
+        frames.push(compare_frame(&scene, &view, settings, &methods).with_context(|| view.name.clone())?);
+    }
+    Ok(Comparison { effect, frames, machine: compare::machine(gpu) })
+}
+
+/// A training run short enough to watch: from a recipe to a network that runs in WGSL.
+#[cfg(feature = "train")]
+mod short_training {
+    use super::{Args, Figures, Gpu, LEARNED, Learned, Model, Repeats};
+    use anyhow::{Result, bail, ensure};
+    use deepshade_dataset::{Dataset, Radius, Recipe, generate};
+    use deepshade_infer::ChannelOrder;
+    use deepshade_infer::parity::Comparison as Agreement;
+    use deepshade_infer::reference;
+    use deepshade_render::method::{Frame, Method};
+    use deepshade_render::metrics::ssim;
+    use deepshade_shaders::Planes;
+    use deepshade_train::TrainConfig;
+
+    /// Small steps, since two minutes have few.
+    const BATCH: usize = 2;
+    const CROP: usize = 128;
+
+    pub fn run(args: &Args, gpu: &Gpu, figures: &mut Figures) -> Result<()> {
+        let (data, run, folder) = (args.out.join("data"), args.out.join("run"), args.out.join("model"));
+        println!("2. training data from {}", args.recipe.display());
+        let summary = generate(&Recipe::load(&args.recipe)?, &data)?;
+        println!("   {} pairs, {:.0} MB", summary.pairs, summary.bytes as f64 / 1e6);
+
+        println!("3. training for {} minutes", args.minutes);
+        let dataset = Dataset::open(&data)?;
+        let Radius::Diagonal(diagonal_share) = dataset.recipe().radius else {
+            bail!("{}: the demo's recipe states its radius as a share of the diagonal", args.recipe.display());
+        };
+        let config = TrainConfig {
+            minutes: Some(args.minutes),
+            batch: BATCH,
+            crop: CROP,
+            validate_every: 100,
+            ..crate::train::default_config(dataset.manifest(), &data, ChannelOrder::Interleaved, diagonal_share)
+        };
+        // A run of an earlier demo would be resumed; the demo starts afresh.
+        if run.exists() {
+            std::fs::remove_dir_all(&run)?;
+        }
+        let outcome = deepshade_train::train(&config, &run)?;
+        println!("   {} steps, {:.1} images a second", outcome.progress.step, outcome.images_per_second);
+
+        println!("4. export, and the exported network in WGSL against the reference");
+        let facts = crate::export::facts(dataset.manifest(), Vec::new());
+        let model: Model = deepshade_train::export(&run, &folder, &facts)?;
+        check(&dataset, gpu, &model, figures)
+    }
+
+    /// Runs the network on a view held apart from its training.
+    fn check(dataset: &Dataset, gpu: &Gpu, model: &Model, figures: &mut Figures) -> Result<()> {
+        let index = dataset.validation()[0];
+        let (pair, record) = (dataset.pair(index)?, dataset.record(index));
+        let input = model.spec.input(&pair.gbuffer, pair.radius)?;
+        let mut expected = reference::forward(&model.spec, &model.weights, &input);
+        model.spec.set_background(&pair.gbuffer, &mut expected)?;
+        let scene = record.scene.load(dataset.recipe().folder())?;
+        let frame =
+            Frame { scene: &scene, camera: &record.camera, gbuffer: &pair.gbuffer, radius: pair.radius, seed: 0 };
+        let shaded = Learned::new(gpu, model)?.shade(&frame, Repeats::ONCE)?;
+        let agreement = Agreement::new(&expected, &shaded.image);
+        ensure!(agreement.agrees(), "`{LEARNED}` in WGSL and the reference differ by {}", agreement.max_abs);
+        let white = Planes::filled(expected.channels(), expected.height(), expected.width(), 1.0);
+        let (learned, white) = (ssim(&shaded.image, &pair.target), ssim(&white, &pair.target));
+        println!("   they differ by at most {:.1e}", agreement.max_abs);
+        println!("   on a view held apart: SSIM {learned:.3}, a white image {white:.3}");
+        figures.set("short_training_ssim", learned);
+        figures.set("short_training_ssim_white", white);
+        figures.set("short_training_max_abs_wgsl", f64::from(agreement.max_abs));
+        Ok(())
+    }
 }

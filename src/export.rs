@@ -48,9 +48,10 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// What the card says about the data, and about what the network cannot do.
-fn facts(manifest: &Manifest, metrics: Vec<(String, String)>) -> Facts {
+pub fn facts(manifest: &Manifest, metrics: Vec<(String, String)>) -> Facts {
     let recipe = &manifest.recipe;
-    let name = recipe.path.file_stem().map_or_else(String::new, |stem| format!("{}: ", stem.to_string_lossy()));
+    let name =
+        recipe.path.file_stem().map_or_else(String::new, |stem| format!("{}: ", stem.to_string_lossy()));
     let (height, width) = (recipe.resolution.height, recipe.resolution.width);
     let families: Vec<&str> = recipe.families.iter().map(|family| family.name.as_str()).collect();
     Facts {
@@ -108,7 +109,8 @@ mod tests {
     fn figures_become_rows() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("eval.json");
-        std::fs::write(&path, r#"{"figures": {"ssim_learned": 0.71234567, "frames": 200.0}}"#).expect("written");
+        std::fs::write(&path, r#"{"figures": {"ssim_learned": 0.71234567, "frames": 200.0}}"#)
+            .expect("written");
         let rows = metrics(&path).expect("reads");
         let expected = [("frames", "200.0"), ("ssim_learned", "0.7123")];
         assert_eq!(rows, expected.map(|(name, value)| (name.to_owned(), value.to_owned())));

@@ -17,7 +17,9 @@ use std::path::PathBuf;
 /// space, metres, y up, the camera looking down -z. Pixels where a layer `valid` is 0 show no surface; in a file
 /// without that layer, pixels that are 0 or not finite in all inputs.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  deepshade infer --model models/ao --gbuffer in.exr --out out.exr --radius 0.5")]
+#[command(
+    after_help = "Example:\n  deepshade infer --model models/ao --gbuffer in.exr --out out.exr --radius 0.5"
+)]
 pub struct Args {
     /// Folder of the network.
     #[arg(long)]
@@ -47,7 +49,8 @@ pub fn run(args: &Args) -> Result<()> {
     let gbuffer = gbuffer(&file, &model.spec)?;
     let radius = match args.radius {
         Some(radius) => radius,
-        None => default_radius(&file, &gbuffer, &model.spec).with_context(|| args.gbuffer.display().to_string())?,
+        None => default_radius(&file, &gbuffer, &model.spec)
+            .with_context(|| args.gbuffer.display().to_string())?,
     };
     let gpu = Gpu::new()?;
     let input = model.spec.input(&gbuffer, radius)?;
@@ -97,7 +100,8 @@ fn default_radius(file: &ExrImage, gbuffer: &GBuffer, spec: &NetSpec) -> Result<
     if let Some(radius) = file.metadata().get("radius_metres") {
         return positive(radius).map_err(|what| anyhow!("attribute `radius_metres`: {what}"));
     }
-    let diagonal = visible_diagonal(gbuffer).context("no radius is stated and no positions tell the size; use --radius")?;
+    let diagonal = visible_diagonal(gbuffer)
+        .context("no radius is stated and no positions tell the size; use --radius")?;
     Ok(spec.reach.radius(diagonal, gbuffer.height()))
 }
 

@@ -58,7 +58,10 @@ impl Session {
         let tensor = TensorRef::from_array_view((shape, input.data()))?;
         let outputs =
             inner.run(ort::inputs![tensor]).with_context(|| format!("onnxruntime: {}", model.display()))?;
-        outputs.iter().map(|(name, value)| Ok((name.to_owned(), image(value.try_extract_tensor::<f32>()?)?))).collect()
+        outputs
+            .iter()
+            .map(|(name, value)| Ok((name.to_owned(), image(value.try_extract_tensor::<f32>()?)?)))
+            .collect()
     }
 
     /// [`Session::run`] for a network with one output.

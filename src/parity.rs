@@ -18,7 +18,9 @@ const FORMS: [&str; 4] = ["reference", "wgsl", "burn", "onnxruntime"];
 
 /// Checks that burn, the reference, WGSL and onnxruntime agree.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  deepshade parity --model models/ao --sizes 256x256,768x512,203x117 --json parity.json")]
+#[command(
+    after_help = "Example:\n  deepshade parity --model models/ao --sizes 256x256,768x512,203x117 --json parity.json"
+)]
 pub struct Args {
     /// Folder of a network; without it, random weights only.
     #[arg(long)]
@@ -58,7 +60,8 @@ impl std::str::FromStr for Size {
 pub fn run(args: &Args) -> Result<()> {
     let model = args.model.as_deref().map(Model::load).transpose()?;
     let folder = tempfile::tempdir()?;
-    let mut check = Check { gpu: Gpu::new()?, onnxruntime: &args.onnxruntime, max_abs: [0.0; 4], faults: Vec::new() };
+    let mut check =
+        Check { gpu: Gpu::new()?, onnxruntime: &args.onnxruntime, max_abs: [0.0; 4], faults: Vec::new() };
     println!("adapter {} ({})", check.gpu.info.name, check.gpu.info.driver_info);
     for order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
         let model = random(model.as_ref(), order);
@@ -133,6 +136,7 @@ impl Check<'_> {
 
     /// Names the first layer in which each form differs from the reference.
     fn explain(&mut self, what: &str, model: &Model, file: &Path, input: &Planes) -> Result<()> {
+        let known = self.faults.len();
         let plain = reference::layers(&model.spec, &model.weights, input);
         let forms = [
             ("wgsl", forward::run_layers(&self.gpu, model, input)?),
@@ -147,7 +151,7 @@ impl Check<'_> {
                 ));
             }
         }
-        if self.faults.is_empty() {
+        if self.faults.len() == known {
             self.faults.push(format!("{what}: the images differ although every layer agrees"));
         }
         Ok(())
@@ -167,7 +171,8 @@ impl Check<'_> {
 
     /// Compares the reference with the image that was stored when the model was exported.
     fn stored(&mut self, name: &str, model: &Model, stored: &Parity) {
-        let comparison = Comparison::new(&stored.output, &reference::forward(&model.spec, &model.weights, &stored.input));
+        let comparison =
+            Comparison::new(&stored.output, &reference::forward(&model.spec, &model.weights, &stored.input));
         println!("{name}, stored image: reference {:.1e}", comparison.max_abs);
         if !comparison.agrees() {
             self.faults.push(format!("{name}: parity.safetensors does not hold what these weights make"));

@@ -9,7 +9,7 @@ use deepshade_infer::{ChannelOrder, NetSpec, Reach};
 use deepshade_shaders::Effect;
 use deepshade_train::{Ending, Optimiser, Outcome, TrainConfig};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Trains a network on a dataset; the same command resumes a run that was interrupted.
 ///
@@ -139,19 +139,14 @@ pub fn run(args: &Args) -> Result<()> {
 /// The defaults with what the command line changes.
 fn config(args: &Args) -> Result<TrainConfig> {
     let manifest = Manifest::load(&args.dataset)?;
-    let recipe = &manifest.recipe;
-    let share = match (args.diagonal_share, recipe.radius) {
+    let share = match (args.diagonal_share, manifest.recipe.radius) {
         (Some(share), _) | (None, Radius::Diagonal(share)) => share,
         (None, Radius::Metres(_)) => bail!(
             "{}: the recipe states the radius in metres; --diagonal-share says what the network's default is to be",
             args.dataset.display()
         ),
     };
-    let reach = Reach { radius: 1.0, diagonal_share: share, height: recipe.resolution.height };
-    let spec = match recipe.effect {
-        Effect::Ao => NetSpec::ao(args.order.into(), reach),
-    };
-    let base = TrainConfig::new(spec, args.dataset.clone());
+    let base = default_config(&manifest, &args.dataset, args.order.into(), share);
     Ok(TrainConfig {
         optimiser: optimiser(args.optimiser, args.rate),
         batch: args.batch.unwrap_or(base.batch),
@@ -166,4 +161,19 @@ fn config(args: &Args) -> Result<TrainConfig> {
         cache_megabytes: args.cache_megabytes.unwrap_or(base.cache_megabytes),
         ..base
     })
+}
+
+/// The defaults for a dataset, and a network that reaches `diagonal_share` of a scene's diagonal.
+pub fn default_config(
+    manifest: &Manifest,
+    dataset: &Path,
+    order: ChannelOrder,
+    diagonal_share: f32,
+) -> TrainConfig {
+    let recipe = &manifest.recipe;
+    let reach = Reach { radius: 1.0, diagonal_share, height: recipe.resolution.height };
+    let spec = match recipe.effect {
+        Effect::Ao => NetSpec::ao(order, reach),
+    };
+    TrainConfig::new(spec, dataset.to_owned())
 }

@@ -62,8 +62,10 @@ impl Case {
 
     fn assert_image(&self, output: &Output, expected: &Planes) {
         assert!(output.status.success(), "{}", message(output));
-        let image = exr_file::read(&self.path("out.exr")).expect("reads").image("ao", 1).expect("a layer `ao`");
-        let largest = image.data().iter().zip(expected.data()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        let image =
+            exr_file::read(&self.path("out.exr")).expect("reads").image("ao", 1).expect("a layer `ao`");
+        let largest =
+            image.data().iter().zip(expected.data()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         let scale = expected.data().iter().fold(1f32, |scale, value| scale.max(value.abs()));
         assert!(largest <= 1e-3 * scale, "largest difference {largest}, half floats of up to {scale}");
     }
@@ -116,7 +118,8 @@ fn the_default_radius_is_a_share_of_what_is_seen() {
     let mut square = 0.0;
     for axis in 0..3 {
         let seen = &gbuffer.planes().plane(axis)[WIDTH..];
-        let (low, high) = seen.iter().fold((f32::MAX, f32::MIN), |(low, high), v| (low.min(*v), high.max(*v)));
+        let (low, high) =
+            seen.iter().fold((f32::MAX, f32::MIN), |(low, high), v| (low.min(*v), high.max(*v)));
         square += (high - low).powi(2);
     }
     case.assert_image(&case.run(&[]), &case.expected(&gbuffer, 0.05 * square.sqrt()));

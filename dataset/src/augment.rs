@@ -64,7 +64,8 @@ impl Symmetry {
     /// Moves the pixels of an image; values stay as they are.
     pub fn move_pixels(self, image: &Planes) -> Planes {
         let (old_height, old_width) = (image.height(), image.width());
-        let (height, width) = if self.swaps_axes() { (old_width, old_height) } else { (old_height, old_width) };
+        let (height, width) =
+            if self.swaps_axes() { (old_width, old_height) } else { (old_height, old_width) };
         let [[a, b], [c, d]] = self.matrix();
         Planes::from_fn(image.channels(), height, width, |channel, y, x| {
             // Twice the distance from the middle, so that it is whole; the inverse of the matrix is its transpose.

@@ -3,7 +3,7 @@
 use crate::generate::target_layer;
 use crate::{Dataset, DatasetError, Pair, font};
 use deepshade_render::atomic_file;
-use deepshade_shaders::AttributeKind;
+use deepshade_shaders::{Attribute, GBuffer};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use std::path::Path;
 
@@ -54,24 +54,28 @@ fn columns(pair: &Pair, target: &str) -> Vec<Column> {
     let channels = pair.gbuffer.attributes().iter().flat_map(|attribute| attribute.channels());
     for (index, channel) in channels.enumerate() {
         let plane = pair.gbuffer.planes().plane(index);
-        let unit_vector = channel.attribute.name().contains("normal") || channel.attribute.name() == "to_camera";
-        let range = match channel.attribute.kind() {
-            AttributeKind::CameraVector | AttributeKind::WorldVector if unit_vector => (-1.0, 1.0),
-            AttributeKind::Colour => (0.0, 1.0),
-            _ => extent(plane),
+        let range = match channel.attribute {
+            Attribute::Normal | Attribute::WorldNormal | Attribute::ToCamera => (-1.0, 1.0),
+            Attribute::Valid => (0.0, 1.0),
+            _ => seen_range(plane, &pair.gbuffer),
         };
         columns.push(Column::new(&channel.to_string(), plane, height, width, range));
     }
     for channel in 0..pair.target.channels() {
-        let label = if pair.target.channels() == 1 { target.to_owned() } else { format!("{target}.{channel}") };
+        let label =
+            if pair.target.channels() == 1 { target.to_owned() } else { format!("{target}.{channel}") };
         columns.push(Column::new(&label, pair.target.plane(channel), height, width, (0.0, 1.0)));
     }
     columns
 }
 
-/// Smallest and largest value.
-fn extent(plane: &[f32]) -> (f32, f32) {
-    plane.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)))
+/// Smallest and largest value where a surface is seen.
+fn seen_range(plane: &[f32], gbuffer: &GBuffer) -> (f32, f32) {
+    let valid = gbuffer.first_plane(Attribute::Valid).ok().map(|index| gbuffer.planes().plane(index));
+    let seen = (0..plane.len()).filter(|pixel| valid.is_none_or(|valid| valid[*pixel] > 0.0));
+    seen.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), pixel| {
+        (low.min(plane[pixel]), high.max(plane[pixel]))
+    })
 }
 
 impl Column {
@@ -80,12 +84,13 @@ impl Column {
         let factor = height.max(width).div_ceil(EDGE);
         let (small_height, small_width) = (height / factor, width / factor);
         let mean = |y: usize, x: usize| {
-            let rows = (y * factor..(y + 1) * factor).flat_map(|row| &plane[row * width + x * factor..][..factor]);
+            let rows =
+                (y * factor..(y + 1) * factor).flat_map(|row| &plane[row * width + x * factor..][..factor]);
             rows.sum::<f32>() / (factor * factor) as f32
         };
         let grey = |value: f32| (255.0 * (value - low) / (high - low).max(f32::MIN_POSITIVE)).round() as u8;
         let pixels = (0..small_height * small_width).map(|i| grey(mean(i / small_width, i % small_width)));
-        let label = format!("{} {low:.4} {high:.4}", name.to_lowercase());
+        let label = format!("{} {low:.3} {high:.3}", name.to_lowercase());
         Self { label: shortened(&label), height: small_height, width: small_width, pixels: pixels.collect() }
     }
 }
@@ -107,11 +112,14 @@ struct Sheet {
 
 impl Sheet {
     fn drawn(rows: &[(String, Vec<Column>)]) -> Self {
-        let cell_width = |column: &Column| GAP + column.width.max(font::ADVANCE * column.label.len());
-        let row_height =
-            |columns: &[Column]| 2 * LINE + GAP + columns.iter().map(|column| column.height).max().unwrap_or(0);
+        let columns = || rows.iter().flat_map(|(_, columns)| columns);
+        let cell = columns().map(|column| column.width.max(font::ADVANCE * column.label.len()) + GAP).max();
+        let cell = cell.unwrap_or(0);
+        let row_height = |columns: &[Column]| {
+            2 * LINE + GAP + columns.iter().map(|column| column.height).max().unwrap_or(0)
+        };
         let row_width = |(title, columns): &(String, Vec<Column>)| {
-            columns.iter().map(cell_width).sum::<usize>().max(GAP + font::ADVANCE * title.len())
+            (columns.len() * cell).max(GAP + font::ADVANCE * title.len())
         };
         let width = GAP + rows.iter().map(row_width).max().unwrap_or(0);
         let height = GAP + rows.iter().map(|(_, columns)| row_height(columns)).sum::<usize>();
@@ -119,11 +127,10 @@ impl Sheet {
         let mut top = GAP;
         for (title, columns) in rows {
             sheet.text(GAP, top, title);
-            let mut left = GAP;
-            for column in columns {
+            for (index, column) in columns.iter().enumerate() {
+                let left = GAP + index * cell;
                 sheet.picture(left, top + LINE, column);
                 sheet.text(left, top + LINE + column.height + 3, &column.label);
-                left += cell_width(column);
             }
             top += row_height(columns);
         }

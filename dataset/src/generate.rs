@@ -9,7 +9,7 @@ use crate::plan::{PlannedScene, PlannedView};
 use crate::truth::Shot;
 use crate::{DatasetError, Recipe, progress, truth, views};
 use deepshade_render::bvh::TracedScene;
-use deepshade_render::exr_file::{Layer, Metadata, PROGRAM, encode};
+use deepshade_render::exr_file::{Layer, Metadata, encode};
 use deepshade_render::{atomic_file, gbuffer};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -39,8 +39,9 @@ pub struct Summary {
 pub fn generate(recipe: &Recipe, folder: &Path) -> Result<Summary, DatasetError> {
     let plan = recipe.plan()?;
     let mut manifest = Manifest::new(recipe, Vec::new())?;
+    let earlier = earlier_pairs(folder, &manifest.job())?;
     let (journal, mut entries) = Journal::open(folder, &[PAIRS], &manifest.job())?;
-    entries.extend(earlier_pairs(folder, &manifest.job())?);
+    entries.extend(earlier);
     let known = checked(folder, entries);
     let total = plan.iter().map(|scene| scene.views.len()).sum();
     let bar = progress::bar("pairs", total, known.len());
@@ -151,7 +152,6 @@ fn metadata(recipe: &Recipe, record: &PairRecord) -> Metadata {
         ("samples", recipe.samples.to_string()),
         ("seed", record.seed.to_string()),
         ("units", truth::units(recipe.effect).to_owned()),
-        ("program", PROGRAM.to_owned()),
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .into()

@@ -40,7 +40,11 @@ impl Journal {
     ///
     /// # Errors
     /// If the folder cannot be written, is in use, or holds another job's journal.
-    pub fn open<E: Entry>(folder: &Path, subfolders: &[&str], job: &str) -> Result<(Self, Vec<E>), DatasetError> {
+    pub fn open<E: Entry>(
+        folder: &Path,
+        subfolders: &[&str],
+        job: &str,
+    ) -> Result<(Self, Vec<E>), DatasetError> {
         let folders: Vec<PathBuf> = subfolders.iter().map(|name| folder.join(name)).collect();
         for folder in &folders {
             std::fs::create_dir_all(folder).map_err(|source| DatasetError::io(folder, source))?;
@@ -98,7 +102,11 @@ fn sound_lines<E: Entry>(folder: &Path, bytes: &[u8], job: &str) -> Result<(Vec<
         if end == 0 {
             let Ok(theirs) = serde_json::from_slice::<String>(line) else { break };
             if theirs != job {
-                return Err(DatasetError::OtherData { folder: folder.to_owned(), theirs, ours: job.to_owned() });
+                return Err(DatasetError::OtherData {
+                    folder: folder.to_owned(),
+                    theirs,
+                    ours: job.to_owned(),
+                });
             }
         } else {
             let Ok(entry) = serde_json::from_slice(line) else { break };

@@ -64,7 +64,8 @@ impl Entry for PairRecord {
 /// If a scene file cannot be read.
 pub fn recipe_hash(recipe: &Recipe) -> Result<String, DatasetError> {
     let contents = (recipe, recipe.file_hashes()?);
-    let json = serde_json::to_vec(&contents).map_err(|error| DatasetError::invalid(&recipe.path, error.to_string()))?;
+    let json = serde_json::to_vec(&contents)
+        .map_err(|error| DatasetError::invalid(&recipe.path, error.to_string()))?;
     Ok(blake3::hash(&json).to_hex().to_string())
 }
 

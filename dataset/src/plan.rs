@@ -112,11 +112,17 @@ impl Recipe {
             let key = text_key(&blake3);
             let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
             let stem: String = stem.chars().filter(char::is_ascii_alphanumeric).collect();
-            sources.push((format!("file-{index:02}-{stem}"), key, SceneSource::File { path: path.clone(), blake3 }));
+            sources.push((
+                format!("file-{index:02}-{stem}"),
+                key,
+                SceneSource::File { path: path.clone(), blake3 },
+            ));
         }
         let scenes = sources.len();
         let planned = sources.into_iter().enumerate().map(|(scene, (name, key, source))| PlannedScene {
-            views: (0..self.views_per_scene).map(|view| self.planned_view(scene, scenes, &name, key, view)).collect(),
+            views: (0..self.views_per_scene)
+                .map(|view| self.planned_view(scene, scenes, &name, key, view))
+                .collect(),
             source,
             key,
         });

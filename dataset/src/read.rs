@@ -96,7 +96,10 @@ impl Dataset {
         let (height, width) = (recipe.resolution.height, recipe.resolution.width);
         if (image.height(), image.width()) != (height, width) {
             let size = format!("{} x {} pixels", image.width(), image.height());
-            return Err(DatasetError::invalid(&path, format!("{size} where the recipe says {width} x {height}")));
+            return Err(DatasetError::invalid(
+                &path,
+                format!("{size} where the recipe says {width} x {height}"),
+            ));
         }
         Ok(Pair {
             gbuffer: image.gbuffer(truth::attributes(recipe.effect))?,

@@ -18,24 +18,18 @@
 //! agree: a perfect image scores no less against their mean.
 
 mod estimate;
+mod make;
 
-use crate::journal::{Entry, Journal, checked};
-use crate::manifest::{job, read_json, recipe_hash, write_json};
-use crate::plan::{PlannedScene, PlannedView, spread};
+use crate::journal::Entry;
+use crate::manifest::read_json;
 use crate::random::mix;
 use crate::recipe::Tiles;
-use crate::truth::Shot;
-use crate::{DatasetError, Recipe, SceneSource, progress, truth, views};
-use deepshade_render::atomic_file;
-use deepshade_render::bvh::TracedScene;
-use deepshade_render::exr_file::{self, Layer, Metadata, PROGRAM};
-use deepshade_render::metrics::ssim::{TILE, ssim};
+use crate::{DatasetError, Recipe, SceneSource};
+use deepshade_render::exr_file;
+use deepshade_render::metrics::ssim::TILE;
 use deepshade_render::scene::Camera;
 use deepshade_shaders::Planes;
-use indicatif::ProgressBar;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// The list of frames in a test set's folder.
@@ -187,43 +181,11 @@ impl TestSet {
         let effect = self.list.recipe.effect;
         let image = exr_file::read(&path)?.image(&format!("truth.{effect}"), effect.channels())?;
         if (image.height(), image.width()) != (height, width) {
-            let what = format!("{} x {} pixels where {width} x {height} are due", image.width(), image.height());
+            let what =
+                format!("{} x {} pixels where {width} x {height} are due", image.width(), image.height());
             return Err(DatasetError::invalid(&path, what));
         }
         Ok(image)
-    }
-
-    /// Makes the test set of a recipe in a folder, or what is still missing of it; [`TestSet::estimate`] says how long
-    /// that takes. The same recipe gives the same bytes, however often the program was killed on the way.
-    ///
-    /// # Errors
-    /// If the recipe has no `tiles`, a scene cannot be had or has no fit view, or the folder cannot be written, is in
-    /// use or holds other data.
-    pub fn generate(recipe: &Recipe, folder: &Path) -> Result<Self, DatasetError> {
-        let (program, recipe_hash) = (PROGRAM.to_owned(), recipe_hash(recipe)?);
-        let ours = job(&program, &recipe_hash);
-        let plan = recipe.plan()?;
-        let (journal, mut entries) = Journal::open(folder, &["tiles", "whole"], &ours)?;
-        if folder.join(LIST).exists() {
-            let List { program, recipe_hash, frames, .. } = read_json(&folder.join(LIST))?;
-            let theirs = job(&program, &recipe_hash);
-            if theirs != ours {
-                return Err(DatasetError::OtherData { folder: folder.to_owned(), theirs, ours });
-            }
-            entries.extend(frames);
-        }
-        let known = checked(folder, entries);
-        let total = recipe.scene_count() * recipe.views_per_scene;
-        let bar = progress::bar("frames", total, known.len());
-        let tiles = tiles_of(recipe)?;
-        let work = Work { recipe, tiles, total, folder, journal: &journal, known: &known, bar: &bar };
-        let frames: Result<Vec<Vec<FrameRecord>>, DatasetError> =
-            plan.par_iter().enumerate().with_max_len(1).map(|(index, scene)| work.scene(index, scene)).collect();
-        let list = List { program, recipe_hash, recipe: recipe.clone(), frames: frames?.concat() };
-        bar.finish_and_clear();
-        write_json(&folder.join(LIST), &list)?;
-        journal.finish()?;
-        Ok(Self { folder: folder.to_owned(), list })
     }
 }
 
@@ -231,103 +193,6 @@ impl TestSet {
 fn tiles_of(recipe: &Recipe) -> Result<Tiles, DatasetError> {
     let what = "a test set needs the table `tiles`".to_owned();
     recipe.tiles.ok_or_else(|| DatasetError::Recipe { path: recipe.path.clone(), what })
-}
-
-/// What all frames share.
-struct Work<'a> {
-    recipe: &'a Recipe,
-    tiles: Tiles,
-    total: usize,
-    folder: &'a Path,
-    journal: &'a Journal,
-    known: &'a HashMap<String, FrameRecord>,
-    bar: &'a ProgressBar,
-}
-
-impl Work<'_> {
-    /// All frames of a scene, which is only loaded if one of them is missing.
-    fn scene(&self, index: usize, scene: &PlannedScene) -> Result<Vec<FrameRecord>, DatasetError> {
-        let known = |view: &PlannedView| self.known.get(&view.name).cloned();
-        if let Some(records) = scene.views.iter().map(known).collect() {
-            return Ok(records);
-        }
-        let traced = scene.source.load(self.recipe.folder())?;
-        let first = index * self.recipe.views_per_scene;
-        let record = |view: &PlannedView| {
-            let whole = spread(first + view.index, self.total, self.tiles.whole_frames.min(self.total));
-            known(view).map_or_else(|| self.frame(scene, &traced, view, whole), Ok)
-        };
-        scene.views.par_iter().map(record).collect()
-    }
-
-    /// Renders a frame's truth and writes it.
-    fn frame(
-        &self,
-        planned: &PlannedScene,
-        scene: &TracedScene,
-        view: &PlannedView,
-        whole: bool,
-    ) -> Result<FrameRecord, DatasetError> {
-        let Recipe { effect, resolution, samples, seed, .. } = *self.recipe;
-        let (height, width) = (resolution.height, resolution.width);
-        let camera = views::sample_view(scene, [height, width], seed, planned.key, view.index)?;
-        let radius = self.recipe.radius.metres(scene.diagonal());
-        let shot = |samples, stream: u64| {
-            let seed = mix(&[u64::from(view.seed), stream]) as u32;
-            Shot { scene, camera: &camera, height, width, radius, samples, seed }
-        };
-        let tiles = tile_indices(view.seed, height, width, self.tiles.one_in);
-        let wanted = |x: usize, y: usize| {
-            let (row, column) = (y / TILE, x / TILE);
-            let whole_tile = row < height / TILE && column < width / TILE;
-            whole_tile && tiles.binary_search(&(row * (width / TILE) + column)).is_ok()
-        };
-        let half = |stream| {
-            let image = truth::render_where(effect, &shot(self.tiles.samples / 2, stream), wanted);
-            gather(&image, &tiles)
-        };
-        let (a, b) = (half(0), half(1));
-        let mean = Planes::from_fn(a.channels(), a.height(), a.width(), |c, y, x| 0.5 * (a.at(c, y, x) + b.at(c, y, x)));
-        let write = |folder: &str, samples: u32, image: &Planes| self.write(folder, view, samples, image);
-        let record = FrameRecord {
-            name: view.name.clone(),
-            scene: planned.source.clone(),
-            view: view.index,
-            camera,
-            radius,
-            seed: view.seed,
-            ceiling: Ceiling { ssim: ssim(&a, &b), mse: mean_squared_difference(&a, &b) },
-            tiles: write("tiles", self.tiles.samples, &mean)?,
-            whole: whole.then(|| write("whole", samples, &truth::render(effect, &shot(samples, 2)))).transpose()?,
-        };
-        self.journal.add(&record)?;
-        self.bar.inc(1);
-        Ok(record)
-    }
-
-    fn write(
-        &self,
-        folder: &str,
-        view: &PlannedView,
-        samples: u32,
-        image: &Planes,
-    ) -> Result<HashedFile, DatasetError> {
-        let file = format!("{folder}/{}.exr", view.name);
-        let path = self.folder.join(&file);
-        let metadata = Metadata::from([
-            ("samples".to_owned(), samples.to_string()),
-            ("units".to_owned(), truth::units(self.recipe.effect).to_owned()),
-        ]);
-        let layer = Layer::image(&format!("truth.{}", self.recipe.effect), image);
-        let bytes = exr_file::encode(&path, &[layer], &metadata)?;
-        atomic_file::write(&path, &bytes).map_err(|source| DatasetError::io(&path, source))?;
-        Ok(HashedFile { file, blake3: blake3::hash(&bytes).to_hex().to_string() })
-    }
-}
-
-fn mean_squared_difference(a: &Planes, b: &Planes) -> f64 {
-    let squares = a.data().iter().zip(b.data()).map(|(a, b)| f64::from(a - b).powi(2));
-    squares.sum::<f64>() / a.data().len() as f64
 }
 
 #[cfg(test)]

@@ -53,6 +53,8 @@ pub fn render_where(effect: Effect, shot: &Shot<'_>, wanted: impl Fn(usize, usiz
 /// The unit of an effect's values, for people who open the files.
 pub const fn units(effect: Effect) -> &'static str {
     match effect {
-        Effect::Ao => "position in metres; ambient occlusion as the open share of the hemisphere, without unit",
+        Effect::Ao => {
+            "position in metres; ambient occlusion as the open share of the hemisphere, without unit"
+        }
     }
 }

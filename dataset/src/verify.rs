@@ -56,19 +56,25 @@ fn manifest_faults(dataset: &Dataset) -> Vec<(String, String)> {
     let fault = |what: String| (MANIFEST.to_owned(), what);
     let mut faults = Vec::new();
     // The hash covers scene files, which are not part of a dataset.
-    if manifest.recipe.files.is_empty() && recipe_hash(&manifest.recipe).ok().as_ref() != Some(&manifest.recipe_hash) {
+    if manifest.recipe.files.is_empty()
+        && recipe_hash(&manifest.recipe).ok().as_ref() != Some(&manifest.recipe_hash)
+    {
         faults.push(fault("the recipe does not have the hash that is stated".to_owned()));
     }
     let expected = manifest.recipe.scene_count().saturating_mul(manifest.recipe.views_per_scene);
     if expected != manifest.pairs.len() {
-        faults.push(fault(format!("{} pairs listed where the recipe makes {expected}", manifest.pairs.len())));
+        faults
+            .push(fault(format!("{} pairs listed where the recipe makes {expected}", manifest.pairs.len())));
     }
     let mut listed = HashSet::new();
     let twice = manifest.pairs.iter().filter(|pair| !listed.insert(pair.file.clone()));
     faults.extend(twice.map(|pair| fault(format!("lists {} twice", pair.file))));
-    for folder in manifest.pairs.iter().filter_map(|pair| Path::new(&pair.file).parent()).collect::<HashSet<_>>() {
+    for folder in
+        manifest.pairs.iter().filter_map(|pair| Path::new(&pair.file).parent()).collect::<HashSet<_>>()
+    {
         let entries = std::fs::read_dir(dataset.folder().join(folder)).into_iter().flatten().flatten();
-        let names = entries.map(|entry| format!("{}/{}", folder.display(), entry.file_name().to_string_lossy()));
+        let names =
+            entries.map(|entry| format!("{}/{}", folder.display(), entry.file_name().to_string_lossy()));
         let mut strangers: Vec<String> = names.filter(|name| !listed.contains(name)).collect();
         strangers.sort();
         faults.extend(strangers.into_iter().map(|name| (name, "the manifest does not list it".to_owned())));
@@ -81,7 +87,9 @@ fn pair_fault(dataset: &Dataset, index: usize) -> Option<String> {
     let record = dataset.record(index);
     match file_hash(&dataset.folder().join(&record.file)) {
         Err(error) => return Some(error.to_string()),
-        Ok(hash) if hash != record.blake3 => return Some(format!("its hash is {hash}, not {}", record.blake3)),
+        Ok(hash) if hash != record.blake3 => {
+            return Some(format!("its hash is {hash}, not {}", record.blake3));
+        }
         Ok(_) => {}
     }
     match dataset.pair(index) {
@@ -111,7 +119,9 @@ fn content_fault(pair: &Pair, effect: Effect) -> Option<String> {
         if *seen == 0.0 && (0..gbuffer.planes().channels()).any(|c| gbuffer.planes().plane(c)[pixel] != 0.0) {
             return Some(format!("values where nothing is seen, {}", at()));
         }
-        if *seen == 1.0 && let Some(what) = surface_fault(gbuffer, pixel) {
+        if *seen == 1.0
+            && let Some(what) = surface_fault(gbuffer, pixel)
+        {
             return Some(format!("{what} {}", at()));
         }
     }

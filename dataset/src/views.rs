@@ -33,7 +33,7 @@ pub const NEAREST: f32 = 0.005;
 /// Smallest median distance as a share of the diagonal.
 pub const LEAST_MEDIAN: f32 = 0.02;
 /// Length of the mean normal of the surfaces seen from which on they count as one plane.
-const ONE_PLANE: f32 = 0.98;
+const ONE_PLANE: f32 = 0.95;
 
 /// The view of an index of a scene, for an image of this size. The same for the same `seed`, `scene_key` and `view`.
 ///
@@ -83,7 +83,8 @@ fn refusal(scene: &TracedScene, camera: &Camera, aspect: f32) -> Option<usize> {
     if back_share_around(scene, camera.position) > 0.5 {
         return Some(0);
     }
-    let mut seen: Vec<Probe> = grid(camera, aspect).filter_map(|ray| Probe::new(scene, camera.position, ray)).collect();
+    let mut seen: Vec<Probe> =
+        grid(camera, aspect).filter_map(|ray| Probe::new(scene, camera.position, ray)).collect();
     let count = seen.len() as f32;
     if count < LEAST_SEEN * (GRID * GRID) as f32 {
         return Some(1);
@@ -173,11 +174,10 @@ mod tests {
 
     /// An axis-aligned box whose triangles face outwards, or inwards.
     fn block(min: Vec3, max: Vec3, outwards: bool) -> Mesh {
-        let corner = |i: usize| {
-            Vec3::select(glam::BVec3::new(i & 1 == 1, i & 2 == 2, i & 4 == 4), max, min)
-        };
+        let corner = |i: usize| Vec3::select(glam::BVec3::new(i & 1 == 1, i & 2 == 2, i & 4 == 4), max, min);
         let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-        let mut triangles: Vec<[u32; 3]> = faces.iter().flat_map(|f| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]]).collect();
+        let mut triangles: Vec<[u32; 3]> =
+            faces.iter().flat_map(|f| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]]).collect();
         if !outwards {
             triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
         }
@@ -185,7 +185,8 @@ mod tests {
     }
 
     fn traced(meshes: Vec<Mesh>) -> TracedScene {
-        let scene = Scene { name: "boxes".into(), meshes, materials: vec![Material::default()], ..Scene::default() };
+        let scene =
+            Scene { name: "boxes".into(), meshes, materials: vec![Material::default()], ..Scene::default() };
         TracedScene::new(scene).expect("boxes")
     }
 
@@ -233,7 +234,9 @@ mod tests {
     fn a_scene_without_a_fit_view_is_named() {
         // All that can be seen is one plane.
         let floor = Mesh {
-            positions: [(-9., -9.), (-9., 9.), (9., 9.), (9., -9.)].map(|(x, z)| Vec3::new(x, 0.0, z)).to_vec(),
+            positions: [(-9., -9.), (-9., 9.), (9., 9.), (9., -9.)]
+                .map(|(x, z)| Vec3::new(x, 0.0, z))
+                .to_vec(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             ..Mesh::default()
         };

@@ -2,9 +2,9 @@
 //!
 //! Every layer is one pass: what comes before the convolution (padding, doubling, concatenation) happens as it reads,
 //! what comes after (bias, leaky ReLU, pooling) before it writes. Feature maps are texture arrays of four channels a
-//! layer: a fetch then brings four numbers, no feature map is bound by a storage buffer's limit of 128 MiB, and
-//! software Vulkan fetches a texel several times as fast as it reads a storage buffer. Weights are in uniform
-//! buffers: lavapipe reads them there about ten times as fast as from a storage buffer.
+//! layer: a fetch then brings four numbers, in half the time that software Vulkan (lavapipe) takes to read as many from
+//! a storage buffer, and no feature map meets a storage buffer's limit of 128 MiB. Weights are in uniform buffers,
+//! which lavapipe reads about ten times as fast as storage buffers.
 
 mod convenience;
 mod packing;

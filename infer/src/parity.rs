@@ -30,7 +30,8 @@ pub struct Comparison {
 impl Comparison {
     /// Compares `image` with `reference` element by element.
     pub fn new(reference: &Planes, image: &Planes) -> Self {
-        let difference = |(a, b): (&f32, &f32)| if (a - b).is_finite() { (a - b).abs() } else { f32::INFINITY };
+        let difference =
+            |(a, b): (&f32, &f32)| if (a - b).is_finite() { (a - b).abs() } else { f32::INFINITY };
         let max_abs = if reference.same_shape(image) {
             reference.data().iter().zip(image.data()).map(difference).fold(0.0, f32::max)
         } else {

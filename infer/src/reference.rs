@@ -22,7 +22,11 @@ pub fn layers(spec: &NetSpec, weights: &Weights, input: &Planes) -> Vec<Activati
     if let Some(last) = made.last_mut() {
         *last = last.window(0, 0, input.height(), input.width());
     }
-    spec.layers().into_iter().zip(made).map(|(layer, planes)| Activation { layer: layer.name, planes }).collect()
+    spec.layers()
+        .into_iter()
+        .zip(made)
+        .map(|(layer, planes)| Activation { layer: layer.name, planes })
+        .collect()
 }
 
 fn run(spec: &NetSpec, weights: &Weights, input: &Planes) -> Vec<Planes> {

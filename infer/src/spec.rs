@@ -58,7 +58,9 @@ pub enum SpecError {
         allowed: &'static str,
     },
     /// The channels of a layer cannot be dealt out evenly to its groups.
-    #[error("layer `{layer}` has {groups} groups, which do not divide its {inputs} inputs and {outputs} outputs")]
+    #[error(
+        "layer `{layer}` has {groups} groups, which do not divide its {inputs} inputs and {outputs} outputs"
+    )]
     Groups {
         /// Name of the layer.
         layer: String,

@@ -34,7 +34,8 @@ impl Weights {
                 bias: (0..layer.outputs).map(|i| number(i, 1)).collect(),
             };
             // The leaky ReLU scales with what it is given, so dividing by the rms makes the rms 1.
-            let rms = parity::rms(&reference::layer(spec, layer, &weight, &noise, &made)).max(f32::MIN_POSITIVE);
+            let rms =
+                parity::rms(&reference::layer(spec, layer, &weight, &noise, &made)).max(f32::MIN_POSITIVE);
             weight.weight.iter_mut().chain(&mut weight.bias).for_each(|value| *value /= rms);
             made.push(reference::layer(spec, layer, &weight, &noise, &made));
             weights.0.push(weight);

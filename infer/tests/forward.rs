@@ -46,7 +46,7 @@ fn the_papers_network_at_whole_and_odd_sizes() {
 fn one_and_three_levels_in_both_channel_orders() {
     let gpu = gpu();
     for channel_order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
-        for levels in [1, 2, 3] {
+        for levels in [1, 3] {
             let spec = NetSpec { levels, channel_order, ..ao() };
             assert_agrees(&gpu, spec, &[(40, 56), (37, 53), (16, 16)]);
         }
@@ -56,8 +56,8 @@ fn one_and_three_levels_in_both_channel_orders() {
 #[test]
 fn kernels_of_other_sizes() {
     let gpu = gpu();
-    for kernel in [1, 5, 7] {
-        assert_agrees(&gpu, NetSpec { kernel, levels: 3, ..ao() }, &[(40, 56), (19, 21)]);
+    for (kernel, levels) in [(1, 3), (5, 3), (7, 2)] {
+        assert_agrees(&gpu, NetSpec { kernel, levels, ..ao() }, &[(40, 56), (19, 21)]);
     }
 }
 
@@ -127,6 +127,11 @@ fn what_cannot_run_is_named() {
     let spec = NetSpec { u0: 128, levels: 3, ..ao() };
     let error = Network::new(&gpu.device, &spec, &random_model(spec.clone()).weights).expect_err("too wide");
     assert!(error.to_string().contains("layer `up1`: eight of its outputs have"), "{error}");
+    let plan = network.plan(16, 16).expect("fits");
+    let small = deepshade_shaders::gpu::empty::<f32>(&gpu.device, "small", 16 * 16).expect("fits");
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let error = plan.encode(&mut encoder, &small, &small).expect_err("six channels do not fit");
+    assert_eq!(error.to_string(), "`deepshade.net.input`: a buffer of 1024 bytes; 6144 are needed");
     let mut unfit = model;
     unfit.weights.0.pop();
     assert!(Network::new(&gpu.device, &unfit.spec, &unfit.weights).is_err());

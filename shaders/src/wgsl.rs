@@ -147,10 +147,10 @@ mod tests {
     fn every_shader_is_valid_and_every_struct_lies_as_in_rust() {
         assert!(!ALL.is_empty());
         for shader in ALL {
-            let module = parse(&shader.source()).unwrap_or_else(|e| panic!("{}:\n{e}", shader.path));
+            let module = parse(&shader.source()).map_err(|e| format!("{}: {e}", shader.path)).expect("valid");
             assert_eq!(module.entry_points.len(), 1, "{}", shader.path);
             for layout in shader.uniforms {
-                agrees(layout, &module).unwrap_or_else(|e| panic!("{}: {e}", shader.path));
+                assert_eq!(agrees(layout, &module), Ok(()), "{}", shader.path);
             }
         }
     }

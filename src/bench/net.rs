@@ -60,14 +60,21 @@ pub fn run(args: &Args) -> Result<()> {
 
     let effect = model.spec.effect;
     let clock = if wgsl.by_gpu { "timestamps" } else { "wall clock" };
-    println!("network      {effect}, {} weights, {width} x {height}, median of {runs}", model.spec.weight_count());
-    println!("WGSL         {:.2} ms by {clock}; {} ({})", wgsl.milliseconds, gpu.info.name, gpu.info.driver_info);
+    println!(
+        "network      {effect}, {} weights, {width} x {height}, median of {runs}",
+        model.spec.weight_count()
+    );
+    println!(
+        "WGSL         {:.2} ms by {clock}; {} ({})",
+        wgsl.milliseconds, gpu.info.name, gpu.info.driver_info
+    );
     println!("onnxruntime  {onnxruntime:.2} ms, CPU provider, {threads} threads");
     let mut figures = Figures::new("bench net");
     figures.set(&format!("ms_wgsl_{effect}"), wgsl.milliseconds);
     figures.set(&format!("ms_onnxruntime_{effect}"), onnxruntime);
     figures.detail("size", json!({ "height": height, "width": width, "runs": runs }));
-    figures.detail("adapter", json!({ "name": gpu.info.name, "driver": gpu.info.driver_info, "clock": clock }));
+    figures
+        .detail("adapter", json!({ "name": gpu.info.name, "driver": gpu.info.driver_info, "clock": clock }));
     figures.detail("onnxruntime_threads", json!(threads));
     figures.write(args.json.as_deref())
 }

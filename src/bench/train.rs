@@ -38,8 +38,14 @@ pub fn run(args: &Args) -> Result<()> {
     let times = bench::bench(&config, steps);
 
     let (threads, weights) = (rayon::current_num_threads(), config.spec.weight_count());
-    println!("network   {}, {weights} weights, batches of {batch} images of {crop} x {crop}", config.spec.effect);
-    println!("training  {:.2} images a second, {threads} threads, median of {steps}", times.images_per_second);
+    println!(
+        "network   {}, {weights} weights, batches of {batch} images of {crop} x {crop}",
+        config.spec.effect
+    );
+    println!(
+        "training  {:.2} images a second, {threads} threads, median of {steps}",
+        times.images_per_second
+    );
     let parts = [("forward", times.forward), ("backward", times.backward), ("update", times.update)];
     let mut figures = Figures::new("bench train");
     figures.set("images_per_second", times.images_per_second);

@@ -55,8 +55,9 @@ pub fn css_stops(map: impl Fn(f32) -> Vec3, from: f32, to: f32) -> String {
 /// The linear colour at a share of a way through evenly spaced colours.
 fn along(colours: &[Lch], share: f32) -> Vec3 {
     let steps = colours.len() - 1;
-    // `max` takes its other side where the share is not a number.
-    let at = share.max(0.0).min(1.0) * steps as f32;
+    // What is not a number is not above 0 either.
+    let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
+    let at = share * steps as f32;
     let step = (at as usize).min(steps - 1);
     let lch = Vec3::from(colours[step]).lerp(Vec3::from(colours[step + 1]), at - step as f32);
     linear_from_oklab(lch)

@@ -109,8 +109,7 @@ impl UNet {
                 Source::Input => x.clone(),
                 Source::Pooled(finer) => ops::halve(outputs[finer].clone()),
                 Source::Joined { coarse, skip } => {
-                    let coarse = ops::double(outputs[coarse].clone());
-                    self.join(coarse, outputs[skip].clone(), layer)
+                    ops::join(outputs[coarse].clone(), outputs[skip].clone(), self.join_groups(layer))
                 }
             };
             let leak = if layer.activation { self.spec.leak } else { 1.0 };
@@ -119,18 +118,12 @@ impl UNet {
         outputs
     }
 
-    /// Concatenation in the spec's order ([`NetSpec::joined_order`]).
-    fn join(&self, coarse: Tensor<4>, skip: Tensor<4>, layer: &Layer) -> Tensor<4> {
-        let groups = match self.spec.channel_order {
+    /// The groups in which a concatenation goes: that gives the spec's order ([`NetSpec::joined_order`]).
+    const fn join_groups(&self, layer: &Layer) -> usize {
+        match self.spec.channel_order {
             ChannelOrder::Contiguous => 1,
             ChannelOrder::Interleaved => layer.groups,
-        };
-        let [batch, _, height, width] = skip.dims();
-        let shares = |x: Tensor<4>| {
-            let share = x.dims()[1] / groups;
-            x.reshape([batch, groups, share, height, width])
-        };
-        Tensor::cat(vec![shares(coarse), shares(skip)], 2).reshape([batch, layer.inputs, height, width])
+        }
     }
 }
 

@@ -20,9 +20,16 @@ pub fn halve(x: Tensor<4>) -> Tensor<4> {
     avg_pool2d(x, AvgPoolOptions::new([2, 2]))
 }
 
-/// As `kernels::double`. burn's `interpolate` has no gradient on its GPU backends; slices and blends have.
-pub fn double(x: Tensor<4>) -> Tensor<4> {
-    double_along(double_along(x, 2), 3)
+/// As `kernels::join`. burn's `interpolate` has no gradient on its GPU backends; slices and blends have.
+pub fn join(coarse: Tensor<4>, fine: Tensor<4>, groups: usize) -> Tensor<4> {
+    let doubled = double_along(double_along(coarse, 2), 3);
+    let [batch, channels, height, width] = fine.dims();
+    let joined = [batch, channels + doubled.dims()[1], height, width];
+    let shares = |x: Tensor<4>| {
+        let share = x.dims()[1] / groups;
+        x.reshape([batch, groups, share, height, width])
+    };
+    Tensor::cat(vec![shares(doubled), shares(fine)], 2).reshape(joined)
 }
 
 /// Doubles one dimension: every value's two children lean a quarter towards its neighbour on their side.

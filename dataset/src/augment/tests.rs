@@ -27,7 +27,10 @@ fn the_eight_are_a_group() {
         for second in Symmetry::ALL {
             let both = first.then(second);
             assert!(Symmetry::ALL.contains(&both));
-            assert!(nearly_equal(&second.apply(&first.apply(&gbuffer)), &both.apply(&gbuffer)), "{first:?} {second:?}");
+            assert!(
+                nearly_equal(&second.apply(&first.apply(&gbuffer)), &both.apply(&gbuffer)),
+                "{first:?} {second:?}"
+            );
         }
         assert_eq!(first.then(first.inverse()), Symmetry::IDENTITY);
         assert!(nearly_equal(&first.inverse().apply(&first.apply(&gbuffer)), &gbuffer));
@@ -73,7 +76,8 @@ fn scene_and_camera() -> (TracedScene, Camera) {
     (scene, camera)
 }
 
-const RENDERED: [Attribute; 4] = [Attribute::Position, Attribute::Normal, Attribute::WorldNormal, Attribute::Depth];
+const RENDERED: [Attribute; 4] =
+    [Attribute::Position, Attribute::Normal, Attribute::WorldNormal, Attribute::Depth];
 
 /// The camera that sees what `camera` sees, turned or mirrored.
 fn turned(camera: &Camera, symmetry: Symmetry, height: usize, width: usize) -> Camera {
@@ -88,7 +92,8 @@ fn turned(camera: &Camera, symmetry: Symmetry, height: usize, width: usize) -> C
 fn share_of_different_pixels(a: &GBuffer, b: &GBuffer) -> f32 {
     assert!(a.planes().same_shape(b.planes()));
     let differs = |pixel: &usize| {
-        (0..a.planes().channels()).any(|c| (a.planes().plane(c)[*pixel] - b.planes().plane(c)[*pixel]).abs() > 2e-3)
+        (0..a.planes().channels())
+            .any(|c| (a.planes().plane(c)[*pixel] - b.planes().plane(c)[*pixel]).abs() > 2e-3)
     };
     (0..a.planes().pixels()).filter(differs).count() as f32 / a.planes().pixels() as f32
 }

@@ -1,9 +1,8 @@
 use super::*;
 use crate::journal::JOURNAL;
-use crate::{Dataset, Part, verify};
+use crate::{Dataset, Part, contact_sheet, verify};
 use deepshade_render::scene::procedural::{Family, Split};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 /// A recipe of two scenes with two views each.
 fn recipe(folder: &Path, seed: u32) -> Recipe {
@@ -19,19 +18,15 @@ fn recipe(folder: &Path, seed: u32) -> Recipe {
     Recipe::load(&path).expect("a sound recipe")
 }
 
-/// Contents of all files below a folder, by name.
-fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut files = BTreeMap::new();
-    for entry in std::fs::read_dir(folder).expect("listed") {
-        let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            files.extend(contents(&path).into_iter().map(|(name, bytes)| (folder.join(name), bytes)));
-        } else {
-            files.insert(path.clone(), std::fs::read(&path).expect("read"));
-        }
-    }
-    let inside = |path: &Path| path.strip_prefix(folder).map_or_else(|_| path.to_owned(), Path::to_owned);
-    files.into_iter().map(|(path, bytes)| (inside(&path), bytes)).collect()
+/// Contents of all files of a dataset's folder, by name.
+fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let files = |inner: &str| {
+        let entries = std::fs::read_dir(folder.join(inner)).expect("listed");
+        let paths = entries.map(|entry| entry.expect("an entry").path()).filter(|path| path.is_file());
+        let name = |path: &Path| path.strip_prefix(folder).expect("inside").display().to_string();
+        paths.map(|path| (name(&path), std::fs::read(&path).expect("read"))).collect::<Vec<_>>()
+    };
+    files("").into_iter().chain(files(PAIRS)).collect()
 }
 
 #[test]
@@ -47,8 +42,8 @@ fn the_number_of_threads_does_not_matter() {
     };
     let one = generated(1);
     assert_eq!(one.len(), 5, "four pairs and a manifest, nothing else");
-    assert_eq!(one, generated(2));
-    assert_eq!(one, generated(4));
+    assert!(one == generated(2));
+    assert!(one == generated(4));
 }
 
 #[test]
@@ -68,7 +63,7 @@ fn a_killed_run_ends_with_the_bytes_of_an_undisturbed_one() {
     let cut_off = &json(third)[..40];
     let journal = format!("\"{}\"\n{}\n{}\n{cut_off}", manifest.job(), json(first), json(second));
     std::fs::write(out.join(JOURNAL), journal).expect("written");
-    std::fs::write(out.join(&second.file), &undisturbed[Path::new(&second.file)][..500]).expect("truncated");
+    std::fs::write(out.join(&second.file), &undisturbed[&second.file][..500]).expect("truncated");
     std::fs::remove_file(out.join(&fourth.file)).expect("removed");
     std::fs::write(out.join(".deepshade-x1"), b"half").expect("left over");
     std::fs::write(out.join("pairs/.deepshade-x2"), b"half").expect("left over");
@@ -98,7 +93,7 @@ fn a_folder_in_use_or_with_other_data_is_left_alone() {
     let other = recipe(folder.path(), 4);
     let refused = generate(&other, &out).expect_err("another recipe");
     assert!(matches!(refused, DatasetError::OtherData { .. }), "{refused}");
-    assert_eq!(contents(&out), before);
+    assert!(contents(&out) == before);
     let busy = folder.path().join("busy");
     let (journal, _) = Journal::open::<PairRecord>(&busy, &[PAIRS], "a job").expect("opened");
     let refused = generate(&other, &busy).expect_err("in use");
@@ -140,6 +135,12 @@ fn what_is_generated_is_read_and_verified() {
     assert_ne!(dataset.pair(2).expect("a pair").target, pair.target);
 
     assert_eq!(verify(&out).expect("verified").faults, []);
+    let sheet = folder.path().join("sheet.png");
+    contact_sheet(&dataset, &[0, 3], &sheet).expect("drawn");
+    let drawn = image::load_from_memory(&std::fs::read(sheet).expect("read")).expect("a PNG").into_luma8();
+    // Eight columns of at least 40 pixels, two rows of 32 and their text; ink, black and white are all there.
+    assert!(drawn.width() > 320 && drawn.height() > 64);
+    assert!([0, 32, 255].into_iter().all(|grey| drawn.pixels().any(|pixel| pixel.0 == [grey])));
     let file = |index: usize| out.join(&dataset.record(index).file);
     let mut bytes = std::fs::read(file(1)).expect("read");
     *bytes.last_mut().expect("a byte") ^= 1;

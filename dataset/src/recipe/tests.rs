@@ -85,7 +85,10 @@ fn a_file_of_a_test_recipe_does_not_train_under_any_name() {
     let unnamed = train("files = [\"other.obj\"]\n").expect_err("no test recipe named");
     assert!(unnamed.to_string().contains("must name `test_recipes`"), "{unnamed}");
     let copied = train("files = [\"copy.obj\"]\ntest_recipes = [\"test.toml\"]\n").expect_err("a copy");
-    assert!(matches!(copied, DatasetError::Mixed { .. }) && copied.to_string().contains("copy.obj"), "{copied}");
+    assert!(
+        matches!(copied, DatasetError::Mixed { .. }) && copied.to_string().contains("copy.obj"),
+        "{copied}"
+    );
     train("files = [\"other.obj\"]\ntest_recipes = [\"test.toml\"]\n").expect("another file");
 }
 
@@ -98,9 +101,10 @@ fn the_recipes_of_the_project_are_sound() {
     for split in [Split::Train, Split::Test] {
         let of_split = || recipes.iter().filter(|recipe| recipe.split == split);
         let all = |recipe: &Recipe| {
-            Family::ALL.iter().filter(|family| family.split() == split).all(|family| {
-                recipe.families.iter().any(|share| share.name == family.name())
-            })
+            Family::ALL
+                .iter()
+                .filter(|family| family.split() == split)
+                .all(|family| recipe.families.iter().any(|share| share.name == family.name()))
         };
         assert!(of_split().any(all), "a recipe with all families");
         assert!(of_split().all(|recipe| (split == Split::Train) == (recipe.validation_share > 0.0)));

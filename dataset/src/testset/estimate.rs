@@ -30,9 +30,11 @@ impl TestSet {
             loading += start.elapsed().as_secs_f64();
             let (one_in, samples) = PROBE;
             let probe = tile_indices(recipe.seed, height, width, one_in);
-            let wanted = |x: usize, y: usize| probe.binary_search(&(y / TILE * (width / TILE) + x / TILE)).is_ok();
+            let wanted =
+                |x: usize, y: usize| probe.binary_search(&(y / TILE * (width / TILE) + x / TILE)).is_ok();
             let radius = recipe.radius.metres(traced.diagonal());
-            let shot = Shot { scene: &traced, camera: &camera, height, width, radius, samples, seed: recipe.seed };
+            let shot =
+                Shot { scene: &traced, camera: &camera, height, width, radius, samples, seed: recipe.seed };
             let start = Instant::now();
             truth::render_where(recipe.effect, &shot, wanted);
             rendering += start.elapsed().as_secs_f64();

@@ -58,7 +58,8 @@ impl Run {
         if expected != found {
             return Err(ForwardError::Input { expected, found });
         }
-        let plan = Network::new(&gpu.device, &model.spec, &model.weights)?.plan(input.height(), input.width())?;
+        let plan =
+            Network::new(&gpu.device, &model.spec, &model.weights)?.plan(input.height(), input.width())?;
         let elements = model.spec.effect.channels() * input.pixels();
         Ok(Self {
             plan,

@@ -54,6 +54,8 @@ struct Packing<'a> {
     group: usize,
     /// For each channel that the convolution reads: which of the concatenation (for a single source, of it).
     order: Vec<usize>,
+    /// The other way round: where the convolution has each channel of the concatenation.
+    positions: Vec<usize>,
     /// Channels of the first source.
     split: usize,
 }
@@ -74,7 +76,9 @@ pub fn pack(
         }
     };
     let group = if layer.activation { FEATURES } else { 1 };
-    let packing = Packing { layer, weights, kernel: spec.kernel, group, order, split };
+    let mut positions = vec![0; order.len()];
+    order.iter().enumerate().for_each(|(position, channel)| positions[*channel] = position);
+    let packing = Packing { layer, weights, kernel: spec.kernel, group, order, positions, split };
     packing.packed()
 }
 
@@ -149,7 +153,7 @@ impl Packing<'_> {
     /// The weight of a channel of the concatenation in an output, 0 where the output does not read it.
     fn weight(&self, output: usize, channel: Option<usize>, tap: usize) -> f32 {
         let share = self.layer.inputs / self.layer.groups;
-        let position = channel.and_then(|channel| self.order.iter().position(|c| *c == channel));
+        let position = channel.and_then(|channel| self.positions.get(channel));
         let Some(position) = position.filter(|_| output < self.layer.outputs) else { return 0.0 };
         let first = output / (self.layer.outputs / self.layer.groups) * share;
         match position.checked_sub(first).filter(|input| *input < share) {
@@ -178,10 +182,6 @@ impl Packing<'_> {
 fn covering(channels: impl IntoIterator<Item = usize>) -> Range<usize> {
     channels.into_iter().fold(0..0, |blocks, channel| {
         let block = channel / BLOCK;
-        if blocks.is_empty() {
-            block..block + 1
-        } else {
-            blocks.start.min(block)..blocks.end.max(block + 1)
-        }
+        if blocks.is_empty() { block..block + 1 } else { blocks.start.min(block)..blocks.end.max(block + 1) }
     })
 }

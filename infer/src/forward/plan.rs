@@ -2,9 +2,9 @@
 
 use super::{ForwardError, Network, Stage, StagePart, packing};
 use crate::{Activation, Layer, Source};
+use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::{self, BoundPass, GpuError, Pass};
 use deepshade_shaders::wgsl::{TILE, uniforms::NetLayer};
-use deepshade_shaders::Planes;
 use wgpu::{BindingResource, TextureView};
 
 /// A network on images of one size: its feature maps and what is bound to its passes.
@@ -92,7 +92,9 @@ impl Plan {
         input: &wgpu::Buffer,
         output: &wgpu::Buffer,
     ) -> Result<(), ForwardError> {
-        for (buffer, channels, label) in [(input, self.channels[0], "input"), (output, self.channels[1], "output")] {
+        for (buffer, channels, label) in
+            [(input, self.channels[0], "input"), (output, self.channels[1], "output")]
+        {
             let needed = (channels * self.height * self.width * size_of::<f32>()) as u64;
             if buffer.size() < needed {
                 let what = format!("a buffer of {} bytes; {needed} are needed", buffer.size());
@@ -112,7 +114,11 @@ impl Plan {
     ///
     /// # Errors
     /// If the device is lost or its memory exhausted.
-    pub fn layers(&self, queue: &wgpu::Queue, output: &wgpu::Buffer) -> Result<Vec<Activation>, ForwardError> {
+    pub fn layers(
+        &self,
+        queue: &wgpu::Queue,
+        output: &wgpu::Buffer,
+    ) -> Result<Vec<Activation>, ForwardError> {
         let mut made: Vec<Activation> = Vec::new();
         for Step { layer, .. } in &self.steps {
             if made.last().is_some_and(|last| last.layer == layer.name) {
@@ -137,7 +143,12 @@ impl Plan {
         Ok(Planes::from_data(self.channels[1], self.height, self.width, data))
     }
 
-    fn read(&self, queue: &wgpu::Queue, texture: &wgpu::Texture, channels: usize) -> Result<Planes, ForwardError> {
+    fn read(
+        &self,
+        queue: &wgpu::Queue,
+        texture: &wgpu::Texture,
+        channels: usize,
+    ) -> Result<Planes, ForwardError> {
         let texels = gpu::read_texture_array(&self.device, queue, texture)?;
         let (height, width) = (texture.height() as usize, texture.width() as usize);
         Ok(Planes::from_fn(channels, height, width, |c, y, x| {
@@ -148,7 +159,8 @@ impl Plan {
     fn step(&self, network: &Network, stage: &Stage, part: &StagePart) -> Result<Step, ForwardError> {
         let layer = &stage.layer;
         let alignment = network.spec.alignment();
-        let [height, width] = [self.height, self.width].map(|size| size.next_multiple_of(alignment) >> layer.level);
+        let [height, width] =
+            [self.height, self.width].map(|size| size.next_multiple_of(alignment) >> layer.level);
         let uniform = NetLayer {
             width: width as u32,
             height: height as u32,
@@ -176,7 +188,9 @@ impl Plan {
     /// What a layer's pass binds after its weights: what it makes, then what it reads, then where pooling goes.
     fn images(&self, network: &Network, layer: &Layer) -> Vec<Resource> {
         let view = |texture: Option<&wgpu::Texture>| {
-            Resource::Texture(gpu::array_view(texture.expect("a level has the feature maps that its layers use")))
+            Resource::Texture(gpu::array_view(
+                texture.expect("a level has the feature maps that its layers use"),
+            ))
         };
         let levels = &self.levels;
         let mut images = vec![match self.made(layer) {
@@ -249,9 +263,8 @@ impl Step {
 
 fn check_size(network: &Network, height: usize, width: usize) -> Result<(), ForwardError> {
     let (limits, spec) = (network.device.limits(), &network.spec);
-    let error = |layer: &Layer, reason| {
-        Err(ForwardError::Size { width, height, layer: layer.name.clone(), reason })
-    };
+    let error =
+        |layer: &Layer, reason| Err(ForwardError::Size { width, height, layer: layer.name.clone(), reason });
     let (first, last) = (&network.stages[0].layer, &network.stages[network.stages.len() - 1].layer);
     let most = limits.max_texture_dimension_2d as usize;
     if height == 0 || width == 0 {
@@ -262,7 +275,7 @@ fn check_size(network: &Network, height: usize, width: usize) -> Result<(), Forw
     }
     for (layer, channels) in [(first, spec.input_channels()), (last, spec.effect.channels())] {
         let bytes = (channels * height * width * size_of::<f32>()) as u64;
-        let limit = u64::from(limits.max_storage_buffer_binding_size);
+        let limit = limits.max_storage_buffer_binding_size;
         if bytes > limit {
             return error(layer, format!("binds a buffer of {bytes} bytes; the device allows {limit}"));
         }

@@ -65,8 +65,10 @@ fn share(_: &File) -> Result<(), Error> {
 /// Writes named tensors, `(name, shape, elements)`.
 pub fn write_tensors(path: &Path, tensors: &[(String, Vec<usize>, &[f32])]) -> Result<(), ModelError> {
     let failed = |source| ModelError::Tensors { path: path.to_owned(), source };
-    let bytes: Vec<Vec<u8>> =
-        tensors.iter().map(|(_, _, data)| data.iter().flat_map(|value| value.to_le_bytes()).collect()).collect();
+    let bytes: Vec<Vec<u8>> = tensors
+        .iter()
+        .map(|(_, _, data)| data.iter().flat_map(|value| value.to_le_bytes()).collect())
+        .collect();
     let views = tensors.iter().zip(&bytes).map(|((name, shape, _), bytes)| {
         Ok((name.clone(), TensorView::new(Dtype::F32, shape.clone(), bytes)?))
     });

@@ -32,8 +32,10 @@ fn assert_says(message: &str, parts: &[&str]) {
 fn a_saved_model_loads_bit_for_bit_and_leaves_nothing_else_behind() {
     let (folder, model) = saved();
     assert_eq!(Model::load(folder.path()).expect("loads"), model);
-    let mut names: Vec<_> =
-        fs::read_dir(folder.path()).expect("lists").map(|entry| entry.expect("an entry").file_name()).collect();
+    let mut names: Vec<_> = fs::read_dir(folder.path())
+        .expect("lists")
+        .map(|entry| entry.expect("an entry").file_name())
+        .collect();
     names.sort();
     assert_eq!(names, [file::SPEC, file::WEIGHTS]);
 }
@@ -123,7 +125,8 @@ struct TensorBytes(Vec<u8>);
 
 impl TensorBytes {
     fn half(name: &str) -> Self {
-        let view = safetensors::tensor::TensorView::new(safetensors::Dtype::F16, vec![2], &[0; 4]).expect("a view");
+        let view =
+            safetensors::tensor::TensorView::new(safetensors::Dtype::F16, vec![2], &[0; 4]).expect("a view");
         Self(safetensors::serialize([(name, view)], None).expect("serialises"))
     }
 }

@@ -11,7 +11,15 @@ fn close(a: f32, b: f32) -> bool {
 }
 
 fn plain(inputs: usize, outputs: usize, groups: usize) -> Layer {
-    Layer { name: "plain".to_owned(), level: 0, source: Source::Input, inputs, outputs, groups, activation: false }
+    Layer {
+        name: "plain".to_owned(),
+        level: 0,
+        source: Source::Input,
+        inputs,
+        outputs,
+        groups,
+        activation: false,
+    }
 }
 
 #[test]
@@ -126,7 +134,10 @@ fn any_size_gives_an_image_of_that_size_and_names_every_layer() {
     let names: Vec<_> = layers.iter().map(|made| made.layer.as_str()).collect();
     assert_eq!(names.join(" "), "down0 down1 down2 down3 down4 down5 up4 up3 up2 up1 up0");
     assert_eq!(layers[10].planes, image);
-    assert_eq!((layers[5].planes.channels(), layers[5].planes.height(), layers[5].planes.width()), (256, 2, 2));
+    assert_eq!(
+        (layers[5].planes.channels(), layers[5].planes.height(), layers[5].planes.width()),
+        (256, 2, 2)
+    );
 }
 
 #[test]

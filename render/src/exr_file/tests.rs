@@ -157,20 +157,32 @@ fn compression() {
     let camera = Camera::look_at(centre, corner);
     let attributes = [Attribute::Position, Attribute::Normal, Attribute::Valid];
     let gbuffer = crate::gbuffer::render(&scene, &camera, 256, 256, &attributes);
-    let truth = Ao { radius: 0.05 * scene.diagonal(), samples: 16, seed: 1 }.render(&scene, &camera, 256, 256);
+    let truth =
+        Ao { radius: 0.05 * scene.diagonal(), samples: 16, seed: 1 }.render(&scene, &camera, 256, 256);
     let layers = [Layer::gbuffer(&gbuffer), Layer::image("target.ao", &truth)];
     let size = |compression: Compression| {
         let start = std::time::Instant::now();
-        let bytes = write::encode_with(Path::new("a.exr"), &layers, &Metadata::new(), compression).expect("encoded");
+        let bytes =
+            write::encode_with(Path::new("a.exr"), &layers, &Metadata::new(), compression).expect("encoded");
         let writing = start.elapsed();
         let file = tempfile::NamedTempFile::new().expect("a file");
         std::fs::write(file.path(), &bytes).expect("written");
         let start = std::time::Instant::now();
         read(file.path()).expect("read");
-        println!("{compression}: {} bytes, written in {writing:.1?}, read in {:.1?}", bytes.len(), start.elapsed());
+        println!(
+            "{compression}: {} bytes, written in {writing:.1?}, read in {:.1?}",
+            bytes.len(),
+            start.elapsed()
+        );
         bytes.len()
     };
-    let all = [Compression::Uncompressed, Compression::RLE, Compression::ZIP1, Compression::ZIP16, Compression::PIZ];
+    let all = [
+        Compression::Uncompressed,
+        Compression::RLE,
+        Compression::ZIP1,
+        Compression::ZIP16,
+        Compression::PIZ,
+    ];
     let smallest = all.map(size).into_iter().min();
     assert_eq!(Some(size(write::COMPRESSION)), smallest);
 }

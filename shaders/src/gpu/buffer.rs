@@ -27,7 +27,11 @@ pub fn uniform<T: Pod>(device: &wgpu::Device, label: &str, contents: &T) -> Resu
 ///
 /// # Errors
 /// If the device has no room for it.
-pub fn uniforms<T: Pod>(device: &wgpu::Device, label: &str, contents: &[T]) -> Result<wgpu::Buffer, GpuError> {
+pub fn uniforms<T: Pod>(
+    device: &wgpu::Device,
+    label: &str,
+    contents: &[T],
+) -> Result<wgpu::Buffer, GpuError> {
     let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
     filled(device, label, bytemuck::cast_slice(contents), usage)
 }

@@ -69,39 +69,62 @@ fn doubled(near: Columns, far: Columns, at: vec2<i32>) -> Row {
     );
 }
 
-// Adds a block of four inputs of the coarser level. Each coarse row is read once: between two of them lie two doubled
-// rows.
+// How far the convolution of a block has come downwards.
+struct Progress {
+    // The next coarse row, and the last one that was read.
+    next: vec2<i32>,
+    columns: Columns,
+    // Where the next doubled row begins, and the last one.
+    at: vec2<i32>,
+    row: Row,
+    // The next row of the kernel.
+    weight: u32,
+}
+
+// Reads a coarse row, and adds two rows of the kernel: those that end with the two doubled rows above it.
+fn add_pair(sums: ptr<function, Sums>, progress: ptr<function, Progress>, block: u32) {
+    let upper = (*progress).columns;
+    let lower = columns_of(block, (*progress).next);
+    let first = doubled(upper, lower, (*progress).at);
+    let second = doubled(lower, upper, (*progress).at + vec2(0, 1));
+    add_row(sums, (*progress).weight, (*progress).row, first);
+    add_row(sums, (*progress).weight + KERNEL, first, second);
+    (*progress).next.y += 1;
+    (*progress).columns = lower;
+    (*progress).at.y += 2;
+    (*progress).row = second;
+    (*progress).weight += 2u * KERNEL;
+}
+
+// Adds a block of four inputs of the coarser level, whose rows are read once each.
 fn add_coarse_block(sums: ptr<function, Sums>, first_weight: u32, block: u32, corner: vec2<i32>) {
     let origin = corner / 2 - (RADIUS + 2) / 2;
-    var at = corner - RADIUS;
-    var weight = first_weight;
-    var upper = columns_of(block, origin);
-    var lower = columns_of(block, origin + vec2(0, 1));
-    var last: Row;
+    let at = corner - RADIUS;
+    let upper = columns_of(block, origin);
+    let lower = columns_of(block, origin + vec2(0, 1));
+    var progress = Progress(origin + vec2(0, 2), lower, at, Row(), first_weight);
     if (ODD) {
         let first = doubled(upper, lower, at);
-        last = doubled(lower, upper, at + vec2(0, 1));
-        add_row(sums, weight, first, last);
-        weight += KERNEL;
-        at.y += 2;
+        progress.row = doubled(lower, upper, at + vec2(0, 1));
+        add_row(sums, first_weight, first, progress.row);
+        progress.at.y += 2;
+        progress.weight += KERNEL;
     } else {
-        last = doubled(lower, upper, at);
-        at.y += 1;
+        progress.row = doubled(lower, upper, at);
+        progress.at.y += 1;
     }
-    for (var pair = 2; pair <= i32(KERNEL + 1u) / 2; pair++) {
-        upper = lower;
-        lower = columns_of(block, origin + vec2(0, pair));
-        let first = doubled(upper, lower, at);
-        let second = doubled(lower, upper, at + vec2(0, 1));
-        add_row(sums, weight, last, first);
-        add_row(sums, weight + KERNEL, first, second);
-        last = second;
-        weight += 2u * KERNEL;
-        at.y += 2;
+    // The first pair is no turn of the loop: on lavapipe that makes the 3x3 kernel a third faster.
+    if (KERNEL > 1u) {
+        add_pair(sums, &progress, block);
+    }
+    if (KERNEL > 3u) {
+        for (var pair = 1u; pair < (KERNEL - 1u) / 2u; pair++) {
+            add_pair(sums, &progress, block);
+        }
     }
     if (!ODD) {
-        let beyond = columns_of(block, origin + vec2(0, i32(KERNEL + 3u) / 2));
-        add_row(sums, weight, last, doubled(lower, beyond, at));
+        let beyond = columns_of(block, progress.next);
+        add_row(sums, progress.weight, progress.row, doubled(progress.columns, beyond, progress.at));
     }
 }
 

@@ -114,9 +114,7 @@ pub fn backward(
             || (Vec::new(), Vec::new()),
             |(x_buffer, dy_buffer), stripe| {
                 let dy = Padded::fill(dy_buffer, shape, shape.outputs, stripe, |row, at| {
-                    for ((out, y), dy) in row.iter_mut().zip(&y[at..]).zip(&dy[at..]) {
-                        *out = if *y > 0.0 { *dy } else { leak * dy };
-                    }
+                    stripe::leaky_backward(&y[at..at + row.len()], &dy[at..at + row.len()], leak, row);
                 });
                 if wants_input {
                     let group = stripe.part % shape.groups;
@@ -189,13 +187,16 @@ impl<'a> Padded<'a> {
         let rows = ROWS.min(shape.height - stripe.top);
         let stride = shape.width.next_multiple_of(stripe::TILE) + 2 * half;
         let height = rows + 2 * half;
-        buffer.clear();
         buffer.resize(channels * height * stride, 0.0);
         for (at, row) in buffer.chunks_exact_mut(stride).enumerate() {
             let (channel, y) = (at / height, stripe.top + at % height);
             if (half..shape.height + half).contains(&y) {
                 let source = (stripe.part * channels + channel) * shape.height + y - half;
                 fill(&mut row[half..half + shape.width], source * shape.width);
+                row[..half].fill(0.0);
+                row[half + shape.width..].fill(0.0);
+            } else {
+                row.fill(0.0);
             }
         }
         Self { data: buffer, stride, rows }

@@ -15,6 +15,7 @@ use burn::backend::tensor::FloatTensor;
 use burn::backend::{Autodiff, Backend, Dispatch, Flex, TensorMetadata, backend_extension};
 use burn::tensor::{Tensor, TensorData};
 use conv::ConvShape;
+use resample::JoinShape;
 
 /// A tensor of the CPU backend.
 type Cpu = FloatTensor<Flex>;
@@ -31,8 +32,8 @@ pub trait NetOps: Backend {
     ) -> FloatTensor<Self>;
     /// 2x2 means.
     fn halve(x: FloatTensor<Self>) -> FloatTensor<Self>;
-    /// Bilinear doubling.
-    fn double(x: FloatTensor<Self>) -> FloatTensor<Self>;
+    /// Bilinear doubling of `coarse`, concatenated with `fine` group by group.
+    fn join(coarse: FloatTensor<Self>, fine: FloatTensor<Self>, groups: usize) -> FloatTensor<Self>;
 }
 
 /// Grouped convolution with zero padding, stride 1, bias and leaky ReLU (`leak` 1 for none).
@@ -54,10 +55,12 @@ pub fn halve(x: Tensor<4>) -> Tensor<4> {
     Tensor::from_dispatch(<Dispatch as NetOps>::halve(x.into_dispatch()))
 }
 
-/// Bilinear doubling, half-pixel centres, edges replicated: `[batch, channels, height, width]` to
-/// `[batch, channels, 2 * height, 2 * width]`.
-pub fn double(x: Tensor<4>) -> Tensor<4> {
-    Tensor::from_dispatch(<Dispatch as NetOps>::double(x.into_dispatch()))
+/// Bilinear doubling of `coarse` (half-pixel centres, edges replicated), concatenated with `fine` group by group.
+///
+/// # Shapes
+/// `[batch, a, height, width]` and `[batch, b, 2 * height, 2 * width]` to `[batch, a + b, 2 * height, 2 * width]`.
+pub fn join(coarse: Tensor<4>, fine: Tensor<4>, groups: usize) -> Tensor<4> {
+    Tensor::from_dispatch(<Dispatch as NetOps>::join(coarse.into_dispatch(), fine.into_dispatch(), groups))
 }
 
 impl NetOps for Flex {
@@ -78,8 +81,10 @@ impl NetOps for Flex {
         resampled(x, |h, w| [h / 2, w / 2], resample::halve)
     }
 
-    fn double(x: Cpu) -> Cpu {
-        resampled(x, |h, w| [2 * h, 2 * w], resample::double)
+    fn join(coarse: Cpu, fine: Cpu, groups: usize) -> Cpu {
+        let (shape, joined) = join_shape(&coarse, &fine, groups);
+        let (coarse, fine) = (coarse.to_contiguous(), fine.to_contiguous());
+        tensor(resample::join(shape, numbers(&coarse), numbers(&fine)), joined)
     }
 }
 
@@ -109,11 +114,13 @@ impl<C: CheckpointStrategy> NetOps for Autodiff<Flex, C> {
         }
     }
 
-    fn double(x: FloatTensor<Self>) -> FloatTensor<Self> {
-        let guard = x.node();
-        let y = Flex::double(x.into_primitive());
-        match Double.prepare::<C>([guard]).compute_bound().stateful() {
-            OpsKind::Tracked(prep) => prep.finish((), y),
+    fn join(coarse: FloatTensor<Self>, fine: FloatTensor<Self>, groups: usize) -> FloatTensor<Self> {
+        let guards = [coarse.node(), fine.node()];
+        let (coarse, fine) = (coarse.into_primitive(), fine.into_primitive());
+        let state = (join_shape(&coarse, &fine, groups).0, dims(&coarse), dims(&fine));
+        let y = Flex::join(coarse, fine, groups);
+        match Join.prepare::<C>(guards).compute_bound().stateful() {
+            OpsKind::Tracked(prep) => prep.finish(state, y),
             OpsKind::UnTracked(prep) => prep.finish(y),
         }
     }
@@ -167,17 +174,25 @@ impl Backward<Flex, 1> for Halve {
     }
 }
 
-/// The backward step of a doubling.
+/// The backward step of a doubling with concatenation. State: sizes, shape of the coarse image, of the fine one.
 #[derive(Debug)]
-struct Double;
+struct Join;
 
-impl Backward<Flex, 1> for Double {
-    type State = ();
+impl Backward<Flex, 2> for Join {
+    type State = (JoinShape, [usize; 4], [usize; 4]);
 
-    fn backward(self, ops: Ops<(), 1>, grads: &mut Gradients, _: &mut Checkpointer) {
-        unary::<Flex, _>(ops.parents, ops.node, grads, |dy| {
-            resampled(dy, |h, w| [h / 2, w / 2], |dy, h, w| resample::double_backward(dy, h / 2, w / 2))
-        });
+    fn backward(self, ops: Ops<Self::State, 2>, grads: &mut Gradients, _: &mut Checkpointer) {
+        let (shape, coarse, fine) = ops.state;
+        let dy = grads.consume::<Flex>(&ops.node).to_contiguous();
+        let [coarse_node, fine_node] = ops.parents;
+        if let Some(node) = coarse_node {
+            let gradient = resample::join_backward_coarse(shape, numbers(&dy));
+            grads.register::<Flex>(node.id, tensor(gradient, coarse));
+        }
+        if let Some(node) = fine_node {
+            let gradient = resample::join_backward_fine(shape, numbers(&dy));
+            grads.register::<Flex>(node.id, tensor(gradient, fine));
+        }
     }
 }
 
@@ -197,6 +212,14 @@ fn conv_shape(x: &Cpu, weight: &Cpu) -> ConvShape {
     let [outputs, inputs, kernel, _] = dims(weight);
     let groups = channels / inputs;
     ConvShape { batch, groups, inputs, outputs: outputs / groups, height, width, kernel }
+}
+
+/// The sizes of a concatenation, and the shape that it makes.
+fn join_shape(coarse: &Cpu, fine: &Cpu, groups: usize) -> (JoinShape, [usize; 4]) {
+    let [batch, a, height, width] = dims(coarse);
+    let [_, b, fine_height, fine_width] = dims(fine);
+    let shape = JoinShape { parts: batch * groups, coarse: a / groups, fine: b / groups, height, width };
+    (shape, [batch, a + b, fine_height, fine_width])
 }
 
 fn dims<const D: usize>(tensor: &Cpu) -> [usize; D] {
@@ -280,21 +303,26 @@ mod tests {
     }
 
     #[test]
-    fn pooling_and_doubling_and_their_gradients() {
+    fn pooling_and_its_gradient() {
         for (height, width) in [(2, 2), (6, 14), (16, 4)] {
             let leaf = || [noise([2, 3, height, width], 1)];
-            for (made, expected) in
-                traced(leaf(), |[x]| halve(x)).iter().zip(&traced(leaf(), |[x]| plain::halve(x)))
-            {
+            let expected = traced(leaf(), |[x]| plain::halve(x));
+            for (made, expected) in traced(leaf(), |[x]| halve(x)).iter().zip(&expected) {
                 assert_close("halve", made, expected);
             }
         }
+    }
+
+    #[test]
+    fn doubling_with_concatenation_and_its_gradients() {
         for (height, width) in [(1, 1), (1, 5), (2, 2), (3, 4), (9, 6)] {
-            let leaf = || [noise([2, 3, height, width], 1)];
-            for (made, expected) in
-                traced(leaf(), |[x]| double(x)).iter().zip(&traced(leaf(), |[x]| plain::double(x)))
-            {
-                assert_close("double", made, expected);
+            for groups in [1, 2] {
+                let leaves = || [noise([2, 4, height, width], 1), noise([2, 6, 2 * height, 2 * width], 2)];
+                let made = traced(leaves(), |[coarse, fine]| join(coarse, fine, groups));
+                let expected = traced(leaves(), |[coarse, fine]| plain::join(coarse, fine, groups));
+                for (what, (made, expected)) in ["y", "coarse", "fine"].iter().zip(made.iter().zip(&expected)) {
+                    assert_close(&format!("{what} of {height}x{width} in {groups}"), made, expected);
+                }
             }
         }
     }

@@ -1,7 +1,8 @@
 //! The vector loops of a convolution: weighted sums over shifted rows, and products of shifted rows.
 //!
 //! Both keep a block of sums in registers: of some output channels at some neighbouring pixels, or of some output
-//! channels and some weights. `pulp` chooses the instructions when the program runs.
+//! channels and some weights. `pulp` chooses the instructions when the program runs. Loops, not `array::from_fn`:
+//! its closures would not be compiled for those instructions.
 
 use super::conv::{ConvShape, Padded};
 use pulp::{Arch, Simd, WithSimd};
@@ -42,9 +43,21 @@ pub fn correlate(x: &Padded, dy: &Padded, shape: ConvShape) -> Vec<f32> {
 /// Gradient of the biases from a stripe: `[outputs]`.
 pub fn sums(dy: &Padded, shape: ConvShape) -> Vec<f32> {
     let sum = |start: usize| -> f32 {
-        (0..dy.rows).map(|y| dy.data[start + y * dy.stride..][..shape.width].iter().sum::<f32>()).sum()
+        (0..dy.rows).map(|y| row_sum(&dy.data[start + y * dy.stride..][..shape.width])).sum()
     };
     centres(dy, shape).into_iter().map(sum).collect()
+}
+
+/// The sum of a row, as eight sums side by side so that no addition waits for the one before.
+fn row_sum(row: &[f32]) -> f32 {
+    let (eights, rest) = row.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for eight in eights {
+        for (sum, number) in sums.iter_mut().zip(eight) {
+            *sum += number;
+        }
+    }
+    sums.iter().chain(rest).sum()
 }
 
 /// Where the first pixel of each output channel lies inside the border.
@@ -76,11 +89,14 @@ impl<const A: usize, const B: usize> WithSimd for Blocked<Convolve<'_, '_>, A, B
         let tile = B * S::F32_LANES;
         for (block, rows) in job.rows.chunks_exact_mut(A).enumerate() {
             let weight = interleave::<A>(&job.weight[block * A * job.taps.len()..], job.taps.len());
-            let bias: [S::f32s; A] = std::array::from_fn(|a| simd.splat_f32s(job.bias[block * A + a]));
+            let mut bias = [[simd.splat_f32s(0.0); B]; A];
+            for (a, bias) in bias.iter_mut().enumerate() {
+                *bias = [simd.splat_f32s(job.bias[block * A + a]); B];
+            }
             for y in 0..job.x.rows {
                 for x in (0..job.width).step_by(tile) {
                     let at = y * job.x.stride + x;
-                    let mut sums = bias.map(|bias| [bias; B]);
+                    let mut sums = bias;
                     for (tap, weight) in job.taps.iter().zip(&weight) {
                         let pixels = &job.x.data[tap + at..][..tile];
                         let (pixels, _) = S::as_simd_f32s(pixels);
@@ -161,20 +177,26 @@ fn products<S: Simd, const A: usize, const B: usize>(
     starts: &[usize],
     taps: [usize; B],
 ) -> [[S::f32s; B]; A] {
-    let lanes = S::F32_LANES;
     let mut sums = [[simd.splat_f32s(0.0); B]; A];
     for y in 0..job.x.rows {
         let (x_row, dy_row) = (y * job.x.stride, y * job.dy.stride);
-        let pixels: [&[f32]; B] =
-            std::array::from_fn(|b| &job.x.data[taps[b] + x_row..][..job.width.next_multiple_of(lanes)]);
-        let gradients: [&[f32]; A] =
-            std::array::from_fn(|a| &job.dy.data[starts[a] + dy_row..][..job.width.next_multiple_of(lanes)]);
-        for x in (0..job.width).step_by(lanes) {
-            let pixels: [S::f32s; B] = std::array::from_fn(|b| vector(simd, &pixels[b][x..x + lanes]));
+        let mut pixels: [&[S::f32s]; B] = [&[]; B];
+        for b in 0..B {
+            pixels[b] = vectors(simd, &job.x.data[taps[b] + x_row..], job.width);
+        }
+        let mut gradients: [&[S::f32s]; A] = [&[]; A];
+        for a in 0..A {
+            gradients[a] = vectors(simd, &job.dy.data[starts[a] + dy_row..], job.width);
+        }
+        for x in 0..job.width.div_ceil(S::F32_LANES) {
+            let mut under = [simd.splat_f32s(0.0); B];
+            for b in 0..B {
+                under[b] = pixels[b][x];
+            }
             for a in 0..A {
-                let gradient = vector(simd, &gradients[a][x..x + lanes]);
+                let gradient = gradients[a][x];
                 for b in 0..B {
-                    sums[a][b] = simd.mul_add_e_f32s(gradient, pixels[b], sums[a][b]);
+                    sums[a][b] = simd.mul_add_e_f32s(gradient, under[b], sums[a][b]);
                 }
             }
         }
@@ -182,8 +204,39 @@ fn products<S: Simd, const A: usize, const B: usize>(
     sums
 }
 
-/// A vector from as many numbers.
+/// The first `width` numbers as vectors, the last of which may reach beyond.
 #[inline(always)]
-fn vector<S: Simd>(_: S, numbers: &[f32]) -> S::f32s {
-    S::as_simd_f32s(numbers).0[0]
+fn vectors<S: Simd>(_: S, numbers: &[f32], width: usize) -> &[S::f32s] {
+    S::as_simd_f32s(&numbers[..width.next_multiple_of(S::F32_LANES)]).0
+}
+
+/// The gradient before a leaky ReLU that made `y`, from the gradient `dy` after it.
+pub fn leaky_backward(y: &[f32], dy: &[f32], leak: f32, out: &mut [f32]) {
+    Arch::new().dispatch(LeakyBackward { y, dy, leak, out });
+}
+
+struct LeakyBackward<'a> {
+    y: &'a [f32],
+    dy: &'a [f32],
+    leak: f32,
+    out: &'a mut [f32],
+}
+
+impl WithSimd for LeakyBackward<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (y, y_rest) = S::as_simd_f32s(self.y);
+        let (dy, dy_rest) = S::as_simd_f32s(self.dy);
+        let (out, out_rest) = S::as_mut_simd_f32s(self.out);
+        let leak = simd.splat_f32s(self.leak);
+        for ((out, y), dy) in out.iter_mut().zip(y).zip(dy) {
+            let positive = simd.greater_than_f32s(*y, simd.splat_f32s(0.0));
+            *out = simd.select_f32s(positive, *dy, simd.mul_f32s(*dy, leak));
+        }
+        for ((out, y), dy) in out_rest.iter_mut().zip(y_rest).zip(dy_rest) {
+            *out = if *y > 0.0 { *dy } else { self.leak * dy };
+        }
+    }
 }

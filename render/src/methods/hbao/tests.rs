@@ -216,7 +216,7 @@ fn gpu_and_reference_agree_at_every_pixel() {
         let settings = settings(&parameters, &surface, radius);
         let (found, timing) = passes.shade(&gpu, &surface, &settings, Repeats::ONCE).expect("runs");
         let wanted = reference::shade(&surface, &settings);
-        agree(&found, &wanted).unwrap_or_else(|e| panic!("{height}x{width}, radius {radius}: {e}"));
+        assert_eq!(agree(&found, &wanted), Ok(()), "{height}x{width}, radius {radius}");
         assert!(timing.milliseconds > 0.0);
     }
 }

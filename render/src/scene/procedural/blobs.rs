@@ -57,7 +57,11 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
     }
     for _ in 0..random.count(80, 140) {
         let radius = random.within(0.02, 0.1);
-        let bead = if random.chance(0.75) { icosphere(radius, 2) } else { torus(radius, 0.35 * radius, 24, 10).pitched(random.angle()) };
+        let bead = if random.chance(0.75) {
+            icosphere(radius, 2)
+        } else {
+            torus(radius, 0.35 * radius, 24, 10).pitched(random.angle())
+        };
         lot.put(bead.at(floor.place(random) + Vec3::Y * 0.6 * radius), random);
     }
     lot.add_to(stage, "blobs");
@@ -103,7 +107,8 @@ fn merged(floor: &Floor, random: &mut Random) -> Shape {
     }
     let blend = random.within(0.08, 0.22);
     let field = |p: Vec3| limbs.iter().fold(f32::MAX, |near, limb| smooth_min(near, limb.distance(p), blend));
-    let (low, high) = limbs.iter().fold((foot, foot), |(low, high), limb| (low.min(limb.to), high.max(limb.to)));
+    let (low, high) =
+        limbs.iter().fold((foot, foot), |(low, high), limb| (low.min(limb.to), high.max(limb.to)));
     let reach = Vec3::splat(0.6);
     isosurface(low - reach, high + reach, 0.05, field)
 }

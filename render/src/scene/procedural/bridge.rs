@@ -42,7 +42,13 @@ impl Plan {
 /// Builds a bridge.
 pub fn build(stage: &mut Stage, random: &mut Random) {
     let panels = random.count(7, 11);
-    let plan = Plan { half: 0.5 * panels as f32 * random.within(0.95, 1.2), wide: random.within(1.0, 1.5), deep: random.within(2.0, 3.2), panels, seed: random.bits() };
+    let plan = Plan {
+        half: 0.5 * panels as f32 * random.within(0.95, 1.2),
+        wide: random.within(1.0, 1.5),
+        deep: random.within(2.0, 3.2),
+        panels,
+        seed: random.bits(),
+    };
     gorge(&plan, stage, random);
     let steel = materials::metal(stage, random);
     let wood = materials::wood(stage, random);
@@ -69,7 +75,8 @@ fn gorge(plan: &Plan, stage: &mut Stage, random: &mut Random) {
     let boulders = (0..random.count(70, 120)).map(|_| {
         let (x, z) = (random.within(-0.48, 0.48) * size.x, random.within(-0.48, 0.48) * size.y);
         let (radius, seed) = (random.within(0.06, 0.4) * random.within(0.5, 1.0), random.bits());
-        let rock = icosphere(radius, if radius > 0.2 { 3 } else { 2 }).bent(|p, n| p + n * radius * 0.4 * noise::fbm(seed, p * (1.5 / radius), 3));
+        let rock = icosphere(radius, if radius > 0.2 { 3 } else { 2 })
+            .bent(|p, n| p + n * radius * 0.4 * noise::fbm(seed, p * (1.5 / radius), 3));
         rock.scaled(1.0, 0.75, 1.0).turned(random.angle()).moved(x, plan.ground(x, z) + 0.25 * radius, z)
     });
     stage.add("boulders", stone, boulders.collect());
@@ -90,13 +97,22 @@ fn abutments(plan: &Plan, stage: &mut Stage, random: &mut Random) {
                 let share = width / blocks as f32;
                 let z = (i as f32 + 0.5) * share - 0.5 * width;
                 let out = random.within(0.0, 0.05) + 0.05 * row as f32;
-                shape.join(bevelled_box(1.1 + 2.0 * out, course - 0.01, share - 0.012, 0.03).moved(side * (plan.half + 0.5), y, z));
+                shape.join(bevelled_box(1.1 + 2.0 * out, course - 0.01, share - 0.012, 0.03).moved(
+                    side * (plan.half + 0.5),
+                    y,
+                    z,
+                ));
             }
         }
-        let cap = bevelled_box(1.3, 0.12, 2.0 * plan.wide + 0.8, 0.03).moved(side * (plan.half + 0.5), -0.32, 0.0);
-        let bearing = bevelled_box(0.3, 0.14, 0.3, 0.02).at_each([-1.0, 1.0].map(|s| Vec3::new(side * (plan.half + 0.1), -0.22, s * 0.8 * plan.wide)));
-        let pillar = bevelled_box(0.4, 1.3, 0.4, 0.03) + bevelled_box(0.5, 0.1, 0.5, 0.03).moved(0.0, 1.3, 0.0) + sphere(0.17, 20).moved(0.0, 1.38, 0.0);
-        let pillars = pillar.at_each([-1.0, 1.0].map(|s| Vec3::new(side * (plan.half + 0.85), -0.22, s * (plan.wide + 0.2))));
+        let cap =
+            bevelled_box(1.3, 0.12, 2.0 * plan.wide + 0.8, 0.03).moved(side * (plan.half + 0.5), -0.32, 0.0);
+        let bearing = bevelled_box(0.3, 0.14, 0.3, 0.02)
+            .at_each([-1.0, 1.0].map(|s| Vec3::new(side * (plan.half + 0.1), -0.22, s * 0.8 * plan.wide)));
+        let pillar = bevelled_box(0.4, 1.3, 0.4, 0.03)
+            + bevelled_box(0.5, 0.1, 0.5, 0.03).moved(0.0, 1.3, 0.0)
+            + sphere(0.17, 20).moved(0.0, 1.38, 0.0);
+        let pillars = pillar
+            .at_each([-1.0, 1.0].map(|s| Vec3::new(side * (plan.half + 0.85), -0.22, s * (plan.wide + 0.2))));
         shape.join(cap + bearing + pillars);
     }
     stage.add("abutments", stone, shape);
@@ -118,7 +134,12 @@ fn deck(plan: &Plan, random: &mut Random) -> Shape {
         shape.join(beam(Vec3::new(-end, -0.13, z), Vec3::new(end, -0.13, z), 0.09, 0.16));
     }
     for panel in 0..=plan.panels {
-        shape.join(beam(Vec3::new(plan.x(panel), -0.26, -plan.wide - 0.1), Vec3::new(plan.x(panel), -0.26, plan.wide + 0.1), 0.12, 0.14));
+        shape.join(beam(
+            Vec3::new(plan.x(panel), -0.26, -plan.wide - 0.1),
+            Vec3::new(plan.x(panel), -0.26, plan.wide + 0.1),
+            0.12,
+            0.14,
+        ));
     }
     shape
 }
@@ -128,7 +149,8 @@ fn track(plan: &Plan) -> Shape {
     let end = plan.half + 0.7;
     let sleepers = (2.0 * end / 0.4) as usize;
     let sleeper = bevelled_box(0.14, 0.08, 1.5, 0.01);
-    let mut shape = sleeper.at_each((0..sleepers).map(|i| Vec3::X * (2.0 * (i as f32 + 0.5) / sleepers as f32 - 1.0) * end));
+    let mut shape = sleeper
+        .at_each((0..sleepers).map(|i| Vec3::X * (2.0 * (i as f32 + 0.5) / sleepers as f32 - 1.0) * end));
     for z in [-0.5, 0.5] {
         for (y, width, height) in [(0.09, 0.1, 0.02), (0.13, 0.02, 0.08), (0.175, 0.05, 0.03)] {
             shape.join(beam(Vec3::new(-end, y, z), Vec3::new(end, y, z), width, height));
@@ -142,7 +164,8 @@ fn laced(from: Vec3, to: Vec3, size: f32) -> Shape {
     let axis = (to - from).normalize();
     let across = Vec3::Z * 0.5 * size;
     let side = axis.cross(Vec3::Z) * 0.35 * size;
-    let mut shape = beam(from + across, to + across, 0.12 * size, size) + beam(from - across, to - across, 0.12 * size, size);
+    let mut shape = beam(from + across, to + across, 0.12 * size, size)
+        + beam(from - across, to - across, 0.12 * size, size);
     let bays = (from.distance(to) / (1.4 * size)) as usize;
     for i in 0..bays {
         let (a, b) = (from.lerp(to, i as f32 / bays as f32), from.lerp(to, (i + 1) as f32 / bays as f32));
@@ -159,7 +182,9 @@ fn gusset(at: Vec3, size: f32) -> Shape {
     let plate = bevelled_box(2.6 * size, 2.2 * size, 0.03, 0.008).moved(0.0, -1.1 * size, 0.0);
     let rivet = icosphere(0.018, 0);
     let rivets = (0..12).map(|i| Vec3::new((i % 4) as f32 - 1.5, (i / 4) as f32 - 1.0, 0.0) * 0.65 * size);
-    let side = plate + rivet.at_each(rivets.clone().map(|p| p + Vec3::Z * 0.015)) + rivet.at_each(rivets.map(|p| p - Vec3::Z * 0.015));
+    let side = plate
+        + rivet.at_each(rivets.clone().map(|p| p + Vec3::Z * 0.015))
+        + rivet.at_each(rivets.map(|p| p - Vec3::Z * 0.015));
     side.at_each([-0.58, 0.58].map(|s| at + Vec3::Z * (s * size)))
 }
 
@@ -176,9 +201,17 @@ fn truss(plan: &Plan, [steel, paint]: [MaterialId; 2], stage: &mut Stage, random
     for panel in 0..plan.panels {
         side.join(laced(low(panel), low(panel + 1), size));
         let left = panel < plan.panels / 2;
-        let ends = if panel == 0 { (low(0), top(1)) } else if panel + 1 == plan.panels { (low(plan.panels), top(panel)) } else {
+        let ends = if panel == 0 {
+            (low(0), top(1))
+        } else if panel + 1 == plan.panels {
+            (low(plan.panels), top(panel))
+        } else {
             side.join(laced(top(panel), top(panel + 1), size));
-            if (warren && panel % 2 == 0) || (!warren && !left) { (low(panel), top(panel + 1)) } else { (top(panel), low(panel + 1)) }
+            if (warren && panel % 2 == 0) || (!warren && !left) {
+                (low(panel), top(panel + 1))
+            } else {
+                (top(panel), low(panel + 1))
+            }
         };
         side.join(laced(ends.0, ends.1, 0.8 * size));
         if panel > 0 {
@@ -202,7 +235,9 @@ fn truss(plan: &Plan, [steel, paint]: [MaterialId; 2], stage: &mut Stage, random
     }
     for panel in 0..plan.panels {
         let (a, b) = (low(panel) - Vec3::Y * 0.12, low(panel + 1) - Vec3::Y * 0.12);
-        bracing.join(rod(a - Vec3::Z * z, b + Vec3::Z * z, 0.02, 7) + rod(a + Vec3::Z * z, b - Vec3::Z * z, 0.02, 7));
+        bracing.join(
+            rod(a - Vec3::Z * z, b + Vec3::Z * z, 0.02, 7) + rod(a + Vec3::Z * z, b - Vec3::Z * z, 0.02, 7),
+        );
     }
     stage.add("bracing", steel, bracing + railing(plan, 0.95 * plan.wide));
 }
@@ -229,7 +264,9 @@ fn trestle(plan: &Plan, wood: MaterialId, stage: &mut Stage) {
         let foot = Vec3::new(x, 0.0, 1.5 * z);
         (Vec3::new(x, -0.33, z), foot.with_y(plan.ground(foot.x, foot.z) - 0.15))
     };
-    let at = |(head, foot): (Vec3, Vec3), y: f32| head.lerp(foot, ((head.y - y) / (head.y - foot.y)).clamp(0.0, 1.0));
+    let at = |(head, foot): (Vec3, Vec3), y: f32| {
+        head.lerp(foot, ((head.y - y) / (head.y - foot.y)).clamp(0.0, 1.0))
+    };
     let places = [-0.9, -0.3, 0.3, 0.9].map(|s| s * plan.wide);
     let storey = 0.85;
     let mut shape = Shape::default();
@@ -253,9 +290,13 @@ fn trestle(plan: &Plan, wood: MaterialId, stage: &mut Stage) {
             if panel + 1 < plan.panels {
                 let next = plan.x(panel + 1);
                 for z in [places[0], places[3]] {
-                    let (near, far) = (at(post(x, z), y), at(post(next, z), below.max(post(next, z).1.y + 0.2)));
+                    let (near, far) =
+                        (at(post(x, z), y), at(post(next, z), below.max(post(next, z).1.y + 0.2)));
                     let out = Vec3::Z * (0.1 * z.signum());
-                    shape.join(beam(near + out, at(post(next, z), y) + out, 0.06, 0.12) + beam(near + out * 1.5, far + out * 1.5, 0.04, 0.1));
+                    shape.join(
+                        beam(near + out, at(post(next, z), y) + out, 0.06, 0.12)
+                            + beam(near + out * 1.5, far + out * 1.5, 0.04, 0.1),
+                    );
                 }
             }
             y = below;
@@ -286,26 +327,45 @@ fn suspended(plan: &Plan, [steel, paint]: [MaterialId; 2], stage: &mut Stage, ra
     let z = plan.wide + 0.12;
     let cable = |x: f32| {
         let share = x.abs() / tower_x;
-        if share <= 1.0 { low + (tall - low) * share * share } else { tall - (tall + 0.1) * (x.abs() - tower_x) / (plan.half + 0.8 - tower_x) }
+        if share <= 1.0 {
+            low + (tall - low) * share * share
+        } else {
+            tall - (tall + 0.1) * (x.abs() - tower_x) / (plan.half + 0.8 - tower_x)
+        }
     };
     let mut cables = Shape::default();
     let mut towers = Shape::default();
     for side in [-z, z] {
         let end = plan.half + 0.8;
-        let points: Vec<Vec3> = (0..=60).map(|i| (i as f32 / 30.0 - 1.0) * end).map(|x| Vec3::new(x, cable(x), side)).collect();
-        cables.join(tube(&points, 0.05, 12) + tube(&points.iter().map(|p| p + Vec3::Y * 0.11).collect::<Vec<_>>(), 0.03, 8));
+        let points: Vec<Vec3> =
+            (0..=60).map(|i| (i as f32 / 30.0 - 1.0) * end).map(|x| Vec3::new(x, cable(x), side)).collect();
+        cables.join(
+            tube(&points, 0.05, 12)
+                + tube(&points.iter().map(|p| p + Vec3::Y * 0.11).collect::<Vec<_>>(), 0.03, 8),
+        );
         let hangers = plan.panels * 3;
         for i in 1..hangers {
             let x = plan.half * (2.0 * i as f32 / hangers as f32 - 1.0);
             cables.join(rod(Vec3::new(x, -0.3, side), Vec3::new(x, cable(x), side), 0.016, 7));
-            cables.join(cylinder(0.075, 0.1, 12).rolled(0.5 * std::f32::consts::PI).moved(x + 0.05, cable(x), side));
+            cables.join(cylinder(0.075, 0.1, 12).rolled(0.5 * std::f32::consts::PI).moved(
+                x + 0.05,
+                cable(x),
+                side,
+            ));
         }
         for x in [-tower_x, tower_x] {
             let foot = plan.ground(x, side) - 0.3;
             for lean in [-0.16, 0.16] {
-                towers.join(laced(Vec3::new(x + 2.0 * lean, foot, side), Vec3::new(x + 0.4 * lean, tall, side), 0.16));
+                towers.join(laced(
+                    Vec3::new(x + 2.0 * lean, foot, side),
+                    Vec3::new(x + 0.4 * lean, tall, side),
+                    0.16,
+                ));
             }
-            towers.join(bevelled_box(0.5, 0.2, 0.36, 0.03).moved(x, tall - 0.12, side) + bevelled_box(0.9, 0.5, 0.6, 0.04).moved(x, foot, side));
+            towers.join(
+                bevelled_box(0.5, 0.2, 0.36, 0.03).moved(x, tall - 0.12, side)
+                    + bevelled_box(0.9, 0.5, 0.6, 0.04).moved(x, foot, side),
+            );
             for level in 0..5 {
                 let y = foot + (tall - foot) * (level as f32 + 0.5) / 5.0;
                 towers.join(beam(Vec3::new(x - 0.25, y, side), Vec3::new(x + 0.25, y, side), 0.1, 0.06));
@@ -316,16 +376,26 @@ fn suspended(plan: &Plan, [steel, paint]: [MaterialId; 2], stage: &mut Stage, ra
         for y in [0.55 * tall, tall - 0.1, -0.6] {
             towers.join(beam(Vec3::new(x, y, -z), Vec3::new(x, y, z), 0.2, 0.22));
         }
-        towers.join(rod(Vec3::new(x, 0.6 * tall, -z), Vec3::new(x, tall, z), 0.04, 8) + rod(Vec3::new(x, 0.6 * tall, z), Vec3::new(x, tall, -z), 0.04, 8));
+        towers.join(
+            rod(Vec3::new(x, 0.6 * tall, -z), Vec3::new(x, tall, z), 0.04, 8)
+                + rod(Vec3::new(x, 0.6 * tall, z), Vec3::new(x, tall, -z), 0.04, 8),
+        );
     }
     let mut stiffening = railing(plan, plan.wide);
     let bays = plan.panels * 2;
     for side in [-z, z] {
         for bay in 0..bays {
-            let at = |i: usize, y: f32| Vec3::new(plan.half * (2.0 * i as f32 / bays as f32 - 1.0), y, side * 0.985);
-            stiffening.join(beam(at(bay, -0.3), at(bay + 1, -0.3), 0.07, 0.07) + beam(at(bay, 0.3), at(bay + 1, 0.3), 0.06, 0.06));
+            let at = |i: usize, y: f32| {
+                Vec3::new(plan.half * (2.0 * i as f32 / bays as f32 - 1.0), y, side * 0.985)
+            };
+            stiffening.join(
+                beam(at(bay, -0.3), at(bay + 1, -0.3), 0.07, 0.07)
+                    + beam(at(bay, 0.3), at(bay + 1, 0.3), 0.06, 0.06),
+            );
             let (a, b) = if bay % 2 == 0 { (-0.3, 0.3) } else { (0.3, -0.3) };
-            stiffening.join(beam(at(bay, a), at(bay + 1, b), 0.04, 0.05) + beam(at(bay, -0.3), at(bay, 0.3), 0.04, 0.05));
+            stiffening.join(
+                beam(at(bay, a), at(bay + 1, b), 0.04, 0.05) + beam(at(bay, -0.3), at(bay, 0.3), 0.04, 0.05),
+            );
         }
     }
     stage.add("cables", steel, cables);

@@ -28,16 +28,30 @@ impl Hollow {
         let chambers = (0..random.count(4, 6))
             .map(|i| {
                 let reach = if i == 0 { 0.5 } else { 2.4 };
-                let half = Vec3::new(random.within(0.8, 1.7), random.within(0.7, 1.3), random.within(0.8, 1.7));
-                (Vec3::new(random.within(-reach, reach), random.within(-0.5, 0.3), random.within(-reach, reach)), half)
+                let half =
+                    Vec3::new(random.within(0.8, 1.7), random.within(0.7, 1.3), random.within(0.8, 1.7));
+                (
+                    Vec3::new(
+                        random.within(-reach, reach),
+                        random.within(-0.5, 0.3),
+                        random.within(-reach, reach),
+                    ),
+                    half,
+                )
             })
             .collect();
-        Self { seed: random.bits(), rough: random.within(0.25, 0.5), strata: random.within(0.03, 0.1), chambers }
+        Self {
+            seed: random.bits(),
+            rough: random.within(0.25, 0.5),
+            strata: random.within(0.03, 0.1),
+            chambers,
+        }
     }
 
     /// Positive in the air, negative in rock, about a distance.
     fn air(&self, point: Vec3) -> f32 {
-        let ball = |(middle, half): &(Vec3, Vec3)| (((point - middle) / half).length() - 1.0) * half.min_element();
+        let ball =
+            |(middle, half): &(Vec3, Vec3)| (((point - middle) / half).length() - 1.0) * half.min_element();
         let passage = |pair: &[(Vec3, Vec3)]| {
             let (from, axis) = (pair[0].0, pair[1].0 - pair[0].0);
             let along = ((point - from).dot(axis) / axis.length_squared().max(1e-6)).clamp(0.0, 1.0);
@@ -59,7 +73,8 @@ impl Hollow {
 
     /// Roughness and layers of the rock.
     fn bumps(&self, point: Vec3) -> f32 {
-        let bumps = self.rough * (noise::ridged(self.seed, point * 0.9, 3) + 0.35 * noise::gradient(self.seed ^ 9, point * 4.0));
+        let bumps = self.rough
+            * (noise::ridged(self.seed, point * 0.9, 3) + 0.35 * noise::gradient(self.seed ^ 9, point * 3.0));
         let layers = self.strata * (11.0 * point.y + 2.0 * noise::gradient(self.seed ^ 5, point * 0.7)).sin();
         bumps + layers
     }
@@ -70,8 +85,8 @@ impl Hollow {
         let at = random.in_disc(0.9);
         let start = middle + Vec3::new(at.x * half.x, 0.0, at.y * half.z);
         let step = Vec3::Y * if upwards { 0.04 } else { -0.04 };
-        let path = (0..90).map(|i| start + step * i as f32);
-        (self.air(start) > 0.1).then(|| path.skip_while(|point| self.air(*point) > 0.0).next())?
+        let mut path = (0..90).map(|i| start + step * i as f32);
+        if self.air(start) > 0.1 { path.find(|point| self.air(*point) <= 0.0) } else { None }
     }
 }
 
@@ -79,7 +94,7 @@ impl Hollow {
 pub fn build(stage: &mut Stage, random: &mut Random) {
     let hollow = Hollow::drawn(random);
     let rock = materials::stone(stage, random);
-    stage.add("rock", rock, isosurface(-HALF, HALF, 0.1, |point| hollow.air(point)));
+    stage.add("rock", rock, isosurface(-HALF, HALF, 0.09, |point| hollow.air(point)));
     let mut drip = Lot::new(materials::several(2, materials::marble, stage, random));
     for _ in 0..random.count(60, 110) {
         let upwards = random.chance(0.6);
@@ -105,9 +120,7 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
 
 /// Things on the floor.
 fn scattered(hollow: &Hollow, count: usize, random: &mut Random, thing: fn(&mut Random) -> Shape) -> Shape {
-    (0..count)
-        .filter_map(|_| hollow.surface(false, random).map(|foot| thing(random).at(foot)))
-        .collect()
+    (0..count).filter_map(|_| hollow.surface(false, random).map(|foot| thing(random).at(foot))).collect()
 }
 
 /// How much air there is above a floor or below a ceiling.
@@ -126,7 +139,8 @@ fn dripstone(room: f32, hangs: bool, random: &mut Random) -> Shape {
     let outline = |i: usize| {
         let t = i as f32 / rings as f32;
         let taper = if whole { 1.0 - 1.6 * t * (1.0 - t) } else { (1.0 - t).powf(0.8) };
-        let ripple = 1.0 + 0.08 * (TAU * 4.5 * t).sin() + 0.15 * noise::gradient(seed, Vec3::new(0.5, 6.0 * t, 0.5));
+        let ripple =
+            1.0 + 0.08 * (TAU * 4.5 * t).sin() + 0.15 * noise::gradient(seed, Vec3::new(0.5, 6.0 * t, 0.5));
         Vec2::new(radius * taper * ripple, length * t - 0.1)
     };
     let mut profile = vec![Vec2::new(0.0, -0.1)];
@@ -135,7 +149,8 @@ fn dripstone(room: f32, hangs: bool, random: &mut Random) -> Shape {
     if whole {
         profile.push(Vec2::new(0.0, length));
     }
-    let stone = lathe(&profile, 16).welded().bent(|p, n| p + n * radius * 0.35 * noise::fbm(seed, p * 4.0, 2));
+    let stone =
+        lathe(&profile, 16).welded().bent(|p, n| p + n * radius * 0.35 * noise::fbm(seed, p * 4.0, 2));
     if hangs { stone.pitched(PI) } else { stone }
 }
 
@@ -146,10 +161,12 @@ fn flowstone_curtain(random: &mut Random) -> Shape {
         sheet(40, 16, move |u, v| {
             let wave = 0.07 * (9.0 * u + phase).sin() * (0.3 + v);
             let hem = drop * (0.6 + 0.4 * (PI * u).sin() + 0.08 * (31.0 * u).sin());
-            Vec3::new((u - 0.5) * width, -hem * v, wave + out * (1.0 - 0.8 * v))
+            // Both sides meet at the hem and at the ends.
+            let thick = out * (1.0 - v) * (1.0 - (2.0 * u - 1.0).powi(8));
+            Vec3::new((u - 0.5) * width, -hem * v, wave + thick)
         })
     };
-    (side(0.025) + side(-0.025).reversed()).turned(phase)
+    (side(0.035) + side(-0.035).reversed()).turned(phase)
 }
 
 /// Six-sided prisms with points, from one foot.
@@ -169,14 +186,17 @@ fn crystals(random: &mut Random) -> Shape {
 
 fn rubble(random: &mut Random) -> Shape {
     let (radius, seed) = (random.within(0.04, 0.22), random.bits());
-    let stone = icosphere(radius, if radius > 0.12 { 3 } else { 2 }).bent(|p, n| p + n * radius * 0.5 * noise::ridged(seed, p * (0.9 / radius), 2));
+    let stone = icosphere(radius, if radius > 0.12 { 3 } else { 2 })
+        .bent(|p, n| p + n * radius * 0.5 * noise::ridged(seed, p * (0.9 / radius), 2));
     stone.scaled(1.0, random.within(0.5, 0.9), 1.0).turned(random.angle()).moved(0.0, 0.25 * radius, 0.0)
 }
 
 /// Rims of stone one inside the other, as still water leaves them.
 fn pool_rim(random: &mut Random) -> Shape {
     let (radius, seed) = (random.within(0.2, 0.5), random.bits());
-    let rims = (0..3).map(|i| torus(radius * (1.0 - 0.28 * i as f32), 0.035, 56, 8).welded().moved(0.0, 0.02 + 0.03 * i as f32, 0.0));
+    let rims = (0..3).map(|i| {
+        torus(radius * (1.0 - 0.28 * i as f32), 0.035, 56, 8).welded().moved(0.0, 0.02 + 0.03 * i as f32, 0.0)
+    });
     rims.collect::<Shape>().bent(|p, _| {
         let around = p.z.atan2(p.x);
         let lobes = 1.0 + 0.15 * (5.0 * around + seed as f32 % TAU).sin() + 0.06 * (13.0 * around).sin();

@@ -59,7 +59,13 @@ impl Solid {
                 }
                 let depth = *half - local.abs();
                 let shallow = depth.min_element();
-                let axis = if depth.y == shallow { Vec3::Y } else if depth.x == shallow { Vec3::X } else { Vec3::Z };
+                let axis = if depth.y == shallow {
+                    Vec3::Y
+                } else if depth.x == shallow {
+                    Vec3::X
+                } else {
+                    Vec3::Z
+                };
                 Some(axis * local.dot(axis).signum() * (shallow + GAP))
             }
         }
@@ -121,7 +127,12 @@ impl Cloth {
         Self::new(size, side, point, |column, row| row == 0 && (column % 11 == 0 || column + 1 == side))
     }
 
-    fn new(size: f32, side: usize, point: impl Fn(f32, f32) -> Vec3, pinned: impl Fn(usize, usize) -> bool) -> Self {
+    fn new(
+        size: f32,
+        side: usize,
+        point: impl Fn(f32, f32) -> Vec3,
+        pinned: impl Fn(usize, usize) -> bool,
+    ) -> Self {
         let share = |i: usize| i as f32 / (side - 1) as f32;
         let cells = (0..side * side).map(|i| (i % side, i / side));
         let points: Vec<Vec3> = cells.clone().map(|(column, row)| point(share(column), share(row))).collect();
@@ -130,8 +141,11 @@ impl Cloth {
             let mut links = Vec::new();
             for (columns, rows) in offsets {
                 let length = gap * Vec2::new(*columns as f32, *rows as f32).length();
-                for (column, row) in cells.clone().filter(|(column, row)| column + columns < side && row + rows < side) {
-                    let (left, right) = if mirrored { (column + columns, column) } else { (column, column + columns) };
+                for (column, row) in
+                    cells.clone().filter(|(column, row)| column + columns < side && row + rows < side)
+                {
+                    let (left, right) =
+                        if mirrored { (column + columns, column) } else { (column, column + columns) };
                     links.push((row * side + left, (row + rows) * side + right, length));
                 }
             }
@@ -170,23 +184,13 @@ impl Cloth {
 
     fn keep_lengths(&mut self) {
         for (a, b, length) in &self.links {
-            let apart = self.points[*b] - self.points[*a];
-            let distance = apart.length().max(1e-9);
-            self.pull(*a, *b, apart * ((distance - length) / distance));
+            meet(&mut self.points, &self.free, [*a, *b], *length, 1.0);
         }
         for (a, b, length) in &self.stiffeners {
-            let apart = self.points[*b] - self.points[*a];
-            if apart.length_squared() < length * length {
-                self.pull(*a, *b, apart * (0.15 * (1.0 - length / apart.length().max(1e-9))));
+            if self.points[*a].distance_squared(self.points[*b]) < length * length {
+                meet(&mut self.points, &self.free, [*a, *b], *length, 0.15);
             }
         }
-    }
-
-    /// Brings two points nearer by a vector from the first to the second, each by its share.
-    fn pull(&mut self, a: usize, b: usize, vector: Vec3) {
-        let share = vector / (self.free[a] + self.free[b]).max(1.0);
-        self.points[a] += share * self.free[a];
-        self.points[b] -= share * self.free[b];
     }
 
     /// Pushes points out of solids and the floor; those that touch slide little.
@@ -207,13 +211,21 @@ impl Cloth {
     pub fn shape(&self, finer: usize) -> Shape {
         let rows: Vec<Vec<Vec3>> = self.points.chunks(self.side).map(|row| curve(row, finer)).collect();
         let across = rows[0].len();
-        let columns: Vec<Vec<Vec3>> = (0..across)
-            .map(|i| curve(&rows.iter().map(|row| row[i]).collect::<Vec<_>>(), finer))
-            .collect();
+        let columns: Vec<Vec<Vec3>> =
+            (0..across).map(|i| curve(&rows.iter().map(|row| row[i]).collect::<Vec<_>>(), finer)).collect();
         let last = across - 1;
         let at = |share: f32| (share * last as f32).round() as usize;
         sheet(last, last, |u, v| columns[at(u)][at(v)])
     }
+}
+
+/// Moves two points, as far as they are free, to a distance, or by a share of the way there.
+fn meet(points: &mut [Vec3], free: &[f32], [a, b]: [usize; 2], length: f32, share: f32) {
+    let apart = points[b] - points[a];
+    let distance = apart.length().max(1e-9);
+    let shift = apart * (share * (distance - length) / (distance * (free[a] + free[b]).max(1.0)));
+    points[a] += shift * free[a];
+    points[b] -= shift * free[b];
 }
 
 #[cfg(test)]
@@ -229,7 +241,9 @@ mod tests {
         let lowest = cloth.points.iter().fold(f32::MAX, |lowest, point| lowest.min(point.y));
         let highest = cloth.points.iter().fold(0f32, |highest, point| highest.max(point.y));
         assert!(lowest < 0.2 && (0.5..0.55).contains(&highest), "{lowest} {highest}");
-        let stretched = |(a, b, length): &&(usize, usize, f32)| cloth.points[*a].distance(cloth.points[*b]) > 1.25 * length;
+        let stretched = |(a, b, length): &&(usize, usize, f32)| {
+            cloth.points[*a].distance(cloth.points[*b]) > 1.25 * length
+        };
         assert!(cloth.links.iter().filter(stretched).count() < cloth.links.len() / 50);
     }
 

@@ -47,11 +47,19 @@ fn studio(half: f32, stage: &mut Stage, random: &mut Random) {
     let floor = materials::flooring(stage, random);
     stage.add("floor", floor, block(Vec3::new(-half, -0.08, -depth), Vec3::new(half, 0.0, depth + 0.15)));
     let wall = materials::masonry(stage, random);
-    stage.add("wall", wall, block(Vec3::new(-half, 0.0, -depth - 0.1), Vec3::new(half, height + 0.1, -depth)));
+    stage.add(
+        "wall",
+        wall,
+        block(Vec3::new(-half, 0.0, -depth - 0.1), Vec3::new(half, height + 0.1, -depth)),
+    );
     let metal = materials::metal(stage, random);
     let z = 0.14 - depth;
     let rail = rod(Vec3::new(-half + 0.05, height, z), Vec3::new(half - 0.05, height, z), 0.018, 12);
-    stage.add("rail", metal, rail + sphere(0.04, 16).at_each([-half + 0.05, half - 0.05].map(|x| Vec3::new(x, height - 0.04, z))));
+    stage.add(
+        "rail",
+        metal,
+        rail + sphere(0.04, 16).at_each([-half + 0.05, half - 0.05].map(|x| Vec3::new(x, height - 0.04, z))),
+    );
     let mut left = 0.08 - half;
     while left < half - 0.4 {
         let width = random.within(0.6, 1.3).min(half - 0.08 - left);
@@ -97,7 +105,7 @@ fn draped_group(middle: Vec3, stage: &mut Stage, random: &mut Random) {
     let top = solids.iter().fold(0f32, |top, solid| top.max(solid.top()));
     let size = (1.1 * top + random.within(0.4, 0.7)).min(1.7);
     let mut cloth = Cloth::square(size, 34, Vec3::new(0.0, top + 0.03, 0.0), random.angle());
-    cloth.settle(&solids, 110);
+    cloth.settle(&solids, 95);
     let body = materials::any(stage, random);
     let fabric = materials::cloth(stage, random);
     stage.add("body", body, solids.iter().map(Solid::shape).collect::<Shape>().at(middle));
@@ -122,7 +130,11 @@ fn ball(middle: Vec3, radius: f32) -> Solid {
 /// A person with arms more or less spread.
 fn figure(random: &mut Random) -> Vec<Solid> {
     let tall = random.within(0.75, 1.0);
-    let bar = |from: Vec3, to: Vec3, radius: f32| Solid::Bar { from: from * tall, to: to * tall, radius: radius * tall };
+    let bar = |from: Vec3, to: Vec3, radius: f32| Solid::Bar {
+        from: from * tall,
+        to: to * tall,
+        radius: radius * tall,
+    };
     let shoulder = |s: f32| Vec3::new(0.2 * s, 1.32, 0.0);
     let mut solids = vec![
         bar(Vec3::new(0.0, 0.85, 0.0), Vec3::new(0.0, 1.28, 0.0), 0.15),
@@ -153,7 +165,8 @@ fn armchair(random: &mut Random) -> Vec<Solid> {
 /// A table with things on it.
 fn small_table(random: &mut Random) -> Vec<Solid> {
     let (half, top) = (random.within(0.25, 0.4), random.within(0.45, 0.7));
-    let mut solids = vec![Solid::Box { middle: Vec3::new(0.0, top - 0.02, 0.0), half: Vec3::new(half, 0.02, half) }];
+    let mut solids =
+        vec![Solid::Box { middle: Vec3::new(0.0, top - 0.02, 0.0), half: Vec3::new(half, 0.02, half) }];
     for (x, z) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
         let foot = Vec3::new(x, 0.0, z) * (half - 0.05);
         solids.push(Solid::Bar { from: foot.with_y(0.025), to: foot.with_y(top - 0.03), radius: 0.025 });
@@ -176,7 +189,10 @@ fn heap(random: &mut Random) -> Vec<Solid> {
                 ball(Vec3::new(at.x, size, at.y), size)
             } else {
                 let tall = random.within(0.1, 0.4);
-                Solid::Box { middle: Vec3::new(at.x, tall, at.y), half: Vec3::new(0.6 * size, tall, 0.6 * size) }
+                Solid::Box {
+                    middle: Vec3::new(at.x, tall, at.y),
+                    half: Vec3::new(0.6 * size, tall, 0.6 * size),
+                }
             }
         })
         .collect()
@@ -188,9 +204,12 @@ fn steles(random: &mut Random) -> Vec<Solid> {
     (0..count)
         .flat_map(|i| {
             let around = Vec2::from_angle(TAU * i as f32 / count as f32) * random.within(0.2, 0.42);
-            let (tall, radius) = (random.within(0.35, 1.0), random.within(0.04, 0.12));
+            let (tall, radius) = (random.within(0.35, 1.0), random.within(0.09, 0.16));
             let foot = Vec3::new(around.x, 0.0, around.y);
-            [Solid::Bar { from: foot.with_y(0.05), to: foot.with_y(tall), radius: 0.05 }, ball(foot.with_y(tall), radius)]
+            [
+                Solid::Bar { from: foot.with_y(0.05), to: foot.with_y(tall), radius: 0.05 },
+                ball(foot.with_y(tall), radius),
+            ]
         })
         .collect()
 }
@@ -207,16 +226,24 @@ fn loose_things(middle: Vec3, stage: &mut Stage, random: &mut Random) {
     let mut y = 0.0;
     for _ in 0..random.count(2, 4) {
         let thick = random.within(0.12, 0.2);
-        let pillow = cushion(random.within(0.38, 0.5), random.within(0.35, 0.45), thick).turned(random.within(-0.5, 0.5));
+        let pillow = cushion(random.within(0.38, 0.5), random.within(0.35, 0.45), thick)
+            .turned(random.within(-0.5, 0.5));
         stage.add("cushion", random.pick(&fabrics), pillow.at(middle + Vec3::new(0.3, y, -0.25)));
         y += 0.85 * thick;
     }
     for i in 0..random.count(2, 3) {
         let radius = random.within(0.06, 0.09);
-        stage.add("roll", random.pick(&fabrics), roll(radius, 0.7).moved(0.19 * i as f32 - 0.3, radius + 0.01, 0.35).at(middle));
+        stage.add(
+            "roll",
+            random.pick(&fabrics),
+            roll(radius, 0.7).moved(0.19 * i as f32 - 0.3, radius + 0.01, 0.35).at(middle),
+        );
     }
     let knots: Vec<Vec3> = (0..40)
-        .map(|i| Vec3::new((0.5 * i as f32).cos(), 0.0, (0.5 * i as f32).sin()) * (0.1 + 0.02 * (i as f32 * 0.37).sin()))
+        .map(|i| {
+            Vec3::new((0.5 * i as f32).cos(), 0.0, (0.5 * i as f32).sin())
+                * (0.1 + 0.02 * (i as f32 * 0.37).sin())
+        })
         .enumerate()
         .map(|(i, point)| point + Vec3::Y * (0.014 + 0.0025 * i as f32))
         .collect();
@@ -227,7 +254,13 @@ fn loose_things(middle: Vec3, stage: &mut Stage, random: &mut Random) {
 fn folded(width: f32, depth: f32, height: f32) -> Shape {
     let layer = height / 4.0;
     (0..4)
-        .map(|i| rounded_box(width - 0.01 * (i % 2) as f32, 0.97 * layer, depth, 0.45 * layer, 3).moved(0.004 * (i % 3) as f32, layer * i as f32, 0.0))
+        .map(|i| {
+            rounded_box(width - 0.01 * (i % 2) as f32, 0.97 * layer, depth, 0.45 * layer, 3).moved(
+                0.004 * (i % 3) as f32,
+                layer * i as f32,
+                0.0,
+            )
+        })
         .collect()
 }
 
@@ -247,10 +280,13 @@ fn line_with_washing(half: f32, stage: &mut Stage, random: &mut Random) {
     let metal = materials::metal(stage, random);
     let mut posts = Shape::default();
     for x in [0.1 - half, half - 0.1] {
-        posts.join(cylinder(0.03, height + 0.05, 14).moved(x, 0.0, z) + cylinder(0.14, 0.03, 24).moved(x, 0.0, z));
+        posts.join(
+            cylinder(0.03, height + 0.05, 14).moved(x, 0.0, z) + cylinder(0.14, 0.03, 24).moved(x, 0.0, z),
+        );
     }
     let sag = |x: f32| height - 0.06 * (1.0 - (x / half).powi(2));
-    let points: Vec<Vec3> = (0..=24).map(|i| (i as f32 / 12.0 - 1.0) * (half - 0.1)).map(|x| Vec3::new(x, sag(x), z)).collect();
+    let points: Vec<Vec3> =
+        (0..=24).map(|i| (i as f32 / 12.0 - 1.0) * (half - 0.1)).map(|x| Vec3::new(x, sag(x), z)).collect();
     stage.add("line", metal, posts + tube(&points, 0.006, 6));
     let mut x = 0.35 - half;
     while x < half - 0.8 {

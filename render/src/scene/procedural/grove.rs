@@ -41,7 +41,7 @@ impl Land {
 pub fn build(stage: &mut Stage, random: &mut Random) {
     let land = Land { seed: random.bits(), size: random.within(6.0, 8.5), relief: random.within(0.4, 1.2) };
     let earth = materials::earth(stage, random);
-    let soil = ground(Vec2::splat(land.size), 120, -1.0 - land.relief, |x, z| land.height(x, z));
+    let soil = ground(Vec2::splat(land.size), 120, -0.2 - land.relief, |x, z| land.height(x, z));
     stage.add("soil", earth, soil);
     let bark = [materials::wood(stage, random), materials::stone(stage, random)];
     let trees = random.count(4, 7);

@@ -23,7 +23,8 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
     let mut lot = Lot::new(materials);
     for column in 0..columns {
         for row in 0..rows {
-            let at = Vec3::new((column as f32 + 0.5) * CELL - half.x, 0.0, (row as f32 + 0.5) * CELL - half.y);
+            let at =
+                Vec3::new((column as f32 + 0.5) * CELL - half.x, 0.0, (row as f32 + 0.5) * CELL - half.y);
             let quarter = random.count(0, 3) as f32;
             for part in machine(random) {
                 lot.put(part.turned(0.5 * PI * quarter).at(at), random);
@@ -35,7 +36,8 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
         lot.put(pipeline(&route, random.within(0.03, 0.07)), random);
     }
     for _ in 0..random.count(4, 8) {
-        let ends = [0, 1].map(|_| Vec3::new(random.within(-half.x, half.x), height - 0.2, random.within(-half.y, half.y)));
+        let ends = [0, 1]
+            .map(|_| Vec3::new(random.within(-half.x, half.x), height - 0.2, random.within(-half.y, half.y)));
         let low = 0.5 * (ends[0] + ends[1]) - Vec3::Y * random.within(0.2, 0.6);
         lot.put(tube(&curve(&[ends[0], low, ends[1]], 12), 0.014, 7), random);
     }
@@ -50,7 +52,12 @@ fn hall(half: Vec2, height: f32, stage: &mut Stage, random: &mut Random) {
     let (x, z) = (half.x + 0.35, half.y + 0.35);
     let mut shell = block(Vec3::new(-x - 0.1, -0.1, -z - 0.1), Vec3::new(x, -0.03, z));
     let wall = materials::masonry(stage, random);
-    stage.add("walls", wall, block(Vec3::new(-x - 0.1, -0.03, -z - 0.1), Vec3::new(x, height, -z)) + block(Vec3::new(-x - 0.1, -0.03, -z), Vec3::new(-x, height, z)));
+    stage.add(
+        "walls",
+        wall,
+        block(Vec3::new(-x - 0.1, -0.03, -z - 0.1), Vec3::new(x, height, -z))
+            + block(Vec3::new(-x - 0.1, -0.03, -z), Vec3::new(-x, height, z)),
+    );
     let plate = random.within(0.45, 0.8);
     let counts = (2.0 * Vec2::new(x, z) / plate).ceil();
     let size = 2.0 * Vec2::new(x, z) / counts;
@@ -63,7 +70,12 @@ fn hall(half: Vec2, height: f32, stage: &mut Stage, random: &mut Random) {
     stage.add("floor", concrete, shell);
     let steel = materials::metal(stage, random);
     let mut frame = Shape::default();
-    let posts = [(-half.x - 0.15, -half.y - 0.15), (half.x + 0.15, -half.y - 0.15), (-half.x - 0.15, half.y + 0.15), (half.x + 0.15, half.y + 0.15)];
+    let posts = [
+        (-half.x - 0.15, -half.y - 0.15),
+        (half.x + 0.15, -half.y - 0.15),
+        (-half.x - 0.15, half.y + 0.15),
+        (half.x + 0.15, half.y + 0.15),
+    ];
     for (x, z) in posts {
         frame.join(girder(Vec3::new(x, 0.0, z), Vec3::new(x, height, z), 0.14));
         frame.join(flange(0.12, 6).moved(x, 0.0, z));
@@ -81,7 +93,20 @@ fn hall(half: Vec2, height: f32, stage: &mut Stage, random: &mut Random) {
 /// A beam of I section.
 fn girder(from: Vec3, to: Vec3, size: f32) -> Shape {
     let (h, web, rim) = (0.5 * size, 0.05 * size, 0.4 * size);
-    let section = [(-h, -h), (h, -h), (h, -rim), (web, -rim), (web, rim), (h, rim), (h, h), (-h, h), (-h, rim), (-web, rim), (-web, -rim), (-h, -rim)];
+    let section = [
+        (-h, -h),
+        (h, -h),
+        (h, -rim),
+        (web, -rim),
+        (web, rim),
+        (h, rim),
+        (h, h),
+        (-h, h),
+        (-h, rim),
+        (-web, rim),
+        (-web, -rim),
+        (-h, -rim),
+    ];
     sweep(&section.map(|(x, y)| Vec2::new(x, y)), &[from, to], |_| 1.0)
 }
 
@@ -104,13 +129,15 @@ fn gear(radius: f32, teeth: usize, thickness: f32) -> Shape {
         .map(|i| {
             let (tooth, part) = (i / 4, i % 4);
             let angle = (tooth as f32 + [0.0, 0.18, 0.42, 0.6][part]) * TAU / teeth as f32;
-            Vec2::from_angle(angle) * if part == 1 || part == 2 { radius + 0.5 * depth } else { radius - 0.5 * depth }
+            Vec2::from_angle(angle)
+                * if part == 1 || part == 2 { radius + 0.5 * depth } else { radius - 0.5 * depth }
         })
         .collect();
     let wheel = extrude(&outline, thickness).pitched(-0.5 * PI).moved(0.0, 0.5 * thickness, 0.0);
     let rim = pipe(radius - depth, 0.75 * radius, 1.35 * thickness, 40).moved(0.0, -0.175 * thickness, 0.0);
     let hub = cylinder(0.25 * radius, 2.0 * thickness, 24).moved(0.0, -0.5 * thickness, 0.0);
-    let spoke = cuboid(0.55 * radius, 1.3 * thickness, 0.1 * radius).moved(0.48 * radius, -0.15 * thickness, 0.0);
+    let spoke =
+        cuboid(0.55 * radius, 1.3 * thickness, 0.1 * radius).moved(0.48 * radius, -0.15 * thickness, 0.0);
     wheel + rim + hub + spoke.around(6)
 }
 
@@ -151,7 +178,9 @@ fn gear_train(random: &mut Random) -> Vec<Shape> {
     let mut housing = plate.clone().moved(0.0, 0.1, -0.2);
     housing.join(bevelled_box(1.05, 0.1, 0.5, 0.015));
     let pillar = rod(Vec3::new(0.0, 0.0, -0.2), Vec3::new(0.0, 0.0, 0.22), 0.02, 10);
-    housing.join(pillar.at_each([(-0.46, 0.15), (0.46, 0.15), (-0.46, 0.9), (0.46, 0.9)].map(|(x, y)| Vec3::new(x, y, 0.0))));
+    housing.join(pillar.at_each(
+        [(-0.46, 0.15), (0.46, 0.15), (-0.46, 0.9), (0.46, 0.9)].map(|(x, y)| Vec3::new(x, y, 0.0)),
+    ));
     housing.join(beam(Vec3::new(-0.48, 0.15, 0.2), Vec3::new(-0.48, 0.9, 0.2), 0.04, 0.05));
     housing.join(beam(Vec3::new(0.48, 0.15, 0.2), Vec3::new(0.48, 0.9, 0.2), 0.04, 0.05));
     vec![gears, axles, housing]
@@ -162,7 +191,8 @@ fn motor(random: &mut Random) -> Vec<Shape> {
     let (radius, length) = (random.within(0.16, 0.24), random.within(0.45, 0.65));
     let y = radius + 0.18;
     let body = cylinder(radius, length, 36);
-    let fin = cuboid(0.05, length - 0.08, 0.008).moved(radius + 0.015, 0.04, 0.0).around(random.count(28, 44));
+    let fin =
+        cuboid(0.05, length - 0.08, 0.008).moved(radius + 0.015, 0.04, 0.0).around(random.count(28, 44));
     let ends = torus(radius - 0.02, 0.03, 36, 10).at_each([Vec3::ZERO, Vec3::Y * length]);
     let grille: Shape = (1..5).map(|i| torus(0.2 * radius * i as f32, 0.008, 28, 6)).collect();
     let turned = (body + fin + ends + grille.moved(0.0, -0.03, 0.0)).rolled(-0.5 * PI).moved(-0.5, y, 0.0);
@@ -171,8 +201,11 @@ fn motor(random: &mut Random) -> Vec<Shape> {
     let casing = pipe(0.2, 0.05, 0.14, 32).rolled(-0.5 * PI).moved(length - 0.33, y, 0.0);
     let spout = rod(Vec3::new(length - 0.26, y, 0.12), Vec3::new(length - 0.26, y + 0.4, 0.12), 0.055, 20);
     let top = flange(0.095, 8).moved(length - 0.26, y + 0.38, 0.12);
-    let foot = bevelled_box(1.1, 0.08, 0.5, 0.012) + bevelled_box(0.12, y, 0.34, 0.015).at_each([-0.38, length - 0.62, length - 0.26].map(|x| Vec3::X * x));
-    let bolts = bolt(0.018).at_each([(-0.5, 0.2), (0.5, 0.2), (-0.5, -0.2), (0.5, -0.2)].map(|(x, z)| Vec3::new(x, 0.08, z)));
+    let foot = bevelled_box(1.1, 0.08, 0.5, 0.012)
+        + bevelled_box(0.12, y, 0.34, 0.015)
+            .at_each([-0.38, length - 0.62, length - 0.26].map(|x| Vec3::X * x));
+    let bolts = bolt(0.018)
+        .at_each([(-0.5, 0.2), (0.5, 0.2), (-0.5, -0.2), (0.5, -0.2)].map(|(x, z)| Vec3::new(x, 0.08, z)));
     let terminal = bevelled_box(0.16, 0.1, 0.14, 0.01).moved(-0.25, y + radius, 0.0);
     vec![turned, shaft + coupling + bolts, casing + spout + top, foot + terminal]
 }
@@ -189,16 +222,30 @@ fn tank(random: &mut Random) -> Vec<Shape> {
     outline[0].x = 0.0;
     outline[17].x = 0.0;
     let body = lathe(&outline, 44).moved(0.0, foot, 0.0);
-    let hoops = torus(radius, 0.016, 44, 8).at_each((0..4).map(|i| Vec3::Y * (foot + height * (i as f32 + 0.5) / 4.0)));
-    let leg = rod(Vec3::new(radius * 0.85, 0.0, 0.0), Vec3::new(radius * 0.85, foot + 0.1, 0.0), 0.03, 10) + flange(0.06, 4).moved(0.85 * radius, 0.0, 0.0);
+    let hoops = torus(radius, 0.016, 44, 8)
+        .at_each((0..4).map(|i| Vec3::Y * (foot + height * (i as f32 + 0.5) / 4.0)));
+    let leg = rod(Vec3::new(radius * 0.85, 0.0, 0.0), Vec3::new(radius * 0.85, foot + 0.1, 0.0), 0.03, 10)
+        + flange(0.06, 4).moved(0.85 * radius, 0.0, 0.0);
     let lid = flange(0.5 * radius, 10).moved(0.0, foot + height + 0.3 * radius, 0.0);
     let stub = cylinder(0.12, 0.3, 18) + flange(0.16, 8).moved(0.0, 0.26, 0.0);
     let side = stub.rolled(-0.5 * PI).moved(radius - 0.05, foot + 0.3 * height, 0.0).turned(random.angle());
     let ladder: Shape = (0..((height + foot) / 0.18) as usize)
-        .map(|i| rod(Vec3::new(-0.12, 0.18 * i as f32 + 0.15, radius + 0.09), Vec3::new(0.12, 0.18 * i as f32 + 0.15, radius + 0.09), 0.01, 6))
+        .map(|i| {
+            rod(
+                Vec3::new(-0.12, 0.18 * i as f32 + 0.15, radius + 0.09),
+                Vec3::new(0.12, 0.18 * i as f32 + 0.15, radius + 0.09),
+                0.01,
+                6,
+            )
+        })
         .collect();
-    let rails = [-0.12, 0.12].map(|x| rod(Vec3::new(x, 0.0, radius + 0.09), Vec3::new(x, foot + height, radius + 0.09), 0.014, 8));
-    let gauge = cylinder(0.07, 0.04, 24).pitched(0.5 * PI).turned(0.8).moved(0.7 * (radius + 0.03), foot + 0.7 * height, 0.7 * (radius + 0.03));
+    let rails = [-0.12, 0.12]
+        .map(|x| rod(Vec3::new(x, 0.0, radius + 0.09), Vec3::new(x, foot + height, radius + 0.09), 0.014, 8));
+    let gauge = cylinder(0.07, 0.04, 24).pitched(0.5 * PI).turned(0.8).moved(
+        0.7 * (radius + 0.03),
+        foot + 0.7 * height,
+        0.7 * (radius + 0.03),
+    );
     vec![body, hoops + lid + side, leg.around(4), ladder + rails.into_iter().collect() + gauge]
 }
 
@@ -220,7 +267,19 @@ fn valves(random: &mut Random) -> Vec<Shape> {
         let wheel = torus(rim, 0.013, 32, 10) + spokes + sphere(0.022, 12).moved(0.0, -0.022, 0.0);
         wheels.join(wheel.moved(x, y + radius + neck + 0.04, 0.0));
         wheels.join(cylinder(0.01, 0.12, 8).moved(x, y + radius + neck - 0.05, 0.0));
-        let drop = tube(&curve(&[Vec3::new(x, y, 0.0), Vec3::new(x, y, 0.25), Vec3::new(x, y - 0.08, 0.33), Vec3::new(x, 0.0, 0.34)], 5), 0.6 * radius, 16);
+        let drop = tube(
+            &curve(
+                &[
+                    Vec3::new(x, y, 0.0),
+                    Vec3::new(x, y, 0.25),
+                    Vec3::new(x, y - 0.08, 0.33),
+                    Vec3::new(x, 0.0, 0.34),
+                ],
+                5,
+            ),
+            0.6 * radius,
+            16,
+        );
         bodies.join(drop + flange(1.1 * radius, 6).moved(x, 0.0, 0.34));
     }
     let saddle = bevelled_box(0.08, y, 0.2, 0.015) + bevelled_box(0.2, 0.04, 0.3, 0.01);
@@ -232,25 +291,51 @@ fn engine(random: &mut Random) -> Vec<Shape> {
     let cylinders = random.count(2, 4);
     let length = 0.2 * cylinders as f32 + 0.15;
     let block = rounded_box(length, 0.35, 0.34, 0.03, 2).moved(0.0, 0.15, 0.0);
-    let head: Shape = (0..8).map(|i| cylinder(if i % 2 == 0 { 0.085 } else { 0.07 }, 0.03, 24).moved(0.0, 0.5 + 0.03 * i as f32, 0.0)).collect();
+    let head: Shape = (0..8)
+        .map(|i| {
+            cylinder(if i % 2 == 0 { 0.085 } else { 0.07 }, 0.03, 24).moved(0.0, 0.5 + 0.03 * i as f32, 0.0)
+        })
+        .collect();
     let place = |i: usize| Vec3::X * (0.2 * (i as f32 - 0.5 * (cylinders - 1) as f32));
     let heads = (head + bolt(0.014).moved(0.05, 0.74, 0.0).around(4)).at_each((0..cylinders).map(place));
     let exhaust: Shape = (0..cylinders)
         .map(|i| {
             let x = place(i).x;
-            tube(&curve(&[Vec3::new(x, 0.55, 0.05), Vec3::new(x, 0.55, 0.2), Vec3::new(x * 0.7, 0.35, 0.32), Vec3::new(0.0, 0.18, 0.4)], 5), 0.03, 12)
+            tube(
+                &curve(
+                    &[
+                        Vec3::new(x, 0.55, 0.05),
+                        Vec3::new(x, 0.55, 0.2),
+                        Vec3::new(x * 0.7, 0.35, 0.32),
+                        Vec3::new(0.0, 0.18, 0.4),
+                    ],
+                    5,
+                ),
+                0.03,
+                12,
+            )
         })
         .collect();
     let end = 0.5 * length + 0.03;
     let pulleys = [(0.32, 0.0, 0.12), (0.52, 0.12, 0.06), (0.45, -0.13, 0.07)];
-    let wheel = |radius: f32| lathe(&[(0.0, 0.0), (1.0, 0.0), (0.85, 0.02), (1.0, 0.04), (0.0, 0.04)].map(|(x, y)| Vec2::new(x * radius, y)), 32);
-    let pulleys_shape: Shape = pulleys.iter().map(|(y, z, radius)| wheel(*radius).rolled(-0.5 * PI).moved(end - 0.03, *y, *z)).collect();
+    let wheel = |radius: f32| {
+        lathe(
+            &[(0.0, 0.0), (1.0, 0.0), (0.85, 0.02), (1.0, 0.04), (0.0, 0.04)]
+                .map(|(x, y)| Vec2::new(x * radius, y)),
+            32,
+        )
+    };
+    let pulleys_shape: Shape = pulleys
+        .iter()
+        .map(|(y, z, radius)| wheel(*radius).rolled(-0.5 * PI).moved(end - 0.03, *y, *z))
+        .collect();
     let belt: Vec<Vec3> = (0..=48)
         .map(|i| {
             let around = Vec2::from_angle(TAU * (i % 48) as f32 / 48.0);
             // The support point of the pulleys in each direction gives the belt around all of them.
             let reach = |pulley: &&(f32, f32, f32)| around.dot(Vec2::new(pulley.1, pulley.0)) + pulley.2;
-            let outer = pulleys.iter().max_by(|a, b| reach(a).total_cmp(&reach(b))).expect("there are three pulleys");
+            let outer =
+                pulleys.iter().max_by(|a, b| reach(a).total_cmp(&reach(b))).expect("there are three pulleys");
             Vec3::new(end - 0.01, outer.0 + around.y * outer.2, outer.1 + around.x * outer.2)
         })
         .collect();
@@ -263,7 +348,8 @@ fn engine(random: &mut Random) -> Vec<Shape> {
 fn cabinet(random: &mut Random) -> Vec<Shape> {
     let (width, height, depth) = (random.within(0.6, 0.9), random.within(1.0, 1.7), random.within(0.3, 0.45));
     let z = 0.5 * depth;
-    let body = bevelled_box(width, height - 0.08, depth, 0.012).moved(0.0, 0.08, 0.0) + cuboid(width - 0.06, 0.1, depth - 0.06);
+    let body = bevelled_box(width, height - 0.08, depth, 0.012).moved(0.0, 0.08, 0.0)
+        + cuboid(width - 0.06, 0.1, depth - 0.06);
     let door = bevelled_box(0.5 * width - 0.02, height - 0.14, 0.03, 0.006);
     let doors = door.at_each([-0.25, 0.25].map(|s| Vec3::new(s * width, 0.11, z)));
     let louvre = cuboid(0.36 * width, 0.012, 0.04).pitched(0.6);
@@ -271,13 +357,30 @@ fn cabinet(random: &mut Random) -> Vec<Shape> {
     let mut small = Shape::default();
     for row in 0..random.count(2, 4) {
         for column in 0..4 {
-            let at = Vec3::new((0.1 + 0.1 * column as f32) * width, height * (0.85 - 0.1 * row as f32), z + 0.012);
-            let lamp = if random.chance(0.6) { cylinder(0.02, 0.025, 14).pitched(0.5 * PI) } else { rod(Vec3::ZERO, Vec3::new(0.0, 0.04, 0.06), 0.008, 8) };
+            let at =
+                Vec3::new((0.1 + 0.1 * column as f32) * width, height * (0.85 - 0.1 * row as f32), z + 0.012);
+            let lamp = if random.chance(0.6) {
+                cylinder(0.02, 0.025, 14).pitched(0.5 * PI)
+            } else {
+                rod(Vec3::ZERO, Vec3::new(0.0, 0.04, 0.06), 0.008, 8)
+            };
             small.join(lamp.at(at));
         }
     }
-    let screen = block(Vec3::new(-0.42 * width, 0.65 * height, z + 0.01), Vec3::new(-0.08 * width, 0.9 * height, z + 0.03));
-    let conduits: Shape = (0..5).map(|i| rod(Vec3::new((0.15 * i as f32 - 0.3) * width, height - 0.03, 0.0), Vec3::new((0.15 * i as f32 - 0.3) * width, height + 0.5, 0.0), 0.018, 10)).collect();
+    let screen = block(
+        Vec3::new(-0.42 * width, 0.65 * height, z + 0.01),
+        Vec3::new(-0.08 * width, 0.9 * height, z + 0.03),
+    );
+    let conduits: Shape = (0..5)
+        .map(|i| {
+            rod(
+                Vec3::new((0.15 * i as f32 - 0.3) * width, height - 0.03, 0.0),
+                Vec3::new((0.15 * i as f32 - 0.3) * width, height + 0.5, 0.0),
+                0.018,
+                10,
+            )
+        })
+        .collect();
     vec![body, doors, louvres + screen, small + conduits]
 }
 
@@ -285,7 +388,9 @@ fn cabinet(random: &mut Random) -> Vec<Shape> {
 fn route(half: Vec2, height: f32, random: &mut Random) -> Vec<Vec3> {
     let spot = |random: &mut Random| {
         // Pipes rise between the machines.
-        let line = |half: f32, random: &mut Random| CELL * (random.count(0, (2.0 * half / CELL).round() as usize) as f32) - half;
+        let line = |half: f32, random: &mut Random| {
+            CELL * (random.count(0, (2.0 * half / CELL).round() as usize) as f32) - half
+        };
         Vec2::new(line(half.x, random), line(half.y, random)) + random.in_disc(0.12)
     };
     let (from, to) = (spot(random), spot(random));
@@ -311,7 +416,9 @@ fn pipeline(route: &[Vec3], radius: f32) -> Shape {
             let t = i as f32 / 5.0;
             path.push(start.lerp(corner[1], t).lerp(corner[1].lerp(end, t), t));
         }
-        fittings.join(flange(1.9 * radius, 6).aimed(into).at(start) + flange(1.9 * radius, 6).aimed(-out).at(end));
+        fittings.join(
+            flange(1.9 * radius, 6).aimed(into).at(start) + flange(1.9 * radius, 6).aimed(-out).at(end),
+        );
     }
     path.push(route[route.len() - 1]);
     for piece in route.windows(2) {

@@ -64,8 +64,8 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
 /// Length of a wall and where it is: its x runs along the floor from left to right as seen from inside, its z into
 /// the room.
 fn wall_place(side: usize, size: Vec3) -> (f32, Affine3A) {
-    let length = if side % 2 == 0 { size.x } else { size.z };
-    let depth = if side % 2 == 0 { size.z } else { size.x };
+    let length = if side.is_multiple_of(2) { size.x } else { size.z };
+    let depth = if side.is_multiple_of(2) { size.z } else { size.x };
     let turn = Quat::from_rotation_y(0.5 * PI * side as f32);
     let origin = turn * Vec3::new(-0.5 * length, 0.0, -0.5 * depth);
     (length, Affine3A::from_rotation_translation(turn, origin))
@@ -238,22 +238,11 @@ fn furnish_wall(
         }
         let at = place * Affine3A::from_translation(Vec3::new(x + 0.5 * width, 0.0, 0.03));
         if is_window {
-            low_piece(width, looks, stage, at.mul_forward(0.16), random);
+            low_piece(width, looks, stage, at * Affine3A::from_translation(Vec3::Z * 0.16), random);
         } else {
             tall_piece(width, height, looks, stage, at, random);
         }
         x += width + random.within(0.04, 0.3);
-    }
-}
-
-/// Moving a place into the room.
-trait Forward {
-    fn mul_forward(self, distance: f32) -> Self;
-}
-
-impl Forward for Affine3A {
-    fn mul_forward(self, distance: f32) -> Self {
-        self * Self::from_translation(Vec3::Z * distance)
     }
 }
 

@@ -117,7 +117,11 @@ fn platform(plan: &Plan, cell: IVec2, random: &mut Random) -> (Shape, Shape) {
     let pier = block(Vec3::new(-half, 0.0, -half), Vec3::new(0.001 - core, height, 0.001 - core));
     body.join(pier.around(4));
     for side in 0..4 {
-        let front = if height > 0.9 { niche(2.0 * core, height, inset) } else { block(Vec3::new(-core, 0.0, 0.0), Vec3::new(core, height, inset)) };
+        let front = if height > 0.9 {
+            niche(2.0 * core, height, inset)
+        } else {
+            block(Vec3::new(-core, 0.0, 0.0), Vec3::new(core, height, inset))
+        };
         body.join(front.moved(0.0, 0.0, core).turned(0.5 * PI * side as f32));
     }
     let mut top = bevelled_box(CELL + 0.06, 0.06, CELL + 0.06, 0.015).moved(0.0, -0.08, 0.0);
@@ -142,7 +146,11 @@ fn niche(width: f32, height: f32, depth: f32) -> Shape {
     let spring = (height - radius - 0.12).clamp(0.1, 1.6);
     let rise = (height - 0.12 - spring).min(radius);
     let mut outline = vec![Vec2::new(-half, height), Vec2::new(-half, 0.0), Vec2::new(-radius, 0.0)];
-    outline.extend((0..=14).map(|i| PI * (1.0 - i as f32 / 14.0)).map(|a| Vec2::new(radius * a.cos(), spring + rise * a.sin())));
+    outline.extend(
+        (0..=14)
+            .map(|i| PI * (1.0 - i as f32 / 14.0))
+            .map(|a| Vec2::new(radius * a.cos(), spring + rise * a.sin())),
+    );
     outline.extend([Vec2::new(radius, 0.0), Vec2::new(half, 0.0), Vec2::new(half, height)]);
     let arch: Vec<Vec3> = (0..=14)
         .map(|i| PI * i as f32 / 14.0)
@@ -164,7 +172,11 @@ fn flight(drop: usize) -> Shape {
         let x = edge + tread * step as f32;
         let bottom = -rise * count as f32;
         shape.join(block(Vec3::new(x, bottom, -half), Vec3::new(x + tread, y - 0.035, half)));
-        shape.join(bevelled_box(tread + 0.03, 0.035, 2.0 * half + 0.06, 0.01).moved(x + 0.5 * tread + 0.01, y - 0.035, 0.0));
+        shape.join(bevelled_box(tread + 0.03, 0.035, 2.0 * half + 0.06, 0.01).moved(
+            x + 0.5 * tread + 0.01,
+            y - 0.035,
+            0.0,
+        ));
     }
     shape
 }
@@ -185,9 +197,19 @@ fn flight_rails(drop: usize) -> Shape {
         let last = count as f32 - 2.0;
         shape.join(tube(&[on(-1.0, 0.86), on(last, 0.86), on(last, 0.7) + Vec3::X * 0.12], 0.025, 10));
         for z in [0.4, 0.47] {
-            shape.join(rod(Vec3::new(0.47 * CELL, 0.0, side * z * CELL), Vec3::new(0.47 * CELL, 0.86, side * z * CELL), 0.014, 6));
+            shape.join(rod(
+                Vec3::new(0.47 * CELL, 0.0, side * z * CELL),
+                Vec3::new(0.47 * CELL, 0.86, side * z * CELL),
+                0.014,
+                6,
+            ));
         }
-        shape.join(rod(Vec3::new(0.47 * CELL, 0.86, side * 0.33 * CELL), Vec3::new(0.47 * CELL, 0.86, side * 0.5 * CELL), 0.022, 8));
+        shape.join(rod(
+            Vec3::new(0.47 * CELL, 0.86, side * 0.33 * CELL),
+            Vec3::new(0.47 * CELL, 0.86, side * 0.5 * CELL),
+            0.022,
+            8,
+        ));
     }
     shape
 }
@@ -197,7 +219,14 @@ fn railing() -> Shape {
     let x = 0.47 * CELL;
     let bars = 13;
     let at = |i: usize| (i as f32 / bars as f32 - 0.5) * 0.96 * CELL;
-    let bar = |i: usize| rod(Vec3::new(x, 0.0, at(i)), Vec3::new(x, 0.9, at(i)), if i % 4 == 0 { 0.018 } else { 0.009 }, 6);
+    let bar = |i: usize| {
+        rod(
+            Vec3::new(x, 0.0, at(i)),
+            Vec3::new(x, 0.9, at(i)),
+            if i.is_multiple_of(4) { 0.018 } else { 0.009 },
+            6,
+        )
+    };
     let rail = |y: f32| beam(Vec3::new(x, y, -0.49 * CELL), Vec3::new(x, y, 0.49 * CELL), 0.035, 0.03);
     (0..=bars).map(bar).collect::<Shape>() + rail(0.9) + rail(0.12)
 }
@@ -206,9 +235,11 @@ fn railing() -> Shape {
 fn balustrade() -> Shape {
     let x = 0.45 * CELL;
     let post = turned_post(0.6, 0.06);
-    let posts = post.at_each((0..8).map(|i| Vec3::new(x, 0.08, ((i as f32 + 0.5) / 8.0 - 0.5) * 0.86 * CELL)));
+    let posts =
+        post.at_each((0..8).map(|i| Vec3::new(x, 0.08, ((i as f32 + 0.5) / 8.0 - 0.5) * 0.86 * CELL)));
     let bar = |y: f32, height: f32| bevelled_box(0.16, height, 0.99 * CELL, 0.012).moved(x, y, 0.0);
-    let piers = bevelled_box(0.17, 0.86, 0.17, 0.015).at_each([-0.45, 0.45].map(|s| Vec3::new(x, 0.0, s * CELL)));
+    let piers =
+        bevelled_box(0.17, 0.86, 0.17, 0.015).at_each([-0.45, 0.45].map(|s| Vec3::new(x, 0.0, s * CELL)));
     posts + bar(0.0, 0.08) + bar(0.68, 0.1) + piers
 }
 
@@ -223,8 +254,17 @@ fn gallery(plan: &Plan, stage: &mut Stage, random: &mut Random) {
         let deck = Vec3::new(middle.x, y, middle.z);
         let boards = 9;
         let board = bevelled_box(CELL, 0.04, CELL / boards as f32 - 0.012, 0.006);
-        shape.join(board.at_each((0..boards).map(|i| deck + Vec3::Z * ((i as f32 + 0.5) / boards as f32 - 0.5) * CELL)));
-        let joist = beam(deck - Vec3::new(0.0, 0.07, 0.5 * CELL), deck + Vec3::new(0.0, -0.07, 0.5 * CELL), 0.06, 0.14);
+        shape.join(
+            board.at_each(
+                (0..boards).map(|i| deck + Vec3::Z * ((i as f32 + 0.5) / boards as f32 - 0.5) * CELL),
+            ),
+        );
+        let joist = beam(
+            deck - Vec3::new(0.0, 0.07, 0.5 * CELL),
+            deck + Vec3::new(0.0, -0.07, 0.5 * CELL),
+            0.06,
+            0.14,
+        );
         shape.join(joist.at_each([-0.75, -0.25, 0.25, 0.75].map(|s| Vec3::X * (0.5 * s * CELL))));
         let side = Vec3::new(0.42 * CELL, 0.0, 0.42 * CELL);
         for corner in [side, -side, side * Vec3::new(-1.0, 0.0, 1.0), side * Vec3::new(1.0, 0.0, -1.0)] {
@@ -246,9 +286,12 @@ fn spiral(height: f32, hand: f32) -> Shape {
     let rise = 0.17;
     let steps = (height / rise) as usize;
     let turn = hand * TAU / 14.0;
-    let tread = [Vec2::new(0.05, -0.05), Vec2::new(0.72, -0.17), Vec2::new(0.72, 0.17), Vec2::new(0.05, 0.05)];
+    let tread =
+        [Vec2::new(0.05, -0.05), Vec2::new(0.72, -0.17), Vec2::new(0.72, 0.17), Vec2::new(0.05, 0.05)];
     let tread = extrude(&tread, 0.04).pitched(-0.5 * PI);
-    let mut shape = cylinder(0.07, height + 0.9, 18) + frustum(0.14, 0.07, 0.12, 18) + sphere(0.09, 16).moved(0.0, height + 0.85, 0.0);
+    let mut shape = cylinder(0.07, height + 0.9, 18)
+        + frustum(0.14, 0.07, 0.12, 18)
+        + sphere(0.09, 16).moved(0.0, height + 0.85, 0.0);
     let mut rail = Vec::new();
     for step in 0..steps {
         let (angle, y) = (turn * step as f32, rise * (step as f32 + 1.0));

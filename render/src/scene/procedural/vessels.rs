@@ -13,7 +13,8 @@ pub fn vessel(outline: &[(f32, f32)], radius: f32, height: f32) -> Shape {
     let knots: Vec<Vec3> = outline.iter().map(|(x, y)| Vec3::new(x * radius, y * height, 0.0)).collect();
     let wall = (0.05 * radius).max(0.003);
     let steps = ((height * 14.0) as usize).clamp(2, 5);
-    let outside: Vec<Vec2> = curve(&knots, steps).iter().map(|point| point.truncate().max(Vec2::ZERO)).collect();
+    let outside: Vec<Vec2> =
+        curve(&knots, steps).iter().map(|point| point.truncate().max(Vec2::ZERO)).collect();
     let inside = outside.iter().rev().map(|point| Vec2::new((point.x - wall).max(0.0), point.y.max(wall)));
     let mut profile = vec![Vec2::new(0.0, outside[0].y)];
     profile.extend(&outside);

@@ -166,8 +166,8 @@ impl Model {
 
 fn read_spec(path: &Path) -> Result<NetSpec, ModelError> {
     let bytes = file::read(path, file::MOST_SPEC_BYTES)?;
-    let spec: NetSpec =
-        serde_json::from_slice(&bytes).map_err(|source| ModelError::Json { path: path.to_owned(), source })?;
+    let spec: NetSpec = serde_json::from_slice(&bytes)
+        .map_err(|source| ModelError::Json { path: path.to_owned(), source })?;
     spec.validate().map_err(|source| ModelError::Spec { path: path.to_owned(), source })?;
     Ok(spec)
 }
