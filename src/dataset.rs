@@ -61,7 +61,9 @@ pub struct Show {
 
 /// Makes a test set for `eval`: truth with many samples on a share of the tiles.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  deepshade dataset testset dataset/recipes/ao-test.toml --out models/ao/testset")]
+#[command(
+    after_help = "Example:\n  deepshade dataset testset dataset/recipes/ao-test.toml --out models/ao/testset"
+)]
 pub struct Testset {
     /// The recipe, a TOML file with `split = "test"` and a table `tiles`.
     recipe: PathBuf,

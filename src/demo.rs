@@ -50,7 +50,10 @@ const SEED: u32 = 20_170;
 pub fn run(args: &Args) -> Result<()> {
     let gpu = Gpu::new()?;
     let model = Model::load(&args.model)?;
-    println!("1. {} beside hbao and truth, on scenes of families it was not trained on", args.model.display());
+    println!(
+        "1. {} beside hbao and truth, on scenes of families it was not trained on",
+        args.model.display()
+    );
     let comparison = compare_on_test_scenes(args, &gpu, &model)?;
     let page = comparison.write(&args.out)?;
     let mut figures = Figures::new("demo");
@@ -66,8 +69,11 @@ pub fn run(args: &Args) -> Result<()> {
 fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model) -> Result<Comparison> {
     let effect = model.spec.effect;
     let (height, width) = (model.spec.reach.height, model.spec.reach.height);
-    let names: Vec<String> =
-        methods::names_of(effect).into_iter().filter(|name| *name != methods::TRUTH).map(str::to_owned).collect();
+    let names: Vec<String> = methods::names_of(effect)
+        .into_iter()
+        .filter(|name| *name != methods::TRUTH)
+        .map(str::to_owned)
+        .collect();
     let methods = methods::open(effect, &names, Setup { gpu, model: Some(model) })?;
     let mut frames = Vec::new();
     for family in Family::ALL.into_iter().filter(|family| family.split() == Split::Test) {
@@ -110,14 +116,22 @@ mod short_training {
         println!("3. training for {} minutes", args.minutes);
         let dataset = Dataset::open(&data)?;
         let Radius::Diagonal(diagonal_share) = dataset.recipe().radius else {
-            bail!("{}: the demo's recipe states its radius as a share of the diagonal", args.recipe.display());
+            bail!(
+                "{}: the demo's recipe states its radius as a share of the diagonal",
+                args.recipe.display()
+            );
         };
         let config = TrainConfig {
             minutes: Some(args.minutes),
             batch: BATCH,
             crop: CROP,
             validate_every: 100,
-            ..crate::train::default_config(dataset.manifest(), &data, ChannelOrder::Interleaved, diagonal_share)
+            ..crate::train::default_config(
+                dataset.manifest(),
+                &data,
+                ChannelOrder::Interleaved,
+                diagonal_share,
+            )
         };
         // A run of an earlier demo would be resumed; the demo starts afresh.
         if run.exists() {
@@ -140,8 +154,13 @@ mod short_training {
         let mut expected = reference::forward(&model.spec, &model.weights, &input);
         model.spec.set_background(&pair.gbuffer, &mut expected)?;
         let scene = record.scene.load(dataset.recipe().folder())?;
-        let frame =
-            Frame { scene: &scene, camera: &record.camera, gbuffer: &pair.gbuffer, radius: pair.radius, seed: 0 };
+        let frame = Frame {
+            scene: &scene,
+            camera: &record.camera,
+            gbuffer: &pair.gbuffer,
+            radius: pair.radius,
+            seed: 0,
+        };
         let shaded = Learned::new(gpu, model)?.shade(&frame, Repeats::ONCE)?;
         let agreement = Agreement::new(&expected, &shaded.image);
         ensure!(agreement.agrees(), "`{LEARNED}` in WGSL and the reference differ by {}", agreement.max_abs);

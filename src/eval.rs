@@ -20,8 +20,10 @@ use std::path::PathBuf;
 
 /// Evaluates a network and its analytic rivals on a test set.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  deepshade eval --model models/ao --json eval.json\n\nTest sets are made by \
-    `deepshade dataset testset`; that of a model that is shipped lies in its folder.")]
+#[command(
+    after_help = "Example:\n  deepshade eval --model models/ao --json eval.json\n\nTest sets are made by \
+    `deepshade dataset testset`; that of a model that is shipped lies in its folder."
+)]
 pub struct Args {
     /// Folder of the network.
     #[arg(long, default_value = "models/ao")]
@@ -54,8 +56,11 @@ pub fn run(args: &Args) -> Result<()> {
     let set = TestSet::open(&folder)?;
     ensure!(set.recipe().effect == effect, "{} is for another effect than {effect}", folder.display());
     let gpu = Gpu::new()?;
-    let names: Vec<String> =
-        methods::names_of(effect).into_iter().filter(|name| *name != methods::TRUTH).map(str::to_owned).collect();
+    let names: Vec<String> = methods::names_of(effect)
+        .into_iter()
+        .filter(|name| *name != methods::TRUTH)
+        .map(str::to_owned)
+        .collect();
     let methods = methods::open(effect, &names, Setup { gpu: &gpu, model: Some(&model) })?;
     let chosen = spread(set.frames().len(), args.frames.map_or(usize::MAX, |frames| frames as usize));
     ensure!(!chosen.is_empty(), "{} has no frame", folder.display());
@@ -145,7 +150,8 @@ fn score_frame(
 ) -> Result<()> {
     let (height, width) = (set.recipe().resolution.height, set.recipe().resolution.width);
     let gbuffer = gbuffer::render(scene, &record.camera, height, width, &gbuffer::RENDERED);
-    let frame = Frame { scene, camera: &record.camera, gbuffer: &gbuffer, radius: record.radius, seed: record.seed };
+    let frame =
+        Frame { scene, camera: &record.camera, gbuffer: &gbuffer, radius: record.radius, seed: record.seed };
     let kind = kind(&record.scene);
     let index = evaluation.scenes;
     let mut score = |name: &str, image: &Planes| {

@@ -46,7 +46,9 @@ impl std::str::FromStr for SceneSource {
             return Ok(Self::File(text.into()));
         }
         let Some((family, seed)) = text.split_once(':') else {
-            bail!("`{text}` is neither a scene file (.gltf, .glb, .obj) nor a family and a seed such as `stairs:7`");
+            bail!(
+                "`{text}` is neither a scene file (.gltf, .glb, .obj) nor a family and a seed such as `stairs:7`"
+            );
         };
         let seed = seed.parse().with_context(|| format!("seed of `{text}`"))?;
         Ok(Self::Procedural(Family::by_name(family)?, seed))

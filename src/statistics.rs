@@ -28,7 +28,8 @@ const RESAMPLES: usize = 2000;
 pub fn estimate(values: &[(usize, f64)]) -> Estimate {
     let means = scene_means(values);
     assert!(!means.is_empty(), "at least one value");
-    let mut resampled: Vec<f64> = (0..RESAMPLES as u64).map(|resample| resampled_mean(&means, resample)).collect();
+    let mut resampled: Vec<f64> =
+        (0..RESAMPLES as u64).map(|resample| resampled_mean(&means, resample)).collect();
     resampled.sort_by(f64::total_cmp);
     let percentile = |share: f64| resampled[(share * (RESAMPLES - 1) as f64).round() as usize];
     Estimate { mean: mean(&means), low: percentile(0.025), high: percentile(0.975) }

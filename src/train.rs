@@ -71,6 +71,10 @@ pub struct Args {
     json: Option<PathBuf>,
 }
 
+/// Radius of the effect in the units of the network's input: positions, some ten radii away, then are about as large
+/// as the components of normals.
+const INPUT_RADIUS: f32 = 0.25;
+
 /// Order of the channels after a concatenation.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Order {
@@ -171,7 +175,7 @@ pub fn default_config(
     diagonal_share: f32,
 ) -> TrainConfig {
     let recipe = &manifest.recipe;
-    let reach = Reach { radius: 1.0, diagonal_share, height: recipe.resolution.height };
+    let reach = Reach { radius: INPUT_RADIUS, diagonal_share, height: recipe.resolution.height };
     let spec = match recipe.effect {
         Effect::Ao => NetSpec::ao(order, reach),
     };

@@ -142,7 +142,7 @@ fn damaged_input_is_refused() {
     std::fs::write(case.path("in.exr"), &whole[..whole.len() / 2]).expect("written");
     assert_refused(&case.run(&[]), &out, &["in.exr"]);
     case.write(&INPUTS, &Metadata::new());
-    assert_refused(&case.run(&["--radius", "-1"]), &out, &["--radius"]);
+    assert_refused(&case.run(&["--radius=-1"]), &out, &["--radius"]);
     let weights = case.path("model/weights.safetensors");
     let whole = std::fs::read(&weights).expect("a file");
     std::fs::write(&weights, &whole[..whole.len() - 100]).expect("written");

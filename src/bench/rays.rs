@@ -59,7 +59,8 @@ pub fn run(args: &Args) -> Result<()> {
     let mrays_primary = megarays(&primary, args.runs, |ray| {
         scene.hit(ray.origin, ray.direction, ray.reach).map_or(0, |hit| hit.triangle)
     });
-    let mrays_ao = megarays(&ao, args.runs, |ray| u32::from(scene.blocked(ray.origin, ray.direction, ray.reach)));
+    let mrays_ao =
+        megarays(&ao, args.runs, |ray| u32::from(scene.blocked(ray.origin, ray.direction, ray.reach)));
 
     println!("scene              {} ({triangles} triangles, built in {build_seconds:.2} s)", args.scene);
     println!("primary            {mrays_primary:.2} Mrays/s, one thread ({} rays)", primary.len());

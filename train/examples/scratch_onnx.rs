@@ -2,7 +2,7 @@
 use deepshade_infer::*;
 use deepshade_train::*;
 fn main() {
-    let out = std::path::PathBuf::from("/tmp/onnx"); 
+    let out = std::path::PathBuf::from("/tmp/onnx");
     for order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
         let spec = NetSpec::ao(order, Reach { radius: 1.0, diagonal_share: 0.05, height: 512 });
         let model = Model { weights: Weights::random(&spec, 1), spec };

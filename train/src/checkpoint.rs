@@ -51,7 +51,8 @@ impl Checkpoint {
     /// # Errors
     /// If it cannot be written; the one before is still there then.
     pub fn save(&self, folder: &Path, spec: &NetSpec) -> Result<(), TrainError> {
-        let mut tensors = vec![(OPTIMISER.to_owned(), Dtype::U8, vec![self.optimiser.len()], self.optimiser.clone())];
+        let mut tensors =
+            vec![(OPTIMISER.to_owned(), Dtype::U8, vec![self.optimiser.len()], self.optimiser.clone())];
         for (prefix, weights) in [("now", &self.weights), ("best", &self.best)] {
             for (name, numbers) in named(prefix, spec).into_iter().zip(arrays(weights)) {
                 let bytes = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
@@ -90,7 +91,8 @@ impl Checkpoint {
         let progress = progress.ok_or("has no progress entry")?;
         let weights = |prefix| weights(&tensors, prefix, spec);
         Ok(Self {
-            progress: serde_json::from_str(progress).map_err(|e| format!("has a damaged progress entry: {e}"))?,
+            progress: serde_json::from_str(progress)
+                .map_err(|e| format!("has a damaged progress entry: {e}"))?,
             weights: weights("now")?,
             best: weights("best")?,
             optimiser: tensors.tensor(OPTIMISER).map_err(error)?.data().to_vec(),
@@ -115,7 +117,8 @@ fn weights(tensors: &SafeTensors, prefix: &str, spec: &NetSpec) -> Result<Weight
         Ok(tensor.data().as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect())
     };
     let arrays: Vec<Vec<f32>> = named(prefix, spec).iter().map(read).collect::<Result<_, String>>()?;
-    let layers = arrays.chunks_exact(2).map(|pair| LayerWeights { weight: pair[0].clone(), bias: pair[1].clone() });
+    let layers =
+        arrays.chunks_exact(2).map(|pair| LayerWeights { weight: pair[0].clone(), bias: pair[1].clone() });
     let weights = Weights(layers.collect());
     if weights.fit(spec) { Ok(weights) } else { Err("belongs to another network".to_owned()) }
 }

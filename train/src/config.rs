@@ -99,7 +99,8 @@ impl TrainConfig {
     pub fn load(folder: &Path) -> Result<Self, TrainError> {
         let path = folder.join(CONFIG_FILE);
         let bytes = std::fs::read(&path).map_err(TrainError::io("read", &path))?;
-        serde_json::from_slice(&bytes).map_err(|e| TrainError::damaged(&path, format!("is no training config: {e}")))
+        serde_json::from_slice(&bytes)
+            .map_err(|e| TrainError::damaged(&path, format!("is no training config: {e}")))
     }
 
     /// Writes the config into a run's folder, or checks that the run that lies there has the same.
@@ -123,6 +124,9 @@ impl TrainConfig {
         };
         let (a, b) = (comparable(self), comparable(other));
         let fields = a.as_object().into_iter().flatten();
-        fields.filter(|(name, value)| b.get(name.as_str()) != Some(*value)).map(|(name, _)| name.clone()).collect()
+        fields
+            .filter(|(name, value)| b.get(name.as_str()) != Some(*value))
+            .map(|(name, _)| name.clone())
+            .collect()
     }
 }

@@ -142,7 +142,11 @@ impl Loader {
 }
 
 /// Makes batches until all are made, one fails, or nobody wants them any more.
-fn work(sampler: &Sampler, steps: impl Iterator<Item = usize>, sender: &SyncSender<Result<Batch, TrainError>>) {
+fn work(
+    sampler: &Sampler,
+    steps: impl Iterator<Item = usize>,
+    sender: &SyncSender<Result<Batch, TrainError>>,
+) {
     for step in steps {
         let batch = sampler.batch(step);
         let failed = batch.is_err();

@@ -94,8 +94,8 @@ mod tests {
                     };
                     let (vx, vy, vxy) =
                         (moment(&x, mx, &x, mx), moment(&y, my, &y, my), moment(&x, mx, &y, my));
-                    sum += (2.0 * mx * my + C1) * (2.0 * vxy + C2)
-                        / ((mx * mx + my * my + C1) * (vx + vy + C2));
+                    sum +=
+                        (2.0 * mx * my + C1) * (2.0 * vxy + C2) / ((mx * mx + my * my + C1) * (vx + vy + C2));
                     count += 1.0;
                 }
             }
@@ -155,7 +155,8 @@ mod tests {
         let repaired = a.clone() * valid.clone() + b.clone() * (1.0 - valid.clone());
         let leaf = a.require_grad();
         let loss = dssim(leaf.clone(), b.clone(), valid);
-        let gradient = leaf.grad(&loss.backward()).expect("a gradient").to_data().try_into_vec::<f32>().expect("f32");
+        let gradient =
+            leaf.grad(&loss.backward()).expect("a gradient").to_data().try_into_vec::<f32>().expect("f32");
         let loss: f32 = loss.into_scalar();
         assert!((f64::from(loss) - naive(&repaired, &b)).abs() < 1e-6);
         assert!(gradient[..32].iter().any(|g| *g != 0.0) && gradient[32..].iter().all(|g| *g == 0.0));

@@ -60,7 +60,8 @@ impl Metrics {
     /// If the file cannot be written.
     pub fn add(&mut self, line: Line) -> Result<(), TrainError> {
         let path = self.folder.join(METRICS_FILE);
-        let append = || std::fs::OpenOptions::new().append(true).open(&path)?.write_all(json(&line).as_bytes());
+        let append =
+            || std::fs::OpenOptions::new().append(true).open(&path)?.write_all(json(&line).as_bytes());
         append().map_err(TrainError::io("write", &path))?;
         self.lines.push(line);
         Ok(())
@@ -88,7 +89,8 @@ fn json(line: &Line) -> String {
 
 /// Training and validation loss over steps, on a logarithmic scale, as SVG.
 fn curve(lines: &[Line]) -> Result<String, String> {
-    let training: Vec<(f64, f64)> = lines.iter().map(|line| (line.step as f64, f64::from(line.loss))).collect();
+    let training: Vec<(f64, f64)> =
+        lines.iter().map(|line| (line.step as f64, f64::from(line.loss))).collect();
     let validation: Vec<(f64, f64)> = lines
         .iter()
         .filter_map(|line| line.validation_loss.map(|loss| (line.step as f64, f64::from(loss))))
@@ -97,7 +99,8 @@ fn curve(lines: &[Line]) -> Result<String, String> {
     let (low, high) = losses.fold((f64::INFINITY, 1e-6), |(low, high), loss| (low.min(loss), loss.max(high)));
     let last = training.last().map_or(1.0, |point| point.0);
     let mut svg = String::new();
-    draw(&mut svg, &training, &validation, last, [low.min(high) / 1.1, high * 1.1]).map_err(|e| e.to_string())?;
+    draw(&mut svg, &training, &validation, last, [low.min(high) / 1.1, high * 1.1])
+        .map_err(|e| e.to_string())?;
     Ok(svg)
 }
 

@@ -18,6 +18,9 @@ struct Conv {
     bias: Param<Tensor<1>>,
 }
 
+/// First weights of the layer that makes the image, over those of other layers.
+const IMAGE_SCALE: f64 = 0.01;
+
 /// The U-net of the thesis (7.3.2), driven by [`NetSpec::layers`].
 #[derive(Module, Debug)]
 pub struct UNet {
@@ -27,18 +30,19 @@ pub struct UNet {
 }
 
 impl UNet {
-    /// A network with random weights: normal, of variance `2 / ((1 + leak^2) * fan-in)` before a leaky ReLU and
-    /// `1 / fan-in` before none (He et al. 2015, equations 10 and 15); biases are 0.
+    /// A network with random weights: normal, of variance `2 / ((1 + leak^2) * fan-in)` (He et al. 2015, equation 15);
+    /// biases are 0. The layer that makes the image starts near the effect's background, with weights a hundredth of
+    /// that and the background as its bias: far from the target, structural similarity hardly has a gradient.
     pub fn random(spec: &NetSpec, seed: u64, device: &Device) -> Self {
         let area = spec.kernel * spec.kernel;
         let layers = spec.layers().into_iter().enumerate().map(|(index, layer)| {
             let fan_in = (layer.inputs / layer.groups * area) as f64;
-            let gain = if layer.activation { 2.0 / (1.0 + f64::from(spec.leak).powi(2)) } else { 1.0 };
-            let deviation = (gain / fan_in).sqrt();
+            let (scale, bias) = if layer.activation { (1.0, 0.0) } else { (IMAGE_SCALE, spec.effect.background()) };
+            let deviation = scale * (2.0 / (1.0 + f64::from(spec.leak).powi(2)) / fan_in).sqrt();
             let mut rng = Rng::new(seed, Purpose::Weights, index as u64);
             let count = layer.weight_count(spec.kernel) - layer.outputs;
             let weight = (0..count).map(|_| (deviation * rng.normal()) as f32).collect();
-            LayerWeights { weight, bias: vec![0.0; layer.outputs] }
+            LayerWeights { weight, bias: vec![bias; layer.outputs] }
         });
         Self::from_weights(spec, &Weights(layers.collect()), device)
     }
@@ -147,7 +151,11 @@ pub fn layers_burn(spec: &NetSpec, weights: &Weights, input: &Planes) -> Vec<Act
     if let Some(last) = made.last_mut() {
         *last = last.window(0, 0, input.height(), input.width());
     }
-    spec.layers().into_iter().zip(made).map(|(layer, planes)| Activation { layer: layer.name, planes }).collect()
+    spec.layers()
+        .into_iter()
+        .zip(made)
+        .map(|(layer, planes)| Activation { layer: layer.name, planes })
+        .collect()
 }
 
 /// Images of one size as a tensor `[batch, channels, height, width]`.
@@ -200,15 +208,22 @@ mod tests {
         let sizes = [(16, 16), (64, 32), (37, 83), (101, 19)];
         for order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
             let ao = NetSpec::ao(order, REACH);
-            let specs =
-                [ao.clone(), NetSpec { levels: 1, ..ao.clone() }, NetSpec { levels: 3, kernel: 5, u0: 4, ..ao }];
+            let specs = [
+                ao.clone(),
+                NetSpec { levels: 1, ..ao.clone() },
+                NetSpec { levels: 3, kernel: 5, u0: 4, ..ao },
+            ];
             for (seed, spec) in specs.iter().enumerate() {
                 let weights = Weights::random(spec, seed as u32);
                 for (height, width) in sizes {
                     let input = parity::noise(spec.input_channels(), height, width, 7);
                     let expected = reference::forward(spec, &weights, &input);
                     let comparison = Comparison::new(&expected, &forward_burn(spec, &weights, &input));
-                    assert!(comparison.agrees(), "{order:?}, {} levels, {height}x{width}: {comparison:?}", spec.levels);
+                    assert!(
+                        comparison.agrees(),
+                        "{order:?}, {} levels, {height}x{width}: {comparison:?}",
+                        spec.levels
+                    );
                 }
             }
         }

@@ -99,7 +99,8 @@ impl HalfPair {
     pub fn valid_share(&self, y: usize, x: usize, height: usize, width: usize) -> f32 {
         let first: usize =
             self.attributes.iter().take_while(|a| **a != Attribute::Valid).map(|a| a.width()).sum();
-        let valid = window(&self.gbuffer[first * self.height * self.width..], self.width, [y, x, height, width]);
+        let valid =
+            window(&self.gbuffer[first * self.height * self.width..], self.width, [y, x, height, width]);
         valid.iter().sum::<f32>() / valid.len() as f32
     }
 

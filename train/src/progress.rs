@@ -18,7 +18,8 @@ impl Display {
     /// A display of a run of `steps` that goes on from a step.
     pub fn new(step: usize, steps: usize) -> Self {
         let bar = ProgressBar::new(steps as u64).with_position(step as u64);
-        let style = ProgressStyle::with_template("{bar:30} {pos}/{len} steps, {msg}").expect("a valid template");
+        let style =
+            ProgressStyle::with_template("{bar:30} {pos}/{len} steps, {msg}").expect("a valid template");
         bar.set_style(style);
         Self { bar, steps, began: (Instant::now(), step), last_line: Instant::now() }
     }

@@ -55,7 +55,11 @@ pub fn train(config: &TrainConfig, folder: &Path) -> Result<Outcome, TrainError>
 ///
 /// # Errors
 /// As [`train`].
-pub fn train_on(config: &TrainConfig, source: Arc<dyn PairSource>, folder: &Path) -> Result<Outcome, TrainError> {
+pub fn train_on(
+    config: &TrainConfig,
+    source: Arc<dyn PairSource>,
+    folder: &Path,
+) -> Result<Outcome, TrainError> {
     config.check()?;
     let split = Split::new(&*source, config.validation_pairs)?;
     std::fs::create_dir_all(folder).map_err(TrainError::io("create", folder))?;
@@ -75,7 +79,8 @@ impl Split {
     fn new(source: &dyn PairSource, most: usize) -> Result<Self, TrainError> {
         let (training, held) = (source.training(), source.validation());
         if training.is_empty() || held.is_empty() {
-            let problem = format!("has {} pairs to train on and {} for validation", training.len(), held.len());
+            let problem =
+                format!("has {} pairs to train on and {} for validation", training.len(), held.len());
             return Err(TrainError::Config { field: "dataset", problem });
         }
         let count = held.len().min(most);
@@ -100,7 +105,12 @@ struct Run<'a> {
 
 impl<'a> Run<'a> {
     /// A fresh run, or the one that the folder's checkpoint holds.
-    fn open(config: &'a TrainConfig, folder: &'a Path, cache: Arc<Cache>, split: Split) -> Result<Self, TrainError> {
+    fn open(
+        config: &'a TrainConfig,
+        folder: &'a Path,
+        cache: Arc<Cache>,
+        split: Split,
+    ) -> Result<Self, TrainError> {
         let device = crate::device().autodiff();
         let spec = &config.spec;
         let mut optimiser = config.optimiser.start();
@@ -128,8 +138,7 @@ impl<'a> Run<'a> {
     fn go(mut self) -> Result<Outcome, TrainError> {
         let config = self.config;
         let deadline = config.minutes.map(|minutes| Instant::now() + Duration::from_secs_f64(60.0 * minutes));
-        let mut loader =
-            Loader::start(&self.cache, self.split.training.clone(), config, self.progress.step);
+        let mut loader = Loader::start(&self.cache, self.split.training.clone(), config, self.progress.step);
         let mut display = Display::new(self.progress.step, config.steps);
         let mut ending = if self.progress.stopped { Ending::Stopped } else { Ending::Finished };
         while self.progress.step < config.steps && !self.progress.stopped {

@@ -174,7 +174,10 @@ fn a_run_that_gets_no_better_stops_early_and_stays_stopped() {
     let config = TrainConfig { steps: 100, validate_every: 2, patience: 3, ..config(still) };
     for _ in 0..2 {
         let outcome = train_on(&config, Synthetic::new(ENOUGH), folder.path()).expect("trains");
-        assert_eq!((outcome.ending, outcome.progress.step, outcome.progress.best_step), (Ending::Stopped, 8, 2));
+        assert_eq!(
+            (outcome.ending, outcome.progress.step, outcome.progress.best_step),
+            (Ending::Stopped, 8, 2)
+        );
     }
 }
 
@@ -205,7 +208,8 @@ fn other_settings_in_the_same_folder_and_senseless_ones_are_refused_by_name() {
     ];
     for (config, name) in senseless {
         let folder = tempfile::tempdir().expect("a folder");
-        let error = train_on(&config, Synthetic::new(ENOUGH), folder.path()).expect_err("senseless").to_string();
+        let error =
+            train_on(&config, Synthetic::new(ENOUGH), folder.path()).expect_err("senseless").to_string();
         assert!(error.contains(name), "{error}");
     }
 }

@@ -40,10 +40,7 @@ pub(super) fn card(config: &TrainConfig, progress: &Progress, facts: &Facts) -> 
         ("Trained radius", format!("{} (in scaled positions)", spec.reach.radius)),
         (
             "Default radius",
-            format!(
-                "{} of the scene's diagonal at {} rows",
-                spec.reach.diagonal_share, spec.reach.height
-            ),
+            format!("{} of the scene's diagonal at {} rows", spec.reach.diagonal_share, spec.reach.height),
         ),
         ("Data", facts.recipe.clone()),
         ("Data hash", format!("`{}`", facts.data_hash)),

@@ -26,7 +26,10 @@ const PARITY_SIZE: [usize; 2] = [75, 101];
 pub fn export(run: &Path, folder: &Path, facts: &Facts) -> Result<Model, TrainError> {
     let config = TrainConfig::load(run)?;
     let Some(checkpoint) = Checkpoint::load(run, &config.spec)? else {
-        return Err(TrainError::damaged(&run.join(CHECKPOINT_FILE), "does not exist: nothing was trained yet"));
+        return Err(TrainError::damaged(
+            &run.join(CHECKPOINT_FILE),
+            "does not exist: nothing was trained yet",
+        ));
     };
     let model = Model { spec: config.spec.clone(), weights: checkpoint.best };
     std::fs::create_dir_all(folder).map_err(TrainError::io("create", folder))?;

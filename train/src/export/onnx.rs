@@ -49,7 +49,7 @@ pub fn with_layers(file: &[u8], spec: &NetSpec) -> Result<Vec<u8>, prost::Decode
     let layers = spec.layers();
     let earlier = &layers[..layers.len() - 1];
     if let Some(graph) = &mut model.graph {
-        graph.output = earlier.iter().map(|layer| image(&layer.name, layer.outputs)).collect();
+        graph.output = earlier.iter().map(|layer| layer_image(&layer.name, layer.outputs)).collect();
         graph.output.push(image(OUTPUT, spec.effect.channels()));
     }
     Ok(model.encode_to_vec())
@@ -77,10 +77,19 @@ fn model_proto(spec: &NetSpec, graph: Graph) -> ModelProto {
     }
 }
 
-/// An image `[batch, channels, height, width]`, all but the channels free.
+/// An image `[batch, channels, height, width]` of the input's size, all but the channels free.
 fn image(name: &str, channels: usize) -> ValueInfoProto {
+    sized(name, channels, ["height", "width"])
+}
+
+/// As [`image`], of a layer's own size: the same name would promise the same number.
+fn layer_image(name: &str, channels: usize) -> ValueInfoProto {
+    sized(name, channels, [&format!("{name}.height"), &format!("{name}.width")])
+}
+
+fn sized(name: &str, channels: usize, [height, width]: [&str; 2]) -> ValueInfoProto {
     let free = |name: &str| Extent::DimParam(name.to_owned());
-    let extents = [free("batch"), Extent::DimValue(channels as i64), free("height"), free("width")];
+    let extents = [free("batch"), Extent::DimValue(channels as i64), free(height), free(width)];
     let dim = extents.map(|extent| Dimension { value: Some(extent) }).to_vec();
     let tensor_type = TensorTypeProto { elem_type: FLOAT, shape: Some(TensorShapeProto { dim }) };
     ValueInfoProto { name: name.to_owned(), r#type: Some(TypeProto { tensor_type: Some(tensor_type) }) }
@@ -143,7 +152,8 @@ impl Graph {
             ints("pads", &[half; 4]),
         ];
         let constants = [format!("{name}.weight"), format!("{name}.bias")];
-        let sums = self.node("Conv", &format!("{name}.sums"), &[input, &constants[0], &constants[1]], attributes);
+        let sums =
+            self.node("Conv", &format!("{name}.sums"), &[input, &constants[0], &constants[1]], attributes);
         if !layer.activation {
             return sums;
         }

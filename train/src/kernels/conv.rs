@@ -103,11 +103,8 @@ pub fn backward(
 ) -> ConvGradients {
     let flipped = flip(shape, weight);
     let mut dx = vec![0.0; if wants_input { x.len() } else { 0 }];
-    let mut stripes = if wants_input {
-        shape.stripes(&mut dx, shape.inputs)
-    } else {
-        shape.stripes(&mut [], shape.inputs)
-    };
+    let mut stripes =
+        if wants_input { shape.stripes(&mut dx, shape.inputs) } else { shape.stripes(&mut [], shape.inputs) };
     let partial: Vec<(Vec<f32>, Vec<f32>)> = stripes
         .par_iter_mut()
         .map_init(

@@ -264,7 +264,10 @@ mod tests {
     }
 
     /// Output and gradients of a scalar that depends on every element of the output differently.
-    fn traced<const N: usize>(leaves: [Tensor<4>; N], make: impl Fn([Tensor<4>; N]) -> Tensor<4>) -> Vec<Tensor<4>> {
+    fn traced<const N: usize>(
+        leaves: [Tensor<4>; N],
+        make: impl Fn([Tensor<4>; N]) -> Tensor<4>,
+    ) -> Vec<Tensor<4>> {
         let leaves = leaves.map(|leaf| leaf.require_grad());
         let made = make(leaves.clone());
         let grads = (made.clone() * noise(made.dims(), 99)).sum().backward();
@@ -295,8 +298,13 @@ mod tests {
                 let flat = |bias: Tensor<4>| bias.reshape([groups * outputs]);
                 let made = traced(leaves(), |[x, w, b]| convolve(x, w, flat(b), leak));
                 let expected = traced(leaves(), |[x, w, b]| plain::convolve(x, w, flat(b), leak));
-                for (what, (made, expected)) in ["y", "dx", "dw", "db"].iter().zip(made.iter().zip(&expected)) {
-                    assert_close(&format!("{what} of {:?}", [groups, inputs, outputs, height, width]), made, expected);
+                for (what, (made, expected)) in ["y", "dx", "dw", "db"].iter().zip(made.iter().zip(&expected))
+                {
+                    assert_close(
+                        &format!("{what} of {:?}", [groups, inputs, outputs, height, width]),
+                        made,
+                        expected,
+                    );
                 }
             }
         }
@@ -320,7 +328,8 @@ mod tests {
                 let leaves = || [noise([2, 4, height, width], 1), noise([2, 6, 2 * height, 2 * width], 2)];
                 let made = traced(leaves(), |[coarse, fine]| join(coarse, fine, groups));
                 let expected = traced(leaves(), |[coarse, fine]| plain::join(coarse, fine, groups));
-                for (what, (made, expected)) in ["y", "coarse", "fine"].iter().zip(made.iter().zip(&expected)) {
+                for (what, (made, expected)) in ["y", "coarse", "fine"].iter().zip(made.iter().zip(&expected))
+                {
                     assert_close(&format!("{what} of {height}x{width} in {groups}"), made, expected);
                 }
             }

@@ -138,9 +138,8 @@ fn neighbour(at: usize, size: usize) -> usize {
 /// Doubles a row.
 fn widen(row: &[f32], out: &mut [[f32; 2]]) {
     let last = row.len() - 1;
-    let pair = |left: f32, centre: f32, right: f32| {
-        [0.75 * centre + 0.25 * left, 0.75 * centre + 0.25 * right]
-    };
+    let pair =
+        |left: f32, centre: f32, right: f32| [0.75 * centre + 0.25 * left, 0.75 * centre + 0.25 * right];
     for (window, out) in row.windows(3).zip(&mut out[1..]) {
         *out = pair(window[0], window[1], window[2]);
     }

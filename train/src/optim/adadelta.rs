@@ -31,7 +31,10 @@ impl<const D: usize> RecordState for AdadeltaState<D> {
     fn state_unflatten(prefix: &str, source: &mut StateSource, device: &Device) -> Option<Self> {
         let gradients = source.take_tensor(prefix, GRADIENTS)?;
         let steps = source.take_tensor(prefix, STEPS)?;
-        Some(Self { gradients: Tensor::from_data(gradients, device), steps: Tensor::from_data(steps, device) })
+        Some(Self {
+            gradients: Tensor::from_data(gradients, device),
+            steps: Tensor::from_data(steps, device),
+        })
     }
 }
 
@@ -50,7 +53,8 @@ impl Optimizer for Adadelta {
             steps: gradient.zeros_like(),
         });
         let gradients = self.follow(state.gradients, gradient.clone());
-        let step = (state.steps.clone() + self.epsilon).sqrt() / (gradients.clone() + self.epsilon).sqrt() * gradient;
+        let step = (state.steps.clone() + self.epsilon).sqrt() / (gradients.clone() + self.epsilon).sqrt()
+            * gradient;
         let steps = self.follow(state.steps, step.clone());
         (weights - step * rate, Some(AdadeltaState { gradients, steps }))
     }
@@ -94,12 +98,8 @@ mod tests {
             assert!((f64::from(*weight) - expected).abs() < 1e-6, "{weight} is not {expected}");
         }
         // The first step alone, in closed form: sqrt(epsilon) / sqrt(0.1 g^2 + epsilon) * g.
-        let (first, _) = adadelta.step::<1>(
-            1.0,
-            Tensor::zeros([1], &device),
-            Tensor::from_floats([0.5], &device),
-            None,
-        );
+        let (first, _) =
+            adadelta.step::<1>(1.0, Tensor::zeros([1], &device), Tensor::from_floats([0.5], &device), None);
         let first: f32 = first.into_scalar();
         assert!((f64::from(first) + 1e-3 / (0.025f64 + 1e-6).sqrt() * 0.5).abs() < 1e-8, "{first}");
     }
