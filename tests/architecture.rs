@@ -26,7 +26,7 @@ fn workspace() -> Metadata {
     MetadataCommand::new().no_deps().exec().expect("cargo metadata of this workspace")
 }
 
-fn imports<'a>(package: &'a Package, wanted: impl Fn(&str) -> bool) -> BTreeSet<&'a str> {
+fn imports(package: &Package, wanted: impl Fn(&str) -> bool) -> BTreeSet<&str> {
     package
         .dependencies
         .iter()

@@ -146,7 +146,9 @@ fn surface_fault(gbuffer: &GBuffer, pixel: usize) -> Option<String> {
     }
     for attribute in [Attribute::Normal, Attribute::WorldNormal] {
         let length = vector(attribute).map(Vec3::length);
-        if let Some(length) = length.filter(|length| length.is_nan() || (length - 1.0).abs() >= UNIT_TOLERANCE) {
+        if let Some(length) =
+            length.filter(|length| length.is_nan() || (length - 1.0).abs() >= UNIT_TOLERANCE)
+        {
             return Some(format!("{} of length {length}", attribute.name()));
         }
     }
