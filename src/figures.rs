@@ -2,7 +2,7 @@
 //! stable names.
 
 use anyhow::{Context, Result};
-use deepshade_render::atomic_file;
+use deepshade_shaders::atomic_file;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 

@@ -2,7 +2,7 @@
 
 use crate::generate::target_layer;
 use crate::{Dataset, DatasetError, Pair, font};
-use deepshade_render::atomic_file;
+use deepshade_shaders::atomic_file;
 use deepshade_shaders::{Attribute, GBuffer};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use std::path::Path;

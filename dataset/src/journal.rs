@@ -6,7 +6,7 @@
 
 use crate::DatasetError;
 use crate::recipe::file_hash;
-use deepshade_render::atomic_file::TEMPORARY_PREFIX;
+use deepshade_shaders::atomic_file::TEMPORARY_PREFIX;
 use rayon::prelude::*;
 use serde::{Serialize, de::DeserializeOwned};
 use std::collections::HashMap;

@@ -3,8 +3,9 @@
 
 use crate::journal::Entry;
 use crate::{DatasetError, Part, Recipe, SceneSource};
+use deepshade_render::exr_file;
 use deepshade_render::scene::Camera;
-use deepshade_render::{atomic_file, exr_file};
+use deepshade_shaders::atomic_file;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::path::Path;
 

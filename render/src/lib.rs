@@ -2,7 +2,6 @@
 //!
 //! Data flows one way: scene, frame, method, image, comparison.
 
-pub mod atomic_file;
 pub mod bvh;
 pub mod exr_file;
 pub mod gbuffer;

@@ -5,6 +5,7 @@
 //! top left; linear radiance, no gamma inside. Images are planar `[channels, height, width]` f32 in memory and half
 //! floats in files.
 
+pub mod atomic_file;
 pub mod channel;
 pub mod effect;
 pub mod gbuffer;

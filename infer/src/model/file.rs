@@ -1,10 +1,10 @@
 //! The files of a model folder: reading with limits, writing as a whole, tensors of 32-bit floats.
 
 use super::ModelError;
-use deepshade_shaders::Planes;
+use deepshade_shaders::{Planes, atomic_file};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use std::fs::File;
-use std::io::{Error, Read, Write};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// The spec.
@@ -34,32 +34,12 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>, ModelError> {
     Ok(bytes)
 }
 
-/// Makes a file, or replaces it as a whole: whoever opens it, now or after a power cut, sees the old or the new one.
-/// Its folder is made where there is none.
+/// Makes a file, or replaces it as a whole. Its folder is made where there is none.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), ModelError> {
     let folder = path.parent().unwrap_or(Path::new("."));
-    let replace = || -> Result<(), Error> {
-        std::fs::create_dir_all(folder)?;
-        let mut file = tempfile::Builder::new().prefix(".writing-").tempfile_in(folder)?;
-        file.write_all(bytes)?;
-        file.as_file().sync_all()?;
-        share(file.as_file())?;
-        file.persist(path)?;
-        Ok(())
-    };
-    replace().map_err(|source| ModelError::Io { action: "write", path: path.to_owned(), source })
-}
-
-/// Lets everybody read the file; temporary files begin as their owner's alone.
-#[cfg(unix)]
-fn share(file: &File) -> Result<(), Error> {
-    use std::os::unix::fs::PermissionsExt;
-    file.set_permissions(std::fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn share(_: &File) -> Result<(), Error> {
-    Ok(())
+    std::fs::create_dir_all(folder)
+        .and_then(|()| atomic_file::write(path, bytes))
+        .map_err(|source| ModelError::Io { action: "write", path: path.to_owned(), source })
 }
 
 /// Writes named tensors, `(name, shape, elements)`.

@@ -1,7 +1,7 @@
 //! Writing.
 
 use super::{ExrError, Metadata, PROGRAM};
-use crate::atomic_file;
+use deepshade_shaders::atomic_file;
 use deepshade_shaders::{GBuffer, Planes};
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, Image, LayerAttributes,

@@ -34,7 +34,7 @@ impl Limb {
 pub fn build(stage: &mut Stage, random: &mut Random) {
     let floor = Floor { seed: random.bits(), bump: random.within(0.1, 0.2), pitch: random.within(1.6, 3.2) };
     let base = materials::paint(stage, random);
-    stage.add("floor", base, ground(Vec2::splat(2.0 * HALF), 110, -0.6, |x, z| floor.height(x, z)));
+    stage.add("floor", base, ground(Vec2::splat(2.0 * HALF), 110, -0.4, |x, z| floor.height(x, z)));
     let skins = materials::several(6, materials::paint, stage, random);
     let mut lot = Lot::new(skins);
     for _ in 0..random.count(2, 3) {

@@ -70,7 +70,7 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
 fn gorge(plan: &Plan, stage: &mut Stage, random: &mut Random) {
     let size = Vec2::new(2.0 * plan.half + 2.4, 2.0 * plan.wide + 2.6);
     let earth = materials::earth(stage, random);
-    stage.add("ground", earth, ground(size, 100, -plan.deep - 1.0, |x, z| plan.ground(x, z)));
+    stage.add("ground", earth, ground(size, 100, -plan.deep - 0.6, |x, z| plan.ground(x, z)));
     let stone = materials::stone(stage, random);
     let boulders = (0..random.count(70, 120)).map(|_| {
         let (x, z) = (random.within(-0.48, 0.48) * size.x, random.within(-0.48, 0.48) * size.y);

@@ -177,11 +177,7 @@ fn facade(length: f32, floors: usize, depth: f32, style: &Style, random: &mut Ra
             let balcony = floor > 0 && random.chance(style.balconies);
             if !balcony {
                 parts.wall.join(part(0.0, sill));
-                parts.trim.join(bevelled_box(style.window.x + 0.2, 0.08, 0.2, 0.015).moved(
-                    x,
-                    y + sill,
-                    depth,
-                ));
+                parts.trim.join(cuboid(style.window.x + 0.2, 0.08, 0.2).moved(x, y + sill, depth));
             }
             let low = if balcony { 0.08 } else { sill + 0.08 };
             parts.trim.join(window(style, Vec2::new(x, y + low), head - low));
@@ -290,8 +286,10 @@ fn flat_roof(top: Vec3, size: Vec2, wall: MaterialId, looks: &Looks, stage: &mut
     }
     stage.add("cornice", looks.trim, trim.at(top));
     let mut metal = Shape::default();
-    for _ in 0..random.count(3, 6) {
-        let at = Vec3::new(random.within(-0.7, 0.7) * x, 0.2, random.within(0.0, 0.7) * z);
+    let pieces = random.count(2, 4);
+    for i in 0..pieces {
+        let share = (i as f32 + random.within(0.3, 0.7)) / pieces as f32;
+        let at = Vec3::new((1.5 * share - 0.75) * x, 0.2, random.within(0.1, 0.7) * z);
         metal.join(match random.count(0, 2) {
             0 => water_tank().at(at),
             1 => (bevelled_box(1.1, 0.8, 0.8, 0.05) + pipe(0.3, 0.27, 0.1, 20).moved(0.0, 0.8, 0.0)).at(at),

@@ -108,7 +108,7 @@ impl Growth<'_> {
                 start,
                 (heading + outward * spread).normalize(),
                 length * shorter,
-                radius * 0.5,
+                radius * 0.4,
                 level + 1,
             );
         }

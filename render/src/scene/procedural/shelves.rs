@@ -18,7 +18,7 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
     let aisle = random.within(0.8, 1.1);
     let depth = random.within(0.32, 0.42);
     let height = random.within(1.7, 2.3);
-    let rows = if length > 3.1 { 1 } else { random.count(1, 2) };
+    let rows = if length > 2.9 { 1 } else { random.count(1, 2) };
     let half_depth = 0.5 * (rows as f32 + 1.0) * aisle + (rows as f32 + 1.0) * depth;
     shell(length, half_depth, height + 0.35, stage, random);
     let boards =

@@ -26,7 +26,7 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
     let (low, high) = land.range();
     let rock = materials::stone(stage, random);
     let surface =
-        ground(Vec2::splat(land.size), SIDE - 1, low - 0.05 * land.size, |x, z| land.height(Vec2::new(x, z)));
+        ground(Vec2::splat(land.size), SIDE - 1, low - 0.02 * land.size, |x, z| land.height(Vec2::new(x, z)));
     let earth = materials::earth(stage, random);
     stage.add("land", if random.chance(0.5) { rock } else { earth }, surface);
     stage.add("boulders", rock, boulders(&land, random));
