@@ -3,8 +3,7 @@
 
 use crate::compare::{self, Settings, compare_frame, default_radius};
 use crate::figures::Figures;
-use crate::learned::Learned;
-use crate::methods::{self, LEARNED, Setup};
+use crate::methods::{self, Setup};
 use crate::report::Comparison;
 use crate::views::View;
 use anyhow::{Context, Result};
@@ -22,16 +21,18 @@ use std::path::PathBuf;
 pub struct Args {
     /// Folder of everything that the demo makes.
     #[arg(long, default_value = "target/demo")]
-    pub out: PathBuf,
+    out: PathBuf,
     /// Folder of the shipped network.
     #[arg(long, default_value = "models/ao")]
     model: PathBuf,
+    #[cfg(feature = "train")]
     /// The recipe that the short training's data are made from.
     #[arg(long, default_value = "dataset/recipes/ao-small.toml")]
-    pub recipe: PathBuf,
+    recipe: PathBuf,
+    #[cfg(feature = "train")]
     /// How long the short training takes, minutes.
     #[arg(long, default_value_t = 2.0)]
-    pub minutes: f64,
+    minutes: f64,
     /// Rays a pixel of each of truth's two renderings.
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     samples: u32,
@@ -92,7 +93,9 @@ fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model) -> Result<Compa
 /// A training run short enough to watch: from a recipe to a network that runs in WGSL.
 #[cfg(feature = "train")]
 mod short_training {
-    use super::{Args, Figures, Gpu, LEARNED, Learned, Model, Repeats};
+    use super::{Args, Figures, Gpu, Model, Repeats};
+    use crate::learned::Learned;
+    use crate::methods::LEARNED;
     use anyhow::{Result, bail, ensure};
     use deepshade_dataset::{Dataset, Radius, Recipe, generate};
     use deepshade_infer::ChannelOrder;

@@ -53,7 +53,7 @@ fn folder_with_a_fault(folder: &Path, layer: usize) -> Model {
     let bytes = deepshade_train::export::onnx::encode(&exported);
     std::fs::write(folder.join("model.onnx"), bytes).expect("written");
     let mut model = exported;
-    model.weights.0[layer].weight[3] += 0.5;
+    model.weights.0[layer].weight.iter_mut().for_each(|weight| *weight += 0.2);
     model.save(folder).expect("saved");
     let input = parity::noise(model.spec.input_channels(), 20, 30, 1);
     let output = reference::forward(&model.spec, &model.weights, &input);

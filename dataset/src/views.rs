@@ -1,14 +1,16 @@
 //! Sampling views: positions in a box fitted to the scene, none inside geometry or looking at nothing.
 //!
-//! A position is uniform in the box around the scene, which is first widened where it is flat. The camera looks from
-//! there at another such point, with 50 degrees of view (thesis 7.3.1). A view is taken if
+//! The box holds the middles of all triangles but for the outermost hundredth on each side, so that a ground plane or
+//! a sky does not drown what stands on it; it is widened by a tenth, and more where it is flat. A position is uniform
+//! in it, and the camera looks from there at another such point, with 50 degrees of view (thesis 7.3.1). A view is
+//! taken if
 //! - a ball of probe rays around the camera finds no more than half of its directions ending on a triangle's back:
 //!   inside a closed object all of them do, and below a terrain half;
 //! - of a grid of probe rays through the image, at least [`LEAST_SEEN`] meet a surface, and of these
 //! - no more than [`MOST_BACKS`] meet a back (leaves and cloth have backs on show, walls have not),
-//! - no more than one in twenty is nearer than [`NEAREST`] of the scene's diagonal,
+//! - no more than one in twenty is nearer than [`NEAREST`] of the box's diagonal,
 //! - the median is [`LEAST_MEDIAN`] to 1 diagonals away,
-//! - they do not all lie on one plane's orientation (a wall that fills the image).
+//! - no two planes hold more than [`MOST_ON_TWO_PLANES`] (a blank wall and its floor teach nothing).
 
 use crate::DatasetError;
 use crate::random::{mix, uniform};
@@ -32,8 +34,12 @@ pub const MOST_BACKS: f32 = 0.35;
 pub const NEAREST: f32 = 0.005;
 /// Smallest median distance as a share of the diagonal.
 pub const LEAST_MEDIAN: f32 = 0.02;
-/// Length of the mean normal of the surfaces seen from which on they count as one plane.
-const ONE_PLANE: f32 = 0.95;
+/// Share of the surfaces seen that may lie on two planes.
+pub const MOST_ON_TWO_PLANES: f32 = 0.85;
+/// Share of the triangles that the box leaves out at each of its sides.
+const OUTLIERS: f32 = 0.01;
+/// How much of its diagonal the box is widened by on each side.
+const MARGIN: f32 = 0.1;
 
 /// The view of an index of a scene, for an image of this size. The same for the same `seed`, `scene_key` and `view`.
 ///
@@ -47,7 +53,7 @@ pub fn sample_view(
     view: usize,
 ) -> Result<Camera, DatasetError> {
     let stream = mix(&[u64::from(seed), scene_key, view as u64]);
-    let bounds = widened(scene.bounds());
+    let bounds = fitted_box(scene);
     let mut refusals = [0; REASONS.len()];
     for attempt in 0..ATTEMPTS {
         let point = |first: u64| {
@@ -59,7 +65,7 @@ pub fn sample_view(
             continue;
         }
         let camera = Camera::look_at(position, target);
-        match refusal(scene, &camera, width as f32 / height as f32) {
+        match refusal(scene, &camera, width as f32 / height as f32, bounds.diagonal()) {
             None => return Ok(camera),
             Some(reason) => refusals[reason] += 1,
         }
@@ -75,11 +81,11 @@ const REASONS: [&str; 6] = [
     "it sees the backs of surfaces",
     "surfaces are too near",
     "what it sees is too near or too far away",
-    "it sees a single plane",
+    "it sees little but a plane or two",
 ];
 
 /// Index into [`REASONS`] if a view is not fit.
-fn refusal(scene: &TracedScene, camera: &Camera, aspect: f32) -> Option<usize> {
+fn refusal(scene: &TracedScene, camera: &Camera, aspect: f32, diagonal: f32) -> Option<usize> {
     if back_share_around(scene, camera.position) > 0.5 {
         return Some(0);
     }
@@ -92,7 +98,6 @@ fn refusal(scene: &TracedScene, camera: &Camera, aspect: f32) -> Option<usize> {
     if seen.iter().filter(|probe| probe.back).count() as f32 > MOST_BACKS * count {
         return Some(2);
     }
-    let diagonal = scene.diagonal();
     seen.sort_by(|a, b| a.distance.total_cmp(&b.distance));
     if seen[seen.len() / 20].distance < NEAREST * diagonal {
         return Some(3);
@@ -100,8 +105,19 @@ fn refusal(scene: &TracedScene, camera: &Camera, aspect: f32) -> Option<usize> {
     if !(LEAST_MEDIAN * diagonal..=diagonal).contains(&seen[seen.len() / 2].distance) {
         return Some(4);
     }
-    let mean_normal = seen.iter().map(|probe| probe.normal).sum::<Vec3>() / count;
-    (mean_normal.length() > ONE_PLANE).then_some(5)
+    (share_on_two_planes(&seen, 1e-3 * diagonal) > MOST_ON_TWO_PLANES).then_some(5)
+}
+
+/// Share of the probes that lie on the two planes with the most of them, up to a tolerance of the planes' offset.
+fn share_on_two_planes(probes: &[Probe], tolerance: f32) -> f32 {
+    let same =
+        |a: &Probe, b: &Probe| a.normal.dot(b.normal) > 0.999 && (a.offset - b.offset).abs() < tolerance;
+    let mut rest: Vec<&Probe> = probes.iter().collect();
+    for _ in 0..2 {
+        let largest = rest.iter().copied().max_by_key(|a| rest.iter().filter(|b| same(a, b)).count());
+        rest.retain(|probe| largest.is_some_and(|plane| !same(plane, probe)));
+    }
+    1.0 - rest.len() as f32 / probes.len() as f32
 }
 
 /// What a probe ray met.
@@ -109,6 +125,8 @@ struct Probe {
     distance: f32,
     /// Unit normal of the triangle, facing the ray.
     normal: Vec3,
+    /// Distance of the triangle's plane from the camera.
+    offset: f32,
     /// Whether it met the triangle's back.
     back: bool,
 }
@@ -119,7 +137,8 @@ impl Probe {
         let [a, b, c] = scene.scene().meshes[hit.mesh as usize].corners(hit.triangle as usize);
         let normal = (b - a).cross(c - a).normalize_or_zero();
         let back = normal.dot(direction) > 0.0;
-        Some(Self { distance: hit.distance, normal: if back { -normal } else { normal }, back })
+        let offset = normal.dot(direction).abs() * hit.distance;
+        Some(Self { distance: hit.distance, normal: if back { -normal } else { normal }, offset, back })
     }
 }
 
@@ -158,7 +177,31 @@ fn grid(camera: &Camera, aspect: f32) -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// A scene's bounds with every edge at least [`LEAST_EDGE`] of the diagonal.
+/// The box that views are sampled in: around all but the outermost triangles, then widened.
+fn fitted_box(scene: &TracedScene) -> Bounds {
+    let meshes = &scene.scene().meshes;
+    let corners = meshes.iter().flat_map(|mesh| (0..mesh.triangles.len()).map(|index| mesh.corners(index)));
+    let middles: Vec<Vec3> = corners.map(|[a, b, c]| (a + b + c) / 3.0).collect();
+    let left_out = (OUTLIERS * middles.len() as f32) as usize;
+    // Nothing is left out of a scene of few triangles, whose middles say little of its size.
+    let inner = if left_out == 0 { scene.bounds() } else { without_outliers(&middles, left_out) };
+    let margin = Vec3::splat(MARGIN * inner.diagonal());
+    let Bounds { min, max } = scene.bounds();
+    widened(Bounds { min: (inner.min - margin).max(min), max: (inner.max + margin).min(max) })
+}
+
+/// The box around points but for `left_out` of them at each side.
+fn without_outliers(points: &[Vec3], left_out: usize) -> Bounds {
+    let mut inner = Bounds::EMPTY;
+    for axis in 0..3 {
+        let mut values: Vec<f32> = points.iter().map(|point| point[axis]).collect();
+        inner.min[axis] = *values.select_nth_unstable_by(left_out, f32::total_cmp).1;
+        inner.max[axis] = *values.select_nth_unstable_by(points.len() - 1 - left_out, f32::total_cmp).1;
+    }
+    inner
+}
+
+/// A box with every edge at least [`LEAST_EDGE`] of the diagonal.
 fn widened(bounds: Bounds) -> Bounds {
     let missing = (Vec3::splat(LEAST_EDGE * bounds.diagonal()) - bounds.size()).max(Vec3::ZERO);
     Bounds {
@@ -228,6 +271,20 @@ mod tests {
         assert!(inside_geometry(&scene, Vec3::new(3.0, 1.5, 4.05)));
         assert!(!inside_geometry(&scene, Vec3::new(3.0, 1.5, 2.0)));
         assert!(!inside_geometry(&scene, Vec3::new(3.0, 1.5, 9.0)));
+    }
+
+    #[test]
+    fn a_wide_ground_does_not_draw_the_views_away() {
+        let ground = block(Vec3::new(-500.0, -0.1, -500.0), Vec3::new(500.0, 0.0, 500.0), true);
+        let crowd = (0..400).map(|i| {
+            let corner = Vec3::new((i % 20) as f32, 0.0, (i / 20) as f32);
+            block(corner, corner + Vec3::new(0.5, 1.0 + (i % 3) as f32, 0.5), true)
+        });
+        let scene = traced(std::iter::once(ground).chain(crowd).collect());
+        for view in 0..20 {
+            let p = sample_view(&scene, [64, 64], 5, 1, view).expect("a view").position;
+            assert!(p.x > -10.0 && p.x < 30.0 && p.z > -10.0 && p.z < 30.0, "{p}");
+        }
     }
 
     #[test]

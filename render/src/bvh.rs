@@ -1,17 +1,22 @@
-//! Which triangle a ray meets: a scene with an eight-wide bounding volume hierarchy over it, built by `obvhs`.
+//! Which triangle a ray meets: a scene with bounding volume hierarchies over it, built by `obvhs`; an eight-wide one for
+//! single rays, a binary one for bundles of rays from one point.
 //!
-//! Triangles lie in the order of the hierarchy's leaves. Where a material is masked or blended, opacity decides
-//! whether a triangle is there at all.
+//! Triangles lie in the order of the eight-wide hierarchy's leaves. Where a material is masked or blended, opacity
+//! decides whether a triangle is there at all.
+
+pub mod bundle;
 
 use crate::scene::{AlphaMode, Bounds, Scene, SceneError};
+use bundle::Start;
 use glam::{Vec2, Vec3, Vec3A};
 use obvhs::{
     BvhBuildParams,
-    cwbvh::{CwBvh, builder::build_cwbvh_from_tris},
+    bvh2::{Bvh2, leaf_collapser::collapse, reinsertion::ReinsertionOptimizer},
+    cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh},
+    ploc::PlocBuilder,
     ray::{Ray, RayHit},
     triangle::Triangle,
 };
-use std::time::Duration;
 
 /// Opacity from which a blended surface is seen by a camera, which cannot see two surfaces at once.
 const VISIBLE_OPACITY: f32 = 0.5;
@@ -21,7 +26,9 @@ pub struct TracedScene {
     scene: Scene,
     bounds: Bounds,
     bvh: CwBvh,
-    /// In the order of the hierarchy.
+    /// For bundles; its leaves point to `triangles`.
+    binary: Bvh2,
+    /// In the order of `bvh`.
     triangles: Vec<Triangle>,
     /// Mesh and triangle in it, of each of `triangles`.
     origins: Vec<TriangleOrigin>,
@@ -66,7 +73,7 @@ impl TracedScene {
             return Err(SceneError::Empty { name: scene.name });
         }
         let (triangles, origins) = flattened(&scene);
-        let bvh = build_cwbvh_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default());
+        let (bvh, binary) = hierarchies(&triangles);
         let in_order = |index: &u32| *index as usize;
         Ok(Self {
             bounds: scene.bounds(),
@@ -74,6 +81,7 @@ impl TracedScene {
             triangles: bvh.primitive_indices.iter().map(|index| triangles[in_order(index)]).collect(),
             origins: bvh.primitive_indices.iter().map(|index| origins[in_order(index)]).collect(),
             bvh,
+            binary,
         })
     }
 
@@ -114,10 +122,20 @@ impl TracedScene {
     pub fn blocked(&self, origin: Vec3, direction: Vec3, reach: f32) -> bool {
         let ray = ray(origin, direction, reach);
         !self.bvh.ray_traverse_miss(ray, |ray, index| {
-            self.distance(ray, index, |opacity| {
-                opacity >= 1.0 || (opacity > 0.0 && opacity > ray_hash(ray, index))
-            })
+            self.distance(ray, index, |opacity| stops(opacity, ray, index))
         })
+    }
+
+    /// [`TracedScene::blocked`] for rays that start together: bit `i` is set where `directions[i]` is blocked. The
+    /// directions are unit vectors, at most [`bundle::BUNDLE`] of them; the nearer neighbours are to each other, the
+    /// faster it goes.
+    pub fn blocked_bundle(&self, start: Start, directions: &[Vec3]) -> u64 {
+        let opaque = |index: u32| !self.origins[index as usize].see_through;
+        let present = |index: u32, direction: Vec3| {
+            let ray = ray(start.origin, direction, start.reach);
+            stops(self.opacity(&ray, index as usize), &ray, index as usize)
+        };
+        bundle::blocked(&self.binary, &self.triangles, start, directions, opaque, present)
     }
 
     /// Distance to a triangle if the ray meets it and `present` says so of its opacity there, else infinity.
@@ -169,6 +187,35 @@ fn flattened(scene: &Scene) -> (Vec<Triangle>, Vec<TriangleOrigin>) {
         }
     }
     (triangles, origins)
+}
+
+/// The hierarchies over triangles: one build, two layouts.
+fn hierarchies(triangles: &[Triangle]) -> (CwBvh, Bvh2) {
+    const MOST_IN_A_WIDE_LEAF: u32 = 3;
+    let params = BvhBuildParams::medium_build();
+    let mut binary = PlocBuilder::with_capacity(triangles.len()).build(
+        params.ploc_search_distance,
+        triangles,
+        (0..triangles.len() as u32).collect(),
+        params.sort_precision,
+        params.search_depth_threshold,
+    );
+    ReinsertionOptimizer::default().run(&mut binary, params.reinsertion_batch_ratio, None);
+    let wide = bvh2_to_cwbvh(&binary, MOST_IN_A_WIDE_LEAF, true, false);
+    collapse(&mut binary, params.max_prims_per_leaf, params.collapse_traversal_cost);
+    let mut places = vec![0; triangles.len()];
+    for (place, triangle) in wide.primitive_indices.iter().enumerate() {
+        places[*triangle as usize] = place as u32;
+    }
+    for triangle in &mut binary.primitive_indices {
+        *triangle = places[*triangle as usize];
+    }
+    (wide, binary)
+}
+
+/// Whether a surface of some opacity stops a ray.
+fn stops(opacity: f32, ray: &Ray, index: usize) -> bool {
+    opacity >= 1.0 || (opacity > 0.0 && opacity > ray_hash(ray, index))
 }
 
 fn ray(origin: Vec3, direction: Vec3, reach: f32) -> Ray {

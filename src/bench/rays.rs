@@ -4,8 +4,10 @@ use crate::compare::DEFAULT_RADIUS_SHARE;
 use crate::{figures::Figures, scene_source::SceneSource, views};
 use anyhow::{Result, ensure};
 use deepshade_render::bvh::TracedScene;
+use deepshade_render::bvh::bundle::{BUNDLE, Start};
 use deepshade_render::intersection::SurfacePoint;
-use deepshade_render::path::sampler::{PixelSampler, cosine_hemisphere, frame};
+use deepshade_render::path::ao::hemisphere;
+use deepshade_render::path::sampler::PixelSampler;
 use deepshade_render::scene::Camera;
 use glam::{Vec2, Vec3};
 use std::hint::black_box;
@@ -24,9 +26,6 @@ pub struct Args {
     /// Rows and columns of each view.
     #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u16).range(16..=4096))]
     size: u16,
-    /// Ambient occlusion rays from each surface that a view sees.
-    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=1024))]
-    samples: u32,
     /// Times that all rays are traced; the median counts.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     runs: u32,
@@ -35,11 +34,9 @@ pub struct Args {
     json: Option<PathBuf>,
 }
 
-/// A ray with the length that matters.
 struct Ray {
     origin: Vec3,
     direction: Vec3,
-    reach: f32,
 }
 
 /// Measures and prints.
@@ -54,20 +51,37 @@ pub fn run(args: &Args) -> Result<()> {
     for view in args.views.of(&scene, [size, size])? {
         primary.extend(primary_rays(&view.camera, size));
     }
-    let ao = occlusion_rays(&scene, &primary, args.samples);
-    ensure!(!ao.is_empty(), "the views of {} see nothing", args.scene);
-    let mrays_primary = megarays(&primary, args.runs, |ray| {
-        scene.hit(ray.origin, ray.direction, ray.reach).map_or(0, |hit| hit.triangle)
+    let bundles = occlusion_bundles(&scene, &primary);
+    ensure!(!bundles.is_empty(), "the views of {} see nothing", args.scene);
+    let mrays_primary = megarays(primary.len(), args.runs, || {
+        let hit = |ray: &Ray| scene.hit(ray.origin, ray.direction, f32::INFINITY);
+        primary.iter().filter_map(hit).map(|hit| hit.triangle).fold(0, u32::wrapping_add)
     });
-    let mrays_ao =
-        megarays(&ao, args.runs, |ray| u32::from(scene.blocked(ray.origin, ray.direction, ray.reach)));
+    let rays = bundles.len() * BUNDLE;
+    let mrays_ao = megarays(rays, args.runs, || {
+        bundles
+            .iter()
+            .map(|(start, directions)| scene.blocked_bundle(*start, directions).count_ones())
+            .fold(0, u32::wrapping_add)
+    });
+    let mrays_ao_single = megarays(rays, args.runs, || {
+        let blocked = |(start, directions): &(Start, Vec<Vec3>)| {
+            let blocked = |direction: &&Vec3| scene.blocked(start.origin, **direction, start.reach);
+            directions.iter().filter(blocked).count() as u32
+        };
+        bundles.iter().map(blocked).fold(0, u32::wrapping_add)
+    });
 
     println!("scene              {} ({triangles} triangles, built in {build_seconds:.2} s)", args.scene);
     println!("primary            {mrays_primary:.2} Mrays/s, one thread ({} rays)", primary.len());
-    println!("ambient occlusion  {mrays_ao:.2} Mrays/s, one thread ({} rays)", ao.len());
+    println!(
+        "ambient occlusion  {mrays_ao:.2} Mrays/s, one thread ({rays} rays, in bundles as truth traces them)"
+    );
+    println!("                   {mrays_ao_single:.2} Mrays/s one by one");
     let mut figures = Figures::new("bench rays");
     figures.set("mrays_primary", mrays_primary);
     figures.set("mrays_ao", mrays_ao);
+    figures.set("mrays_ao_single", mrays_ao_single);
     figures.set("build_seconds", build_seconds);
     figures.set("triangles", triangles as f64);
     figures.detail("scene", args.scene.to_string().into());
@@ -79,35 +93,35 @@ fn primary_rays(camera: &Camera, size: usize) -> impl Iterator<Item = Ray> {
     (0..size * size).map(move |i| {
         let pixel = Vec2::new((i % size) as f32 + 0.5, (i / size) as f32 + 0.5);
         let direction = camera.direction(pixel, size, size);
-        Ray { origin: camera.position, direction, reach: f32::INFINITY }
+        Ray { origin: camera.position, direction }
     })
 }
 
-/// Cosine-distributed rays, as long as the default radius, from what the primary rays meet.
-fn occlusion_rays(scene: &TracedScene, primary: &[Ray], samples: u32) -> Vec<Ray> {
+/// Every which pixel ambient occlusion rays start from: neighbours tell nothing new.
+const STRIDE: usize = 5;
+
+/// A bundle of cosine-distributed rays, as long as the default radius, from each surface that primary rays meet.
+fn occlusion_bundles(scene: &TracedScene, primary: &[Ray]) -> Vec<(Start, Vec<Vec3>)> {
     let reach = DEFAULT_RADIUS_SHARE * scene.diagonal();
-    let mut rays = Vec::new();
-    for (i, ray) in primary.iter().enumerate() {
-        let Some(hit) = scene.hit(ray.origin, ray.direction, ray.reach) else { continue };
+    let bundle = |(i, ray): (usize, &Ray)| {
+        let hit = scene.hit(ray.origin, ray.direction, f32::INFINITY)?;
         let point = SurfacePoint::new(scene, &hit, ray.direction);
-        let (sampler, to_world) = (PixelSampler::new(i, 0, 0), frame(point.normal));
-        rays.extend((0..samples).map(|sample| {
-            let [u, v, ..] = sampler.sample_4d(sample, 0);
-            Ray { origin: point.ray_origin(), direction: to_world * cosine_hemisphere(u, v), reach }
-        }));
-    }
-    rays
+        let start = Start { origin: point.ray_origin(), above: point.geometric_normal, reach };
+        let directions = hemisphere(&PixelSampler::new(i, 0, 0), BUNDLE as u32, point.geometric_normal);
+        Some((start, directions))
+    };
+    primary.iter().enumerate().step_by(STRIDE).filter_map(bundle).collect()
 }
 
 /// Millions of rays a second on this thread, median of some runs.
-fn megarays(rays: &[Ray], runs: u32, trace: impl Fn(&Ray) -> u32) -> f64 {
+fn megarays(rays: usize, runs: u32, trace: impl Fn() -> u32) -> f64 {
     let mut seconds: Vec<f64> = (0..runs)
         .map(|_| {
             let start = Instant::now();
-            black_box(rays.iter().fold(0u32, |sum, ray| sum.wrapping_add(trace(ray))));
+            black_box(trace());
             start.elapsed().as_secs_f64()
         })
         .collect();
     seconds.sort_by(f64::total_cmp);
-    rays.len() as f64 / seconds[seconds.len() / 2] / 1e6
+    rays as f64 / seconds[seconds.len() / 2] / 1e6
 }

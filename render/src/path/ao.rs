@@ -2,11 +2,14 @@
 //! that nothing blocks within a radius (thesis 7.4).
 
 use super::sampler::{MAX_SAMPLES, PixelSampler, cosine_hemisphere, frame};
-use crate::bvh::TracedScene;
+use crate::bvh::{
+    TracedScene,
+    bundle::{BUNDLE, Start},
+};
 use crate::intersection::SurfacePoint;
 use crate::scene::Camera;
 use deepshade_shaders::{Effect, Planes};
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 /// Edge of the squares of pixels that threads take, so that a thread's rays stay near each other.
@@ -77,26 +80,43 @@ impl Ao {
 
     /// The open share of the hemisphere over a point.
     fn open_share(&self, scene: &TracedScene, point: &SurfacePoint, sampler: PixelSampler) -> f32 {
-        let origin = point.ray_origin();
-        let to_world = frame(point.normal);
+        let start = Start { origin: point.ray_origin(), above: point.geometric_normal, reach: self.radius };
         let samples = self.samples.clamp(1, MAX_SAMPLES);
-        let open = (0..samples)
-            .filter(|sample| {
-                let [u, v, ..] = sampler.sample_4d(*sample, 0);
-                let direction = to_world * cosine_hemisphere(u, v);
-                // A direction below the triangle is blocked by the triangle itself.
-                direction.dot(point.geometric_normal) > 0.0 && !scene.blocked(origin, direction, self.radius)
-            })
-            .count();
+        // A direction below the triangle is blocked by the triangle itself.
+        let mut directions = hemisphere(&sampler, samples, point.normal);
+        directions.retain(|direction| direction.dot(point.geometric_normal) > 0.0);
+        let open: u32 = directions
+            .chunks(BUNDLE)
+            .map(|bundle| bundle.len() as u32 - scene.blocked_bundle(start, bundle).count_ones())
+            .sum();
         open as f32 / samples as f32
     }
+}
+
+/// Cosine-distributed directions around a normal, neighbours one after the other: in the order of a Morton curve
+/// over the square that they come from.
+pub fn hemisphere(sampler: &PixelSampler, samples: u32, normal: Vec3) -> Vec<Vec3> {
+    let mut square: Vec<(u32, f32, f32)> = (0..samples)
+        .map(|sample| {
+            let [u, v, ..] = sampler.sample_4d(sample, 0);
+            (morton(u) | morton(v) << 1, u, v)
+        })
+        .collect();
+    square.sort_unstable_by_key(|(key, ..)| *key);
+    let to_world = frame(normal);
+    square.into_iter().map(|(_, u, v)| to_world * cosine_hemisphere(u, v)).collect()
+}
+
+/// The upper eight bits of a number in [0, 1), a zero bit before each.
+fn morton(number: f32) -> u32 {
+    let spread = |bits: u32, shift: u32, mask: u32| (bits | bits << shift) & mask;
+    spread(spread(spread((number * 256.0) as u32, 4, 0x0f0f), 2, 0x3333), 1, 0x5555)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::{Material, Mesh, Scene};
-    use glam::Vec3;
 
     const SAMPLES: u32 = 4096;
     /// Above the error of 4,096 stratified samples of a share, below every difference that the tests tell apart.

@@ -59,6 +59,45 @@ fn time_grows_with_the_work() {
 }
 
 #[test]
+fn other_work_before_does_not_spoil_the_clock() {
+    let Gpu { device, queue, .. } = gpu();
+    let value = empty::<u32>(&device, "value", 64 * 256).expect("room");
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("deepshade.texture"),
+        size: wgpu::Extent3d { width: 64, height: 64, depth_or_array_layers: 2 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba32Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::STORAGE_BINDING,
+        view_formats: &[],
+    });
+    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    let fetch = "@group(0) @binding(0) var<storage, read_write> value: array<u32>;
+         @group(0) @binding(1) var image: texture_2d_array<f32>;
+         @compute @workgroup_size(1) fn main() { value[0] = u32(textureLoad(image, vec2u(0), 1, 0).x); }";
+    let fetch = Pass::new(&device, "fetch", fetch).expect("valid");
+    let resources = [value.as_entire_binding(), wgpu::BindingResource::TextureView(&view)];
+    let fetch = fetch.bind(&device, &resources).expect("fits");
+    submit(&device, &queue, "fetch", |encoder| fetch.dispatch(encoder, [1, 1, 1])).expect("runs");
+
+    let spin = "@group(0) @binding(0) var<storage, read_write> value: array<u32>;
+         @compute @workgroup_size(64)
+         fn main(@builtin(global_invocation_id) id: vec3u) {
+             var x = id.x;
+             for (var i = 0u; i < 20000u; i++) { x = x * 747796405u + 2891336453u; }
+             value[id.x] = x;
+         }";
+    let spin = Pass::new(&device, "spin", spin).expect("valid");
+    let spin = spin.bind(&device, &[value.as_entire_binding()]).expect("fits");
+    let start = std::time::Instant::now();
+    let timing =
+        time(&device, &queue, "spin", 1, 9, |encoder| spin.dispatch(encoder, [256, 1, 1])).expect("runs");
+    let elapsed = start.elapsed().as_secs_f64() * 1e3;
+    assert!(10.0 * timing.milliseconds > 0.2 * elapsed, "{timing:?}, though ten runs took {elapsed} ms");
+}
+
+#[test]
 fn a_broken_shader_is_an_error_with_its_name() {
     let device = gpu().device;
     let error = Pass::new(&device, "broken", "fn main() { nonsense; }").expect_err("not WGSL");

@@ -2,7 +2,7 @@
 //!
 //! burn's own grouped convolution, its gradients and the slices that a bilinear doubling is made of take several
 //! times as long (measured: see `bench train`). Other backends run the same operations written with tensors
-//! ([`crate::plain`]), which are also what these are tested against.
+//! (`plain`), which are also what these are tested against.
 
 mod conv;
 mod resample;
