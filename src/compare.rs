@@ -3,18 +3,19 @@
 use crate::figures::{self, Figures};
 use crate::methods::{self, Setup};
 use crate::report::{Comparison, FrameReport, MethodReport, Truth};
-use crate::scene_source::SceneSource;
 use crate::views::{self, View};
 use anyhow::{Context, Result, ensure};
 use clap::builder::RangedU64ValueParser;
+use deepshade_dataset::progress;
 use deepshade_dataset::truth::{self, Shot};
 use deepshade_infer::Model;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Method, Repeats};
 use deepshade_render::metrics::Scores;
+use deepshade_render::scene::SceneSource;
+use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
-use deepshade_shaders::{Attribute, Effect, GBuffer};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -104,19 +105,21 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let views = args.views.of(&scene, [args.height, args.width])?;
     let mut frames = Vec::new();
-    for (index, view) in views.iter().enumerate() {
-        eprintln!("frame {} of {}: {}", index + 1, views.len(), view.name);
+    let bar = progress::bar("frames", views.len(), 0);
+    for view in &views {
+        bar.set_message(view.name.clone());
         frames.push(compare_frame(&scene, view, settings, &methods)?);
+        bar.inc(1);
     }
+    bar.finish_and_clear();
     let comparison = Comparison { effect: args.effect, frames, machine: machine(&gpu) };
     let page = comparison.write(&args.out)?;
-    print!("{comparison}");
-    println!("{}", page.display());
     let mut figures = Figures::new("compare");
     comparison.set_figures(&mut figures);
     figures.set("radius", f64::from(settings.radius));
     figures.detail("scene", args.scene.to_string().into());
-    figures.write(args.json.as_deref())
+    figures.write(args.json.as_deref())?;
+    say!("{comparison}{}", page.display())
 }
 
 /// The radius of a scene with this diagonal in an image of this height, metres.
@@ -136,7 +139,7 @@ pub fn compare_frame(
 ) -> Result<FrameReport> {
     let Settings { effect, height, width, radius, seed, repeats, .. } = settings;
     let gbuffer = gbuffer::render(scene, &view.camera, height, width, truth::attributes(effect));
-    ensure!(sees_something(&gbuffer)?, "view `{}` sees nothing of the scene", view.name);
+    ensure!(gbuffer.seen()?.contains(&true), "view `{}` sees nothing of the scene", view.name);
     let frame = Frame { scene, camera: &view.camera, gbuffer: &gbuffer, radius, seed };
     let truth = render_truth(&frame, settings);
     let methods = methods
@@ -166,11 +169,6 @@ fn render_truth(frame: &Frame<'_>, settings: Settings) -> Truth {
     let start = Instant::now();
     let halves = [half(0), half(1)];
     Truth::new(effect, halves, start.elapsed().as_secs_f64() * 1e3)
-}
-
-fn sees_something(gbuffer: &GBuffer) -> Result<bool> {
-    let valid = gbuffer.planes().plane(gbuffer.first_plane(Attribute::Valid)?);
-    Ok(valid.iter().any(|valid| *valid > 0.0))
 }
 
 fn facts(scene: &TracedScene, view: &View, settings: Settings) -> Vec<(String, String)> {

@@ -3,6 +3,7 @@
 use crate::figures::Figures;
 use anyhow::{Context, Result, bail};
 use deepshade_dataset::{Dataset, Recipe, TestSet, contact_sheet, generate, verify};
+use deepshade_shaders::lists;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -93,46 +94,41 @@ fn generate_pairs(args: &Generate) -> Result<()> {
     let start = Instant::now();
     let summary = generate(&recipe, &args.out)?;
     let seconds = start.elapsed().as_secs_f64();
-    println!(
-        "{} pairs in {}, {} of them rendered now in {seconds:.0} s, {:.1} MB",
-        summary.pairs,
-        args.out.display(),
-        summary.rendered,
-        summary.bytes as f64 / 1e6
-    );
     let mut figures = Figures::new("dataset generate");
     figures.set("pairs", summary.pairs as f64);
     figures.set("rendered", summary.rendered as f64);
     figures.set("bytes", summary.bytes as f64);
     figures.set("seconds", seconds);
     figures.detail("recipe", json!(args.recipe));
-    figures.write(args.json.as_deref())
+    figures.write(args.json.as_deref())?;
+    say!(
+        "{} pairs in {}, {} of them rendered now in {seconds:.0} s, {:.1} MB",
+        summary.pairs,
+        args.out.display(),
+        summary.rendered,
+        summary.bytes as f64 / 1e6
+    )
 }
 
 fn verify_pairs(args: &Verify) -> Result<()> {
     let report = verify(&args.dataset)?;
-    for fault in &report.faults {
-        println!("{}: {}", fault.file, fault.what);
-    }
     let mut figures = Figures::new("dataset verify");
     figures.set("pairs", report.pairs as f64);
     figures.set("faults", report.faults.len() as f64);
     figures.detail("faults", serde_json::to_value(&report.faults).context("faults as JSON")?);
     figures.write(args.json.as_deref())?;
     if report.faults.is_empty() {
-        println!("{}: {} pairs, all sound", args.dataset.display(), report.pairs);
-        return Ok(());
+        return say!("{}: {} pairs, all sound", args.dataset.display(), report.pairs);
     }
+    // Whether anybody reads them or not, faults make the check fail.
+    let _ = report.faults.iter().try_for_each(|fault| say!("{}: {}", fault.file, fault.what));
     bail!("{}: {} of {} pairs or files at fault", args.dataset.display(), report.faults.len(), report.pairs)
 }
 
 fn show_pairs(args: &Show) -> Result<()> {
     let dataset = Dataset::open(&args.dataset)?;
-    let count = usize::from(args.pairs).min(dataset.len());
-    let spread: Vec<usize> = (0..count).map(|i| i * dataset.len() / count).collect();
-    contact_sheet(&dataset, &spread, &args.out)?;
-    println!("{}", args.out.display());
-    Ok(())
+    contact_sheet(&dataset, &lists::spread(dataset.len(), args.pairs.into()), &args.out)?;
+    say!("{}", args.out.display())
 }
 
 /// Longer waits are announced in hours.
@@ -141,15 +137,15 @@ const HOUR: f64 = 3600.0;
 fn make_testset(args: &Testset) -> Result<()> {
     let recipe = Recipe::load(&args.recipe)?;
     let expected = TestSet::estimate(&recipe)?.as_secs_f64() / HOUR;
-    println!("{} will take about {expected:.2} hours from nothing", args.out.display());
+    say!("{} will take about {expected:.2} hours from nothing", args.out.display())?;
     let start = Instant::now();
     let set = TestSet::generate(&recipe, &args.out)?;
     let hours = start.elapsed().as_secs_f64() / HOUR;
-    println!("{} frames in {}, made in {hours:.2} hours", set.frames().len(), args.out.display());
     let mut figures = Figures::new("dataset testset");
     figures.set("frames", set.frames().len() as f64);
     figures.set("hours", hours);
     figures.set("hours_expected", expected);
     figures.detail("recipe", json!(args.recipe));
-    figures.write(args.json.as_deref())
+    figures.write(args.json.as_deref())?;
+    say!("{} frames in {}, made in {hours:.2} hours", set.frames().len(), args.out.display())
 }

@@ -30,8 +30,12 @@ pub struct Args {
     #[arg(long, default_value = "dataset/recipes/ao-small.toml")]
     recipe: PathBuf,
     #[cfg(feature = "train")]
+    /// Folder that the recipe's scene files are relative to, where it is not the recipe's own.
+    #[arg(long)]
+    scenes: Option<PathBuf>,
+    #[cfg(feature = "train")]
     /// How long the short training takes, minutes.
-    #[arg(long, default_value_t = 2.0)]
+    #[arg(long, default_value_t = 2.0, value_parser = crate::train::minutes)]
     minutes: f64,
     /// Rays a pixel of each of truth's two renderings.
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=65_536))]
@@ -51,19 +55,15 @@ const SEED: u32 = 20_170;
 pub fn run(args: &Args) -> Result<()> {
     let gpu = Gpu::new()?;
     let model = Model::load(&args.model)?;
-    println!(
-        "1. {} beside hbao and truth, on scenes of families it was not trained on",
-        args.model.display()
-    );
+    say!("1. {} beside hbao and truth, on scenes of families it was not trained on", args.model.display())?;
     let comparison = compare_on_test_scenes(args, &gpu, &model)?;
     let page = comparison.write(&args.out)?;
     let mut figures = Figures::new("demo");
     comparison.set_figures(&mut figures);
     #[cfg(feature = "train")]
     short_training::run(args, &gpu, &mut figures)?;
-    println!("\n{comparison}");
-    println!("{}", page.display());
-    figures.write(args.json.as_deref())
+    figures.write(args.json.as_deref())?;
+    say!("\n{comparison}\n{}", page.display())
 }
 
 /// One frame of each family that is for testing only.
@@ -81,7 +81,7 @@ fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model) -> Result<Compa
         let scene = TracedScene::new(family.scene(u64::from(SEED)))?;
         let camera = sample_view(&scene, [height, width], SEED, u64::from(SEED), 0)?;
         let view = View { name: family.name().to_owned(), camera };
-        println!("   {}, {} triangles", view.name, scene.scene().triangle_count());
+        say!("   {}, {} triangles", view.name, scene.scene().triangle_count())?;
         let radius = default_radius(Some(model), scene.diagonal(), height);
         let repeats = Repeats { warm_up: 1, timed: 3 };
         let settings = Settings { effect, height, width, radius, samples: args.samples, seed: SEED, repeats };
@@ -97,7 +97,7 @@ mod short_training {
     use crate::learned::Learned;
     use crate::methods::LEARNED;
     use anyhow::{Result, bail, ensure};
-    use deepshade_dataset::{Dataset, Radius, Recipe, generate};
+    use deepshade_dataset::{Dataset, Origin, Radius, Recipe, generate};
     use deepshade_infer::ChannelOrder;
     use deepshade_infer::parity::Comparison as Agreement;
     use deepshade_infer::reference;
@@ -105,18 +105,24 @@ mod short_training {
     use deepshade_render::metrics::ssim;
     use deepshade_shaders::Planes;
     use deepshade_train::TrainConfig;
+    use std::path::PathBuf;
 
     /// Small steps, since two minutes have few.
     const BATCH: usize = 2;
     const CROP: usize = 128;
 
     pub fn run(args: &Args, gpu: &Gpu, figures: &mut Figures) -> Result<()> {
-        let (data, run, folder) = (args.out.join("data"), args.out.join("run"), args.out.join("model"));
-        println!("2. training data from {}", args.recipe.display());
-        let summary = generate(&Recipe::load(&args.recipe)?, &data)?;
-        println!("   {} pairs, {:.0} MB", summary.pairs, summary.bytes as f64 / 1e6);
+        say!("2. training data from {}", args.recipe.display())?;
+        let recipe = match &args.scenes {
+            Some(scenes) => Recipe::load_with_scenes(&args.recipe, scenes)?,
+            None => Recipe::load(&args.recipe)?,
+        };
+        let folder = folder(args, &recipe)?;
+        let [data, run, model] = ["data", "run", "model"].map(|name| folder.join(name));
+        let summary = generate(&recipe, &data)?;
+        say!("   {} pairs, {:.0} MB", summary.pairs, summary.bytes as f64 / 1e6)?;
 
-        println!("3. training for {} minutes", args.minutes);
+        say!("3. training for {} minutes", args.minutes)?;
         let dataset = Dataset::open(&data)?;
         let Radius::Diagonal(diagonal_share) = dataset.recipe().radius else {
             bail!(
@@ -137,16 +143,22 @@ mod short_training {
             )
         };
         // A run of an earlier demo would be resumed; the demo starts afresh.
-        if run.exists() {
-            std::fs::remove_dir_all(&run)?;
-        }
+        deepshade_train::discard(&run)?;
         let outcome = deepshade_train::train(&config, &run)?;
-        println!("   {} steps, {:.1} images a second", outcome.progress.step, outcome.images_per_second);
+        say!("   {} steps, {:.1} images a second", outcome.progress.step, outcome.images_per_second)?;
 
-        println!("4. export, and the exported network in WGSL against the reference");
+        say!("4. export, and the exported network in WGSL against the reference")?;
         let facts = crate::export::facts(dataset.manifest(), Vec::new());
-        let model: Model = deepshade_train::export(&run, &folder, &facts)?;
+        let model: Model = deepshade_train::export(&run, &model, &facts)?;
         check(&dataset, gpu, &model, figures)
+    }
+
+    /// The folder of what a recipe gives: data of another recipe, or of another version of them, have one of their own.
+    fn folder(args: &Args, recipe: &Recipe) -> Result<PathBuf> {
+        let origin = Origin::new(recipe, &recipe.plan()?, &args.out)?;
+        let stem = args.recipe.file_stem().unwrap_or_default().to_string_lossy();
+        let version = format!("{}-{}", env!("CARGO_PKG_VERSION"), origin.data_version);
+        Ok(args.out.join(format!("{stem}-{version}-{:.8}", origin.recipe_hash)))
     }
 
     /// Runs the network on a view held apart from its training.
@@ -156,7 +168,7 @@ mod short_training {
         let input = model.spec.input(&pair.gbuffer, pair.radius)?;
         let mut expected = reference::forward(&model.spec, &model.weights, &input);
         model.spec.set_background(&pair.gbuffer, &mut expected)?;
-        let scene = record.scene.load(dataset.recipe().folder())?;
+        let scene = record.scene.load(&dataset.recipe().folder)?;
         let frame = Frame {
             scene: &scene,
             camera: &record.camera,
@@ -169,8 +181,8 @@ mod short_training {
         ensure!(agreement.agrees(), "`{LEARNED}` in WGSL and the reference differ by {}", agreement.max_abs);
         let white = Planes::filled(expected.channels(), expected.height(), expected.width(), 1.0);
         let (learned, white) = (ssim(&shaded.image, &pair.target), ssim(&white, &pair.target));
-        println!("   they differ by at most {:.1e}", agreement.max_abs);
-        println!("   on a view held apart: SSIM {learned:.3}, a white image {white:.3}");
+        say!("   they differ by at most {:.1e}", agreement.max_abs)?;
+        say!("   on a view held apart: SSIM {learned:.3}, a white image {white:.3}")?;
         figures.set("short_training_ssim", learned);
         figures.set("short_training_ssim_white", white);
         figures.set("short_training_max_abs_wgsl", f64::from(agreement.max_abs));

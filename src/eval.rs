@@ -5,15 +5,16 @@ use crate::methods::{self, Setup};
 use crate::statistics::{Estimate, estimate};
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::testset::{FrameRecord, gather};
-use deepshade_dataset::{SceneSource, TestFrame, TestSet};
+use deepshade_dataset::{SceneRecord, TestFrame, TestSet};
+use deepshade_dataset::{progress, truth};
 use deepshade_infer::Model;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Method, Repeats};
 use deepshade_render::metrics::{flip, psnr, ssim};
+use deepshade_render::scene::SceneSource;
 use deepshade_shaders::gpu::Gpu;
-use deepshade_shaders::{Effect, Planes};
-use indicatif::{ProgressBar, ProgressStyle};
+use deepshade_shaders::{Effect, Planes, lists};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -31,6 +32,9 @@ pub struct Args {
     /// Folder of the test set; by default `testset` in the model's folder.
     #[arg(long)]
     testset: Option<PathBuf>,
+    /// Folder that the recipe's scene files are relative to, where it is not the one that the test set remembers.
+    #[arg(long)]
+    scenes: Option<PathBuf>,
     /// Only so many frames, spread over all of them.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
@@ -53,7 +57,17 @@ pub fn run(args: &Args) -> Result<()> {
     let model = Model::load(&args.model)?;
     let effect = model.spec.effect;
     let folder = args.testset.clone().unwrap_or_else(|| args.model.join("testset"));
+    ensure!(
+        TestSet::is_in(&folder),
+        "no test set in {0}; `deepshade dataset testset dataset/recipes/{effect}-test.toml --out {0}` makes one, and \
+         --testset says where another is",
+        folder.display()
+    );
     let set = TestSet::open(&folder)?;
+    let set = match &args.scenes {
+        Some(scenes) => set.with_scenes(scenes),
+        None => set,
+    };
     ensure!(set.recipe().effect == effect, "{} is for another effect than {effect}", folder.display());
     let gpu = Gpu::new()?;
     let names: Vec<String> = methods::names_of(effect)
@@ -62,12 +76,11 @@ pub fn run(args: &Args) -> Result<()> {
         .map(str::to_owned)
         .collect();
     let methods = methods::open(effect, &names, Setup { gpu: &gpu, model: Some(&model) })?;
-    let chosen = spread(set.frames().len(), args.frames.map_or(usize::MAX, |frames| frames as usize));
+    let chosen = lists::spread(set.frames().len(), args.frames.map_or(usize::MAX, |frames| frames as usize));
     ensure!(!chosen.is_empty(), "{} has no frame", folder.display());
     let evaluation = evaluate(&set, &chosen, effect, &methods)?;
     let estimates: BTreeMap<&str, Estimate> =
         evaluation.overall.iter().map(|(name, values)| (name.as_str(), estimate(values))).collect();
-    print_table(&names, &estimates, chosen.len(), evaluation.scenes);
     let mut figures = Figures::new("eval");
     for (name, estimate) in &estimates {
         figures.set(name, estimate.mean);
@@ -79,7 +92,8 @@ pub fn run(args: &Args) -> Result<()> {
     figures.detail("kinds", evaluation.kinds());
     figures.detail("testset", json!(folder));
     figures.detail("adapter", json!(gpu.info.name));
-    figures.write(args.json.as_deref())
+    figures.write(args.json.as_deref())?;
+    print_table(&names, &estimates, chosen.len(), evaluation.scenes)
 }
 
 /// Scores of all frames, together and by kind of scene.
@@ -105,30 +119,25 @@ impl Evaluation {
     }
 }
 
-/// Indices of at most `wanted` of `count` things, spread evenly.
-fn spread(count: usize, wanted: usize) -> Vec<usize> {
-    let wanted = wanted.min(count);
-    (0..wanted).map(|i| i * count / wanted).collect()
-}
-
 fn evaluate(
     set: &TestSet,
     chosen: &[usize],
     effect: Effect,
     methods: &[Box<dyn Method>],
 ) -> Result<Evaluation> {
-    let bar = ProgressBar::new(chosen.len() as u64)
-        .with_style(ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {eta} left")?);
+    let bar = progress::bar("frames", chosen.len(), 0);
     let mut evaluation = Evaluation::default();
     // Frames of a scene follow each other, so that a scene is built once.
-    let mut current: Option<(SceneSource, TracedScene)> = None;
+    let mut current: Option<(SceneRecord, TracedScene)> = None;
     for index in chosen {
         let record = &set.frames()[*index];
         let scene = match current.take() {
             Some((source, scene)) if source == record.scene => scene,
             _ => {
                 evaluation.scenes += 1;
-                record.scene.load(set.recipe().folder()).with_context(|| format!("frame {}", record.name))?
+                let scene = record.scene.load(&set.recipe().folder);
+                scene
+                    .with_context(|| format!("frame {}; --scenes says where scene files are", record.name))?
             }
         };
         score_frame(&mut evaluation, record, &scene, &set.frame(*index)?, set, effect, methods)?;
@@ -149,10 +158,10 @@ fn score_frame(
     methods: &[Box<dyn Method>],
 ) -> Result<()> {
     let (height, width) = (set.recipe().resolution.height, set.recipe().resolution.width);
-    let gbuffer = gbuffer::render(scene, &record.camera, height, width, &gbuffer::RENDERED);
+    let gbuffer = gbuffer::render(scene, &record.camera, height, width, truth::attributes(effect));
     let frame =
         Frame { scene, camera: &record.camera, gbuffer: &gbuffer, radius: record.radius, seed: record.seed };
-    let kind = kind(&record.scene);
+    let kind = kind(&record.scene.source);
     let index = evaluation.scenes;
     let mut score = |name: &str, image: &Planes| {
         let tiles = gather(image, &truth.tiles);
@@ -173,20 +182,30 @@ fn score_frame(
 
 /// What scenes are grouped by in the details: the family, or the file's name.
 fn kind(source: &SceneSource) -> String {
-    let name = source.to_string();
-    name.split_once(':').map_or(name.as_str(), |(family, _)| family).to_owned()
+    match source {
+        SceneSource::Procedural(family, _) => family.name().to_owned(),
+        SceneSource::File(path) => {
+            path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+        }
+    }
 }
 
-fn print_table(names: &[String], estimates: &BTreeMap<&str, Estimate>, frames: usize, scenes: usize) {
-    println!("{frames} frames of {scenes} scenes; means over scenes with 95 % confidence intervals");
-    println!("{:<10} {:<22} {:<22} FLIP", "method", "SSIM", "PSNR (dB)");
+fn print_table(
+    names: &[String],
+    estimates: &BTreeMap<&str, Estimate>,
+    frames: usize,
+    scenes: usize,
+) -> Result<()> {
+    say!("{frames} frames of {scenes} scenes; means over scenes with 95 % confidence intervals")?;
+    say!("{:<10} {:<22} {:<22} FLIP", "method", "SSIM", "PSNR (dB)")?;
     let cell = |figure: String| estimates.get(figure.as_str()).map_or(String::new(), Estimate::to_string);
     let rows = names.iter().map(String::as_str).chain([WHITE, "ceiling"]);
     for name in rows {
         let id = name.replace('-', "_");
         let [ssim, psnr, flip] = ["ssim", "psnr", "flip"].map(|metric| cell(format!("{metric}_{id}")));
-        println!("{name:<10} {ssim:<22} {psnr:<22} {flip}");
+        say!("{name:<10} {ssim:<22} {psnr:<22} {flip}")?;
     }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -194,8 +213,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_are_spread_evenly() {
-        assert_eq!(spread(10, 3), vec![0, 3, 6]);
-        assert_eq!(spread(2, 5), vec![0, 1]);
+    fn scenes_are_grouped_by_family_and_by_file() {
+        let kind = |text: &str| kind(&text.parse().expect("a scene"));
+        assert_eq!((kind("drapery:7"), kind("drapery:8")), ("drapery".to_owned(), "drapery".to_owned()));
+        assert_eq!(kind("../some:where/hall.gltf"), "hall.gltf");
     }
 }

@@ -1,7 +1,7 @@
 //! `deepshade export`: from a training run to a model folder.
 
 use crate::figures::Figures;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use deepshade_dataset::Manifest;
 use deepshade_shaders::Effect;
 use deepshade_train::TrainConfig;
@@ -33,37 +33,42 @@ pub struct Args {
 /// Writes the folder and says what it holds.
 ///
 /// # Errors
-/// If the run or its dataset's manifest cannot be read, or the folder cannot be written.
+/// If the run or its dataset's manifest cannot be read, that manifest is not the one that the run was trained with,
+/// the run has no network to export, or the folder cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     let config = TrainConfig::load(&args.run)?;
     let manifest = Manifest::load(&config.dataset).context("the card names the training data")?;
+    ensure!(
+        Manifest::file_hash(&config.dataset)? == config.data_hash,
+        "{}: not the data that {} was trained on",
+        config.dataset.display(),
+        args.run.display()
+    );
     let metrics = args.metrics.as_deref().map(metrics).transpose()?.unwrap_or_default();
     let facts = facts(&manifest, metrics);
     let model = export(&args.run, &args.out, &facts)?;
     let weights = model.spec.weight_count();
-    println!("{}: {}, {weights} weights", args.out.display(), model.spec.effect);
     let mut figures = Figures::new("export");
     figures.set("weights", weights as f64);
-    figures.write(args.json.as_deref())
+    figures.write(args.json.as_deref())?;
+    say!("{}: {}, {weights} weights", args.out.display(), model.spec.effect)
 }
 
 /// What the card says about the data, and about what the network cannot do.
 pub fn facts(manifest: &Manifest, metrics: Vec<(String, String)>) -> Facts {
-    let recipe = &manifest.recipe;
-    let name =
-        recipe.path.file_stem().map_or_else(String::new, |stem| format!("{}: ", stem.to_string_lossy()));
+    let recipe = &manifest.origin.recipe;
     let (height, width) = (recipe.resolution.height, recipe.resolution.width);
     let families: Vec<&str> = recipe.families.iter().map(|family| family.name.as_str()).collect();
     Facts {
         recipe: format!(
-            "{name}{} frames of {width} x {height}, {} samples a pixel, seed {}, of {} scenes ({})",
+            "`{}`: {} frames of {width} x {height}, {} samples a pixel, seed {}, of {} scenes ({})",
+            manifest.origin.recipe_file,
             manifest.pairs.len(),
             recipe.samples,
             recipe.seed,
             recipe.scene_count(),
             families.join(", ")
         ),
-        data_hash: manifest.recipe_hash.clone(),
         metrics,
         limits: limits(recipe.effect),
         licence: LICENCE.to_owned(),

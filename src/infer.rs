@@ -14,8 +14,8 @@ use std::path::PathBuf;
 /// Runs a network on a g-buffer file from any renderer.
 ///
 /// The file needs the network's inputs as layers, for ambient occlusion `normal.X/Y/Z` and `position.X/Y/Z`: in camera
-/// space, metres, y up, the camera looking down -z. Pixels where a layer `valid` is 0 show no surface; in a file
-/// without that layer, pixels that are 0 or not finite in all inputs.
+/// space, metres, y up, the camera looking down -z. No surface is seen where a layer `valid` is 0 or, in a file without that
+/// layer, where all inputs are 0; nor, in any file, where one of the inputs is not finite.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  deepshade infer --model models/ao --gbuffer in.exr --out out.exr --radius 0.5"
@@ -65,14 +65,14 @@ pub fn run(args: &Args) -> Result<()> {
     exr_file::write(&args.out, &[Layer::image(effect.name(), &image)], &metadata)?;
 
     let mean = mean(&image);
-    println!("{}: {effect}, {} x {}, radius {radius} m", args.out.display(), image.width(), image.height());
-    println!("adapter {} ({}), mean {mean:.4}", gpu.info.name, gpu.info.driver_info);
     let mut figures = Figures::new("infer");
     figures.set("radius", f64::from(radius));
     figures.set("mean", mean);
     figures.detail("adapter", json!(gpu.info.name));
     figures.detail("driver", json!(gpu.info.driver_info));
-    figures.write(args.json.as_deref())
+    figures.write(args.json.as_deref())?;
+    say!("{}: {effect}, {} x {}, radius {radius} m", args.out.display(), image.width(), image.height())?;
+    say!("adapter {} ({}), mean {mean:.4}", gpu.info.name, gpu.info.driver_info)
 }
 
 /// The network's inputs and validity.
@@ -107,8 +107,9 @@ fn default_radius(file: &ExrImage, gbuffer: &GBuffer, spec: &NetSpec) -> Result<
 
 /// Diagonal of the bounds of all visible positions, metres.
 fn visible_diagonal(gbuffer: &GBuffer) -> Result<f32> {
-    let planes = gbuffer.select(&[Attribute::Position, Attribute::Valid])?;
-    let seen = (0..planes.pixels()).filter(|pixel| planes.plane(3)[*pixel] != 0.0);
+    let planes = gbuffer.select(&[Attribute::Position])?;
+    let seen = gbuffer.seen()?;
+    let seen = (0..planes.pixels()).filter(|pixel| seen[*pixel]);
     let position = |pixel| Vec3::from_array([0, 1, 2].map(|c| planes.plane(c)[pixel]));
     let bounds = seen.map(position).fold(Bounds::EMPTY, Bounds::grow);
     if bounds == Bounds::EMPTY {

@@ -53,16 +53,22 @@ impl std::str::FromStr for Size {
     }
 }
 
-/// Compares everything, prints a line each, and fails if anything differs.
+/// Compares everything, says what came out of it, and fails if anything differs.
 ///
 /// # Errors
 /// If two forms do not agree, or one of them does not run.
 pub fn run(args: &Args) -> Result<()> {
     let model = args.model.as_deref().map(Model::load).transpose()?;
     let folder = tempfile::tempdir()?;
-    let mut check =
-        Check { gpu: Gpu::new()?, onnxruntime: &args.onnxruntime, max_abs: [0.0; 4], faults: Vec::new() };
-    println!("adapter {} ({})", check.gpu.info.name, check.gpu.info.driver_info);
+    let gpu = Gpu::new()?;
+    let adapter = format!("adapter {} ({})", gpu.info.name, gpu.info.driver_info);
+    let mut check = Check {
+        gpu,
+        onnxruntime: &args.onnxruntime,
+        max_abs: [0.0; 4],
+        lines: vec![adapter],
+        faults: Vec::new(),
+    };
     for order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
         let model = random(model.as_ref(), order);
         let file = folder.path().join(ONNX_FILE);
@@ -72,7 +78,7 @@ pub fn run(args: &Args) -> Result<()> {
     if let (Some(model), Some(folder)) = (&model, &args.model) {
         let name = folder.display().to_string();
         check.sizes(&name, model, &folder.join(ONNX_FILE), &args.sizes)?;
-        check.stored(&name, model, &Parity::load(folder)?);
+        check.stored(&name, model, &Parity::load(folder, &model.spec)?);
     }
 
     let mut figures = Figures::new("parity");
@@ -83,8 +89,10 @@ pub fn run(args: &Args) -> Result<()> {
     figures.detail("driver", json!(check.gpu.info.driver_info));
     figures.detail("faults", json!(check.faults));
     figures.write(args.json.as_deref())?;
+    // Whether anybody reads the lines or not, faults make the check fail.
+    let said = check.lines.iter().try_for_each(|line| say!("{line}"));
     match check.faults.as_slice() {
-        [] => Ok(()),
+        [] => said,
         faults => bail!("the forms do not agree:\n{}", faults.join("\n")),
     }
 }
@@ -102,6 +110,8 @@ struct Check<'a> {
     gpu: Gpu,
     onnxruntime: &'a onnxruntime::Args,
     max_abs: [f32; 4],
+    /// What every comparison came to.
+    lines: Vec<String>,
     faults: Vec<String>,
 }
 
@@ -123,7 +133,7 @@ impl Check<'_> {
             ];
             let what = format!("{name}, {width}x{height}");
             let line = FORMS.iter().zip(comparisons).map(|(form, c)| format!("{form} {:.1e}", c.max_abs));
-            println!("{what}: {}", line.collect::<Vec<_>>().join(", "));
+            self.lines.push(format!("{what}: {}", line.collect::<Vec<_>>().join(", ")));
             for (max_abs, comparison) in self.max_abs.iter_mut().zip(comparisons) {
                 *max_abs = max_abs.max(comparison.max_abs);
             }
@@ -173,7 +183,7 @@ impl Check<'_> {
     fn stored(&mut self, name: &str, model: &Model, stored: &Parity) {
         let comparison =
             Comparison::new(&stored.output, &reference::forward(&model.spec, &model.weights, &stored.input));
-        println!("{name}, stored image: reference {:.1e}", comparison.max_abs);
+        self.lines.push(format!("{name}, stored image: reference {:.1e}", comparison.max_abs));
         if !comparison.agrees() {
             self.faults.push(format!("{name}: parity.safetensors does not hold what these weights make"));
         }

@@ -1,7 +1,8 @@
 //! `deepshade scene`: what a scene holds.
 
-use crate::{figures::Figures, scene_source::SceneSource};
+use crate::figures::Figures;
 use anyhow::Result;
+use deepshade_render::scene::SceneSource;
 use deepshade_render::scene::procedural::{Family, Split};
 use deepshade_render::scene::summary::SceneSummary;
 use serde_json::json;
@@ -29,23 +30,22 @@ pub struct Args {
 /// Prints the summary or the list.
 pub fn run(args: &Args) -> Result<()> {
     let mut figures = Figures::new("scene");
-    match &args.scene {
+    let text = match &args.scene {
         Some(source) if !args.list => {
             let summary = SceneSummary::of(&source.scene(args.time)?);
-            println!("{summary}");
             figures.set("triangles", summary.triangles as f64);
             figures.set("meshes", summary.meshes as f64);
             figures.set("diagonal", f64::from(summary.bounds.diagonal()));
             figures.detail("scene", json!(source.to_string()));
+            summary.to_string()
         }
         _ => {
-            for family in Family::ALL {
-                println!("{:<14} {}", family.name(), purpose(family));
-            }
             figures.set("families", Family::ALL.len() as f64);
+            Family::ALL.map(|family| format!("{:<14} {}", family.name(), purpose(family))).join("\n")
         }
-    }
-    figures.write(args.json.as_deref())
+    };
+    figures.write(args.json.as_deref())?;
+    say!("{text}")
 }
 
 fn purpose(family: Family) -> &'static str {

@@ -1,6 +1,8 @@
 //! Means with confidence intervals. Frames of a scene resemble each other, so scenes, not frames, are what is drawn:
 //! the interval is a bootstrap over scene means (Efron 1979).
 
+use deepshade_shaders::split_mix::{STEP, finalised};
+
 /// A mean and the interval that holds it with 95 % confidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
@@ -46,20 +48,13 @@ fn scene_means(values: &[(usize, f64)]) -> Vec<f64> {
 
 /// The mean of as many scenes as there are, each drawn at random.
 fn resampled_mean(means: &[f64], resample: u64) -> f64 {
-    let draw = |i: u64| means[(mixed(resample << 32 | i) % means.len() as u64) as usize];
+    let draw =
+        |i: u64| means[(finalised((resample << 32 | i).wrapping_add(STEP)) % means.len() as u64) as usize];
     (0..means.len() as u64).map(draw).sum::<f64>() / means.len() as f64
 }
 
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
-}
-
-/// A well mixed 64-bit hash (the finaliser of SplitMix64, Steele et al. 2014).
-const fn mixed(value: u64) -> u64 {
-    let mut z = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use clap::ValueEnum;
 use deepshade_dataset::{Manifest, Radius};
 use deepshade_infer::{ChannelOrder, NetSpec, Reach};
 use deepshade_shaders::Effect;
+use deepshade_train::config::MOST_MINUTES;
 use deepshade_train::{Ending, Optimiser, Outcome, TrainConfig};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -55,7 +56,7 @@ pub struct Args {
     #[arg(long)]
     seed: Option<u64>,
     /// Minutes after which the run stops; the same command goes on.
-    #[arg(long)]
+    #[arg(long, value_parser = minutes)]
     minutes: Option<f64>,
     /// Threads that decode pairs.
     #[arg(long)]
@@ -126,24 +127,34 @@ pub fn run(args: &Args) -> Result<()> {
         Ending::Stopped => "validation has stopped becoming better",
         Ending::OutOfTime => "the time is up; the same command goes on",
     };
-    println!("{}: {what}, step {} of {}", args.out.display(), progress.step, config.steps);
-    if let Some(loss) = progress.best_loss {
-        println!("best validation DSSIM {loss:.5} at step {}", progress.best_step);
-    }
-    println!("{images_per_second:.2} images a second, {} threads", rayon::current_num_threads());
     let mut figures = Figures::new("train");
     figures.set("steps", progress.step as f64);
-    figures.set("best_step", progress.best_step as f64);
-    figures.set("best_loss", progress.best_loss.map_or(f64::NAN, f64::from));
+    let best = progress.best();
+    figures.set("best_step", best.map_or(f64::NAN, |(step, _)| step as f64));
+    figures.set("best_loss", best.map_or(f64::NAN, |(_, loss)| loss.into()));
     figures.set("images_per_second", images_per_second);
     figures.detail("config", json!(config));
-    figures.write(args.json.as_deref())
+    figures.write(args.json.as_deref())?;
+    say!("{}: {what}, step {} of {}", args.out.display(), progress.step, config.steps)?;
+    if let Some((step, loss)) = best {
+        say!("best validation DSSIM {loss:.5} at step {step}")?;
+    }
+    say!("{images_per_second:.2} images a second, {} threads", rayon::current_num_threads())
+}
+
+/// Reads a number of minutes that a run may take.
+pub fn minutes(text: &str) -> Result<f64, String> {
+    let minutes: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
+    match (0.0..=MOST_MINUTES).contains(&minutes) {
+        true => Ok(minutes),
+        false => Err(format!("{minutes} is not between 0 and {MOST_MINUTES}")),
+    }
 }
 
 /// The defaults with what the command line changes.
 fn config(args: &Args) -> Result<TrainConfig> {
     let manifest = Manifest::load(&args.dataset)?;
-    let share = match (args.diagonal_share, manifest.recipe.radius) {
+    let share = match (args.diagonal_share, manifest.origin.recipe.radius) {
         (Some(share), _) | (None, Radius::Diagonal(share)) => share,
         (None, Radius::Metres(_)) => bail!(
             "{}: the recipe states the radius in metres; --diagonal-share says what the network's default is to be",
@@ -174,7 +185,7 @@ pub fn default_config(
     order: ChannelOrder,
     diagonal_share: f32,
 ) -> TrainConfig {
-    let recipe = &manifest.recipe;
+    let recipe = &manifest.origin.recipe;
     let reach = Reach { radius: INPUT_RADIUS, diagonal_share, height: recipe.resolution.height };
     let spec = match recipe.effect {
         Effect::Ao => NetSpec::ao(order, reach),

@@ -2,8 +2,8 @@
 //! the network on equal terms.
 
 use crate::figures::Figures;
-use anyhow::{Result, ensure};
-use deepshade_dataset::Dataset;
+use anyhow::{Context, Result, ensure};
+use deepshade_dataset::{Dataset, SceneRecord, progress, truth};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Method, Repeats};
@@ -11,9 +11,10 @@ use deepshade_render::methods::hbao::{Hbao, Parameters};
 use deepshade_render::metrics::ssim;
 use deepshade_render::scene::Camera;
 use deepshade_shaders::gpu::Gpu;
-use deepshade_shaders::{GBuffer, Planes};
+use deepshade_shaders::{GBuffer, Planes, lists};
 use serde_json::json;
 use std::path::PathBuf;
+use std::rc::Rc;
 
 /// Tunes hbao's radius, bias and strength on the validation views of a dataset.
 #[derive(clap::Args)]
@@ -22,6 +23,9 @@ pub struct Args {
     /// Folder of the dataset.
     #[arg(long)]
     dataset: PathBuf,
+    /// Folder that the recipe's scene files are relative to, where it is not the one that the dataset remembers.
+    #[arg(long)]
+    scenes: Option<PathBuf>,
     /// How many validation views, spread over all of them.
     #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u16).range(1..=1000))]
     frames: u16,
@@ -32,7 +36,8 @@ pub struct Args {
 
 /// A validation view with its truth.
 struct View {
-    scene: TracedScene,
+    /// Views of a scene share it.
+    scene: Rc<TracedScene>,
     camera: Camera,
     gbuffer: GBuffer,
     target: Planes,
@@ -40,14 +45,27 @@ struct View {
 }
 
 impl View {
-    /// The view of a pair, with the g-buffer in full precision, as methods get it.
-    fn open(dataset: &Dataset, index: usize) -> Result<Self> {
-        let record = dataset.record(index);
-        let scene = record.scene.load(dataset.recipe().folder())?;
-        let target = dataset.pair(index)?.target;
-        let gbuffer =
-            gbuffer::render(&scene, &record.camera, target.height(), target.width(), &gbuffer::RENDERED);
-        Ok(Self { scene, camera: record.camera, gbuffer, target, radius: record.radius })
+    /// The views of some pairs, with the g-buffer in full precision, as methods get it.
+    fn open(dataset: &Dataset, pairs: &[usize]) -> Result<Vec<Self>> {
+        let attributes = truth::attributes(dataset.recipe().effect);
+        // Pairs of a scene follow each other.
+        let mut current: Option<(&SceneRecord, Rc<TracedScene>)> = None;
+        let view = |index: &usize| {
+            let record = dataset.record(*index);
+            let scene = match &current {
+                Some((source, scene)) if **source == record.scene => Rc::clone(scene),
+                _ => {
+                    let scene = record.scene.load(&dataset.recipe().folder);
+                    Rc::new(scene.context("--scenes says where scene files are")?)
+                }
+            };
+            current = Some((&record.scene, Rc::clone(&scene)));
+            let target = dataset.pair(*index)?.target;
+            let (height, width) = (target.height(), target.width());
+            let gbuffer = gbuffer::render(&scene, &record.camera, height, width, attributes);
+            Ok(Self { scene, camera: record.camera, gbuffer, target, radius: record.radius })
+        };
+        pairs.iter().map(view).collect()
     }
 }
 
@@ -71,39 +89,46 @@ const ROUNDS: usize = 2;
 /// If the dataset has no validation views, or the GPU fails.
 pub fn run(args: &Args) -> Result<()> {
     let dataset = Dataset::open(&args.dataset)?;
+    let dataset = match &args.scenes {
+        Some(scenes) => dataset.with_scenes(scenes),
+        None => dataset,
+    };
     let held_apart = dataset.validation();
     ensure!(!held_apart.is_empty(), "{} has no validation views", args.dataset.display());
-    let count = usize::from(args.frames).min(held_apart.len());
-    let views = (0..count)
-        .map(|i| View::open(&dataset, held_apart[i * held_apart.len() / count]))
-        .collect::<Result<Vec<View>>>()?;
+    let chosen = lists::spread(held_apart.len(), args.frames.into());
+    let chosen: Vec<usize> = chosen.into_iter().map(|index| held_apart[index]).collect();
+    let views = View::open(&dataset, &chosen)?;
     let gpu = Gpu::new()?;
     let hbao = Hbao::new(&gpu, Parameters::default())?;
     let mut best = Parameters::default();
     let before = mean_ssim(&hbao.with(best), &views)?;
     let mut best_ssim = before;
+    let bar = progress::bar("settings", ROUNDS * AXES.iter().map(|axis| axis.1.len()).sum::<usize>(), 0);
     for _ in 0..ROUNDS {
         for (name, values, field) in AXES {
             for value in values {
                 let mut tried = best;
                 *field(&mut tried) = *value;
                 let ssim = mean_ssim(&hbao.with(tried), &views)?;
-                eprintln!("{name} {value}: ssim {ssim:.4}");
+                bar.set_message(format!("{name} {value}: ssim {ssim:.4}"));
+                bar.inc(1);
                 if ssim > best_ssim {
                     (best, best_ssim) = (tried, ssim);
                 }
             }
         }
     }
-    println!("hbao on {count} validation views: ssim {before:.4} by default, {best_ssim:.4} with {best:?}");
+    bar.finish_and_clear();
     let mut figures = Figures::new("tune");
     figures.set("ssim_default", before);
     figures.set("ssim_tuned", best_ssim);
     for (name, _, field) in AXES {
         figures.set(name, f64::from(*field(&mut best)));
     }
-    figures.detail("frames", json!(count));
-    figures.write(args.json.as_deref())
+    figures.detail("frames", json!(views.len()));
+    figures.write(args.json.as_deref())?;
+    let count = views.len();
+    say!("hbao on {count} validation views: ssim {before:.4} by default, {best_ssim:.4} with {best:?}")
 }
 
 /// Mean structural similarity of a method to truth.

@@ -29,20 +29,26 @@ impl Case {
         self.folder.path().join(name)
     }
 
-    fn write(&self, attributes: &[Attribute], metadata: &Metadata) -> GBuffer {
-        let channels = attributes.iter().map(|attribute| attribute.width()).sum();
-        let mut planes = Planes::from_fn(channels, HEIGHT, WIDTH, |c, y, x| {
-            ((7 * c + 3 * y + 5 * x) % 31) as f32 / 16.0 - 0.75
-        });
-        if attributes.contains(&Attribute::Valid) {
-            planes.plane_mut(channels - 1).fill(1.0);
+    /// Writes a g-buffer whose first row shows nothing, and gives it with its validity. Where the file has a mask, all
+    /// other channels of that row are `left`, and 0 where it has none.
+    fn write(&self, attributes: &[Attribute], left: f32, metadata: &Metadata) -> GBuffer {
+        let value = |attribute: Attribute, c: usize, y: usize, x: usize| match (attribute, y) {
+            (Attribute::Valid, y) => f32::from(u8::from(y > 0)),
+            (_, 0) => left,
+            _ => ((7 * c + 3 * y + 5 * x) % 31) as f32 / 16.0 - 0.75,
+        };
+        let gbuffer = |attributes: &[Attribute]| {
+            let channels: Vec<Attribute> =
+                attributes.iter().flat_map(|attribute| vec![*attribute; attribute.width()]).collect();
+            let value = |c: usize, y: usize, x: usize| value(channels[c], c, y, x);
+            GBuffer::new(attributes.to_vec(), Planes::from_fn(channels.len(), HEIGHT, WIDTH, value))
+        };
+        let file = gbuffer(attributes);
+        exr_file::write(&self.path("in.exr"), &[Layer::gbuffer(&file)], metadata).expect("written");
+        match attributes.contains(&Attribute::Valid) {
+            true => file,
+            false => gbuffer(&[attributes, &[Attribute::Valid]].concat()),
         }
-        for channel in 0..channels {
-            planes.plane_mut(channel)[..WIDTH].fill(0.0);
-        }
-        let gbuffer = GBuffer::new(attributes.to_vec(), planes);
-        exr_file::write(&self.path("in.exr"), &[Layer::gbuffer(&gbuffer)], metadata).expect("written");
-        gbuffer
     }
 
     fn run(&self, more: &[&str]) -> Output {
@@ -86,11 +92,12 @@ fn assert_refused(output: &Output, out: &Path, named: &[&str]) {
 }
 
 const INPUTS: [Attribute; 2] = [Attribute::Position, Attribute::Normal];
+const MASKED: [Attribute; 3] = [Attribute::Position, Attribute::Normal, Attribute::Valid];
 
 #[test]
 fn the_radius_asked_for_scales_positions() {
     let case = Case::new();
-    let gbuffer = case.write(&[INPUTS[0], INPUTS[1], Attribute::Valid], &Metadata::new());
+    let gbuffer = case.write(&MASKED, 0.0, &Metadata::new());
     let (near, far) = (case.expected(&gbuffer, 0.5), case.expected(&gbuffer, 3.0));
     assert_ne!(near, far);
     case.assert_image(&case.run(&["--radius", "0.5"]), &near);
@@ -98,23 +105,36 @@ fn the_radius_asked_for_scales_positions() {
 }
 
 #[test]
+fn what_a_renderer_leaves_where_nothing_is_seen_changes_nothing() {
+    let case = Case::new();
+    let expected = case.expected(&case.write(&MASKED, 0.0, &Metadata::new()), 2.0);
+    // As far away as half floats reach.
+    case.write(&MASKED, -65_504.0, &Metadata::new());
+    case.assert_image(&case.run(&["--radius", "2"]), &expected);
+    let by_default = case.run(&[]);
+    assert!(by_default.status.success(), "{}", message(&by_default));
+    assert!(String::from_utf8_lossy(&by_default.stdout).contains("radius 0.1"), "{by_default:?}");
+}
+
+#[test]
 fn without_a_mask_pixels_of_zeros_show_nothing() {
     let case = Case::new();
-    let gbuffer = case.write(&INPUTS, &Metadata::new());
+    let gbuffer = case.write(&INPUTS, 0.0, &Metadata::new());
     case.assert_image(&case.run(&["--radius", "2"]), &case.expected(&gbuffer, 2.0));
 }
 
 #[test]
 fn the_files_radius_is_used_before_the_default() {
     let case = Case::new();
-    let gbuffer = case.write(&INPUTS, &Metadata::from([("radius_metres".to_owned(), "0.75".to_owned())]));
+    let stated = Metadata::from([("radius_metres".to_owned(), "0.75".to_owned())]);
+    let gbuffer = case.write(&INPUTS, 0.0, &stated);
     case.assert_image(&case.run(&[]), &case.expected(&gbuffer, 0.75));
 }
 
 #[test]
 fn the_default_radius_is_a_share_of_what_is_seen() {
     let case = Case::new();
-    let gbuffer = case.write(&INPUTS, &Metadata::new());
+    let gbuffer = case.write(&INPUTS, 0.0, &Metadata::new());
     let mut square = 0.0;
     for axis in 0..3 {
         let seen = &gbuffer.planes().plane(axis)[WIDTH..];
@@ -128,7 +148,7 @@ fn the_default_radius_is_a_share_of_what_is_seen() {
 #[test]
 fn a_missing_layer_is_named_with_what_there_is() {
     let case = Case::new();
-    case.write(&[Attribute::Position, Attribute::Depth], &Metadata::new());
+    case.write(&[Attribute::Position, Attribute::Depth], 0.0, &Metadata::new());
     assert_refused(&case.run(&[]), &case.path("out.exr"), &["in.exr", "normal.X", "position.X", "depth"]);
 }
 
@@ -137,16 +157,23 @@ fn damaged_input_is_refused() {
     let case = Case::new();
     let out = case.path("out.exr");
     assert_refused(&case.run(&[]), &out, &["in.exr"]);
-    case.write(&INPUTS, &Metadata::new());
+    case.write(&INPUTS, 0.0, &Metadata::new());
     let whole = std::fs::read(case.path("in.exr")).expect("a file");
     std::fs::write(case.path("in.exr"), &whole[..whole.len() / 2]).expect("written");
     assert_refused(&case.run(&[]), &out, &["in.exr"]);
-    case.write(&INPUTS, &Metadata::new());
+    case.write(&INPUTS, 0.0, &Metadata::new());
     assert_refused(&case.run(&["--radius=-1"]), &out, &["--radius"]);
     let weights = case.path("model/weights.safetensors");
     let whole = std::fs::read(&weights).expect("a file");
     std::fs::write(&weights, &whole[..whole.len() - 100]).expect("written");
     assert_refused(&case.run(&["--radius", "1"]), &out, &["weights.safetensors"]);
+    let spec = NetSpec { kernel: 1, ..case.model.spec.clone() };
+    let other = Model { weights: Weights::random(&spec, 8), spec };
+    let json = std::fs::read(case.path("model/net.json")).expect("a file");
+    other.save(&case.path("model")).expect("saved");
+    std::fs::write(case.path("model/net.json"), json).expect("written");
+    let shapes = ["weights.safetensors", "`down0.weight`", "[8, 6, 1, 1]", "[8, 6, 3, 3]"];
+    assert_refused(&case.run(&["--radius", "1"]), &out, &shapes);
     std::fs::remove_file(case.path("model/net.json")).expect("removed");
     assert_refused(&case.run(&["--radius", "1"]), &out, &["net.json"]);
 }
@@ -154,6 +181,6 @@ fn damaged_input_is_refused() {
 #[test]
 fn a_file_that_states_a_wrong_radius_is_refused() {
     let case = Case::new();
-    case.write(&INPUTS, &Metadata::from([("radius_metres".to_owned(), "wide".to_owned())]));
+    case.write(&INPUTS, 0.0, &Metadata::from([("radius_metres".to_owned(), "wide".to_owned())]));
     assert_refused(&case.run(&[]), &case.path("out.exr"), &["in.exr", "radius_metres", "wide"]);
 }

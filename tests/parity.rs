@@ -84,7 +84,7 @@ fn a_stored_image_of_other_weights_is_found_out() {
     let model = folder_with_a_fault(folder.path(), 2);
     let bytes = deepshade_train::export::onnx::encode(&model);
     std::fs::write(folder.path().join("model.onnx"), bytes).expect("written");
-    let mut stored = Parity::load(folder.path()).expect("reads");
+    let mut stored = Parity::load(folder.path(), &model.spec).expect("reads");
     stored.output.data_mut()[17] += 0.01;
     stored.save(folder.path()).expect("saved");
     let output = parity_of(Some(folder.path()), "24x24", &folder.path().join("parity.json"));

@@ -44,18 +44,6 @@ impl Symmetry {
         }
     }
 
-    /// This one and then another.
-    pub const fn then(self, next: Self) -> Self {
-        // A mirroring reverses the turns that came before it.
-        let turns = if next.mirrored { 4 - self.quarter_turns } else { self.quarter_turns };
-        Self::new(self.mirrored != next.mirrored, turns + next.quarter_turns)
-    }
-
-    /// The one that undoes this one.
-    pub const fn inverse(self) -> Self {
-        if self.mirrored { self } else { Self::new(false, 4 - self.quarter_turns) }
-    }
-
     /// Whether rows become columns.
     pub const fn swaps_axes(self) -> bool {
         self.quarter_turns % 2 == 1

@@ -3,7 +3,7 @@
 use crate::generate::target_layer;
 use crate::{Dataset, DatasetError, Pair, font};
 use deepshade_shaders::atomic_file;
-use deepshade_shaders::{Attribute, GBuffer};
+use deepshade_shaders::{Attribute, GBuffer, shows_surface};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use std::path::Path;
 
@@ -57,7 +57,7 @@ fn columns(pair: &Pair, target: &str) -> Vec<Column> {
         let range = match channel.attribute {
             Attribute::Normal | Attribute::WorldNormal | Attribute::ToCamera => (-1.0, 1.0),
             Attribute::Valid => (0.0, 1.0),
-            _ => seen_range(plane, &pair.gbuffer),
+            _ => shown_range(seen_range(plane, &pair.gbuffer)),
         };
         columns.push(Column::new(&channel.to_string(), plane, height, width, range));
     }
@@ -72,23 +72,28 @@ fn columns(pair: &Pair, target: &str) -> Vec<Column> {
 /// Smallest and largest value where a surface is seen.
 fn seen_range(plane: &[f32], gbuffer: &GBuffer) -> (f32, f32) {
     let valid = gbuffer.first_plane(Attribute::Valid).ok().map(|index| gbuffer.planes().plane(index));
-    let seen = (0..plane.len()).filter(|pixel| valid.is_none_or(|valid| valid[*pixel] > 0.0));
+    let seen = (0..plane.len()).filter(|pixel| valid.is_none_or(|valid| shows_surface(valid[*pixel])));
     seen.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), pixel| {
         (low.min(plane[pixel]), high.max(plane[pixel]))
     })
 }
 
+/// The range to stretch from: a plane of one value has none of its own and is shown by that value, beside 0 and 1.
+const fn shown_range((low, high): (f32, f32)) -> (f32, f32) {
+    if low < high { (low, high) } else { (low.min(0.0), high.max(1.0)) }
+}
+
 impl Column {
-    /// Shrinks a plane by a whole factor and maps `low` to black and `high` to white.
+    /// Shrinks a plane by a whole factor, at most to one pixel across, and maps `low` to black and `high` to white.
     fn new(name: &str, plane: &[f32], height: usize, width: usize, (low, high): (f32, f32)) -> Self {
-        let factor = height.max(width).div_ceil(EDGE);
+        let factor = height.max(width).div_ceil(EDGE).min(height).min(width);
         let (small_height, small_width) = (height / factor, width / factor);
         let mean = |y: usize, x: usize| {
             let rows =
                 (y * factor..(y + 1) * factor).flat_map(|row| &plane[row * width + x * factor..][..factor]);
             rows.sum::<f32>() / (factor * factor) as f32
         };
-        let grey = |value: f32| (255.0 * (value - low) / (high - low).max(f32::MIN_POSITIVE)).round() as u8;
+        let grey = |value: f32| (255.0 * (value - low) / (high - low)).round() as u8;
         let pixels = (0..small_height * small_width).map(|i| grey(mean(i / small_width, i % small_width)));
         let label = format!("{} {low:.3} {high:.3}", name.to_lowercase());
         Self { label: shortened(&label), height: small_height, width: small_width, pixels: pixels.collect() }
@@ -151,5 +156,39 @@ impl Sheet {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column(plane: &[f32], height: usize, width: usize, range: (f32, f32)) -> Column {
+        Column::new("a", plane, height, width, shown_range(range))
+    }
+
+    #[test]
+    fn narrow_images_give_a_picture_in_both_directions() {
+        let ramp: Vec<f32> = (0..16 * 4096).map(|i| i as f32).collect();
+        for (height, width, expected) in [(16, 4096, [1, 256]), (4096, 16, [256, 1]), (300, 200, [150, 100])]
+        {
+            let plane = &ramp[..height * width];
+            let column = column(plane, height, width, (0.0, plane.len() as f32));
+            assert_eq!([column.height, column.width], expected);
+            let (first, last) = (column.pixels[0], column.pixels[column.pixels.len() - 1]);
+            assert!(column.pixels.len() == column.height * column.width && first < last);
+            let sheet = Sheet::drawn(&[("a row".to_owned(), vec![column])]);
+            assert!(sheet.pixels.len() == sheet.width * sheet.height && sheet.pixels.contains(&last));
+        }
+    }
+
+    #[test]
+    fn a_plane_of_one_value_is_shown_by_it() {
+        for (value, grey) in [(0.0, 0), (0.5, 128), (1.0, 255), (7.0, 255), (-2.0, 0)] {
+            assert_eq!(column(&[value; 4], 2, 2, (value, value)).pixels, [grey; 4], "{value}");
+        }
+        // Nothing is seen.
+        assert_eq!(column(&[0.0; 4], 2, 2, (f32::INFINITY, f32::NEG_INFINITY)).pixels, [0; 4]);
+        assert_eq!(column(&[3.0, 4.0], 1, 2, (3.0, 4.0)).pixels, [0, 255]);
     }
 }

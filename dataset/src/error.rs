@@ -50,6 +50,19 @@ pub enum DatasetError {
         /// What was to be made.
         ours: String,
     },
+    /// Data that another version of the program made.
+    #[error(
+        "{path}: data of version {theirs}, where this program makes and reads version {ours}: make them anew in \
+         another folder"
+    )]
+    OtherVersion {
+        /// Which file says so.
+        path: PathBuf,
+        /// Its version.
+        theirs: String,
+        /// Ours.
+        ours: u32,
+    },
     /// Another program is writing into the folder.
     #[error("{folder}: another program is generating into this folder")]
     Busy {

@@ -4,7 +4,8 @@
 //! the way: every random number is a hash of what it is for, and every finished file is noted in a journal.
 
 use crate::journal::{Journal, checked};
-use crate::manifest::{MANIFEST, Manifest, PairRecord, job};
+use crate::manifest::{MANIFEST, Manifest, PairRecord};
+use crate::origin::Origin;
 use crate::plan::{PlannedScene, PlannedView};
 use crate::truth::Shot;
 use crate::{DatasetError, Recipe, progress, truth, views};
@@ -20,6 +21,8 @@ use std::path::Path;
 
 /// Where the pairs lie in a dataset's folder.
 const PAIRS: &str = "pairs";
+/// So many scenes are in memory at a time; their views and tiles keep all threads busy.
+const SCENES_AT_ONCE: usize = 2;
 
 /// What generating a dataset came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -36,20 +39,23 @@ pub struct Summary {
 /// terminal.
 ///
 /// # Errors
-/// If a scene cannot be had or has no fit view, the folder cannot be written or is in use, or holds other data.
+/// If the recipe is for test sets, a scene cannot be had or has no fit view, or the folder cannot be written, is in
+/// use or holds other data.
 pub fn generate(recipe: &Recipe, folder: &Path) -> Result<Summary, DatasetError> {
+    if recipe.tiles.is_some() {
+        let what = "the table `tiles` is for test sets, which `deepshade dataset testset` makes".to_owned();
+        return Err(DatasetError::Recipe { path: recipe.path.clone(), what });
+    }
     let plan = recipe.plan()?;
-    let mut manifest = Manifest::new(recipe, Vec::new())?;
-    let earlier = earlier_pairs(folder, &manifest.job())?;
-    let (journal, mut entries) = Journal::open(folder, &[PAIRS], &manifest.job())?;
+    let origin = Origin::new(recipe, &plan, folder)?;
+    let earlier = earlier_pairs(folder, &origin.job())?;
+    let (journal, mut entries) = Journal::open(folder, &[PAIRS], &origin.job())?;
     entries.extend(earlier);
     let known = checked(folder, entries);
     let total = plan.iter().map(|scene| scene.views.len()).sum();
     let bar = progress::bar("pairs", total, known.len());
     let work = Work { recipe, folder, journal: &journal, known: &known, bar: &bar };
-    let scenes: Result<Vec<Vec<PairRecord>>, DatasetError> =
-        plan.par_iter().with_max_len(1).map(|scene| work.scene(scene)).collect();
-    manifest.pairs = scenes?.concat();
+    let manifest = Manifest { origin, pairs: by_scene(&plan, |_, scene| work.scene(scene))? };
     bar.finish_and_clear();
     manifest.save(folder)?;
     journal.finish()?;
@@ -61,13 +67,29 @@ pub fn generate(recipe: &Recipe, folder: &Path) -> Result<Summary, DatasetError>
     Ok(Summary { pairs: total, rendered: total - known.len(), bytes })
 }
 
+/// What `records` gives of every scene, in the plan's order. A few scenes at a time are in memory, however many there
+/// are and however large: one is built while another is rendered.
+pub(crate) fn by_scene<R: Send>(
+    plan: &[PlannedScene],
+    records: impl Fn(usize, &PlannedScene) -> Result<Vec<R>, DatasetError> + Sync,
+) -> Result<Vec<R>, DatasetError> {
+    let mut all = Vec::new();
+    for (batch, scenes) in plan.chunks(SCENES_AT_ONCE).enumerate() {
+        let first = batch * SCENES_AT_ONCE;
+        let made: Result<Vec<Vec<R>>, DatasetError> =
+            scenes.par_iter().enumerate().map(|(index, scene)| records(first + index, scene)).collect();
+        all.extend(made?.into_iter().flatten());
+    }
+    Ok(all)
+}
+
 /// The pairs of a dataset that is whole, or was before a file was damaged.
 fn earlier_pairs(folder: &Path, ours: &str) -> Result<Vec<PairRecord>, DatasetError> {
     if !folder.join(MANIFEST).exists() {
         return Ok(Vec::new());
     }
     let earlier = Manifest::load(folder)?;
-    let theirs = job(&earlier.program, &earlier.recipe_hash);
+    let theirs = earlier.origin.job();
     if theirs != ours {
         return Err(DatasetError::OtherData { folder: folder.to_owned(), theirs, ours: ours.to_owned() });
     }
@@ -90,7 +112,7 @@ impl Work<'_> {
         if let Some(records) = scene.views.iter().map(known).collect() {
             return Ok(records);
         }
-        let traced = scene.source.load(self.recipe.folder())?;
+        let traced = scene.scene.load(&self.recipe.folder)?;
         let record = |view: &PlannedView| known(view).map_or_else(|| self.pair(scene, &traced, view), Ok);
         scene.views.par_iter().map(record).collect()
     }
@@ -113,7 +135,7 @@ impl Work<'_> {
             file: file_name(view),
             blake3: String::new(),
             part: view.part,
-            scene: planned.source.clone(),
+            scene: planned.scene.clone(),
             view: view.index,
             camera,
             radius,

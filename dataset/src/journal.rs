@@ -6,7 +6,7 @@
 
 use crate::DatasetError;
 use crate::recipe::file_hash;
-use deepshade_shaders::atomic_file::TEMPORARY_PREFIX;
+use deepshade_shaders::atomic_file;
 use rayon::prelude::*;
 use serde::{Serialize, de::DeserializeOwned};
 use std::collections::HashMap;
@@ -125,12 +125,5 @@ fn write_line(file: &mut File, value: &impl Serialize) -> std::io::Result<()> {
 }
 
 fn delete_temporaries(folder: &Path) -> Result<(), DatasetError> {
-    let io = |source| DatasetError::io(folder, source);
-    for entry in std::fs::read_dir(folder).map_err(io)? {
-        let entry = entry.map_err(io)?;
-        if entry.file_name().to_string_lossy().starts_with(TEMPORARY_PREFIX) {
-            std::fs::remove_file(entry.path()).map_err(|source| DatasetError::io(&entry.path(), source))?;
-        }
-    }
-    Ok(())
+    atomic_file::delete_temporaries(folder).map_err(|source| DatasetError::io(folder, source))
 }

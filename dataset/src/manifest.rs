@@ -2,8 +2,9 @@
 //! manifest is a whole dataset.
 
 use crate::journal::Entry;
-use crate::{DatasetError, Part, Recipe, SceneSource};
-use deepshade_render::exr_file;
+use crate::origin::{Origin, Versioned};
+use crate::recipe::file_hash;
+use crate::{DatasetError, Part, SceneRecord};
 use deepshade_render::scene::Camera;
 use deepshade_shaders::atomic_file;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -16,12 +17,8 @@ pub const MANIFEST: &str = "manifest.json";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
-    /// Name and version of the program that made it.
-    pub program: String,
-    /// What it was made from, as in [`recipe_hash`].
-    pub recipe_hash: String,
-    /// The recipe itself.
-    pub recipe: Recipe,
+    /// What it was made by and from.
+    pub origin: Origin,
     /// Every pair, in the recipe's order.
     pub pairs: Vec<PairRecord>,
 }
@@ -37,7 +34,7 @@ pub struct PairRecord {
     /// What it is used for.
     pub part: Part,
     /// The scene.
-    pub scene: SceneSource,
+    pub scene: SceneRecord,
     /// Which of the scene's views.
     pub view: usize,
     /// Where the view is from.
@@ -58,39 +55,25 @@ impl Entry for PairRecord {
     }
 }
 
-/// BLAKE3 hash of a recipe's contents and of its scene files' contents, in hexadecimal. Comments, order of keys and
-/// the recipe's place do not matter.
-///
-/// # Errors
-/// If a scene file cannot be read.
-pub fn recipe_hash(recipe: &Recipe) -> Result<String, DatasetError> {
-    let contents = (recipe, recipe.file_hashes()?);
-    let json = serde_json::to_vec(&contents)
-        .map_err(|error| DatasetError::invalid(&recipe.path, error.to_string()))?;
-    Ok(blake3::hash(&json).to_hex().to_string())
-}
-
-/// What tells a job from others, in words: the version of the program and the recipe.
-pub(crate) fn job(program: &str, recipe_hash: &str) -> String {
-    format!("{program}, recipe {recipe_hash}")
-}
-
 impl Manifest {
-    /// The manifest of a recipe's pairs, made by this program.
-    ///
-    /// # Errors
-    /// If a scene file cannot be read.
-    pub fn new(recipe: &Recipe, pairs: Vec<PairRecord>) -> Result<Self, DatasetError> {
-        let (program, recipe_hash) = (exr_file::PROGRAM.to_owned(), recipe_hash(recipe)?);
-        Ok(Self { program, recipe_hash, recipe: recipe.clone(), pairs })
-    }
-
     /// Reads the manifest of a dataset's folder.
     ///
     /// # Errors
-    /// If it is missing or damaged.
+    /// If it is missing, damaged, of another version of the data, or states values beyond a recipe's limits.
     pub fn load(folder: &Path) -> Result<Self, DatasetError> {
-        read_json(&folder.join(MANIFEST))
+        let path = folder.join(MANIFEST);
+        let mut manifest: Self = read_json(&path)?;
+        manifest.origin.opened(&path)?;
+        Ok(manifest)
+    }
+
+    /// BLAKE3 hash, in hexadecimal, of the manifest's file in a dataset's folder. It tells the data from all others,
+    /// since the manifest holds the hash of every pair.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn file_hash(folder: &Path) -> Result<String, DatasetError> {
+        file_hash(&folder.join(MANIFEST))
     }
 
     /// Writes it into a dataset's folder.
@@ -100,17 +83,15 @@ impl Manifest {
     pub fn save(&self, folder: &Path) -> Result<(), DatasetError> {
         write_json(&folder.join(MANIFEST), self)
     }
-
-    /// What the data were made by and from, in words.
-    pub(crate) fn job(&self) -> String {
-        job(&self.program, &self.recipe_hash)
-    }
 }
 
-/// Reads a JSON file.
+/// Reads a JSON file that states its [`Origin`], if it is of this version of the data.
 pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, DatasetError> {
     let bytes = std::fs::read(path).map_err(|source| DatasetError::io(path, source))?;
-    serde_json::from_slice(&bytes).map_err(|error| DatasetError::invalid(path, error.to_string()))
+    let invalid = |error: serde_json::Error| DatasetError::invalid(path, error.to_string());
+    let Versioned { origin } = serde_json::from_slice(&bytes).map_err(invalid)?;
+    origin.unwrap_or_default().check_version(path)?;
+    serde_json::from_slice(&bytes).map_err(invalid)
 }
 
 /// Writes a JSON file with line breaks.

@@ -1,33 +1,10 @@
 //! From a recipe to the list of its scenes and views.
 
 use crate::random::mix;
-use crate::recipe::file_hash;
-use crate::{DatasetError, Recipe};
-use deepshade_render::bvh::TracedScene;
-use deepshade_render::scene::Scene;
+use crate::{DatasetError, Recipe, SceneRecord};
+use deepshade_render::scene::SceneSource;
 use deepshade_render::scene::procedural::{Family, Split};
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
-
-/// Where a scene comes from.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum SceneSource {
-    /// A seed of a procedural family.
-    Family {
-        /// Its name.
-        name: String,
-        /// Which of its scenes.
-        seed: u64,
-    },
-    /// A scene file.
-    File {
-        /// As the recipe names it, relative to the recipe's folder.
-        path: PathBuf,
-        /// Hash of its contents, in hexadecimal.
-        blake3: String,
-    },
-}
 
 /// What a pair is used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -45,7 +22,7 @@ pub enum Part {
 #[derive(Clone, Debug)]
 pub struct PlannedScene {
     /// Where it comes from.
-    pub source: SceneSource,
+    pub scene: SceneRecord,
     /// What tells its random numbers from those of other scenes.
     pub key: u64,
     /// Its views.
@@ -65,65 +42,34 @@ pub struct PlannedView {
     pub part: Part,
 }
 
-impl SceneSource {
-    /// Makes or reads the scene; files are relative to `folder`.
-    ///
-    /// # Errors
-    /// If the file is missing, damaged, or not the one that the hash is of.
-    pub fn load(&self, folder: &Path) -> Result<TracedScene, DatasetError> {
-        let scene = match self {
-            Self::Family { name, seed } => Family::by_name(name)?.scene(*seed),
-            Self::File { path, blake3 } => {
-                let path = folder.join(path);
-                if file_hash(&path)? != *blake3 {
-                    return Err(DatasetError::invalid(&path, "not the file that the data were made from"));
-                }
-                Scene::load(&path, 0.0)?
-            }
-        };
-        Ok(TracedScene::new(scene)?)
-    }
-}
-
-impl std::fmt::Display for SceneSource {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Family { name, seed } => write!(f, "{name} {seed}"),
-            Self::File { path, .. } => write!(f, "{}", path.display()),
-        }
-    }
-}
-
 impl Recipe {
     /// All scenes and views of the recipe, always the same.
     ///
     /// # Errors
-    /// If a scene file cannot be read.
+    /// If a scene file cannot be read, or two hold the same scene.
     pub fn plan(&self) -> Result<Vec<PlannedScene>, DatasetError> {
-        let mut sources = Vec::new();
-        for family in &self.families {
-            for index in 0..family.scenes {
-                let seed = mix(&[u64::from(self.seed), index as u64]) >> 32;
-                let source = SceneSource::Family { name: family.name.clone(), seed };
-                sources.push((format!("{}-{index:04}", family.name), text_key(&family.name) ^ seed, source));
+        let mut scenes = Vec::new();
+        for share in &self.families {
+            let family = Family::by_name(&share.name)?;
+            for index in 0..share.scenes {
+                let seed = mix(&[u64::from(self.seed), index as u64]);
+                let scene = SceneRecord { source: SceneSource::Procedural(family, seed), blake3: None };
+                scenes.push((format!("{}-{index:04}", share.name), text_key(&share.name) ^ seed, scene));
             }
         }
-        for (index, (path, blake3)) in self.files.iter().zip(self.file_hashes()?).enumerate() {
-            let key = text_key(&blake3);
+        for (index, (path, identity)) in self.files.iter().zip(self.file_identities()?).enumerate() {
             let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
             let stem: String = stem.chars().filter(char::is_ascii_alphanumeric).collect();
-            sources.push((
-                format!("file-{index:02}-{stem}"),
-                key,
-                SceneSource::File { path: path.clone(), blake3 },
-            ));
+            let (key, source) = (text_key(&identity.hash), SceneSource::File(path.clone()));
+            let scene = SceneRecord { source, blake3: Some(identity.hash) };
+            scenes.push((format!("file-{index:02}-{stem}"), key, scene));
         }
-        let scenes = sources.len();
-        let planned = sources.into_iter().enumerate().map(|(scene, (name, key, source))| PlannedScene {
+        let count = scenes.len();
+        let planned = scenes.into_iter().enumerate().map(|(index, (name, key, scene))| PlannedScene {
             views: (0..self.views_per_scene)
-                .map(|view| self.planned_view(scene, scenes, &name, key, view))
+                .map(|view| self.planned_view(index, count, &name, key, view))
                 .collect(),
-            source,
+            scene,
             key,
         });
         Ok(planned.collect())

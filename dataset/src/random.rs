@@ -1,13 +1,10 @@
 //! Counter-based random numbers: a value is a hash of what it is for, so that nothing depends on order or threads.
 
-/// A hash of some words, by the finaliser of SplitMix64 (Steele et al. 2014).
+use deepshade_shaders::split_mix::{STEP, finalised};
+
+/// A hash of some words.
 pub fn mix(words: &[u64]) -> u64 {
-    words.iter().fold(0, |hash: u64, word| {
-        let mut z = (hash ^ word).wrapping_add(0x9e37_79b9_7f4a_7c15);
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    })
+    words.iter().fold(0, |hash, word| finalised((hash ^ word).wrapping_add(STEP)))
 }
 
 /// A number in [0, 1) for some words.

@@ -28,9 +28,17 @@ impl Dataset {
     /// Opens the dataset of a folder. Pairs are not checked: [`crate::verify`] does.
     ///
     /// # Errors
-    /// If the manifest is missing, as it is while the dataset is unfinished, or damaged.
+    /// If the manifest is missing, as it is while the dataset is unfinished, damaged, of another version of the data, or
+    /// states values beyond a recipe's limits.
     pub fn open(folder: &Path) -> Result<Self, DatasetError> {
         Ok(Self { folder: folder.to_owned(), manifest: Manifest::load(folder)? })
+    }
+
+    /// The same dataset with the recipe's scene files in another folder than the manifest says.
+    #[must_use]
+    pub fn with_scenes(mut self, folder: &Path) -> Self {
+        folder.clone_into(&mut self.manifest.origin.recipe.folder);
+        self
     }
 
     /// Where it is.
@@ -45,7 +53,7 @@ impl Dataset {
 
     /// What it was made from.
     pub const fn recipe(&self) -> &Recipe {
-        &self.manifest.recipe
+        &self.manifest.origin.recipe
     }
 
     /// Number of pairs.

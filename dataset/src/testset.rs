@@ -23,11 +23,12 @@ mod make;
 use crate::journal::Entry;
 use crate::manifest::read_json;
 use crate::random::mix;
-use crate::recipe::Tiles;
-use crate::{DatasetError, Recipe, SceneSource};
+use crate::recipe::{Tiles, file_hash, split_name};
+use crate::{DatasetError, Origin, Recipe, SceneRecord};
 use deepshade_render::exr_file;
 use deepshade_render::metrics::ssim::TILE;
 use deepshade_render::scene::Camera;
+use deepshade_render::scene::procedural::Split;
 use deepshade_shaders::Planes;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -45,9 +46,7 @@ pub struct TestSet {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct List {
-    program: String,
-    recipe_hash: String,
-    recipe: Recipe,
+    origin: Origin,
     frames: Vec<FrameRecord>,
 }
 
@@ -58,7 +57,7 @@ pub struct FrameRecord {
     /// A name that no other frame has.
     pub name: String,
     /// The scene.
-    pub scene: SceneSource,
+    pub scene: SceneRecord,
     /// Which of the scene's views.
     pub view: usize,
     /// Where the view is from.
@@ -127,6 +126,15 @@ pub fn tile_indices(seed: u32, height: usize, width: usize, one_in: usize) -> Ve
     tiles
 }
 
+/// Whether a pixel (x, y) of an image so wide lies in one of the tiles.
+fn in_tiles(tiles: &[usize], width: usize) -> impl Fn(usize, usize) -> bool {
+    let columns = width / TILE;
+    move |x, y| {
+        let (row, column) = (y / TILE, x / TILE);
+        column < columns && tiles.binary_search(&(row * columns + column)).is_ok()
+    }
+}
+
 /// Some tiles of an image side by side, `[channels, 8, 8 * tiles]`.
 ///
 /// # Panics
@@ -143,14 +151,27 @@ impl TestSet {
     /// Opens a test set.
     ///
     /// # Errors
-    /// If its list is missing, as it is while the set is unfinished, or damaged.
+    /// If its list is missing, as it is while the set is unfinished, damaged, of another version of the data, or states
+    /// values beyond a recipe's limits.
     pub fn open(folder: &Path) -> Result<Self, DatasetError> {
-        Ok(Self { folder: folder.to_owned(), list: read_json(&folder.join(LIST))? })
+        Ok(Self { folder: folder.to_owned(), list: List::load(folder)? })
+    }
+
+    /// Whether a folder holds a test set.
+    pub fn is_in(folder: &Path) -> bool {
+        folder.join(LIST).is_file()
+    }
+
+    /// The same test set with the recipe's scene files in another folder than the list says.
+    #[must_use]
+    pub fn with_scenes(mut self, folder: &Path) -> Self {
+        folder.clone_into(&mut self.list.origin.recipe.folder);
+        self
     }
 
     /// What it was made from.
     pub const fn recipe(&self) -> &Recipe {
-        &self.list.recipe
+        &self.list.origin.recipe
     }
 
     /// Its frames; those of a scene follow each other.
@@ -161,14 +182,14 @@ impl TestSet {
     /// Reads the truth of a frame.
     ///
     /// # Errors
-    /// If a file is missing, damaged, or not of the size that the recipe says.
+    /// If a file is missing, damaged, not the one that was made, or not of the size that the recipe says.
     ///
     /// # Panics
     /// If there is no frame of that index.
     pub fn frame(&self, index: usize) -> Result<TestFrame, DatasetError> {
         let record = &self.list.frames[index];
-        let Recipe { resolution, .. } = self.list.recipe;
-        let one_in = tiles_of(&self.list.recipe)?.one_in;
+        let Recipe { resolution, .. } = *self.recipe();
+        let one_in = tiles_of(self.recipe())?.one_in;
         let tiles = tile_indices(record.seed, resolution.height, resolution.width, one_in);
         let truth = self.image(&record.tiles, TILE, TILE * tiles.len())?;
         let whole = record.whole.as_ref();
@@ -178,7 +199,11 @@ impl TestSet {
 
     fn image(&self, file: &HashedFile, height: usize, width: usize) -> Result<Planes, DatasetError> {
         let path = self.folder.join(&file.file);
-        let effect = self.list.recipe.effect;
+        let hash = file_hash(&path)?;
+        if hash != file.blake3 {
+            return Err(DatasetError::invalid(&path, format!("its hash is {hash}, not {}", file.blake3)));
+        }
+        let effect = self.recipe().effect;
         let image = exr_file::read(&path)?.image(&format!("truth.{effect}"), effect.channels())?;
         if (image.height(), image.width()) != (height, width) {
             let what =
@@ -189,10 +214,25 @@ impl TestSet {
     }
 }
 
-/// How the recipe wants its tiles.
+impl List {
+    fn load(folder: &Path) -> Result<Self, DatasetError> {
+        let path = folder.join(LIST);
+        let mut list: Self = read_json(&path)?;
+        list.origin.opened(&path)?;
+        Ok(list)
+    }
+}
+
+/// How the recipe wants its tiles, if it is for testing.
 fn tiles_of(recipe: &Recipe) -> Result<Tiles, DatasetError> {
-    let what = "a test set needs the table `tiles`".to_owned();
-    recipe.tiles.ok_or_else(|| DatasetError::Recipe { path: recipe.path.clone(), what })
+    let wrong = |what: String| DatasetError::Recipe { path: recipe.path.clone(), what };
+    if recipe.split != Split::Test {
+        return Err(wrong(format!(
+            "`split` says {}, where a test set is for testing",
+            split_name(recipe.split)
+        )));
+    }
+    recipe.tiles.ok_or_else(|| wrong("a test set needs the table `tiles`".to_owned()))
 }
 
 #[cfg(test)]

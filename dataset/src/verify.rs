@@ -1,14 +1,16 @@
 //! Checking a dataset: every file is the one that was written, and what it holds makes sense.
 
-use crate::manifest::{MANIFEST, recipe_hash};
+use crate::manifest::MANIFEST;
+use crate::origin::recipe_hash;
 use crate::recipe::file_hash;
-use crate::{Dataset, DatasetError, Pair, progress};
+use crate::{Dataset, DatasetError, Manifest, Pair, progress};
+use deepshade_render::scene::SceneSource;
 use deepshade_shaders::{Attribute, Effect, GBuffer};
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::HashSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Half floats round the components of a unit vector by up to 2.5e-4 each.
 const UNIT_TOLERANCE: f32 = 1e-3;
@@ -55,13 +57,11 @@ fn manifest_faults(dataset: &Dataset) -> Vec<(String, String)> {
     let manifest = dataset.manifest();
     let fault = |what: String| (MANIFEST.to_owned(), what);
     let mut faults = Vec::new();
-    // The hash covers scene files, which are not part of a dataset.
-    if manifest.recipe.files.is_empty()
-        && recipe_hash(&manifest.recipe).ok().as_ref() != Some(&manifest.recipe_hash)
-    {
+    if stated_recipe_hash(manifest).as_ref() != Some(&manifest.origin.recipe_hash) {
         faults.push(fault("the recipe does not have the hash that is stated".to_owned()));
     }
-    let expected = manifest.recipe.scene_count().saturating_mul(manifest.recipe.views_per_scene);
+    let recipe = &manifest.origin.recipe;
+    let expected = recipe.scene_count().saturating_mul(recipe.views_per_scene);
     if expected != manifest.pairs.len() {
         faults
             .push(fault(format!("{} pairs listed where the recipe makes {expected}", manifest.pairs.len())));
@@ -80,6 +80,16 @@ fn manifest_faults(dataset: &Dataset) -> Vec<(String, String)> {
         faults.extend(strangers.into_iter().map(|name| (name, "the manifest does not list it".to_owned())));
     }
     faults
+}
+
+/// The hash of the recipe with the scene files that the pairs say they are of.
+fn stated_recipe_hash(manifest: &Manifest) -> Option<String> {
+    let recipe = &manifest.origin.recipe;
+    let scene = |file: &PathBuf| {
+        let source = SceneSource::File(file.clone());
+        manifest.pairs.iter().find(|pair| pair.scene.source == source)?.scene.blake3.as_deref()
+    };
+    recipe_hash(recipe, recipe.files.iter().filter_map(scene)).ok()
 }
 
 /// What is wrong with a pair, if something is.
@@ -185,8 +195,11 @@ mod tests {
             (4, 0, f32::NAN, "normal of length NaN at pixel 0, 0"),
         ];
         for (channel, pixel, value, expected) in damages {
-            let mut damaged = pair();
-            damaged.gbuffer.planes_mut().plane_mut(channel)[pixel] = value;
+            let sound = pair();
+            let mut planes = sound.gbuffer.planes().clone();
+            planes.plane_mut(channel)[pixel] = value;
+            let gbuffer = GBuffer::new(sound.gbuffer.attributes().to_vec(), planes);
+            let damaged = Pair { gbuffer, ..sound };
             assert_eq!(content_fault(&damaged, Effect::Ao).as_deref(), Some(expected));
         }
         for value in [-0.1, 1.1, f32::NAN] {

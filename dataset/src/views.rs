@@ -32,6 +32,9 @@ pub const LEAST_SEEN: f32 = 0.6;
 pub const MOST_BACKS: f32 = 0.35;
 /// Distance, as a share of the diagonal, below which surfaces are too near.
 pub const NEAREST: f32 = 0.005;
+/// Backs around a camera count as the inside of a wall up to this distance, as a share of the scene's diagonal: thicker
+/// walls are rare, and so are rooms that are lower.
+const WALL: f32 = 0.1;
 /// Smallest median distance as a share of the diagonal.
 pub const LEAST_MEDIAN: f32 = 0.02;
 /// Share of the surfaces seen that may lie on two planes.
@@ -143,10 +146,10 @@ impl Probe {
 }
 
 /// Whether a camera at `position`, which somebody else chose, is stuck inside of something: most directions end on
-/// the back of a triangle, and most of these are near. A room that was modelled with its triangles facing outwards
-/// shows backs too, but far away.
+/// the back of a triangle nearer than [`WALL`]. A room that was modelled with its triangles facing outwards shows
+/// backs too, but far away.
 pub fn inside_geometry(scene: &TracedScene, position: Vec3) -> bool {
-    let near = LEAST_MEDIAN * scene.diagonal();
+    let near = WALL * scene.diagonal();
     let stuck = ball(scene, position).filter(|probe| probe.back && probe.distance < near);
     stuck.count() > BALL / 2
 }
@@ -271,6 +274,27 @@ mod tests {
         assert!(inside_geometry(&scene, Vec3::new(3.0, 1.5, 4.05)));
         assert!(!inside_geometry(&scene, Vec3::new(3.0, 1.5, 2.0)));
         assert!(!inside_geometry(&scene, Vec3::new(3.0, 1.5, 9.0)));
+    }
+
+    #[test]
+    fn a_camera_in_a_wall_as_thick_as_those_of_a_castle_is_found() {
+        let partition = block(Vec3::new(0.0, 0.0, 4.0), Vec3::new(10.0, 10.0, 5.0), true);
+        for outwards in [false, true] {
+            let scene = traced(vec![block(Vec3::ZERO, Vec3::splat(10.0), outwards), partition.clone()]);
+            for z in [4.1, 4.3, 4.5, 4.9] {
+                assert!(inside_geometry(&scene, Vec3::new(5.0, 5.0, z)), "{z}");
+            }
+            for z in [2.0, 3.0, 7.0] {
+                assert!(!inside_geometry(&scene, Vec3::new(5.0, 5.0, z)), "{z}");
+            }
+        }
+        // A room whose own walls are a metre thick: one shell faces outwards, the other inwards.
+        let scene = traced(vec![
+            block(Vec3::ZERO, Vec3::splat(10.0), true),
+            block(Vec3::ONE, Vec3::splat(9.0), false),
+        ]);
+        assert!(inside_geometry(&scene, Vec3::new(0.5, 5.0, 5.0)));
+        assert!(!inside_geometry(&scene, Vec3::new(1.3, 5.0, 5.0)));
     }
 
     #[test]

@@ -10,7 +10,7 @@ mod convenience;
 mod packing;
 mod plan;
 
-pub use convenience::{run, run_layers, run_timed};
+pub use convenience::{run, run_layers};
 pub use plan::Plan;
 
 use crate::{Layer, NetSpec, Source, Weights};
@@ -113,11 +113,11 @@ impl Network {
             check_channels(device, layer)?;
             let packed = packing::pack(spec, &layers, index, &weights.0[index])?;
             let shader = shader(spec, layer);
-            if !passes.iter().any(|(path, _)| *path == shader.path) {
+            if !passes.iter().any(|(name, _)| *name == shader.name) {
                 let source = shader.specialised(&[("KERNEL", spec.kernel as u32)]);
-                passes.push((shader.path, Pass::new(device, shader.path, &source)?));
+                passes.push((shader.name, Pass::new(device, shader.name, &source)?));
             }
-            let pass = passes.iter().find(|(path, _)| *path == shader.path).map(|(_, pass)| pass.clone());
+            let pass = passes.iter().find(|(name, _)| *name == shader.name).map(|(_, pass)| pass.clone());
             let pass = pass.expect("compiled above");
             stages.push(Stage::new(device, layer.clone(), pass, &packed)?);
         }

@@ -1,5 +1,8 @@
 //! From a g-buffer to what a network reads, and from what it makes to an effect's image: the one place where radius
 //! and background are dealt with, for training and for every way of running.
+//!
+//! A renderer that keeps its g-buffer on the GPU does the same there, before and after
+//! [`Plan::encode`](crate::Plan::encode).
 
 use crate::NetSpec;
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes};
@@ -7,23 +10,26 @@ use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes};
 impl NetSpec {
     /// What the network reads of a g-buffer, `[input channels, height, width]`, so that an effect of `radius` metres
     /// looks to it like the one it was trained for: lengths are multiplied by
-    /// [`Reach::position_scale`](crate::Reach::position_scale).
+    /// [`Reach::position_scale`](crate::Reach::position_scale). Where no surface is seen every channel is 0, as in
+    /// training, whatever the renderer has put there.
     ///
     /// # Errors
-    /// If the g-buffer lacks one of the network's inputs.
+    /// If the g-buffer lacks one of the network's inputs or `valid`.
     pub fn input(&self, gbuffer: &GBuffer, radius: f32) -> Result<Planes, MissingAttribute> {
         let mut input = gbuffer.select(&self.inputs)?;
+        let seen = gbuffer.seen()?;
         let scale = self.reach.position_scale(radius);
         let channels = self.inputs.iter().flat_map(|attribute| attribute.channels());
         for (plane, channel) in channels.enumerate() {
-            if is_length(channel.attribute) {
-                input.plane_mut(plane).iter_mut().for_each(|value| *value *= scale);
+            let factor = if is_length(channel.attribute) { scale } else { 1.0 };
+            for (value, seen) in input.plane_mut(plane).iter_mut().zip(&seen) {
+                *value = if *seen { factor * *value } else { 0.0 };
             }
         }
         Ok(input)
     }
 
-    /// Puts the effect's background where the g-buffer shows no surface: where `valid` is 0.
+    /// Puts the effect's background where the g-buffer shows no surface.
     ///
     /// # Errors
     /// If the g-buffer has no `valid`.
@@ -32,10 +38,10 @@ impl NetSpec {
     /// If image and g-buffer differ in size.
     pub fn set_background(&self, gbuffer: &GBuffer, image: &mut Planes) -> Result<(), MissingAttribute> {
         assert_eq!((image.height(), image.width()), (gbuffer.height(), gbuffer.width()), "sizes");
-        let valid = gbuffer.planes().plane(gbuffer.first_plane(Attribute::Valid)?);
+        let seen = gbuffer.seen()?;
         for channel in 0..image.channels() {
-            for (value, valid) in image.plane_mut(channel).iter_mut().zip(valid) {
-                if *valid == 0.0 {
+            for (value, seen) in image.plane_mut(channel).iter_mut().zip(&seen) {
+                if !seen {
                     *value = self.effect.background();
                 }
             }
@@ -59,17 +65,37 @@ mod tests {
 
     #[test]
     fn only_lengths_are_scaled() {
+        let inputs = vec![Attribute::Normal, Attribute::Position, Attribute::Depth];
+        let spec = NetSpec { inputs, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) };
+        let planes = Planes::from_fn(8, 1, 2, |c, _, x| (10 * c + x + 1) as f32);
+        let attributes = vec![Attribute::Valid, Attribute::Position, Attribute::Normal, Attribute::Depth];
+        let input = spec.input(&GBuffer::new(attributes, planes), 4.0).expect("everything is there");
+        let normal = [41.0, 42.0, 51.0, 52.0, 61.0, 62.0];
+        let lengths = [5.5, 6.0, 10.5, 11.0, 15.5, 16.0, 35.5, 36.0];
+        assert_eq!(input.data(), [&normal[..], &lengths].concat());
+    }
+
+    #[test]
+    fn nothing_seen_is_read_as_zeros() {
         let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH);
-        let planes = Planes::from_fn(6, 1, 2, |c, _, x| (10 * c + x) as f32);
-        let gbuffer = GBuffer::new(vec![Attribute::Position, Attribute::Normal], planes);
-        let input = spec.input(&gbuffer, 4.0).expect("everything is there");
-        assert_eq!(input.data(), &[30.0, 31.0, 40.0, 41.0, 50.0, 51.0, 0.0, 0.5, 5.0, 5.5, 10.0, 10.5]);
+        // What renderers leave behind the last surface: a far plane, infinity, nonsense.
+        let planes = Planes::from_fn(7, 1, 4, |c, _, x| match (c, x) {
+            (6, _) => [1.0, 0.0, 0.25, 0.0][x],
+            (_, 0) => 1.0,
+            _ => [0.0, 1e6, f32::INFINITY, f32::NAN][x],
+        });
+        let attributes = vec![Attribute::Normal, Attribute::Position, Attribute::Valid];
+        let input = spec.input(&GBuffer::new(attributes, planes.clone()), 2.0).expect("everything is there");
+        assert_eq!(input.data(), [1.0, 0.0, 0.0, 0.0].repeat(6));
+        let blind = vec![Attribute::Normal, Attribute::Position, Attribute::Depth];
+        let error = spec.input(&GBuffer::new(blind, planes), 2.0).expect_err("no mask");
+        assert_eq!(error.wanted, "valid");
     }
 
     #[test]
     fn nothing_seen_gets_the_background() {
         let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH);
-        let valid = GBuffer::new(vec![Attribute::Valid], Planes::from_data(1, 1, 3, vec![1.0, 0.0, 1.0]));
+        let valid = GBuffer::new(vec![Attribute::Valid], Planes::from_data(1, 1, 3, vec![1.0, 0.25, 1.0]));
         let mut image = Planes::filled(1, 1, 3, 0.25);
         spec.set_background(&valid, &mut image).expect("has a mask");
         assert_eq!(image.data(), &[0.25, 1.0, 0.25]);

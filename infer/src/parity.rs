@@ -1,7 +1,7 @@
 //! Whether two implementations of the same network agree: the one comparator of the project.
 
-use crate::ModelError;
 use crate::model::file;
+use crate::{ModelError, NetSpec};
 use deepshade_shaders::{Planes, random::random};
 use std::path::Path;
 
@@ -80,18 +80,24 @@ pub struct Parity {
 }
 
 impl Parity {
-    /// Reads it from a model folder.
+    /// Reads it from the model folder of a network.
     ///
     /// # Errors
-    /// If the file cannot be read, or does not hold two images of the same height and width.
-    pub fn load(folder: &Path) -> Result<Self, ModelError> {
+    /// If the file cannot be read, or does not hold an input and an image of that network, both of the same height and
+    /// width.
+    pub fn load(folder: &Path, spec: &NetSpec) -> Result<Self, ModelError> {
         let tensors = file::Tensors::open(&folder.join(file::PARITY), file::MOST_PARITY_BYTES)?;
         let parity = Self { input: tensors.image("input")?, output: tensors.image("output")? };
-        let (input, output) = (&parity.input, &parity.output);
-        if (input.height(), input.width()) != (output.height(), output.width()) {
-            let expected = vec![output.channels(), input.height(), input.width()];
-            let found = vec![output.channels(), output.height(), output.width()];
-            return Err(tensors.shape_error("output", expected, found));
+        let [height, width] = [parity.input.height().max(1), parity.input.width().max(1)];
+        for (name, image, channels) in [
+            ("input", &parity.input, spec.input_channels()),
+            ("output", &parity.output, spec.effect.channels()),
+        ] {
+            let expected = vec![channels, height, width];
+            let found = vec![image.channels(), image.height(), image.width()];
+            if found != expected {
+                return Err(tensors.shape_error(name, expected, found));
+            }
         }
         Ok(parity)
     }
@@ -113,6 +119,12 @@ impl Parity {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{ChannelOrder, Reach};
+
+    fn spec() -> NetSpec {
+        let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+        NetSpec::ao(ChannelOrder::Interleaved, reach)
+    }
 
     fn image() -> Planes {
         noise(4, 13, 11, 1)
@@ -175,6 +187,23 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let parity = Parity { input: noise(6, 5, 7, 1), output: noise(1, 5, 7, 2) };
         parity.save(folder.path()).expect("writes");
-        assert_eq!(Parity::load(folder.path()).expect("reads"), parity);
+        assert_eq!(Parity::load(folder.path(), &spec()).expect("reads"), parity);
+    }
+
+    #[test]
+    fn images_of_another_network_are_refused_by_name() {
+        let cases = [
+            ([5, 5, 7], [1, 5, 7], "`input` has shape [5, 5, 7], expected [6, 5, 7]"),
+            ([6, 5, 7], [2, 5, 7], "`output` has shape [2, 5, 7], expected [1, 5, 7]"),
+            ([6, 5, 7], [1, 5, 8], "`output` has shape [1, 5, 8], expected [1, 5, 7]"),
+            ([6, 0, 7], [1, 0, 7], "`input` has shape [6, 0, 7], expected [6, 1, 7]"),
+        ];
+        for (input, output, expected) in cases {
+            let folder = tempfile::tempdir().expect("a folder");
+            let image = |[channels, height, width]: [usize; 3]| noise(channels, height, width, 1);
+            Parity { input: image(input), output: image(output) }.save(folder.path()).expect("writes");
+            let error = Parity::load(folder.path(), &spec()).expect_err(expected).to_string();
+            assert!(error.contains("parity.safetensors") && error.contains(expected), "{error}");
+        }
     }
 }

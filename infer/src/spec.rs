@@ -22,6 +22,9 @@ pub enum ChannelOrder {
     Interleaved,
 }
 
+/// Most rows of the frames that a network is trained on.
+const MOST_ROWS: usize = 8192;
+
 /// A network, but for its weights.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -153,7 +156,7 @@ impl NetSpec {
         range("leak", (0.0..=1.0).contains(&self.leak), &self.leak, "0 to 1")?;
         range("reach.radius", positive(reach.radius), &reach.radius, "positive")?;
         range("reach.diagonal_share", positive(reach.diagonal_share), &reach.diagonal_share, "positive")?;
-        range("reach.height", reach.height > 0, &reach.height, "positive")?;
+        range("reach.height", (1..=MOST_ROWS).contains(&reach.height), &reach.height, "1 to 8192")?;
         for Layer { name: layer, groups, inputs, outputs, .. } in self.layers() {
             if inputs % groups != 0 || outputs % groups != 0 {
                 return Err(SpecError::Groups { layer, groups, inputs, outputs });
@@ -269,6 +272,8 @@ mod tests {
             (NetSpec { leak: f32::NAN, ..ao.clone() }, "`leak` is NaN"),
             (NetSpec { inputs: Vec::new(), ..ao.clone() }, "`inputs` is 0"),
             (NetSpec { reach: Reach { radius: 0.0, ..REACH }, ..ao.clone() }, "`reach.radius` is 0"),
+            (NetSpec { reach: Reach { height: 0, ..REACH }, ..ao.clone() }, "`reach.height` is 0"),
+            (NetSpec { reach: Reach { height: 1 << 40, ..REACH }, ..ao.clone() }, "`reach.height` is 1099"),
             (NetSpec { u0: 5, ..ao }, "layer `down1` has 2 groups"),
         ];
         for (spec, message) in absurd {

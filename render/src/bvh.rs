@@ -7,7 +7,7 @@
 pub mod bundle;
 
 use crate::scene::{AlphaMode, Bounds, Scene, SceneError};
-use bundle::Start;
+use bundle::{Start, World};
 use glam::{Vec2, Vec3, Vec3A};
 use obvhs::{
     BvhBuildParams,
@@ -20,6 +20,9 @@ use obvhs::{
 
 /// Opacity from which a blended surface is seen by a camera, which cannot see two surfaces at once.
 const VISIBLE_OPACITY: f32 = 0.5;
+
+/// Largest diagonal of a scene, metres: beyond it products of lengths leave the range of f32, and no scene is meant.
+const LARGEST_DIAGONAL: f32 = 1e9;
 
 /// A scene that rays can be traced through.
 pub struct TracedScene {
@@ -60,7 +63,7 @@ impl TracedScene {
     /// Builds the hierarchy.
     ///
     /// # Errors
-    /// If a vertex is not finite or there is no triangle.
+    /// If a vertex is not finite, there is no triangle, or the scene is more than 1e9 m across.
     pub fn new(scene: Scene) -> Result<Self, SceneError> {
         let finite = |mesh: &crate::scene::Mesh| mesh.positions.iter().all(|position| position.is_finite());
         if let Some(mesh) = scene.meshes.iter().find(|mesh| !finite(mesh)) {
@@ -71,6 +74,11 @@ impl TracedScene {
         }
         if scene.triangle_count() == 0 {
             return Err(SceneError::Empty { name: scene.name });
+        }
+        let diagonal = scene.bounds().diagonal();
+        if !diagonal.is_finite() || diagonal > LARGEST_DIAGONAL {
+            let what = format!("is {diagonal:e} m across, more than {LARGEST_DIAGONAL:e} m");
+            return Err(SceneError::invalid(scene.name.as_ref(), what));
         }
         let (triangles, origins) = flattened(&scene);
         let (bvh, binary) = hierarchies(&triangles);
@@ -130,12 +138,16 @@ impl TracedScene {
     /// directions are unit vectors, at most [`bundle::BUNDLE`] of them; the nearer neighbours are to each other, the
     /// faster it goes.
     pub fn blocked_bundle(&self, start: Start, directions: &[Vec3]) -> u64 {
-        let opaque = |index: u32| !self.origins[index as usize].see_through;
-        let present = |index: u32, direction: Vec3| {
-            let ray = ray(start.origin, direction, start.reach);
-            stops(self.opacity(&ray, index as usize), &ray, index as usize)
+        let world = World {
+            bvh: &self.binary,
+            triangles: &self.triangles,
+            opaque: |index: u32| !self.origins[index as usize].see_through,
+            stops: |index: u32, direction: Vec3| {
+                let ray = ray(start.origin, direction, start.reach);
+                stops(self.opacity(&ray, index as usize), &ray, index as usize)
+            },
         };
-        bundle::blocked(&self.binary, &self.triangles, start, directions, opaque, present)
+        world.blocked(start, directions)
     }
 
     /// Distance to a triangle if the ray meets it and `present` says so of its opacity there, else infinity.
@@ -287,6 +299,74 @@ mod tests {
     }
 
     #[test]
+    fn a_bundle_is_blocked_where_its_rays_are() {
+        use crate::path::sampler::{PixelSampler, frame};
+        use crate::path::{ao::hemisphere, sampler};
+        let glass = Material {
+            base_colour: Vec4::new(1.0, 1.0, 1.0, 0.5),
+            alpha: AlphaMode::Blend,
+            ..Material::default()
+        };
+        let random = |i: u32| sampler::hash(i) as f32 / 4_294_967_296.0;
+        let mut clutter = Mesh::default();
+        for i in 0..3_000 {
+            let middle = Vec3::new(random(9 * i), random(9 * i + 1), random(9 * i + 2)) * 10.0;
+            for corner in 0..3 {
+                let at = 9 * (i + 5_000 * corner);
+                clutter.positions.push(middle + Vec3::new(random(at + 3), random(at + 4), random(at + 5)));
+            }
+            clutter.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+        }
+        let panes = Mesh { material: crate::scene::MaterialId(1), ..square_at(3.0) };
+        let materials = vec![Material::default(), glass];
+        let traced = TracedScene::new(Scene { meshes: vec![clutter, panes], materials, ..Scene::default() })
+            .expect("triangles");
+        let mut share = 0.0;
+        for i in 0..300 {
+            let origin = Vec3::new(random(7 * i), random(7 * i + 1), random(7 * i + 2)) * 10.0;
+            let above = frame(Vec3::new(random(i) - 0.5, random(i + 400), 0.3).normalize()).z_axis;
+            let reach = 0.5 + 4.0 * random(i + 900);
+            let rays = 1 + i % 64;
+            let directions = hemisphere(&PixelSampler::new(i as usize, 0, 0), rays, above);
+            let blocked = traced.blocked_bundle(Start { origin, above, reach }, &directions);
+            for (ray, direction) in directions.iter().enumerate() {
+                let alone = traced.blocked(origin, *direction, reach);
+                assert_eq!(blocked >> ray & 1 == 1, alone, "ray {ray} of bundle {i}");
+            }
+            assert_eq!(blocked.checked_shr(rays).unwrap_or(0), 0, "no rays, no bits");
+            share += f64::from(blocked.count_ones()) / f64::from(rays) / 300.0;
+        }
+        assert!((0.2..0.8).contains(&share), "{share} of the rays are blocked");
+    }
+
+    #[test]
+    fn no_ray_slips_through_an_edge() {
+        // A closed icosahedron-like fan around the origin, traced from inside: every ray must be blocked.
+        let rim = |i: u32| {
+            let (sin, cos) = (std::f32::consts::TAU * (i % 7) as f32 / 7.0).sin_cos();
+            Vec3::new(1.3 * cos, 0.1, 1.1 * sin)
+        };
+        let mut hat =
+            Mesh { positions: vec![Vec3::new(0.2, 0.9, -0.1), Vec3::new(0.1, -1.0, 0.2)], ..Mesh::default() };
+        for i in 0..7 {
+            hat.positions.push(rim(i));
+            let (a, b) = (2 + i, 2 + (i + 1) % 7);
+            hat.triangles.extend([[0, a, b], [1, b, a]]);
+        }
+        let traced = TracedScene::new(scene(vec![hat], Material::default())).expect("triangles");
+        // Straight at the edges and corners, and at points all along them.
+        let corners: Vec<Vec3> = traced.scene().meshes[0].positions.clone();
+        for step in 0..=500 {
+            for triangle in &traced.scene().meshes[0].triangles {
+                let [a, b, _] = triangle.map(|corner| corners[corner as usize]);
+                let direction = a.lerp(b, step as f32 / 500.0).normalize();
+                let start = Start { origin: Vec3::ZERO, above: direction, reach: 9.0 };
+                assert_eq!(traced.blocked_bundle(start, &[direction]), 1, "towards {direction}");
+            }
+        }
+    }
+
+    #[test]
     fn a_mask_leaves_holes() {
         let texels = vec![[255, 255, 255, 255], [255, 255, 255, 0]];
         let texture = Texture::new(2, 1, texels, Encoding::Srgb, [Wrap::Clamp; 2]);
@@ -326,5 +406,20 @@ mod tests {
         assert!(error.to_string().contains("mesh `broken`"), "{error}");
         let empty = TracedScene::new(Scene { materials: vec![Material::default()], ..Scene::default() });
         assert!(matches!(empty, Err(SceneError::Empty { .. })));
+    }
+
+    #[test]
+    fn scenes_too_large_to_trace_are_refused_by_name() {
+        let reaching = |far: f32| {
+            let positions = vec![Vec3::ZERO, Vec3::new(far, far, 0.0), Vec3::X, Vec3::Z];
+            let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 1, 3]], ..Mesh::default() };
+            let scene = scene(vec![mesh], Material::default());
+            TracedScene::new(Scene { name: "far".to_owned(), ..scene })
+        };
+        assert!(reaching(7e8).is_ok());
+        for far in [7.1e8, 1e20, f32::MAX] {
+            let error = reaching(far).expect_err("too large").to_string();
+            assert!(error.starts_with("far: is ") && error.contains("more than 1e9 m"), "{error}");
+        }
     }
 }

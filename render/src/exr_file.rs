@@ -8,7 +8,7 @@ mod names;
 mod read;
 mod write;
 
-pub use read::{ExrImage, read, read_gbuffer};
+pub use read::{ExrImage, read};
 pub use write::{Layer, encode, write};
 
 use std::collections::BTreeMap;

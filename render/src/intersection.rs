@@ -4,9 +4,14 @@ use crate::bvh::{Hit, TracedScene, corner_weights};
 use crate::scene::{Mesh, Surface};
 use glam::{Mat3, Vec2, Vec3, Vec4};
 
-/// How far above the surface rays start, in parts of the largest coordinate: well above f32's rounding of the hit
-/// point (6e-8), well below anything modelled.
+/// How far above the surface rays start, in parts of the largest coordinate of the triangle's corners: 67 roundings of
+/// f32 (6e-8), of which the hit point, blended from the corners, and the triangle's plane, seen from there, make fewer
+/// than 30 (Pharr, Jakob and Humphreys, "Physically Based Rendering", 6.8). The hit point's own coordinates say
+/// nothing: near the world's origin they are small, however far away the corners are.
 const RAY_OFFSET: f32 = 4e-6;
+
+/// Smallest scale of that offset, metres, for triangles at the world's origin.
+const SMALLEST_SCALE: f32 = 1e-3;
 
 /// A point of a surface, seen from one side; both normals face that side.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +26,8 @@ pub struct SurfacePoint {
     pub surface: Surface,
     /// Index of the mesh.
     pub mesh: u32,
+    /// How far above the surface rays must start so that they do not meet it, metres.
+    clearance: f32,
 }
 
 impl SurfacePoint {
@@ -45,19 +52,26 @@ impl SurfacePoint {
         let side = if smooth.dot(geometric_normal) < 0.0 { -1.0 } else { 1.0 };
         let normal = leaning_to(side * mapped.unwrap_or(smooth), -direction, geometric_normal);
         Self {
-            position: a * weights[0] + b * weights[1] + c * weights[2],
+            // From one corner, so that rounding of the weights does not leave the triangle's plane.
+            position: a + (b - a) * weights[1] + (c - a) * weights[2],
             geometric_normal,
             normal,
             surface: material.surface(textures, uvs, colour),
             mesh: hit.mesh,
+            clearance: clearance([a, b, c]),
         }
     }
 
     /// Where rays into the upper hemisphere start so that they do not meet their own surface.
     pub fn ray_origin(&self) -> Vec3 {
-        let scale = self.position.abs().max_element().max(1e-3);
-        self.position + self.geometric_normal * (scale * RAY_OFFSET)
+        self.position + self.geometric_normal * self.clearance
     }
+}
+
+/// How far above a triangle rays start, metres.
+fn clearance(corners: [Vec3; 3]) -> f32 {
+    let largest = corners.iter().map(|corner| corner.abs().max_element()).fold(SMALLEST_SCALE, f32::max);
+    largest * RAY_OFFSET
 }
 
 /// Both sets of texture coordinates at a point of a triangle; zero where the mesh has none.
@@ -114,7 +128,8 @@ fn facing(normal: Vec3, direction: Vec3) -> Vec3 {
     if normal.dot(direction) < 0.0 { -normal } else { normal }
 }
 
-/// A unit shading normal that does not look away from the viewer: bent towards the triangle's normal until it faces.
+/// A unit shading normal that does not look away from the viewer: bent towards the viewer until it faces; `geometric`
+/// where nothing is left of it.
 fn leaning_to(normal: Vec3, to_viewer: Vec3, geometric: Vec3) -> Vec3 {
     const LEAST_COSINE: f32 = 1e-3;
     let cosine = normal.dot(to_viewer);
@@ -127,6 +142,7 @@ fn leaning_to(normal: Vec3, to_viewer: Vec3, geometric: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bvh::bundle::{BUNDLE, Start};
     use crate::scene::{Encoding, Material, Scene, Texture, TextureId, TextureSlot, Wrap};
     use glam::Affine2;
 
@@ -173,6 +189,57 @@ mod tests {
         assert_eq!(back.geometric_normal, Vec3::NEG_Z);
         assert!((back.normal + front.normal).length() < 1e-6);
         assert!(back.ray_origin().z < 0.0);
+    }
+
+    /// A tilted square of 1 km around the world's origin.
+    fn tilted_ground() -> TracedScene {
+        let corner = |x: f32, z: f32| Vec3::new(x, 0.3137 * x - 0.1719 * z, z);
+        let mesh = Mesh {
+            positions: [(-500., -500.), (-500., 500.), (500., 500.), (500., -500.)]
+                .map(|(x, z)| corner(x, z))
+                .to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        };
+        TracedScene::new(Scene {
+            meshes: vec![mesh],
+            materials: vec![Material::default()],
+            ..Scene::default()
+        })
+        .expect("a square")
+    }
+
+    #[test]
+    fn a_large_tilted_ground_does_not_shadow_itself() {
+        let scene = tilted_ground();
+        let mut shadowed = 0;
+        for i in 0..400 {
+            let (x, z) = ((i % 20) as f32 * 0.21 - 2.03, (i / 20) as f32 * 0.19 - 1.87);
+            let hit = scene.hit(Vec3::new(x, 3.0, z), Vec3::NEG_Y, f32::INFINITY).expect("the ground");
+            let point = SurfacePoint::new(&scene, &hit, Vec3::NEG_Y);
+            let (right, up) = point.geometric_normal.any_orthonormal_pair();
+            let directions: Vec<Vec3> = (0..BUNDLE)
+                .map(|ray| {
+                    let (sin, cos) = (std::f32::consts::TAU * ray as f32 / BUNDLE as f32).sin_cos();
+                    // From almost along the ground to almost straight up.
+                    let height = 0.01 + 0.3 * (ray % 4) as f32;
+                    let aside = (1.0 - height * height).sqrt();
+                    point.geometric_normal * height + (right * cos + up * sin) * aside
+                })
+                .collect();
+            let origin = point.ray_origin();
+            let start = Start { origin, above: point.geometric_normal, reach: 1e4 };
+            shadowed += scene.blocked_bundle(start, &directions).count_ones();
+            shadowed += directions.iter().filter(|d| scene.blocked(origin, **d, 1e4)).count() as u32;
+        }
+        assert_eq!(shadowed, 0, "of {} rays", 400 * 2 * BUNDLE);
+    }
+
+    #[test]
+    fn clearance_follows_the_corners_and_not_the_point() {
+        let far = [Vec3::new(-500.0, 1.0, 2.0), Vec3::new(3.0, 400.0, 0.0), Vec3::X];
+        assert_eq!(clearance(far), 500.0 * RAY_OFFSET);
+        assert_eq!(clearance([Vec3::ZERO; 3]), SMALLEST_SCALE * RAY_OFFSET);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Writing files so that a name never stands for half a file: a temporary file in the same folder, synced, renamed.
 
+use std::fs::OpenOptions;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -7,11 +8,38 @@ use std::path::Path;
 /// them there.
 pub const TEMPORARY_PREFIX: &str = ".deepshade-";
 
-/// Writes a whole file, replacing one of that name. When this fails, the old file is as it was.
+/// Writes a whole file, replacing one of that name. A link stays, and what it leads to is replaced. What is no regular
+/// file, such as a pipe or a device (`/dev/stdout`), cannot be replaced and is written into.
 ///
 /// # Errors
-/// If the folder is missing, not writable or full. The error does not say which file: the caller does.
+/// If the folder is missing, not writable or full; the old file is then as it was. Only where the system fails to make
+/// the new name last, at the very end, is the new file there in spite of an error. The error does not say which file:
+/// the caller does.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    match path.metadata() {
+        Ok(found) if !found.is_file() && !found.is_dir() => {
+            OpenOptions::new().write(true).open(path)?.write_all(bytes)
+        }
+        _ => replace(&path, bytes),
+    }
+}
+
+/// Deletes what killed programs left half-written in a folder, which the caller alone writes into.
+///
+/// # Errors
+/// If the folder cannot be read or a file not be deleted.
+pub fn delete_temporaries(folder: &Path) -> io::Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        if entry.file_name().to_string_lossy().starts_with(TEMPORARY_PREFIX) {
+            std::fs::remove_file(entry.path())?;
+        }
+    }
+    Ok(())
+}
+
+fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -55,5 +83,49 @@ mod tests {
         assert!(write(&taken, b"x").is_err(), "a folder has that name");
         assert!(write(&folder.path().join("missing/a.txt"), b"x").is_err());
         assert_eq!(std::fs::read_dir(folder.path()).expect("listed").count(), 1);
+    }
+
+    #[test]
+    fn only_what_was_left_half_written_is_deleted() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for name in [".deepshade-x1", ".other", "deepshade-x2"] {
+            std::fs::write(folder.path().join(name), b"x").expect("written");
+        }
+        delete_temporaries(folder.path()).expect("deleted");
+        let mut left: Vec<_> = std::fs::read_dir(folder.path())
+            .expect("listed")
+            .map(|entry| entry.expect("an entry").file_name())
+            .collect();
+        left.sort();
+        assert_eq!(left, [".other", "deepshade-x2"]);
+        assert!(delete_temporaries(&folder.path().join("missing")).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_and_what_it_leads_to_is_replaced() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (file, link) = (folder.path().join("deep/a.txt"), folder.path().join("link"));
+        std::fs::create_dir(folder.path().join("deep")).expect("made");
+        std::fs::write(&file, b"first").expect("written");
+        std::os::unix::fs::symlink(&file, &link).expect("linked");
+        write(&link, b"second").expect("replaced");
+        assert_eq!(std::fs::read(&file).expect("read"), b"second");
+        assert!(link.is_symlink());
+        assert_eq!(std::fs::read_dir(folder.path()).expect("listed").count(), 2);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_pipe_is_written_into() {
+        use std::io::Read;
+        use std::os::fd::AsRawFd;
+        let (mut reader, writer) = io::pipe().expect("a pipe");
+        let path = format!("/proc/self/fd/{}", writer.as_raw_fd());
+        write(Path::new(&path), b"through").expect("written");
+        drop(writer);
+        let mut read = Vec::new();
+        reader.read_to_end(&mut read).expect("read");
+        assert_eq!(read, b"through");
     }
 }

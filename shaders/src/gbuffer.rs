@@ -20,6 +20,12 @@ pub struct MissingAttribute {
     pub held: String,
 }
 
+/// Whether a value of [`Attribute::Valid`] says that a surface is seen. It is 0 or 1, but files that were scaled hold
+/// values between. `surface_valid` says the same in WGSL.
+pub const fn shows_surface(valid: f32) -> bool {
+    valid > 0.5
+}
+
 impl GBuffer {
     /// A g-buffer whose planes are the attributes' channels one after the other, `[sum of widths, height, width]`.
     ///
@@ -39,11 +45,6 @@ impl GBuffer {
     /// All planes, `[channels, height, width]`.
     pub const fn planes(&self) -> &Planes {
         &self.planes
-    }
-
-    /// All planes, to be changed in place.
-    pub const fn planes_mut(&mut self) -> &mut Planes {
-        &mut self.planes
     }
 
     /// Rows.
@@ -66,6 +67,15 @@ impl GBuffer {
             held: self.attributes.iter().map(|a| a.name()).collect::<Vec<_>>().join(", "),
         })?;
         Ok(self.attributes[..at].iter().map(|a| a.width()).sum())
+    }
+
+    /// Which pixels show a surface, row by row from the top left.
+    ///
+    /// # Errors
+    /// If the g-buffer has no `valid`.
+    pub fn seen(&self) -> Result<Vec<bool>, MissingAttribute> {
+        let valid = self.planes.plane(self.first_plane(Attribute::Valid)?);
+        Ok(valid.iter().map(|valid| shows_surface(*valid)).collect())
     }
 
     /// The planes of some attributes one after the other, `[sum of widths, height, width]`: what a network reads.
@@ -96,6 +106,15 @@ mod tests {
         let gbuffer = GBuffer::new(vec![Attribute::Depth, Attribute::Normal], planes);
         let selected = gbuffer.select(&[Attribute::Normal, Attribute::Depth]).expect("both are there");
         assert_eq!(selected.data(), &[1.0, 2.0, 3.0, 0.0]);
+    }
+
+    #[test]
+    fn a_surface_is_seen_where_most_of_the_pixel_is_valid() {
+        let values = vec![0.0, 1.0, 0.49, 0.51, f32::NAN, -1.0];
+        let gbuffer = GBuffer::new(vec![Attribute::Valid], Planes::from_data(1, 2, 3, values));
+        assert_eq!(gbuffer.seen().expect("a mask"), [false, true, false, true, false, false]);
+        let blind = GBuffer::new(vec![Attribute::Depth], Planes::filled(1, 1, 1, 1.0));
+        assert!(blind.seen().is_err());
     }
 
     #[test]

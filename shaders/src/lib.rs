@@ -10,11 +10,13 @@ pub mod channel;
 pub mod effect;
 pub mod gbuffer;
 pub mod gpu;
+pub mod lists;
 pub mod planes;
 pub mod random;
+pub mod split_mix;
 pub mod wgsl;
 
 pub use channel::{Attribute, AttributeKind, Channel};
 pub use effect::Effect;
-pub use gbuffer::{GBuffer, MissingAttribute};
+pub use gbuffer::{GBuffer, MissingAttribute, shows_surface};
 pub use planes::Planes;

@@ -74,11 +74,6 @@ impl Planes {
         &mut self.data
     }
 
-    /// Everything, given away.
-    pub fn into_data(self) -> Vec<f32> {
-        self.data
-    }
-
     /// One plane, `[height, width]`.
     pub fn plane(&self, channel: usize) -> &[f32] {
         &self.data[channel * self.pixels()..][..self.pixels()]

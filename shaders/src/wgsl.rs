@@ -12,11 +12,11 @@ use uniforms::Layout;
 /// Width and height of the workgroups that cover images: `TILE` in every shader.
 pub const TILE: u32 = 8;
 
-/// A WGSL source: `shaders/wgsl/<path>.wgsl` and what is put in front of it.
+/// A WGSL source: a file of `shaders/wgsl` and what is put in front of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Shader {
-    /// Its path below `shaders/wgsl`, without ending; also the label of its pass.
-    pub path: &'static str,
+    /// A name that no other shader has; also the label of its pass.
+    pub name: &'static str,
     /// Whole-number constants of the prelude with their defaults, besides `TILE`.
     pub constants: &'static [(&'static str, u32)],
     /// Uniform structs that it uses.
@@ -40,7 +40,7 @@ impl Shader {
     pub fn specialised(&self, values: &[(&str, u32)]) -> String {
         for (name, _) in values {
             let known = self.constants.iter().any(|(constant, _)| constant == name);
-            assert!(known, "shader `{}` has no constant `{name}`", self.path);
+            assert!(known, "shader `{}` has no constant `{name}`", self.name);
         }
         let value = |name: &str| values.iter().find(|(other, _)| *other == name).map(|(_, value)| *value);
         let mut source = format!("const TILE = {TILE}u;\n");
@@ -61,15 +61,15 @@ impl Shader {
 
 /// Writes the table: for each entry a static of that name, and `ALL`.
 macro_rules! table {
-    ($($(#[$doc:meta])* $name:ident: $path:literal,
+    ($($(#[$doc:meta])* $name:ident: $label:literal, file $file:literal,
        constants [$($constant:ident = $default:expr),*], uniforms [$($uniform:ident),*], shared [$($shared:literal),*];)*) => {
         $($(#[$doc])*
         pub static $name: Shader = Shader {
-            path: $path,
+            name: $label,
             constants: &[$((stringify!($constant), $default)),*],
             uniforms: &[$(uniforms::$uniform::LAYOUT),*],
             shared: &[$(include_str!(concat!("../wgsl/shared/", $shared, ".wgsl"))),*],
-            text: include_str!(concat!("../wgsl/", $path, ".wgsl")),
+            text: include_str!(concat!("../wgsl/", $file, ".wgsl")),
         };)*
 
         /// Every shader.
@@ -79,24 +79,27 @@ macro_rules! table {
 
 table! {
     /// Horizon-based ambient occlusion before its blur.
-    HBAO_OCCLUSION: "methods/hbao/occlusion", constants [], uniforms [Hbao], shared ["random", "surface"];
+    HBAO_OCCLUSION: "hbao.occlusion", file "methods/hbao/occlusion",
+        constants [], uniforms [Hbao], shared ["random", "surface"];
     /// One direction of horizon-based ambient occlusion's blur.
-    HBAO_BLUR: "methods/hbao/blur", constants [], uniforms [HbaoBlur], shared ["surface"];
+    HBAO_BLUR: "hbao.blur", file "methods/hbao/blur", constants [], uniforms [HbaoBlur], shared ["surface"];
     /// A network's first layer.
-    NET_FIRST: "net/first", constants [KERNEL = 3], uniforms [NetLayer],
+    NET_FIRST: "net.first", file "net/feature_map_pooled", constants [KERNEL = 3], uniforms [NetLayer],
         shared ["net_features", "net_layer", "net_input", "net_single", "net_pool"];
     /// A network's further layers on the way down.
-    NET_DOWN: "net/down", constants [KERNEL = 3], uniforms [NetLayer],
+    NET_DOWN: "net.down", file "net/feature_map_pooled", constants [KERNEL = 3], uniforms [NetLayer],
         shared ["net_features", "net_layer", "net_pooled", "net_single", "net_pool"];
     /// A network's coarsest layer.
-    NET_BOTTOM: "net/bottom", constants [KERNEL = 3], uniforms [NetLayer],
+    NET_BOTTOM: "net.bottom", file "net/feature_map", constants [KERNEL = 3], uniforms [NetLayer],
         shared ["net_features", "net_layer", "net_pooled", "net_single"];
     /// A network's layers on the way up.
-    NET_UP: "net/up", constants [KERNEL = 3], uniforms [NetLayer], shared ["net_features", "net_layer", "net_joined"];
+    NET_UP: "net.up", file "net/feature_map", constants [KERNEL = 3], uniforms [NetLayer],
+        shared ["net_features", "net_layer", "net_joined"];
     /// A network's last layer.
-    NET_IMAGE: "net/image", constants [KERNEL = 3], uniforms [NetLayer], shared ["net_image", "net_layer", "net_joined"];
+    NET_IMAGE: "net.image", file "net/image", constants [KERNEL = 3], uniforms [NetLayer],
+        shared ["net_image", "net_layer", "net_joined"];
     /// A network of one level.
-    NET_ONLY: "net/only", constants [KERNEL = 3], uniforms [NetLayer],
+    NET_ONLY: "net.only", file "net/image", constants [KERNEL = 3], uniforms [NetLayer],
         shared ["net_image", "net_layer", "net_input", "net_single"];
 }
 
@@ -147,12 +150,18 @@ mod tests {
     fn every_shader_is_valid_and_every_struct_lies_as_in_rust() {
         assert!(!ALL.is_empty());
         for shader in ALL {
-            let module = parse(&shader.source()).map_err(|e| format!("{}: {e}", shader.path)).expect("valid");
-            assert_eq!(module.entry_points.len(), 1, "{}", shader.path);
+            let module = parse(&shader.source()).map_err(|e| format!("{}: {e}", shader.name)).expect("valid");
+            assert_eq!(module.entry_points.len(), 1, "{}", shader.name);
             for layout in shader.uniforms {
-                assert_eq!(agrees(layout, &module), Ok(()), "{}", shader.path);
+                assert_eq!(agrees(layout, &module), Ok(()), "{}", shader.name);
             }
         }
+    }
+
+    #[test]
+    fn every_name_is_given_once() {
+        let names: std::collections::BTreeSet<&str> = ALL.iter().map(|shader| shader.name).collect();
+        assert_eq!(names.len(), ALL.len());
     }
 
     #[test]
@@ -179,7 +188,7 @@ mod tests {
     #[test]
     fn constants_take_other_values() {
         static SHADER: Shader = Shader {
-            path: "test",
+            name: "test",
             constants: &[("SIZE", 3), ("GROUPS", 1)],
             uniforms: &[],
             shared: &["fn shared_part() {}\n"],

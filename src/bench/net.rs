@@ -6,8 +6,8 @@
 use crate::figures::Figures;
 use crate::onnxruntime;
 use anyhow::Result;
-use deepshade_infer::{Model, forward, parity};
-use deepshade_shaders::gpu::Gpu;
+use deepshade_infer::{Model, Network, parity};
+use deepshade_shaders::{gpu::Gpu, lists};
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -51,7 +51,8 @@ pub fn run(args: &Args) -> Result<()> {
     let threads = args.threads.map_or_else(rayon::current_num_threads, usize::from);
     let input = parity::noise(model.spec.input_channels(), height, width, 1);
     let gpu = Gpu::new()?;
-    let (_, wgsl) = forward::run_timed(&gpu, &model, &input, WARM_UP, runs)?;
+    let network = Network::new(&gpu.device, &model.spec, &model.weights)?;
+    let (_, wgsl) = network.run_timed(&gpu.queue, &input, WARM_UP, runs)?;
     let mut session = args.onnxruntime.session(&args.model.join("model.onnx"), threads)?;
     for _ in 0..WARM_UP {
         session.image(&input)?;
@@ -60,15 +61,6 @@ pub fn run(args: &Args) -> Result<()> {
 
     let effect = model.spec.effect;
     let clock = if wgsl.by_gpu { "timestamps" } else { "wall clock" };
-    println!(
-        "network      {effect}, {} weights, {width} x {height}, median of {runs}",
-        model.spec.weight_count()
-    );
-    println!(
-        "WGSL         {:.2} ms by {clock}; {} ({})",
-        wgsl.milliseconds, gpu.info.name, gpu.info.driver_info
-    );
-    println!("onnxruntime  {onnxruntime:.2} ms, CPU provider, {threads} threads");
     let mut figures = Figures::new("bench net");
     figures.set(&format!("ms_wgsl_{effect}"), wgsl.milliseconds);
     figures.set(&format!("ms_onnxruntime_{effect}"), onnxruntime);
@@ -76,17 +68,20 @@ pub fn run(args: &Args) -> Result<()> {
     figures
         .detail("adapter", json!({ "name": gpu.info.name, "driver": gpu.info.driver_info, "clock": clock }));
     figures.detail("onnxruntime_threads", json!(threads));
-    figures.write(args.json.as_deref())
+    figures.write(args.json.as_deref())?;
+    let weights = model.spec.weight_count();
+    let (adapter, driver) = (&gpu.info.name, &gpu.info.driver_info);
+    say!("network      {effect}, {weights} weights, {width} x {height}, median of {runs}")?;
+    say!("WGSL         {:.2} ms by {clock}; {adapter} ({driver})", wgsl.milliseconds)?;
+    say!("onnxruntime  {onnxruntime:.2} ms, CPU provider, {threads} threads")
 }
 
 /// Median wall-clock time of some runs, milliseconds.
 fn median(runs: usize, mut work: impl FnMut() -> Result<()>) -> Result<f64> {
-    let mut times = Vec::with_capacity(runs);
-    for _ in 0..runs {
+    let time = |_| {
         let start = Instant::now();
         work()?;
-        times.push(start.elapsed().as_secs_f64() * 1e3);
-    }
-    times.sort_by(f64::total_cmp);
-    Ok(times[times.len() / 2])
+        Ok(start.elapsed().as_secs_f64() * 1e3)
+    };
+    Ok(lists::median((0..runs).map(time).collect::<Result<_>>()?))
 }

@@ -1,14 +1,15 @@
 //! `deepshade bench rays`: rays a second through a scene, one thread, traversal alone.
 
 use crate::compare::DEFAULT_RADIUS_SHARE;
-use crate::{figures::Figures, scene_source::SceneSource, views};
+use crate::{figures::Figures, views};
 use anyhow::{Result, ensure};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::bvh::bundle::{BUNDLE, Start};
 use deepshade_render::intersection::SurfacePoint;
 use deepshade_render::path::ao::hemisphere;
 use deepshade_render::path::sampler::PixelSampler;
-use deepshade_render::scene::Camera;
+use deepshade_render::scene::{Camera, SceneSource};
+use deepshade_shaders::lists;
 use glam::{Vec2, Vec3};
 use std::hint::black_box;
 use std::path::PathBuf;
@@ -72,12 +73,6 @@ pub fn run(args: &Args) -> Result<()> {
         bundles.iter().map(blocked).fold(0, u32::wrapping_add)
     });
 
-    println!("scene              {} ({triangles} triangles, built in {build_seconds:.2} s)", args.scene);
-    println!("primary            {mrays_primary:.2} Mrays/s, one thread ({} rays)", primary.len());
-    println!(
-        "ambient occlusion  {mrays_ao:.2} Mrays/s, one thread ({rays} rays, in bundles as truth traces them)"
-    );
-    println!("                   {mrays_ao_single:.2} Mrays/s one by one");
     let mut figures = Figures::new("bench rays");
     figures.set("mrays_primary", mrays_primary);
     figures.set("mrays_ao", mrays_ao);
@@ -85,7 +80,13 @@ pub fn run(args: &Args) -> Result<()> {
     figures.set("build_seconds", build_seconds);
     figures.set("triangles", triangles as f64);
     figures.detail("scene", args.scene.to_string().into());
-    figures.write(args.json.as_deref())
+    figures.write(args.json.as_deref())?;
+    say!("scene              {} ({triangles} triangles, built in {build_seconds:.2} s)", args.scene)?;
+    say!("primary            {mrays_primary:.2} Mrays/s, one thread ({} rays)", primary.len())?;
+    say!(
+        "ambient occlusion  {mrays_ao:.2} Mrays/s, one thread ({rays} rays, in bundles as truth traces them)"
+    )?;
+    say!("                   {mrays_ao_single:.2} Mrays/s one by one")
 }
 
 fn primary_rays(camera: &Camera, size: usize) -> impl Iterator<Item = Ray> {
@@ -115,13 +116,12 @@ fn occlusion_bundles(scene: &TracedScene, primary: &[Ray]) -> Vec<(Start, Vec<Ve
 
 /// Millions of rays a second on this thread, median of some runs.
 fn megarays(rays: usize, runs: u32, trace: impl Fn() -> u32) -> f64 {
-    let mut seconds: Vec<f64> = (0..runs)
+    let seconds = (0..runs)
         .map(|_| {
             let start = Instant::now();
             black_box(trace());
             start.elapsed().as_secs_f64()
         })
         .collect();
-    seconds.sort_by(f64::total_cmp);
-    rays as f64 / seconds[seconds.len() / 2] / 1e6
+    rays as f64 / lists::median(seconds) / 1e6
 }

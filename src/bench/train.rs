@@ -2,6 +2,7 @@
 
 use crate::figures::Figures;
 use anyhow::Result;
+use clap::builder::RangedU64ValueParser;
 use deepshade_infer::{ChannelOrder, NetSpec, Reach};
 use deepshade_train::{TrainConfig, bench};
 use serde_json::json;
@@ -12,7 +13,7 @@ use std::path::PathBuf;
 #[command(after_help = "Example:\n  deepshade bench train --json train.json")]
 pub struct Args {
     /// Height and width of the images; a multiple of 8.
-    #[arg(long, default_value_t = 256)]
+    #[arg(long, default_value_t = 256, value_parser = RangedU64ValueParser::<usize>::new().range(8..=8192))]
     crop: usize,
     /// Images a step.
     #[arg(long, default_value_t = 4)]
@@ -35,25 +36,20 @@ pub fn run(args: &Args) -> Result<()> {
     let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
     let config = TrainConfig { batch, crop, ..TrainConfig::new(spec, PathBuf::new()) };
     config.check()?;
-    let times = bench::bench(&config, steps);
+    let times = bench::bench(&config, steps)?;
 
     let (threads, weights) = (rayon::current_num_threads(), config.spec.weight_count());
-    println!(
-        "network   {}, {weights} weights, batches of {batch} images of {crop} x {crop}",
-        config.spec.effect
-    );
-    println!(
-        "training  {:.2} images a second, {threads} threads, median of {steps}",
-        times.images_per_second
-    );
-    let parts = [("forward", times.forward), ("backward", times.backward), ("update", times.update)];
+    let parts = [("forward", times.forward), ("backward", times.backward), ("update", times.update)]
+        .map(|(part, time)| (part, time.as_secs_f64() * 1e3));
     let mut figures = Figures::new("bench train");
     figures.set("images_per_second", times.images_per_second);
-    for (part, time) in parts {
-        let milliseconds = time.as_secs_f64() * 1e3;
-        println!("{part:<9} {milliseconds:.1} ms a batch");
+    for (part, milliseconds) in parts {
         figures.set(&format!("ms_{part}"), milliseconds);
     }
     figures.detail("size", json!({ "batch": batch, "crop": crop, "steps": steps, "weights": weights }));
-    figures.write(args.json.as_deref())
+    figures.write(args.json.as_deref())?;
+    let effect = config.spec.effect;
+    say!("network   {effect}, {weights} weights, batches of {batch} images of {crop} x {crop}")?;
+    say!("training  {:.2} images a second, {threads} threads, median of {steps}", times.images_per_second)?;
+    parts.iter().try_for_each(|(part, milliseconds)| say!("{part:<9} {milliseconds:.1} ms a batch"))
 }

@@ -40,7 +40,8 @@ pub struct Truth {
     pub halves: [Planes; 2],
     /// Their mean, which is taken for the truth.
     pub image: Planes,
-    /// How far the halves are from each other. A method whose image is perfect scores about this well: the ceiling.
+    /// How far the halves are from each other, the `ceiling` of figures. It is a lower bound of what a perfect image
+    /// scores: that is measured against the mean of the halves, which has less noise than either.
     pub noise: Scores,
     /// Scores of an image that is [`Effect::background`] everywhere, white for ambient occlusion: the floor.
     pub white: Scores,

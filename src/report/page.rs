@@ -148,7 +148,7 @@ fn mean_rows(comparison: &Comparison) -> Vec<Row> {
     methods.chain(references).collect()
 }
 
-/// The lines between which a method's scores lie.
+/// The lines to read a method's scores beside.
 fn reference_rows(noise: Scores, white: Scores, truth_milliseconds: f64) -> [Row; 2] {
     [
         Row::new(

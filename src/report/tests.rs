@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::figures::Figures;
+use deepshade_shaders::random::random;
 use std::collections::BTreeSet;
 
 const EFFECT: Effect = Effect::Ao;
@@ -42,6 +43,19 @@ fn truth_is_the_mean_and_its_noise_is_between_the_halves() {
     assert_eq!(truth.image.at(0, 3, 4), middle);
     assert_eq!(truth.noise, Scores::new(&wave(0.0), &wave(0.1)));
     assert!(truth.white.ssim < truth.noise.ssim);
+}
+
+#[test]
+fn a_perfect_image_scores_better_than_half_against_half() {
+    let noisy = |seed: u32| {
+        let image = wave(0.0);
+        Planes::from_fn(1, image.height(), image.width(), |_, y, x| {
+            image.at(0, y, x) + 0.1 * (random(x as u32, y as u32, seed, 0) - 0.5)
+        })
+    };
+    let truth = Truth::new(EFFECT, [noisy(1), noisy(2)], 0.0);
+    let perfect = Scores::new(&wave(0.0), &truth.image);
+    assert!(perfect.ssim > truth.noise.ssim && perfect.psnr > truth.noise.psnr, "{perfect:?}");
 }
 
 #[test]

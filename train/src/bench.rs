@@ -2,9 +2,10 @@
 
 use crate::net::UNet;
 use crate::optim::Optimiser;
-use crate::{TrainConfig, loss};
+use crate::{TrainConfig, TrainError, loss};
 use burn::optim::GradientsParams;
 use burn::tensor::{Device, Distribution, Tensor};
+use deepshade_shaders::lists;
 use std::time::{Duration, Instant};
 
 /// Steps before the clock starts.
@@ -23,37 +24,43 @@ pub struct StepTimes {
     pub images_per_second: f64,
 }
 
-/// Times `steps` training steps with the config's network, optimiser, batch and crop.
-pub fn bench(config: &TrainConfig, steps: usize) -> StepTimes {
+/// Times `steps` training steps with the config's network, optimiser, batch and crop. A part ends when the device has
+/// done its work, not when it was told to.
+///
+/// # Errors
+/// If the device fails.
+///
+/// # Panics
+/// If there is no step.
+pub fn bench(config: &TrainConfig, steps: usize) -> Result<StepTimes, TrainError> {
     let device = crate::device().autodiff();
     let mut net = UNet::random(&config.spec, config.seed, &device);
     let mut optimiser = config.optimiser.start();
     let noise = |channels: usize| noise([config.batch, channels, config.crop, config.crop], &device);
     let (input, target) = (noise(config.spec.input_channels()), noise(config.spec.effect.channels()));
     let valid = Tensor::ones([config.batch, 1, config.crop, config.crop], &device);
+    let done = || device.sync().map_err(|error| TrainError::Device(error.to_string()));
     let mut times = Vec::with_capacity(steps);
+    done()?;
     for step in 0..WARM_UP + steps {
         let began = Instant::now();
         let loss = loss::dssim(net.forward(input.clone()), target.clone(), valid.clone());
+        done()?;
         let forward = began.elapsed();
         let gradients = GradientsParams::from_grads(loss.backward(), &net);
+        done()?;
         let backward = began.elapsed();
         net = optimiser.step(rate(&config.optimiser), net, gradients);
+        done()?;
         if step >= WARM_UP {
             times.push([forward, backward - forward, began.elapsed() - backward, began.elapsed()]);
         }
     }
     let median = |part: usize| {
-        let mut times: Vec<Duration> = times.iter().map(|times| times[part]).collect();
-        times.sort_unstable();
-        times.get(times.len() / 2).copied().unwrap_or_default()
+        lists::median(times.iter().map(|times: &[Duration; 4]| times[part].as_secs_f64()).collect())
     };
-    StepTimes {
-        forward: median(0),
-        backward: median(1),
-        update: median(2),
-        images_per_second: config.batch as f64 / median(3).as_secs_f64(),
-    }
+    let [forward, backward, update] = [0, 1, 2].map(|part| Duration::from_secs_f64(median(part)));
+    Ok(StepTimes { forward, backward, update, images_per_second: config.batch as f64 / median(3) })
 }
 
 fn rate(optimiser: &Optimiser) -> f64 {

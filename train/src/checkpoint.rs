@@ -13,6 +13,10 @@ use std::path::Path;
 pub const CHECKPOINT_FILE: &str = "checkpoint.safetensors";
 /// The file's metadata entry that holds [`Progress`].
 const PROGRESS: &str = "progress";
+/// What the names of the tensors of the weights begin with.
+const NOW: &str = "now";
+/// What the names of the tensors of the best weights begin with.
+const BEST: &str = "best";
 /// The tensor that holds the optimiser's state.
 const OPTIMISER: &str = "optimiser";
 
@@ -30,6 +34,22 @@ pub struct Progress {
     pub waited: usize,
     /// Whether the run ended early because validation got no better.
     pub stopped: bool,
+    /// Validation loss at the step where a run paused between validations, so that a network of its can be exported.
+    /// A run that goes on forgets it, since a pause must not change what is learned.
+    pub pause_loss: Option<f32>,
+}
+
+impl Progress {
+    /// Where a run begins.
+    pub(crate) const START: Self =
+        Self { step: 0, best_step: 0, best_loss: None, waited: 0, stopped: false, pause_loss: None };
+
+    /// The step after which the best of all validated networks was, and its loss.
+    pub fn best(&self) -> Option<(usize, f32)> {
+        let validated = self.best_loss.map(|loss| (self.best_step, loss));
+        let paused = self.pause_loss.map(|loss| (self.step, loss));
+        validated.into_iter().chain(paused).min_by(|a, b| a.1.total_cmp(&b.1))
+    }
 }
 
 /// Everything that a run continues from.
@@ -39,13 +59,19 @@ pub struct Checkpoint {
     pub progress: Progress,
     /// The weights.
     pub weights: Weights,
-    /// The weights of the best validation.
-    pub best: Weights,
+    /// The weights of [`Progress::best_step`]; none before the first validation.
+    pub best: Option<Weights>,
     /// The optimiser's state, in burn's format.
     pub optimiser: Vec<u8>,
 }
 
 impl Checkpoint {
+    /// The best of all validated networks: that of [`Progress::best`].
+    pub fn best_weights(&self) -> Option<&Weights> {
+        let (step, _) = self.progress.best()?;
+        if step == self.progress.step { Some(&self.weights) } else { self.best.as_ref() }
+    }
+
     /// Writes the checkpoint into a run's folder.
     ///
     /// # Errors
@@ -53,7 +79,8 @@ impl Checkpoint {
     pub fn save(&self, folder: &Path, spec: &NetSpec) -> Result<(), TrainError> {
         let mut tensors =
             vec![(OPTIMISER.to_owned(), Dtype::U8, vec![self.optimiser.len()], self.optimiser.clone())];
-        for (prefix, weights) in [("now", &self.weights), ("best", &self.best)] {
+        let best = self.best.as_ref().map(|weights| (BEST, weights));
+        for (prefix, weights) in [(NOW, &self.weights)].into_iter().chain(best) {
             for (name, numbers) in named(prefix, spec).into_iter().zip(arrays(weights)) {
                 let bytes = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
                 tensors.push((name, Dtype::F32, vec![numbers.len()], bytes));
@@ -89,12 +116,13 @@ impl Checkpoint {
         let tensors = SafeTensors::deserialize(bytes).map_err(error)?;
         let progress = metadata.metadata().as_ref().and_then(|entries| entries.get(PROGRESS));
         let progress = progress.ok_or("has no progress entry")?;
+        let progress: Progress =
+            serde_json::from_str(progress).map_err(|e| format!("has a damaged progress entry: {e}"))?;
         let weights = |prefix| weights(&tensors, prefix, spec);
         Ok(Self {
-            progress: serde_json::from_str(progress)
-                .map_err(|e| format!("has a damaged progress entry: {e}"))?,
-            weights: weights("now")?,
-            best: weights("best")?,
+            progress,
+            weights: weights(NOW)?,
+            best: progress.best_loss.map(|_| weights(BEST)).transpose()?,
             optimiser: tensors.tensor(OPTIMISER).map_err(error)?.data().to_vec(),
         })
     }
@@ -135,9 +163,9 @@ mod tests {
 
     fn checkpoint() -> Checkpoint {
         Checkpoint {
-            progress: Progress { step: 7, best_step: 4, best_loss: Some(0.1), waited: 1, stopped: false },
+            progress: Progress { step: 7, best_step: 4, best_loss: Some(0.1), waited: 1, ..Progress::START },
             weights: Weights::random(&spec(), 1),
-            best: Weights::random(&spec(), 2),
+            best: Some(Weights::random(&spec(), 2)),
             optimiser: vec![1, 2, 3],
         }
     }
@@ -148,6 +176,24 @@ mod tests {
         assert_eq!(Checkpoint::load(folder.path(), &spec()).expect("no file, no error"), None);
         checkpoint().save(folder.path(), &spec()).expect("saves");
         assert_eq!(Checkpoint::load(folder.path(), &spec()).expect("loads"), Some(checkpoint()));
+        let early = Checkpoint { progress: Progress::START, best: None, ..checkpoint() };
+        early.save(folder.path(), &spec()).expect("saves");
+        assert_eq!(Checkpoint::load(folder.path(), &spec()).expect("loads"), Some(early));
+    }
+
+    #[test]
+    fn the_best_network_is_that_of_the_lowest_loss_and_there_may_be_none() {
+        let best = |best_loss, pause_loss| {
+            let progress = Progress { best_loss, pause_loss, ..checkpoint().progress };
+            let best = best_loss.and(checkpoint().best);
+            let checkpoint = Checkpoint { progress, best, ..checkpoint() };
+            (checkpoint.progress.best(), checkpoint.best_weights().cloned())
+        };
+        assert_eq!(best(None, None), (None, None));
+        assert_eq!(best(Some(0.2), None), (Some((4, 0.2)), checkpoint().best));
+        assert_eq!(best(None, Some(0.3)), (Some((7, 0.3)), Some(checkpoint().weights)));
+        assert_eq!(best(Some(0.2), Some(0.3)), (Some((4, 0.2)), checkpoint().best));
+        assert_eq!(best(Some(0.2), Some(0.1)), (Some((7, 0.1)), Some(checkpoint().weights)));
     }
 
     #[test]

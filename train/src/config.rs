@@ -8,6 +8,17 @@ use std::path::{Path, PathBuf};
 
 /// Name of the file in the run's folder.
 pub const CONFIG_FILE: &str = "config.json";
+/// Most minutes of a run: some two years.
+pub const MOST_MINUTES: f64 = 1e6;
+
+const MOST_STEPS: usize = 1_000_000_000;
+const MOST_IMAGES: usize = 1024;
+const MOST_EDGE: usize = 8192;
+/// Pixels of a batch: the first feature map of the paper's network has 2 GiB then.
+const MOST_PIXELS: usize = 1 << 26;
+const MOST_WORKERS: usize = 256;
+const MOST_MEGABYTES: usize = 1 << 24;
+const MOST_RATE: f64 = 1000.0;
 
 /// The settings of a training run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -15,8 +26,11 @@ pub const CONFIG_FILE: &str = "config.json";
 pub struct TrainConfig {
     /// The network.
     pub spec: NetSpec,
-    /// Folder of the dataset.
+    /// Folder of the dataset. Does not change what is learned, as long as the data are the same.
     pub dataset: PathBuf,
+    /// What tells the data from others: BLAKE3 hash of the dataset's `manifest.json`, in hexadecimal. Training fills it
+    /// in, and does not go on with a run on other data.
+    pub data_hash: String,
     /// How weights follow gradients.
     pub optimiser: Optimiser,
     /// Images a step.
@@ -49,6 +63,7 @@ impl TrainConfig {
         Self {
             spec,
             dataset,
+            data_hash: String::new(),
             optimiser: Optimiser::ADAMW,
             batch: 4,
             crop: 256,
@@ -69,27 +84,44 @@ impl TrainConfig {
     /// # Errors
     /// If one does not; it is named.
     pub fn check(&self) -> Result<(), TrainError> {
-        let error = |field, problem: &str| Err(TrainError::Config { field, problem: problem.to_owned() });
+        let error = |field, problem: String| Err(TrainError::Config { field, problem });
         if let Err(problem) = self.spec.validate() {
-            return error("spec", &format!("is not a network: {problem}"));
+            return error("spec", format!("is not a network: {problem}"));
         }
         let counts = [
-            ("batch", self.batch),
-            ("steps", self.steps),
-            ("validation_pairs", self.validation_pairs),
-            ("validate_every", self.validate_every),
-            ("checkpoint_every", self.checkpoint_every),
-            ("workers", self.workers),
+            ("batch", self.batch, 1, MOST_IMAGES),
+            ("crop", self.crop, loss::TILE, MOST_EDGE),
+            ("steps", self.steps, 1, MOST_STEPS),
+            ("validation_pairs", self.validation_pairs, 1, MOST_STEPS),
+            ("validate_every", self.validate_every, 1, MOST_STEPS),
+            ("checkpoint_every", self.checkpoint_every, 1, MOST_STEPS),
+            ("workers", self.workers, 1, MOST_WORKERS),
+            ("cache_megabytes", self.cache_megabytes, 0, MOST_MEGABYTES),
         ];
-        for (field, count) in counts {
-            if count == 0 {
-                return error(field, "must be at least 1");
+        for (field, count, least, most) in counts {
+            if !(least..=most).contains(&count) {
+                return error(field, format!("is {count}; it must be {least} to {most}"));
             }
         }
-        if self.crop == 0 || !self.crop.is_multiple_of(loss::TILE) {
-            return error("crop", "must be a multiple of 8, the size of a tile of the loss");
+        if !self.crop.is_multiple_of(loss::TILE) {
+            let problem =
+                format!("is {}; it must be a multiple of 8, the size of a tile of the loss", self.crop);
+            return error("crop", problem);
         }
-        Ok(())
+        if self.batch * self.crop * self.crop > MOST_PIXELS {
+            let problem = format!("is {} with crops of {}: too many pixels at once", self.batch, self.crop);
+            return error("batch", problem);
+        }
+        let (Optimiser::Adadelta { rate, .. } | Optimiser::Adamw { rate, .. }) = self.optimiser;
+        if !(0.0..=MOST_RATE).contains(&rate) {
+            return error("optimiser", format!("has a rate of {rate}; it must be 0 to {MOST_RATE}"));
+        }
+        match self.minutes {
+            Some(minutes) if !(0.0..=MOST_MINUTES).contains(&minutes) => {
+                error("minutes", format!("is {minutes}; it must be 0 to {MOST_MINUTES}"))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The config of a run folder.
@@ -119,7 +151,8 @@ impl TrainConfig {
     /// Names of the settings that differ and change what is learned.
     fn differences(&self, other: &Self) -> Vec<String> {
         let comparable = |config: &Self| {
-            let config = Self { minutes: None, workers: 1, cache_megabytes: 0, ..config.clone() };
+            let dataset = PathBuf::new();
+            let config = Self { dataset, minutes: None, workers: 1, cache_megabytes: 0, ..config.clone() };
             serde_json::to_value(config).expect("a config is plain data")
         };
         let (a, b) = (comparable(self), comparable(other));

@@ -25,10 +25,27 @@ pub enum TrainError {
         /// Names of the settings that differ.
         fields: String,
     },
+    /// Another program is training in the folder.
+    #[error("{}: another program is training in this folder", folder.display())]
+    Busy {
+        /// Which folder.
+        folder: PathBuf,
+    },
+    /// A run has no network yet that could be exported.
+    #[error(
+        "{}: after {step} steps no network of this run was validated yet; the same `deepshade train` command goes on",
+        run.display()
+    )]
+    NotValidated {
+        /// The run's folder.
+        run: PathBuf,
+        /// Steps done.
+        step: usize,
+    },
     /// A file or folder cannot be read or written.
     #[error("cannot {action} {}: {source}", path.display())]
     Io {
-        /// `read`, `write` or `create`.
+        /// What was tried, as a verb.
         action: &'static str,
         /// The file.
         path: PathBuf,
@@ -46,6 +63,9 @@ pub enum TrainError {
     /// The dataset cannot be opened.
     #[error(transparent)]
     Dataset(#[from] deepshade_dataset::DatasetError),
+    /// The data cannot be told from others.
+    #[error("the training data: {0}")]
+    Data(String),
     /// A pair cannot be read or used.
     #[error("pair {index} of the dataset: {problem}")]
     Pair {
@@ -62,6 +82,9 @@ pub enum TrainError {
         /// The loss.
         loss: f32,
     },
+    /// The device that trains failed.
+    #[error("the training device: {0}")]
+    Device(String),
     /// A model folder cannot be written.
     #[error(transparent)]
     Model(#[from] deepshade_infer::ModelError),

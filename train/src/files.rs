@@ -1,10 +1,52 @@
-//! Files of a run, whole or not there.
+//! Files of a run: whole or not there, and written by one program at a time.
 
-use crate::TrainError;
+use crate::checkpoint::CHECKPOINT_FILE;
+use crate::config::CONFIG_FILE;
+use crate::metrics::{CURVE_FILE, METRICS_FILE};
+use crate::{TrainConfig, TrainError};
 use deepshade_shaders::atomic_file;
+use std::fs::{File, OpenOptions, TryLockError};
 use std::path::Path;
 
 /// Writes or replaces a file.
 pub(crate) fn replace(path: &Path, bytes: &[u8]) -> Result<(), TrainError> {
     atomic_file::write(path, bytes).map_err(TrainError::io("write", path))
+}
+
+/// Takes a run's folder, which is made where it is missing, for this program alone, as long as the file lives that it
+/// gives: the metrics, to be appended to. What a killed program left half-written is deleted.
+///
+/// # Errors
+/// If another program has the folder, or it cannot be written.
+pub(crate) fn take(folder: &Path) -> Result<File, TrainError> {
+    std::fs::create_dir_all(folder).map_err(TrainError::io("create", folder))?;
+    let path = folder.join(METRICS_FILE);
+    let file = OpenOptions::new().read(true).append(true).create(true).open(&path);
+    let file = file.map_err(TrainError::io("write", &path))?;
+    file.try_lock().map_err(|error| match error {
+        TryLockError::WouldBlock => TrainError::Busy { folder: folder.to_owned() },
+        TryLockError::Error(source) => TrainError::io("lock", &path)(source),
+    })?;
+    atomic_file::delete_temporaries(folder).map_err(TrainError::io("clean", folder))?;
+    Ok(file)
+}
+
+/// Deletes the files of the run in a folder, and nothing else in it; a folder without a run is left as it is.
+///
+/// # Errors
+/// If the config in it is not that of a run, another program is training there, or a file cannot be deleted.
+pub fn discard(folder: &Path) -> Result<(), TrainError> {
+    if !folder.join(CONFIG_FILE).exists() {
+        return Ok(());
+    }
+    TrainConfig::load(folder)?;
+    let _taken = take(folder)?;
+    // The config last: as long as it is there, what is left is known as a run.
+    for name in [CHECKPOINT_FILE, METRICS_FILE, CURVE_FILE, CONFIG_FILE] {
+        let path = folder.join(name);
+        if path.exists() {
+            std::fs::remove_file(&path).map_err(TrainError::io("delete", &path))?;
+        }
+    }
+    Ok(())
 }

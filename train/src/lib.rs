@@ -18,7 +18,6 @@ pub mod optim;
 mod pairs;
 #[cfg(any(test, feature = "vulkan"))]
 mod plain;
-mod progress;
 mod rng;
 pub mod training;
 
@@ -26,6 +25,7 @@ pub use config::TrainConfig;
 pub use device::device;
 pub use error::TrainError;
 pub use export::export;
+pub use files::discard;
 pub use net::{UNet, forward_burn, layers_burn};
 pub use optim::Optimiser;
 pub use pairs::PairSource;

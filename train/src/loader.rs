@@ -6,7 +6,6 @@ use crate::{TrainConfig, TrainError};
 use burn::tensor::{Device, Tensor, TensorData};
 use deepshade_dataset::{Pair, Symmetry, augment};
 use deepshade_infer::NetSpec;
-use deepshade_shaders::Attribute;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
@@ -29,25 +28,16 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// Adds a pair: positions scaled so that its radius looks like the network's own.
+    /// Adds a pair, with the same [input](NetSpec::input) that the network gets wherever it runs.
     pub fn push(&mut self, pair: &Pair, spec: &NetSpec) {
-        let select = |attributes: &[Attribute]| pair.gbuffer.select(attributes).expect("selected before");
-        let mut input = select(&spec.inputs);
-        let scale = spec.reach.position_scale(pair.radius);
-        let mut first = 0;
-        for attribute in &spec.inputs {
-            if *attribute == Attribute::Position {
-                for plane in first..first + attribute.width() {
-                    input.plane_mut(plane).iter_mut().for_each(|value| *value *= scale);
-                }
-            }
-            first += attribute.width();
-        }
+        let input =
+            spec.input(&pair.gbuffer, pair.radius).expect("pairs are kept with what the network reads");
+        let seen = pair.gbuffer.seen().expect("pairs are kept with their validity");
         self.images += 1;
         self.size = [input.height(), input.width()];
         self.input.extend_from_slice(input.data());
         self.target.extend_from_slice(pair.target.data());
-        self.valid.extend_from_slice(select(&[Attribute::Valid]).data());
+        self.valid.extend(seen.into_iter().map(|seen| f32::from(u8::from(seen))));
     }
 
     /// Input, target and validity as tensors `[images, channels, height, width]`.
@@ -160,24 +150,30 @@ fn work(
 mod tests {
     use super::*;
     use deepshade_infer::{ChannelOrder, Reach};
-    use deepshade_shaders::{GBuffer, Planes};
+    use deepshade_shaders::{Attribute, GBuffer, Planes};
 
     #[test]
-    fn positions_are_scaled_by_trained_over_wanted_radius_and_nothing_else_is() {
+    fn a_batch_holds_what_the_network_reads_its_targets_and_where_they_count() {
         let reach = Reach { radius: 0.5, diagonal_share: 0.05, height: 512 };
         let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
         let attributes = vec![Attribute::Position, Attribute::Valid, Attribute::Normal];
         let pair = Pair {
-            gbuffer: GBuffer::new(attributes, Planes::from_fn(7, 1, 2, |c, _, x| (10 * c + x) as f32)),
+            gbuffer: GBuffer::new(
+                attributes,
+                Planes::from_fn(7, 1, 2, |c, _, x| if c == 3 { x as f32 } else { (10 * c + x) as f32 }),
+            ),
             target: Planes::filled(1, 1, 2, 0.25),
             radius: 2.0,
         };
         let mut batch = Batch::default();
         batch.push(&pair, &spec);
         batch.push(&pair, &spec);
-        let image = [40.0, 41.0, 50.0, 51.0, 60.0, 61.0, 0.0, 0.25, 2.5, 2.75, 5.0, 5.25];
+        // Of the first pixel nothing is seen; positions are scaled by the trained over the wanted radius.
+        let image = [0.0, 41.0, 0.0, 51.0, 0.0, 61.0, 0.0, 0.25, 0.0, 2.75, 0.0, 5.25];
         assert_eq!(batch.input, [image, image].concat());
-        assert_eq!(batch.valid, [30.0, 31.0, 30.0, 31.0]);
+        assert_eq!(batch.input[..12], *spec.input(&pair.gbuffer, pair.radius).expect("an input").data());
+        assert_eq!(batch.valid, [0.0, 1.0, 0.0, 1.0]);
+        assert_eq!(batch.target, [0.25; 4]);
         let shapes = batch.into_tensors(&crate::device()).map(|tensor| tensor.dims());
         assert_eq!(shapes, [[2, 6, 1, 2], [2, 1, 1, 2], [2, 1, 1, 2]]);
     }

@@ -3,7 +3,8 @@
 use crate::{TrainError, files};
 use plotters::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::io::Write;
+use std::fs::File;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Name of the JSON lines in the run's folder.
@@ -17,41 +18,44 @@ pub const CURVE_FILE: &str = "curve.svg";
 pub struct Line {
     /// Steps done.
     pub step: usize,
-    /// Mean training loss (DSSIM) since the line before.
+    /// Mean training loss (DSSIM) since the line before, or since the run was resumed.
     pub loss: f32,
     /// Loss on the validation pairs, where it was measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub validation_loss: Option<f32>,
     /// The optimiser's rate.
     pub rate: f64,
-    /// Images trained on a second since the line before, validation and checkpoints not counted.
+    /// Images trained on a second in the same time, validation and checkpoints not counted.
     pub images_per_second: f64,
 }
 
 /// The metrics of a run, in memory and in its folder.
-pub struct Metrics {
+pub(crate) struct Metrics {
     folder: PathBuf,
+    file: File,
     lines: Vec<Line>,
 }
 
 impl Metrics {
-    /// The metrics in a run's folder up to a step: what came after the checkpoint is measured again.
+    /// The metrics of a run whose folder was [taken](files::take), up to a step: what came after the checkpoint is
+    /// measured again.
     ///
     /// # Errors
     /// If the file cannot be read or written.
-    pub fn open(folder: &Path, step: usize) -> Result<Self, TrainError> {
+    pub fn open(folder: &Path, mut file: File, step: usize) -> Result<Self, TrainError> {
         let path = folder.join(METRICS_FILE);
-        let text = match std::fs::read_to_string(&path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
-            Err(error) => return Err(TrainError::io("read", &path)(error)),
-        };
-        // A line that a killed run left half written is no JSON, and lies beyond the checkpoint.
-        let lines = text.lines().filter_map(|line| serde_json::from_str::<Line>(line).ok());
-        let lines: Vec<Line> = lines.filter(|line| line.step <= step).collect();
-        let kept: String = lines.iter().map(json).collect();
-        files::replace(&path, kept.as_bytes())?;
-        Ok(Self { folder: folder.to_owned(), lines })
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes).map_err(TrainError::io("read", &path))?;
+        let (mut lines, mut end) = (Vec::new(), 0);
+        for text in bytes.split_inclusive(|byte| *byte == b'\n') {
+            // A line that a killed run left half-written is no JSON, or lacks its end.
+            let line: Option<Line> = serde_json::from_slice(text).ok();
+            let Some(line) = line.filter(|line| line.step <= step && text.ends_with(b"\n")) else { break };
+            lines.push(line);
+            end += text.len() as u64;
+        }
+        file.set_len(end).map_err(TrainError::io("write", &path))?;
+        Ok(Self { folder: folder.to_owned(), file, lines })
     }
 
     /// Adds a line.
@@ -60,16 +64,10 @@ impl Metrics {
     /// If the file cannot be written.
     pub fn add(&mut self, line: Line) -> Result<(), TrainError> {
         let path = self.folder.join(METRICS_FILE);
-        let append =
-            || std::fs::OpenOptions::new().append(true).open(&path)?.write_all(json(&line).as_bytes());
-        append().map_err(TrainError::io("write", &path))?;
+        let json = serde_json::to_string(&line).expect("a line is plain data") + "\n";
+        self.file.write_all(json.as_bytes()).map_err(TrainError::io("write", &path))?;
         self.lines.push(line);
         Ok(())
-    }
-
-    /// All lines.
-    pub fn lines(&self) -> &[Line] {
-        &self.lines
     }
 
     /// Draws the curve into the run's folder.
@@ -81,10 +79,6 @@ impl Metrics {
         let svg = curve(&self.lines).map_err(|problem| TrainError::damaged(&path, problem))?;
         files::replace(&path, svg.as_bytes())
     }
-}
-
-fn json(line: &Line) -> String {
-    serde_json::to_string(line).expect("a line is plain data") + "\n"
 }
 
 /// Training and validation loss over steps, on a logarithmic scale, as SVG.
@@ -155,15 +149,27 @@ mod tests {
     #[test]
     fn what_came_after_the_checkpoint_and_half_lines_are_forgotten() {
         let folder = tempfile::tempdir().expect("a folder");
-        let mut metrics = Metrics::open(folder.path(), 0).expect("opens");
+        let open = |step| {
+            let file = files::take(folder.path()).expect("nobody else has it");
+            Metrics::open(folder.path(), file, step).expect("opens")
+        };
+        let mut metrics = open(0);
         for step in [1, 2, 3] {
             metrics.add(line(step, None)).expect("adds");
         }
         let path = folder.path().join(METRICS_FILE);
         let text = std::fs::read_to_string(&path).expect("reads");
+        drop(metrics);
         std::fs::write(&path, text.clone() + "{\"step\":4,\"lo").expect("writes");
-        let metrics = Metrics::open(folder.path(), 2).expect("opens");
-        assert_eq!(metrics.lines(), [line(1, None), line(2, None)]);
+        let metrics = open(9);
+        assert_eq!(metrics.lines, [1, 2, 3].map(|step| line(step, None)));
+        drop(metrics);
+        let mut metrics = open(2);
+        assert_eq!(metrics.lines, [line(1, None), line(2, None)]);
+        metrics.add(line(3, None)).expect("adds");
+        assert_eq!(std::fs::read_to_string(&path).expect("reads"), text);
+        drop(metrics);
+        drop(open(2));
         let kept = std::fs::read_to_string(&path).expect("reads");
         assert_eq!(kept.lines().collect::<Vec<_>>(), text.lines().take(2).collect::<Vec<_>>());
     }

@@ -76,11 +76,6 @@ impl UNet {
         Weights(self.convs.iter().map(layer).collect())
     }
 
-    /// What the network computes.
-    pub const fn spec(&self) -> &NetSpec {
-        &self.spec
-    }
-
     /// Images of any size: the input is padded with its edge to a multiple of [`NetSpec::alignment`] to the right
     /// and below, and the output cut back.
     ///

@@ -1,15 +1,21 @@
 //! Where pairs come from, and pairs as training keeps them: only what the network reads, as half floats.
 
 use crate::TrainError;
-use deepshade_dataset::{Dataset, Pair};
+use deepshade_dataset::{Dataset, Manifest, Pair};
 use deepshade_infer::NetSpec;
-use deepshade_shaders::{Attribute, GBuffer, Planes};
+use deepshade_shaders::{Attribute, GBuffer, Planes, shows_surface};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 use std::sync::{Arc, OnceLock};
 
 /// Something that pairs are read from by their index.
 pub trait PairSource: Send + Sync {
+    /// What tells these pairs from all others.
+    ///
+    /// # Errors
+    /// If it cannot be found out; the message names the file.
+    fn hash(&self) -> Result<String, String>;
+
     /// Number of pairs.
     fn count(&self) -> usize;
 
@@ -27,6 +33,10 @@ pub trait PairSource: Send + Sync {
 }
 
 impl PairSource for Dataset {
+    fn hash(&self) -> Result<String, String> {
+        Manifest::file_hash(self.folder()).map_err(|error| error.to_string())
+    }
+
     fn count(&self) -> usize {
         self.len()
     }
@@ -101,7 +111,7 @@ impl HalfPair {
             self.attributes.iter().take_while(|a| **a != Attribute::Valid).map(|a| a.width()).sum();
         let valid =
             window(&self.gbuffer[first * self.height * self.width..], self.width, [y, x, height, width]);
-        valid.iter().sum::<f32>() / valid.len() as f32
+        valid.iter().filter(|valid| shows_surface(**valid)).count() as f32 / valid.len() as f32
     }
 
     /// A window of the pair.

@@ -1,6 +1,8 @@
 //! Counter-based random numbers: a number is a function of its seed and of what it is for, so that a run that is
 //! resumed draws what it would have drawn.
 
+use deepshade_shaders::split_mix::{STEP, finalised};
+
 /// What a number is drawn for; two purposes never share a number.
 #[derive(Clone, Copy, Debug)]
 pub enum Purpose {
@@ -21,13 +23,13 @@ pub struct Rng {
 impl Rng {
     /// The stream of a seed, a purpose and a counter.
     pub fn new(seed: u64, purpose: Purpose, counter: u64) -> Self {
-        Self { state: mix(mix(mix(seed) ^ purpose as u64) ^ counter) }
+        Self { state: finalised(finalised(finalised(seed) ^ purpose as u64) ^ counter) }
     }
 
-    /// 64 random bits (splitmix64: Steele, Lea and Flood 2014).
+    /// 64 random bits.
     pub fn bits(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        mix(self.state)
+        self.state = self.state.wrapping_add(STEP);
+        finalised(self.state)
     }
 
     /// A number in [0, 1).
@@ -54,13 +56,6 @@ impl Rng {
         }
         order
     }
-}
-
-/// The finaliser of splitmix64.
-fn mix(bits: u64) -> u64 {
-    let bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    bits ^ (bits >> 31)
 }
 
 #[cfg(test)]

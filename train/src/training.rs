@@ -1,16 +1,18 @@
 //! The training loop: steps, validation, checkpoints, early stop, resuming.
 
-use crate::checkpoint::{Checkpoint, Progress};
+use crate::checkpoint::{CHECKPOINT_FILE, Checkpoint, Progress};
 use crate::loader::{Batch, Loader};
 use crate::metrics::{Line, Metrics};
 use crate::net::UNet;
 use crate::pairs::{Cache, PairSource};
-use crate::progress::Display;
-use crate::{TrainConfig, TrainError, loss};
+use crate::{TrainConfig, TrainError, files, loss};
 use burn::optim::{GradientsParams, ModuleOptimizer};
 use burn::tensor::{Bytes, Device, Tensor};
-use deepshade_dataset::Dataset;
+use deepshade_dataset::{Dataset, progress};
 use deepshade_infer::Weights;
+use deepshade_shaders::lists;
+use indicatif::ProgressBar;
+use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -43,8 +45,8 @@ pub struct Outcome {
 /// Trains a network on a dataset, in a folder of its own, or goes on with the run that lies there.
 ///
 /// # Errors
-/// If the config makes no sense or is not that of the run in the folder, a file cannot be read or written, or the
-/// loss is no number any more.
+/// If the config makes no sense, it or the data are not those of the run in the folder, another program has the folder,
+/// a file cannot be read or written, or the loss is no number any more.
 pub fn train(config: &TrainConfig, folder: &Path) -> Result<Outcome, TrainError> {
     config.check()?;
     let dataset = Dataset::open(&config.dataset)?;
@@ -62,10 +64,12 @@ pub fn train_on(
 ) -> Result<Outcome, TrainError> {
     config.check()?;
     let split = Split::new(&*source, config.validation_pairs)?;
-    std::fs::create_dir_all(folder).map_err(TrainError::io("create", folder))?;
+    let data_hash = source.hash().map_err(TrainError::Data)?;
+    let config = &TrainConfig { data_hash, ..config.clone() };
+    let metrics = files::take(folder)?;
     config.claim(folder)?;
     let cache = Arc::new(Cache::new(source, config.spec.clone(), config.cache_megabytes << 20));
-    Run::open(config, folder, cache, split)?.go()
+    Run::open(config, folder, metrics, cache, split)?.go()
 }
 
 /// Which pairs are trained on, and which of those held apart measure it.
@@ -83,8 +87,8 @@ impl Split {
                 format!("has {} pairs to train on and {} for validation", training.len(), held.len());
             return Err(TrainError::Config { field: "dataset", problem });
         }
-        let count = held.len().min(most);
-        Ok(Self { training, validation: (0..count).map(|i| held[i * held.len() / count]).collect() })
+        let validation = lists::spread(held.len(), most).into_iter().map(|index| held[index]).collect();
+        Ok(Self { training, validation })
     }
 }
 
@@ -96,7 +100,7 @@ struct Run<'a> {
     cache: Arc<Cache>,
     split: Split,
     net: UNet,
-    best: Weights,
+    best: Option<Weights>,
     optimiser: ModuleOptimizer,
     progress: Progress,
     metrics: Metrics,
@@ -108,28 +112,25 @@ impl<'a> Run<'a> {
     fn open(
         config: &'a TrainConfig,
         folder: &'a Path,
+        metrics: File,
         cache: Arc<Cache>,
         split: Split,
     ) -> Result<Self, TrainError> {
         let device = crate::device().autodiff();
         let spec = &config.spec;
         let mut optimiser = config.optimiser.start();
-        let fresh = Progress { step: 0, best_step: 0, best_loss: None, waited: 0, stopped: false };
         let (net, best, progress) = match Checkpoint::load(folder, spec)? {
-            None => {
-                let net = UNet::random(spec, config.seed, &device);
-                let weights = net.weights();
-                (net, weights, fresh)
-            }
+            None => (UNet::random(spec, config.seed, &device), None, Progress::START),
             Some(checkpoint) => {
                 let state = Bytes::from_bytes_vec(checkpoint.optimiser);
-                optimiser = optimiser.from_bytes(state).map_err(|error| {
-                    TrainError::damaged(&folder.join(crate::checkpoint::CHECKPOINT_FILE), error)
-                })?;
-                (UNet::from_weights(spec, &checkpoint.weights, &device), checkpoint.best, checkpoint.progress)
+                optimiser = optimiser
+                    .from_bytes(state)
+                    .map_err(|error| TrainError::damaged(&folder.join(CHECKPOINT_FILE), error))?;
+                let progress = Progress { pause_loss: None, ..checkpoint.progress };
+                (UNet::from_weights(spec, &checkpoint.weights, &device), checkpoint.best, progress)
             }
         };
-        let metrics = Metrics::open(folder, progress.step)?;
+        let metrics = Metrics::open(folder, metrics, progress.step)?;
         let meter = Meter::default();
         Ok(Self { config, folder, device, cache, split, net, best, optimiser, progress, metrics, meter })
     }
@@ -139,25 +140,33 @@ impl<'a> Run<'a> {
         let config = self.config;
         let deadline = config.minutes.map(|minutes| Instant::now() + Duration::from_secs_f64(60.0 * minutes));
         let mut loader = Loader::start(&self.cache, self.split.training.clone(), config, self.progress.step);
-        let mut display = Display::new(self.progress.step, config.steps);
+        let bar = progress::bar("steps", config.steps, self.progress.step);
         let mut ending = if self.progress.stopped { Ending::Stopped } else { Ending::Finished };
         while self.progress.step < config.steps && !self.progress.stopped {
             if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 ending = Ending::OutOfTime;
-                self.save()?;
+                self.pause()?;
                 break;
             }
             let began = Instant::now();
             let loss = self.step(loader.next()?)?;
             self.meter.add(loss, config.batch, began.elapsed());
-            display.show(self.progress.step, loss, self.progress.best_loss, self.meter.images_per_second());
+            self.show(&bar, loss);
             if self.after_step()? {
                 ending = Ending::Stopped;
             }
         }
-        display.finish();
+        bar.abandon();
         self.metrics.draw()?;
         Ok(Outcome { ending, progress: self.progress, images_per_second: self.meter.images_per_second() })
+    }
+
+    /// Shows a step: its loss, the best validation so far, the speed.
+    fn show(&self, bar: &ProgressBar, loss: f32) {
+        let validation = self.progress.best_loss.map(|loss| format!(", best validation {loss:.4}"));
+        let speed = self.meter.images_per_second();
+        bar.set_position(self.progress.step as u64);
+        bar.set_message(format!("loss {loss:.4}{}, {speed:.1} images/s", validation.unwrap_or_default()));
     }
 
     /// One step of the optimiser; the loss before it.
@@ -195,11 +204,34 @@ impl<'a> Run<'a> {
         Ok(self.progress.stopped)
     }
 
-    /// Loss on the views held apart, whole images; notes whether it is the best.
+    /// Saves a run whose time is up, and measures what it has learned where a step has not been validated already.
+    fn pause(&mut self) -> Result<(), TrainError> {
+        let step = self.progress.step;
+        if !step.is_multiple_of(self.config.validate_every) {
+            self.progress.pause_loss = Some(self.validation_loss(&self.net.weights())?);
+        }
+        self.save()
+    }
+
+    /// Measures the network, notes whether it is the best, and whether it is time to stop.
     fn validate(&mut self) -> Result<f32, TrainError> {
-        let device = crate::device();
         let weights = self.net.weights();
-        let net = UNet::from_weights(&self.config.spec, &weights, &device);
+        let loss = self.validation_loss(&weights)?;
+        let progress = &mut self.progress;
+        if progress.best_loss.is_none_or(|best| loss < best) {
+            (progress.best_loss, progress.best_step, progress.waited) = (Some(loss), progress.step, 0);
+            self.best = Some(weights);
+        } else {
+            progress.waited += 1;
+        }
+        progress.stopped = self.config.patience > 0 && progress.waited >= self.config.patience;
+        Ok(loss)
+    }
+
+    /// Mean loss on the views held apart, whole images.
+    fn validation_loss(&self, weights: &Weights) -> Result<f32, TrainError> {
+        let device = crate::device();
+        let net = UNet::from_weights(&self.config.spec, weights, &device);
         let mut sum = 0.0;
         for index in &self.split.validation {
             let pair = self.cache.pair(*index)?;
@@ -210,19 +242,11 @@ impl<'a> Run<'a> {
             sum += loss.into_scalar::<f32>();
         }
         let loss = sum / self.split.validation.len() as f32;
-        let progress = &mut self.progress;
-        if progress.best_loss.is_none_or(|best| loss < best) {
-            (progress.best_loss, progress.best_step, progress.waited) = (Some(loss), progress.step, 0);
-            self.best = weights;
-        } else {
-            progress.waited += 1;
-        }
-        progress.stopped = self.config.patience > 0 && progress.waited >= self.config.patience;
-        Ok(loss)
+        if loss.is_finite() { Ok(loss) } else { Err(TrainError::Diverged { step: self.progress.step, loss }) }
     }
 
     fn save(&self) -> Result<(), TrainError> {
-        let path = self.folder.join(crate::checkpoint::CHECKPOINT_FILE);
+        let path = self.folder.join(CHECKPOINT_FILE);
         let optimiser = self.optimiser.into_bytes().map_err(|error| TrainError::damaged(&path, error))?;
         let checkpoint = Checkpoint {
             progress: self.progress,

@@ -1,29 +1,37 @@
-//! Runs on made-up pairs: interrupted, killed, on other numbers of threads, they all learn the same, bit for bit.
+//! Runs on made-up pairs: interrupted, paused, killed, on other numbers of threads, they all learn the same, bit for
+//! bit; and what of a run is exported.
 
 use deepshade_dataset::Pair;
 use deepshade_infer::{ChannelOrder, NetSpec, Reach};
 use deepshade_shaders::{Attribute, GBuffer, Planes};
-use deepshade_train::checkpoint::Checkpoint;
+use deepshade_train::checkpoint::{Checkpoint, Progress};
+use deepshade_train::export::{Facts, export};
 use deepshade_train::metrics::Line;
-use deepshade_train::{Ending, Optimiser, PairSource, TrainConfig, TrainError, train_on};
+use deepshade_train::{Ending, Optimiser, PairSource, TrainConfig, TrainError, discard, train_on};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-/// Pairs of which the target is a function of the normal; reading fails once `reads` are used up.
+/// Pairs of which the target is a function of the normal; reading takes a while, and fails once `reads` are used up.
 struct Synthetic {
+    name: &'static str,
     reads: AtomicUsize,
+    while_reading: Duration,
 }
 
 impl Synthetic {
     fn new(reads: usize) -> Arc<Self> {
-        Arc::new(Self { reads: reads.into() })
+        Arc::new(Self { name: "waves", reads: reads.into(), while_reading: Duration::ZERO })
     }
 }
 
 impl PairSource for Synthetic {
+    fn hash(&self) -> Result<String, String> {
+        Ok(self.name.to_owned())
+    }
+
     fn count(&self) -> usize {
         6
     }
@@ -37,6 +45,7 @@ impl PairSource for Synthetic {
     }
 
     fn read(&self, index: usize) -> Result<Pair, String> {
+        std::thread::sleep(self.while_reading);
         let left = self.reads.fetch_update(Ordering::SeqCst, Ordering::SeqCst, |reads| reads.checked_sub(1));
         left.map_err(|_| format!("pair{index}.exr is gone"))?;
         let wave = |y: usize, x: usize| ((y * (index + 2)) as f32 * 0.13).sin() * (x as f32 * 0.21).cos();
@@ -86,7 +95,8 @@ fn straight(config: &TrainConfig) -> Checkpoint {
 fn assert_same(a: &Checkpoint, b: &Checkpoint) {
     assert_eq!(a.progress, b.progress);
     let bits = |c: &Checkpoint| -> Vec<u32> {
-        let layers = c.weights.0.iter().chain(&c.best.0);
+        let best = c.best.as_ref().expect("validated");
+        let layers = c.weights.0.iter().chain(&best.0);
         layers.flat_map(|l| l.weight.iter().chain(&l.bias)).map(|w| w.to_bits()).collect()
     };
     assert!(bits(a) == bits(b), "the weights differ");
@@ -135,22 +145,132 @@ fn a_run_killed_by_the_system_goes_on_to_the_same_weights() {
         return;
     }
     let folder = tempfile::tempdir().expect("a folder");
-    let mut reached = Vec::new();
-    for milliseconds in [300, 150, 220, 90, 400] {
+    let reached = || {
+        let saved = Checkpoint::load(folder.path(), &config.spec).expect("never half a checkpoint");
+        saved.map_or(0, |checkpoint| checkpoint.progress.step)
+    };
+    let mut before = 0;
+    for (step, threads) in [(5, "1"), (40, "3"), (80, "1"), (100, "2")] {
         let mut child = Command::new(std::env::current_exe().expect("this test"))
             .args(["--exact", "a_run_killed_by_the_system_goes_on_to_the_same_weights"])
             .env(RUN, folder.path())
+            .env("RAYON_NUM_THREADS", threads)
             .spawn()
             .expect("starts");
-        std::thread::sleep(Duration::from_millis(milliseconds));
+        while reached() < step {
+            assert!(child.try_wait().expect("asked").is_none(), "ended by itself before step {step}");
+            std::thread::sleep(Duration::from_millis(1));
+        }
         child.kill().expect("kills");
         child.wait().expect("ends");
-        let saved = Checkpoint::load(folder.path(), &config.spec).expect("never half a checkpoint");
-        reached.push(saved.map_or(0, |checkpoint| checkpoint.progress.step));
+        let now = reached();
+        assert!(
+            (step.max(before)..config.steps).contains(&now),
+            "killed at {step}, fell from {before} to {now}"
+        );
+        before = now;
     }
-    assert!(reached.is_sorted(), "a killed run fell back: {reached:?}");
+    let left_over = folder.path().join(".deepshade-left");
+    std::fs::write(&left_over, b"half").expect("written");
     train_on(&config, Synthetic::new(ENOUGH), folder.path()).expect("goes on");
+    assert!(!left_over.exists(), "what a killed run left half-written");
     assert_same(&checkpoint(folder.path(), &config), &straight(&config));
+}
+
+fn facts() -> Facts {
+    let words = || "made up".to_owned();
+    Facts { recipe: words(), metrics: Vec::new(), limits: vec![words()], licence: words() }
+}
+
+#[test]
+fn a_pause_is_validated_exported_and_forgotten() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = folder.path().join("run");
+    // The next validation is far off, and reading for all steps would take three seconds.
+    let config = TrainConfig { validate_every: 100, ..config(ADAMW) };
+    let short = TrainConfig { minutes: Some(0.01), cache_megabytes: 0, ..config.clone() };
+    let slow = Synthetic {
+        while_reading: Duration::from_millis(100),
+        ..Arc::into_inner(Synthetic::new(ENOUGH)).expect("one")
+    };
+    let outcome = train_on(&short, Arc::new(slow), &run).expect("pauses");
+    let Progress { step, best_loss, pause_loss, .. } = outcome.progress;
+    assert_eq!((outcome.ending, best_loss), (Ending::OutOfTime, None));
+    assert!((1..config.steps).contains(&step) && pause_loss.is_some(), "{outcome:?}");
+    assert_eq!(outcome.progress.best(), pause_loss.map(|loss| (step, loss)));
+
+    let model = export(&run, &folder.path().join("model"), &facts()).expect("exports");
+    assert_eq!(model.weights, checkpoint(&run, &config).weights);
+    let card = std::fs::read_to_string(folder.path().join("model/card.md")).expect("a card");
+    assert!(card.contains(&format!("| Steps | {step} (best of {step}) |")), "{card}");
+    assert!(card.contains("| Data hash | `waves`"), "{card}");
+
+    train_on(&config, Synthetic::new(ENOUGH), &run).expect("goes on");
+    assert_same(&checkpoint(&run, &config), &straight(&config));
+}
+
+#[test]
+fn a_network_that_was_never_validated_is_not_exported() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (run, model) = (folder.path().join("run"), folder.path().join("model"));
+    let uncached = TrainConfig { cache_megabytes: 0, ..config(ADAMW) };
+    // At once; as a pause before the first step; and by a failure after the first checkpoint, step 3.
+    assert!(export(&run, &model, &facts()).is_err());
+    let short = TrainConfig { minutes: Some(0.0), ..uncached.clone() };
+    train_on(&short, Synthetic::new(ENOUGH), &run).expect("pauses");
+    for (reads, step) in [(ENOUGH, 0), (7, 3)] {
+        if reads < ENOUGH {
+            train_on(&uncached, Synthetic::new(reads), &run).expect_err("no more reads");
+        }
+        let error = export(&run, &model, &facts()).expect_err("nothing validated").to_string();
+        assert!(
+            error.contains(&format!("after {step} steps no network of this run was validated")),
+            "{error}"
+        );
+        assert!(error.starts_with(&run.display().to_string()), "{error}");
+        assert!(!model.exists(), "something was exported");
+    }
+}
+
+#[test]
+fn other_data_and_a_folder_in_use_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let config = TrainConfig { steps: 1, ..config(ADAMW) };
+    train_on(&config, Synthetic::new(ENOUGH), folder.path()).expect("trains");
+    let moved = TrainConfig { dataset: PathBuf::from("./made-up"), steps: 1, ..config.clone() };
+    train_on(&moved, Synthetic::new(ENOUGH), folder.path()).expect("the same data");
+    let other = Synthetic { name: "noise", ..Arc::into_inner(Synthetic::new(ENOUGH)).expect("one") };
+    let error = train_on(&config, Arc::new(other), folder.path()).expect_err("other data");
+    assert!(matches!(&error, TrainError::OtherRun { fields, .. } if fields == "data_hash"), "{error}");
+
+    let metrics = std::fs::File::open(folder.path().join("metrics.jsonl")).expect("metrics");
+    metrics.lock().expect("locked");
+    for refused in
+        [train_on(&config, Synthetic::new(ENOUGH), folder.path()).map(drop), discard(folder.path())]
+    {
+        let error = refused.expect_err("in use").to_string();
+        assert!(error.contains("another program is training in this folder"), "{error}");
+    }
+}
+
+#[test]
+fn only_the_files_of_a_run_are_discarded() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let names = || -> Vec<String> {
+        let entries = std::fs::read_dir(folder.path()).expect("listed");
+        entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect()
+    };
+    std::fs::write(folder.path().join("thesis.txt"), b"years of work").expect("written");
+    discard(folder.path()).expect("no run");
+    let config = TrainConfig { steps: 1, ..config(ADAMW) };
+    train_on(&config, Synthetic::new(ENOUGH), folder.path()).expect("trains");
+    assert!(names().len() > 3, "{:?}", names());
+    discard(folder.path()).expect("discarded");
+    assert_eq!(names(), ["thesis.txt"]);
+    std::fs::write(folder.path().join("config.json"), b"{\"colour\": 1}").expect("written");
+    let error = discard(folder.path()).expect_err("not a run's config").to_string();
+    assert!(error.contains("config.json is no training config"), "{error}");
+    assert_eq!(names().len(), 2);
 }
 
 #[test]
@@ -204,7 +324,22 @@ fn other_settings_in_the_same_folder_and_senseless_ones_are_refused_by_name() {
         (TrainConfig { batch: 0, ..config.clone() }, "`batch`"),
         (TrainConfig { crop: 20, ..config.clone() }, "`crop`"),
         (TrainConfig { validation_pairs: 0, ..config.clone() }, "`validation_pairs`"),
-        (TrainConfig { crop: 48, ..config }, "smaller than `crop`"),
+        (TrainConfig { crop: 48, ..config.clone() }, "smaller than `crop`"),
+        (TrainConfig { crop: 8_000_000, ..config.clone() }, "`crop`"),
+        (TrainConfig { crop: 8192, batch: 2, ..config.clone() }, "`batch`"),
+        (TrainConfig { workers: 1_000_000, ..config.clone() }, "`workers`"),
+        (TrainConfig { steps: usize::MAX, ..config.clone() }, "`steps`"),
+        (TrainConfig { cache_megabytes: usize::MAX, ..config.clone() }, "`cache_megabytes`"),
+        (TrainConfig { minutes: Some(-1.0), ..config.clone() }, "`minutes`"),
+        (TrainConfig { minutes: Some(f64::NAN), ..config.clone() }, "`minutes`"),
+        (TrainConfig { minutes: Some(1e300), ..config.clone() }, "`minutes`"),
+        (
+            TrainConfig {
+                optimiser: Optimiser::Adamw { rate: f64::NAN, weight_decay: 0.0, warm_up: 1 },
+                ..config
+            },
+            "rate",
+        ),
     ];
     for (config, name) in senseless {
         let folder = tempfile::tempdir().expect("a folder");

@@ -1,6 +1,6 @@
 //! Set-up and the commands that the README and CI call: `cargo xtask demo`, `cargo xtask test`, `cargo xtask deny`.
 //!
-//! Plain std, so that it builds in seconds on a machine that has nothing else yet.
+//! Nothing but std and anyhow, so that it builds in seconds on a machine that has nothing else yet.
 
 mod apt;
 mod command;

@@ -12,6 +12,9 @@ use std::{
     time::{Duration, Instant},
 };
 
+#[path = "../../render/tests/real_data/mod.rs"]
+mod real_data;
+
 /// A check: what it is called, and the arguments of cargo.
 type Step = (&'static str, &'static [&'static str]);
 
@@ -49,6 +52,10 @@ pub fn run() -> Result<()> {
         println!("=== {name}: passed in {} s", start.elapsed().as_secs());
     }
     print_summary(&times);
+    // Tests on real data pass without them, since not everybody has them.
+    if let Some(folder) = real_data::data() {
+        println!("Real scenes and images were read from {}", folder.display());
+    }
     Ok(())
 }
 

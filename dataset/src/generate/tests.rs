@@ -1,6 +1,6 @@
 use super::*;
 use crate::journal::JOURNAL;
-use crate::{Dataset, Part, contact_sheet, verify};
+use crate::{DATA_VERSION, Dataset, Part, contact_sheet, verify};
 use deepshade_render::scene::procedural::{Family, Split};
 use std::collections::BTreeMap;
 
@@ -61,7 +61,7 @@ fn a_killed_run_ends_with_the_bytes_of_an_undisturbed_one() {
     std::fs::remove_file(out.join(MANIFEST)).expect("removed");
     let json = |record: &PairRecord| serde_json::to_string(record).expect("JSON");
     let cut_off = &json(third)[..40];
-    let journal = format!("\"{}\"\n{}\n{}\n{cut_off}", manifest.job(), json(first), json(second));
+    let journal = format!("\"{}\"\n{}\n{}\n{cut_off}", manifest.origin.job(), json(first), json(second));
     std::fs::write(out.join(JOURNAL), journal).expect("written");
     std::fs::write(out.join(&second.file), &undisturbed[&second.file][..500]).expect("truncated");
     std::fs::remove_file(out.join(&fourth.file)).expect("removed");
@@ -104,6 +104,110 @@ fn a_folder_in_use_or_with_other_data_is_left_alone() {
 }
 
 #[test]
+fn data_of_another_version_and_absurd_manifests_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = recipe(folder.path(), 6);
+    let out = folder.path().join("out");
+    generate(&recipe, &out).expect("generated");
+    let path = out.join(MANIFEST);
+    let sound = std::fs::read_to_string(&path).expect("read");
+    let refused = |old: &str, new: &str| {
+        assert!(sound.contains(old), "{old}");
+        std::fs::write(&path, sound.replacen(old, new, 1)).expect("written");
+        Dataset::open(&out).expect_err("refused").to_string()
+    };
+    let version = format!("\"data_version\": {DATA_VERSION}");
+    let error = refused(&version, "\"data_version\": 999");
+    assert!(error.contains("manifest.json: data of version 999"), "{error}");
+    let error = generate(&recipe, &out).expect_err("another version").to_string();
+    assert!(error.contains("data of version 999"), "{error}");
+    assert!(refused(&format!("{version},"), "").contains("data of version 0"));
+    let error = refused("\"height\": 32", "\"height\": 1000000000");
+    assert!(error.contains("manifest.json: `resolution.height` must be 16"), "{error}");
+}
+
+#[test]
+fn a_test_set_is_not_generated_as_a_dataset() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let tiles = Some(crate::recipe::Tiles { samples: 4, one_in: 2, whole_frames: 1 });
+    let recipe = Recipe { tiles, ..recipe(folder.path(), 7) };
+    let error = generate(&recipe, &folder.path().join("out")).expect_err("tiles").to_string();
+    assert!(error.contains("recipe-7.toml") && error.contains("`tiles` is for test sets"), "{error}");
+}
+
+/// A recipe of one scene file that refers to another file.
+fn recipe_of_a_file(folder: &Path) -> Recipe {
+    std::fs::create_dir_all(folder.join("scenes")).expect("made");
+    std::fs::write(folder.join("scenes/slabs.gltf"), SLABS).expect("written");
+    write_slabs(folder, 1.0);
+    let text = "effect = \"ao\"\nsplit = \"test\"\nseed = 1\nresolution = { height = 16, width = 16 }\n\
+                samples = 1\nradius = { diagonal = 0.05 }\nviews_per_scene = 2\nfiles = [\"scenes/slabs.gltf\"]\n";
+    std::fs::write(folder.join("files.toml"), text).expect("written");
+    Recipe::load(&folder.join("files.toml")).expect("a sound recipe")
+}
+
+/// Twelve triangles whose corners are in `slabs.bin`.
+const SLABS: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "buffers": [{"uri": "slabs.bin", "byteLength": 432}], "bufferViews": [{"buffer": 0, "byteLength": 432}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 36, "type": "VEC3",
+        "min": [-2, -2, -2], "max": [2, 2, 2]}]}"#;
+
+/// Writes corners of slanted triangles around a room, some metres long.
+fn write_slabs(folder: &Path, height: f32) {
+    let corner = |triangle: usize, corner: usize| {
+        let angle = triangle as f32 * 2.1 + corner as f32 * 1.9;
+        [2.0 * angle.cos(), height * (angle * 1.7).sin(), 2.0 * (angle * 1.3).sin()]
+    };
+    let corners = (0..12).flat_map(|i| [0, 1, 2].map(|c| corner(i, c)));
+    let bytes: Vec<u8> = corners.flatten().flat_map(f32::to_le_bytes).collect();
+    std::fs::write(folder.join("scenes/slabs.bin"), bytes).expect("written");
+}
+
+#[test]
+fn scene_files_are_found_again_from_the_data_and_a_change_of_any_is_noticed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = recipe_of_a_file(folder.path());
+    let plan = recipe.plan().expect("a plan");
+    let scene = &plan[0].scene;
+    let out = folder.path().join("data/out");
+    let origin = Origin::new(&recipe, &plan, &out).expect("an origin");
+    assert_eq!(origin.scenes.as_deref(), Some(Path::new("../..")), "no path of this machine");
+    Manifest { origin: origin.clone(), pairs: Vec::new() }.save(&out).expect("saved");
+
+    // Both move to another place, and the recipe's own file is gone.
+    let moved = folder.path().join("moved");
+    std::fs::create_dir(&moved).expect("made");
+    for name in ["scenes", "data"] {
+        std::fs::rename(folder.path().join(name), moved.join(name)).expect("moved");
+    }
+    let dataset = Dataset::open(&moved.join("data/out")).expect("opened");
+    scene.load(&dataset.recipe().folder).expect("found from the data's folder");
+    let elsewhere = |scenes: &Path| scene.load(&dataset.clone().with_scenes(scenes).recipe().folder);
+    assert!(elsewhere(&moved).is_ok() && elsewhere(&out).is_err());
+    assert!(scene.load(&recipe.folder).is_err(), "no longer there");
+
+    // The scene file stays the same, what it refers to does not.
+    write_slabs(&moved, 1.5);
+    let error = scene.load(&dataset.recipe().folder).expect_err("another scene").to_string();
+    assert!(error.contains("slabs.gltf") && error.contains("not what the data were made from"), "{error}");
+    let changed = Recipe { folder: moved, ..recipe };
+    let plan = changed.plan().expect("a plan");
+    assert_ne!(Origin::new(&changed, &plan, &out).expect("an origin").job(), origin.job());
+}
+
+#[test]
+fn scenes_of_a_batch_keep_the_plans_order() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut recipe = recipe(folder.path(), 8);
+    recipe.families[0].scenes = 7;
+    let plan = recipe.plan().expect("a plan");
+    let records = by_scene(&plan, |index, scene| Ok(vec![(index, scene.views[0].name.clone()); 2]));
+    let expected = |i: usize| (i / 2, plan[i / 2].views[0].name.clone());
+    assert_eq!(records.expect("records"), (0..14).map(expected).collect::<Vec<_>>());
+}
+
+#[test]
 fn what_is_generated_is_read_and_verified() {
     let folder = tempfile::tempdir().expect("a folder");
     let recipe = recipe(folder.path(), 5);
@@ -115,7 +219,7 @@ fn what_is_generated_is_read_and_verified() {
     assert!(dataset.part(Part::Test).is_empty());
 
     let record = dataset.record(3);
-    let scene = record.scene.load(recipe.folder()).expect("a scene");
+    let scene = record.scene.load(&recipe.folder).expect("a scene");
     let shot = Shot {
         scene: &scene,
         camera: &record.camera,

@@ -1,4 +1,6 @@
 use super::*;
+use deepshade_render::scene::SceneSource;
+use deepshade_render::scene::procedural::Family;
 
 /// Writes a recipe with some lines put before, changed or added, and loads it.
 fn load(folder: &Path, name: &str, edit: impl Fn(String) -> String) -> Result<Recipe, DatasetError> {
@@ -66,30 +68,89 @@ fn families_for_testing_do_not_train_and_the_reverse() {
     let train = Family::ALL[0];
     let mixed = refusal(|text| text.replace(train.name(), test.name()));
     assert!(mixed.contains("mixes training and testing") && mixed.contains(test.name()), "{mixed}");
-    let mixed = refusal(|text| text.replace("\"train\"", "\"test\""));
+    let mixed = refusal(|text| for_testing(&text));
     assert!(mixed.contains("mixes training and testing") && mixed.contains(train.name()), "{mixed}");
     assert!(refusal(|text| text.replace(train.name(), "castles")).contains("no procedural family `castles`"));
 }
 
-#[test]
-fn a_file_of_a_test_recipe_does_not_train_under_any_name() {
+/// A folder with scene files: `seen.obj`, others of the same scene, and another one.
+fn folder_of_scenes() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
-    write("seen.obj", "v 0 0 0\n");
-    write("copy.obj", "v 0 0 0\n");
-    write("other.obj", "v 1 0 0\n");
-    let files = |text: String, files: &str| text.split("[[").next().expect("a head").to_owned() + files;
-    let test = |text: String| files(text, "files = [\"seen.obj\"]\n").replace("\"train\"", "\"test\"");
+    write("seen.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 2 3\nf 1 2 4\n");
+    write("copy.obj", "# a copy\nv 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 2 3\nf 1 2 4\n");
+    write("again.obj", "o again\nv 0 0 300\nv 100 0 0\nv 0 0 0\nv 0 200 0\nf 2 1 3\nf 4 3 2\n");
+    write("other.obj", "v 0 0 0\nv 1 0 0\nv 0 2 1\nv 0 1 3\nf 1 2 3\nf 1 2 4\n");
+    folder
+}
+
+/// A recipe with scene files in place of families.
+fn with(text: &str, lines: &str) -> String {
+    text.split("[[").next().expect("a head").to_owned() + lines
+}
+
+fn for_testing(text: &str) -> String {
+    text.replace("\"train\"", "\"test\"").replace("validation_share = 0.25\n", "")
+}
+
+#[test]
+fn a_scene_of_a_test_recipe_does_not_train_under_any_name_or_in_any_form() {
+    let folder = folder_of_scenes();
+    let test = |text: String| for_testing(&with(&text, "files = [\"seen.obj\"]\n"));
     load(folder.path(), "test.toml", test).expect("a test recipe");
-    let train = |list: &str| load(folder.path(), "train.toml", |text| files(text, list));
+    let train = |lines: &str| load(folder.path(), "train.toml", |text| with(&text, lines));
     let unnamed = train("files = [\"other.obj\"]\n").expect_err("no test recipe named");
     assert!(unnamed.to_string().contains("must name `test_recipes`"), "{unnamed}");
-    let copied = train("files = [\"copy.obj\"]\ntest_recipes = [\"test.toml\"]\n").expect_err("a copy");
-    assert!(
-        matches!(copied, DatasetError::Mixed { .. }) && copied.to_string().contains("copy.obj"),
-        "{copied}"
-    );
-    train("files = [\"other.obj\"]\ntest_recipes = [\"test.toml\"]\n").expect("another file");
+    for file in ["seen.obj", "copy.obj", "again.obj"] {
+        let lines = format!("files = [\"other.obj\", \"{file}\"]\ntest_recipes = [\"test.toml\"]\n");
+        let seen = train(&lines).expect_err("a scene for testing");
+        assert!(matches!(seen, DatasetError::Mixed { .. }) && seen.to_string().contains(file), "{seen}");
+    }
+    train("files = [\"other.obj\"]\ntest_recipes = [\"test.toml\"]\n").expect("another scene");
+}
+
+#[test]
+fn a_recipe_that_names_itself_or_another_for_training_is_refused() {
+    let folder = folder_of_scenes();
+    let lines = "files = [\"other.obj\"]\ntest_recipes = [\"train.toml\"]\n";
+    let error = load(folder.path(), "train.toml", |text| with(&text, lines)).expect_err("itself").to_string();
+    assert!(error.contains("`test_recipes`: train.toml is not for testing"), "{error}");
+}
+
+#[test]
+fn a_scene_that_is_named_twice_is_refused() {
+    let folder = folder_of_scenes();
+    let files = |text: String| for_testing(&with(&text, "files = [\"seen.obj\", \"copy.obj\"]\n"));
+    let recipe = load(folder.path(), "test.toml", files).expect("sound but for its files");
+    let error = recipe.plan().expect_err("twice").to_string();
+    assert!(error.contains("test.toml") && error.contains("seen.obj and copy.obj hold the same"), "{error}");
+}
+
+#[test]
+fn keys_that_mean_nothing_are_refused() {
+    let test = Family::ALL.into_iter().find(|family| family.split() == Split::Test).expect("a family");
+    let shared =
+        refusal(|text| text.replace("\"train\"", "\"test\"").replace(Family::ALL[0].name(), test.name()));
+    assert!(shared.contains("`validation_share` is for training"), "{shared}");
+    let without_files = refusal(|text| text.replace("[[", "test_recipes = [\"t.toml\"]\n[["));
+    assert!(without_files.contains("`test_recipes` is for training recipes with `files`"), "{without_files}");
+}
+
+#[test]
+fn seeds_use_all_their_bits_and_no_scene_is_made_twice() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = load(folder.path(), "a.toml", |text| text.replace("scenes = 3", "scenes = 2000"));
+    let plan = recipe.expect("a sound recipe").plan().expect("a plan");
+    let seeds: Vec<u64> = plan
+        .iter()
+        .map(|planned| match planned.scene.source {
+            SceneSource::Procedural(_, seed) => seed,
+            SceneSource::File(_) => unreachable!("no files"),
+        })
+        .collect();
+    assert_eq!(seeds.iter().fold(0, |used, seed| used | seed), u64::MAX, "every bit is used");
+    let distinct: std::collections::HashSet<u64> = seeds.iter().copied().collect();
+    assert_eq!(distinct.len(), 2000);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! How long a test set will take, from a timed probe.
 
-use super::{TestSet, tile_indices, tiles_of};
+use super::{TestSet, in_tiles, tile_indices, tiles_of};
 use crate::truth::Shot;
 use crate::{DatasetError, Recipe, truth, views};
 use deepshade_render::metrics::ssim::TILE;
@@ -16,7 +16,7 @@ impl TestSet {
     /// evenly chosen, are loaded and rendered with few samples, and the time is scaled to all.
     ///
     /// # Errors
-    /// If the recipe has no `tiles`, or a scene cannot be had or has no fit view.
+    /// If the recipe is not for testing or has no `tiles`, or a scene cannot be had or has no fit view.
     pub fn estimate(recipe: &Recipe) -> Result<Duration, DatasetError> {
         let tiles = tiles_of(recipe)?;
         let plan = recipe.plan()?;
@@ -25,24 +25,23 @@ impl TestSet {
         let (mut loading, mut rendering, mut rendered) = (0.0, 0.0, 0.0);
         for scene in &probed {
             let start = Instant::now();
-            let traced = scene.source.load(recipe.folder())?;
+            let traced = scene.scene.load(&recipe.folder)?;
             let camera = views::sample_view(&traced, [height, width], recipe.seed, scene.key, 0)?;
             loading += start.elapsed().as_secs_f64();
             let (one_in, samples) = PROBE;
             let probe = tile_indices(recipe.seed, height, width, one_in);
-            let wanted =
-                |x: usize, y: usize| probe.binary_search(&(y / TILE * (width / TILE) + x / TILE)).is_ok();
             let radius = recipe.radius.metres(traced.diagonal());
             let shot =
                 Shot { scene: &traced, camera: &camera, height, width, radius, samples, seed: recipe.seed };
             let start = Instant::now();
-            truth::render_where(recipe.effect, &shot, wanted);
+            truth::render_where(recipe.effect, &shot, in_tiles(&probe, width));
             rendering += start.elapsed().as_secs_f64();
             rendered += (probe.len() * TILE * TILE) as f64 * f64::from(samples);
         }
         let pixels = (height * width) as f64;
         let frames = (plan.len() * recipe.views_per_scene) as f64;
-        let tile_samples = frames * pixels / tiles.one_in as f64 * f64::from(tiles.samples);
+        let in_tiles = tile_indices(recipe.seed, height, width, tiles.one_in).len() * TILE * TILE;
+        let tile_samples = frames * in_tiles as f64 * f64::from(tiles.samples);
         let whole_samples = frames.min(tiles.whole_frames as f64) * pixels * f64::from(recipe.samples);
         let seconds = loading * plan.len() as f64 / probed.len() as f64
             + rendering * (tile_samples + whole_samples) / rendered;

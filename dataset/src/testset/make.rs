@@ -1,16 +1,20 @@
 //! Making a test set.
 
-use super::{Ceiling, FrameRecord, HashedFile, LIST, List, TestSet, gather, tile_indices, tiles_of};
+use super::{
+    Ceiling, FrameRecord, HashedFile, LIST, List, TestSet, gather, in_tiles, tile_indices, tiles_of,
+};
+use crate::generate::by_scene;
 use crate::journal::{Journal, checked};
-use crate::manifest::{job, read_json, recipe_hash, write_json};
+use crate::manifest::write_json;
+use crate::origin::Origin;
 use crate::plan::{PlannedScene, PlannedView, spread};
 use crate::random::mix;
 use crate::recipe::Tiles;
 use crate::truth::Shot;
 use crate::{DatasetError, Recipe, progress, truth, views};
 use deepshade_render::bvh::TracedScene;
-use deepshade_render::exr_file::{self, Layer, Metadata, PROGRAM};
-use deepshade_render::metrics::ssim::{TILE, ssim};
+use deepshade_render::exr_file::{self, Layer, Metadata};
+use deepshade_render::metrics::ssim::ssim;
 use deepshade_shaders::Planes;
 use deepshade_shaders::atomic_file;
 use indicatif::ProgressBar;
@@ -23,31 +27,24 @@ impl TestSet {
     /// that takes. The same recipe gives the same bytes, however often the program was killed on the way.
     ///
     /// # Errors
-    /// If the recipe has no `tiles`, a scene cannot be had or has no fit view, or the folder cannot be written, is in
+    /// If the recipe is not for testing or has no `tiles`, a scene cannot be had or has no fit view, or the folder cannot be written, is in
     /// use or holds other data.
     pub fn generate(recipe: &Recipe, folder: &Path) -> Result<Self, DatasetError> {
-        let (program, recipe_hash) = (PROGRAM.to_owned(), recipe_hash(recipe)?);
-        let ours = job(&program, &recipe_hash);
+        let tiles = tiles_of(recipe)?;
         let plan = recipe.plan()?;
-        let earlier = earlier_frames(folder, &ours)?;
-        let (journal, mut entries) = Journal::open(folder, &["tiles", "whole"], &ours)?;
+        let origin = Origin::new(recipe, &plan, folder)?;
+        let earlier = earlier_frames(folder, &origin.job())?;
+        let (journal, mut entries) = Journal::open(folder, &["tiles", "whole"], &origin.job())?;
         entries.extend(earlier);
         let known = checked(folder, entries);
         let total = recipe.scene_count() * recipe.views_per_scene;
         let bar = progress::bar("frames", total, known.len());
-        let tiles = tiles_of(recipe)?;
         let work = Work { recipe, tiles, total, folder, journal: &journal, known: &known, bar: &bar };
-        let frames: Result<Vec<Vec<FrameRecord>>, DatasetError> = plan
-            .par_iter()
-            .enumerate()
-            .with_max_len(1)
-            .map(|(index, scene)| work.scene(index, scene))
-            .collect();
-        let list = List { program, recipe_hash, recipe: recipe.clone(), frames: frames?.concat() };
+        let list = List { origin, frames: by_scene(&plan, |index, scene| work.scene(index, scene))? };
         bar.finish_and_clear();
         write_json(&folder.join(LIST), &list)?;
         journal.finish()?;
-        Ok(Self { folder: folder.to_owned(), list })
+        Self::open(folder)
     }
 }
 
@@ -56,8 +53,8 @@ fn earlier_frames(folder: &Path, ours: &str) -> Result<Vec<FrameRecord>, Dataset
     if !folder.join(LIST).exists() {
         return Ok(Vec::new());
     }
-    let List { program, recipe_hash, frames, .. } = read_json(&folder.join(LIST))?;
-    let theirs = job(&program, &recipe_hash);
+    let List { origin, frames } = List::load(folder)?;
+    let theirs = origin.job();
     if theirs != ours {
         return Err(DatasetError::OtherData { folder: folder.to_owned(), theirs, ours: ours.to_owned() });
     }
@@ -82,7 +79,7 @@ impl Work<'_> {
         if let Some(records) = scene.views.iter().map(known).collect() {
             return Ok(records);
         }
-        let traced = scene.source.load(self.recipe.folder())?;
+        let traced = scene.scene.load(&self.recipe.folder)?;
         let first = index * self.recipe.views_per_scene;
         let record = |view: &PlannedView| {
             let whole = spread(first + view.index, self.total, self.tiles.whole_frames.min(self.total));
@@ -108,13 +105,9 @@ impl Work<'_> {
             Shot { scene, camera: &camera, height, width, radius, samples, seed }
         };
         let tiles = tile_indices(view.seed, height, width, self.tiles.one_in);
-        let wanted = |x: usize, y: usize| {
-            let (row, column) = (y / TILE, x / TILE);
-            let whole_tile = row < height / TILE && column < width / TILE;
-            whole_tile && tiles.binary_search(&(row * (width / TILE) + column)).is_ok()
-        };
+        let wanted = in_tiles(&tiles, width);
         let half = |stream| {
-            let image = truth::render_where(effect, &shot(self.tiles.samples / 2, stream), wanted);
+            let image = truth::render_where(effect, &shot(self.tiles.samples / 2, stream), &wanted);
             gather(&image, &tiles)
         };
         let (a, b) = (half(0), half(1));
@@ -124,7 +117,7 @@ impl Work<'_> {
         let write = |folder: &str, samples: u32, image: &Planes| self.write(folder, view, samples, image);
         let record = FrameRecord {
             name: view.name.clone(),
-            scene: planned.source.clone(),
+            scene: planned.scene.clone(),
             view: view.index,
             camera,
             radius,

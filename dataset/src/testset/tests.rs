@@ -1,7 +1,6 @@
 use super::make::mean_squared_difference;
 use super::*;
 use crate::truth::{self, Shot};
-use deepshade_render::gbuffer;
 use deepshade_render::metrics::ssim::ssim;
 use deepshade_render::scene::procedural::{Family, Split};
 
@@ -62,7 +61,7 @@ fn a_test_set_is_resumed_to_the_same_bytes_and_holds_the_truth() {
     for index in 0..4 {
         let record = &set.frames()[index];
         let frame = set.frame(index).expect("a frame");
-        let scene = record.scene.load(recipe.folder()).expect("a scene");
+        let scene = record.scene.load(&recipe.folder).expect("a scene");
         let shot = Shot {
             scene: &scene,
             camera: &record.camera,
@@ -81,9 +80,45 @@ fn a_test_set_is_resumed_to_the_same_bytes_and_holds_the_truth() {
         let shifted: Vec<usize> = frame.tiles.iter().map(|tile| (tile + 1) % 40).collect();
         let wrong = gather(&truth::render(recipe.effect, &shot), &shifted);
         assert!(mean_squared_difference(&wrong, &frame.truth) > record.ceiling.mse);
-        let valid = gbuffer::render(&scene, &record.camera, 44, 64, truth::attributes(recipe.effect));
-        assert_eq!((valid.height(), valid.width()), (44, 64));
     }
+}
+
+#[test]
+fn a_changed_image_and_an_absurd_list_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let set = TestSet::generate(&recipe(folder.path(), TILES), &out).expect("generated");
+    // A sound image of another frame in the place of this one.
+    let [first, second] = [0, 1].map(|index: usize| out.join(&set.frames()[index].tiles.file));
+    std::fs::copy(&second, &first).expect("replaced");
+    let error = set.frame(0).expect_err("another image").to_string();
+    assert!(error.contains("its hash is"), "{error}");
+    assert!(set.frame(1).is_ok());
+
+    let path = out.join(LIST);
+    let sound = std::fs::read_to_string(&path).expect("read");
+    for (old, new, what) in [
+        ("\"one_in\": 4", "\"one_in\": 0", "`tiles.one_in` must be 1 to 64"),
+        ("\"width\": 64", "\"width\": 99999999999", "`resolution.width` must be"),
+        ("\"data_version\": 1", "\"data_version\": 7", "data of version 7"),
+    ] {
+        assert!(sound.contains(old), "{old}");
+        std::fs::write(&path, sound.replacen(old, new, 1)).expect("written");
+        let error = TestSet::open(&out).expect_err("absurd").to_string();
+        assert!(error.contains("testset.json") && error.contains(what), "{error}");
+    }
+}
+
+#[test]
+fn pixels_beyond_the_last_whole_tile_are_in_none() {
+    let (height, width) = (20, 29);
+    let all: Vec<usize> = (0..6).collect();
+    let wanted = in_tiles(&all, width);
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let inside: Vec<(usize, usize)> = pixels.filter(|(x, y)| wanted(*x, *y)).collect();
+    assert_eq!(inside.len(), 6 * TILE * TILE);
+    assert!(inside.iter().all(|(x, y)| *x < 24 && *y < 16));
+    assert!(in_tiles(&[4], width)(8, 8) && !in_tiles(&[3], width)(24, 0));
 }
 
 #[test]
@@ -93,6 +128,10 @@ fn a_recipe_without_tiles_is_refused_and_an_estimate_needs_them() {
     let error = TestSet::generate(&without, &folder.path().join("out")).expect_err("no tiles").to_string();
     assert!(error.contains("needs the table `tiles`"), "{error}");
     assert!(TestSet::estimate(&without).is_err());
+    let train = Recipe { split: Split::Train, ..recipe(folder.path(), TILES) };
+    let error = TestSet::generate(&train, &folder.path().join("out")).expect_err("training").to_string();
+    assert!(error.contains("test.toml: `split` says training"), "{error}");
+    assert!(TestSet::estimate(&train).is_err());
     let estimate =
         |tiles: &str| TestSet::estimate(&recipe(folder.path(), tiles)).expect("an estimate").as_secs_f64();
     assert!(estimate(&TILES.replace("64", "65536")) > estimate(TILES));

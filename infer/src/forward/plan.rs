@@ -71,18 +71,14 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Rows of input and output.
-    pub const fn height(&self) -> usize {
-        self.height
-    }
-
-    /// Columns of input and output.
-    pub const fn width(&self) -> usize {
-        self.width
-    }
-
     /// Records a run: from `input`, `[input channels, height, width]` f32, to `output`, `[output channels, height,
     /// width]` f32, two storage buffers of the network's device.
+    ///
+    /// `input` is what [`NetSpec::input`](crate::NetSpec::input) makes of a g-buffer, or a pass of the caller's that
+    /// does the same: lengths multiplied by [`Reach::position_scale`](crate::Reach::position_scale), and 0 in every
+    /// channel where no surface is seen. What the network makes where none is seen means nothing;
+    /// [`NetSpec::set_background`](crate::NetSpec::set_background), or the caller's own pass, puts the effect's
+    /// [`background`](deepshade_shaders::Effect::background) there.
     ///
     /// # Errors
     /// If a buffer is too small or no storage buffer.

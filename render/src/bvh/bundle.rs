@@ -3,36 +3,28 @@
 //! Rays that ask how much of the world a point sees share their origin and stay above the point's surface, so most of
 //! the work of a ray is done once for a bundle of them: whether a box or a triangle is out of reach or below the
 //! surface, a box's sides seen from the origin, a triangle's edge planes. What is left for a ray is a few
-//! multiplications, eight rays an instruction. The bundle walks a binary hierarchy once (ray packets: Wald et al.
-//! 2001); the triangle test is Plücker's in the form of Embree, whose edges are exact opposites in the two triangles
+//! multiplications, a vector of rays an instruction. The bundle walks a binary hierarchy once (ray packets: Wald et
+//! al. 2001). The triangle test is Plücker's in the form of Embree, whose edges are exact opposites in two triangles
 //! that share them, so that no ray slips through between.
 
 use glam::Vec3;
-use obvhs::{bvh2::Bvh2, triangle::Triangle};
+use obvhs::{
+    bvh2::{Bvh2, node::Bvh2Node},
+    triangle::Triangle,
+};
+use pulp::{Arch, Simd, WithSimd};
 
 /// The most rays of a bundle.
 pub const BUNDLE: usize = 64;
-/// Rays of a pack, which are treated by the same instructions.
-const LANES: usize = 8;
 /// A direction's component nearer to zero is taken as this, so that zero times infinity never occurs.
 const SMALLEST: f32 = 1e-18;
 /// Reach of a ray that is no longer asked for.
 const DONE: f32 = -1.0;
-
-/// One number for each ray of a pack.
-type Lanes = [f32; LANES];
-
-/// Up to eight rays, components apart.
-#[derive(Clone, Copy)]
-struct Pack {
-    direction: [Lanes; 3],
-    inverse: [Lanes; 3],
-    /// How far each ray goes; [`DONE`] once it is blocked, and where there is no ray.
-    reach: Lanes,
-}
+/// A box's far side is moved away by this, more than the rounding of the distances (Ize 2013).
+const FAR_SIDE: f32 = 1.000_001;
 
 /// Where the rays of a bundle start and where they may go.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Start {
     /// World space, metres.
     pub origin: Vec3,
@@ -42,209 +34,253 @@ pub struct Start {
     pub reach: f32,
 }
 
-/// Bit `i` of the result is set where a triangle blocks `directions[i]`, unit vectors, at most [`BUNDLE`] of them.
-/// `present` decides for triangles whose material is not opaque, which `opaque` tells from the others.
-pub fn blocked(
-    bvh: &Bvh2,
-    triangles: &[Triangle],
-    start: Start,
-    directions: &[Vec3],
-    opaque: impl Fn(u32) -> bool,
-    present: impl Fn(u32, Vec3) -> bool,
-) -> u64 {
-    let mut walk = Walk { start, packs: [Pack::NONE; BUNDLE / LANES] };
-    for (i, direction) in directions.iter().enumerate().take(BUNDLE) {
-        walk.packs[i / LANES].set(i % LANES, *direction, start.reach);
-    }
-    pulp::Arch::new().dispatch(
-        #[inline(always)]
-        || walk.run(bvh, triangles, directions, &opaque, &present),
-    );
-    directions
-        .iter()
-        .enumerate()
-        .take(BUNDLE)
-        .fold(0, |bits, (i, _)| bits | u64::from(walk.packs[i / LANES].reach[i % LANES] == DONE) << i)
+/// What a bundle is traced through.
+pub struct World<'a, O, P> {
+    /// Its leaves point to `triangles`.
+    pub bvh: &'a Bvh2,
+    /// World space, metres.
+    pub triangles: &'a [Triangle],
+    /// Whether nothing passes through a triangle.
+    pub opaque: O,
+    /// Whether another triangle stops the ray of a direction.
+    pub stops: P,
 }
 
-impl Pack {
-    const NONE: Self =
-        Self { direction: [[0.0; LANES]; 3], inverse: [[0.0; LANES]; 3], reach: [DONE; LANES] };
-
-    fn set(&mut self, lane: usize, direction: Vec3, reach: f32) {
-        for axis in 0..3 {
-            let component = direction[axis];
-            let safe = if component.abs() < SMALLEST { SMALLEST } else { component };
-            self.direction[axis][lane] = component;
-            self.inverse[axis][lane] = safe.recip();
-        }
-        self.reach[lane] = reach;
+impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool> World<'_, O, P> {
+    /// Bit `i` is set where a triangle blocks `directions[i]`, unit vectors, at most [`BUNDLE`] of them.
+    pub fn blocked(&self, start: Start, directions: &[Vec3]) -> u64 {
+        let directions = &directions[..directions.len().min(BUNDLE)];
+        let mut rays = Rays::new(start, directions);
+        Arch::new().dispatch(Walk { world: self, start, directions, rays: &mut rays });
+        (0..directions.len()).fold(0, |bits, i| bits | u64::from(rays.reach[i] == DONE) << i)
     }
+}
 
-    /// Whether any ray meets the box from `low` to `high`, relative to the origin.
-    #[inline(always)]
-    fn meets_box(&self, low: Vec3, high: Vec3) -> bool {
-        let mut meets = [0u32; LANES];
-        for lane in 0..LANES {
-            let (mut near, mut far) = (0.0, self.reach[lane]);
+/// The rays of a bundle, components apart.
+#[repr(align(64))]
+struct Rays {
+    direction: [[f32; BUNDLE]; 3],
+    inverse: [[f32; BUNDLE]; 3],
+    /// How far each ray goes; [`DONE`] once it is blocked, and where there is no ray.
+    reach: [f32; BUNDLE],
+}
+
+impl Rays {
+    fn new(start: Start, directions: &[Vec3]) -> Self {
+        let mut rays =
+            Self { direction: [[0.0; BUNDLE]; 3], inverse: [[0.0; BUNDLE]; 3], reach: [DONE; BUNDLE] };
+        for (i, direction) in directions.iter().enumerate() {
             for axis in 0..3 {
-                let inverse = self.inverse[axis][lane];
-                let (a, b) = (low[axis] * inverse, high[axis] * inverse);
-                near = larger(near, smaller(a, b));
-                far = smaller(far, larger(a, b));
+                let component = direction[axis];
+                let safe = if component.abs() < SMALLEST { SMALLEST } else { component };
+                rays.direction[axis][i] = component;
+                rays.inverse[axis][i] = safe.recip();
             }
-            meets[lane] = u32::from(near <= far);
+            rays.reach[i] = start.reach;
         }
-        meets.iter().fold(0, |any, meets| any | meets) != 0
-    }
-
-    /// Which rays meet a triangle within their reach.
-    #[inline(always)]
-    fn meets_triangle(&self, edges: &Edges) -> [bool; LANES] {
-        let mut meets = [false; LANES];
-        for lane in 0..LANES {
-            let [x, y, z] = self.direction.map(|component| component[lane]);
-            let along = |normal: Vec3| normal.x * x + normal.y * y + normal.z * z;
-            let [u, v, w] = edges.planes.map(along);
-            let inside = smaller(u, smaller(v, w)) >= 0.0 || larger(u, larger(v, w)) <= 0.0;
-            let towards = along(edges.normal);
-            // The distance is offset / towards, compared without the division.
-            let within =
-                edges.offset * towards > 0.0 && edges.offset.abs() < self.reach[lane] * towards.abs();
-            meets[lane] = inside && within;
-        }
-        meets
-    }
-
-    fn is_done(&self) -> bool {
-        self.reach.iter().all(|reach| *reach == DONE)
+        rays
     }
 }
 
-/// A triangle seen from a bundle's origin.
-struct Edges {
-    /// Normals of the planes through the origin and an edge each.
-    planes: [Vec3; 3],
-    /// Normal of the triangle, not of unit length.
-    normal: Vec3,
-    /// Distance of its plane along `normal`.
-    offset: f32,
-}
-
-impl Edges {
-    /// `corners` are relative to the origin.
-    #[inline(always)]
-    fn new([a, b, c]: [Vec3; 3]) -> Self {
-        let plane = |from: Vec3, to: Vec3| (to - from).cross(to + from);
-        let normal = (b - a).cross(c - a);
-        Self { planes: [plane(a, b), plane(b, c), plane(c, a)], normal, offset: normal.dot(a) }
-    }
-}
-
-struct Walk {
+/// A bundle on its way.
+struct Walk<'a, 'b, O, P> {
+    world: &'a World<'b, O, P>,
     start: Start,
-    packs: [Pack; BUNDLE / LANES],
+    directions: &'a [Vec3],
+    rays: &'a mut Rays,
 }
 
-impl Walk {
+/// A node, with the packs of rays that enter it: bit `i` for vector `i`.
+#[derive(Clone, Copy)]
+struct Visit {
+    node: u32,
+    packs: u64,
+}
+
+impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool> WithSimd for Walk<'_, '_, O, P> {
+    type Output = ();
+
     #[inline(always)]
-    fn run(
-        &mut self,
-        bvh: &Bvh2,
-        triangles: &[Triangle],
-        directions: &[Vec3],
-        opaque: &impl Fn(u32) -> bool,
-        present: &impl Fn(u32, Vec3) -> bool,
-    ) {
-        let mut alive = (0..self.packs.len())
-            .filter(|pack| !self.packs[*pack].is_done())
-            .fold(0u8, |bits, i| bits | 1 << i);
-        let mut stack: Vec<(u32, u8)> = Vec::with_capacity(64);
-        stack.push((0, alive));
-        while let Some((index, packs)) = stack.pop() {
-            let node = &bvh.nodes[index as usize];
-            let packs = self.entering(Vec3::from(node.aabb.min), Vec3::from(node.aabb.max), packs & alive);
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let mut alive = !0u64 >> (64 - self.directions.len().div_ceil(S::F32_LANES).max(1));
+        let mut stack = Vec::with_capacity(64);
+        stack.push(Visit { node: 0, packs: alive });
+        while let Some(Visit { node, packs }) = stack.pop() {
+            let Bvh2Node { prim_count, first_index, .. } = self.world.bvh.nodes[node as usize];
+            let packs = packs & alive;
             if packs == 0 {
                 continue;
             }
-            if node.prim_count == 0 {
-                stack.push((node.first_index, packs));
-                stack.push((node.first_index + 1, packs));
+            if prim_count > 0 {
+                for leaf in first_index..first_index + prim_count {
+                    self.test(simd, self.world.bvh.primitive_indices[leaf as usize], packs);
+                }
+                alive = self.without_done(simd, alive, packs);
                 continue;
             }
-            for leaf in node.first_index..node.first_index + node.prim_count {
-                let triangle = bvh.primitive_indices[leaf as usize];
-                self.test(triangle, &triangles[triangle as usize], packs, directions, opaque, present);
-            }
-            for pack in bits(packs) {
-                alive &= !(u8::from(self.packs[pack].is_done()) << pack);
-            }
-            if alive == 0 {
-                break;
-            }
-        }
-    }
-
-    /// Those of `packs` that meet the box.
-    #[inline(always)]
-    fn entering(&self, min: Vec3, max: Vec3, packs: u8) -> u8 {
-        let (low, high) = (min - self.start.origin, max - self.start.origin);
-        let nearest = low.max(-high).max(Vec3::ZERO);
-        let highest = (low * self.start.above).max(high * self.start.above).element_sum();
-        if nearest.length_squared() > self.start.reach * self.start.reach || highest < 0.0 {
-            return 0;
-        }
-        bits(packs)
-            .fold(0, |entering, pack| entering | u8::from(self.packs[pack].meets_box(low, high)) << pack)
-    }
-
-    #[inline(always)]
-    fn test(
-        &mut self,
-        index: u32,
-        triangle: &Triangle,
-        packs: u8,
-        directions: &[Vec3],
-        opaque: &impl Fn(u32) -> bool,
-        present: &impl Fn(u32, Vec3) -> bool,
-    ) {
-        let corners =
-            [triangle.v0, triangle.v1, triangle.v2].map(|corner| Vec3::from(corner) - self.start.origin);
-        if corners.iter().all(|corner| corner.dot(self.start.above) < 0.0) {
-            return;
-        }
-        let edges = Edges::new(corners);
-        let opaque = opaque(index);
-        for pack in bits(packs) {
-            let meets = self.packs[pack].meets_triangle(&edges);
-            for lane in 0..LANES {
-                if meets[lane] && (opaque || present(index, directions[pack * LANES + lane])) {
-                    self.packs[pack].reach[lane] = DONE;
+            let [(near, a), (far, b)] = self.children(simd, first_index, packs);
+            // The nearer one last, so that it is taken first.
+            let visits = if near <= far { [b, a] } else { [a, b] };
+            for visit in visits {
+                if visit.packs != 0 {
+                    stack.push(visit);
                 }
             }
         }
     }
 }
 
-/// The places of the bits that are set.
-#[inline(always)]
-fn bits(mut set: u8) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lowest = set.trailing_zeros() as usize;
-        let found = set != 0;
-        set &= set.wrapping_sub(1);
-        found.then_some(lowest)
-    })
+impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool> Walk<'_, '_, O, P> {
+    /// Both children of an inner node, with their squared distances.
+    #[inline(always)]
+    fn children<S: Simd>(&self, simd: S, first: u32, packs: u64) -> [(f32, Visit); 2] {
+        let (near, a) = self.entering(simd, first, packs);
+        let (far, b) = self.entering(simd, first + 1, packs);
+        [(near, Visit { node: first, packs: a }), (far, Visit { node: first + 1, packs: b })]
+    }
+
+    /// Squared distance of a node's box from the origin, and those of `packs` that meet it.
+    #[inline(always)]
+    fn entering<S: Simd>(&self, simd: S, node: u32, packs: u64) -> (f32, u64) {
+        let bounds = &self.world.bvh.nodes[node as usize].aabb;
+        let (low, high) =
+            (Vec3::from(bounds.min) - self.start.origin, Vec3::from(bounds.max) - self.start.origin);
+        let squared = low.max(-high).max(Vec3::ZERO).length_squared();
+        let highest = (low * self.start.above).max(high * self.start.above).element_sum();
+        if squared > self.start.reach * self.start.reach || highest < 0.0 {
+            return (squared, 0);
+        }
+        let (low, high) = (splat(simd, low), splat(simd, high));
+        let (mut rest, mut entering) = (packs, 0);
+        while rest != 0 {
+            let pack = rest.trailing_zeros();
+            rest &= rest - 1;
+            entering |= u64::from(self.meets_box(simd, pack as usize, &low, &high)) << pack;
+        }
+        (squared, entering)
+    }
+
+    #[inline(always)]
+    fn meets_box<S: Simd>(&self, simd: S, pack: usize, low: &[S::f32s; 3], high: &[S::f32s; 3]) -> bool {
+        let mut near = simd.splat_f32s(0.0);
+        let mut far = simd.splat_f32s(f32::INFINITY);
+        for axis in 0..3 {
+            let inverse = S::as_simd_f32s(&self.rays.inverse[axis]).0[pack];
+            let a = simd.mul_f32s(low[axis], inverse);
+            let b = simd.mul_f32s(high[axis], inverse);
+            near = simd.max_f32s(near, simd.min_f32s(a, b));
+            far = simd.min_f32s(far, simd.max_f32s(a, b));
+        }
+        let reach = S::as_simd_f32s(&self.rays.reach).0[pack];
+        let far = simd.min_f32s(simd.mul_f32s(far, simd.splat_f32s(FAR_SIDE)), reach);
+        simd.first_true_m32s(simd.less_than_or_equal_f32s(near, far)) < S::F32_LANES
+    }
+
+    /// Ends the rays of `packs` that a triangle blocks.
+    #[inline(always)]
+    fn test<S: Simd>(&mut self, simd: S, index: u32, packs: u64) {
+        let Triangle { v0, v1, v2 } = self.world.triangles[index as usize];
+        let origin = self.start.origin;
+        let (a, b, c) = (Vec3::from(v0) - origin, Vec3::from(v1) - origin, Vec3::from(v2) - origin);
+        let above = self.start.above;
+        if a.dot(above) < 0.0 && b.dot(above) < 0.0 && c.dot(above) < 0.0 {
+            return;
+        }
+        // Normals of the planes through the origin and an edge each, and the triangle's own.
+        let normal = (b - a).cross(c - a);
+        let offset = normal.dot(a);
+        let normals = [
+            splat(simd, edge_plane(a, b)),
+            splat(simd, edge_plane(b, c)),
+            splat(simd, edge_plane(c, a)),
+            splat(simd, normal),
+        ];
+        let opaque = (self.world.opaque)(index);
+        let mut rest = packs;
+        while rest != 0 {
+            let pack = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            let meets = self.meets_triangle(simd, pack, &normals, offset);
+            if opaque {
+                let reach = &mut S::as_mut_simd_f32s(&mut self.rays.reach).0[pack];
+                *reach = simd.select_f32s(meets, simd.splat_f32s(DONE), *reach);
+            } else if simd.first_true_m32s(meets) < S::F32_LANES {
+                self.ask(simd, index, pack, meets);
+            }
+        }
+    }
+
+    /// Which rays of a pack meet a triangle within their reach.
+    #[inline(always)]
+    fn meets_triangle<S: Simd>(
+        &self,
+        simd: S,
+        pack: usize,
+        normals: &[[S::f32s; 3]; 4],
+        offset: f32,
+    ) -> S::m32s {
+        let [x, y, z] = &self.rays.direction;
+        let direction = [S::as_simd_f32s(x).0[pack], S::as_simd_f32s(y).0[pack], S::as_simd_f32s(z).0[pack]];
+        let (u, v) = (dot(simd, normals[0], direction), dot(simd, normals[1], direction));
+        let (w, towards) = (dot(simd, normals[2], direction), dot(simd, normals[3], direction));
+        let zero = simd.splat_f32s(0.0);
+        let least = simd.min_f32s(u, simd.min_f32s(v, w));
+        let most = simd.max_f32s(u, simd.max_f32s(v, w));
+        let inside = simd
+            .or_m32s(simd.greater_than_or_equal_f32s(least, zero), simd.less_than_or_equal_f32s(most, zero));
+        // The distance is offset / towards, compared without the division.
+        let offset = simd.splat_f32s(offset);
+        let ahead = simd.greater_than_f32s(simd.mul_f32s(offset, towards), zero);
+        let reach = S::as_simd_f32s(&self.rays.reach).0[pack];
+        let within = simd.less_than_f32s(simd.abs_f32s(offset), simd.mul_f32s(reach, simd.abs_f32s(towards)));
+        simd.and_m32s(inside, simd.and_m32s(ahead, within))
+    }
+
+    /// Ends those rays of a pack that meet a triangle and that its material stops.
+    #[inline(always)]
+    fn ask<S: Simd>(&mut self, simd: S, index: u32, pack: usize, meets: S::m32s) {
+        let mut lanes = [0.0; BUNDLE];
+        S::as_mut_simd_f32s(&mut lanes).0[0] =
+            simd.select_f32s(meets, simd.splat_f32s(1.0), simd.splat_f32s(0.0));
+        for (lane, meets) in lanes.iter().enumerate().take(S::F32_LANES) {
+            let ray = pack * S::F32_LANES + lane;
+            if *meets > 0.0 && (self.world.stops)(index, self.directions[ray]) {
+                self.rays.reach[ray] = DONE;
+            }
+        }
+    }
+
+    /// `alive` without those of `packs` whose rays are all done.
+    #[inline(always)]
+    fn without_done<S: Simd>(&self, simd: S, alive: u64, packs: u64) -> u64 {
+        let (mut rest, mut alive) = (packs, alive);
+        while rest != 0 {
+            let pack = rest.trailing_zeros();
+            rest &= rest - 1;
+            let reach = S::as_simd_f32s(&self.rays.reach).0[pack as usize];
+            let some = simd.first_true_m32s(simd.greater_than_or_equal_f32s(reach, simd.splat_f32s(0.0)))
+                < S::F32_LANES;
+            alive &= !(u64::from(!some) << pack);
+        }
+        alive
+    }
 }
 
-/// `f32::min` without its care for NaN: one instruction.
+/// Normal of the plane through the origin and an edge.
 #[inline(always)]
-fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
+fn edge_plane(from: Vec3, to: Vec3) -> Vec3 {
+    (to - from).cross(to + from)
 }
 
-/// `f32::max` likewise.
 #[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
+fn splat<S: Simd>(simd: S, v: Vec3) -> [S::f32s; 3] {
+    [simd.splat_f32s(v.x), simd.splat_f32s(v.y), simd.splat_f32s(v.z)]
+}
+
+#[inline(always)]
+fn dot<S: Simd>(simd: S, a: [S::f32s; 3], b: [S::f32s; 3]) -> S::f32s {
+    simd.add_f32s(
+        simd.add_f32s(simd.mul_f32s(a[0], b[0]), simd.mul_f32s(a[1], b[1])),
+        simd.mul_f32s(a[2], b[2]),
+    )
 }

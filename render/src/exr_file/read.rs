@@ -43,14 +43,6 @@ pub fn read(path: &Path) -> Result<ExrImage, ExrError> {
     ExrImage::new(path, image)
 }
 
-/// Reads some attributes of a g-buffer file; see [`ExrImage::gbuffer`].
-///
-/// # Errors
-/// If the file cannot be read or lacks one of the attributes.
-pub fn read_gbuffer(path: &Path, attributes: &[Attribute]) -> Result<GBuffer, ExrError> {
-    read(path)?.gbuffer(attributes)
-}
-
 /// Whether what the headers promise is sane, before memory is taken for it.
 fn check_headers(headers: &[Header], file_bytes: u64) -> Result<(), String> {
     let mut values = 0usize;

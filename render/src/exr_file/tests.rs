@@ -6,6 +6,9 @@ use crate::scene::procedural::Family;
 use deepshade_shaders::{Attribute, GBuffer, Planes};
 use exr::prelude::Compression;
 
+#[path = "../../tests/real_data/mod.rs"]
+mod real_data;
+
 fn gbuffer() -> GBuffer {
     let attributes = vec![Attribute::Position, Attribute::Normal, Attribute::Depth];
     // Multiples of 1/8, which half floats hold exactly.
@@ -48,11 +51,25 @@ fn the_same_image_gives_the_same_bytes() {
 }
 
 #[test]
+fn metadata_keeps_what_fits_into_a_byte_and_escapes_the_rest() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("names.exr");
+    let metadata = Metadata::from([
+        ("scene".to_owned(), "café Łódź 10 € \\".to_owned()),
+        ("plain".to_owned(), "ÿ".to_owned()),
+    ]);
+    write(&path, &[Layer::gbuffer(&gbuffer())], &metadata).expect("written");
+    let image = read(&path).expect("read");
+    assert_eq!(image.metadata()["scene"], "café \\u{141}ód\\u{17a} 10 \\u{20ac} \\");
+    assert_eq!(image.metadata()["plain"], "ÿ");
+}
+
+#[test]
 fn missing_channels_are_named_with_what_is_there() {
     let folder = tempfile::tempdir().expect("a folder");
     let (path, ..) = written(folder.path());
-    let error =
-        read_gbuffer(&path, &[Attribute::Normal, Attribute::WorldNormal]).expect_err("no world normal");
+    let image = read(&path).expect("read");
+    let error = image.gbuffer(&[Attribute::Normal, Attribute::WorldNormal]).expect_err("no world normal");
     let text = error.to_string();
     assert!(
         text.contains("frame.exr") && text.contains("no channel `world_normal.X`, `world_normal.Y`"),
@@ -89,7 +106,8 @@ fn a_pixel_that_is_not_finite_is_one_where_nothing_is_seen() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("other.exr");
     exr::prelude::WritableImage::write(&image).to_file(&path).expect("written");
-    let gbuffer = read_gbuffer(&path, &[Attribute::Depth, Attribute::Glossiness]).expect("read");
+    let image = read(&path).expect("read");
+    let gbuffer = image.gbuffer(&[Attribute::Depth, Attribute::Glossiness]).expect("both there");
     assert_eq!(gbuffer.planes().data(), &[0.0, 2.0, 0.0, 1.0]);
 }
 
@@ -124,12 +142,8 @@ fn damaged_bytes_do_not_panic() {
 /// Files that once broke OpenEXR or the crate `exr`.
 #[test]
 fn malicious_files_do_not_panic() {
-    let data = std::env::var("DEEPSHADE_DATA")
-        .map_or_else(|_| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/open"), PathBuf::from);
-    let Ok(folder) = std::fs::read_dir(data.join("malformed/images")) else {
-        println!("no test data in {}: the malformed EXR files are not tried", data.display());
-        return;
-    };
+    let Some(data) = real_data::data() else { return };
+    let folder = std::fs::read_dir(data.join("malformed/images")).expect("malformed images");
     let paths: Vec<PathBuf> = folder.map(|entry| entry.expect("an entry").path()).collect();
     let files = paths.iter().filter(|path| path.extension().is_some_and(|ending| ending == "exr"));
     let mut refused = 0;

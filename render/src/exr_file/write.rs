@@ -108,15 +108,23 @@ fn to_half(path: &Path, channel: &str, plane: &[f32]) -> Result<Vec<f16>, ExrErr
 }
 
 fn attributes(metadata: &Metadata) -> LayerAttributes {
-    let text = |value: &str| {
-        // EXR text is one byte a character.
-        Text::new_or_none(value).unwrap_or_else(|| Text::new_or_panic(value.escape_unicode().to_string()))
-    };
     LayerAttributes {
         software_name: Some(text(PROGRAM)),
         other: metadata.iter().map(|(name, value)| (text(name), AttributeValue::Text(text(value)))).collect(),
         ..LayerAttributes::default()
     }
+}
+
+/// EXR text is one byte a character, so that characters above U+00FF are written as `\u{20ac}`.
+fn text(value: &str) -> Text {
+    let mut narrow = String::with_capacity(value.len());
+    for character in value.chars() {
+        match u8::try_from(character) {
+            Ok(_) => narrow.push(character),
+            Err(_) => narrow.extend(character.escape_unicode()),
+        }
+    }
+    Text::new_or_panic(narrow)
 }
 
 /// Puts the attributes of a file's only header into the order of their names. The crate `exr` writes them in the

@@ -17,7 +17,7 @@ mod controls;
 pub use flip::{flip, flip_map};
 pub use psnr::psnr;
 pub use relative_mse::relative_mse;
-pub use ssim::{dssim, ssim, ssim_tiles};
+pub use ssim::{ssim, ssim_tiles};
 
 use deepshade_shaders::Planes;
 

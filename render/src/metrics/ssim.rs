@@ -25,14 +25,6 @@ pub fn ssim(a: &Planes, b: &Planes) -> f64 {
     tiles.iter().sum::<f64>() / tiles.len() as f64
 }
 
-/// Structural dissimilarity, the loss of training: `(1 - ssim) / 2`.
-///
-/// # Panics
-/// If the images differ in shape.
-pub fn dssim(a: &Planes, b: &Planes) -> f64 {
-    0.5 * (1.0 - ssim(a, b))
-}
-
 /// Structural similarity tile by tile, `[channels, height / 8, width / 8]`.
 ///
 /// # Panics
@@ -93,7 +85,6 @@ mod tests {
         let b = Planes::filled(1, 16, 24, y as f32);
         let expected = (2.0 * x * y + C1) / (x * x + y * y + C1);
         assert!((ssim(&a, &b) - expected).abs() < 1e-12);
-        assert!((dssim(&a, &b) - 0.5 * (1.0 - expected)).abs() < 1e-12);
     }
 
     #[test]

@@ -44,9 +44,9 @@ struct Arrival {
 
 fn arrival(light: &Light, point: Vec3) -> Arrival {
     match *light {
-        Light::Point { position, intensity } => from_position(position, intensity, point),
-        Light::Spot { position, direction, intensity, cos_inner, cos_outer } => {
-            let arrival = from_position(position, intensity, point);
+        Light::Point { position, intensity, range } => from_position(position, intensity, range, point),
+        Light::Spot { position, direction, intensity, range, cos_inner, cos_outer } => {
+            let arrival = from_position(position, intensity, range, point);
             // KHR_lights_punctual: linear in the cosine between the cones, then squared.
             let cosine = -arrival.direction.dot(direction);
             let inside = ((cosine - cos_outer) / (cos_inner - cos_outer).max(1e-4)).clamp(0.0, 1.0);
@@ -58,10 +58,12 @@ fn arrival(light: &Light, point: Vec3) -> Arrival {
     }
 }
 
-fn from_position(position: Vec3, intensity: Vec3, point: Vec3) -> Arrival {
+/// The inverse square, faded out towards the light's range as KHR_lights_punctual recommends.
+fn from_position(position: Vec3, intensity: Vec3, range: f32, point: Vec3) -> Arrival {
     let to_light = position - point;
     let distance = to_light.length().max(1e-6);
-    Arrival { direction: to_light / distance, distance, irradiance: intensity / (distance * distance) }
+    let fade = (1.0 - (distance / range).powi(4)).clamp(0.0, 1.0);
+    Arrival { direction: to_light / distance, distance, irradiance: intensity * fade / (distance * distance) }
 }
 
 /// The energy-normalised Phong lobe, `(n + 2) / (2 pi) cos^n`, whose exponent has the width of a GGX lobe of the
@@ -96,6 +98,10 @@ mod tests {
         .expect("two squares")
     }
 
+    fn lamp(range: f32) -> Light {
+        Light::Point { position: Vec3::new(-3.0, 4.0, 0.0), intensity: Vec3::splat(100.0), range }
+    }
+
     fn floor_light(scene: &TracedScene, x: f32) -> DirectLight {
         let direction = Vec3::NEG_Y;
         let hit = scene.hit(Vec3::new(x, 0.9, 0.0), direction, f32::INFINITY).expect("the floor");
@@ -104,12 +110,21 @@ mod tests {
 
     #[test]
     fn a_point_light_follows_the_inverse_square_and_the_cosine() {
-        let light = Light::Point { position: Vec3::new(-3.0, 4.0, 0.0), intensity: Vec3::splat(100.0) };
-        let scene = floor_and_roof(light);
+        let scene = floor_and_roof(lamp(f32::INFINITY));
         let under = floor_light(&scene, -3.0).diffuse.x;
         assert!((under - 100.0 / 16.0 * 0.5 / PI).abs() < 1e-4);
         let aside = floor_light(&scene, -6.0).diffuse.x;
         assert!((aside - 100.0 / 25.0 * 0.8 * 0.5 / PI).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_light_fades_out_towards_its_range() {
+        // The floor is 4 m below the lamp, and 5 m away from it at x = -6.
+        let endless = floor_light(&floor_and_roof(lamp(f32::INFINITY)), -3.0).diffuse.x;
+        let faded = floor_and_roof(lamp(5.0));
+        let under = floor_light(&faded, -3.0).diffuse.x;
+        assert!((under - endless * (1.0 - 0.8f32.powi(4))).abs() < 1e-4, "{under} of {endless}");
+        assert_eq!(floor_light(&faded, -6.5), DirectLight::default());
     }
 
     #[test]
@@ -126,6 +141,7 @@ mod tests {
             position: Vec3::new(-3.0, 4.0, 0.0),
             direction: Vec3::NEG_Y,
             intensity: Vec3::splat(100.0),
+            range: f32::INFINITY,
             cos_inner: 0.95,
             cos_outer: 0.9,
         };

@@ -11,6 +11,8 @@ pub enum Light {
         position: Vec3,
         /// Radiant intensity, W/sr, RGB.
         intensity: Vec3,
+        /// Distance at which the light ends, metres; infinite for one that does not.
+        range: f32,
     },
     /// Shines into a cone.
     Spot {
@@ -20,6 +22,8 @@ pub enum Light {
         direction: Vec3,
         /// Radiant intensity on the axis, W/sr, RGB.
         intensity: Vec3,
+        /// Distance at which the light ends, metres; infinite for one that does not.
+        range: f32,
         /// Cosine of the half angle inside which the light is full.
         cos_inner: f32,
         /// Cosine of the half angle outside which there is none.

@@ -26,7 +26,8 @@ pub struct TextureSlot {
     pub transform: Affine2,
 }
 
-/// glTF's metallic-roughness material. Colours are linear; a texture multiplies its factor.
+/// glTF's metallic-roughness material. Colours are linear; a texture multiplies its factor. Surfaces are seen and stop
+/// light from both sides, whatever a file says of culling.
 #[derive(Clone, Debug)]
 pub struct Material {
     /// What the file calls it.
@@ -49,8 +50,6 @@ pub struct Material {
     pub emission_texture: Option<TextureSlot>,
     /// How alpha is used.
     pub alpha: AlphaMode,
-    /// Whether both sides are seen. Truth blocks light on both sides either way.
-    pub double_sided: bool,
 }
 
 impl Default for Material {
@@ -67,7 +66,6 @@ impl Default for Material {
             emission: Vec3::ZERO,
             emission_texture: None,
             alpha: AlphaMode::Opaque,
-            double_sided: true,
         }
     }
 }

@@ -9,6 +9,7 @@ pub mod material;
 pub mod mesh;
 pub mod obj;
 pub mod procedural;
+pub mod source;
 pub mod summary;
 pub mod texture;
 
@@ -16,6 +17,7 @@ pub use camera::Camera;
 pub use light::Light;
 pub use material::{AlphaMode, Material, Surface, TextureSlot};
 pub use mesh::{Bounds, Mesh};
+pub use source::SceneSource;
 pub use summary::SceneSummary;
 pub use texture::{Encoding, Texture, Wrap};
 
@@ -77,6 +79,14 @@ pub enum SceneError {
     UnknownFormat {
         /// Which file.
         path: PathBuf,
+    },
+    /// Neither a scene file nor a seed of a family.
+    #[error(
+        "`{text}` is neither a scene file (.gltf, .glb, .obj) nor a family and a seed such as `stairs:7`"
+    )]
+    UnknownSource {
+        /// What was asked for.
+        text: String,
     },
     /// No procedural family of that name.
     #[error("no procedural family `{name}`; there are {known}")]

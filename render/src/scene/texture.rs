@@ -48,10 +48,31 @@ impl Texture {
         Self { width, height, texels, encoding, wrap }
     }
 
-    /// The linear value at `uv`, bilinear between texel middles.
+    /// Texels in a row and in a column.
+    pub const fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
+    /// The texels as stored, row by row from the top left.
+    pub fn texels(&self) -> &[[u8; 4]] {
+        &self.texels
+    }
+
+    /// What the stored bytes mean.
+    pub const fn encoding(&self) -> Encoding {
+        self.encoding
+    }
+
+    /// What happens outside [0, 1] along u and v.
+    pub const fn wrap(&self) -> [Wrap; 2] {
+        self.wrap
+    }
+
+    /// The linear value at `uv`, bilinear between texel middles. Coordinates that are not finite are taken as 0.
     pub fn sample(&self, uv: Vec2) -> Vec4 {
-        let x = uv.x * self.width as f32 - 0.5;
-        let y = uv.y * self.height as f32 - 0.5;
+        let finite = |coordinate: f32| if coordinate.is_finite() { coordinate } else { 0.0 };
+        let x = finite(uv.x * self.width as f32) - 0.5;
+        let y = finite(uv.y * self.height as f32) - 0.5;
         let (x0, y0) = (x.floor(), y.floor());
         let (fx, fy) = (x - x0, y - y0);
         let top = self.texel(x0, y0).lerp(self.texel(x0 + 1.0, y0), fx);
@@ -72,7 +93,7 @@ impl Texture {
     }
 }
 
-/// The texel index that a whole-numbered coordinate stands for. Coordinates that are not finite give 0.
+/// The texel index that a whole-numbered coordinate stands for.
 fn wrapped(coordinate: f32, size: usize, wrap: Wrap) -> usize {
     let size = size as i64;
     let at = coordinate as i64;
@@ -118,6 +139,18 @@ mod tests {
         assert_eq!(at(Wrap::Clamp, 1.125), 30.0);
         assert_eq!(at(Wrap::Mirror, 1.125), 30.0);
         assert_eq!(at(Wrap::Mirror, -0.375), 10.0);
+    }
+
+    #[test]
+    fn coordinates_that_are_not_finite_are_zero() {
+        for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+            let texture = ramp(wrap);
+            for bad in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN, f32::MAX] {
+                let at = texture.sample(Vec2::new(bad, 0.5));
+                assert_eq!(at, texture.sample(Vec2::new(0.0, 0.5)), "{wrap:?} at {bad}");
+                assert_eq!(texture.sample(Vec2::new(0.5, bad)), texture.sample(Vec2::new(0.5, 0.0)));
+            }
+        }
     }
 
     #[test]

@@ -2,7 +2,8 @@
 
 use crate::{
     build::{Builder, ONE_MESH, base64, load, load_bytes, png, triangle, write},
-    data::{data, files},
+    data::files,
+    real_data::data,
 };
 use deepshade_render::scene::{Scene, SceneError};
 use std::{
@@ -198,6 +199,38 @@ fn animations_and_skins_that_lie_are_named() {
         "mesh `corner` follows joint 9 of a skin with 1",
     );
     assert_named("weights", load(&skinned(""), 0.0), "JOINTS_0 of mesh `corner`: joints without weights");
+}
+
+#[test]
+fn materials_and_lights_that_lie_are_named() {
+    let image = base64(&png(1, 1, &[[1, 2, 3]]));
+    let textured = |slot: &str| {
+        triangle().gltf(&format!(
+            r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"material":0}}]}}],
+            "materials":[{{"name":"bark",{slot}}}],"textures":[{{"source":0}}],
+            "images":[{{"uri":"data:image/png;base64,{image}"}}]"#
+        ))
+    };
+    let moved = |by: &str| format!(r#"{{"index":0,"extensions":{{"KHR_texture_transform":{{{by}}}}}}}"#);
+    let expected = "material `bark`: KHR_texture_transform holds a value that is not finite";
+    for by in [r#""offset":[1e39,0]"#, r#""rotation":-1e39"#, r#""scale":[1,1e39]"#] {
+        for map in ["normalTexture", "emissiveTexture"] {
+            assert_named(by, load(&textured(&format!(r#""{map}":{}"#, moved(by))), 0.0), expected);
+        }
+    }
+    assert!(load(&textured(&format!(r#""normalTexture":{}"#, moved(r#""rotation":1"#))), 0.0).is_ok());
+
+    let lit = |range: &str| {
+        triangle().gltf(&format!(
+            r#""extensions":{{"KHR_lights_punctual":{{"lights":[{{"type":"point","range":{range}}}]}}}},
+            "nodes":[{{"mesh":0,"name":"lamp","extensions":{{"KHR_lights_punctual":{{"light":0}}}}}}],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}]"#
+        ))
+    };
+    for range in ["0", "-2"] {
+        assert_named("a range", load(&lit(range), 0.0), "`lamp`: its range");
+    }
+    assert!(load(&lit("2"), 0.0).is_ok());
 }
 
 #[test]

@@ -1,21 +1,11 @@
-//! Real scene files from the shared data folder.
+//! Real scene files.
 
+use crate::real_data::data;
 use deepshade_render::scene::{Mesh, Scene, SceneSummary, gltf, obj};
 use std::{
     path::{Path, PathBuf},
     time::Instant,
 };
-
-/// The shared data folder, or `None` with a line on stderr where this machine has none.
-pub fn data() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/open");
-    let folder = std::env::var_os("DEEPSHADE_DATA").map_or(beside, PathBuf::from);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("the test data are absent: {} (set DEEPSHADE_DATA)", folder.display());
-    None
-}
 
 /// All files below a folder with one of the endings, sorted.
 pub fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {

@@ -7,5 +7,7 @@ mod data;
 mod fuzz;
 mod obj;
 mod posed;
+#[path = "../real_data/mod.rs"]
+mod real_data;
 mod shaded;
 mod shapes;

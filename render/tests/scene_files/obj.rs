@@ -1,7 +1,7 @@
 //! Wavefront OBJ and MTL.
 
 use crate::build::{png, write};
-use deepshade_render::scene::{AlphaMode, Scene, SceneError};
+use deepshade_render::scene::{AlphaMode, Scene, SceneError, TextureSlot};
 use glam::{Vec2, Vec3};
 use std::path::Path;
 
@@ -60,9 +60,37 @@ fn materials_are_converted() {
 }
 
 #[test]
+fn physically_based_materials_are_read() {
+    let library = "newmtl car\nPr 0.25\nPm 0.75\nKs 1 1 1\nNs 900\nmap_Ke glow.png\nnorm flat.png\n\
+        newmtl sign\nKe 2 0 0\nmap_Ke glow.png\nmap_Kd flat.png\n";
+    let text = format!("mtllib b.mtl\n{SQUARE}usemtl car\nf 1/1 2/1 3/1\nusemtl sign\nf 1/1 2/1 3/1\n");
+    let glow = png(1, 1, &[[255, 0, 255]]);
+    let flat = png(1, 1, &[[188, 188, 255]]);
+    let scene = load(&[
+        ("a.obj", text.as_bytes()),
+        ("b.mtl", library.as_bytes()),
+        ("glow.png", &glow),
+        ("flat.png", &flat),
+    ])
+    .expect("materials");
+    let [car, sign] = scene.materials.first_chunk().expect("two materials");
+    assert_eq!((car.roughness, car.metallic), (0.25, 0.75));
+    assert_eq!((car.emission, sign.emission), (Vec3::ONE, Vec3::new(2.0, 0.0, 0.0)));
+    assert_eq!(car.emission_texture, sign.emission_texture);
+    let texel = |slot: Option<TextureSlot>| {
+        let slot = slot.expect("a texture");
+        scene.textures[slot.texture.0 as usize].sample(Vec2::splat(0.5)).truncate()
+    };
+    assert_eq!(texel(car.emission_texture), Vec3::new(1.0, 0.0, 1.0));
+    assert!((texel(car.normal_texture.map(|(slot, _)| slot)).x - 188.0 / 255.0).abs() < 1e-6, "linear");
+    assert!((texel(sign.base_colour_texture).x - 0.5029).abs() < 1e-3, "sRGB");
+    assert_eq!(scene.textures.len(), 3);
+}
+
+#[test]
 fn what_is_missing_or_damaged_is_named() {
     let face = |more: &str| format!("{more}{SQUARE}f 1 2 3\n");
-    let cases: [(&str, String, &str, &str); 12] = [
+    let cases: [(&str, String, &str, &str); 15] = [
         ("a missing library", face("mtllib gone.mtl\n"), "", "gone.mtl"),
         ("a missing texture", face("mtllib b.mtl\n"), "newmtl m\nmap_Kd gone.png\n", "gone.png"),
         (
@@ -72,6 +100,14 @@ fn what_is_missing_or_damaged_is_named() {
             "b.mtl: is neither a PNG nor a JPEG",
         ),
         ("a texture option", face("mtllib b.mtl\n"), "newmtl m\nmap_Kd -s 2 2 2 a.png\n", "material `m`"),
+        ("a missing emission map", face("mtllib b.mtl\n"), "newmtl m\nmap_Ke gone.png\n", "gone.png"),
+        (
+            "a roughness in words",
+            face("mtllib b.mtl\n"),
+            "newmtl m\nPr very\n",
+            "material `m` has the Pr `very`",
+        ),
+        ("an infinite metal", face("mtllib b.mtl\n"), "newmtl m\nPm inf\n", "material `m` holds a value"),
         ("a short colour", face("mtllib b.mtl\n"), "newmtl m\nKd 1 1\n", "b.mtl: line 2"),
         ("an infinite alpha", face("mtllib b.mtl\n"), "newmtl m\nd inf\n", "material `m`"),
         ("a face out of range", format!("{SQUARE}f 1 2 9\n"), "", "line 7"),

@@ -17,7 +17,7 @@ fn material(json: &str, rest: &str) -> Scene {
 #[test]
 fn factors_and_modes_are_read() {
     let scene = material(
-        r#""name":"glow","alphaMode":"MASK","alphaCutoff":0.25,"doubleSided":true,"emissiveFactor":[1,0.5,0],
+        r#""name":"glow","alphaMode":"MASK","alphaCutoff":0.25,"emissiveFactor":[1,0.5,0],
         "extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":8}},
         "pbrMetallicRoughness":{"baseColorFactor":[0.1,0.2,0.3,0.4],"metallicFactor":0.5,"roughnessFactor":0.75}"#,
         r#","extensionsRequired":["KHR_materials_emissive_strength"]"#,
@@ -28,7 +28,6 @@ fn factors_and_modes_are_read() {
     assert_eq!((material.metallic, material.roughness), (0.5, 0.75));
     assert_eq!(material.emission, Vec3::new(8.0, 4.0, 0.0));
     assert_eq!(material.alpha, AlphaMode::Mask(0.25));
-    assert!(material.double_sided);
     assert_eq!(self::material(r#""alphaMode":"BLEND""#, "").materials[0].alpha, AlphaMode::Blend);
     let plain = &self::material("", "").materials[0];
     assert_eq!((plain.alpha, plain.metallic, plain.roughness), (AlphaMode::Opaque, 1.0, 1.0));
@@ -115,7 +114,7 @@ fn lights_shine_down_their_nodes_minus_z() {
         "extensions":{"KHR_lights_punctual":{"lights":[
             {"type":"point","color":[1,0.5,0],"intensity":10},
             {"type":"directional","intensity":3},
-            {"type":"spot","spot":{"innerConeAngle":0.5,"outerConeAngle":1.0}}]}},
+            {"type":"spot","range":7.5,"spot":{"innerConeAngle":0.5,"outerConeAngle":1.0}}]}},
         "nodes":[{"mesh":0},
             {"translation":[1,2,3],"extensions":{"KHR_lights_punctual":{"light":0}}},
             {"rotation":[-0.70710678,0,0,0.70710678],"scale":[5,5,5],"extensions":{"KHR_lights_punctual":{"light":1}}},
@@ -124,7 +123,11 @@ fn lights_shine_down_their_nodes_minus_z() {
     );
     let lights = load(&text, 0.0).expect("lights").lights;
     let [point, sun, spot] = *lights.first_chunk().expect("three lights");
-    let expected = Light::Point { position: Vec3::new(1.0, 2.0, 3.0), intensity: Vec3::new(10.0, 5.0, 0.0) };
+    let expected = Light::Point {
+        position: Vec3::new(1.0, 2.0, 3.0),
+        intensity: Vec3::new(10.0, 5.0, 0.0),
+        range: f32::INFINITY,
+    };
     assert_eq!(point, expected);
     let is_down = |direction: Vec3| (direction - Vec3::NEG_Y).length() < 1e-6;
     let three = Vec3::splat(3.0);
@@ -136,6 +139,7 @@ fn lights_shine_down_their_nodes_minus_z() {
         position: Vec3::new(4.0, 5.0, 6.0),
         direction: Vec3::NEG_Z,
         intensity: Vec3::ONE,
+        range: 7.5,
         cos_inner: 0.5f32.cos(),
         cos_outer: 1f32.cos(),
     };

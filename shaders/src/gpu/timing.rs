@@ -1,6 +1,7 @@
 //! How long recorded work takes on the GPU.
 
 use super::{GpuError, read, submit};
+use crate::lists;
 use std::time::Instant;
 use wgpu::{BufferUsages, Features};
 
@@ -45,7 +46,7 @@ pub fn time(
     } else {
         by_wall_clock(device, queue, label, timed, record)?
     };
-    Ok(Timing { milliseconds: median(runs), by_gpu })
+    Ok(Timing { milliseconds: lists::median(runs), by_gpu })
 }
 
 fn by_timestamps(
@@ -104,22 +105,4 @@ fn idle(device: &wgpu::Device, label: &str) -> Result<(), GpuError> {
     let refused =
         |e: wgpu::PollError| GpuError::Refused { label: format!("deepshade.{label}"), what: e.to_string() };
     device.poll(wgpu::PollType::wait_indefinitely()).map(|_| ()).map_err(refused)
-}
-
-/// The middle of the sorted values; of an even number, the mean of the two in the middle.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn median_is_the_middle_of_the_sorted() {
-        assert_eq!(median(vec![9.0, 1.0, 3.0]), 3.0);
-        assert_eq!(median(vec![9.0, 1.0, 3.0, 4.0]), 3.5);
-    }
 }

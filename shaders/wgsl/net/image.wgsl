@@ -1,4 +1,4 @@
-// The last layer: from level 1 and the skip connection to the network's image.
+// The layer that makes the image of the network.
 
 @compute @workgroup_size(TILE, TILE)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {

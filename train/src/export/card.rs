@@ -1,17 +1,14 @@
 //! A model's card: what it was made from, how good it is, what it is not good for.
 
 use crate::TrainConfig;
-use crate::checkpoint::Progress;
 use crate::optim::Optimiser;
 use std::fmt::Write;
 
 /// What a card says beyond what the run's own files hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Facts {
-    /// The recipe of the training data: its name, and what it describes in a few words.
+    /// The recipe of the training data: its file, and what it describes in a few words.
     pub recipe: String,
-    /// Hash of the training data's manifest.
-    pub data_hash: String,
     /// Results on scenes that were never trained on: name and value, in order.
     pub metrics: Vec<(String, String)>,
     /// What it was not trained for or fails at, a sentence each.
@@ -20,8 +17,19 @@ pub struct Facts {
     pub licence: String,
 }
 
+/// How a network was chosen.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trained {
+    /// Steps that its weights have behind them.
+    pub step: usize,
+    /// Steps of the run so far.
+    pub of: usize,
+    /// Its validation loss.
+    pub loss: f32,
+}
+
 /// The card as Markdown.
-pub(super) fn card(config: &TrainConfig, progress: &Progress, facts: &Facts) -> String {
+pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> String {
     let spec = &config.spec;
     let inputs: Vec<&str> = spec.inputs.iter().map(|attribute| attribute.name()).collect();
     let optimiser = match config.optimiser {
@@ -32,7 +40,6 @@ pub(super) fn card(config: &TrainConfig, progress: &Progress, facts: &Facts) -> 
             format!("AdamW, rate {rate} (warm-up {warm_up} steps, cosine), weight decay {weight_decay}")
         }
     };
-    let loss = progress.best_loss.map_or("not measured".to_owned(), |loss| format!("{loss:.4}"));
     let rows = [
         ("Effect", spec.effect.to_string()),
         ("Reads", inputs.join(", ")),
@@ -43,12 +50,12 @@ pub(super) fn card(config: &TrainConfig, progress: &Progress, facts: &Facts) -> 
             format!("{} of the scene's diagonal at {} rows", spec.reach.diagonal_share, spec.reach.height),
         ),
         ("Data", facts.recipe.clone()),
-        ("Data hash", format!("`{}`", facts.data_hash)),
+        ("Data hash", format!("`{}` (BLAKE3 of the dataset's manifest.json)", config.data_hash)),
         ("Seed", config.seed.to_string()),
         ("Optimiser", optimiser),
         ("Batch", format!("{} crops of {} by {}", config.batch, config.crop, config.crop)),
-        ("Steps", format!("{} (best of {})", progress.best_step, progress.step)),
-        ("Validation DSSIM", loss),
+        ("Steps", format!("{} (best of {})", trained.step, trained.of)),
+        ("Validation DSSIM", format!("{:.4}", trained.loss)),
         ("Licence", facts.licence.clone()),
     ];
     let mut card = format!("# {}\n\n| | |\n|---|---|\n", spec.effect);
@@ -70,8 +77,8 @@ pub(super) fn card(config: &TrainConfig, progress: &Progress, facts: &Facts) -> 
     }
     card += "\n## Files\n\n\
         - `weights.safetensors`, `net.json`: the weights and the network's spec.\n\
-        - `model.onnx`: the same network, any batch, height and width; it reads what the WGSL pass reads, so\n  \
-        positions are multiplied by trained radius over wanted radius before.\n\
+        - `model.onnx`: the same network, any batch, height and width; it reads what the WGSL pass reads:\n  \
+        positions multiplied by trained radius over wanted radius, 0 in all channels where nothing is seen.\n\
         - `parity.safetensors`: an input and its output, to check a runtime with.\n";
     card
 }

@@ -338,9 +338,22 @@ mod tests {
 
     #[test]
     fn an_input_without_gradient_costs_none() {
-        let weight = noise([4, 2, 3, 3], 2).require_grad();
-        let made = convolve(noise([1, 2, 8, 8], 1), weight.clone(), noise([4], 3), 0.1);
-        let grads = made.sum().backward();
-        assert_eq!(weight.grad(&grads).expect("a gradient").dims(), [4, 2, 3, 3]);
+        let (x, bias) = (noise([1, 2, 8, 8], 1), noise([4], 3));
+        let gradients = |convolve: fn(Tensor<4>, Tensor<4>, Tensor<1>, f32) -> Tensor<4>| {
+            let weight = noise([4, 2, 3, 3], 2).require_grad();
+            let made = convolve(x.clone(), weight.clone(), bias.clone(), 0.1);
+            let grads = (made.clone() * noise(made.dims(), 99)).sum().backward();
+            (x.grad(&grads), weight.grad(&grads).expect("a gradient"))
+        };
+        let ((none, made), (_, expected)) = (gradients(convolve), gradients(plain::convolve));
+        assert!(none.is_none());
+        assert_close("dw", &made, &expected);
+        let shape = ConvShape { batch: 1, groups: 1, inputs: 2, outputs: 4, height: 8, width: 8, kernel: 3 };
+        let numbers = |count: usize| vec![0.5; count];
+        let [image, weight, outputs] = [2 * 64, 4 * 2 * 9, 4 * 64].map(numbers);
+        let costs = |wants_input: bool| {
+            conv::backward(shape, &image, &weight, &outputs, &outputs, 0.1, wants_input).input.is_some()
+        };
+        assert!(costs(true) && !costs(false));
     }
 }

@@ -19,7 +19,7 @@ impl Passes {
     /// # Errors
     /// If the device refuses them.
     pub fn new(device: &wgpu::Device) -> Result<Self, GpuError> {
-        let compile = |shader: &wgsl::Shader| Pass::new(device, shader.path, &shader.source());
+        let compile = |shader: &wgsl::Shader| Pass::new(device, shader.name, &shader.source());
         Ok(Self { occlusion: compile(&wgsl::HBAO_OCCLUSION)?, blur: compile(&wgsl::HBAO_BLUR)? })
     }
 

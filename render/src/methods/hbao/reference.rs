@@ -2,7 +2,7 @@
 //! side.
 
 use super::{Settings, Surface};
-use deepshade_shaders::{Planes, random, wgsl::uniforms};
+use deepshade_shaders::{Planes, random, shows_surface, wgsl::uniforms};
 use glam::{IVec2, Vec2, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::PI;
@@ -127,7 +127,7 @@ impl Surface {
     }
 
     fn valid_at(&self, at: IVec2) -> bool {
-        self.valid.at(0, at.y as usize, at.x as usize) > 0.5
+        shows_surface(self.valid.at(0, at.y as usize, at.x as usize))
     }
 }
 

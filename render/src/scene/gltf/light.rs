@@ -32,16 +32,22 @@ fn read_light(light: &FileLight<'_>, world: Mat4) -> Result<Light, String> {
     if !power.is_finite() || !position.is_finite() {
         return Err("its power or place is not finite".to_owned());
     }
+    // Lengths are not scaled by the node (KHR_lights_punctual).
+    let range = light.range().unwrap_or(f32::INFINITY);
+    if range.is_nan() || range <= 0.0 {
+        return Err(format!("its range {range} is not above 0"));
+    }
     let direction = || direction.ok_or_else(|| "it has no direction".to_owned());
     match light.kind() {
-        Kind::Point => Ok(Light::Point { position, intensity: power }),
+        Kind::Point => Ok(Light::Point { position, intensity: power, range }),
         Kind::Directional => Ok(Light::Directional { direction: direction()?, irradiance: power }),
         Kind::Spot { inner_cone_angle: inner, outer_cone_angle: outer } => {
             if !(0.0..outer).contains(&inner) || outer > 0.5 * PI + 1e-4 {
                 return Err(format!("cone angles {inner} and {outer} are not 0 <= inner < outer <= pi/2"));
             }
             let (cos_inner, cos_outer) = (inner.cos(), outer.cos());
-            Ok(Light::Spot { position, direction: direction()?, intensity: power, cos_inner, cos_outer })
+            let direction = direction()?;
+            Ok(Light::Spot { position, direction, intensity: power, range, cos_inner, cos_outer })
         }
     }
 }

@@ -33,7 +33,7 @@ pub(super) fn read(file: &File<'_>) -> Result<(Vec<Material>, Vec<Texture>), Sce
 
 /// The material of primitives without one: what glTF gives where a file says nothing (3.7.2.1).
 fn without_material() -> Material {
-    Material { name: "none".to_owned(), metallic: 1.0, double_sided: false, ..Material::default() }
+    Material { name: "none".to_owned(), metallic: 1.0, ..Material::default() }
 }
 
 fn read_one(
@@ -73,7 +73,6 @@ fn read_one(
             Checked::Valid(FileAlphaMode::Blend) => AlphaMode::Blend,
             Checked::Valid(FileAlphaMode::Opaque) | Checked::Invalid => AlphaMode::Opaque,
         },
-        double_sided: material.double_sided,
         name: name.clone(),
     };
     let finite = read.base_colour.is_finite() && read.emission.is_finite();
@@ -124,7 +123,11 @@ fn slot(
     if uv_set > 1 {
         return Err(format!("reads texture coordinates {uv_set}; sets 0 and 1 are supported"));
     }
-    Ok(TextureSlot { texture: textures.add(file, texture, encoding), uv_set, transform: affine(&transform) })
+    let transform = affine(&transform);
+    if !transform.is_finite() {
+        return Err(format!("{TEXTURE_TRANSFORM} holds a value that is not finite"));
+    }
+    Ok(TextureSlot { texture: textures.add(file, texture, encoding), uv_set, transform })
 }
 
 /// What KHR_texture_transform does to coordinates: scale, then rotate, then move. With v pointing down, as in glTF,

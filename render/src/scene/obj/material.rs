@@ -1,4 +1,10 @@
 //! MTL material libraries, and what their Phong materials become.
+//!
+//! Read are `Kd`, `d`, `Tr`, `Ke`, `Ks` and `Ns` as the width of the highlight, `map_Kd`, `map_d`, and of the extension
+//! for physically based rendering `Pr`, `Pm`, `map_Ke` and `norm`. Left out are what the g-buffer has no channel for
+//! (`Ka`, `Ni`, `Tf`, `illum`, `sharpness`, `Ps`, `Pc`, `Pcr`, `aniso`, `anisor`, `map_Ka`, `refl`), a highlight that
+//! varies over a surface (`map_Ks`, `map_Ns`, `map_Pr`, `map_Pm`), and relief (`bump`, `map_Bump`, `disp`): those images
+//! hold heights in units that the file does not state, where `norm` holds normals.
 
 use super::{
     super::{
@@ -17,6 +23,10 @@ use tobj::LoadError;
 
 /// Alpha below which a texel of a dissolve map is a hole.
 const CUTOFF: f32 = 0.5;
+
+/// Keywords of maps that the parser does not know.
+const EMISSION_MAP: &str = "map_Ke";
+const NORMAL_MAP: &str = "norm";
 
 /// Reads the material libraries of an OBJ file and remembers the first failure, which the parser has no words for.
 pub(super) struct Library {
@@ -62,18 +72,26 @@ fn text(path: &Path) -> Result<String, SceneError> {
 
 /// Makes the texture names of a library's materials paths.
 fn find_textures(library: &Path, materials: &mut [tobj::Material]) -> Result<(), SceneError> {
-    let folder = library.parent().unwrap_or(Path::new(""));
-    for material in materials {
-        for texture in [&mut material.diffuse_texture, &mut material.dissolve_texture].into_iter().flatten() {
-            if texture.starts_with('-') {
-                let what =
-                    format!("material `{}`: texture options are not supported: `{texture}`", material.name);
-                return Err(SceneError::invalid(library, what));
+    for tobj::Material { name, diffuse_texture, dissolve_texture, unknown_param, .. } in materials {
+        for texture in [diffuse_texture, dissolve_texture].into_iter().flatten() {
+            *texture = texture_path(library, name, texture)?;
+        }
+        for map in [EMISSION_MAP, NORMAL_MAP] {
+            if let Some(texture) = unknown_param.get_mut(map) {
+                *texture = texture_path(library, name, texture)?;
             }
-            *texture = folder.join(texture.replace('\\', "/")).to_string_lossy().into_owned();
         }
     }
     Ok(())
+}
+
+fn texture_path(library: &Path, material: &str, texture: &str) -> Result<String, SceneError> {
+    if texture.starts_with('-') {
+        let what = format!("material `{material}`: texture options are not supported: `{texture}`");
+        return Err(SceneError::invalid(library, what));
+    }
+    let folder = library.parent().unwrap_or(Path::new(""));
+    Ok(folder.join(texture.replace('\\', "/")).to_string_lossy().into_owned())
 }
 
 /// The materials and textures of a scene. `obj` is named in errors.
@@ -81,47 +99,80 @@ pub(super) fn convert(
     obj: &Path,
     materials: &[tobj::Material],
 ) -> Result<(Vec<Material>, Vec<Texture>), SceneError> {
-    let mut known: Vec<(Option<&str>, Option<&str>)> = Vec::new();
-    let mut textures = Vec::new();
-    let mut converted = Vec::new();
-    for material in materials {
-        let maps = (material.diffuse_texture.as_deref(), material.dissolve_texture.as_deref());
-        let mut base_colour_texture = None;
-        if maps != (None, None) {
-            let index = known.iter().position(|other| *other == maps).unwrap_or(known.len());
-            if index == known.len() {
-                textures.push(texture(maps.0, maps.1)?);
-                known.push(maps);
-            }
-            let texture = TextureId(index as u32);
-            base_colour_texture = Some(TextureSlot { texture, uv_set: 0, transform: Affine2::IDENTITY });
+    let mut textures = Textures::default();
+    let converted = materials.iter().map(|material| {
+        let invalid = |what: String| SceneError::invalid(obj, format!("material `{}` {what}", material.name));
+        let converted = constants(material).map_err(invalid)?;
+        let values = [converted.roughness, converted.metallic];
+        if !converted.base_colour.is_finite() || !values.iter().all(|value| value.is_finite()) {
+            return Err(invalid("holds a value that is not finite".to_owned()));
         }
-        let converted_one = Material { base_colour_texture, ..constants(material) };
-        if !converted_one.base_colour.is_finite() || !converted_one.roughness.is_finite() {
-            let what = format!("material `{}` holds a value that is not finite", material.name);
-            return Err(SceneError::invalid(obj, what));
-        }
-        converted.push(converted_one);
-    }
-    Ok((converted, textures))
+        let map = |name: &str| material.unknown_param.get(name).map(String::as_str);
+        let (colour, alpha) = (material.diffuse_texture.as_deref(), material.dissolve_texture.as_deref());
+        Ok(Material {
+            base_colour_texture: textures.slot(colour, alpha, Encoding::Srgb)?,
+            emission_texture: textures.slot(map(EMISSION_MAP), None, Encoding::Srgb)?,
+            normal_texture: textures.slot(map(NORMAL_MAP), None, Encoding::Linear)?.map(|slot| (slot, 1.0)),
+            ..converted
+        })
+    });
+    let converted = converted.collect::<Result<_, _>>()?;
+    Ok((converted, textures.read))
 }
 
-/// What a material says without textures.
-fn constants(material: &tobj::Material) -> Material {
+/// The textures of a scene, each read once.
+#[derive(Default)]
+struct Textures<'a> {
+    known: Vec<(Option<&'a str>, Option<&'a str>, Encoding)>,
+    read: Vec<Texture>,
+}
+
+impl<'a> Textures<'a> {
+    /// A texture of one image's colours and another's alpha, if there is either.
+    fn slot(
+        &mut self,
+        colour: Option<&'a str>,
+        alpha: Option<&'a str>,
+        encoding: Encoding,
+    ) -> Result<Option<TextureSlot>, SceneError> {
+        let wanted = (colour, alpha, encoding);
+        if wanted.0.or(wanted.1).is_none() {
+            return Ok(None);
+        }
+        let index = self.known.iter().position(|known| *known == wanted).unwrap_or(self.known.len());
+        if index == self.known.len() {
+            self.read.push(texture(colour, alpha, encoding)?);
+            self.known.push(wanted);
+        }
+        let texture = TextureId(index as u32);
+        Ok(Some(TextureSlot { texture, uv_set: 0, transform: Affine2::IDENTITY }))
+    }
+}
+
+/// What a material says without textures; the error says which value is no number.
+fn constants(material: &tobj::Material) -> Result<Material, String> {
     let transparency = || material.unknown_param.get("Tr").and_then(|text| text.parse::<f32>().ok());
     let alpha = material.dissolve.or_else(|| transparency().map(|value| 1.0 - value)).unwrap_or(1.0);
-    Material {
+    let emission_unless_stated = if material.unknown_param.contains_key(EMISSION_MAP) { 1.0 } else { 0.0 };
+    Ok(Material {
         name: material.name.clone(),
         base_colour: Vec3::from(material.diffuse.unwrap_or([1.0; 3])).extend(alpha),
-        roughness: roughness(material),
-        emission: Vec3::from(material.emissive.unwrap_or([0.0; 3])),
+        metallic: number(material, "Pm")?.unwrap_or(0.0),
+        roughness: number(material, "Pr")?.unwrap_or_else(|| roughness(material)),
+        emission: Vec3::from(material.emissive.unwrap_or([emission_unless_stated; 3])),
         alpha: match (&material.dissolve_texture, alpha) {
             (Some(_), _) => AlphaMode::Mask(CUTOFF),
             (None, alpha) if alpha < 1.0 => AlphaMode::Blend,
             _ => AlphaMode::Opaque,
         },
         ..Material::default()
-    }
+    })
+}
+
+/// A number that the parser does not know the meaning of.
+fn number(material: &tobj::Material, keyword: &str) -> Result<Option<f32>, String> {
+    let parse = |text: &String| text.parse().map_err(|_| format!("has the {keyword} `{text}`, no number"));
+    material.unknown_param.get(keyword).map(parse).transpose()
 }
 
 /// Perceptual roughness from a Phong exponent n: the microfacet width alpha is sqrt(2 / (n + 2)) (Walter et al. 2007,
@@ -132,18 +183,18 @@ fn roughness(material: &tobj::Material) -> f32 {
     (2.0 / (exponent.max(0.0) + 2.0)).powf(0.25)
 }
 
-/// The base colour texture of a diffuse map, with a dissolve map as its alpha.
-fn texture(diffuse: Option<&str>, dissolve: Option<&str>) -> Result<Texture, SceneError> {
+/// The texture of one image's colours, white without one, with another as its alpha.
+fn texture(colour: Option<&str>, alpha: Option<&str>, encoding: Encoding) -> Result<Texture, SceneError> {
     let white = Image { width: 1, height: 1, texels: vec![[255; 4]] };
-    let colour = diffuse.map(read_image).transpose()?;
-    let alpha = dissolve.map(read_image).transpose()?;
+    let colour = colour.map(read_image).transpose()?;
+    let alpha = alpha.map(read_image).transpose()?;
     let image = match (colour, alpha) {
         (Some(colour), None) => colour,
         (Some(colour), Some(alpha)) => with_alpha(&colour, &alpha, colour.width, colour.height),
         (None, Some(alpha)) => with_alpha(&white, &alpha, alpha.width, alpha.height),
         (None, None) => white,
     };
-    Ok(Texture::new(image.width, image.height, image.texels, Encoding::Srgb, [Wrap::Repeat; 2]))
+    Ok(Texture::new(image.width, image.height, image.texels, encoding, [Wrap::Repeat; 2]))
 }
 
 fn read_image(path: &str) -> Result<Image, SceneError> {

@@ -83,14 +83,13 @@ pub fn earth(stage: &mut Stage, random: &mut Random) -> MaterialId {
     textured(stage, "earth", base, 1.0, 2.0, Wrap::Mirror, shade)
 }
 
-/// Fine woven cloth, seen from both sides.
+/// Fine woven cloth.
 pub fn cloth(stage: &mut Stage, random: &mut Random) -> MaterialId {
     let base = colour(random.unit(), random.within(0.1, 0.7), random.within(0.3, 0.85));
     let stripes = random.count(1, 6) as f32;
     let contrast = random.within(0.0, 0.5);
     let shade = move |uv: Vec2| if (uv.x * stripes).rem_euclid(1.0) < 0.5 { 1.0 } else { 1.0 - contrast };
-    let id = textured(stage, "cloth", base, 1.0, random.within(0.2, 0.6), Wrap::Repeat, shade);
-    both_sides(stage, id)
+    textured(stage, "cloth", base, 1.0, random.within(0.2, 0.6), Wrap::Repeat, shade)
 }
 
 /// A checker of two shades.
@@ -115,14 +114,13 @@ pub fn tiles(stage: &mut Stage, random: &mut Random) -> MaterialId {
     courses(stage, random, "tiles", base, 0.3, Courses { columns: count, rows: count, shift: 0.0, width })
 }
 
-/// Green of any plant, seen from both sides.
+/// Green of any plant.
 pub fn foliage(stage: &mut Stage, random: &mut Random) -> MaterialId {
     let base = colour(random.within(0.15, 0.36), random.within(0.4, 0.8), random.within(0.2, 0.6));
-    let green = solid("foliage", base, random.within(0.5, 0.9));
-    stage.material(Material { double_sided: true, ..green })
+    stage.material(solid("foliage", base, random.within(0.5, 0.9)))
 }
 
-/// Leaves: two-sided, with the leaf cut out of its square by alpha.
+/// Leaves, with the leaf cut out of its square by alpha.
 pub fn leaves(stage: &mut Stage, random: &mut Random) -> MaterialId {
     let base = colour(random.within(0.15, 0.36), random.within(0.4, 0.8), random.within(0.2, 0.6));
     let (lobes, depth) = (random.count(1, 7) as f32, random.within(0.0, 0.4));
@@ -137,12 +135,7 @@ pub fn leaves(stage: &mut Stage, random: &mut Random) -> MaterialId {
     });
     let slot = stage.texture(Texture::new(SIZE, SIZE, texels, Encoding::Srgb, [Wrap::Clamp; 2]), 1.0);
     let leaf = solid("leaves", Vec3::ONE, random.within(0.5, 0.9));
-    stage.material(Material {
-        base_colour_texture: Some(slot),
-        alpha: AlphaMode::Mask(0.5),
-        double_sided: true,
-        ..leaf
-    })
+    stage.material(Material { base_colour_texture: Some(slot), alpha: AlphaMode::Mask(0.5), ..leaf })
 }
 
 /// One of the materials of buildings' walls.
@@ -170,12 +163,6 @@ pub fn several(count: usize, make: Maker, stage: &mut Stage, random: &mut Random
 
 /// Makes a material.
 pub type Maker = fn(&mut Stage, &mut Random) -> MaterialId;
-
-/// Adds a material like another, but seen from both sides.
-pub fn both_sides(stage: &mut Stage, id: MaterialId) -> MaterialId {
-    let material = stage.get(id).clone();
-    stage.material(Material { double_sided: true, ..material })
-}
 
 /// How bricks or tiles are laid in a square of `width` metres.
 #[derive(Clone, Copy)]
@@ -222,9 +209,9 @@ fn courses(
     stage.material(Material { normal_texture: Some((slot, 1.0)), ..material })
 }
 
-/// An opaque dielectric, one whose triangles' backs are never seen.
+/// An opaque dielectric.
 fn solid(name: &str, base: Vec3, roughness: f32) -> Material {
-    Material { roughness, double_sided: false, ..Material::matte(name, base) }
+    Material { roughness, ..Material::matte(name, base) }
 }
 
 /// A material whose colour is multiplied by a shade that depends on the place in a square of `width` metres.

@@ -73,7 +73,8 @@ impl Stage {
     pub fn lamp(&mut self, position: Vec3, random: &mut Random) {
         let warmth = random.unit();
         let colour = Vec3::new(1.0, 0.95 - 0.25 * warmth, 0.9 - 0.5 * warmth);
-        self.scene.lights.push(Light::Point { position, intensity: colour * random.within(4.0, 12.0) });
+        let intensity = colour * random.within(4.0, 12.0);
+        self.scene.lights.push(Light::Point { position, intensity, range: f32::INFINITY });
     }
 
     /// The scene.

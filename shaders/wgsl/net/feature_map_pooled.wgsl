@@ -1,4 +1,4 @@
-// A network of one level: from its input to its image.
+// A layer that keeps what it makes, and the pooled half of it for the level below.
 
 @compute @workgroup_size(TILE, TILE)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -6,6 +6,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if (!inside(corner)) {
         return;
     }
-    let sums = convolved(corner, id.z);
+    let sums = activated_all(convolved(corner, id.z));
     store(corner, layer.first + id.z, sums);
+    store_mean(corner, layer.first + id.z, sums);
 }

@@ -1,4 +1,4 @@
-// A step downwards: from the pooled image of the level above to this level and the pooled half of it.
+// A layer that keeps what it makes.
 
 @compute @workgroup_size(TILE, TILE)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -8,5 +8,4 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let sums = activated_all(convolved(corner, id.z));
     store(corner, layer.first + id.z, sums);
-    store_mean(corner, layer.first + id.z, sums);
 }

@@ -1,0 +1,155 @@
+//! What tells scenes apart: their contents, not their files, so that a change of a file that a scene file refers to is
+//! noticed, and so is a scene that was exported anew.
+
+use crate::random::mix;
+use deepshade_render::scene::{Bounds, Material, Scene};
+
+/// Cells along the diagonal of a scene's box that corners are rounded to: exporting moves them by far less.
+const CELLS: f32 = 16_384.0;
+/// Scenes that have this share of the triangles of either in common are the same.
+const SAME: f64 = 0.5;
+
+/// A scene's contents and shape.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Identity {
+    /// [`scene_hash`].
+    pub hash: String,
+    /// A hash of every triangle, ascending, none twice. Corners are relative to the scene's box and rounded, so that
+    /// order, names, materials, the unit of length and the last digits do not matter.
+    triangles: Vec<u64>,
+}
+
+impl Identity {
+    /// The identity of a scene.
+    pub fn of(scene: &Scene) -> Self {
+        Self { hash: scene_hash(scene), triangles: triangle_hashes(scene) }
+    }
+
+    /// Whether two scenes are the same in all or in most of their triangles.
+    pub fn same(&self, other: &Self) -> bool {
+        let in_both =
+            self.triangles.iter().filter(|hash| other.triangles.binary_search(hash).is_ok()).count();
+        let fewer = self.triangles.len().min(other.triangles.len());
+        self.hash == other.hash || (fewer > 0 && in_both as f64 >= SAME * fewer as f64)
+    }
+}
+
+/// BLAKE3 hash, in hexadecimal, of all that a scene shows: triangles, materials, textures and lights, in their order.
+/// Names and cameras do not count.
+pub fn scene_hash(scene: &Scene) -> String {
+    let mut hasher = blake3::Hasher::new();
+    let mut list = |bytes: Vec<u8>| {
+        hasher.update(&(bytes.len() as u64).to_le_bytes());
+        hasher.update(&bytes);
+    };
+    for mesh in &scene.meshes {
+        let vectors = mesh.positions.iter().chain(&mesh.normals);
+        let counts = [mesh.positions.len(), mesh.normals.len(), mesh.material.0 as usize];
+        list(counts.iter().flat_map(|count| (*count as u64).to_le_bytes()).collect());
+        list(floats(vectors.flat_map(|vector| vector.to_array())));
+        list(floats(mesh.tangents.iter().flat_map(|vector| vector.to_array())));
+        list(floats(mesh.colours.iter().flat_map(|vector| vector.to_array())));
+        mesh.uvs.iter().for_each(|uvs| list(floats(uvs.iter().flat_map(|uv| uv.to_array()))));
+        list(mesh.triangles.as_flattened().iter().flat_map(|vertex| vertex.to_le_bytes()).collect());
+    }
+    for material in &scene.materials {
+        // The text states every number exactly, and every property that materials may get.
+        list(format!("{:?}", Material { name: String::new(), ..material.clone() }).into_bytes());
+    }
+    for texture in &scene.textures {
+        list(format!("{:?} {:?} {:?}", texture.size(), texture.encoding(), texture.wrap()).into_bytes());
+        list(texture.texels().as_flattened().to_vec());
+    }
+    list(format!("{:?}", scene.lights).into_bytes());
+    hasher.finalize().to_hex().to_string()
+}
+
+fn floats(values: impl Iterator<Item = f32>) -> Vec<u8> {
+    values.flat_map(f32::to_le_bytes).collect()
+}
+
+/// The hashes of a scene's triangles, but for those that are too small to be told from others.
+fn triangle_hashes(scene: &Scene) -> Vec<u64> {
+    let Bounds { min, .. } = scene.bounds();
+    let scale = CELLS / scene.bounds().diagonal();
+    let cell = |corner: glam::Vec3| {
+        let [x, y, z] = ((corner - min) * scale).round().to_array().map(|value| value as u64);
+        x << 32 | y << 16 | z
+    };
+    let triangles = scene.meshes.iter().flat_map(|mesh| (0..mesh.triangles.len()).map(|i| mesh.corners(i)));
+    let mut hashes: Vec<u64> = triangles
+        .filter_map(|corners| {
+            let mut cells = corners.map(cell);
+            cells.sort_unstable();
+            (cells[0] != cells[1] && cells[1] != cells[2]).then(|| mix(&cells))
+        })
+        .collect();
+    hashes.sort_unstable();
+    hashes.dedup();
+    hashes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use deepshade_render::scene::procedural::Family;
+    use deepshade_render::scene::{Encoding, Mesh, Texture, Wrap};
+    use glam::Vec3;
+
+    fn scene() -> Scene {
+        Family::Stairs.scene(1)
+    }
+
+    /// A scene as another program might write it: meshes and triangles in another order, every corner a vertex of
+    /// its own, in centimetres, with the digits that are left then.
+    fn exported(scene: &Scene) -> Scene {
+        let meshes = scene.meshes.iter().rev().map(|mesh| {
+            let corners = (0..mesh.triangles.len()).rev().flat_map(|i| mesh.corners(i));
+            let positions: Vec<Vec3> = corners.map(|corner| (corner + 0.123) * 100.0).collect();
+            let triangles = (0..positions.len() as u32 / 3).map(|i| [3 * i + 1, 3 * i + 2, 3 * i]).collect();
+            Mesh { name: "exported".to_owned(), positions, triangles, ..Mesh::default() }
+        });
+        Scene { meshes: meshes.collect(), materials: vec![Material::default()], ..Scene::default() }
+    }
+
+    #[test]
+    fn everything_that_is_seen_changes_the_hash_and_names_do_not() {
+        let mut plain = scene();
+        plain.textures.push(Texture::new(1, 1, vec![[1, 2, 3, 255]], Encoding::Linear, [Wrap::Clamp; 2]));
+        let hash = scene_hash(&plain);
+        let changed = |change: fn(&mut Scene)| {
+            let mut scene = plain.clone();
+            change(&mut scene);
+            scene_hash(&scene)
+        };
+        let changes: [fn(&mut Scene); 5] = [
+            |scene| scene.meshes[0].positions[0].x += 1e-3,
+            |scene| scene.meshes[0].triangles[0].swap(0, 1),
+            |scene| scene.materials[0].base_colour.w = 0.5,
+            |scene| {
+                let texel = vec![[1, 2, 3, 254]];
+                scene.textures[0] = Texture::new(1, 1, texel, Encoding::Linear, [Wrap::Clamp; 2]);
+            },
+            |scene| scene.meshes.swap(0, 1),
+        ];
+        assert!(changes.into_iter().all(|change| changed(change) != hash));
+        let renamed = changed(|scene| {
+            scene.name = "other".to_owned();
+            scene.meshes[0].name = "other".to_owned();
+            scene.materials[0].name = "other".to_owned();
+        });
+        assert_eq!(renamed, hash);
+    }
+
+    #[test]
+    fn a_scene_that_is_exported_anew_is_the_same_and_another_is_not() {
+        let (scene, again) = (scene(), exported(&scene()));
+        let [original, exported] = [&scene, &again].map(Identity::of);
+        assert_ne!(original.hash, exported.hash);
+        assert!(original.same(&exported) && exported.same(&original) && original.same(&original));
+        let other = Identity::of(&Family::Stairs.scene(2));
+        assert!(!original.same(&other) && !other.same(&original));
+        let other = Identity::of(&Family::Room.scene(1));
+        assert!(!original.same(&other));
+    }
+}

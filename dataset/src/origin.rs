@@ -1,0 +1,129 @@
+//! What data on disk were made by and from: the head of a manifest and of a test set's list.
+
+use crate::plan::PlannedScene;
+use crate::{DatasetError, Recipe};
+use deepshade_render::exr_file;
+use serde::{Deserialize, Serialize};
+use std::path::{Component, Path, PathBuf};
+
+/// Version of what a recipe gives and of how it is described. To be increased whenever the same recipe may give other
+/// pixels than before, be it by other scenes, views or samples: data of another version are refused.
+pub const DATA_VERSION: u32 = 1;
+
+/// What data were made by and from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Origin {
+    /// [`DATA_VERSION`] of the program that made them.
+    pub data_version: u32,
+    /// Name and version of that program.
+    pub program: String,
+    /// BLAKE3 hash of the recipe's contents and of its file scenes' contents, in hexadecimal. Comments, order of keys
+    /// and the recipe's place do not matter.
+    pub recipe_hash: String,
+    /// Of a recipe with `files`: what these are relative to, itself relative to the data's folder where it can be.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scenes: Option<PathBuf>,
+    /// Name of the recipe's file.
+    pub recipe_file: String,
+    /// The recipe itself.
+    pub recipe: Recipe,
+}
+
+/// As much of a file as every version has.
+#[derive(Deserialize)]
+pub(crate) struct Versioned {
+    pub origin: Option<Version>,
+}
+
+/// Which version data are of.
+#[derive(Default, Deserialize)]
+pub(crate) struct Version {
+    data_version: Option<u32>,
+}
+
+impl Version {
+    /// Whether data of this version in a file are read by this program.
+    pub fn check_version(&self, path: &Path) -> Result<(), DatasetError> {
+        if self.data_version == Some(DATA_VERSION) {
+            return Ok(());
+        }
+        let theirs = self.data_version.map_or_else(|| "0".to_owned(), |version| version.to_string());
+        Err(DatasetError::OtherVersion { path: path.to_owned(), theirs, ours: DATA_VERSION })
+    }
+}
+
+impl Origin {
+    /// What this program makes in a folder from a recipe with this plan.
+    ///
+    /// # Errors
+    /// If the recipe's folder is gone.
+    pub fn new(recipe: &Recipe, plan: &[PlannedScene], folder: &Path) -> Result<Self, DatasetError> {
+        let hashes = plan.iter().filter_map(|planned| planned.scene.blake3.as_deref());
+        Ok(Self {
+            data_version: DATA_VERSION,
+            program: exr_file::PROGRAM.to_owned(),
+            recipe_hash: recipe_hash(recipe, hashes)?,
+            scenes: (!recipe.files.is_empty()).then(|| relative(&recipe.folder, folder)).transpose()?,
+            recipe_file: recipe.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            recipe: recipe.clone(),
+        })
+    }
+
+    /// What tells these data from others, in words.
+    pub(crate) fn job(&self) -> String {
+        format!("{}, data version {}, recipe {}", self.program, self.data_version, self.recipe_hash)
+    }
+
+    /// Checks what a file states, and finds the scene files again from where it lies.
+    pub(crate) fn opened(&mut self, path: &Path) -> Result<(), DatasetError> {
+        self.recipe.check(path)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        self.recipe.folder = folder.join(self.scenes.as_deref().unwrap_or(Path::new("")));
+        Ok(())
+    }
+}
+
+/// [`Origin::recipe_hash`], from the hashes of the recipe's file scenes.
+pub(crate) fn recipe_hash<'a>(
+    recipe: &Recipe,
+    scenes: impl Iterator<Item = &'a str>,
+) -> Result<String, DatasetError> {
+    let contents = (recipe, scenes.collect::<Vec<_>>());
+    let json = serde_json::to_vec(&contents)
+        .map_err(|error| DatasetError::invalid(&recipe.path, error.to_string()))?;
+    Ok(blake3::hash(&json).to_hex().to_string())
+}
+
+/// The way to a folder from another, which may not be there yet; the whole path where there is no way, as from one
+/// drive to another.
+fn relative(to: &Path, from: &Path) -> Result<PathBuf, DatasetError> {
+    let whole = |path: &Path| {
+        let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+        path.canonicalize().map_err(|source| DatasetError::io(path, source))
+    };
+    std::fs::create_dir_all(from).map_err(|source| DatasetError::io(from, source))?;
+    let (to, from) = (whole(to)?, whole(from)?);
+    let shared = to.components().zip(from.components()).take_while(|(to, from)| to == from).count();
+    if shared == 0 {
+        return Ok(to);
+    }
+    let up = from.components().skip(shared).map(|_| Component::ParentDir);
+    Ok(up.chain(to.components().skip(shared)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_way_leads_from_one_folder_to_the_other() {
+        let root = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| root.path().join(name);
+        std::fs::create_dir_all(path("a/scenes")).expect("made");
+        assert_eq!(relative(&path("a/scenes"), &path("a/b/c")).expect("a way"), Path::new("../../scenes"));
+        assert_eq!(relative(&path("a/scenes"), &path("a")).expect("a way"), Path::new("scenes"));
+        assert_eq!(relative(&path("a"), &path("a")).expect("a way"), Path::new(""));
+        assert!(relative(&path("missing"), &path("a")).is_err());
+    }
+}

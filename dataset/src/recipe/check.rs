@@ -1,0 +1,131 @@
+//! What makes a recipe sound: values within limits, keys that mean something, families and scene files that are for
+//! what the recipe is for.
+
+use super::{FamilyShare, Radius, Recipe, Resolution, split_name};
+use crate::DatasetError;
+use crate::identity::Identity;
+use deepshade_render::path::sampler::MAX_SAMPLES;
+use deepshade_render::scene::Scene;
+use deepshade_render::scene::procedural::{Family, Split};
+use std::path::Path;
+
+const EDGE: std::ops::RangeInclusive<usize> = 16..=8192;
+const MAX_PIXELS: usize = 1 << 25;
+const MAX_PAIRS: usize = 1_000_000;
+const MAX_RADIUS: f32 = 1e5;
+const MAX_DIAGONAL_SHARE: f32 = 10.0;
+
+impl Recipe {
+    /// Checks all but the scene files of a recipe that `path` holds.
+    pub(crate) fn check(&self, path: &Path) -> Result<(), DatasetError> {
+        let wrong = |what| DatasetError::Recipe { path: path.to_owned(), what };
+        self.check_limits().and_then(|()| self.check_use()).map_err(wrong)?;
+        self.check_families(path)
+    }
+
+    fn check_limits(&self) -> Result<(), String> {
+        let Resolution { height, width } = self.resolution;
+        let between = |key: &str, holds: bool, limits: &str| {
+            if holds { Ok(()) } else { Err(format!("`{key}` must be {limits}")) }
+        };
+        let edge = format!("{} to {} pixels", EDGE.start(), EDGE.end());
+        between("resolution.height", EDGE.contains(&height), &edge)?;
+        between("resolution.width", EDGE.contains(&width), &edge)?;
+        between("resolution", height * width <= MAX_PIXELS, &format!("at most {MAX_PIXELS} pixels in all"))?;
+        let samples = format!("1 to {MAX_SAMPLES}");
+        between("samples", (1..=MAX_SAMPLES).contains(&self.samples), &samples)?;
+        between("validation_share", (0.0..=0.5).contains(&self.validation_share), "0 to 0.5")?;
+        match self.radius {
+            Radius::Diagonal(share) => {
+                let holds = share > 0.0 && share <= MAX_DIAGONAL_SHARE;
+                between("radius.diagonal", holds, &format!("above 0 and at most {MAX_DIAGONAL_SHARE}"))?;
+            }
+            Radius::Metres(metres) => {
+                let holds = metres > 0.0 && metres <= MAX_RADIUS;
+                between("radius.metres", holds, &format!("above 0 and at most {MAX_RADIUS}"))?;
+            }
+        }
+        if let Some(tiles) = self.tiles {
+            let even = tiles.samples.is_multiple_of(2) && (2..=MAX_SAMPLES).contains(&tiles.samples);
+            between("tiles.samples", even, &format!("an even number from 2 to {MAX_SAMPLES}"))?;
+            between("tiles.one_in", (1..=64).contains(&tiles.one_in), "1 to 64")?;
+        }
+        between("families", self.scene_count() > 0, "given, or `files`, so that there is a scene")?;
+        let pairs = self.scene_count().saturating_mul(self.views_per_scene);
+        let limits = format!("such that there are 1 to {MAX_PAIRS} views in all");
+        between("views_per_scene", (1..=MAX_PAIRS).contains(&pairs), &limits)
+    }
+
+    /// Whether no key is there that means nothing in this recipe.
+    fn check_use(&self) -> Result<(), String> {
+        if self.split == Split::Test && self.validation_share > 0.0 {
+            return Err(
+                "`validation_share` is for training: a recipe for testing holds nothing apart".to_owned()
+            );
+        }
+        if !self.test_recipes.is_empty() && (self.split == Split::Test || self.files.is_empty()) {
+            return Err("`test_recipes` is for training recipes with `files`".to_owned());
+        }
+        if self.test_recipes.is_empty() && self.split == Split::Train && !self.files.is_empty() {
+            return Err(
+                "a training recipe with `files` must name `test_recipes` to stay away from".to_owned()
+            );
+        }
+        Ok(())
+    }
+
+    fn check_families(&self, path: &Path) -> Result<(), DatasetError> {
+        for (index, FamilyShare { name, .. }) in self.families.iter().enumerate() {
+            let wrong = |what: String| DatasetError::Recipe { path: path.to_owned(), what };
+            let family = Family::by_name(name).map_err(|error| wrong(format!("`families`: {error}")))?;
+            if self.families[..index].iter().any(|other| other.name == *name) {
+                return Err(wrong(format!("`families` names `{name}` twice")));
+            }
+            if family.split() != self.split {
+                let (own, wanted) = (split_name(family.split()), split_name(self.split));
+                let what = format!("family `{name}` is for {own} only, the recipe is for {wanted}");
+                return Err(DatasetError::Mixed { path: path.to_owned(), what });
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether no scene file of a training recipe is also in one of its test recipes.
+    pub(super) fn check_files(&self) -> Result<(), DatasetError> {
+        if self.test_recipes.is_empty() {
+            return Ok(());
+        }
+        let own = self.file_identities()?;
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        for path in &self.test_recipes {
+            let test = Self::parse(&folder.join(path))?;
+            if test.split != Split::Test {
+                let what = format!("`test_recipes`: {} is not for testing", path.display());
+                return Err(DatasetError::Recipe { path: self.path.clone(), what });
+            }
+            let theirs = test.file_identities()?;
+            for (file, identity) in self.files.iter().zip(&own) {
+                if theirs.iter().any(|other| identity.same(other)) {
+                    let what = format!("the scene in {} is also in {}", file.display(), path.display());
+                    return Err(DatasetError::Mixed { path: self.path.clone(), what });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// What the scenes in `files` are; no two of them the same to the last bit.
+    pub(crate) fn file_identities(&self) -> Result<Vec<Identity>, DatasetError> {
+        let mut identities: Vec<Identity> = Vec::new();
+        for (index, file) in self.files.iter().enumerate() {
+            let identity = Identity::of(&Scene::load(&self.folder.join(file), 0.0)?);
+            if let Some(twin) = identities.iter().position(|earlier| earlier.hash == identity.hash) {
+                let [first, second] = [twin, index].map(|index| self.files[index].display().to_string());
+                let what = format!("`files`: {first} and {second} hold the same scene");
+                return Err(DatasetError::Recipe { path: self.path.clone(), what });
+            }
+            identities.push(identity);
+        }
+        Ok(identities)
+    }
+}

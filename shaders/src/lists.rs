@@ -1,0 +1,37 @@
+//! What several crates ask of lists: what lies in the middle, and which few stand for many.
+
+/// The median: the middle one of the sorted values; of an even number, the mean of the two in the middle.
+///
+/// # Panics
+/// If there is no value.
+pub fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
+}
+
+/// Indices of at most `wanted` of `count` things, ascending, evenly spread from the first on.
+pub fn spread(count: usize, wanted: usize) -> Vec<usize> {
+    let wanted = wanted.min(count);
+    (0..wanted).map(|i| i * count / wanted).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_is_the_middle_of_the_sorted() {
+        assert_eq!(median(vec![9.0, 1.0, 3.0]), 3.0);
+        assert_eq!(median(vec![9.0, 1.0, 3.0, 4.0]), 3.5);
+        assert_eq!(median(vec![7.0]), 7.0);
+    }
+
+    #[test]
+    fn what_is_spread_is_even_and_never_twice() {
+        assert_eq!(spread(10, 3), [0, 3, 6]);
+        assert_eq!(spread(2, 5), [0, 1]);
+        assert_eq!(spread(7, 7), [0, 1, 2, 3, 4, 5, 6]);
+        assert_eq!(spread(0, 3), [0; 0]);
+    }
+}

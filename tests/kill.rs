@@ -1,0 +1,112 @@
+//! `deepshade dataset generate`, killed again and again, ends with the bytes of an undisturbed run, and no half file
+//! ever bears a final name.
+
+use std::collections::BTreeMap;
+use std::hash::{BuildHasher, RandomState};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Pairs of the recipe.
+const PAIRS: usize = 16;
+const JOURNAL: &str = "unfinished.jsonl";
+const MANIFEST: &str = "manifest.json";
+
+/// When a run is killed.
+#[derive(Debug)]
+enum Moment {
+    /// Once the journal has so many pairs.
+    Pairs(usize),
+    /// After a time.
+    After(Duration),
+}
+
+fn start(out: &Path) -> Child {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_deepshade"));
+    command.args(["dataset", "generate", "dataset/recipes/ao-tiny.toml", "--out"]).arg(out);
+    command.current_dir(root).stdout(Stdio::null()).spawn().expect("starts")
+}
+
+fn finish(out: &Path) {
+    assert!(start(out).wait().expect("ends").success(), "{}", out.display());
+}
+
+/// Contents of all files of a dataset by name; none where there is no folder yet.
+fn files(out: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for folder in ["", "pairs"] {
+        for entry in std::fs::read_dir(out.join(folder)).into_iter().flatten().flatten() {
+            if entry.path().is_file() {
+                let name = Path::new(folder).join(entry.file_name()).display().to_string();
+                found.insert(name, std::fs::read(entry.path()).expect("read"));
+            }
+        }
+    }
+    found
+}
+
+/// Pairs in the journal: its whole lines but for the first, which says what is made.
+fn journalled(out: &Path) -> usize {
+    let bytes = std::fs::read(out.join(JOURNAL)).unwrap_or_default();
+    bytes.iter().filter(|byte| **byte == b'\n').count().saturating_sub(1)
+}
+
+/// Starts a run and kills it, or waits for its end where that comes first.
+fn disturb(out: &Path, moment: &Moment) {
+    let mut child = start(out);
+    let begin = Instant::now();
+    let now = || match moment {
+        Moment::Pairs(pairs) => journalled(out) >= *pairs,
+        Moment::After(time) => begin.elapsed() >= *time,
+    };
+    while !now() && child.try_wait().expect("asked").is_none() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    // SIGKILL; a run that has ended already has nothing to be killed.
+    let _ = child.kill();
+    child.wait().expect("ends");
+}
+
+/// All files that bear a final name are those of an undisturbed run.
+fn assert_whole(out: &Path, undisturbed: &BTreeMap<String, Vec<u8>>, moment: &Moment) {
+    for (name, bytes) in files(out) {
+        let unfinished = name == JOURNAL || name.contains(".deepshade-");
+        assert!(unfinished || undisturbed.get(&name) == Some(&bytes), "{name} after {moment:?}");
+    }
+}
+
+#[test]
+fn a_run_killed_at_any_moment_ends_with_the_bytes_of_an_undisturbed_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (calm, out) = (folder.path().join("calm"), folder.path().join("killed"));
+    let begin = Instant::now();
+    finish(&calm);
+    let whole = begin.elapsed();
+    let undisturbed = files(&calm);
+    assert_eq!(undisturbed.len(), PAIRS + 1, "the pairs and the manifest");
+    assert!(undisturbed.contains_key(MANIFEST));
+
+    let random = RandomState::new();
+    let after = |index: u64| {
+        let share = random.hash_one(index) as f64 / u64::MAX as f64;
+        Moment::After(whole.mul_f64(0.4 * share))
+    };
+    let moments =
+        [after(0), Moment::Pairs(1), after(1), Moment::Pairs(7), after(2), Moment::Pairs(12), after(3)];
+    let mut reached = Vec::new();
+    for moment in &moments {
+        disturb(&out, moment);
+        assert_whole(&out, &undisturbed, moment);
+        if !out.join(MANIFEST).exists() {
+            reached.push(journalled(&out));
+        }
+    }
+    assert!(
+        reached.iter().any(|pairs| (1..PAIRS).contains(pairs)),
+        "no kill fell in the middle: {reached:?}"
+    );
+    assert!(reached.is_sorted(), "a killed run lost pairs: {reached:?}");
+    finish(&out);
+    assert!(files(&out) == undisturbed, "other bytes, or something is left over");
+}
