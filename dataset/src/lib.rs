@@ -1,7 +1,7 @@
 //! Training pairs on disk: g-buffers of sampled views with the truth of an effect.
 //!
-//! A [`Recipe`] says what to make. [`generate`] makes it: one EXR file a view and a manifest that tells where each
-//! comes from. [`verify`] checks it, [`contact_sheet`] shows it, [`Dataset`] reads it, [`augment`] turns and mirrors
+//! A [`Recipe`] says what to make. [`generate()`] makes it: one EXR file a view and a manifest that tells where each
+//! comes from. [`verify()`] checks it, [`contact_sheet()`] shows it, [`Dataset`] reads it, [`augment()`] turns and mirrors
 //! what was read. A [`TestSet`] is for evaluation: truth with far more samples, on a share of the image's tiles.
 
 pub mod augment;

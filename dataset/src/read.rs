@@ -25,7 +25,7 @@ pub struct Pair {
 }
 
 impl Dataset {
-    /// Opens the dataset of a folder. Pairs are not checked: [`crate::verify`] does.
+    /// Opens the dataset of a folder. Pairs are not checked: [`crate::verify()`] does.
     ///
     /// # Errors
     /// If the manifest is missing, as it is while the dataset is unfinished, damaged, of another version of the data, or

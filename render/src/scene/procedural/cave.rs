@@ -59,19 +59,29 @@ impl Hollow {
         };
         let chambers = self.chambers.iter().map(ball).fold(f32::MAX, |a, b| smooth_min(a, b, 0.4));
         let rock = self.chambers.windows(2).map(passage).fold(chambers, |a, b| smooth_min(a, b, 0.4));
-        // Where the noise cannot matter it is not computed.
-        if rock > 0.9 {
+        // Most of the time goes into noise, which is not computed where it cannot matter: more than a cell away from
+        // where it could move the surface, and where something else bounds the air more tightly.
+        let reach = 1.5 * self.rough + self.strata;
+        if rock > reach + 0.2 {
             return -rock;
         }
-        let clear = rock < -0.9;
-        let bumps = if clear { 0.0 } else { self.bumps(point) };
-        // Rubble levels the floor, and nothing opens to the outside.
-        let floor = point.y + 0.75 - 0.15 * noise::fbm(self.seed ^ 3, point.with_y(0.5) * 1.5, 3);
-        let shell = (HALF - Vec3::splat(0.15) - point.abs()).min_element();
-        (bumps - rock).min(floor * 0.8).min(shell)
+        // Nothing opens to the outside, and rubble levels the floor.
+        let mut air = (HALF - Vec3::splat(0.15) - point.abs()).min_element();
+        let floor = point.y + 0.75;
+        if (floor - 0.17) * 0.8 < air {
+            let uneven = 0.15 * noise::fbm(self.seed ^ 3, point.with_y(0.5) * 1.5, 3);
+            air = air.min((floor - uneven) * 0.8);
+        }
+        if rock < -reach - 0.2 {
+            air.min(-rock)
+        } else if air > -rock - reach {
+            air.min(self.bumps(point) - rock)
+        } else {
+            air
+        }
     }
 
-    /// Roughness and layers of the rock.
+    /// Roughness and layers of the rock: at most 1.5 times the roughness and once the strata, either way.
     fn bumps(&self, point: Vec3) -> f32 {
         let bumps = self.rough
             * (noise::ridged(self.seed, point * 0.9, 3) + 0.35 * noise::gradient(self.seed ^ 9, point * 3.0));

@@ -5,7 +5,7 @@ use super::shape::Shape;
 use super::solids::{block, sphere};
 use super::surface::sheet;
 use super::sweep::{curve, rod};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec3A};
 
 /// How far points stay from solids, so that the cloth's facets do not cut them.
 const GAP: f32 = 0.02;
@@ -95,8 +95,8 @@ impl Solid {
 /// A square of cloth of `side` x `side` points.
 pub struct Cloth {
     side: usize,
-    points: Vec<Vec3>,
-    before: Vec<Vec3>,
+    points: Vec<Vec3A>,
+    before: Vec<Vec3A>,
     /// 1 for free points, 0 for those that are pinned.
     free: Vec<f32>,
     /// Pairs of points and their distance at rest: neighbours and diagonals, which keep it.
@@ -135,14 +135,20 @@ impl Cloth {
     ) -> Self {
         let share = |i: usize| i as f32 / (side - 1) as f32;
         let cells = (0..side * side).map(|i| (i % side, i / side));
-        let points: Vec<Vec3> = cells.clone().map(|(column, row)| point(share(column), share(row))).collect();
+        // Neighbours in the list of links have no point in common, so that the processor can meet several at once: links
+        // along a row are listed column by column.
+        let links_along = |rows: usize| {
+            cells.clone().map(move |(column, row)| if rows == 0 { (row, column) } else { (column, row) })
+        };
+        let place = |(column, row)| point(share(column), share(row)).into();
+        let points: Vec<Vec3A> = cells.clone().map(place).collect();
         let gap = size / (side - 1) as f32;
         let linked = |offsets: &[(usize, usize)], mirrored: bool| {
             let mut links = Vec::new();
             for (columns, rows) in offsets {
                 let length = gap * Vec2::new(*columns as f32, *rows as f32).length();
                 for (column, row) in
-                    cells.clone().filter(|(column, row)| column + columns < side && row + rows < side)
+                    links_along(*rows).filter(|(column, row)| column + columns < side && row + rows < side)
                 {
                     let (left, right) =
                         if mirrored { (column + columns, column) } else { (column, column + columns) };
@@ -176,7 +182,7 @@ impl Cloth {
 
     fn fall(&mut self) {
         for ((point, before), free) in self.points.iter_mut().zip(&mut self.before).zip(&self.free) {
-            let step = (*point - *before) * KEPT - Vec3::Y * FALL;
+            let step = (*point - *before) * KEPT - Vec3A::Y * FALL;
             *before = *point;
             *point += step * *free;
         }
@@ -198,7 +204,7 @@ impl Cloth {
         for (point, before) in self.points.iter_mut().zip(&mut self.before) {
             let start = *point;
             for solid in solids {
-                *point += solid.push(*point).unwrap_or(Vec3::ZERO);
+                *point += Vec3A::from(solid.push((*point).into()).unwrap_or(Vec3::ZERO));
             }
             point.y = point.y.max(GAP);
             if *point != start {
@@ -209,7 +215,8 @@ impl Cloth {
 
     /// The cloth as a sheet with every cell cut into `finer` x `finer`, along smooth curves through the points.
     pub fn shape(&self, finer: usize) -> Shape {
-        let rows: Vec<Vec<Vec3>> = self.points.chunks(self.side).map(|row| curve(row, finer)).collect();
+        let points: Vec<Vec3> = self.points.iter().map(|point| Vec3::from(*point)).collect();
+        let rows: Vec<Vec<Vec3>> = points.chunks(self.side).map(|row| curve(row, finer)).collect();
         let across = rows[0].len();
         let columns: Vec<Vec<Vec3>> =
             (0..across).map(|i| curve(&rows.iter().map(|row| row[i]).collect::<Vec<_>>(), finer)).collect();
@@ -220,7 +227,7 @@ impl Cloth {
 }
 
 /// Moves two points, as far as they are free, to a distance, or by a share of the way there.
-fn meet(points: &mut [Vec3], free: &[f32], [a, b]: [usize; 2], length: f32, share: f32) {
+fn meet(points: &mut [Vec3A], free: &[f32], [a, b]: [usize; 2], length: f32, share: f32) {
     let apart = points[b] - points[a];
     let distance = apart.length().max(1e-9);
     let shift = apart * (share * (distance - length) / (distance * (free[a] + free[b]).max(1.0)));
@@ -237,7 +244,7 @@ mod tests {
         let ball = Solid::Bar { from: Vec3::Y * 0.3, to: Vec3::Y * 0.3, radius: 0.2 };
         let mut cloth = Cloth::square(1.0, 30, Vec3::Y * 0.52, 0.3);
         cloth.settle(std::slice::from_ref(&ball), 200);
-        assert!(cloth.points.iter().all(|point| point.y > 0.0 && point.distance(Vec3::Y * 0.3) > 0.2));
+        assert!(cloth.points.iter().all(|point| point.y > 0.0 && point.distance(Vec3A::Y * 0.3) > 0.2));
         let lowest = cloth.points.iter().fold(f32::MAX, |lowest, point| lowest.min(point.y));
         let highest = cloth.points.iter().fold(0f32, |highest, point| highest.max(point.y));
         assert!(lowest < 0.2 && (0.5..0.55).contains(&highest), "{lowest} {highest}");

@@ -18,7 +18,7 @@ pub fn colour(hue: f32, saturation: f32, value: f32) -> Vec3 {
     Vec3::new(channel(0.0), channel(2.0 / 3.0), channel(1.0 / 3.0))
 }
 
-/// Paint, plastic or cloth of any colour, one that hides its triangles' backs.
+/// Paint, plastic or cloth of any colour.
 pub fn paint(stage: &mut Stage, random: &mut Random) -> MaterialId {
     let base = colour(random.unit(), random.within(0.1, 0.8), random.within(0.25, 0.85));
     let roughness = random.within(0.25, 0.9);

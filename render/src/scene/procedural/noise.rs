@@ -5,9 +5,8 @@ use glam::{IVec3, Vec3};
 
 /// Smooth noise in about [-1, 1], 0 at whole-numbered points, with features one unit apart.
 pub fn gradient(seed: u32, point: Vec3) -> f32 {
-    let floor = point.floor();
-    let cell = floor.as_ivec3();
-    let inside = point - floor;
+    let cell = floor(point);
+    let inside = point - cell.as_vec3();
     let weight = inside * inside * inside * (inside * (inside * 6.0 - 15.0) + 10.0);
     let corner = |x: i32, y: i32, z: i32| {
         let corner = IVec3::new(x, y, z);
@@ -44,6 +43,13 @@ fn octave_sum(seed: u32, point: Vec3, octaves: u32, shape: impl Fn(f32) -> f32) 
 /// A fixed random number in [0, 1) of a cell.
 pub fn of_cell(seed: u32, cell: IVec3) -> f32 {
     (hash(seed, cell) >> 8) as f32 / (1 << 24) as f32
+}
+
+/// Rounded down, without the call into the C library that `f32::floor` is where SSE 4.1 is not taken for granted.
+fn floor(point: Vec3) -> IVec3 {
+    let towards_zero = point.as_ivec3();
+    let below = point.cmplt(towards_zero.as_vec3());
+    towards_zero - IVec3::from(below)
 }
 
 fn mix(a: f32, b: f32, weight: f32) -> f32 {

@@ -71,11 +71,11 @@ pub fn isosurface(low: Vec3, high: Vec3, cell: f32, field: impl Fn(Vec3) -> f32)
         for (axis, side, other) in
             [(IVec3::X, IVec3::Y, IVec3::Z), (IVec3::Y, IVec3::Z, IVec3::X), (IVec3::Z, IVec3::X, IVec3::Y)]
         {
+            let inside = [at, at + axis].map(|corner| grid.value(corner) < 0.0);
             let around = [at, at - side, at - side - other, at - other];
-            if !around.iter().all(|cell| grid.has_cell(*cell)) {
+            if inside[0] == inside[1] || !around.iter().all(|cell| grid.has_cell(*cell)) {
                 continue;
             }
-            let inside = [at, at + axis].map(|corner| grid.value(corner) < 0.0);
             let quad = around.map(|cell| vertices[grid.index(cell)]);
             match inside {
                 [true, false] => shape.connect(quad),
@@ -133,6 +133,9 @@ impl Grid {
     fn vertex(&self, at: IVec3) -> Option<Vec3> {
         let corner = |i: usize| IVec3::new(i as i32 & 1, (i as i32 >> 1) & 1, i as i32 >> 2);
         let values: [f32; 8] = std::array::from_fn(|i| self.value(at + corner(i)));
+        if values.iter().all(|value| (*value < 0.0) == (values[0] < 0.0)) {
+            return None;
+        }
         let (mut sum, mut crossings) = (Vec3::ZERO, 0);
         for a in 0..8usize {
             for b in [a | 1, a | 2, a | 4] {
@@ -144,8 +147,7 @@ impl Grid {
                 }
             }
         }
-        let inside = at.as_vec3() + sum / crossings.max(1) as f32;
-        (crossings > 0).then(|| self.low + self.spacing * inside)
+        Some(self.low + self.spacing * (at.as_vec3() + sum / crossings as f32))
     }
 }
 
