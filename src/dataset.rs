@@ -21,12 +21,31 @@ pub enum Verb {
     Testset(Testset),
 }
 
+/// A recipe and where its scenes are.
+#[derive(clap::Args)]
+pub struct RecipeArgs {
+    /// The recipe, a TOML file.
+    recipe: PathBuf,
+    /// Folder that the recipe's scene files are relative to, where it is not the recipe's own.
+    #[arg(long)]
+    scenes: Option<PathBuf>,
+}
+
+impl RecipeArgs {
+    fn load(&self) -> Result<Recipe> {
+        Ok(match &self.scenes {
+            Some(scenes) => Recipe::load_with_scenes(&self.recipe, scenes)?,
+            None => Recipe::load(&self.recipe)?,
+        })
+    }
+}
+
 /// Makes the pairs of a recipe, or those that are still missing.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  deepshade dataset generate dataset/recipes/ao.toml --out data/ao")]
 pub struct Generate {
-    /// The recipe, a TOML file.
-    recipe: PathBuf,
+    #[command(flatten)]
+    recipe: RecipeArgs,
     /// Folder of the dataset.
     #[arg(long)]
     out: PathBuf,
@@ -63,11 +82,13 @@ pub struct Show {
 /// Makes a test set for `eval`: truth with many samples on a share of the tiles.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Example:\n  deepshade dataset testset dataset/recipes/ao-test.toml --out models/ao/testset"
+    after_help = "Examples:\n  deepshade dataset testset dataset/recipes/ao-test.toml --out models/ao/testset\n  \
+                  deepshade dataset testset dataset/recipes/ao-real.toml --scenes scenes --out testset\n\n\
+                  The recipe is one with `split = \"test\"` and a table `tiles`."
 )]
 pub struct Testset {
-    /// The recipe, a TOML file with `split = "test"` and a table `tiles`.
-    recipe: PathBuf,
+    #[command(flatten)]
+    recipe: RecipeArgs,
     /// Folder of the test set.
     #[arg(long)]
     out: PathBuf,
@@ -90,7 +111,7 @@ pub fn run(verb: &Verb) -> Result<()> {
 }
 
 fn generate_pairs(args: &Generate) -> Result<()> {
-    let recipe = Recipe::load(&args.recipe)?;
+    let recipe = args.recipe.load()?;
     let start = Instant::now();
     let summary = generate(&recipe, &args.out)?;
     let seconds = start.elapsed().as_secs_f64();
@@ -99,7 +120,7 @@ fn generate_pairs(args: &Generate) -> Result<()> {
     figures.set("rendered", summary.rendered as f64);
     figures.set("bytes", summary.bytes as f64);
     figures.set("seconds", seconds);
-    figures.detail("recipe", json!(args.recipe));
+    figures.detail("recipe", json!(args.recipe.recipe));
     figures.write(args.json.as_deref())?;
     say!(
         "{} pairs in {}, {} of them rendered now in {seconds:.0} s, {:.1} MB",
@@ -135,7 +156,7 @@ fn show_pairs(args: &Show) -> Result<()> {
 const HOUR: f64 = 3600.0;
 
 fn make_testset(args: &Testset) -> Result<()> {
-    let recipe = Recipe::load(&args.recipe)?;
+    let recipe = args.recipe.load()?;
     let expected = TestSet::estimate(&recipe)?.as_secs_f64() / HOUR;
     say!("{} will take about {expected:.2} hours from nothing", args.out.display())?;
     let start = Instant::now();
@@ -145,7 +166,7 @@ fn make_testset(args: &Testset) -> Result<()> {
     figures.set("frames", set.frames().len() as f64);
     figures.set("hours", hours);
     figures.set("hours_expected", expected);
-    figures.detail("recipe", json!(args.recipe));
+    figures.detail("recipe", json!(args.recipe.recipe));
     figures.write(args.json.as_deref())?;
     say!("{} frames in {}, made in {hours:.2} hours", set.frames().len(), args.out.display())
 }
