@@ -119,10 +119,22 @@ impl TracedScene {
         if nearest.t >= reach {
             return None;
         }
-        let index = nearest.primitive_id as usize;
-        let TriangleOrigin { mesh, triangle, .. } = self.origins[index];
-        let barycentric = barycentric(&self.triangles[index], &ray);
-        Some(Hit { distance: nearest.t, mesh, triangle, barycentric })
+        Some(self.hit_at(&ray, nearest.primitive_id, nearest.t))
+    }
+
+    /// [`TracedScene::hit`] for rays without an end that start together, at most [`bundle::BUNDLE`] of them; the nearer
+    /// neighbours are to each other, the faster it goes.
+    pub fn hit_bundle(&self, origin: Vec3, directions: &[Vec3]) -> Vec<Option<Hit>> {
+        let start = Start { origin, above: Vec3::ZERO, reach: f32::INFINITY };
+        let endless = |direction: Vec3| ray(origin, direction, f32::INFINITY);
+        let visible = |index: u32, direction: Vec3| {
+            self.opacity(&endless(direction), index as usize) >= VISIBLE_OPACITY
+        };
+        let met = self.world(visible).nearest(start, directions);
+        let hit = |(met, direction): (Option<(f32, u32)>, &Vec3)| {
+            met.map(|(distance, index)| self.hit_at(&endless(*direction), index, distance))
+        };
+        met.into_iter().zip(directions).map(hit).collect()
     }
 
     /// Whether anything stops light along a ray within `reach` lengths of `direction`. A blended surface stops it
@@ -138,16 +150,23 @@ impl TracedScene {
     /// directions are unit vectors, at most [`bundle::BUNDLE`] of them; the nearer neighbours are to each other, the
     /// faster it goes.
     pub fn blocked_bundle(&self, start: Start, directions: &[Vec3]) -> u64 {
-        let world = World {
-            bvh: &self.binary,
-            triangles: &self.triangles,
-            opaque: |index: u32| !self.origins[index as usize].see_through,
-            stops: |index: u32, direction: Vec3| {
-                let ray = ray(start.origin, direction, start.reach);
-                stops(self.opacity(&ray, index as usize), &ray, index as usize)
-            },
+        let stops = |index: u32, direction: Vec3| {
+            let ray = ray(start.origin, direction, start.reach);
+            stops(self.opacity(&ray, index as usize), &ray, index as usize)
         };
-        world.blocked(start, directions)
+        self.world(stops).blocked(start, directions)
+    }
+
+    /// What bundles are traced through.
+    fn world<P: Fn(u32, Vec3) -> bool>(&self, stops: P) -> World<'_, impl Fn(u32) -> bool, P> {
+        let opaque = |index: u32| !self.origins[index as usize].see_through;
+        World { bvh: &self.binary, triangles: &self.triangles, opaque, stops }
+    }
+
+    /// Where a ray met a triangle, by its index in the hierarchy.
+    fn hit_at(&self, ray: &Ray, index: u32, distance: f32) -> Hit {
+        let TriangleOrigin { mesh, triangle, .. } = self.origins[index as usize];
+        Hit { distance, mesh, triangle, barycentric: barycentric(&self.triangles[index as usize], ray) }
     }
 
     /// Distance to a triangle if the ray meets it and `present` says so of its opacity there, else infinity.
@@ -298,16 +317,17 @@ mod tests {
         assert!(traced.hit(origin, -Vec3::NEG_Z, f32::INFINITY).is_some());
     }
 
-    #[test]
-    fn a_bundle_is_blocked_where_its_rays_are() {
-        use crate::path::sampler::{PixelSampler, frame};
-        use crate::path::{ao::hemisphere, sampler};
+    fn random(i: u32) -> f32 {
+        crate::path::sampler::hash(i) as f32 / 4_294_967_296.0
+    }
+
+    /// Opaque triangles every which way in a cube of 10 m, and two panes of glass.
+    fn clutter() -> TracedScene {
         let glass = Material {
             base_colour: Vec4::new(1.0, 1.0, 1.0, 0.5),
             alpha: AlphaMode::Blend,
             ..Material::default()
         };
-        let random = |i: u32| sampler::hash(i) as f32 / 4_294_967_296.0;
         let mut clutter = Mesh::default();
         for i in 0..3_000 {
             let middle = Vec3::new(random(9 * i), random(9 * i + 1), random(9 * i + 2)) * 10.0;
@@ -319,8 +339,43 @@ mod tests {
         }
         let panes = Mesh { material: crate::scene::MaterialId(1), ..square_at(3.0) };
         let materials = vec![Material::default(), glass];
-        let traced = TracedScene::new(Scene { meshes: vec![clutter, panes], materials, ..Scene::default() })
-            .expect("triangles");
+        TracedScene::new(Scene { meshes: vec![clutter, panes], materials, ..Scene::default() })
+            .expect("triangles")
+    }
+
+    #[test]
+    fn a_bundle_meets_what_its_rays_meet() {
+        let traced = clutter();
+        let mut met = 0;
+        for i in 0..200 {
+            let origin = Vec3::new(random(7 * i), random(7 * i + 1), random(7 * i + 2)) * 14.0 - 2.0;
+            let towards = Vec3::splat(5.0) - origin;
+            let spread = |ray: u32| {
+                let at = 3 * (64 * i + ray);
+                Vec3::new(random(at) - 0.5, random(at + 1) - 0.5, random(at + 2) - 0.5)
+            };
+            let directions: Vec<Vec3> =
+                (0..1 + i % 64).map(|ray| (towards.normalize() + 0.7 * spread(ray)).normalize()).collect();
+            let hits = traced.hit_bundle(origin, &directions);
+            assert_eq!(hits.len(), directions.len());
+            for (direction, hit) in directions.iter().zip(hits) {
+                let alone = traced.hit(origin, *direction, f32::INFINITY);
+                let what = |hit: Option<Hit>| hit.map(|hit| (hit.mesh, hit.triangle, hit.barycentric));
+                assert_eq!(what(hit), what(alone), "bundle {i}");
+                met += usize::from(hit.is_some());
+                let distances =
+                    hit.zip(alone).map_or([0.0; 2], |(hit, alone)| [hit.distance, alone.distance]);
+                assert!((distances[0] - distances[1]).abs() < 1e-4, "{distances:?}");
+            }
+        }
+        assert!(met > 3_000, "{met} rays met something");
+    }
+
+    #[test]
+    fn a_bundle_is_blocked_where_its_rays_are() {
+        use crate::path::ao::hemisphere;
+        use crate::path::sampler::{PixelSampler, frame};
+        let traced = clutter();
         let mut share = 0.0;
         for i in 0..300 {
             let origin = Vec3::new(random(7 * i), random(7 * i + 1), random(7 * i + 2)) * 10.0;

@@ -1,12 +1,15 @@
 //! The g-buffer of a scene and a camera, by one ray through the middle of every pixel.
 
-use crate::bvh::TracedScene;
+use crate::bvh::{TracedScene, bundle::BUNDLE};
 use crate::intersection::SurfacePoint;
 use crate::path::direct::direct_light;
 use crate::scene::Camera;
 use deepshade_shaders::{Attribute, GBuffer, Planes};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
+
+/// Edge of the squares of pixels whose rays are traced together.
+const TILE: usize = BUNDLE.isqrt();
 
 /// Ids are modulo this, so that half floats hold them exactly.
 const OBJECT_IDS: u32 = 2048;
@@ -44,12 +47,22 @@ pub fn render(
     let lit = attributes.iter().any(|a| matches!(a, Attribute::Light | Attribute::DiffuseLight));
     let mut pixels = vec![0.0; channels * height * width];
     // Pixel by pixel first, since a ray gives all channels at once; planes afterwards.
-    pixels.par_chunks_mut(channels.max(1) * width.max(1)).enumerate().for_each(|(y, row)| {
-        for (x, values) in row.chunks_exact_mut(channels.max(1)).enumerate() {
-            let direction = camera.direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5), height, width);
-            if let Some(hit) = scene.hit(camera.position, direction, f32::INFINITY) {
-                let point = SurfacePoint::new(scene, &hit, direction);
-                write_pixel(values, attributes, &Seen::new(scene, camera, &point, direction, lit));
+    pixels.par_chunks_mut((channels * width * TILE).max(1)).enumerate().for_each(|(band, rows)| {
+        for left in (0..width).step_by(TILE) {
+            let columns = left..width.min(left + TILE);
+            let inside =
+                (0..rows.len() / (channels * width)).flat_map(|y| columns.clone().map(move |x| (x, y)));
+            let direction = |(x, y): (usize, usize)| {
+                let pixel = Vec2::new(x as f32 + 0.5, (band * TILE + y) as f32 + 0.5);
+                camera.direction(pixel, height, width)
+            };
+            let directions: Vec<Vec3> = inside.clone().map(direction).collect();
+            let hits = scene.hit_bundle(camera.position, &directions);
+            for (((x, y), direction), hit) in inside.zip(&directions).zip(hits) {
+                let Some(hit) = hit else { continue };
+                let point = SurfacePoint::new(scene, &hit, *direction);
+                let values = &mut rows[(y * width + x) * channels..][..channels];
+                write_pixel(values, attributes, &Seen::new(scene, camera, &point, *direction, lit));
             }
         }
     });
@@ -162,6 +175,25 @@ mod tests {
             }
         }
         assert!(seen > 300 && seen < 33 * 47, "{seen} pixels see the square");
+    }
+
+    #[test]
+    fn every_pixel_shows_what_its_own_ray_meets() {
+        let scene = crate::scene::procedural::Family::Room.scene(1);
+        let scene = TracedScene::new(scene).expect("a room");
+        let camera = Camera::look_at(scene.bounds().centre(), scene.bounds().min);
+        let (height, width) = (37, 51);
+        let gbuffer = render(&scene, &camera, height, width, &[Attribute::Depth]);
+        for y in 0..height {
+            for x in 0..width {
+                let direction = camera.direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5), height, width);
+                let hit = scene.hit(camera.position, direction, f32::INFINITY);
+                let depth =
+                    hit.map_or(0.0, |hit| -camera.to_camera(camera.position + direction * hit.distance).z);
+                let found = gbuffer.planes().at(0, y, x);
+                assert!((found - depth).abs() < 1e-4 * depth.max(1.0), "({x}, {y}): {found} is not {depth}");
+            }
+        }
     }
 
     #[test]

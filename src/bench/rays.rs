@@ -48,13 +48,18 @@ pub fn run(args: &Args) -> Result<()> {
     let scene = TracedScene::new(scene)?;
     let build_seconds = start.elapsed().as_secs_f64();
     let size = usize::from(args.size);
-    let mut primary = Vec::new();
+    let (mut primary, mut squares) = (Vec::new(), Vec::new());
     for view in args.views.of(&scene, [size, size])? {
         primary.extend(primary_rays(&view.camera, size));
+        squares.extend(primary_bundles(&view.camera, size));
     }
     let bundles = occlusion_bundles(&scene, &primary);
     ensure!(!bundles.is_empty(), "the views of {} see nothing", args.scene);
     let mrays_primary = megarays(primary.len(), args.runs, || {
+        let hits = squares.iter().flat_map(|(origin, directions)| scene.hit_bundle(*origin, directions));
+        hits.flatten().map(|hit| hit.triangle).fold(0, u32::wrapping_add)
+    });
+    let mrays_primary_single = megarays(primary.len(), args.runs, || {
         let hit = |ray: &Ray| scene.hit(ray.origin, ray.direction, f32::INFINITY);
         primary.iter().filter_map(hit).map(|hit| hit.triangle).fold(0, u32::wrapping_add)
     });
@@ -75,6 +80,7 @@ pub fn run(args: &Args) -> Result<()> {
 
     let mut figures = Figures::new("bench rays");
     figures.set("mrays_primary", mrays_primary);
+    figures.set("mrays_primary_single", mrays_primary_single);
     figures.set("mrays_ao", mrays_ao);
     figures.set("mrays_ao_single", mrays_ao_single);
     figures.set("build_seconds", build_seconds);
@@ -82,7 +88,11 @@ pub fn run(args: &Args) -> Result<()> {
     figures.detail("scene", args.scene.to_string().into());
     figures.write(args.json.as_deref())?;
     say!("scene              {} ({triangles} triangles, built in {build_seconds:.2} s)", args.scene)?;
-    say!("primary            {mrays_primary:.2} Mrays/s, one thread ({} rays)", primary.len())?;
+    say!(
+        "primary            {mrays_primary:.2} Mrays/s, one thread ({} rays, in bundles as g-buffers trace them)",
+        primary.len()
+    )?;
+    say!("                   {mrays_primary_single:.2} Mrays/s one by one")?;
     say!(
         "ambient occlusion  {mrays_ao:.2} Mrays/s, one thread ({rays} rays, in bundles as truth traces them)"
     )?;
@@ -95,6 +105,20 @@ fn primary_rays(camera: &Camera, size: usize) -> impl Iterator<Item = Ray> {
         let pixel = Vec2::new((i % size) as f32 + 0.5, (i / size) as f32 + 0.5);
         let direction = camera.direction(pixel, size, size);
         Ray { origin: camera.position, direction }
+    })
+}
+
+/// The same rays in squares of pixels, as a g-buffer traces them.
+fn primary_bundles(camera: &Camera, size: usize) -> impl Iterator<Item = (Vec3, Vec<Vec3>)> {
+    let camera = *camera;
+    let edge = BUNDLE.isqrt();
+    let corners = move || (0..size).step_by(edge);
+    corners().flat_map(move |top| corners().map(move |left| (left, top))).map(move |(left, top)| {
+        let columns = left..size.min(left + edge);
+        let pixels = (top..size.min(top + edge)).flat_map(|y| columns.clone().map(move |x| (x, y)));
+        let direction =
+            |(x, y): (usize, usize)| camera.direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5), size, size);
+        (camera.position, pixels.map(direction).collect())
     })
 }
 

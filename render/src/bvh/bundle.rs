@@ -1,11 +1,11 @@
-//! Rays from one point: which directions are blocked.
+//! Rays from one point: which directions are blocked, and what is nearest.
 //!
-//! Rays that ask how much of the world a point sees share their origin and stay above the point's surface, so most of
-//! the work of a ray is done once for a bundle of them: whether a box or a triangle is out of reach or below the
-//! surface, a box's sides seen from the origin, a triangle's edge planes. What is left for a ray is a few
-//! multiplications, a vector of rays an instruction. The bundle walks a binary hierarchy once (ray packets: Wald et
-//! al. 2001). The triangle test is Plücker's in the form of Embree, whose edges are exact opposites in two triangles
-//! that share them, so that no ray slips through between.
+//! Rays of a camera share their origin, and so do rays that ask how much of the world a point sees, which also stay
+//! above the point's surface. So most of the work of a ray is done once for a bundle of them: whether a box or a
+//! triangle is out of reach or below the surface, a box's sides seen from the origin, a triangle's edge planes. What is
+//! left for a ray is a few multiplications, a vector of rays an instruction. The bundle walks a binary hierarchy once
+//! (ray packets: Wald et al. 2001). The triangle test is Plücker's in the form of Embree, whose edges are exact
+//! opposites in two triangles that share them, so that no ray slips through between.
 
 use glam::Vec3;
 use obvhs::{
@@ -20,6 +20,8 @@ pub const BUNDLE: usize = 64;
 const SMALLEST: f32 = 1e-18;
 /// Reach of a ray that is no longer asked for.
 const DONE: f32 = -1.0;
+/// Index of the nearest triangle where none was met.
+const NOTHING: u32 = u32::MAX;
 /// A box's far side is moved away by this, more than the rounding of the distances (Ize 2013).
 const FAR_SIDE: f32 = 1.000_001;
 
@@ -28,7 +30,7 @@ const FAR_SIDE: f32 = 1.000_001;
 pub struct Start {
     /// World space, metres.
     pub origin: Vec3,
-    /// No direction has a negative component along this one.
+    /// No direction has a negative component along this one; zero where they go everywhere.
     pub above: Vec3,
     /// How far every ray goes, in lengths of its direction, which is 1.
     pub reach: f32,
@@ -50,9 +52,22 @@ impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool> World<'_, O, P> {
     /// Bit `i` is set where a triangle blocks `directions[i]`, unit vectors, at most [`BUNDLE`] of them.
     pub fn blocked(&self, start: Start, directions: &[Vec3]) -> u64 {
         let directions = &directions[..directions.len().min(BUNDLE)];
-        let mut rays = Rays::new(start, directions);
-        Arch::new().dispatch(Walk { world: self, start, directions, rays: &mut rays });
+        let rays = self.walk::<false>(start, directions);
         (0..directions.len()).fold(0, |bits, i| bits | u64::from(rays.reach[i] == DONE) << i)
+    }
+
+    /// The distance and the index of the nearest triangle that stops each ray, of at most [`BUNDLE`].
+    pub fn nearest(&self, start: Start, directions: &[Vec3]) -> Vec<Option<(f32, u32)>> {
+        let directions = &directions[..directions.len().min(BUNDLE)];
+        let rays = self.walk::<true>(start, directions);
+        let met = |i: usize| (rays.nearest[i] != NOTHING).then_some((rays.reach[i], rays.nearest[i]));
+        (0..directions.len()).map(met).collect()
+    }
+
+    fn walk<const NEAREST: bool>(&self, start: Start, directions: &[Vec3]) -> Rays {
+        let mut rays = Rays::new(start, directions);
+        Arch::new().dispatch(Walk::<_, _, NEAREST> { world: self, start, directions, rays: &mut rays });
+        rays
     }
 }
 
@@ -63,12 +78,18 @@ struct Rays {
     inverse: [[f32; BUNDLE]; 3],
     /// How far each ray goes; [`DONE`] once it is blocked, and where there is no ray.
     reach: [f32; BUNDLE],
+    /// The triangle at `reach`, where the nearest is looked for.
+    nearest: [u32; BUNDLE],
 }
 
 impl Rays {
     fn new(start: Start, directions: &[Vec3]) -> Self {
-        let mut rays =
-            Self { direction: [[0.0; BUNDLE]; 3], inverse: [[0.0; BUNDLE]; 3], reach: [DONE; BUNDLE] };
+        let mut rays = Self {
+            direction: [[0.0; BUNDLE]; 3],
+            inverse: [[0.0; BUNDLE]; 3],
+            reach: [DONE; BUNDLE],
+            nearest: [NOTHING; BUNDLE],
+        };
         for (i, direction) in directions.iter().enumerate() {
             for axis in 0..3 {
                 let component = direction[axis];
@@ -82,8 +103,8 @@ impl Rays {
     }
 }
 
-/// A bundle on its way.
-struct Walk<'a, 'b, O, P> {
+/// A bundle on its way: to anything that blocks its rays, or to what is `NEAREST`.
+struct Walk<'a, 'b, O, P, const NEAREST: bool> {
     world: &'a World<'b, O, P>,
     start: Start,
     directions: &'a [Vec3],
@@ -97,7 +118,9 @@ struct Visit {
     packs: u64,
 }
 
-impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool> WithSimd for Walk<'_, '_, O, P> {
+impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool, const NEAREST: bool> WithSimd
+    for Walk<'_, '_, O, P, NEAREST>
+{
     type Output = ();
 
     #[inline(always)]
@@ -115,7 +138,9 @@ impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool> WithSimd for Walk<'_, '_, O, 
                 for leaf in first_index..first_index + prim_count {
                     self.test(simd, self.world.bvh.primitive_indices[leaf as usize], packs);
                 }
-                alive = self.without_done(simd, alive, packs);
+                if !NEAREST {
+                    alive = self.without_done(simd, alive, packs);
+                }
                 continue;
             }
             let [(near, a), (far, b)] = self.children(simd, first_index, packs);
@@ -130,7 +155,7 @@ impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool> WithSimd for Walk<'_, '_, O, 
     }
 }
 
-impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool> Walk<'_, '_, O, P> {
+impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool, const NEAREST: bool> Walk<'_, '_, O, P, NEAREST> {
     /// Both children of an inner node, with their squared distances.
     #[inline(always)]
     fn children<S: Simd>(&self, simd: S, first: u32, packs: u64) -> [(f32, Visit); 2] {
@@ -176,7 +201,7 @@ impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool> Walk<'_, '_, O, P> {
         simd.first_true_m32s(simd.less_than_or_equal_f32s(near, far)) < S::F32_LANES
     }
 
-    /// Ends the rays of `packs` that a triangle blocks.
+    /// Ends the rays of `packs` that a triangle blocks, or cuts them off there.
     #[inline(always)]
     fn test<S: Simd>(&mut self, simd: S, index: u32, packs: u64) {
         let Triangle { v0, v1, v2 } = self.world.triangles[index as usize];
@@ -200,17 +225,31 @@ impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool> Walk<'_, '_, O, P> {
         while rest != 0 {
             let pack = rest.trailing_zeros() as usize;
             rest &= rest - 1;
-            let meets = self.meets_triangle(simd, pack, &normals, offset);
+            let (meets, towards) = self.meets_triangle(simd, pack, &normals, offset);
+            let distance =
+                if NEAREST { simd.div_f32s(simd.splat_f32s(offset), towards) } else { simd.splat_f32s(DONE) };
             if opaque {
-                let reach = &mut S::as_mut_simd_f32s(&mut self.rays.reach).0[pack];
-                *reach = simd.select_f32s(meets, simd.splat_f32s(DONE), *reach);
+                self.end(simd, index, pack, meets, distance);
             } else if simd.first_true_m32s(meets) < S::F32_LANES {
-                self.ask(simd, index, pack, meets);
+                let stopped = self.stopped(simd, index, pack, meets);
+                self.end(simd, index, pack, stopped, distance);
             }
         }
     }
 
-    /// Which rays of a pack meet a triangle within their reach.
+    /// Sets the reach of some rays of a pack.
+    #[inline(always)]
+    fn end<S: Simd>(&mut self, simd: S, triangle: u32, pack: usize, rays: S::m32s, reach: S::f32s) {
+        let reaches = &mut S::as_mut_simd_f32s(&mut self.rays.reach).0[pack];
+        *reaches = simd.select_f32s(rays, reach, *reaches);
+        if NEAREST {
+            let nearest = &mut S::as_mut_simd_u32s(&mut self.rays.nearest).0[pack];
+            *nearest = simd.select_u32s(rays, simd.splat_u32s(triangle), *nearest);
+        }
+    }
+
+    /// Which rays of a pack meet a triangle within their reach, and how fast they near it: the distance is `offset`
+    /// over that.
     #[inline(always)]
     fn meets_triangle<S: Simd>(
         &self,
@@ -218,7 +257,7 @@ impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool> Walk<'_, '_, O, P> {
         pack: usize,
         normals: &[[S::f32s; 3]; 4],
         offset: f32,
-    ) -> S::m32s {
+    ) -> (S::m32s, S::f32s) {
         let [x, y, z] = &self.rays.direction;
         let direction = [S::as_simd_f32s(x).0[pack], S::as_simd_f32s(y).0[pack], S::as_simd_f32s(z).0[pack]];
         let (u, v) = (dot(simd, normals[0], direction), dot(simd, normals[1], direction));
@@ -228,26 +267,27 @@ impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool> Walk<'_, '_, O, P> {
         let most = simd.max_f32s(u, simd.max_f32s(v, w));
         let inside = simd
             .or_m32s(simd.greater_than_or_equal_f32s(least, zero), simd.less_than_or_equal_f32s(most, zero));
-        // The distance is offset / towards, compared without the division.
+        // The distance, compared without the division.
         let offset = simd.splat_f32s(offset);
         let ahead = simd.greater_than_f32s(simd.mul_f32s(offset, towards), zero);
         let reach = S::as_simd_f32s(&self.rays.reach).0[pack];
         let within = simd.less_than_f32s(simd.abs_f32s(offset), simd.mul_f32s(reach, simd.abs_f32s(towards)));
-        simd.and_m32s(inside, simd.and_m32s(ahead, within))
+        (simd.and_m32s(inside, simd.and_m32s(ahead, within)), towards)
     }
 
-    /// Ends those rays of a pack that meet a triangle and that its material stops.
+    /// Those rays of a pack that meet a triangle which its material stops there.
     #[inline(always)]
-    fn ask<S: Simd>(&mut self, simd: S, index: u32, pack: usize, meets: S::m32s) {
+    fn stopped<S: Simd>(&self, simd: S, index: u32, pack: usize, meets: S::m32s) -> S::m32s {
+        let zero = simd.splat_f32s(0.0);
         let mut lanes = [0.0; BUNDLE];
-        S::as_mut_simd_f32s(&mut lanes).0[0] =
-            simd.select_f32s(meets, simd.splat_f32s(1.0), simd.splat_f32s(0.0));
-        for (lane, meets) in lanes.iter().enumerate().take(S::F32_LANES) {
+        S::as_mut_simd_f32s(&mut lanes).0[0] = simd.select_f32s(meets, simd.splat_f32s(1.0), zero);
+        for (lane, meets) in lanes.iter_mut().enumerate().take(S::F32_LANES) {
             let ray = pack * S::F32_LANES + lane;
-            if *meets > 0.0 && (self.world.stops)(index, self.directions[ray]) {
-                self.rays.reach[ray] = DONE;
+            if *meets > 0.0 && !(self.world.stops)(index, self.directions[ray]) {
+                *meets = 0.0;
             }
         }
+        simd.greater_than_f32s(S::as_simd_f32s(&lanes).0[0], zero)
     }
 
     /// `alive` without those of `packs` whose rays are all done.
