@@ -20,7 +20,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 /// Radius of an effect as a share of the scene's diagonal, where no network says which one it knows.
-pub const DEFAULT_RADIUS_SHARE: f32 = 0.05;
+pub const DEFAULT_RADIUS_SHARE: f32 = 0.1;
 
 /// Methods are timed as the median of so many runs.
 pub const REPEATS: Repeats = Repeats { warm_up: 2, timed: 11 };
@@ -51,7 +51,7 @@ pub struct Args {
     /// Columns of the images.
     #[arg(long, default_value_t = 512, value_parser = RangedU64ValueParser::<usize>::new().range(16..=8192))]
     width: usize,
-    /// How far the effect reaches, metres; by default what the network knows, else 5 % of the scene's diagonal.
+    /// How far the effect reaches, metres; by default what the network knows, else 10 % of the scene's diagonal.
     #[arg(long, value_parser = positive)]
     radius: Option<f32>,
     #[command(flatten)]

@@ -101,8 +101,9 @@ fn metrics(path: &Path) -> Result<Vec<(String, String)>> {
 
 fn rounded(value: &Value) -> String {
     match value.as_f64() {
-        Some(number) if number.fract() != 0.0 => format!("{number:.4}"),
-        _ => value.to_string(),
+        Some(number) if number.fract() == 0.0 => format!("{number:.0}"),
+        Some(number) => format!("{number:.4}"),
+        None => value.to_string(),
     }
 }
 
@@ -117,7 +118,7 @@ mod tests {
         std::fs::write(&path, r#"{"figures": {"ssim_learned": 0.71234567, "frames": 200.0}}"#)
             .expect("written");
         let rows = metrics(&path).expect("reads");
-        let expected = [("frames", "200.0"), ("ssim_learned", "0.7123")];
+        let expected = [("frames", "200"), ("ssim_learned", "0.7123")];
         assert_eq!(rows, expected.map(|(name, value)| (name.to_owned(), value.to_owned())));
         std::fs::write(&path, "{}").expect("written");
         let error = metrics(&path).expect_err("no figures");

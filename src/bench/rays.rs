@@ -20,7 +20,7 @@ use std::time::Instant;
 #[command(after_help = "Example:\n  deepshade bench rays --scene sponza.gltf --json rays.json")]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
-    #[arg(long)]
+    #[arg(long, default_value = "colonnade:1")]
     scene: SceneSource,
     #[command(flatten)]
     views: views::Args,

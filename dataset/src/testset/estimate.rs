@@ -3,13 +3,14 @@
 use super::{TestSet, in_tiles, tile_indices, tiles_of};
 use crate::truth::Shot;
 use crate::{DatasetError, Recipe, truth, views};
+use deepshade_render::bvh::bundle::BUNDLE;
 use deepshade_render::metrics::ssim::TILE;
 use std::time::{Duration, Instant};
 
 /// Scenes that are probed.
 const SCENES: usize = 12;
-/// One tile in so many is rendered, with so many samples a pixel.
-const PROBE: (usize, u32) = (32, 16);
+/// One tile in so many is rendered, with so many samples a pixel: as many as are traced at a time.
+const PROBE: (usize, u32) = (64, BUNDLE as u32);
 
 impl TestSet {
     /// How long [`TestSet::generate`] will take from nothing, on this machine with nothing else to do: a few scenes,
