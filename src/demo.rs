@@ -140,7 +140,7 @@ mod short_training {
                 &data,
                 ChannelOrder::Interleaved,
                 diagonal_share,
-            )
+            )?
         };
         // A run of an earlier demo would be resumed; the demo starts afresh.
         deepshade_train::discard(&run)?;

@@ -175,7 +175,7 @@ fn score_frame(
         let shaded = method.shade(&frame, Repeats::ONCE).with_context(|| format!("frame {}", record.name))?;
         score(&method.name().replace('-', "_"), &shaded.image);
     }
-    score(WHITE, &Planes::filled(effect.channels(), height, width, effect.background()));
+    score(WHITE, &Planes::filled(effect.channels(), height, width, effect.background().unwrap_or(0.0)));
     evaluation.add(&kind, index, "ssim_ceiling".to_owned(), record.ceiling.ssim);
     Ok(())
 }

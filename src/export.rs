@@ -77,7 +77,7 @@ pub fn facts(manifest: &Manifest, metrics: Vec<(String, String)>) -> Facts {
 
 fn limits(effect: Effect) -> Vec<String> {
     let limits: &[&str] = match effect {
-        Effect::Ao => &[
+        _ => &[
             "It sees what the camera sees: what lies outside the image or behind other surfaces blocks nothing.",
             "It was trained on perspective views with a vertical field of view of 50 degrees, without motion or \
              depth-of-field blur.",

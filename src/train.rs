@@ -184,11 +184,12 @@ pub fn default_config(
     dataset: &Path,
     order: ChannelOrder,
     diagonal_share: f32,
-) -> TrainConfig {
+) -> Result<TrainConfig> {
     let recipe = &manifest.origin.recipe;
     let reach = Reach { radius: INPUT_RADIUS, diagonal_share, height: recipe.resolution.height };
     let spec = match recipe.effect {
         Effect::Ao => NetSpec::ao(order, reach),
+        effect => bail!("no network is laid out for effect `{effect}` yet; there is one for `ao`"),
     };
-    TrainConfig::new(spec, dataset.to_owned())
+    Ok(TrainConfig::new(spec, dataset.to_owned()))
 }

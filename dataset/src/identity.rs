@@ -61,6 +61,12 @@ pub fn scene_hash(scene: &Scene) -> String {
         list(texture.texels().as_flattened().to_vec());
     }
     list(format!("{:?}", scene.lights).into_bytes());
+    if let Some(medium) = &scene.medium {
+        list(format!("{medium:?}").into_bytes());
+    }
+    if let Some(environment) = &scene.environment {
+        list(format!("{environment:?}").into_bytes());
+    }
     hasher.finalize().to_hex().to_string()
 }
 

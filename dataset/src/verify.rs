@@ -141,6 +141,7 @@ fn content_fault(pair: &Pair, effect: Effect) -> Option<String> {
 const fn in_range(value: f32, effect: Effect) -> bool {
     match effect {
         Effect::Ao => value >= 0.0 && value <= 1.0,
+        _ => value >= 0.0 && value.is_finite(),
     }
 }
 

@@ -428,7 +428,7 @@ mod tests {
         let slot = TextureSlot { texture: TextureId(0), uv_set: 0, transform: Affine2::IDENTITY };
         let material =
             Material { base_colour_texture: Some(slot), alpha: AlphaMode::Mask(0.5), ..Material::default() };
-        let scene = Scene { textures: vec![texture], ..scene(vec![square_at(0.0)], material) };
+        let scene = Scene { textures: vec![texture.into()], ..scene(vec![square_at(0.0)], material) };
         let traced = TracedScene::new(scene).expect("a square");
         assert!(traced.blocked(Vec3::new(0.2, 0.5, 1.0), Vec3::NEG_Z, 9.0));
         assert!(!traced.blocked(Vec3::new(0.8, 0.5, 1.0), Vec3::NEG_Z, 9.0));

@@ -160,7 +160,7 @@ mod tests {
         TracedScene::new(Scene {
             meshes: vec![mesh],
             materials: vec![material],
-            textures: vec![texture],
+            textures: vec![texture.into()],
             ..Scene::default()
         })
         .expect("a square")

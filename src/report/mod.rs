@@ -73,7 +73,7 @@ impl Truth {
         let mut image = a.clone();
         image.data_mut().iter_mut().zip(b.data()).for_each(|(a, b)| *a = 0.5 * (*a + b));
         let noise = Scores::new(a, b);
-        let blank = Planes::filled(a.channels(), a.height(), a.width(), effect.background());
+        let blank = Planes::filled(a.channels(), a.height(), a.width(), effect.background().unwrap_or(0.0));
         let white = Scores::new(&blank, &image);
         Self { halves, image, noise, white, milliseconds }
     }

@@ -164,6 +164,19 @@ fn reference_rows(noise: Scores, white: Scores, truth_milliseconds: f64) -> [Row
 const fn title(effect: Effect) -> &'static str {
     match effect {
         Effect::Ao => "Ambient occlusion",
+        Effect::Do => "Directional occlusion",
+        Effect::Gi => "Diffuse indirect light",
+        Effect::Ibl => "Image-based lighting",
+        Effect::Sss => "Subsurface scattering in screen space",
+        Effect::Subsurface => "Subsurface scattering",
+        Effect::Dof => "Depth of field",
+        Effect::MotionBlur => "Motion blur",
+        Effect::Aa => "Anti-aliasing",
+        Effect::Multi => "Ambient occlusion and depth of field",
+        Effect::FogDirect => "Fog, light scattered once",
+        Effect::FogIndirect => "Fog, light from surfaces",
+        Effect::FogMultiple => "Fog, light scattered many times",
+        Effect::Path => "All light",
     }
 }
 

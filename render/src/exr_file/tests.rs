@@ -1,9 +1,9 @@
 use super::*;
 use crate::bvh::TracedScene;
-use crate::path::ao::Ao;
+use crate::path::{self, Sampling, Shot};
 use crate::scene::Camera;
 use crate::scene::procedural::Family;
-use deepshade_shaders::{Attribute, GBuffer, Planes};
+use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
 use exr::prelude::Compression;
 
 #[path = "../../tests/real_data/mod.rs"]
@@ -171,8 +171,8 @@ fn compression() {
     let camera = Camera::look_at(centre, corner);
     let attributes = [Attribute::Position, Attribute::Normal, Attribute::Valid];
     let gbuffer = crate::gbuffer::render(&scene, &camera, 256, 256, &attributes);
-    let truth =
-        Ao { radius: 0.05 * scene.diagonal(), samples: 16, seed: 1 }.render(&scene, &camera, 256, 256);
+    let shot = Shot::new(&scene, &camera, [256, 256], 0.05 * scene.diagonal());
+    let truth = path::render(Effect::Ao, &shot, Sampling::one(16, 1)).mean;
     let layers = [Layer::gbuffer(&gbuffer), Layer::image("target.ao", &truth)];
     let size = |compression: Compression| {
         let start = std::time::Instant::now();

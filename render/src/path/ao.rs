@@ -1,95 +1,65 @@
 //! Truth for ambient occlusion: the cosine-weighted share of directions of the hemisphere around the shading normal
 //! that nothing blocks within a radius (thesis 7.4).
 
-use super::sampler::{MAX_SAMPLES, PixelSampler, cosine_hemisphere, frame};
-use crate::bvh::{
-    TracedScene,
-    bundle::{BUNDLE, Start},
-};
+use super::sampler::{MAX_SAMPLES, PixelSampler, Stream, cosine_hemisphere, frame};
+use super::{Footprint, Integrator, Shot};
+use crate::bvh::bundle::{BUNDLE, Start};
 use crate::intersection::SurfacePoint;
-use crate::scene::Camera;
-use deepshade_shaders::{Effect, Planes};
 use glam::{Vec2, Vec3};
-use rayon::prelude::*;
 
-/// Edge of the squares of pixels that threads take, so that a thread's rays stay near each other.
-const TILE: usize = 16;
-
-/// Path-traced ambient occlusion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ao {
-    /// How far a blocker may be, metres.
-    pub radius: f32,
-    /// Rays a pixel; above 65,536 the sequence is cut.
-    pub samples: u32,
-    /// Renderings with different seeds are independent.
-    pub seed: u32,
+/// Path-traced ambient occlusion: 1 where nothing is seen.
+#[derive(Clone, Copy, Debug)]
+pub struct Ao<'a> {
+    shot: Shot<'a>,
 }
 
-impl Ao {
-    /// The image of a camera, `[1, height, width]`, unitless; 1 where nothing is seen.
-    pub fn render(&self, scene: &TracedScene, camera: &Camera, height: usize, width: usize) -> Planes {
-        self.render_where(scene, camera, height, width, |_, _| true)
+impl<'a> Ao<'a> {
+    /// Ambient occlusion within the shot's radius.
+    pub const fn new(shot: &Shot<'a>) -> Self {
+        Self { shot: *shot }
     }
 
-    /// [`Ao::render`], but only for the pixels (x, y) that are wanted; the others are 1.
-    pub fn render_where(
-        &self,
-        scene: &TracedScene,
-        camera: &Camera,
-        height: usize,
-        width: usize,
-        wanted: impl Fn(usize, usize) -> bool + Sync,
-    ) -> Planes {
-        let columns = width.div_ceil(TILE);
-        let tiles: Vec<[f32; TILE * TILE]> = (0..columns * height.div_ceil(TILE))
-            .into_par_iter()
-            .map(|tile| {
-                let (x0, y0) = (tile % columns * TILE, tile / columns * TILE);
-                std::array::from_fn(|i| {
-                    let (x, y) = (x0 + i % TILE, y0 + i / TILE);
-                    let inside = x < width && y < height && wanted(x, y);
-                    if inside { self.pixel(scene, camera, height, width, x, y) } else { 1.0 }
-                })
-            })
-            .collect();
-        Planes::from_fn(1, height, width, |_, y, x| {
-            tiles[y / TILE * columns + x / TILE][y % TILE * TILE + x % TILE]
-        })
-    }
-
-    /// The value of pixel (`x`, `y`): of the surface seen through its middle.
-    pub fn pixel(
-        &self,
-        scene: &TracedScene,
-        camera: &Camera,
-        height: usize,
-        width: usize,
-        x: usize,
-        y: usize,
-    ) -> f32 {
-        let direction = camera.direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5), height, width);
-        match scene.hit(camera.position, direction, f32::INFINITY) {
-            Some(hit) => {
-                let point = SurfacePoint::new(scene, &hit, direction);
-                self.open_share(scene, &point, PixelSampler::new(x, y, self.seed))
-            }
-            None => Effect::Ao.background(),
-        }
+    /// The surface at a point of the image.
+    fn surface(&self, at: Vec2) -> Option<SurfacePoint> {
+        let Shot { scene, camera, height, width, .. } = self.shot;
+        let direction = camera.direction(at, height, width);
+        let hit = scene.hit(camera.position, direction, f32::INFINITY)?;
+        Some(SurfacePoint::new(scene, &hit, direction))
     }
 
     /// The open share of the hemisphere over a point.
-    fn open_share(&self, scene: &TracedScene, point: &SurfacePoint, sampler: PixelSampler) -> f32 {
-        let start = Start { origin: point.ray_origin(), above: point.geometric_normal, reach: self.radius };
-        let samples = self.samples.clamp(1, MAX_SAMPLES);
+    fn open_share(&self, point: &SurfacePoint, sampler: PixelSampler, samples: u32) -> f32 {
+        let start =
+            Start { origin: point.ray_origin(), above: point.geometric_normal, reach: self.shot.radius };
+        let samples = samples.clamp(1, MAX_SAMPLES);
         // A direction below the triangle is blocked by the triangle itself.
         let mut directions = hemisphere(&sampler, samples, point.normal);
         directions.retain(|direction| direction.dot(point.geometric_normal) > 0.0);
         let open: u32 = directions
             .chunks(BUNDLE)
-            .map(|bundle| bundle.len() as u32 - scene.blocked_bundle(start, bundle).count_ones())
+            .map(|bundle| bundle.len() as u32 - self.shot.scene.blocked_bundle(start, bundle).count_ones())
             .sum();
         open as f32 / samples as f32
+    }
+}
+
+impl Integrator for Ao<'_> {
+    fn sample(&self, at: Vec2, stream: &mut Stream) -> Vec3 {
+        let Some(point) = self.surface(at) else { return Vec3::ONE };
+        let [u, v] = stream.next_2d().to_array();
+        let direction = frame(point.normal) * cosine_hemisphere(u, v);
+        let above = direction.dot(point.geometric_normal) > 0.0;
+        let open = above && !self.shot.scene.blocked(point.ray_origin(), direction, self.shot.radius);
+        Vec3::splat(f32::from(open))
+    }
+
+    /// All rays of a pixel's middle start at one point, and go as bundles.
+    fn pixel(&self, shot: &Shot<'_>, x: usize, y: usize, sampler: PixelSampler, count: u32) -> Vec3 {
+        if shot.footprint == Footprint::Box {
+            return super::mean_of_samples(self, shot, x, y, sampler, count);
+        }
+        let point = self.surface(Vec2::new(x as f32 + 0.5, y as f32 + 0.5));
+        Vec3::splat(point.map_or(1.0, |point| self.open_share(&point, sampler, count)))
     }
 }
 
@@ -116,7 +86,10 @@ fn morton(number: f32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Material, Mesh, Scene};
+    use crate::bvh::TracedScene;
+    use crate::path::{Sampling, render};
+    use crate::scene::{Camera, Material, Mesh, Scene};
+    use deepshade_shaders::Effect;
 
     const SAMPLES: u32 = 4096;
     /// Above the error of 4,096 stratified samples of a share, below every difference that the tests tell apart.
@@ -138,7 +111,8 @@ mod tests {
     /// Openness of the floor at (x, 0, 0), seen from nearby.
     fn at_floor(scene: &TracedScene, x: f32, radius: f32) -> f32 {
         let camera = Camera::look_at(Vec3::new(x, 0.01, 0.0), Vec3::new(x, 0.0, 0.0));
-        Ao { radius, samples: SAMPLES, seed: 1 }.pixel(scene, &camera, 1, 1, 0, 0)
+        let shot = Shot::new(scene, &camera, [1, 1], radius);
+        render(Effect::Ao, &shot, Sampling::one(SAMPLES, 1)).mean.at(0, 0, 0)
     }
 
     #[test]
@@ -208,7 +182,8 @@ mod tests {
         let camera = Camera::look_at(Vec3::new(2.0, 1.0, 0.5), Vec3::ZERO);
         let image = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            pool.install(|| Ao { radius: 1.0, samples: 8, seed: 3 }.render(&scene, &camera, 37, 51))
+            let shot = Shot::new(&scene, &camera, [37, 51], 1.0);
+            pool.install(|| render(Effect::Ao, &shot, Sampling::one(8, 3)))
         };
         assert_eq!(image(1), image(3));
     }

@@ -45,14 +45,14 @@ struct Arrival {
 fn arrival(light: &Light, point: Vec3) -> Arrival {
     match *light {
         Light::Point { position, intensity, range } => from_position(position, intensity, range, point),
-        Light::Spot { position, direction, intensity, range, cos_inner, cos_outer } => {
+        Light::Spot { position, direction, intensity, range, cos_inner, cos_outer, .. } => {
             let arrival = from_position(position, intensity, range, point);
             // KHR_lights_punctual: linear in the cosine between the cones, then squared.
             let cosine = -arrival.direction.dot(direction);
             let inside = ((cosine - cos_outer) / (cos_inner - cos_outer).max(1e-4)).clamp(0.0, 1.0);
             Arrival { irradiance: arrival.irradiance * inside * inside, ..arrival }
         }
-        Light::Directional { direction, irradiance } => {
+        Light::Directional { direction, irradiance, .. } => {
             Arrival { direction: -direction, distance: f32::INFINITY, irradiance }
         }
     }
@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn a_roof_casts_a_shadow() {
-        let light = Light::Directional { direction: Vec3::NEG_Y, irradiance: Vec3::ONE };
+        let light = Light::Directional { direction: Vec3::NEG_Y, irradiance: Vec3::ONE, pattern: None };
         let scene = floor_and_roof(light);
         assert!(floor_light(&scene, -1.0).diffuse.x > 0.1);
         assert_eq!(floor_light(&scene, 1.0), DirectLight::default());
@@ -144,6 +144,7 @@ mod tests {
             range: f32::INFINITY,
             cos_inner: 0.95,
             cos_outer: 0.9,
+            slide: None,
         };
         let scene = floor_and_roof(light);
         assert!((floor_light(&scene, -3.0).diffuse.x - 100.0 / 16.0 * 0.5 / PI).abs() < 1e-4);

@@ -1,7 +1,8 @@
 //! Counter-based random numbers: a value is a function of pixel, sample, dimension and seed, so that images do not
 //! depend on threads or order. Within a pixel, samples are an Owen-scrambled Sobol sequence (Burley 2020).
 
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec2, Vec3};
+use sobol_burley::NUM_DIMENSION_SETS_4D;
 
 /// The most samples of a pixel; the length of the Sobol sequence.
 pub const MAX_SAMPLES: u32 = 1 << 16;
@@ -27,9 +28,58 @@ impl PixelSampler {
         Self { seed: hash(x as u32 ^ hash(y as u32 ^ hash(seed))) }
     }
 
+    /// The same pixel's sequence under another scrambling; scrambling 0 is this one.
+    #[must_use]
+    pub const fn scrambled(self, scrambling: u32) -> Self {
+        if scrambling == 0 { self } else { Self { seed: hash(self.seed ^ hash(scrambling)) } }
+    }
+
     /// Dimensions `4 * set` to `4 * set + 3` of a sample, each in [0, 1).
     pub fn sample_4d(&self, sample: u32, set: u32) -> [f32; 4] {
         sobol_burley::sample_4d(sample, set, self.seed)
+    }
+}
+
+/// The random numbers of one sample of a pixel, one after the other. The first 256 are dimensions of the pixel's Sobol
+/// sequence, those after them independent hashes, since what happens so late on a path hardly varies together.
+#[derive(Clone, Debug)]
+pub struct Stream {
+    pixel: PixelSampler,
+    sample: u32,
+    /// How many numbers were taken.
+    taken: u32,
+    /// The set of four dimensions that the last number was from.
+    set: [f32; 4],
+}
+
+impl Stream {
+    /// The numbers of a sample, from the first on.
+    pub const fn new(pixel: PixelSampler, sample: u32) -> Self {
+        Self { pixel, sample, taken: 0, set: [0.0; 4] }
+    }
+
+    /// The next number, in [0, 1).
+    pub fn next(&mut self) -> f32 {
+        let (set, within) = (self.taken / 4, self.taken % 4);
+        self.taken += 1;
+        if set >= NUM_DIMENSION_SETS_4D {
+            let mixed = hash(self.pixel.seed ^ hash(self.sample ^ hash(self.taken)));
+            return (mixed >> 8) as f32 / 16_777_216.0;
+        }
+        if within == 0 {
+            self.set = self.pixel.sample_4d(self.sample, set);
+        }
+        self.set[within as usize]
+    }
+
+    /// The next two numbers, stratified together: never of two different sets of four dimensions.
+    pub fn next_2d(&mut self) -> Vec2 {
+        self.taken += self.taken % 2;
+        // A number passed over starts a set that was not read.
+        if self.taken % 4 == 2 && self.taken / 4 < NUM_DIMENSION_SETS_4D {
+            self.set = self.pixel.sample_4d(self.sample, self.taken / 4);
+        }
+        Vec2::new(self.next(), self.next())
     }
 }
 

@@ -1,4 +1,4 @@
-//! A pinhole camera.
+//! A camera: a pinhole, or a thin lens.
 
 use glam::{Mat3, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,16 @@ use serde::{Deserialize, Serialize};
 /// Vertical field of view of every sampled view, degrees (thesis 7.3.1).
 pub const FIELD_OF_VIEW: f32 = 50.0;
 
-/// A pinhole camera; looks down its -z, x to the right, y up.
+/// A lens that focuses one plane.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Lens {
+    /// Radius of the aperture, metres.
+    pub radius: f32,
+    /// Depth of the plane in focus, metres.
+    pub focus: f32,
+}
+
+/// A camera; looks down its -z, x to the right, y up.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
     /// Where it stands, world space, metres.
@@ -15,6 +24,9 @@ pub struct Camera {
     pub rotation: Mat3,
     /// Full vertical angle of view, radians.
     pub vertical_fov: f32,
+    /// Its lens; `None` for a pinhole, which is what every g-buffer is seen through.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lens: Option<Lens>,
 }
 
 impl Camera {
@@ -24,7 +36,7 @@ impl Camera {
         let up = if backward.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
         let right = up.cross(backward).normalize();
         let rotation = Mat3::from_cols(right, backward.cross(right), backward);
-        Self { position, rotation, vertical_fov: FIELD_OF_VIEW.to_radians() }
+        Self { position, rotation, vertical_fov: FIELD_OF_VIEW.to_radians(), lens: None }
     }
 
     /// The unit direction, in world space, through a point of the image given in pixels from the top left corner

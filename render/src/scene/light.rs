@@ -1,5 +1,6 @@
 //! Lights without an extent. Emissive surfaces are materials.
 
+use super::TextureId;
 use glam::Vec3;
 
 /// A light without an extent, in world space.
@@ -28,6 +29,8 @@ pub enum Light {
         cos_inner: f32,
         /// Cosine of the half angle outside which there is none.
         cos_outer: f32,
+        /// A picture that the cone projects: multiplies the intensity, its inscribed circle is the outer cone.
+        slide: Option<TextureId>,
     },
     /// Infinitely far away.
     Directional {
@@ -35,5 +38,8 @@ pub enum Light {
         direction: Vec3,
         /// Irradiance on a surface that faces it, W/m^2, RGB.
         irradiance: Vec3,
+        /// A picture that multiplies the irradiance across the light's direction, like clouds, with the metres after
+        /// which it repeats.
+        pattern: Option<(TextureId, f32)>,
     },
 }

@@ -2,6 +2,7 @@
 
 use super::{Texture, TextureId};
 use glam::{Affine2, Vec2, Vec3, Vec4};
+use std::sync::Arc;
 
 /// How alpha is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,6 +27,16 @@ pub struct TextureSlot {
     pub transform: Affine2,
 }
 
+/// How a surface spreads what it reflects specularly.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Gloss {
+    /// Microfacets with the GGX distribution, glTF's model: what path tracing uses.
+    #[default]
+    Microfacets,
+    /// The energy-normalised Phong lobe, the model of the thesis' attributes (7.3.1).
+    Phong,
+}
+
 /// glTF's metallic-roughness material. Colours are linear; a texture multiplies its factor. Surfaces are seen and stop
 /// light from both sides, whatever a file says of culling.
 #[derive(Clone, Debug)]
@@ -44,6 +55,10 @@ pub struct Material {
     pub metallic_roughness_texture: Option<TextureSlot>,
     /// Tangent-space normals, with the scale of their x and y.
     pub normal_texture: Option<(TextureSlot, f32)>,
+    /// How what is reflected specularly spreads.
+    pub gloss: Gloss,
+    /// Mean free path below the surface for each colour, metres; zero where light does not enter.
+    pub mean_free_path: Vec3,
     /// Emitted radiance.
     pub emission: Vec3,
     /// Multiplies the emission.
@@ -63,6 +78,8 @@ impl Default for Material {
             roughness: 1.0,
             metallic_roughness_texture: None,
             normal_texture: None,
+            gloss: Gloss::default(),
+            mean_free_path: Vec3::ZERO,
             emission: Vec3::ZERO,
             emission_texture: None,
             alpha: AlphaMode::Opaque,
@@ -79,6 +96,10 @@ pub struct Surface {
     pub specular: Vec3,
     /// Perceptual roughness.
     pub roughness: f32,
+    /// How what is reflected specularly spreads.
+    pub gloss: Gloss,
+    /// Mean free path below the surface, metres; zero where light does not enter.
+    pub mean_free_path: Vec3,
     /// Emitted radiance.
     pub emission: Vec3,
 }
@@ -93,7 +114,7 @@ impl Material {
     }
 
     /// The surface at a point with two sets of texture coordinates and an interpolated vertex colour.
-    pub fn surface(&self, textures: &[Texture], uvs: [Vec2; 2], colour: Vec4) -> Surface {
+    pub fn surface(&self, textures: &[Arc<Texture>], uvs: [Vec2; 2], colour: Vec4) -> Surface {
         let base = self.base_colour * colour * read(self.base_colour_texture, textures, uvs);
         let metallic_roughness = read(self.metallic_roughness_texture, textures, uvs);
         let metallic = (self.metallic * metallic_roughness.z).clamp(0.0, 1.0);
@@ -102,12 +123,14 @@ impl Material {
             diffuse: base * (1.0 - metallic),
             specular: Vec3::splat(DIELECTRIC_SPECULAR).lerp(base, metallic),
             roughness: (self.roughness * metallic_roughness.y).clamp(0.0, 1.0),
+            gloss: self.gloss,
+            mean_free_path: self.mean_free_path,
             emission: self.emission * read(self.emission_texture, textures, uvs).truncate(),
         }
     }
 
     /// The share of light that is stopped at a point: 1, 0 or, for blended materials, alpha.
-    pub fn opacity(&self, textures: &[Texture], uvs: [Vec2; 2], colour: Vec4) -> f32 {
+    pub fn opacity(&self, textures: &[Arc<Texture>], uvs: [Vec2; 2], colour: Vec4) -> f32 {
         let alpha = || (self.base_colour * colour * read(self.base_colour_texture, textures, uvs)).w;
         match self.alpha {
             AlphaMode::Opaque => 1.0,
@@ -117,7 +140,7 @@ impl Material {
     }
 
     /// The tangent-space normal at a point, unit length; `None` without a normal map.
-    pub fn tangent_normal(&self, textures: &[Texture], uvs: [Vec2; 2]) -> Option<Vec3> {
+    pub fn tangent_normal(&self, textures: &[Arc<Texture>], uvs: [Vec2; 2]) -> Option<Vec3> {
         let (slot, scale) = self.normal_texture?;
         let value = read(Some(slot), textures, uvs).truncate() * 2.0 - Vec3::ONE;
         (value * Vec3::new(scale, scale, 1.0)).try_normalize()
@@ -125,7 +148,7 @@ impl Material {
 }
 
 /// The value of a slot, white where there is none.
-fn read(slot: Option<TextureSlot>, textures: &[Texture], uvs: [Vec2; 2]) -> Vec4 {
+fn read(slot: Option<TextureSlot>, textures: &[Arc<Texture>], uvs: [Vec2; 2]) -> Vec4 {
     slot.map_or(Vec4::ONE, |slot| {
         textures[slot.texture.0 as usize].sample(slot.transform.transform_point2(uvs[slot.uv_set]))
     })

@@ -14,6 +14,9 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Unit shading normals; where empty, triangles are flat.
     pub normals: Vec<Vec3>,
+    /// How far each vertex moves while the shutter is open, world space, metres; where empty, nothing moves.
+    /// `positions` are those of the middle of that time.
+    pub displacements: Vec<Vec3>,
     /// Unit tangents with the bitangent's sign in w, as glTF has them; may be empty.
     pub tangents: Vec<Vec4>,
     /// Two sets of texture coordinates, origin top left as in glTF; each may be empty.

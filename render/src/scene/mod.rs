@@ -1,11 +1,13 @@
 //! Scenes: triangles in world space with materials, textures, lights and cameras, from files or from seeds.
 
 pub mod camera;
+pub mod environment;
 mod file;
 mod finish;
 pub mod gltf;
 pub mod light;
 pub mod material;
+pub mod medium;
 pub mod mesh;
 pub mod obj;
 pub mod procedural;
@@ -13,15 +15,18 @@ pub mod source;
 pub mod summary;
 pub mod texture;
 
-pub use camera::Camera;
+pub use camera::{Camera, Lens};
+pub use environment::Environment;
 pub use light::Light;
-pub use material::{AlphaMode, Material, Surface, TextureSlot};
+pub use material::{AlphaMode, Gloss, Material, Surface, TextureSlot};
+pub use medium::{Density, DensityGrid, Medium};
 pub use mesh::{Bounds, Mesh};
 pub use source::SceneSource;
 pub use summary::SceneSummary;
 pub use texture::{Encoding, Texture, Wrap};
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Index into [`Scene::materials`].
@@ -42,9 +47,13 @@ pub struct Scene {
     /// Materials; never empty where there is a mesh.
     pub materials: Vec<Material>,
     /// Textures of the materials.
-    pub textures: Vec<Texture>,
+    pub textures: Vec<Arc<Texture>>,
     /// Lights other than emissive triangles.
     pub lights: Vec<Light>,
+    /// What shines from infinitely far away, where nothing else is.
+    pub environment: Option<Arc<Environment>>,
+    /// What fills the space between surfaces.
+    pub medium: Option<Arc<Medium>>,
     /// Cameras that the file brings, with their names.
     pub cameras: Vec<(String, Camera)>,
 }

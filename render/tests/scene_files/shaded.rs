@@ -132,7 +132,7 @@ fn lights_shine_down_their_nodes_minus_z() {
     let is_down = |direction: Vec3| (direction - Vec3::NEG_Y).length() < 1e-6;
     let three = Vec3::splat(3.0);
     assert!(
-        matches!(sun, Light::Directional { direction, irradiance } if is_down(direction) && irradiance == three),
+        matches!(sun, Light::Directional { direction, irradiance, pattern: None } if is_down(direction) && irradiance == three),
         "{sun:?}"
     );
     let expected = Light::Spot {
@@ -142,6 +142,7 @@ fn lights_shine_down_their_nodes_minus_z() {
         range: 7.5,
         cos_inner: 0.5f32.cos(),
         cos_outer: 1f32.cos(),
+        slide: None,
     };
     assert_eq!(spot, expected);
 }

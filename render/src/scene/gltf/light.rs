@@ -40,14 +40,24 @@ fn read_light(light: &FileLight<'_>, world: Mat4) -> Result<Light, String> {
     let direction = || direction.ok_or_else(|| "it has no direction".to_owned());
     match light.kind() {
         Kind::Point => Ok(Light::Point { position, intensity: power, range }),
-        Kind::Directional => Ok(Light::Directional { direction: direction()?, irradiance: power }),
+        Kind::Directional => {
+            Ok(Light::Directional { direction: direction()?, irradiance: power, pattern: None })
+        }
         Kind::Spot { inner_cone_angle: inner, outer_cone_angle: outer } => {
             if !(0.0..outer).contains(&inner) || outer > 0.5 * PI + 1e-4 {
                 return Err(format!("cone angles {inner} and {outer} are not 0 <= inner < outer <= pi/2"));
             }
             let (cos_inner, cos_outer) = (inner.cos(), outer.cos());
             let direction = direction()?;
-            Ok(Light::Spot { position, direction, intensity: power, range, cos_inner, cos_outer })
+            Ok(Light::Spot {
+                position,
+                direction,
+                intensity: power,
+                range,
+                cos_inner,
+                cos_outer,
+                slide: None,
+            })
         }
     }
 }
@@ -68,7 +78,12 @@ pub(super) fn cameras(file: &File<'_>, hierarchy: &Hierarchy) -> Result<Vec<(Str
         let name = node.name().map(str::to_owned).or(camera.name.clone());
         cameras.push((
             name.unwrap_or_else(|| format!("camera {index}")),
-            Camera { position: world.w_axis.truncate(), rotation, vertical_fov: perspective.yfov },
+            Camera {
+                position: world.w_axis.truncate(),
+                rotation,
+                vertical_fov: perspective.yfov,
+                lens: None,
+            },
         ));
     }
     Ok(cameras)

@@ -13,12 +13,13 @@ use gltf::json::{
     texture::Info,
     validation::Checked,
 };
+use std::sync::Arc;
 
 /// The name of the extension, where it is not part of the parsed JSON.
 const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 
 /// All materials of a file, in its order, then the one of primitives without a material, and all their textures.
-pub(super) fn read(file: &File<'_>) -> Result<(Vec<Material>, Vec<Texture>), SceneError> {
+pub(super) fn read(file: &File<'_>) -> Result<(Vec<Material>, Vec<Arc<Texture>>), SceneError> {
     let mut textures = TextureList::default();
     let written = file.document.as_json().materials.iter().enumerate();
     let mut materials: Vec<_> = written
@@ -74,6 +75,7 @@ fn read_one(
             Checked::Valid(FileAlphaMode::Opaque) | Checked::Invalid => AlphaMode::Opaque,
         },
         name: name.clone(),
+        ..Material::default()
     };
     let finite = read.base_colour.is_finite() && read.emission.is_finite();
     let finite = finite && read.metallic.is_finite() && read.roughness.is_finite();

@@ -45,5 +45,7 @@ pub fn load(path: &Path, time: f32) -> Result<Scene, SceneError> {
         textures,
         lights: light::lights(&file, &hierarchy)?,
         cameras: light::cameras(&file, &hierarchy)?,
+        environment: None,
+        medium: None,
     })
 }
