@@ -1,5 +1,6 @@
 //! `deepshade compare`: methods against truth on the views of a scene.
 
+use crate::complete::{Wants, complete};
 use crate::figures::{self, Figures};
 use crate::methods::{self, Setup};
 use crate::report::{Comparison, FrameReport, MethodReport, Truth};
@@ -7,12 +8,13 @@ use crate::views::{self, View};
 use anyhow::{Context, Result, ensure};
 use clap::builder::RangedU64ValueParser;
 use deepshade_dataset::progress;
-use deepshade_dataset::truth::{self, Shot};
+use deepshade_dataset::truth;
 use deepshade_infer::Model;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Method, Repeats};
 use deepshade_render::metrics::Scores;
+use deepshade_render::path::{Sampling, Shot, render};
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
@@ -104,11 +106,23 @@ pub fn run(args: &Args) -> Result<()> {
         repeats: REPEATS,
     };
     let views = args.views.of(&scene, [args.height, args.width])?;
+    let wants = Wants {
+        effect: args.effect,
+        size: [args.height, args.width],
+        environment: None,
+        aperture: None,
+        focus: None,
+        seed: args.views.seed,
+    };
     let mut frames = Vec::new();
     let bar = progress::bar("frames", views.len(), 0);
     for view in &views {
         bar.set_message(view.name.clone());
-        frames.push(compare_frame(&scene, view, settings, &methods)?);
+        let completed = complete(&scene, &view.camera, &wants)?;
+        let view = View { camera: completed.camera, ..view.clone() };
+        let mut frame = compare_frame(&completed.scene, &view, settings, &methods)?;
+        frame.facts.extend(completed.added.into_iter().map(|added| ("added".to_owned(), added)));
+        frames.push(frame);
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -163,8 +177,8 @@ fn render_truth(frame: &Frame<'_>, settings: Settings) -> Truth {
     let Settings { effect, height, width, radius, samples, seed, .. } = settings;
     let half = |half: u32| {
         let seed = seed.wrapping_mul(2).wrapping_add(half);
-        let shot = Shot { scene: frame.scene, camera: frame.camera, height, width, radius, samples, seed };
-        truth::render(effect, &shot)
+        let shot = Shot::new(frame.scene, frame.camera, [height, width], radius);
+        truth::within_half(render(effect, &shot, Sampling::one(samples, seed)).mean)
     };
     let start = Instant::now();
     let halves = [half(0), half(1)];

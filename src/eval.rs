@@ -5,10 +5,9 @@ use crate::methods::{self, Setup};
 use crate::statistics::{Estimate, estimate};
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::testset::{FrameRecord, gather};
-use deepshade_dataset::{SceneRecord, TestFrame, TestSet};
+use deepshade_dataset::{SceneRecord, StagedScene, TestFrame, TestSet};
 use deepshade_dataset::{progress, truth};
 use deepshade_infer::Model;
-use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Method, Repeats};
 use deepshade_render::metrics::{flip, psnr, ssim};
@@ -128,14 +127,15 @@ fn evaluate(
     let bar = progress::bar("frames", chosen.len(), 0);
     let mut evaluation = Evaluation::default();
     // Frames of a scene follow each other, so that a scene is built once.
-    let mut current: Option<(SceneRecord, TracedScene)> = None;
+    let mut current: Option<(SceneRecord, StagedScene<'_>)> = None;
+    let props = set.props().context("--scenes says where files are")?;
     for index in chosen {
         let record = &set.frames()[*index];
         let scene = match current.take() {
             Some((source, scene)) if source == record.scene => scene,
             _ => {
                 evaluation.scenes += 1;
-                let scene = record.scene.load(&set.recipe().folder);
+                let scene = StagedScene::load(&record.scene, set.recipe(), &props);
                 scene
                     .with_context(|| format!("frame {}; --scenes says where scene files are", record.name))?
             }
@@ -151,13 +151,14 @@ fn evaluate(
 fn score_frame(
     evaluation: &mut Evaluation,
     record: &FrameRecord,
-    scene: &TracedScene,
+    staged: &StagedScene<'_>,
     truth: &TestFrame,
     set: &TestSet,
     effect: Effect,
     methods: &[Box<dyn Method>],
 ) -> Result<()> {
     let (height, width) = (set.recipe().resolution.height, set.recipe().resolution.width);
+    let scene = &staged.shown(&record.camera, record.variation.as_ref())?;
     let gbuffer = gbuffer::render(scene, &record.camera, height, width, truth::attributes(effect));
     let frame =
         Frame { scene, camera: &record.camera, gbuffer: &gbuffer, radius: record.radius, seed: record.seed };

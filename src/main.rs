@@ -9,6 +9,8 @@ mod output;
 
 mod bench;
 mod compare;
+mod complete;
+mod crosscheck;
 mod dataset;
 mod demo;
 mod eval;
@@ -21,6 +23,7 @@ mod methods;
 mod onnxruntime;
 #[cfg(feature = "train")]
 mod parity;
+mod render;
 mod report;
 mod scene;
 mod statistics;
@@ -43,6 +46,8 @@ enum Verb {
     Demo(demo::Args),
     /// Says what a scene holds, or lists the procedural families.
     Scene(scene::Args),
+    /// Renders a picture of one effect's truth, refining it before one's eyes.
+    Render(render::Args),
     /// Generates, verifies and shows training pairs, and makes test sets.
     #[command(subcommand)]
     Dataset(dataset::Verb),
@@ -63,6 +68,9 @@ enum Verb {
     Eval(eval::Args),
     /// Tunes an analytic method's parameters on the validation views of a dataset.
     Tune(tune::Args),
+    /// Checks truth against Mitsuba 3; `cargo xtask crosscheck` sets it up and calls this.
+    #[command(hide = true)]
+    Crosscheck(crosscheck::Args),
     /// Measures speed beside a rival.
     #[command(subcommand)]
     Bench(bench::Verb),
@@ -72,6 +80,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().verb {
         Verb::Demo(args) => demo::run(&args),
         Verb::Scene(args) => scene::run(&args),
+        Verb::Render(args) => render::run(&args),
         Verb::Dataset(verb) => dataset::run(&verb),
         #[cfg(feature = "train")]
         Verb::Train(args) => train::run(&args),
@@ -83,6 +92,7 @@ fn main() -> ExitCode {
         Verb::Compare(args) => compare::run(&args),
         Verb::Eval(args) => eval::run(&args),
         Verb::Tune(args) => tune::run(&args),
+        Verb::Crosscheck(args) => crosscheck::run(&args),
         Verb::Bench(verb) => bench::run(&verb),
     };
     match result {

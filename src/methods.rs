@@ -127,7 +127,7 @@ mod tests {
 
         let scene = floor();
         let camera = Camera::look_at(Vec3::new(0.3, 1.0, 1.0), Vec3::new(0.0, 0.4, -4.0));
-        let gbuffer = gbuffer::render(&scene, &camera, 24, 40, &gbuffer::RENDERED);
+        let gbuffer = gbuffer::render(&scene, &camera, 24, 40, &Attribute::ALL);
         let valid = gbuffer.select(&[Attribute::Valid]).expect("a mask");
         let seen = valid.data().iter().filter(|valid| **valid == 1.0).count();
         assert!(seen > 100 && seen < 24 * 40 - 100, "{seen}");

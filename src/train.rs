@@ -161,7 +161,7 @@ fn config(args: &Args) -> Result<TrainConfig> {
             args.dataset.display()
         ),
     };
-    let base = default_config(&manifest, &args.dataset, args.order.into(), share);
+    let base = default_config(&manifest, &args.dataset, args.order.into(), share)?;
     Ok(TrainConfig {
         optimiser: optimiser(args.optimiser, args.rate),
         batch: args.batch.unwrap_or(base.batch),

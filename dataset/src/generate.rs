@@ -7,11 +7,10 @@ use crate::journal::{Journal, checked};
 use crate::manifest::{MANIFEST, Manifest, PairRecord};
 use crate::origin::Origin;
 use crate::plan::{PlannedScene, PlannedView};
-use crate::truth::Shot;
-use crate::{DatasetError, Recipe, progress, truth, views};
-use deepshade_render::bvh::TracedScene;
+use crate::{DatasetError, Props, Recipe, StagedScene, progress, truth, views};
 use deepshade_render::exr_file::{Layer, Metadata, encode};
 use deepshade_render::gbuffer;
+use deepshade_render::path::{Sampling, Shot, render};
 use deepshade_shaders::atomic_file;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -54,7 +53,8 @@ pub fn generate(recipe: &Recipe, folder: &Path) -> Result<Summary, DatasetError>
     let known = checked(folder, entries);
     let total = plan.iter().map(|scene| scene.views.len()).sum();
     let bar = progress::bar("pairs", total, known.len());
-    let work = Work { recipe, folder, journal: &journal, known: &known, bar: &bar };
+    let props = Props::load(recipe)?;
+    let work = Work { recipe, props: &props, folder, journal: &journal, known: &known, bar: &bar };
     let manifest = Manifest { origin, pairs: by_scene(&plan, |_, scene| work.scene(scene))? };
     bar.finish_and_clear();
     manifest.save(folder)?;
@@ -99,6 +99,7 @@ fn earlier_pairs(folder: &Path, ours: &str) -> Result<Vec<PairRecord>, DatasetEr
 /// What all pairs share.
 struct Work<'a> {
     recipe: &'a Recipe,
+    props: &'a Props,
     folder: &'a Path,
     journal: &'a Journal,
     known: &'a HashMap<String, PairRecord>,
@@ -112,8 +113,12 @@ impl Work<'_> {
         if let Some(records) = scene.views.iter().map(known).collect() {
             return Ok(records);
         }
-        let traced = scene.scene.load(&self.recipe.folder)?;
-        let record = |view: &PlannedView| known(view).map_or_else(|| self.pair(scene, &traced, view), Ok);
+        let staged = StagedScene::load(&scene.scene, self.recipe, self.props)?;
+        let record = |view: &PlannedView| known(view).map_or_else(|| self.pair(scene, &staged, view), Ok);
+        // Images that differ in more than their view need copies of the scene, of which few are to be in memory.
+        if self.recipe.vary.is_some() {
+            return scene.views.iter().map(record).collect();
+        }
         scene.views.par_iter().map(record).collect()
     }
 
@@ -121,16 +126,19 @@ impl Work<'_> {
     fn pair(
         &self,
         planned: &PlannedScene,
-        scene: &TracedScene,
+        staged: &StagedScene<'_>,
         view: &PlannedView,
     ) -> Result<PairRecord, DatasetError> {
         let Recipe { effect, resolution, samples, seed, .. } = *self.recipe;
         let (height, width) = (resolution.height, resolution.width);
-        let camera = views::sample_view(scene, [height, width], seed, planned.key, view.index)?;
-        let radius = self.recipe.radius.metres(scene.diagonal());
-        let shot = Shot { scene, camera: &camera, height, width, radius, samples, seed: view.seed };
-        let target = truth::render(effect, &shot);
-        let gbuffer = gbuffer::render(scene, &camera, height, width, truth::attributes(effect));
+        let camera = views::sample_view(staged.base(), [height, width], seed, planned.key, view.index)?;
+        let radius = self.recipe.radius.metres(staged.base().diagonal());
+        let (camera, variation) = staged.draw(camera, view.seed);
+        let scene = staged.shown(&camera, variation.as_ref())?;
+        let shot = Shot::new(&scene, &camera, [height, width], radius);
+        let target = truth::within_half(render(effect, &shot, Sampling::one(samples, view.seed)).mean);
+        let gbuffer = gbuffer::render(&scene, &camera, height, width, truth::attributes(effect));
+        let gbuffer = truth::light_within_half(gbuffer);
         let mut record = PairRecord {
             file: file_name(view),
             blake3: String::new(),
@@ -140,6 +148,7 @@ impl Work<'_> {
             camera,
             radius,
             seed: view.seed,
+            variation,
         };
         let path = self.folder.join(&record.file);
         let layers = [Layer::gbuffer(&gbuffer), Layer::image(&target_layer(self.recipe), &target)];
@@ -174,10 +183,29 @@ fn metadata(recipe: &Recipe, record: &PairRecord) -> Metadata {
         ("radius_metres", record.radius.to_string()),
         ("samples", recipe.samples.to_string()),
         ("seed", record.seed.to_string()),
-        ("units", truth::units(recipe.effect).to_owned()),
+        ("units", truth::units(recipe.effect)),
     ]
+    .into_iter()
+    .chain(varied(record))
     .map(|(name, value)| (name.to_owned(), value))
-    .into()
+    .collect()
+}
+
+/// What a pair's file says of what its image was given beside what its scene brings.
+fn varied(record: &PairRecord) -> Vec<(&'static str, String)> {
+    let lens = record.camera.lens.map(|lens| format!("radius {} m, focus {} m", lens.radius, lens.focus));
+    let lamp = record.variation.and_then(|variation| variation.lamp);
+    let lamp = lamp.map(|lamp| format!("at {} m, {} W/sr", lamp.position, lamp.intensity));
+    let fog = record.variation.and_then(|variation| variation.fog);
+    let fog = fog.map(|fog| {
+        let kind = fog.smoke.map_or_else(|| "homogeneous".to_owned(), |seed| format!("smoke {seed}"));
+        let (absorption, scattering, g) = (fog.absorption, fog.scattering, fog.anisotropy);
+        format!("{kind}, absorption {absorption} /m, scattering {scattering} /m, anisotropy {g}")
+    });
+    [("lens", lens), ("lamp", lamp), ("fog", fog)]
+        .into_iter()
+        .filter_map(|(name, value)| value.map(|value| (name, value)))
+        .collect()
 }
 
 #[cfg(test)]

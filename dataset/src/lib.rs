@@ -21,6 +21,7 @@ pub mod recipe;
 pub mod scene;
 pub mod testset;
 pub mod truth;
+pub mod vary;
 pub mod verify;
 pub mod views;
 
@@ -35,4 +36,5 @@ pub use read::{Dataset, Pair};
 pub use recipe::{Radius, Recipe};
 pub use scene::SceneRecord;
 pub use testset::{TestFrame, TestSet};
+pub use vary::{Props, StagedScene, Variation, Vary};
 pub use verify::{Fault, Report, verify};

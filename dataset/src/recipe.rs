@@ -7,7 +7,7 @@
 
 mod check;
 
-use crate::DatasetError;
+use crate::{DatasetError, Vary};
 use deepshade_render::scene::procedural::Split;
 use deepshade_shaders::Effect;
 use serde::{Deserialize, Serialize};
@@ -28,7 +28,7 @@ pub struct Recipe {
     pub resolution: Resolution,
     /// Samples of a pixel.
     pub samples: u32,
-    /// How far the effect reaches.
+    /// How far the effect reaches; of effects without a reach, the length by which networks measure.
     pub radius: Radius,
     /// Views of every scene.
     pub views_per_scene: usize,
@@ -47,10 +47,13 @@ pub struct Recipe {
     /// How a test set is made; see [`crate::testset`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tiles: Option<Tiles>,
+    /// What images are given beside what their scenes bring.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vary: Option<Vary>,
     /// Where the recipe was read from; empty in data that were made from it.
     #[serde(skip)]
     pub path: PathBuf,
-    /// What `files` are relative to: the recipe's folder, or where data made from it say that the files are.
+    /// What `files`, and those of `vary`, are relative to: the recipe's folder, or where data made from it say that the files are.
     #[serde(skip)]
     pub folder: PathBuf,
 }
@@ -143,6 +146,11 @@ impl Recipe {
         recipe.folder = path.parent().unwrap_or(Path::new("")).to_owned();
         recipe.check(path)?;
         Ok(recipe)
+    }
+
+    /// Whether it names files that are relative to [`Recipe::folder`].
+    pub(crate) fn names_files(&self) -> bool {
+        !self.files.is_empty() || self.vary.iter().any(|vary| vary.paths().next().is_some())
     }
 
     /// Number of scenes.

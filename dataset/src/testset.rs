@@ -24,7 +24,7 @@ use crate::journal::Entry;
 use crate::manifest::read_json;
 use crate::random::mix;
 use crate::recipe::{Tiles, file_hash, split_name};
-use crate::{DatasetError, Origin, Recipe, SceneRecord};
+use crate::{DatasetError, Origin, Props, Recipe, SceneRecord, Variation};
 use deepshade_render::exr_file;
 use deepshade_render::metrics::ssim::TILE;
 use deepshade_render::scene::Camera;
@@ -66,6 +66,9 @@ pub struct FrameRecord {
     pub radius: f32,
     /// Chooses the tiles and the samples.
     pub seed: u32,
+    /// What the frame was given beside what its scene brings.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub variation: Option<Variation>,
     /// How far two renderings with half the samples agree.
     pub ceiling: Ceiling,
     /// The tiles' truth.
@@ -127,7 +130,7 @@ pub fn tile_indices(seed: u32, height: usize, width: usize, one_in: usize) -> Ve
 }
 
 /// Whether a pixel (x, y) of an image so wide lies in one of the tiles.
-fn in_tiles(tiles: &[usize], width: usize) -> impl Fn(usize, usize) -> bool {
+pub fn in_tiles(tiles: &[usize], width: usize) -> impl Fn(usize, usize) -> bool {
     let columns = width / TILE;
     move |x, y| {
         let (row, column) = (y / TILE, x / TILE);
@@ -172,6 +175,14 @@ impl TestSet {
     /// What it was made from.
     pub const fn recipe(&self) -> &Recipe {
         &self.list.origin.recipe
+    }
+
+    /// The textures and the environment of its frames.
+    ///
+    /// # Errors
+    /// If a file is missing, damaged or not what the set was made from.
+    pub fn props(&self) -> Result<Props, DatasetError> {
+        Props::load_again(self.recipe(), &self.list.origin.props)
     }
 
     /// Its frames; those of a scene follow each other.

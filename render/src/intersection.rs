@@ -1,8 +1,8 @@
 //! What is known of the point where a ray met a surface.
 
-use crate::bvh::{Hit, TracedScene, corner_weights};
+use crate::bvh::{Hit, corner_weights, moment::Moment};
 use crate::scene::{Mesh, Surface};
-use glam::{Mat3, Vec2, Vec3, Vec4};
+use glam::{Mat3, Quat, Vec2, Vec3, Vec4};
 
 /// How far above the surface rays start, in parts of the largest coordinate of the triangle's corners: 67 roundings of
 /// f32 (6e-8), of which the hit point, blended from the corners, and the triangle's plane, seen from there, make fewer
@@ -26,38 +26,46 @@ pub struct SurfacePoint {
     pub surface: Surface,
     /// Index of the mesh.
     pub mesh: u32,
+    /// How far the point moves during the exposure, world space, metres.
+    pub displacement: Vec3,
     /// How far above the surface rays must start so that they do not meet it, metres.
     clearance: f32,
 }
 
 impl SurfacePoint {
-    /// The point of a hit, seen against `direction`.
-    pub fn new(scene: &TracedScene, hit: &Hit, direction: Vec3) -> Self {
-        let mesh = &scene.scene().meshes[hit.mesh as usize];
+    /// The point of a hit, seen against `direction`, of a scene or of it at the moment of the hit. Shading normals turn
+    /// with their triangles as these move.
+    pub fn new<'a>(scene: impl Into<Moment<'a>>, hit: &Hit, direction: Vec3) -> Self {
+        let moment: Moment<'_> = scene.into();
+        let scene = moment.scene();
+        let mesh = &scene.meshes[hit.mesh as usize];
         let corners = mesh.triangles[hit.triangle as usize];
         let weights = corner_weights(hit.barycentric);
-        let [a, b, c] = mesh.corners(hit.triangle as usize);
-        let material = scene.scene().material(mesh.material);
+        let [a, b, c] = moment.corners(mesh, hit.triangle as usize);
+        let material = scene.material(mesh.material);
         let (uvs, colour) = (uvs(mesh, corners, weights), colour(mesh, corners, weights));
-        let geometric = (b - a).cross(c - a).normalize_or(-direction);
-        let smooth = interpolated_normal(mesh, corners, weights).unwrap_or(geometric);
-        let textures = &scene.scene().textures;
-        let mapped = material.normal_texture.zip(material.tangent_normal(textures, uvs)).map(
+        let geometric = plane_normal([a, b, c]).unwrap_or(-direction);
+        let resting = plane_normal(mesh.corners(hit.triangle as usize)).unwrap_or(geometric);
+        let smooth = interpolated_normal(mesh, corners, weights).unwrap_or(resting);
+        let mapped = material.normal_texture.zip(material.tangent_normal(&scene.textures, uvs)).map(
             |((slot, _), tangent_normal)| {
                 tangent_frame(mesh, corners, weights, smooth, slot.uv_set) * tangent_normal
             },
         );
         let geometric_normal = facing(geometric, -direction);
+        let turn = turn(resting, geometric);
+        let (smooth, mapped) = (turn * smooth, turn * mapped.unwrap_or(smooth));
         // The mesh's normal decides which side of its own the shading normal is on, the viewer which side is meant.
         let side = if smooth.dot(geometric_normal) < 0.0 { -1.0 } else { 1.0 };
-        let normal = leaning_to(side * mapped.unwrap_or(smooth), -direction, geometric_normal);
+        let normal = leaning_to(side * mapped, -direction, geometric_normal);
         Self {
             // From one corner, so that rounding of the weights does not leave the triangle's plane.
             position: a + (b - a) * weights[1] + (c - a) * weights[2],
             geometric_normal,
             normal,
-            surface: material.surface(textures, uvs, colour),
+            surface: material.surface(&scene.textures, uvs, colour),
             mesh: hit.mesh,
+            displacement: interpolated(&mesh.displacements, corners, weights).unwrap_or(Vec3::ZERO),
             clearance: clearance([a, b, c]),
         }
     }
@@ -69,9 +77,19 @@ impl SurfacePoint {
 }
 
 /// How far above a triangle rays start, metres.
-fn clearance(corners: [Vec3; 3]) -> f32 {
+pub(crate) fn clearance(corners: [Vec3; 3]) -> f32 {
     let largest = corners.iter().map(|corner| corner.abs().max_element()).fold(SMALLEST_SCALE, f32::max);
     largest * RAY_OFFSET
+}
+
+/// Unit normal of a triangle's front; `None` of one without an area.
+fn plane_normal([a, b, c]: [Vec3; 3]) -> Option<Vec3> {
+    (b - a).cross(c - a).try_normalize()
+}
+
+/// The rotation that takes one unit vector to another.
+fn turn(from: Vec3, to: Vec3) -> Quat {
+    if from == to { Quat::IDENTITY } else { Quat::from_rotation_arc(from, to) }
 }
 
 /// Both sets of texture coordinates at a point of a triangle; zero where the mesh has none.
@@ -142,6 +160,7 @@ fn leaning_to(normal: Vec3, to_viewer: Vec3, geometric: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bvh::TracedScene;
     use crate::bvh::bundle::{BUNDLE, Start};
     use crate::scene::{Encoding, Material, Scene, Texture, TextureId, TextureSlot, Wrap};
     use glam::Affine2;

@@ -1,5 +1,6 @@
 //! `deepshade bench`: speed, each beside a rival or with what bounds it, in one run.
 
+mod dataset;
 mod net;
 mod rays;
 #[cfg(feature = "train")]
@@ -17,6 +18,8 @@ pub enum Verb {
     Train(train::Args),
     /// Rays a second through a scene.
     Rays(rays::Args),
+    /// Training pairs an hour.
+    Dataset(dataset::Args),
 }
 
 /// Measures and prints.
@@ -29,5 +32,6 @@ pub fn run(verb: &Verb) -> Result<()> {
         #[cfg(feature = "train")]
         Verb::Train(args) => train::run(args),
         Verb::Rays(args) => rays::run(args),
+        Verb::Dataset(args) => dataset::run(args),
     }
 }

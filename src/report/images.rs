@@ -55,7 +55,7 @@ fn write_exr(folder: &Path, effect: Effect, frame: &FrameReport, method: &str, i
 }
 
 /// An image as seen: one channel as grey, three as colour.
-fn shown(image: &Planes) -> RgbImage {
+pub fn shown(image: &Planes) -> RgbImage {
     let colour = image.channels() == 3;
     painted(image, |pixel| {
         let channel = |c: usize| image.plane(c)[pixel];
@@ -79,7 +79,7 @@ fn flip(image: &Planes, truth: &Planes) -> RgbImage {
 }
 
 /// A picture of an image's size from a linear colour for each pixel.
-fn painted(image: &Planes, colour: impl Fn(usize) -> Vec3) -> RgbImage {
+pub fn painted(image: &Planes, colour: impl Fn(usize) -> Vec3) -> RgbImage {
     let width = image.width();
     RgbImage::from_fn(width as u32, image.height() as u32, |x, y| {
         Rgb(colour(y as usize * width + x as usize).to_array().map(colour_map::srgb_byte))
@@ -87,7 +87,7 @@ fn painted(image: &Planes, colour: impl Fn(usize) -> Vec3) -> RgbImage {
 }
 
 /// Writes a picture, whole or not at all.
-fn write_png(path: &Path, picture: &RgbImage) -> Result<()> {
+pub fn write_png(path: &Path, picture: &RgbImage) -> Result<()> {
     let mut bytes = Vec::new();
     picture
         .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)

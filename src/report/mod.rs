@@ -1,8 +1,8 @@
 //! The comparison report: one effect, some frames, several methods, each image against truth. One HTML page that
 //! needs no server and nothing from elsewhere, with its images beside it as PNG and EXR.
 
-mod colour_map;
-mod images;
+pub mod colour_map;
+pub mod images;
 mod page;
 mod summary;
 

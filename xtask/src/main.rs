@@ -1,9 +1,11 @@
-//! Set-up and the commands that the README and CI call: `cargo xtask demo`, `cargo xtask test`, `cargo xtask deny`.
+//! Set-up and the commands that the README and CI call: `cargo xtask demo`, `cargo xtask test`,
+//! `cargo xtask crosscheck`, `cargo xtask deny`.
 //!
 //! Nothing but std and anyhow, so that it builds in seconds on a machine that has nothing else yet.
 
 mod apt;
 mod command;
+mod crosscheck;
 mod demo;
 mod deny;
 mod python;
@@ -20,6 +22,9 @@ Commands:
   demo [ARGS]  Set up Vulkan where it is missing, build deepshade and run `deepshade demo` with ARGS
   test         Set up Vulkan and onnxruntime where they are missing, then check everything: formatting, clippy,
                documentation, features, all tests; CI runs this
+  crosscheck [--json F] [--out DIR]
+               Set up Mitsuba 3 in a Python environment below the target folder, render the same scenes with it and
+               with deepshade, and compare every effect pixel by pixel
   deny         Check licences, banned crates and sources of all dependencies with cargo-deny
   help         Print this
 
@@ -45,6 +50,7 @@ fn run(args: &[String]) -> Result<()> {
     match (name, rest) {
         ("demo", rest) => demo::run(rest),
         ("test", []) => test::run(),
+        ("crosscheck", rest) => crosscheck::run(rest),
         ("deny", []) => deny::run(),
         ("help" | "-h" | "--help", []) => {
             println!("{HELP}");

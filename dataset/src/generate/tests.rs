@@ -2,6 +2,7 @@ use super::*;
 use crate::journal::JOURNAL;
 use crate::{DATA_VERSION, Dataset, Part, contact_sheet, verify};
 use deepshade_render::scene::procedural::{Family, Split};
+use deepshade_shaders::Effect;
 use std::collections::BTreeMap;
 
 /// A recipe of two scenes with two views each.
@@ -220,18 +221,10 @@ fn what_is_generated_is_read_and_verified() {
 
     let record = dataset.record(3);
     let scene = record.scene.load(&recipe.folder).expect("a scene");
-    let shot = Shot {
-        scene: &scene,
-        camera: &record.camera,
-        height: 32,
-        width: 40,
-        radius: record.radius,
-        samples: 4,
-        seed: record.seed,
-    };
+    let shot = Shot::new(&scene, &record.camera, [32, 40], record.radius);
     let pair = dataset.pair(3).expect("a pair");
     // Quarters are exact in half floats.
-    assert_eq!(pair.target, truth::render(recipe.effect, &shot));
+    assert_eq!(pair.target, render(recipe.effect, &shot, Sampling::one(4, record.seed)).mean);
     assert_eq!(pair.radius, 0.05 * scene.diagonal());
     let rendered = gbuffer::render(&scene, &record.camera, 32, 40, pair.gbuffer.attributes());
     let close = |(a, b): (&f32, &f32)| (a - b).abs() <= b.abs() / 2048.0 + 1e-6;
@@ -241,10 +234,10 @@ fn what_is_generated_is_read_and_verified() {
     assert_eq!(verify(&out).expect("verified").faults, []);
     let sheet = folder.path().join("sheet.png");
     contact_sheet(&dataset, &[0, 3], &sheet).expect("drawn");
-    let drawn = image::load_from_memory(&std::fs::read(sheet).expect("read")).expect("a PNG").into_luma8();
+    let drawn = image::load_from_memory(&std::fs::read(sheet).expect("read")).expect("a PNG").into_rgb8();
     // Eight columns of at least 40 pixels, two rows of 32 and their text; ink, black and white are all there.
     assert!(drawn.width() > 320 && drawn.height() > 64);
-    assert!([0, 32, 255].into_iter().all(|grey| drawn.pixels().any(|pixel| pixel.0 == [grey])));
+    assert!([0, 32, 255].into_iter().all(|grey| drawn.pixels().any(|pixel| pixel.0 == [grey; 3])));
     let file = |index: usize| out.join(&dataset.record(index).file);
     let mut bytes = std::fs::read(file(1)).expect("read");
     *bytes.last_mut().expect("a byte") ^= 1;
@@ -255,4 +248,81 @@ fn what_is_generated_is_read_and_verified() {
         verify(&out).expect("verified").faults.into_iter().map(|fault| fault.file).collect();
     let damaged = [1, 2].map(|index: usize| dataset.record(index).file.clone());
     assert_eq!(faults, ["pairs/stranger.exr".to_owned(), damaged[0].clone(), damaged[1].clone()]);
+}
+
+/// A recipe of one still life, tiny, for each effect.
+fn recipe_of(folder: &Path, effect: Effect) -> Recipe {
+    let shaded = "materials = true\ntextures = { procedural = 3 }\nlight = true\n";
+    let vary = match effect {
+        Effect::Ao => String::new(),
+        Effect::Do => "[vary]\nenvironment = { sky = 1 }\n".to_owned(),
+        Effect::Ibl => "[vary]\nmaterials = true\nenvironment = { sky = 1 }\n".to_owned(),
+        Effect::Gi | Effect::Aa => format!("[vary]\n{shaded}"),
+        Effect::Path => format!("[vary]\n{shaded}environment = {{ sky = 1 }}\n"),
+        Effect::Sss | Effect::Subsurface => format!("[vary]\n{shaded}mean_free_path = [0.005, 0.02]\n"),
+        Effect::Dof | Effect::Multi => format!("[vary]\n{shaded}lens = [1.0, 4.0]\n"),
+        Effect::MotionBlur => format!("[vary]\n{shaded}motion = [2.0, 8.0]\n"),
+        Effect::FogDirect | Effect::FogIndirect | Effect::FogMultiple => {
+            format!("[vary]\n{shaded}fog = {{ optical_depth = [0.5, 2.0], smoke_share = 0.5 }}\n")
+        }
+    };
+    let path = folder.join(format!("{effect}.toml"));
+    let text = format!(
+        "effect = \"{effect}\"\nsplit = \"train\"\nseed = 3\nresolution = {{ height = 24, width = 32 }}\n\
+         samples = 2\nradius = {{ diagonal = 0.1 }}\nviews_per_scene = 2\nvalidation_share = 0.5\n\
+         families = [{{ name = \"still-life\", scenes = 1 }}]\n{vary}"
+    );
+    std::fs::write(&path, text).expect("written");
+    Recipe::load(&path).expect("a sound recipe")
+}
+
+#[test]
+fn every_effect_is_generated_alike_by_any_number_of_threads_and_verified() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for effect in Effect::ALL {
+        let recipe = recipe_of(folder.path(), effect);
+        let generated = |threads: usize| {
+            let out = folder.path().join(format!("{effect}-{threads}"));
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            pool.install(|| generate(&recipe, &out)).expect("generated");
+            contents(&out)
+        };
+        assert!(generated(1) == generated(3), "{effect}");
+
+        let out = folder.path().join(format!("{effect}-1"));
+        assert_eq!(verify(&out).expect("verified").faults, [], "{effect}");
+        let dataset = Dataset::open(&out).expect("a dataset");
+        let pairs = [0, 1].map(|index| dataset.pair(index).expect("a pair"));
+        assert_ne!(pairs[0], pairs[1], "{effect}");
+        let values = pairs[0].target.data();
+        assert!(values.iter().any(|value| *value != values[0]), "{effect}: a target of one value");
+        contact_sheet(&dataset, &[0, 1], &folder.path().join("sheet.png")).expect("drawn");
+
+        // The frame can be made again from what the manifest says.
+        let props = dataset.props().expect("props");
+        let record = dataset.record(1);
+        let staged = StagedScene::load(&record.scene, dataset.recipe(), &props).expect("a scene");
+        let scene = staged.shown(&record.camera, record.variation.as_ref()).expect("shown");
+        let again = gbuffer::render(&scene, &record.camera, 24, 32, truth::attributes(effect));
+        let close = |(a, b): (&f32, &f32)| (a - b).abs() <= b.abs() / 1024.0 + 1e-6;
+        let pair = &pairs[1].gbuffer;
+        assert!(pair.planes().data().iter().zip(again.planes().data()).all(close), "{effect}");
+    }
+}
+
+#[test]
+fn varied_data_are_resumed_to_the_same_bytes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = recipe_of(folder.path(), Effect::Dof);
+    let out = folder.path().join("out");
+    generate(&recipe, &out).expect("generated");
+    let undisturbed = contents(&out);
+    let manifest = Manifest::load(&out).expect("a manifest");
+    // Killed after the first pair.
+    std::fs::remove_file(out.join(MANIFEST)).expect("removed");
+    std::fs::remove_file(out.join(&manifest.pairs[1].file)).expect("removed");
+    let first = serde_json::to_string(&manifest.pairs[0]).expect("JSON");
+    std::fs::write(out.join(JOURNAL), format!("\"{}\"\n{first}\n", manifest.origin.job())).expect("written");
+    assert_eq!(generate(&recipe, &out).expect("resumed").rendered, 1);
+    assert!(contents(&out) == undisturbed);
 }

@@ -56,8 +56,9 @@ impl Recipe {
         between("views_per_scene", (1..=MAX_PAIRS).contains(&pairs), &limits)
     }
 
-    /// Whether no key is there that means nothing in this recipe.
+    /// Whether no key is there that means nothing in this recipe, and none is missing that its effect needs.
     fn check_use(&self) -> Result<(), String> {
+        self.vary.clone().unwrap_or_default().check(self.effect)?;
         if self.split == Split::Test && self.validation_share > 0.0 {
             return Err(
                 "`validation_share` is for training: a recipe for testing holds nothing apart".to_owned()

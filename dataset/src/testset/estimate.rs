@@ -1,10 +1,10 @@
 //! How long a test set will take, from a timed probe.
 
 use super::{TestSet, in_tiles, tile_indices, tiles_of};
-use crate::truth::Shot;
-use crate::{DatasetError, Recipe, truth, views};
+use crate::{DatasetError, Props, Recipe, StagedScene, views};
 use deepshade_render::bvh::bundle::BUNDLE;
 use deepshade_render::metrics::ssim::TILE;
+use deepshade_render::path::{Sampling, Shot, render_where};
 use std::time::{Duration, Instant};
 
 /// Scenes that are probed.
@@ -21,21 +21,24 @@ impl TestSet {
     pub fn estimate(recipe: &Recipe) -> Result<Duration, DatasetError> {
         let tiles = tiles_of(recipe)?;
         let plan = recipe.plan()?;
+        let props = Props::load(recipe)?;
         let (height, width) = (recipe.resolution.height, recipe.resolution.width);
         let probed: Vec<_> = plan.iter().step_by(plan.len().div_ceil(SCENES)).collect();
         let (mut loading, mut rendering, mut rendered) = (0.0, 0.0, 0.0);
         for scene in &probed {
             let start = Instant::now();
-            let traced = scene.scene.load(&recipe.folder)?;
-            let camera = views::sample_view(&traced, [height, width], recipe.seed, scene.key, 0)?;
+            let staged = StagedScene::load(&scene.scene, recipe, &props)?;
+            let camera = views::sample_view(staged.base(), [height, width], recipe.seed, scene.key, 0)?;
+            let (camera, variation) = staged.draw(camera, scene.views[0].seed);
+            let shown = staged.shown(&camera, variation.as_ref())?;
             loading += start.elapsed().as_secs_f64();
             let (one_in, samples) = PROBE;
             let probe = tile_indices(recipe.seed, height, width, one_in);
-            let radius = recipe.radius.metres(traced.diagonal());
-            let shot =
-                Shot { scene: &traced, camera: &camera, height, width, radius, samples, seed: recipe.seed };
+            let radius = recipe.radius.metres(shown.diagonal());
+            let shot = Shot::new(&shown, &camera, [height, width], radius);
             let start = Instant::now();
-            truth::render_where(recipe.effect, &shot, in_tiles(&probe, width));
+            let sampling = Sampling::one(samples, recipe.seed);
+            render_where(recipe.effect, &shot, sampling, in_tiles(&probe, width));
             rendering += start.elapsed().as_secs_f64();
             rendered += (probe.len() * TILE * TILE) as f64 * f64::from(samples);
         }

@@ -10,11 +10,10 @@ use crate::origin::Origin;
 use crate::plan::{PlannedScene, PlannedView, spread};
 use crate::random::mix;
 use crate::recipe::Tiles;
-use crate::truth::Shot;
-use crate::{DatasetError, Recipe, progress, truth, views};
-use deepshade_render::bvh::TracedScene;
+use crate::{DatasetError, Props, Recipe, StagedScene, progress, truth, views};
 use deepshade_render::exr_file::{self, Layer, Metadata};
 use deepshade_render::metrics::ssim::ssim;
+use deepshade_render::path::{Sampling, Shot, render, render_where};
 use deepshade_shaders::Planes;
 use deepshade_shaders::atomic_file;
 use indicatif::ProgressBar;
@@ -39,7 +38,9 @@ impl TestSet {
         let known = checked(folder, entries);
         let total = recipe.scene_count() * recipe.views_per_scene;
         let bar = progress::bar("frames", total, known.len());
-        let work = Work { recipe, tiles, total, folder, journal: &journal, known: &known, bar: &bar };
+        let props = Props::load(recipe)?;
+        let work =
+            Work { recipe, props: &props, tiles, total, folder, journal: &journal, known: &known, bar: &bar };
         let list = List { origin, frames: by_scene(&plan, |index, scene| work.scene(index, scene))? };
         bar.finish_and_clear();
         write_json(&folder.join(LIST), &list)?;
@@ -64,6 +65,7 @@ fn earlier_frames(folder: &Path, ours: &str) -> Result<Vec<FrameRecord>, Dataset
 /// What all frames share.
 struct Work<'a> {
     recipe: &'a Recipe,
+    props: &'a Props,
     tiles: Tiles,
     total: usize,
     folder: &'a Path,
@@ -79,12 +81,16 @@ impl Work<'_> {
         if let Some(records) = scene.views.iter().map(known).collect() {
             return Ok(records);
         }
-        let traced = scene.scene.load(&self.recipe.folder)?;
+        let staged = StagedScene::load(&scene.scene, self.recipe, self.props)?;
         let first = index * self.recipe.views_per_scene;
         let record = |view: &PlannedView| {
             let whole = spread(first + view.index, self.total, self.tiles.whole_frames.min(self.total));
-            known(view).map_or_else(|| self.frame(scene, &traced, view, whole), Ok)
+            known(view).map_or_else(|| self.frame(scene, &staged, view, whole), Ok)
         };
+        // As in `generate`: few copies of the scene in memory.
+        if self.recipe.vary.is_some() {
+            return scene.views.iter().map(record).collect();
+        }
         scene.views.par_iter().map(record).collect()
     }
 
@@ -92,23 +98,24 @@ impl Work<'_> {
     fn frame(
         &self,
         planned: &PlannedScene,
-        scene: &TracedScene,
+        staged: &StagedScene<'_>,
         view: &PlannedView,
         whole: bool,
     ) -> Result<FrameRecord, DatasetError> {
         let Recipe { effect, resolution, samples, seed, .. } = *self.recipe;
         let (height, width) = (resolution.height, resolution.width);
-        let camera = views::sample_view(scene, [height, width], seed, planned.key, view.index)?;
-        let radius = self.recipe.radius.metres(scene.diagonal());
-        let shot = |samples, stream: u64| {
-            let seed = mix(&[u64::from(view.seed), stream]) as u32;
-            Shot { scene, camera: &camera, height, width, radius, samples, seed }
-        };
+        let camera = views::sample_view(staged.base(), [height, width], seed, planned.key, view.index)?;
+        let radius = self.recipe.radius.metres(staged.base().diagonal());
+        let (camera, variation) = staged.draw(camera, view.seed);
+        let scene = staged.shown(&camera, variation.as_ref())?;
+        let shot = Shot::new(&scene, &camera, [height, width], radius);
+        let sampling =
+            |samples, stream: u64| Sampling::one(samples, mix(&[u64::from(view.seed), stream]) as u32);
         let tiles = tile_indices(view.seed, height, width, self.tiles.one_in);
         let wanted = in_tiles(&tiles, width);
         let half = |stream| {
-            let image = truth::render_where(effect, &shot(self.tiles.samples / 2, stream), &wanted);
-            gather(&image, &tiles)
+            let sampling = sampling(self.tiles.samples / 2, stream);
+            truth::within_half(gather(&render_where(effect, &shot, sampling, &wanted).mean, &tiles))
         };
         let (a, b) = (half(0), half(1));
         let mean = Planes::from_fn(a.channels(), a.height(), a.width(), |c, y, x| {
@@ -122,10 +129,14 @@ impl Work<'_> {
             camera,
             radius,
             seed: view.seed,
+            variation,
             ceiling: Ceiling { ssim: rounded(ssim(&a, &b)), mse: rounded(mean_squared_difference(&a, &b)) },
             tiles: write("tiles", self.tiles.samples, &mean)?,
             whole: whole
-                .then(|| write("whole", samples, &truth::render(effect, &shot(samples, 2))))
+                .then(|| {
+                    let image = truth::within_half(render(effect, &shot, sampling(samples, 2)).mean);
+                    write("whole", samples, &image)
+                })
                 .transpose()?,
         };
         self.journal.add(&record)?;
@@ -144,7 +155,7 @@ impl Work<'_> {
         let path = self.folder.join(&file);
         let metadata = Metadata::from([
             ("samples".to_owned(), samples.to_string()),
-            ("units".to_owned(), truth::units(self.recipe.effect).to_owned()),
+            ("units".to_owned(), truth::units(self.recipe.effect)),
         ]);
         let layer = Layer::image(&format!("truth.{}", self.recipe.effect), image);
         let bytes = exr_file::encode(&path, &[layer], &metadata)?;

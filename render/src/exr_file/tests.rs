@@ -27,6 +27,17 @@ fn written(folder: &Path) -> (PathBuf, GBuffer, Planes) {
 }
 
 #[test]
+fn a_layer_in_full_keeps_what_half_floats_lose() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("variance.exr");
+    let values = Planes::from_data(1, 1, 3, vec![1.234_567e-12, 1e9, 0.1]);
+    write(&path, &[Layer::image("variance", &values).in_full()], &Metadata::new()).expect("written");
+    assert_eq!(read(&path).expect("read").image("variance", 1).expect("there"), values);
+    let refused = write(&path, &[Layer::image("variance", &values)], &Metadata::new()).expect_err("1e9");
+    assert!(matches!(refused, ExrError::NotHalf { .. }), "{refused}");
+}
+
+#[test]
 fn what_is_written_is_read() {
     let folder = tempfile::tempdir().expect("a folder");
     let (path, gbuffer, target) = written(folder.path());

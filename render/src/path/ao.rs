@@ -3,6 +3,7 @@
 
 use super::sampler::{MAX_SAMPLES, PixelSampler, Stream, cosine_hemisphere, frame};
 use super::{Footprint, Integrator, Shot};
+use crate::bvh::TracedScene;
 use crate::bvh::bundle::{BUNDLE, Start};
 use crate::intersection::SurfacePoint;
 use glam::{Vec2, Vec3};
@@ -46,11 +47,7 @@ impl<'a> Ao<'a> {
 impl Integrator for Ao<'_> {
     fn sample(&self, at: Vec2, stream: &mut Stream) -> Vec3 {
         let Some(point) = self.surface(at) else { return Vec3::ONE };
-        let [u, v] = stream.next_2d().to_array();
-        let direction = frame(point.normal) * cosine_hemisphere(u, v);
-        let above = direction.dot(point.geometric_normal) > 0.0;
-        let open = above && !self.shot.scene.blocked(point.ray_origin(), direction, self.shot.radius);
-        Vec3::splat(f32::from(open))
+        Vec3::splat(f32::from(is_open(self.shot.scene, &point, self.shot.radius, stream)))
     }
 
     /// All rays of a pixel's middle start at one point, and go as bundles.
@@ -61,6 +58,13 @@ impl Integrator for Ao<'_> {
         let point = self.surface(Vec2::new(x as f32 + 0.5, y as f32 + 0.5));
         Vec3::splat(point.map_or(1.0, |point| self.open_share(&point, sampler, count)))
     }
+}
+
+/// Whether a cosine-distributed direction around a point's normal is open: one sample of ambient occlusion.
+pub(super) fn is_open(scene: &TracedScene, point: &SurfacePoint, radius: f32, stream: &mut Stream) -> bool {
+    let [u, v] = stream.next_2d().to_array();
+    let direction = frame(point.normal) * cosine_hemisphere(u, v);
+    direction.dot(point.geometric_normal) > 0.0 && !scene.blocked(point.ray_origin(), direction, radius)
 }
 
 /// Cosine-distributed directions around a normal, neighbours one after the other: in the order of a Morton curve
@@ -78,7 +82,7 @@ pub fn hemisphere(sampler: &PixelSampler, samples: u32, normal: Vec3) -> Vec<Vec
 }
 
 /// The upper eight bits of a number in [0, 1), a zero bit before each.
-fn morton(number: f32) -> u32 {
+pub(super) fn morton(number: f32) -> u32 {
     let spread = |bits: u32, shift: u32, mask: u32| (bits | bits << shift) & mask;
     spread(spread(spread((number * 256.0) as u32, 4, 0x0f0f), 2, 0x3333), 1, 0x5555)
 }
@@ -86,7 +90,6 @@ fn morton(number: f32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bvh::TracedScene;
     use crate::path::{Sampling, render};
     use crate::scene::{Camera, Material, Mesh, Scene};
     use deepshade_shaders::Effect;

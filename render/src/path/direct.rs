@@ -1,10 +1,12 @@
-//! Direct light from lights without an extent, with shadows: the attributes `L` and `Ldiff` (thesis 7.3.1).
+//! Direct light from lights without an extent, with shadows: the attributes `L` and `Ldiff` (thesis 7.3.1). It is the
+//! exact sum over those lights, without noise; light of emissive triangles and of the environment is no part of it.
 
-use crate::bvh::TracedScene;
+use super::bsdf::Phong;
+use super::lights::Arrival;
+use crate::bvh::moment::Moment;
 use crate::intersection::SurfacePoint;
-use crate::scene::Light;
 use glam::Vec3;
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::FRAC_1_PI;
 
 /// Light reflected towards the viewer, radiance, RGB.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,11 +17,15 @@ pub struct DirectLight {
     pub specular: Vec3,
 }
 
-/// Light that reaches a point without a detour, reflected by the energy-normalised Phong model.
-pub fn direct_light(scene: &TracedScene, point: &SurfacePoint, to_camera: Vec3) -> DirectLight {
+/// Light that reaches a point without a detour, reflected by the energy-normalised Phong model: in a scene, or in it at
+/// the point's moment.
+pub fn direct_light<'a>(scene: impl Into<Moment<'a>>, point: &SurfacePoint, to_camera: Vec3) -> DirectLight {
+    let scene: Moment<'_> = scene.into();
+    let lobe = Phong::new(point.surface.roughness);
+    let mirrored = point.normal * (2.0 * point.normal.dot(to_camera)) - to_camera;
     let mut sum = DirectLight::default();
     for light in &scene.scene().lights {
-        let Arrival { direction, distance, irradiance } = arrival(light, point.position);
+        let Arrival { direction, distance, irradiance } = Arrival::new(scene.scene(), light, point.position);
         let cosine = point.normal.dot(direction);
         let lit = cosine > 0.0 && point.geometric_normal.dot(direction) > 0.0 && irradiance != Vec3::ZERO;
         if !lit || scene.blocked(point.ray_origin(), direction, distance) {
@@ -27,60 +33,17 @@ pub fn direct_light(scene: &TracedScene, point: &SurfacePoint, to_camera: Vec3) 
         }
         let received = irradiance * cosine;
         sum.diffuse += received * point.surface.diffuse * FRAC_1_PI;
-        sum.specular += received * point.surface.specular * phong_lobe(point, direction, to_camera);
+        sum.specular += received * point.surface.specular * lobe.reflectance(mirrored.dot(direction));
     }
     sum
-}
-
-/// What a light sends to a point if nothing is in between.
-struct Arrival {
-    /// Unit direction to the light.
-    direction: Vec3,
-    /// How far away it is.
-    distance: f32,
-    /// On a surface that faces the light.
-    irradiance: Vec3,
-}
-
-fn arrival(light: &Light, point: Vec3) -> Arrival {
-    match *light {
-        Light::Point { position, intensity, range } => from_position(position, intensity, range, point),
-        Light::Spot { position, direction, intensity, range, cos_inner, cos_outer, .. } => {
-            let arrival = from_position(position, intensity, range, point);
-            // KHR_lights_punctual: linear in the cosine between the cones, then squared.
-            let cosine = -arrival.direction.dot(direction);
-            let inside = ((cosine - cos_outer) / (cos_inner - cos_outer).max(1e-4)).clamp(0.0, 1.0);
-            Arrival { irradiance: arrival.irradiance * inside * inside, ..arrival }
-        }
-        Light::Directional { direction, irradiance, .. } => {
-            Arrival { direction: -direction, distance: f32::INFINITY, irradiance }
-        }
-    }
-}
-
-/// The inverse square, faded out towards the light's range as KHR_lights_punctual recommends.
-fn from_position(position: Vec3, intensity: Vec3, range: f32, point: Vec3) -> Arrival {
-    let to_light = position - point;
-    let distance = to_light.length().max(1e-6);
-    let fade = (1.0 - (distance / range).powi(4)).clamp(0.0, 1.0);
-    Arrival { direction: to_light / distance, distance, irradiance: intensity * fade / (distance * distance) }
-}
-
-/// The energy-normalised Phong lobe, `(n + 2) / (2 pi) cos^n`, whose exponent has the width of a GGX lobe of the
-/// same roughness (`n = 2 / alpha^2 - 2`, alpha the squared roughness).
-fn phong_lobe(point: &SurfacePoint, to_light: Vec3, to_camera: Vec3) -> f32 {
-    const NARROWEST_ALPHA: f32 = 0.02;
-    let alpha = (point.surface.roughness * point.surface.roughness).max(NARROWEST_ALPHA);
-    let exponent = (2.0 / (alpha * alpha) - 2.0).max(0.0);
-    let mirrored = point.normal * (2.0 * point.normal.dot(to_light)) - to_light;
-    let cosine = mirrored.dot(to_camera).max(0.0);
-    (exponent + 2.0) / (2.0 * PI) * cosine.powf(exponent)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Material, Mesh, Scene};
+    use crate::bvh::TracedScene;
+    use crate::scene::{Light, Material, Mesh, Scene};
+    use std::f32::consts::PI;
 
     /// A floor of albedo 0.5 at y = 0 under a point light, with a roof that shades the half x > 0.
     fn floor_and_roof(light: Light) -> TracedScene {

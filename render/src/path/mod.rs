@@ -4,15 +4,47 @@
 //! every pixel, in independent scramblings, so that an image comes with the variance of its values. Which integrator
 //! belongs to which effect says [`integrator`], the one list to add an effect's truth to.
 
+pub mod aa;
 pub mod ao;
+pub mod appearance;
+pub mod at_surface;
 pub mod bsdf;
+#[cfg(test)]
+pub(crate) mod chi_square;
 pub mod direct;
+pub mod directional;
+pub mod dof;
 pub mod estimate;
+pub mod fog;
+pub mod full;
+pub mod gi;
+pub mod ibl;
 pub mod lights;
+pub mod medium;
+pub mod motion_blur;
+pub mod multi;
+#[cfg(test)]
+pub(crate) mod proving;
+pub mod route;
 pub mod sampler;
+pub mod sss;
+pub mod subsurface;
+pub mod transport;
+pub mod vertex;
 
+pub use aa::AntiAliasing;
 pub use ao::Ao;
-pub use estimate::{Estimate, Sampling, render, render_where};
+pub use at_surface::AtSurface;
+pub use directional::Directional;
+pub use dof::DepthOfField;
+pub use estimate::{Estimate, Refinement, Sampling, render, render_where};
+pub use fog::Fog;
+pub use gi::{Gi, Receiver};
+pub use ibl::Ibl;
+pub use motion_blur::MotionBlur;
+pub use multi::Multi;
+pub use sss::ScreenSpaceScattering;
+pub use subsurface::Subsurface;
 
 use crate::bvh::TracedScene;
 use crate::scene::Camera;
@@ -95,6 +127,18 @@ fn mean_of_samples<I: Integrator + ?Sized>(
 pub fn integrator<'a>(effect: Effect, shot: &Shot<'a>) -> Box<dyn Integrator + 'a> {
     match effect {
         Effect::Ao => Box::new(Ao::new(shot)),
-        _ => unimplemented!("CONTRACT: each helper adds its line"),
+        Effect::Do => Box::new(AtSurface::new(shot, Directional::new(shot))),
+        Effect::Gi => Box::new(AtSurface::new(shot, Gi::new(shot, Receiver::Diffuse))),
+        Effect::Ibl => Box::new(AtSurface::new(shot, Ibl::new(shot))),
+        Effect::Sss => Box::new(ScreenSpaceScattering::new(shot)),
+        Effect::Subsurface => Box::new(Subsurface::new(shot)),
+        Effect::Dof => Box::new(DepthOfField::new(shot)),
+        Effect::MotionBlur => Box::new(MotionBlur::new(shot)),
+        Effect::Aa => Box::new(AntiAliasing::new(shot)),
+        Effect::Multi => Box::new(Multi::new(shot)),
+        Effect::FogDirect => Box::new(Fog::direct(shot)),
+        Effect::FogIndirect => Box::new(Fog::indirect(shot)),
+        Effect::FogMultiple => Box::new(Fog::multiple(shot)),
+        Effect::Path => Box::new(full::FullPath::new(shot)),
     }
 }

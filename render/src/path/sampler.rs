@@ -20,23 +20,31 @@ pub const fn hash(mut value: u32) -> u32 {
 #[derive(Clone, Copy, Debug)]
 pub struct PixelSampler {
     seed: u32,
+    /// Where in the sequence sample 0 is.
+    first: u32,
 }
 
 impl PixelSampler {
     /// The sequence of pixel (`x`, `y`); sequences of different pixels and seeds are independent scramblings.
     pub const fn new(x: usize, y: usize, seed: u32) -> Self {
-        Self { seed: hash(x as u32 ^ hash(y as u32 ^ hash(seed))) }
+        Self { seed: hash(x as u32 ^ hash(y as u32 ^ hash(seed))), first: 0 }
     }
 
     /// The same pixel's sequence under another scrambling; scrambling 0 is this one.
     #[must_use]
     pub const fn scrambled(self, scrambling: u32) -> Self {
-        if scrambling == 0 { self } else { Self { seed: hash(self.seed ^ hash(scrambling)) } }
+        if scrambling == 0 { self } else { Self { seed: hash(self.seed ^ hash(scrambling)), ..self } }
+    }
+
+    /// The same sequence from its sample `first` on, for more samples after others.
+    #[must_use]
+    pub const fn starting_at(self, first: u32) -> Self {
+        Self { first, ..self }
     }
 
     /// Dimensions `4 * set` to `4 * set + 3` of a sample, each in [0, 1).
     pub fn sample_4d(&self, sample: u32, set: u32) -> [f32; 4] {
-        sobol_burley::sample_4d(sample, set, self.seed)
+        sobol_burley::sample_4d(self.first + sample, set, self.seed)
     }
 }
 
@@ -63,7 +71,7 @@ impl Stream {
         let (set, within) = (self.taken / 4, self.taken % 4);
         self.taken += 1;
         if set >= NUM_DIMENSION_SETS_4D {
-            let mixed = hash(self.pixel.seed ^ hash(self.sample ^ hash(self.taken)));
+            let mixed = hash(self.pixel.seed ^ hash((self.pixel.first + self.sample) ^ hash(self.taken)));
             return (mixed >> 8) as f32 / 16_777_216.0;
         }
         if within == 0 {
@@ -83,18 +91,27 @@ impl Stream {
     }
 }
 
-/// A direction of the upper hemisphere (z up) with density cosine / pi, by Malley's method over a concentric disk
-/// (Shirley and Chiu 1997).
+/// A direction of the upper hemisphere (z up) with density cosine / pi, by Malley's method over a concentric disk.
 pub fn cosine_hemisphere(u: f32, v: f32) -> Vec3 {
-    let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
-    if a == 0.0 && b == 0.0 {
-        return Vec3::Z;
-    }
-    let quarter = std::f32::consts::FRAC_PI_4;
-    let (radius, angle) =
-        if a.abs() > b.abs() { (a, quarter * (b / a)) } else { (b, 2.0 * quarter - quarter * (a / b)) };
+    let (radius, angle) = concentric(u, v);
     let (sin, cos) = angle.sin_cos();
     Vec3::new(radius * cos, radius * sin, (1.0 - radius * radius).max(0.0).sqrt())
+}
+
+/// A point of the unit disk with uniform density, by the concentric map.
+pub fn concentric_disk(u: f32, v: f32) -> Vec2 {
+    let (radius, angle) = concentric(u, v);
+    Vec2::from_angle(angle) * radius
+}
+
+/// Signed radius and angle of a point of the unit disk (Shirley and Chiu 1997).
+fn concentric(u: f32, v: f32) -> (f32, f32) {
+    let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+    if a == 0.0 && b == 0.0 {
+        return (0.0, 0.0);
+    }
+    let quarter = std::f32::consts::FRAC_PI_4;
+    if a.abs() > b.abs() { (a, quarter * (b / a)) } else { (b, 2.0 * quarter - quarter * (a / b)) }
 }
 
 /// Columns: two tangents and the unit `normal` (Duff et al. 2017).
@@ -133,6 +150,17 @@ mod tests {
         assert_ne!(first(1, 2, 0), first(2, 1, 0));
         assert_ne!(first(1, 2, 0), first(1, 2, 1));
         assert_eq!(first(1, 2, 0), first(1, 2, 0));
+    }
+
+    #[test]
+    fn a_sequence_goes_on_where_it_was_left() {
+        let sequence = PixelSampler::new(1, 2, 3).scrambled(4);
+        let numbers = |sampler, sample| {
+            let mut stream = Stream::new(sampler, sample);
+            (0..1100).map(|_| stream.next()).collect::<Vec<f32>>()
+        };
+        assert_eq!(numbers(sequence, 13), numbers(sequence.starting_at(8), 5));
+        assert_ne!(numbers(sequence, 5), numbers(sequence.starting_at(8), 5));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Lights without an extent. Emissive surfaces are materials.
 
-use super::TextureId;
+use super::{Scene, SceneError, TextureId};
 use glam::Vec3;
 
 /// A light without an extent, in world space.
@@ -42,4 +42,97 @@ pub enum Light {
         /// which it repeats.
         pattern: Option<(TextureId, f32)>,
     },
+}
+
+impl Light {
+    /// What keeps it from being a light.
+    fn fault(&self) -> Option<&'static str> {
+        let (power, place, range) = match *self {
+            Self::Point { position, intensity, range } => (intensity, position, range),
+            Self::Spot { position, direction, intensity, range, .. } => {
+                (intensity, position + direction, range)
+            }
+            Self::Directional { direction, irradiance, .. } => (irradiance, direction, f32::INFINITY),
+        };
+        if !is_light(power) {
+            return Some("its power is negative or not finite");
+        }
+        let axis = match *self {
+            Self::Point { .. } => Vec3::X,
+            Self::Spot { direction, .. } | Self::Directional { direction, .. } => direction,
+        };
+        if !place.is_finite() || !axis.is_normalized() {
+            return Some("its place or direction is none");
+        }
+        let pattern_without_size = matches!(*self, Self::Directional { pattern: Some((_, size)), .. } if !(size.is_finite() && size > 0.0));
+        if range.is_nan() || range <= 0.0 || pattern_without_size {
+            return Some("its range or its pattern's size is not above 0");
+        }
+        None
+    }
+}
+
+impl Scene {
+    /// Whether all lights and emissive materials shine with what light can be.
+    ///
+    /// # Errors
+    /// Names the first light, by its index, or material that does not.
+    pub fn check_lights(&self) -> Result<(), SceneError> {
+        let invalid = |what: String| Err(SceneError::invalid(self.name.as_ref(), what));
+        for (index, light) in self.lights.iter().enumerate() {
+            if let Some(fault) = light.fault() {
+                return invalid(format!("light {index}: {fault}"));
+            }
+        }
+        match self.materials.iter().find(|material| !is_light(material.emission)) {
+            Some(material) => {
+                invalid(format!("material `{}` emits {}, not a radiance", material.name, material.emission))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// Whether three numbers can be an amount of light.
+fn is_light(colour: Vec3) -> bool {
+    colour.is_finite() && colour.min_element() >= 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Material;
+
+    fn error(light: Light) -> String {
+        let scene = Scene { name: "room".to_owned(), lights: vec![light], ..Scene::default() };
+        scene.check_lights().expect_err("bad").to_string()
+    }
+
+    #[test]
+    fn lights_that_cannot_be_are_refused_by_their_index() {
+        let point = |intensity: Vec3, range: f32| Light::Point { position: Vec3::ZERO, intensity, range };
+        for bad in [f32::NAN, f32::INFINITY, -1e-9] {
+            let what = error(point(Vec3::new(1.0, bad, 1.0), 2.0));
+            assert_eq!(what, "room: light 0: its power is negative or not finite");
+        }
+        assert!(error(point(Vec3::ONE, 0.0)).contains("range"));
+        let sun = |direction: Vec3, size: f32| Light::Directional {
+            direction,
+            irradiance: Vec3::ONE,
+            pattern: Some((TextureId(0), size)),
+        };
+        assert!(error(sun(Vec3::ZERO, 1.0)).contains("direction"));
+        assert!(error(sun(Vec3::X, 0.0)).contains("pattern"));
+        let sound =
+            Scene { lights: vec![point(Vec3::ONE, f32::INFINITY), sun(Vec3::X, 1.0)], ..Scene::default() };
+        assert!(sound.check_lights().is_ok());
+    }
+
+    #[test]
+    fn materials_that_emit_no_light_are_refused_by_name() {
+        let lamp = Material { name: "lamp".to_owned(), emission: Vec3::NEG_ONE, ..Material::default() };
+        let scene = Scene { name: "room".to_owned(), materials: vec![lamp], ..Scene::default() };
+        let what = scene.check_lights().expect_err("bad").to_string();
+        assert!(what.starts_with("room: material `lamp` emits"), "{what}");
+    }
 }

@@ -33,8 +33,11 @@ pub enum Gloss {
     /// Microfacets with the GGX distribution, glTF's model: what path tracing uses.
     #[default]
     Microfacets,
-    /// The energy-normalised Phong lobe, the model of the thesis' attributes (7.3.1).
+    /// The energy-normalised Phong lobe, the model of the thesis' attributes (7.3.1). It adds to the diffuse colour,
+    /// which therefore takes no more than the specular colour leaves.
     Phong,
+    /// Nothing is reflected specularly: Lambert's law alone.
+    None,
 }
 
 /// glTF's metallic-roughness material. Colours are linear; a texture multiplies its factor. Surfaces are seen and stop
@@ -92,7 +95,8 @@ impl Default for Material {
 pub struct Surface {
     /// `Rdiff`, the diffuse albedo.
     pub diffuse: Vec3,
-    /// `Rspec`, specular colour at normal incidence: 4 % for a dielectric, the base colour for a metal.
+    /// `Rspec`, specular colour at normal incidence: 4 % for a dielectric, the base colour for a metal, zero where
+    /// nothing is reflected specularly.
     pub specular: Vec3,
     /// Perceptual roughness.
     pub roughness: f32,
@@ -119,14 +123,24 @@ impl Material {
         let metallic_roughness = read(self.metallic_roughness_texture, textures, uvs);
         let metallic = (self.metallic * metallic_roughness.z).clamp(0.0, 1.0);
         let base = base.truncate().clamp(Vec3::ZERO, Vec3::ONE);
+        let specular = match self.gloss {
+            Gloss::Microfacets | Gloss::Phong => Vec3::splat(DIELECTRIC_SPECULAR).lerp(base, metallic),
+            Gloss::None => Vec3::ZERO,
+        };
+        let diffuse = base * (1.0 - metallic);
         Surface {
-            diffuse: base * (1.0 - metallic),
-            specular: Vec3::splat(DIELECTRIC_SPECULAR).lerp(base, metallic),
+            diffuse: if self.gloss == Gloss::Phong { diffuse.min(Vec3::ONE - specular) } else { diffuse },
+            specular,
             roughness: (self.roughness * metallic_roughness.y).clamp(0.0, 1.0),
             gloss: self.gloss,
             mean_free_path: self.mean_free_path,
-            emission: self.emission * read(self.emission_texture, textures, uvs).truncate(),
+            emission: self.emitted(textures, uvs),
         }
+    }
+
+    /// Radiance emitted at a point, to both sides.
+    pub fn emitted(&self, textures: &[Arc<Texture>], uvs: [Vec2; 2]) -> Vec3 {
+        self.emission * read(self.emission_texture, textures, uvs).truncate()
     }
 
     /// The share of light that is stopped at a point: 1, 0 or, for blended materials, alpha.

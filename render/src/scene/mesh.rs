@@ -41,6 +41,18 @@ impl Mesh {
             .fold(Bounds::EMPTY, |bounds, vertex| bounds.grow(self.positions[*vertex as usize]))
     }
 
+    /// Where a vertex is at a moment of the exposure, from -0.5 to 0.5.
+    pub fn position_at(&self, vertex: u32, time: f32) -> Vec3 {
+        let displacement = self.displacements.get(vertex as usize).copied().unwrap_or(Vec3::ZERO);
+        self.positions[vertex as usize] + displacement * time
+    }
+
+    /// The box around the ways of the vertices in use, while the shutter is open.
+    pub fn swept_bounds(&self) -> Bounds {
+        let ends = |vertex: &u32| [-0.5, 0.5].map(|time| self.position_at(*vertex, time));
+        self.triangles.iter().flatten().flat_map(ends).fold(Bounds::EMPTY, Bounds::grow)
+    }
+
     /// Takes out triangles without an area.
     pub fn drop_degenerate_triangles(&mut self) {
         let positions = &self.positions;

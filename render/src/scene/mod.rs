@@ -1,11 +1,13 @@
 //! Scenes: triangles in world space with materials, textures, lights and cameras, from files or from seeds.
 
+pub mod box_mapping;
 pub mod camera;
 pub mod environment;
 mod file;
 mod finish;
 pub mod gltf;
 pub mod light;
+pub mod look;
 pub mod material;
 pub mod medium;
 pub mod mesh;
@@ -17,7 +19,9 @@ pub mod texture;
 
 pub use camera::{Camera, Lens};
 pub use environment::Environment;
+pub(crate) use environment::Cumulative;
 pub use light::Light;
+pub use look::Look;
 pub use material::{AlphaMode, Gloss, Material, Surface, TextureSlot};
 pub use medium::{Density, DensityGrid, Medium};
 pub use mesh::{Bounds, Mesh};
@@ -121,9 +125,22 @@ impl Scene {
     /// # Errors
     /// If a file is missing, damaged or unsupported, or holds no triangle with an area.
     pub fn load(path: &Path, time: f32) -> Result<Self, SceneError> {
+        Self::load_moving(path, time, 0.0)
+    }
+
+    /// [`Scene::load`] with what moves while the shutter is open: `shutter` seconds, around `time`. Vertices move on
+    /// straight lines between where they are at the beginning and at the end, seen from where they are in the middle;
+    /// meshes that stay are those of [`Scene::load`].
+    ///
+    /// # Errors
+    /// Those of [`Scene::load`], and if the shutter is not a time.
+    pub fn load_moving(path: &Path, time: f32, shutter: f32) -> Result<Self, SceneError> {
+        if !(shutter.is_finite() && shutter >= 0.0) {
+            return Err(SceneError::invalid(path, format!("cannot be exposed for {shutter} seconds")));
+        }
         let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         let mut scene = match ending.as_str() {
-            "gltf" | "glb" => gltf::load(path, time)?,
+            "gltf" | "glb" => gltf::load(path, time, shutter)?,
             "obj" => obj::load(path)?,
             _ => return Err(SceneError::UnknownFormat { path: path.to_owned() }),
         };
@@ -142,6 +159,11 @@ impl Scene {
     /// The box around all vertices that a triangle uses.
     pub fn bounds(&self) -> Bounds {
         self.meshes.iter().fold(Bounds::EMPTY, |bounds, mesh| bounds.union(mesh.bounds()))
+    }
+
+    /// The box around the ways of all vertices that a triangle uses, while the shutter is open.
+    pub fn swept_bounds(&self) -> Bounds {
+        self.meshes.iter().fold(Bounds::EMPTY, |bounds, mesh| bounds.union(mesh.swept_bounds()))
     }
 
     /// A material by its index.

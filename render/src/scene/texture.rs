@@ -1,6 +1,9 @@
 //! Textures: 8-bit texels, sampled bilinearly as linear values.
 
+use super::SceneError;
+use super::file::{decode, read};
 use glam::{Vec2, Vec4};
+use std::path::Path;
 
 /// What the stored bytes mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +49,15 @@ impl Texture {
     ) -> Self {
         assert!(!texels.is_empty() && texels.len() == width * height, "{width} x {height} texels");
         Self { width, height, texels, encoding, wrap }
+    }
+
+    /// Reads a PNG or JPEG image, whose colours are taken as sRGB, to be repeated.
+    ///
+    /// # Errors
+    /// If the file is missing, damaged or no such image.
+    pub fn load(path: &Path) -> Result<Self, SceneError> {
+        let image = decode(&read(path)?).map_err(|what| SceneError::invalid(path, what))?;
+        Ok(Self::new(image.width, image.height, image.texels, Encoding::Srgb, [Wrap::Repeat; 2]))
     }
 
     /// Texels in a row and in a column.

@@ -62,7 +62,7 @@ fn triangles_are_those_of_the_data_table() {
     let Some(folder) = data() else { return };
     for (name, triangles) in TRIANGLES {
         let path = folder.join(name);
-        let scene = if name.ends_with(".obj") { obj::load(&path) } else { gltf::load(&path, 0.0) };
+        let scene = if name.ends_with(".obj") { obj::load(&path) } else { gltf::load(&path, 0.0, 0.0) };
         let scene = scene.expect(name);
         assert_eq!(scene.triangle_count(), triangles, "{name}");
     }

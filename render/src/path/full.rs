@@ -1,0 +1,30 @@
+//! Truth for full path tracing: all light that reaches a pixel, radiance, through the camera's lens. Where nothing is
+//! seen, the environment.
+
+use super::sampler::Stream;
+use super::transport::Transport;
+use super::{Integrator, Shot};
+use glam::{Vec2, Vec3};
+
+/// Path-traced radiance, with any number of bounces.
+#[derive(Debug)]
+pub struct FullPath<'a> {
+    shot: Shot<'a>,
+    transport: Transport<'a>,
+}
+
+impl<'a> FullPath<'a> {
+    /// All light; the shot's radius does not matter.
+    pub fn new(shot: &Shot<'a>) -> Self {
+        Self { shot: *shot, transport: Transport::new(shot.scene) }
+    }
+}
+
+impl Integrator for FullPath<'_> {
+    fn sample(&self, at: Vec2, stream: &mut Stream) -> Vec3 {
+        let Shot { camera, height, width, .. } = self.shot;
+        let on_lens = if camera.lens.is_some() { stream.next_2d() } else { Vec2::ZERO };
+        let (origin, direction) = camera.ray(at, height, width, on_lens);
+        self.transport.radiance(origin, direction, stream)
+    }
+}
