@@ -6,12 +6,13 @@
 use crate::journal::{Journal, checked};
 use crate::manifest::{MANIFEST, Manifest, PairRecord};
 use crate::origin::Origin;
-use crate::plan::{PlannedScene, PlannedView};
+use crate::plan::{Part, PlannedScene, PlannedView};
 use crate::truth::Shot;
 use crate::{DatasetError, Recipe, progress, truth, views};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::exr_file::{Layer, Metadata, encode};
 use deepshade_render::gbuffer;
+use deepshade_render::scene::procedural::Split;
 use deepshade_shaders::atomic_file;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -42,9 +43,14 @@ pub struct Summary {
 /// If the recipe is for test sets, a scene cannot be had or has no fit view, or the folder cannot be written, is in
 /// use or holds other data.
 pub fn generate(recipe: &Recipe, folder: &Path) -> Result<Summary, DatasetError> {
-    if recipe.tiles.is_some() {
-        let what = "the table `tiles` is for test sets, which `deepshade dataset testset` makes".to_owned();
-        return Err(DatasetError::Recipe { path: recipe.path.clone(), what });
+    for (holds, what) in [
+        (recipe.split == Split::Test, "`split` says testing, where pairs are for training"),
+        (recipe.tiles.is_some(), "the table `tiles` is for test sets"),
+    ] {
+        if holds {
+            let what = format!("{what}; `deepshade dataset testset` makes test sets");
+            return Err(DatasetError::Recipe { path: recipe.path.clone(), what });
+        }
     }
     let plan = recipe.plan()?;
     let origin = Origin::new(recipe, &plan, folder)?;
@@ -134,7 +140,7 @@ impl Work<'_> {
         let mut record = PairRecord {
             file: file_name(view),
             blake3: String::new(),
-            part: view.part,
+            part: if view.held_apart { Part::Validation } else { Part::Training },
             scene: planned.scene.clone(),
             view: view.index,
             camera,

@@ -1,6 +1,6 @@
 //! `deepshade bench rays`: rays a second through a scene, one thread, traversal alone.
 
-use crate::compare::DEFAULT_RADIUS_SHARE;
+use crate::compare::DEFAULT_REACH;
 use crate::{figures::Figures, views};
 use anyhow::{Result, ensure};
 use deepshade_render::bvh::TracedScene;
@@ -15,9 +15,12 @@ use std::hint::black_box;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Measures rays a second through a scene, one thread, traversal alone.
+/// Rays a second through a scene, one thread, traversal alone.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  deepshade bench rays --scene sponza.gltf --json rays.json")]
+#[command(after_help = "Example:\n  deepshade bench rays --scene sponza.gltf --json rays.json\n\n\
+    The default scene is procedural, so that everybody has it. The figures in the README are of Sponza, which does not \
+    come with the program; those of different scenes cannot be compared. Ambient occlusion rays are as long as \
+    15 % of the scene's diagonal.")]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
     #[arg(long, default_value = "colonnade:1")]
@@ -78,6 +81,7 @@ pub fn run(args: &Args) -> Result<()> {
         bundles.iter().map(blocked).fold(0, u32::wrapping_add)
     });
 
+    let diagonal = scene.diagonal();
     let mut figures = Figures::new("bench rays");
     figures.set("mrays_primary", mrays_primary);
     figures.set("mrays_primary_single", mrays_primary_single);
@@ -85,9 +89,13 @@ pub fn run(args: &Args) -> Result<()> {
     figures.set("mrays_ao_single", mrays_ao_single);
     figures.set("build_seconds", build_seconds);
     figures.set("triangles", triangles as f64);
+    figures.set("diagonal", f64::from(diagonal));
     figures.detail("scene", args.scene.to_string().into());
     figures.write(args.json.as_deref())?;
-    say!("scene              {} ({triangles} triangles, built in {build_seconds:.2} s)", args.scene)?;
+    say!(
+        "scene              {} ({triangles} triangles, diagonal {diagonal:.2} m, built in {build_seconds:.2} s)",
+        args.scene
+    )?;
     say!(
         "primary            {mrays_primary:.2} Mrays/s, one thread ({} rays, in bundles as g-buffers trace them)",
         primary.len()
@@ -125,9 +133,10 @@ fn primary_bundles(camera: &Camera, size: usize) -> impl Iterator<Item = (Vec3, 
 /// Every which pixel ambient occlusion rays start from: neighbours tell nothing new.
 const STRIDE: usize = 5;
 
-/// A bundle of cosine-distributed rays, as long as the default radius, from each surface that primary rays meet.
+/// A bundle of cosine-distributed rays, as long as the default radius whatever the size of the views, from each surface
+/// that primary rays meet.
 fn occlusion_bundles(scene: &TracedScene, primary: &[Ray]) -> Vec<(Start, Vec<Vec3>)> {
-    let reach = DEFAULT_RADIUS_SHARE * scene.diagonal();
+    let reach = DEFAULT_REACH.diagonal_share * scene.diagonal();
     let bundle = |(i, ray): (usize, &Ray)| {
         let hit = scene.hit(ray.origin, ray.direction, f32::INFINITY)?;
         let point = SurfacePoint::new(scene, &hit, ray.direction);

@@ -4,7 +4,7 @@ use super::{TestSet, in_tiles, tile_indices, tiles_of};
 use crate::truth::Shot;
 use crate::{DatasetError, Recipe, truth, views};
 use deepshade_render::bvh::bundle::BUNDLE;
-use deepshade_render::metrics::ssim::TILE;
+use deepshade_shaders::similarity::TILE;
 use std::time::{Duration, Instant};
 
 /// Scenes that are probed.

@@ -14,7 +14,7 @@ use crate::truth::Shot;
 use crate::{DatasetError, Recipe, progress, truth, views};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::exr_file::{self, Layer, Metadata};
-use deepshade_render::metrics::ssim::ssim;
+use deepshade_render::metrics::ssim;
 use deepshade_shaders::Planes;
 use deepshade_shaders::atomic_file;
 use indicatif::ProgressBar;

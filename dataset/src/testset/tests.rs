@@ -2,7 +2,7 @@ use super::make::mean_squared_difference;
 use super::*;
 use crate::DATA_VERSION;
 use crate::truth::{self, Shot};
-use deepshade_render::metrics::ssim::ssim;
+use deepshade_render::metrics::ssim;
 use deepshade_render::scene::procedural::{Family, Split};
 
 fn recipe(folder: &Path, tiles: &str) -> Recipe {
