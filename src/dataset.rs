@@ -26,7 +26,8 @@ pub enum Verb {
 pub struct RecipeArgs {
     /// The recipe, a TOML file.
     recipe: PathBuf,
-    /// Folder that the recipe's scene files are relative to, where it is not the recipe's own.
+    /// Folder that the scene files of the recipe, and of its `test_recipes`, are relative to, where it is not the
+    /// recipe's own.
     #[arg(long)]
     scenes: Option<PathBuf>,
 }
@@ -77,6 +78,9 @@ pub struct Show {
     /// How many pairs, spread over the dataset.
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=64))]
     pairs: u16,
+    /// Writes the figures here as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
 }
 
 /// Makes a test set for `eval`: truth with many samples on a share of the tiles.
@@ -148,7 +152,12 @@ fn verify_pairs(args: &Verify) -> Result<()> {
 
 fn show_pairs(args: &Show) -> Result<()> {
     let dataset = Dataset::open(&args.dataset)?;
-    contact_sheet(&dataset, &lists::spread(dataset.len(), args.pairs.into()), &args.out)?;
+    let shown = lists::spread(dataset.len(), args.pairs.into());
+    contact_sheet(&dataset, &shown, &args.out)?;
+    let mut figures = Figures::new("dataset show");
+    figures.set("pairs", dataset.len() as f64);
+    figures.set("shown", shown.len() as f64);
+    figures.write(args.json.as_deref())?;
     say!("{}", args.out.display())
 }
 
@@ -158,7 +167,7 @@ const HOUR: f64 = 3600.0;
 fn make_testset(args: &Testset) -> Result<()> {
     let recipe = args.recipe.load()?;
     let expected = TestSet::estimate(&recipe)?.as_secs_f64() / HOUR;
-    say!("{} will take about {expected:.2} hours from nothing", args.out.display())?;
+    note!("{} will take about {expected:.2} hours from nothing", args.out.display());
     let start = Instant::now();
     let set = TestSet::generate(&recipe, &args.out)?;
     let hours = start.elapsed().as_secs_f64() / HOUR;

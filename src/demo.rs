@@ -14,6 +14,7 @@ use deepshade_render::method::Repeats;
 use deepshade_render::scene::procedural::{Family, Split};
 use deepshade_shaders::gpu::Gpu;
 use std::path::PathBuf;
+use std::time::Instant;
 
 /// The whole chain on scenes never seen in training: data, training, export, running, comparing.
 #[derive(clap::Args)]
@@ -30,7 +31,8 @@ pub struct Args {
     #[arg(long, default_value = "dataset/recipes/ao-small.toml")]
     recipe: PathBuf,
     #[cfg(feature = "train")]
-    /// Folder that the recipe's scene files are relative to, where it is not the recipe's own.
+    /// Folder that the scene files of the recipe, and of its `test_recipes`, are relative to, where it is not the
+    /// recipe's own.
     #[arg(long)]
     scenes: Option<PathBuf>,
     #[cfg(feature = "train")]
@@ -53,15 +55,17 @@ const SEED: u32 = 20_170;
 /// # Errors
 /// If a part of the chain fails; it is named.
 pub fn run(args: &Args) -> Result<()> {
+    let start = Instant::now();
     let gpu = Gpu::new()?;
     let model = Model::load(&args.model)?;
-    say!("1. {} beside hbao and truth, on scenes of families it was not trained on", args.model.display())?;
+    note!("1. {} beside hbao and truth, on scenes of families it was not trained on", args.model.display());
     let comparison = compare_on_test_scenes(args, &gpu, &model)?;
     let page = comparison.write(&args.out)?;
     let mut figures = Figures::new("demo");
     comparison.set_figures(&mut figures);
     #[cfg(feature = "train")]
     short_training::run(args, &gpu, &mut figures)?;
+    figures.set("seconds", start.elapsed().as_secs_f64());
     figures.write(args.json.as_deref())?;
     say!("\n{comparison}\n{}", page.display())
 }
@@ -70,18 +74,13 @@ pub fn run(args: &Args) -> Result<()> {
 fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model) -> Result<Comparison> {
     let effect = model.spec.effect;
     let (height, width) = (model.spec.reach.height, model.spec.reach.height);
-    let names: Vec<String> = methods::names_of(effect)
-        .into_iter()
-        .filter(|name| *name != methods::TRUTH)
-        .map(str::to_owned)
-        .collect();
-    let methods = methods::open(effect, &names, Setup { gpu, model: Some(model) })?;
+    let methods = methods::open_all(effect, Setup { gpu, model: Some(model) })?;
     let mut frames = Vec::new();
     for family in Family::ALL.into_iter().filter(|family| family.split() == Split::Test) {
         let scene = TracedScene::new(family.scene(u64::from(SEED)))?;
         let camera = sample_view(&scene, [height, width], SEED, u64::from(SEED), 0)?;
         let view = View { name: family.name().to_owned(), camera };
-        say!("   {}, {} triangles", view.name, scene.scene().triangle_count())?;
+        note!("   {}, {} triangles", view.name, scene.scene().triangle_count());
         let radius = default_radius(Some(model), scene.diagonal(), height);
         let repeats = Repeats { warm_up: 1, timed: 3 };
         let settings = Settings { effect, height, width, radius, samples: args.samples, seed: SEED, repeats };
@@ -112,7 +111,7 @@ mod short_training {
     const CROP: usize = 128;
 
     pub fn run(args: &Args, gpu: &Gpu, figures: &mut Figures) -> Result<()> {
-        say!("2. training data from {}", args.recipe.display())?;
+        note!("2. training data from {}", args.recipe.display());
         let recipe = match &args.scenes {
             Some(scenes) => Recipe::load_with_scenes(&args.recipe, scenes)?,
             None => Recipe::load(&args.recipe)?,
@@ -120,9 +119,9 @@ mod short_training {
         let folder = folder(args, &recipe)?;
         let [data, run, model] = ["data", "run", "model"].map(|name| folder.join(name));
         let summary = generate(&recipe, &data)?;
-        say!("   {} pairs, {:.0} MB", summary.pairs, summary.bytes as f64 / 1e6)?;
+        note!("   {} pairs, {:.0} MB", summary.pairs, summary.bytes as f64 / 1e6);
 
-        say!("3. training for {} minutes", args.minutes)?;
+        note!("3. training for {} minutes", args.minutes);
         let dataset = Dataset::open(&data)?;
         let Radius::Diagonal(diagonal_share) = dataset.recipe().radius else {
             bail!(
@@ -145,9 +144,9 @@ mod short_training {
         // A run of an earlier demo would be resumed; the demo starts afresh.
         deepshade_train::discard(&run)?;
         let outcome = deepshade_train::train(&config, &run)?;
-        say!("   {} steps, {:.1} images a second", outcome.progress.step, outcome.images_per_second)?;
+        note!("   {} steps, {:.1} images a second", outcome.progress.step, outcome.images_per_second);
 
-        say!("4. export, and the exported network in WGSL against the reference")?;
+        note!("4. export, and the exported network in WGSL against the reference");
         let facts = crate::export::facts(dataset.manifest(), Vec::new());
         let model: Model = deepshade_train::export(&run, &model, &facts)?;
         check(&dataset, gpu, &model, figures)
@@ -181,8 +180,8 @@ mod short_training {
         ensure!(agreement.agrees(), "`{LEARNED}` in WGSL and the reference differ by {}", agreement.max_abs);
         let white = Planes::filled(expected.channels(), expected.height(), expected.width(), 1.0);
         let (learned, white) = (ssim(&shaded.image, &pair.target), ssim(&white, &pair.target));
-        say!("   they differ by at most {:.1e}", agreement.max_abs)?;
-        say!("   on a view held apart: SSIM {learned:.3}, a white image {white:.3}")?;
+        note!("   they differ by at most {:.1e}", agreement.max_abs);
+        note!("   on a view held apart: SSIM {learned:.3}, a white image {white:.3}");
         figures.set("short_training_ssim", learned);
         figures.set("short_training_ssim_white", white);
         figures.set("short_training_max_abs_wgsl", f64::from(agreement.max_abs));

@@ -69,12 +69,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     ensure!(set.recipe().effect == effect, "{} is for another effect than {effect}", folder.display());
     let gpu = Gpu::new()?;
-    let names: Vec<String> = methods::names_of(effect)
-        .into_iter()
-        .filter(|name| *name != methods::TRUTH)
-        .map(str::to_owned)
-        .collect();
-    let methods = methods::open(effect, &names, Setup { gpu: &gpu, model: Some(&model) })?;
+    let methods = methods::open_all(effect, Setup { gpu: &gpu, model: Some(&model) })?;
     let chosen = lists::spread(set.frames().len(), args.frames.map_or(usize::MAX, |frames| frames as usize));
     ensure!(!chosen.is_empty(), "{} has no frame", folder.display());
     let evaluation = evaluate(&set, &chosen, effect, &methods)?;
@@ -92,6 +87,7 @@ pub fn run(args: &Args) -> Result<()> {
     figures.detail("testset", json!(folder));
     figures.detail("adapter", json!(gpu.info.name));
     figures.write(args.json.as_deref())?;
+    let names: Vec<&str> = methods.iter().map(|method| method.name()).collect();
     print_table(&names, &estimates, chosen.len(), evaluation.scenes)
 }
 
@@ -192,7 +188,7 @@ fn kind(source: &SceneSource) -> String {
 }
 
 fn print_table(
-    names: &[String],
+    names: &[&str],
     estimates: &BTreeMap<&str, Estimate>,
     frames: usize,
     scenes: usize,
@@ -200,7 +196,7 @@ fn print_table(
     say!("{frames} frames of {scenes} scenes; means over scenes with 95 % confidence intervals")?;
     say!("{:<10} {:<22} {:<22} FLIP", "method", "SSIM", "PSNR (dB)")?;
     let cell = |figure: String| estimates.get(figure.as_str()).map_or(String::new(), Estimate::to_string);
-    let rows = names.iter().map(String::as_str).chain([WHITE, "ceiling"]);
+    let rows = names.iter().copied().chain([WHITE, "ceiling"]);
     for name in rows {
         let id = name.replace('-', "_");
         let [ssim, psnr, flip] = ["ssim", "psnr", "flip"].map(|metric| cell(format!("{metric}_{id}")));

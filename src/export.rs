@@ -22,6 +22,9 @@ pub struct Args {
     /// Folder of the model.
     #[arg(long)]
     out: PathBuf,
+    /// Folder of the dataset that the run was trained on, where it has moved since.
+    #[arg(long)]
+    dataset: Option<PathBuf>,
     /// What `deepshade eval --json` wrote about this network, for the card.
     #[arg(long)]
     metrics: Option<PathBuf>,
@@ -37,11 +40,13 @@ pub struct Args {
 /// the run has no network to export, or the folder cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     let config = TrainConfig::load(&args.run)?;
-    let manifest = Manifest::load(&config.dataset).context("the card names the training data")?;
+    let dataset = args.dataset.as_ref().unwrap_or(&config.dataset);
+    let manifest = Manifest::load(dataset)
+        .context("the card names the training data; --dataset says where they are now")?;
     ensure!(
-        Manifest::file_hash(&config.dataset)? == config.data_hash,
+        Manifest::file_hash(dataset)? == config.data_hash,
         "{}: not the data that {} was trained on",
-        config.dataset.display(),
+        dataset.display(),
         args.run.display()
     );
     let metrics = args.metrics.as_deref().map(metrics).transpose()?.unwrap_or_default();

@@ -2,7 +2,7 @@
 
 use crate::compare::positive;
 use crate::figures::Figures;
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, ensure};
 use deepshade_infer::{Model, NetSpec, forward};
 use deepshade_render::exr_file::{self, ExrImage, Layer, Metadata};
 use deepshade_render::scene::Bounds;
@@ -12,13 +12,12 @@ use serde_json::json;
 use std::path::PathBuf;
 
 /// Runs a network on a g-buffer file from any renderer.
-///
-/// The file needs the network's inputs as layers, for ambient occlusion `normal.X/Y/Z` and `position.X/Y/Z`: in camera
-/// space, metres, y up, the camera looking down -z. No surface is seen where a layer `valid` is 0 or, in a file without that
-/// layer, where all inputs are 0; nor, in any file, where one of the inputs is not finite.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Example:\n  deepshade infer --model models/ao --gbuffer in.exr --out out.exr --radius 0.5"
+    after_help = "Example:\n  deepshade infer --model models/ao --gbuffer in.exr --out out.exr --radius 0.5\n\n\
+    The file needs the network's inputs as layers, for ambient occlusion `normal.X/Y/Z` and `position.X/Y/Z`: in camera \
+    space, metres, y up, the camera looking down -z. No surface is seen where a layer `valid` is 0 or, in a file without \
+    that layer, where all inputs are 0; nor, in any file, where one of the inputs is not finite."
 )]
 pub struct Args {
     /// Folder of the network.
@@ -30,8 +29,9 @@ pub struct Args {
     /// Image to write, an EXR file with one layer, the effect's name.
     #[arg(long)]
     out: PathBuf,
-    /// How far the effect reaches, metres; by default what the file's attribute `radius_metres` says, else the share of the
-    /// extent of what is seen that the network knows.
+    /// How far the effect reaches, metres; by default what the file's attribute `radius_metres` says, else a share of the
+    /// diagonal of what is seen: the one that the network was trained with, divided by N in images N times as high as
+    /// its training images.
     #[arg(long, value_parser = positive)]
     radius: Option<f32>,
     /// Writes the figures here as JSON.
@@ -52,6 +52,8 @@ pub fn run(args: &Args) -> Result<()> {
         None => default_radius(&file, &gbuffer, &model.spec)
             .with_context(|| args.gbuffer.display().to_string())?,
     };
+    let scale = model.spec.reach.position_scale(radius);
+    ensure!(scale.is_finite(), "radius {radius} m is too small: positions cannot be multiplied by {scale}");
     let gpu = Gpu::new()?;
     let input = model.spec.input(&gbuffer, radius)?;
     let mut image = forward::run(&gpu, &model, &input)?;
@@ -102,6 +104,10 @@ fn default_radius(file: &ExrImage, gbuffer: &GBuffer, spec: &NetSpec) -> Result<
     }
     let diagonal = visible_diagonal(gbuffer)
         .context("no radius is stated and no positions tell the size; use --radius")?;
+    ensure!(
+        diagonal > 0.0 && diagonal.is_finite(),
+        "no radius is stated and what is seen has a diagonal of {diagonal} m; use --radius"
+    );
     Ok(spec.reach.radius(diagonal, gbuffer.height()))
 }
 
@@ -112,9 +118,7 @@ fn visible_diagonal(gbuffer: &GBuffer) -> Result<f32> {
     let seen = (0..planes.pixels()).filter(|pixel| seen[*pixel]);
     let position = |pixel| Vec3::from_array([0, 1, 2].map(|c| planes.plane(c)[pixel]));
     let bounds = seen.map(position).fold(Bounds::EMPTY, Bounds::grow);
-    if bounds == Bounds::EMPTY {
-        bail!("no surface is seen");
-    }
+    ensure!(bounds != Bounds::EMPTY, "no surface is seen");
     Ok(bounds.diagonal())
 }
 

@@ -1,7 +1,6 @@
 //! deepshade: learned, analytic and path-traced screen-space shading side by side.
 
 use clap::{Parser, Subcommand};
-use std::io::Write;
 use std::process::ExitCode;
 
 #[macro_use]
@@ -49,7 +48,10 @@ enum Verb {
     /// Renders a picture of one effect's truth, refining it before one's eyes.
     Render(render::Args),
     /// Generates, verifies and shows training pairs, and makes test sets.
-    #[command(subcommand)]
+    #[command(
+        subcommand,
+        after_help = "Example:\n  deepshade dataset generate dataset/recipes/ao.toml --out data/ao"
+    )]
     Dataset(dataset::Verb),
     /// Trains a network on a dataset; the same command resumes.
     #[cfg(feature = "train")]
@@ -66,13 +68,13 @@ enum Verb {
     Compare(compare::Args),
     /// Evaluates a network and its analytic rival on a test set.
     Eval(eval::Args),
-    /// Tunes an analytic method's parameters on the validation views of a dataset.
+    /// Tunes hbao's parameters on the validation views of a dataset.
     Tune(tune::Args),
     /// Checks truth against Mitsuba 3; `cargo xtask crosscheck` sets it up and calls this.
     #[command(hide = true)]
     Crosscheck(crosscheck::Args),
-    /// Measures speed beside a rival.
-    #[command(subcommand)]
+    /// Measures speed: of a network beside onnxruntime, of training, of rays beside Embree, of making data.
+    #[command(subcommand, after_help = "Example:\n  deepshade bench net --model models/ao --json net.json")]
     Bench(bench::Verb),
 }
 
@@ -99,8 +101,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if output::nobody_reads(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            // Where nobody reads the message either, the exit code still says it.
-            let _ = writeln!(std::io::stderr(), "error: {}", message(&error));
+            note!("error: {}", message(&error));
             ExitCode::FAILURE
         }
     }

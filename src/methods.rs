@@ -1,7 +1,7 @@
 //! The list of all methods: those of `render`, and `learned`.
 
 use crate::learned::Learned;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use deepshade_infer::Model;
 use deepshade_render::method::Method;
 use deepshade_render::methods::hbao::{self, Hbao};
@@ -29,6 +29,15 @@ struct Entry {
     open: fn(Setup<'_>) -> Result<Box<dyn Method>>,
 }
 
+impl Entry {
+    fn open(&self, setup: Setup<'_>) -> Result<Box<dyn Method>> {
+        let method = (self.open)(setup)?;
+        let (made, wanted) = (method.effect(), self.effect);
+        ensure!(made == wanted, "it computes `{made}`, not `{wanted}`");
+        Ok(method)
+    }
+}
+
 /// Every method; a new one is a line here.
 const ALL: [Entry; 2] = [
     Entry { name: LEARNED, effect: Effect::Ao, open: open_learned },
@@ -42,15 +51,25 @@ const ALL: [Entry; 2] = [
 /// Opens an effect's methods by name, in the order asked for; [`TRUTH`] is passed over.
 ///
 /// # Errors
-/// If there is no such method of this effect, or one cannot be opened; both are named.
+/// If there is no such method of this effect, one cannot be opened, or it computes another effect, as the network of
+/// `learned` may; all are named.
 pub fn open(effect: Effect, names: &[String], setup: Setup<'_>) -> Result<Vec<Box<dyn Method>>> {
     check(effect, names)?;
     let asked = |entry: &&Entry, name: &str| entry.effect == effect && entry.name == name;
     names
         .iter()
         .filter_map(|name| ALL.iter().find(|entry| asked(entry, name)))
-        .map(|entry| (entry.open)(setup).with_context(|| format!("method `{}`", entry.name)))
+        .map(|entry| entry.open(setup).with_context(|| format!("method `{}`", entry.name)))
         .collect()
+}
+
+/// Opens all methods of an effect.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_all(effect: Effect, setup: Setup<'_>) -> Result<Vec<Box<dyn Method>>> {
+    let names: Vec<String> = names_of(effect).into_iter().map(str::to_owned).collect();
+    open(effect, &names, setup)
 }
 
 /// Whether an effect has all of these methods, each named once.
@@ -119,9 +138,9 @@ mod tests {
         let reach = Reach { radius: 1.0, diagonal_share: 0.1, height: 24 };
         let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
         let model = Model { weights: Weights::random(&spec, 1), spec };
-        let names: Vec<String> = names_of(Effect::Ao).iter().map(|name| (*name).to_owned()).collect();
+        let names = names_of(Effect::Ao);
         let setup = Setup { gpu: &gpu, model: Some(&model) };
-        let methods = open(Effect::Ao, &names, setup).expect("methods");
+        let methods = open_all(Effect::Ao, setup).expect("methods");
         let opened: Vec<&str> = methods.iter().map(|method| method.name()).collect();
         assert_eq!(opened, names[..names.len() - 1]);
 

@@ -1,7 +1,9 @@
-//! Standard output: what a verb found out, for people.
+//! What a verb tells people: `say!` on standard output, once its work is done, what it found out; `note!` on stderr,
+//! before that, what it is at.
 //!
 //! `println!` panics where nobody reads any more (`deepshade scene --list | head -1`). Here that is an error, which
-//! `main` takes for a quiet end; verbs that measure write their JSON file before they print.
+//! `main` takes for a quiet end. That is right only where no work is left: hence verbs write their files, the JSON file
+//! too, before they say anything.
 
 use anyhow::{Context, Result};
 use std::fmt::Arguments;
@@ -12,12 +14,22 @@ macro_rules! say {
     ($($text:tt)*) => { $crate::output::line(format_args!($($text)*)) };
 }
 
+/// Prints a line on stderr while work goes on. Whether anybody reads it does not matter.
+macro_rules! note {
+    ($($text:tt)*) => { $crate::output::aside(format_args!($($text)*)) };
+}
+
 /// Writes a line to standard output.
 ///
 /// # Errors
 /// If nobody reads it, or what it is led to is full.
 pub fn line(text: Arguments<'_>) -> Result<()> {
     writeln!(io::stdout().lock(), "{text}").context("standard output")
+}
+
+/// Writes a line to stderr, where that is possible.
+pub fn aside(text: Arguments<'_>) {
+    let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
 /// Whether an error says no more than that nobody reads what is written.

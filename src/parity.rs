@@ -99,7 +99,7 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// Random weights for the model's network, or for the paper's where there is none.
 fn random(model: Option<&Model>, channel_order: ChannelOrder) -> Model {
-    let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+    let reach = Reach { radius: 1.0, diagonal_share: 0.1, height: 512 };
     let spec = model.map_or_else(|| NetSpec::ao(channel_order, reach), |model| model.spec.clone());
     let spec = NetSpec { channel_order, ..spec };
     Model { weights: Weights::random(&spec, 1), spec }

@@ -5,7 +5,7 @@
 
 mod picture;
 
-use crate::compare::{DEFAULT_RADIUS_SHARE, positive};
+use crate::compare::{default_radius, positive};
 use crate::complete::{Wants, complete};
 use crate::figures::{Figures, write_atomically};
 use crate::report::images::write_png;

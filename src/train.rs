@@ -13,11 +13,10 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Trains a network on a dataset; the same command resumes a run that was interrupted.
-///
-/// The run's folder gets `config.json`, checkpoints, `metrics.jsonl` and a plot of the loss.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  deepshade dataset generate dataset/recipes/ao.toml --out data/ao\n  \
-    deepshade train --dataset data/ao --out runs/ao --steps 20000")]
+    deepshade train --dataset data/ao --out runs/ao --steps 20000\n\n\
+    The run's folder gets `config.json`, checkpoints, `metrics.jsonl` and a plot of the loss.")]
 pub struct Args {
     /// Folder that `deepshade dataset generate` made.
     #[arg(long)]
@@ -31,39 +30,38 @@ pub struct Args {
     /// How weights follow gradients: the practical default, or the paper's.
     #[arg(long, value_enum, default_value_t = Method::Adamw)]
     optimiser: Method,
-    /// The optimiser's rate, where not its default.
-    #[arg(long)]
+    #[arg(long, help = rate_help())]
     rate: Option<f64>,
     /// Images a step.
-    #[arg(long)]
-    batch: Option<usize>,
+    #[arg(long, default_value_t = defaults().batch)]
+    batch: usize,
     /// Height and width of the crops, pixels; a multiple of 8.
-    #[arg(long)]
-    crop: Option<usize>,
+    #[arg(long, default_value_t = defaults().crop)]
+    crop: usize,
     /// Steps of the whole run.
-    #[arg(long)]
-    steps: Option<usize>,
-    /// Pairs held apart for validation.
-    #[arg(long)]
-    validation_pairs: Option<usize>,
+    #[arg(long, default_value_t = defaults().steps)]
+    steps: usize,
+    /// At most so many of the pairs held apart are used for validation.
+    #[arg(long, default_value_t = defaults().validation_pairs)]
+    validation_pairs: usize,
     /// Steps between validations.
-    #[arg(long)]
-    validate_every: Option<usize>,
+    #[arg(long, default_value_t = defaults().validate_every)]
+    validate_every: usize,
     /// Validations without a better one after which the run ends; 0 for never.
-    #[arg(long)]
-    patience: Option<usize>,
+    #[arg(long, default_value_t = defaults().patience)]
+    patience: usize,
     /// Chooses first weights, order, crops and symmetries.
-    #[arg(long)]
-    seed: Option<u64>,
+    #[arg(long, default_value_t = defaults().seed)]
+    seed: u64,
     /// Minutes after which the run stops; the same command goes on.
     #[arg(long, value_parser = minutes)]
     minutes: Option<f64>,
     /// Threads that decode pairs.
-    #[arg(long)]
-    workers: Option<usize>,
+    #[arg(long, default_value_t = defaults().workers)]
+    workers: usize,
     /// Megabytes of decoded pairs kept in memory.
-    #[arg(long)]
-    cache_megabytes: Option<usize>,
+    #[arg(long, default_value_t = defaults().cache_megabytes)]
+    cache_megabytes: usize,
     /// The network's default radius as a share of a scene's diagonal, where it is not to be the recipe's.
     #[arg(long, value_parser = positive)]
     diagonal_share: Option<f32>,
@@ -97,22 +95,31 @@ impl From<Order> for ChannelOrder {
 /// How weights follow gradients.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Method {
-    /// With warm-up and cosine schedule.
+    #[value(help = format!("The practical default: {}", Optimiser::ADAMW))]
     Adamw,
-    /// As in the paper.
+    #[value(help = format!("As in the paper: {}", Optimiser::ADADELTA))]
     Adadelta,
 }
 
-/// An optimiser's defaults, but for the rate where one is given.
-fn optimiser(method: Method, wanted: Option<f64>) -> Optimiser {
-    let mut optimiser = match method {
-        Method::Adamw => Optimiser::ADAMW,
-        Method::Adadelta => Optimiser::ADADELTA,
-    };
-    match &mut optimiser {
-        Optimiser::Adamw { rate, .. } | Optimiser::Adadelta { rate, .. } => *rate = wanted.unwrap_or(*rate),
+impl Method {
+    const fn defaults(self) -> Optimiser {
+        match self {
+            Self::Adamw => Optimiser::ADAMW,
+            Self::Adadelta => Optimiser::ADADELTA,
+        }
     }
-    optimiser
+}
+
+fn rate_help() -> String {
+    let of = |method: Method| method.defaults().highest_rate();
+    let (adamw, adadelta) = (of(Method::Adamw), of(Method::Adadelta));
+    format!("The optimiser's rate, at its highest [default: {adamw} for adamw, {adadelta} for adadelta]")
+}
+
+/// The settings that do not depend on network and data.
+fn defaults() -> TrainConfig {
+    let reach = Reach { radius: INPUT_RADIUS, diagonal_share: 1.0, height: 1 };
+    TrainConfig::new(NetSpec::ao(ChannelOrder::Interleaved, reach), PathBuf::new())
 }
 
 /// Trains, and says how far it came.
@@ -145,9 +152,9 @@ pub fn run(args: &Args) -> Result<()> {
 /// Reads a number of minutes that a run may take.
 pub fn minutes(text: &str) -> Result<f64, String> {
     let minutes: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
-    match (0.0..=MOST_MINUTES).contains(&minutes) {
+    match minutes > 0.0 && minutes <= MOST_MINUTES {
         true => Ok(minutes),
-        false => Err(format!("{minutes} is not between 0 and {MOST_MINUTES}")),
+        false => Err(format!("{minutes} is not above 0 and at most {MOST_MINUTES}")),
     }
 }
 
@@ -161,19 +168,20 @@ fn config(args: &Args) -> Result<TrainConfig> {
             args.dataset.display()
         ),
     };
+    let optimiser = args.optimiser.defaults();
     let base = default_config(&manifest, &args.dataset, args.order.into(), share)?;
     Ok(TrainConfig {
-        optimiser: optimiser(args.optimiser, args.rate),
-        batch: args.batch.unwrap_or(base.batch),
-        crop: args.crop.unwrap_or(base.crop),
-        steps: args.steps.unwrap_or(base.steps),
-        validation_pairs: args.validation_pairs.unwrap_or(base.validation_pairs),
-        validate_every: args.validate_every.unwrap_or(base.validate_every),
-        patience: args.patience.unwrap_or(base.patience),
-        seed: args.seed.unwrap_or(base.seed),
+        optimiser: args.rate.map_or(optimiser, |rate| optimiser.with_rate(rate)),
+        batch: args.batch,
+        crop: args.crop,
+        steps: args.steps,
+        validation_pairs: args.validation_pairs,
+        validate_every: args.validate_every,
+        patience: args.patience,
+        seed: args.seed,
         minutes: args.minutes,
-        workers: args.workers.unwrap_or(base.workers),
-        cache_megabytes: args.cache_megabytes.unwrap_or(base.cache_megabytes),
+        workers: args.workers,
+        cache_megabytes: args.cache_megabytes,
         ..base
     })
 }

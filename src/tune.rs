@@ -1,5 +1,5 @@
-//! `deepshade tune`: an analytic method's parameters, chosen on the validation views of a dataset, so that it meets
-//! the network on equal terms.
+//! `deepshade tune`: hbao's parameters, chosen on the validation views of a dataset, so that it meets the network on
+//! equal terms.
 
 use crate::figures::Figures;
 use anyhow::{Context, Result, ensure};
@@ -17,9 +17,11 @@ use std::path::PathBuf;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Tunes hbao's radius, bias and strength on the validation views of a dataset.
+/// Tunes hbao's parameters on the validation views of a dataset.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  deepshade tune --dataset data/ao --frames 12 --json tune.json")]
+#[command(after_help = "Example:\n  deepshade tune --dataset data/ao --frames 12 --json tune.json\n\n\
+    It tries scales of the radius, strengths, biases and sharpnesses of the blur, and changes nothing: what it finds goes \
+    into `Parameters::default` in render/src/methods/hbao/mod.rs, which `compare` and `eval` run.")]
 pub struct Args {
     /// Folder of the dataset.
     #[arg(long)]
@@ -79,7 +81,7 @@ const AXES: [Axis; 4] = [
     ("radius_scale", &[0.7, 0.85, 1.0, 1.2, 1.4, 1.7, 2.0], |p| &mut p.radius_scale),
     ("strength", &[0.6, 0.75, 0.9, 1.0, 1.15, 1.3, 1.5, 1.75], |p| &mut p.strength),
     ("bias", &[0.0, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3], |p| &mut p.bias),
-    ("blur_sharpness", &[4.0, 8.0, 16.0, 32.0, 64.0], |p| &mut p.blur_sharpness),
+    ("blur_sharpness", &[16.0, 32.0, 64.0, 128.0, 256.0, 512.0, 1024.0], |p| &mut p.blur_sharpness),
 ];
 
 /// Rounds over all axes.

@@ -146,6 +146,17 @@ fn the_default_radius_is_a_share_of_what_is_seen() {
 }
 
 #[test]
+fn a_size_that_cannot_be_told_and_a_radius_too_small_are_refused() {
+    let case = Case::new();
+    let point = GBuffer::new(INPUTS.to_vec(), Planes::filled(6, HEIGHT, WIDTH, 0.5));
+    exr_file::write(&case.path("in.exr"), &[Layer::gbuffer(&point)], &Metadata::new()).expect("written");
+    let out = case.path("out.exr");
+    assert_refused(&case.run(&[]), &out, &["in.exr", "a diagonal of 0 m", "--radius"]);
+    assert_refused(&case.run(&["--radius", "1e-45"]), &out, &["radius", "too small"]);
+    assert!(case.run(&["--radius", "1"]).status.success());
+}
+
+#[test]
 fn a_missing_layer_is_named_with_what_there_is() {
     let case = Case::new();
     case.write(&[Attribute::Position, Attribute::Depth], 0.0, &Metadata::new());

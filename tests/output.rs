@@ -35,6 +35,20 @@ fn a_reader_that_goes_away_is_no_fault_and_the_figures_are_written() {
 }
 
 #[test]
+fn what_is_said_before_the_work_costs_no_work() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let recipe = "effect = \"ao\"\nsplit = \"test\"\nseed = 5\nresolution = { height = 32, width = 32 }\n\
+        samples = 4\nradius = { diagonal = 0.1 }\nviews_per_scene = 1\n\
+        tiles = { samples = 4, one_in = 2, whole_frames = 0 }\nfamilies = [{ name = \"cave\", scenes = 1 }]\n";
+    std::fs::write(path("test.toml"), recipe).expect("written");
+    let output = unread(&["dataset", "testset", &path("test.toml"), "--out", &path("testset")]);
+    let notes = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && notes.contains("hours"), "{output:?}");
+    assert!(folder.path().join("testset/testset.json").is_file());
+}
+
+#[test]
 fn a_fault_is_a_fault_even_where_nobody_reads() {
     let folder = tempfile::tempdir().expect("a folder");
     let gone = folder.path().join("gone").display().to_string();

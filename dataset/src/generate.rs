@@ -11,6 +11,7 @@ use crate::{DatasetError, Props, Recipe, StagedScene, progress, truth, views};
 use deepshade_render::exr_file::{Layer, Metadata, encode};
 use deepshade_render::gbuffer;
 use deepshade_render::path::{Sampling, Shot, render};
+use deepshade_render::scene::procedural::Split;
 use deepshade_shaders::atomic_file;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -41,9 +42,14 @@ pub struct Summary {
 /// If the recipe is for test sets, a scene cannot be had or has no fit view, or the folder cannot be written, is in
 /// use or holds other data.
 pub fn generate(recipe: &Recipe, folder: &Path) -> Result<Summary, DatasetError> {
-    if recipe.tiles.is_some() {
-        let what = "the table `tiles` is for test sets, which `deepshade dataset testset` makes".to_owned();
-        return Err(DatasetError::Recipe { path: recipe.path.clone(), what });
+    for (holds, what) in [
+        (recipe.split == Split::Test, "`split` says testing, where pairs are for training"),
+        (recipe.tiles.is_some(), "the table `tiles` is for test sets"),
+    ] {
+        if holds {
+            let what = format!("{what}; `deepshade dataset testset` makes test sets");
+            return Err(DatasetError::Recipe { path: recipe.path.clone(), what });
+        }
     }
     let plan = recipe.plan()?;
     let origin = Origin::new(recipe, &plan, folder)?;
@@ -142,7 +148,7 @@ impl Work<'_> {
         let mut record = PairRecord {
             file: file_name(view),
             blake3: String::new(),
-            part: view.part,
+            part: if view.held_apart { Part::Validation } else { Part::Training },
             scene: planned.scene.clone(),
             view: view.index,
             camera,

@@ -3,7 +3,7 @@
 use crate::random::mix;
 use crate::{DatasetError, Recipe, SceneRecord};
 use deepshade_render::scene::SceneSource;
-use deepshade_render::scene::procedural::{Family, Split};
+use deepshade_render::scene::procedural::Family;
 use serde::{Deserialize, Serialize};
 
 /// What a pair is used for.
@@ -14,8 +14,6 @@ pub enum Part {
     Training,
     /// Choosing the best checkpoint and tuning.
     Validation,
-    /// Final figures only.
-    Test,
 }
 
 /// A scene of a recipe with its views.
@@ -38,8 +36,8 @@ pub struct PlannedView {
     pub name: String,
     /// Seed of its samples.
     pub seed: u32,
-    /// What it is used for.
-    pub part: Part,
+    /// Whether it is held apart for validation; never in a recipe for testing.
+    pub held_apart: bool,
 }
 
 impl Recipe {
@@ -81,13 +79,8 @@ impl Recipe {
         } else {
             held_apart(view, self.views_per_scene, self.validation_share)
         };
-        let part = match self.split {
-            Split::Test => Part::Test,
-            Split::Train if held_apart => Part::Validation,
-            Split::Train => Part::Training,
-        };
         let seed = mix(&[u64::from(self.seed), key, view as u64]) as u32;
-        PlannedView { index: view, name: format!("{name}-{view:03}"), seed, part }
+        PlannedView { index: view, name: format!("{name}-{view:03}"), seed, held_apart }
     }
 }
 

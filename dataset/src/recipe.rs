@@ -2,8 +2,9 @@
 //!
 //! A recipe is for training or for testing. A family is one or the other by itself; a scene file is what the recipe
 //! that lists it is. A training recipe with scene files therefore names the recipes for testing that it must stay
-//! away from (`test_recipes`), and is refused where one of its scenes appears there, under whatever name and in
-//! whatever format.
+//! away from (`test_recipes`), and is refused where one of its scenes appears there, under another name or in another
+//! format ([`crate::identity`]). Rotated, mirrored or extended copies of a scene are not recognised: who makes such
+//! answers for them.
 
 mod check;
 
@@ -123,16 +124,19 @@ impl Recipe {
     /// # Errors
     /// If a file is missing, a key unknown or a value out of range, or the recipe mixes training and testing.
     pub fn load(path: &Path) -> Result<Self, DatasetError> {
-        Self::load_with_scenes(path, path.parent().unwrap_or(Path::new("")))
+        let recipe = Self::parse(path)?;
+        recipe.check_files(None)?;
+        Ok(recipe)
     }
 
-    /// [`Recipe::load`] with scene files that are not relative to the recipe's folder but to `scenes`.
+    /// [`Recipe::load`] with scene files, those of `test_recipes` too, that are not relative to the recipe that names
+    /// them but to `scenes`.
     ///
     /// # Errors
     /// As [`Recipe::load`].
     pub fn load_with_scenes(path: &Path, scenes: &Path) -> Result<Self, DatasetError> {
         let recipe = Self { folder: scenes.to_owned(), ..Self::parse(path)? };
-        recipe.check_files()?;
+        recipe.check_files(Some(scenes))?;
         Ok(recipe)
     }
 

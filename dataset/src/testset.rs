@@ -26,10 +26,10 @@ use crate::random::mix;
 use crate::recipe::{Tiles, file_hash, split_name};
 use crate::{DatasetError, Origin, Props, Recipe, SceneRecord, Variation};
 use deepshade_render::exr_file;
-use deepshade_render::metrics::ssim::TILE;
 use deepshade_render::scene::Camera;
 use deepshade_render::scene::procedural::Split;
 use deepshade_shaders::Planes;
+use deepshade_shaders::similarity::TILE;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

@@ -3,6 +3,8 @@
 
 pub(crate) mod file;
 
+pub use file::{PARITY, SPEC, WEIGHTS};
+
 use crate::{LayerWeights, NetSpec, SpecError, Weights};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -22,7 +24,7 @@ pub enum ModelError {
     /// A file cannot be read or written.
     #[error("cannot {action} {}: {source}", path.display())]
     Io {
-        /// `read` or `write`.
+        /// `read`, `write` or `delete`.
         action: &'static str,
         /// The file.
         path: PathBuf,
@@ -128,18 +130,19 @@ impl Model {
     /// If a file is missing, truncated, absurdly large or does not fit the other, each with the file, and where it
     /// applies the tensor and both shapes.
     pub fn load(folder: &Path) -> Result<Self, ModelError> {
-        let spec = read_spec(&folder.join(file::SPEC))?;
-        let weights = read_weights(&folder.join(file::WEIGHTS), &spec)?;
+        let spec = read_spec(&folder.join(SPEC))?;
+        let weights = read_weights(&folder.join(WEIGHTS), &spec)?;
         Ok(Self { spec, weights })
     }
 
-    /// Writes the two files into a model folder, which is made where there is none. Each file is replaced as a
-    /// whole, the spec last.
+    /// Writes the two files into a model folder, which is made where there is none. The spec of an older network there
+    /// goes first and the new one comes last: a folder without a spec does not load, so that one network's weights
+    /// never stand beside another's spec.
     ///
     /// # Errors
     /// If the network is not valid or a file cannot be written; no file is then half written.
     pub fn save(&self, folder: &Path) -> Result<(), ModelError> {
-        let path = folder.join(file::SPEC);
+        let path = folder.join(SPEC);
         self.spec.validate().map_err(|source| ModelError::Spec { path: path.clone(), source })?;
         if !self.weights.fit(&self.spec) {
             return Err(ModelError::Unfit { path: folder.to_owned() });
@@ -156,11 +159,26 @@ impl Model {
                 ]
             })
             .collect();
-        file::write_tensors(&folder.join(file::WEIGHTS), &tensors)?;
+        withdraw(folder)?;
+        file::write_tensors(&folder.join(WEIGHTS), &tensors)?;
         let mut json = serde_json::to_vec_pretty(&self.spec)
             .map_err(|source| ModelError::Json { path: path.clone(), source })?;
         json.push(b'\n');
         file::write(&path, &json)
+    }
+}
+
+/// Makes a folder hold no model, by deleting its spec, so that its files can be replaced one by one.
+///
+/// # Errors
+/// If there is a spec that cannot be deleted.
+pub fn withdraw(folder: &Path) -> Result<(), ModelError> {
+    let path = folder.join(SPEC);
+    match std::fs::remove_file(&path) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+            Err(ModelError::Io { action: "delete", path, source })
+        }
+        _ => Ok(()),
     }
 }
 

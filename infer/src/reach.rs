@@ -4,11 +4,11 @@ use serde::{Deserialize, Serialize};
 
 /// What a network was trained to reach: fixed by its training data, adjusted by scaling what it reads.
 ///
-/// A network is a function of pixels. In an image N times as high as the training images its reach covers 1/N of
-/// the world it covered there, so the effect's radius is divided by N ([`Reach::radius`]); and whatever radius is
-/// wanted, positions are multiplied so that it looks to the network like the one it knows
-/// ([`Reach::position_scale`]). In the thesis' words: positions are scaled by the trained over the wanted radius,
-/// and by N where the image is N times larger.
+/// A network is a function of pixels. In an image N times as high as the training images the pixels that it reaches
+/// cover 1/N of the world that they covered there. As in the thesis, the effect's radius is therefore divided by N
+/// unless one is asked for ([`Reach::radius`]): the default keeps its size in pixels, not in the world. Whatever radius
+/// is wanted, positions are multiplied by the trained over the wanted one, so that it looks to the network like the one
+/// it knows ([`Reach::position_scale`]); with the default radius that is N times as much as at the trained height.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Reach {

@@ -4,7 +4,7 @@ use std::fs::OpenOptions;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// What names of temporary files start with. A killed program leaves some behind; whoever owns a folder may delete
+/// What names of temporary files and folders start with. A killed program leaves some behind; whoever owns a folder may delete
 /// them there.
 pub const TEMPORARY_PREFIX: &str = ".deepshade-";
 
@@ -25,15 +25,19 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     }
 }
 
-/// Deletes what killed programs left half-written in a folder, which the caller alone writes into.
+/// Deletes what killed programs left half-written in a folder, which the caller alone writes into: files, and folders
+/// of them.
 ///
 /// # Errors
-/// If the folder cannot be read or a file not be deleted.
+/// If the folder cannot be read or something in it not be deleted.
 pub fn delete_temporaries(folder: &Path) -> io::Result<()> {
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
         if entry.file_name().to_string_lossy().starts_with(TEMPORARY_PREFIX) {
-            std::fs::remove_file(entry.path())?;
+            match entry.file_type()?.is_dir() {
+                true => std::fs::remove_dir_all(entry.path())?,
+                false => std::fs::remove_file(entry.path())?,
+            }
         }
     }
     Ok(())
@@ -56,8 +60,11 @@ fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     sync_folder(folder)
 }
 
-/// Makes the new name last through a power cut; only Unix lets a folder be synced.
-fn sync_folder(folder: &Path) -> io::Result<()> {
+/// Makes new names in a folder last through a power cut; only Unix lets a folder be synced.
+///
+/// # Errors
+/// If the system fails to.
+pub fn sync_folder(folder: &Path) -> io::Result<()> {
     if cfg!(unix) { std::fs::File::open(folder)?.sync_all() } else { Ok(()) }
 }
 
@@ -91,6 +98,8 @@ mod tests {
         for name in [".deepshade-x1", ".other", "deepshade-x2"] {
             std::fs::write(folder.path().join(name), b"x").expect("written");
         }
+        std::fs::create_dir(folder.path().join(".deepshade-x3")).expect("made");
+        std::fs::write(folder.path().join(".deepshade-x3/a"), b"x").expect("written");
         delete_temporaries(folder.path()).expect("deleted");
         let mut left: Vec<_> = std::fs::read_dir(folder.path())
             .expect("listed")

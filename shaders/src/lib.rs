@@ -1,5 +1,5 @@
-//! The contract between CPU, GPU and network: which channels a g-buffer has, how images lie in memory, which WGSL
-//! sources exist, and how a compute pass is run and timed.
+//! The contract between CPU, GPU and network: which channels a g-buffer has, how images lie in memory, what is meant by
+//! similar, which WGSL sources exist, and how a compute pass is run and timed.
 //!
 //! Conventions, stated once for the whole project: right-handed, metres, y up; a camera looks down -z; image origin
 //! top left; linear radiance, no gamma inside. Images are planar `[channels, height, width]` f32 in memory and half
@@ -13,6 +13,7 @@ pub mod gpu;
 pub mod lists;
 pub mod planes;
 pub mod random;
+pub mod similarity;
 pub mod split_mix;
 pub mod wgsl;
 

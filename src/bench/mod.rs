@@ -1,4 +1,4 @@
-//! `deepshade bench`: speed, each beside a rival or with what bounds it, in one run.
+//! `deepshade bench`: speed. A network is measured beside its rival in the same run; training and rays by themselves.
 
 mod dataset;
 mod net;
@@ -16,7 +16,7 @@ pub enum Verb {
     /// Images a second that training takes.
     #[cfg(feature = "train")]
     Train(train::Args),
-    /// Rays a second through a scene.
+    /// Rays a second through a scene, one thread, traversal alone.
     Rays(rays::Args),
     /// Training pairs an hour.
     Dataset(dataset::Args),

@@ -32,7 +32,7 @@ pub struct Args {
 /// If a setting makes no sense.
 pub fn run(args: &Args) -> Result<()> {
     let (batch, crop, steps) = (args.batch, args.crop, usize::from(args.steps));
-    let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: crop };
+    let reach = Reach { radius: 1.0, diagonal_share: 0.1, height: crop };
     let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
     let config = TrainConfig { batch, crop, ..TrainConfig::new(spec, PathBuf::new()) };
     config.check()?;

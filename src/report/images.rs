@@ -36,6 +36,11 @@ pub fn write_frame(folder: &Path, effect: Effect, frame: &FrameReport) -> Result
     write_exr(folder, effect, frame, "truth", &truth.image)
 }
 
+/// Whether a frame's folder has files of that name from [`write_frame`].
+pub fn is_ours(name: &str) -> bool {
+    name.ends_with(".exr") || VIEWS.iter().any(|view| name.ends_with(&format!(".{view}.png")))
+}
+
 /// Writes the three views of an image, the second and third of a pair.
 fn write_pngs(folder: &Path, name: &str, image: &Planes, [wrong, right]: [&Planes; 2]) -> Result<()> {
     let views = [shown(image), difference(wrong, right), flip(wrong, right)];

@@ -2,6 +2,7 @@
 //! needs no server and nothing from elsewhere, with its images beside it as PNG and EXR.
 
 pub mod colour_map;
+mod earlier;
 pub mod images;
 mod page;
 mod summary;
@@ -81,17 +82,19 @@ impl Truth {
 
 impl Comparison {
     /// Writes the page and its images into a folder, which is made where it is missing, and returns the page's
-    /// path. The page is written last, so that it never shows what is not there.
+    /// path. An earlier page and its images go first and the page is written last, so that it never shows what is not
+    /// there or is from another comparison.
     ///
     /// # Errors
-    /// If there is no frame, or a file cannot be written.
+    /// If there is no frame, or a file cannot be written or deleted.
     pub fn write(&self, folder: &Path) -> Result<PathBuf> {
         ensure!(!self.frames.is_empty(), "a comparison without frames");
         let page = page::render(self).context("the comparison page")?;
+        let path = folder.join(PAGE);
+        earlier::delete(folder).with_context(|| format!("the earlier comparison in {}", folder.display()))?;
         for (index, frame) in self.frames.iter().enumerate() {
             images::write_frame(&folder.join(frame_folder(index)), self.effect, frame)?;
         }
-        let path = folder.join("index.html");
         write_atomically(&path, page.as_bytes())?;
         Ok(path)
     }
@@ -111,6 +114,9 @@ impl Comparison {
         }
     }
 }
+
+/// Name of the page.
+const PAGE: &str = "index.html";
 
 /// Name of the folder that holds a frame's images.
 fn frame_folder(index: usize) -> String {

@@ -83,6 +83,27 @@ fn everything_that_the_page_shows_is_there() {
 }
 
 #[test]
+fn a_second_report_leaves_nothing_of_the_first_and_all_that_is_not_its_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let written = |frames: Vec<FrameReport>| comparison(frames).write(folder.path()).expect("a report");
+    written(vec![frame("one", &["learned", "hbao"]), frame("two", &["learned", "hbao"])]);
+    for name in ["notes.txt", "frame-00/notes.txt", "frame-x.exr"] {
+        std::fs::write(folder.path().join(name), "kept").expect("written");
+    }
+    written(vec![frame("one", &["hbao"])]);
+    let there = |name: &str| folder.path().join(name).exists();
+    assert!(!there("frame-01") && !there("frame-00/learned.exr") && !there("frame-00/learned.flip.png"));
+    for name in ["index.html", "frame-00/hbao.exr", "notes.txt", "frame-00/notes.txt", "frame-x.exr"] {
+        assert!(there(name), "{name}");
+    }
+    // The page is gone as soon as an image cannot be written.
+    std::fs::remove_dir_all(folder.path().join("frame-00")).expect("removed");
+    std::fs::write(folder.path().join("frame-00"), "in the way").expect("written");
+    assert!(comparison(vec![frame("one", &["hbao"])]).write(folder.path()).is_err());
+    assert!(!there("index.html"));
+}
+
+#[test]
 fn names_cannot_break_the_page() {
     let hostile = "</script><img src=x>";
     let page = page::render(&comparison(vec![frame(hostile, &["hbao"])])).expect("a page");

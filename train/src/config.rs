@@ -1,8 +1,9 @@
 //! The settings of a training run. A run keeps them as `config.json`, from before its first step.
 
 use crate::optim::Optimiser;
-use crate::{TrainError, files, loss};
+use crate::{TrainError, files};
 use deepshade_infer::NetSpec;
+use deepshade_shaders::similarity::TILE;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -90,7 +91,7 @@ impl TrainConfig {
         }
         let counts = [
             ("batch", self.batch, 1, MOST_IMAGES),
-            ("crop", self.crop, loss::TILE, MOST_EDGE),
+            ("crop", self.crop, TILE, MOST_EDGE),
             ("steps", self.steps, 1, MOST_STEPS),
             ("validation_pairs", self.validation_pairs, 1, MOST_STEPS),
             ("validate_every", self.validate_every, 1, MOST_STEPS),
@@ -103,7 +104,7 @@ impl TrainConfig {
                 return error(field, format!("is {count}; it must be {least} to {most}"));
             }
         }
-        if !self.crop.is_multiple_of(loss::TILE) {
+        if !self.crop.is_multiple_of(TILE) {
             let problem =
                 format!("is {}; it must be a multiple of 8, the size of a tile of the loss", self.crop);
             return error("crop", problem);
@@ -112,7 +113,7 @@ impl TrainConfig {
             let problem = format!("is {} with crops of {}: too many pixels at once", self.batch, self.crop);
             return error("batch", problem);
         }
-        let (Optimiser::Adadelta { rate, .. } | Optimiser::Adamw { rate, .. }) = self.optimiser;
+        let rate = self.optimiser.highest_rate();
         if !(0.0..=MOST_RATE).contains(&rate) {
             return error("optimiser", format!("has a rate of {rate}; it must be 0 to {MOST_RATE}"));
         }

@@ -7,11 +7,7 @@
 use burn::tensor::Tensor;
 use burn::tensor::module::avg_pool2d;
 use burn::tensor::ops::AvgPoolOptions;
-
-/// Width and height of a tile, pixels.
-pub const TILE: usize = 8;
-const C1: f64 = 0.01 * 0.01;
-const C2: f64 = 0.03 * 0.03;
+use deepshade_shaders::similarity::{C1, C2, TILE};
 
 /// DSSIM of predictions and targets, averaged over images, tiles and channels: `[1]`.
 ///

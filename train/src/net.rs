@@ -155,7 +155,10 @@ pub fn layers_burn(spec: &NetSpec, weights: &Weights, input: &Planes) -> Vec<Act
 }
 
 /// Images of one size as a tensor `[batch, channels, height, width]`.
-pub(crate) fn to_tensor(images: &[&Planes], device: &Device) -> Tensor<4> {
+///
+/// # Panics
+/// If there is no image, or they differ in shape.
+pub fn to_tensor(images: &[&Planes], device: &Device) -> Tensor<4> {
     let shape = [images.len(), images[0].channels(), images[0].height(), images[0].width()];
     let data = images.iter().flat_map(|image| image.data()).copied().collect();
     Tensor::from_data(TensorData::new::<f32, _>(data, shape), device)

@@ -2,7 +2,7 @@
 //! bit; and what of a run is exported.
 
 use deepshade_dataset::Pair;
-use deepshade_infer::{ChannelOrder, NetSpec, Reach};
+use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach};
 use deepshade_shaders::{Attribute, GBuffer, Planes};
 use deepshade_train::checkpoint::{Checkpoint, Progress};
 use deepshade_train::export::{Facts, export};
@@ -207,6 +207,48 @@ fn a_pause_is_validated_exported_and_forgotten() {
 
     train_on(&config, Synthetic::new(ENOUGH), &run).expect("goes on");
     assert_same(&checkpoint(&run, &config), &straight(&config));
+}
+
+#[test]
+fn a_model_is_replaced_as_a_whole_and_nothing_else_in_its_folder() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let model = folder.path().join("model");
+    let run = |seed: u64| {
+        let run = folder.path().join(seed.to_string());
+        let config = TrainConfig { steps: 4, seed, ..config(ADAMW) };
+        train_on(&config, Synthetic::new(ENOUGH), &run).expect("trains");
+        run
+    };
+    let (first, second) = (run(1), run(2));
+    let old = export(&first, &model, &facts()).expect("exports");
+    let names = || -> Vec<String> {
+        let entries = std::fs::read_dir(&model).expect("listed");
+        let names = entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned());
+        let mut names: Vec<String> = names.collect();
+        names.sort();
+        names
+    };
+    let files = ["card.md", "model.onnx", "net.json", "parity.safetensors", "weights.safetensors"];
+    assert_eq!(names(), files);
+    for kept in ["testset", ".deepshade-killed"] {
+        std::fs::create_dir(model.join(kept)).expect("made");
+        std::fs::write(model.join(kept).join("list"), "frames").expect("written");
+    }
+
+    // Broken off in the middle, where the card cannot be replaced: there is no model then.
+    std::fs::remove_file(model.join("card.md")).expect("removed");
+    std::fs::create_dir(model.join("card.md")).expect("made");
+    let error = export(&second, &model, &facts()).expect_err("a folder is in the way").to_string();
+    assert!(error.contains("card.md"), "{error}");
+    let error = Model::load(&model).expect_err("a mixture").to_string();
+    assert!(error.contains("net.json"), "{error}");
+
+    std::fs::remove_dir(model.join("card.md")).expect("removed");
+    let new = export(&second, &model, &facts()).expect("exports");
+    assert_ne!(new.weights, old.weights);
+    assert_eq!(Model::load(&model).expect("loads"), new);
+    assert_eq!(names(), [&files[..4], &["testset", "weights.safetensors"]].concat());
+    assert_eq!(std::fs::read(model.join("testset/list")).expect("kept"), b"frames");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 use super::*;
 use crate::journal::JOURNAL;
-use crate::{DATA_VERSION, Dataset, Part, contact_sheet, verify};
+use crate::{DATA_VERSION, Dataset, contact_sheet, verify};
 use deepshade_render::scene::procedural::{Family, Split};
 use deepshade_shaders::Effect;
 use std::collections::BTreeMap;
@@ -131,9 +131,16 @@ fn data_of_another_version_and_absurd_manifests_are_refused() {
 fn a_test_set_is_not_generated_as_a_dataset() {
     let folder = tempfile::tempdir().expect("a folder");
     let tiles = Some(crate::recipe::Tiles { samples: 4, one_in: 2, whole_frames: 1 });
-    let recipe = Recipe { tiles, ..recipe(folder.path(), 7) };
-    let error = generate(&recipe, &folder.path().join("out")).expect_err("tiles").to_string();
-    assert!(error.contains("recipe-7.toml") && error.contains("`tiles` is for test sets"), "{error}");
+    let sound = recipe(folder.path(), 7);
+    for (recipe, what) in [
+        (Recipe { tiles, ..sound.clone() }, "`tiles` is for test sets"),
+        (Recipe { split: Split::Test, ..sound }, "`split` says testing"),
+    ] {
+        let error = generate(&recipe, &folder.path().join("out")).expect_err(what).to_string();
+        for part in ["recipe-7.toml", what, "`deepshade dataset testset`"] {
+            assert!(error.contains(part), "{error}");
+        }
+    }
 }
 
 /// A recipe of one scene file that refers to another file.
@@ -217,7 +224,6 @@ fn what_is_generated_is_read_and_verified() {
     generate(&recipe, &out).expect("generated");
     let dataset = Dataset::open(&out).expect("a dataset");
     assert_eq!((dataset.training(), dataset.validation()), (vec![0, 1], vec![2, 3]));
-    assert!(dataset.part(Part::Test).is_empty());
 
     let record = dataset.record(3);
     let scene = record.scene.load(&recipe.folder).expect("a scene");

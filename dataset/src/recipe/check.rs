@@ -91,15 +91,19 @@ impl Recipe {
         Ok(())
     }
 
-    /// Whether no scene file of a training recipe is also in one of its test recipes.
-    pub(super) fn check_files(&self) -> Result<(), DatasetError> {
+    /// Whether no scene file of a training recipe is also in one of its test recipes, whose files are in `scenes` or,
+    /// without it, where each of these recipes is.
+    pub(super) fn check_files(&self, scenes: Option<&Path>) -> Result<(), DatasetError> {
         if self.test_recipes.is_empty() {
             return Ok(());
         }
         let own = self.file_identities()?;
         let folder = self.path.parent().unwrap_or(Path::new(""));
         for path in &self.test_recipes {
-            let test = Self::parse(&folder.join(path))?;
+            let mut test = Self::parse(&folder.join(path))?;
+            if let Some(scenes) = scenes {
+                scenes.clone_into(&mut test.folder);
+            }
             if test.split != Split::Test {
                 let what = format!("`test_recipes`: {} is not for testing", path.display());
                 return Err(DatasetError::Recipe { path: self.path.clone(), what });

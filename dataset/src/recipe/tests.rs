@@ -2,17 +2,21 @@ use super::*;
 use deepshade_render::scene::SceneSource;
 use deepshade_render::scene::procedural::Family;
 
-/// Writes a recipe with some lines put before, changed or added, and loads it.
-fn load(folder: &Path, name: &str, edit: impl Fn(String) -> String) -> Result<Recipe, DatasetError> {
+/// A sound recipe.
+fn text() -> String {
     let train = Family::ALL.into_iter().find(|family| family.split() == Split::Train).expect("a family");
-    let text = format!(
+    format!(
         "effect = \"ao\"\nsplit = \"train\"\nseed = 1\nresolution = {{ height = 64, width = 96 }}\nsamples = 16\n\
          radius = {{ diagonal = 0.05 }}\nviews_per_scene = 2\nvalidation_share = 0.25\n\
          [[families]]\nname = \"{}\"\nscenes = 3\n",
         train.name()
-    );
+    )
+}
+
+/// Writes a recipe with some lines put before, changed or added, and loads it.
+fn load(folder: &Path, name: &str, edit: impl Fn(String) -> String) -> Result<Recipe, DatasetError> {
     let path = folder.join(name);
-    std::fs::write(&path, edit(text)).expect("written");
+    std::fs::write(&path, edit(text())).expect("written");
     Recipe::load(&path)
 }
 
@@ -107,6 +111,24 @@ fn a_scene_of_a_test_recipe_does_not_train_under_any_name_or_in_any_form() {
         assert!(matches!(seen, DatasetError::Mixed { .. }) && seen.to_string().contains(file), "{seen}");
     }
     train("files = [\"other.obj\"]\ntest_recipes = [\"test.toml\"]\n").expect("another scene");
+}
+
+#[test]
+fn scene_files_of_test_recipes_are_looked_for_where_those_of_the_recipe_are() {
+    let (recipes, scenes) = (tempfile::tempdir().expect("a folder"), folder_of_scenes());
+    let test = for_testing(&with(&text(), "files = [\"seen.obj\"]\n"));
+    std::fs::write(recipes.path().join("test.toml"), test).expect("written");
+    let train = |file: &str| {
+        let lines = format!("files = [\"{file}\"]\ntest_recipes = [\"test.toml\"]\n");
+        let path = recipes.path().join("train.toml");
+        std::fs::write(&path, with(&text(), &lines)).expect("written");
+        (Recipe::load(&path), Recipe::load_with_scenes(&path, scenes.path()))
+    };
+    let (beside, elsewhere) = train("other.obj");
+    assert!(beside.expect_err("not beside the recipe").to_string().contains("other.obj"));
+    assert_eq!(elsewhere.expect("another scene").folder, scenes.path());
+    let (_, seen) = train("copy.obj");
+    assert!(matches!(seen, Err(DatasetError::Mixed { .. })), "{seen:?}");
 }
 
 #[test]

@@ -3,8 +3,8 @@
 use super::{TestSet, in_tiles, tile_indices, tiles_of};
 use crate::{DatasetError, Props, Recipe, StagedScene, views};
 use deepshade_render::bvh::bundle::BUNDLE;
-use deepshade_render::metrics::ssim::TILE;
 use deepshade_render::path::{Sampling, Shot, render_where};
+use deepshade_shaders::similarity::TILE;
 use std::time::{Duration, Instant};
 
 /// Scenes that are probed.

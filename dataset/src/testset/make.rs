@@ -12,7 +12,7 @@ use crate::random::mix;
 use crate::recipe::Tiles;
 use crate::{DatasetError, Props, Recipe, StagedScene, progress, truth, views};
 use deepshade_render::exr_file::{self, Layer, Metadata};
-use deepshade_render::metrics::ssim::ssim;
+use deepshade_render::metrics::ssim;
 use deepshade_render::path::{Sampling, Shot, render, render_where};
 use deepshade_shaders::Planes;
 use deepshade_shaders::atomic_file;

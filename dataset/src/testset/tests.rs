@@ -1,7 +1,7 @@
 use super::make::mean_squared_difference;
 use super::*;
 use crate::{DATA_VERSION, StagedScene};
-use deepshade_render::metrics::ssim::ssim;
+use deepshade_render::metrics::ssim;
 use deepshade_render::path::{Sampling, Shot, render};
 use deepshade_render::scene::procedural::{Family, Split};
 

@@ -37,20 +37,20 @@ fn a_saved_model_loads_bit_for_bit_and_leaves_nothing_else_behind() {
         .map(|entry| entry.expect("an entry").file_name())
         .collect();
     names.sort();
-    assert_eq!(names, [file::SPEC, file::WEIGHTS]);
+    assert_eq!(names, [SPEC, WEIGHTS]);
 }
 
 #[test]
 fn a_missing_file_is_named() {
-    assert_says(&message_after(|f, _| fs::remove_file(f.join(file::SPEC)).expect("removes")), &["net.json"]);
-    let message = message_after(|f, _| fs::remove_file(f.join(file::WEIGHTS)).expect("removes"));
+    assert_says(&message_after(|f, _| fs::remove_file(f.join(SPEC)).expect("removes")), &["net.json"]);
+    let message = message_after(|f, _| fs::remove_file(f.join(WEIGHTS)).expect("removes"));
     assert_says(&message, &["cannot read", "weights.safetensors"]);
 }
 
 #[test]
 fn every_truncation_of_the_weights_is_an_error() {
     let (folder, _) = saved();
-    let path = folder.path().join(file::WEIGHTS);
+    let path = folder.path().join(WEIGHTS);
     let whole = fs::read(&path).expect("reads");
     for length in (0..whole.len()).step_by(97).chain([whole.len() - 1]) {
         fs::write(&path, &whole[..length]).expect("writes");
@@ -64,7 +64,7 @@ fn an_absurd_header_allocates_nothing() {
     let message = message_after(|folder, _| {
         let mut bytes = u64::MAX.to_le_bytes().to_vec();
         bytes.extend([b' '; 64]);
-        fs::write(folder.join(file::WEIGHTS), bytes).expect("writes");
+        fs::write(folder.join(WEIGHTS), bytes).expect("writes");
     });
     assert_says(&message, &["weights.safetensors"]);
 }
@@ -72,7 +72,7 @@ fn an_absurd_header_allocates_nothing() {
 #[test]
 fn a_file_far_too_large_is_not_read() {
     let message = message_after(|folder, _| {
-        let file = fs::File::create(folder.join(file::WEIGHTS)).expect("creates");
+        let file = fs::File::create(folder.join(WEIGHTS)).expect("creates");
         file.set_len(1 << 40).expect("grows");
     });
     assert_says(&message, &["weights.safetensors has 1099511627776 bytes"]);
@@ -83,17 +83,17 @@ fn the_weights_of_another_network_name_tensor_and_shapes() {
     let message = message_after(|folder, model| {
         let spec = NetSpec { kernel: 5, ..model.spec.clone() };
         let other = Model { weights: Weights::random(&spec, 1), spec };
-        let spec = fs::read(folder.join(file::SPEC)).expect("reads");
+        let spec = fs::read(folder.join(SPEC)).expect("reads");
         other.save(folder).expect("saves");
-        fs::write(folder.join(file::SPEC), spec).expect("writes");
+        fs::write(folder.join(SPEC), spec).expect("writes");
     });
     assert_says(&message, &["weights.safetensors"]);
     let message = message_after(|folder, model| {
         let spec = NetSpec { kernel: 1, ..model.spec.clone() };
         let other = Model { weights: Weights::random(&spec, 1), spec };
-        let spec = fs::read(folder.join(file::SPEC)).expect("reads");
+        let spec = fs::read(folder.join(SPEC)).expect("reads");
         other.save(folder).expect("saves");
-        fs::write(folder.join(file::SPEC), spec).expect("writes");
+        fs::write(folder.join(SPEC), spec).expect("writes");
     });
     assert_says(&message, &["`down0.weight` has shape [4, 6, 1, 1], expected [4, 6, 3, 3]"]);
 }
@@ -101,7 +101,7 @@ fn the_weights_of_another_network_name_tensor_and_shapes() {
 #[test]
 fn missing_unknown_foreign_and_poisoned_tensors_are_named() {
     let rewritten = |tensors: &[(String, Vec<usize>, &[f32])]| {
-        message_after(|folder, _| file::write_tensors(&folder.join(file::WEIGHTS), tensors).expect("writes"))
+        message_after(|folder, _| file::write_tensors(&folder.join(WEIGHTS), tensors).expect("writes"))
     };
     let message = rewritten(&[("down0.bias".to_owned(), vec![4], &[0.0; 4])]);
     assert_says(&message, &["no tensor `down0.weight`", "it holds down0.bias"]);
@@ -115,7 +115,7 @@ fn missing_unknown_foreign_and_poisoned_tensors_are_named() {
     assert_says(&message, &["`down0.weight`", "not finite, at index 17"]);
     let message = message_after(|folder, _| {
         let whole = TensorBytes::half("down0.weight");
-        fs::write(folder.join(file::WEIGHTS), whole.0).expect("writes");
+        fs::write(folder.join(WEIGHTS), whole.0).expect("writes");
     });
     assert_says(&message, &["`down0.weight` holds F16, expected F32"]);
 }
@@ -135,7 +135,7 @@ impl TensorBytes {
 fn a_wrong_spec_is_named() {
     let edited = |from: &str, to: &str| {
         message_after(|folder, _| {
-            let path = folder.join(file::SPEC);
+            let path = folder.join(SPEC);
             let json = fs::read_to_string(&path).expect("reads");
             assert!(json.contains(from), "{json}");
             fs::write(path, json.replace(from, to)).expect("writes");
@@ -145,6 +145,18 @@ fn a_wrong_spec_is_named() {
     assert_says(&edited("\"u0\": 4", "\"u0\": 5"), &["net.json", "layer `down1`"]);
     assert_says(&edited("\"levels\": 3", "\"levels\": 4000000000"), &["net.json", "`levels` is 4000000000"]);
     assert_says(&edited("{", ""), &["net.json"]);
+}
+
+#[test]
+fn a_model_that_was_replaced_by_half_does_not_load() {
+    let (folder, model) = saved();
+    let weights = folder.path().join(WEIGHTS);
+    fs::remove_file(&weights).expect("removes");
+    fs::create_dir(&weights).expect("in the way");
+    assert!(model.save(folder.path()).is_err());
+    fs::remove_dir(&weights).expect("removes");
+    let error = Model::load(folder.path()).expect_err("no model").to_string();
+    assert_says(&error, &["net.json"]);
 }
 
 #[test]

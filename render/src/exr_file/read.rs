@@ -22,7 +22,7 @@ pub struct ExrImage {
     path: PathBuf,
     height: usize,
     width: usize,
-    names: Vec<String>,
+    pub(super) names: Vec<String>,
     planes: Vec<Vec<f32>>,
     metadata: Metadata,
 }
@@ -114,11 +114,6 @@ impl ExrImage {
     /// Columns.
     pub const fn width(&self) -> usize {
         self.width
-    }
-
-    /// Names of all channels.
-    pub fn names(&self) -> &[String] {
-        &self.names
     }
 
     /// Text attributes.

@@ -9,7 +9,7 @@
 pub mod flip;
 pub mod psnr;
 pub mod relative_mse;
-pub mod ssim;
+mod ssim;
 
 #[cfg(test)]
 mod controls;
@@ -17,7 +17,7 @@ mod controls;
 pub use flip::{flip, flip_map};
 pub use psnr::psnr;
 pub use relative_mse::relative_mse;
-pub use ssim::{ssim, ssim_tiles};
+pub use ssim::ssim;
 
 use deepshade_shaders::Planes;
 

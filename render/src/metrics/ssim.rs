@@ -1,5 +1,5 @@
 //! Structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004) over tiles that do not overlap, as the thesis
-//! uses it for loss and evaluation (7.3.2).
+//! uses it for loss and evaluation (7.3.3).
 //!
 //! A tile is 8x8 values of one channel under a uniform window; variances are biased (divided by 64), the range of
 //! the values is taken as 1. The result is the mean over tiles and channels. Only whole tiles count: where height or
@@ -7,15 +7,9 @@
 
 use super::assert_same_shape;
 use deepshade_shaders::Planes;
+use deepshade_shaders::similarity::{C1, C2, TILE};
 
-/// Height and width of a tile, pixels.
-pub const TILE: usize = 8;
-/// Steadies the comparison of means; `(0.01 * range)^2`.
-pub const C1: f64 = 0.01 * 0.01;
-/// Steadies the comparison of variances; `(0.03 * range)^2`.
-pub const C2: f64 = 0.03 * 0.03;
-
-/// Structural similarity of two images: 1 where equal, lower where they differ; the mean of [`ssim_tiles`]. NaN
+/// Structural similarity of two images: 1 where equal, lower where they differ; the mean over tiles and channels. NaN
 /// where an image is smaller than a tile.
 ///
 /// # Panics
@@ -26,10 +20,7 @@ pub fn ssim(a: &Planes, b: &Planes) -> f64 {
 }
 
 /// Structural similarity tile by tile, `[channels, height / 8, width / 8]`.
-///
-/// # Panics
-/// If the images differ in shape.
-pub fn ssim_tiles(a: &Planes, b: &Planes) -> Vec<f64> {
+fn ssim_tiles(a: &Planes, b: &Planes) -> Vec<f64> {
     assert_same_shape(a, b);
     let (rows, columns) = (a.height() / TILE, a.width() / TILE);
     let mut tiles = Vec::with_capacity(a.channels() * rows * columns);
@@ -44,10 +35,7 @@ pub fn ssim_tiles(a: &Planes, b: &Planes) -> Vec<f64> {
 }
 
 /// The values of one whole tile, row by row.
-///
-/// # Panics
-/// If the tile reaches outside of the image.
-pub fn tile(image: &Planes, channel: usize, row: usize, column: usize) -> [f32; TILE * TILE] {
+fn tile(image: &Planes, channel: usize, row: usize, column: usize) -> [f32; TILE * TILE] {
     let mut values = [0.0; TILE * TILE];
     for (y, line) in values.chunks_exact_mut(TILE).enumerate() {
         let start = (row * TILE + y) * image.width() + column * TILE;
@@ -56,8 +44,8 @@ pub fn tile(image: &Planes, channel: usize, row: usize, column: usize) -> [f32; 
     values
 }
 
-/// Structural similarity of two tiles, for evaluations that hold the tiles alone.
-pub fn tile_ssim(a: &[f32; TILE * TILE], b: &[f32; TILE * TILE]) -> f64 {
+/// Structural similarity of two tiles.
+fn tile_ssim(a: &[f32; TILE * TILE], b: &[f32; TILE * TILE]) -> f64 {
     let mean =
         |values: &[f32; TILE * TILE]| values.iter().map(|v| f64::from(*v)).sum::<f64>() / a.len() as f64;
     let (mean_a, mean_b) = (mean(a), mean(b));

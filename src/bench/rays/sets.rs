@@ -1,7 +1,7 @@
 //! The rays: those of a camera, those that ask for ambient occlusion, and those that leave a surface after one diffuse
 //! bounce.
 
-use crate::compare::DEFAULT_RADIUS_SHARE;
+use crate::compare::DEFAULT_REACH;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::bvh::bundle::{BUNDLE, Start};
 use deepshade_render::intersection::SurfacePoint;
@@ -60,7 +60,7 @@ pub fn all<'a>(scene: &TracedScene, cameras: impl Iterator<Item = &'a Camera>, s
         Some(SurfacePoint::new(scene, &hit, ray.direction))
     };
     let points: Vec<SurfacePoint> = primary.rays.iter().filter_map(seen).collect();
-    let reach = DEFAULT_RADIUS_SHARE * scene.diagonal();
+    let reach = DEFAULT_REACH.diagonal_share * scene.diagonal();
     let occlusion = |(i, point): (usize, &SurfacePoint)| {
         let start = Start { origin: point.ray_origin(), above: point.geometric_normal, reach };
         (start, hemisphere(&PixelSampler::new(i, 0, 0), BUNDLE as u32, point.geometric_normal))

@@ -1,7 +1,6 @@
 //! A model's card: what it was made from, how good it is, what it is not good for.
 
 use crate::TrainConfig;
-use crate::optim::Optimiser;
 use std::fmt::Write;
 
 /// What a card says beyond what the run's own files hold.
@@ -32,14 +31,6 @@ pub(super) struct Trained {
 pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> String {
     let spec = &config.spec;
     let inputs: Vec<&str> = spec.inputs.iter().map(|attribute| attribute.name()).collect();
-    let optimiser = match config.optimiser {
-        Optimiser::Adadelta { rate, decay, epsilon } => {
-            format!("ADADELTA, decay {decay}, epsilon {epsilon}, rate {rate}")
-        }
-        Optimiser::Adamw { rate, weight_decay, warm_up } => {
-            format!("AdamW, rate {rate} (warm-up {warm_up} steps, cosine), weight decay {weight_decay}")
-        }
-    };
     let rows = [
         ("Effect", spec.effect.to_string()),
         ("Reads", inputs.join(", ")),
@@ -52,7 +43,7 @@ pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> Str
         ("Data", facts.recipe.clone()),
         ("Data hash", format!("`{}` (BLAKE3 of the dataset's manifest.json)", config.data_hash)),
         ("Seed", config.seed.to_string()),
-        ("Optimiser", optimiser),
+        ("Optimiser", config.optimiser.to_string()),
         ("Batch", format!("{} crops of {} by {}", config.batch, config.crop, config.crop)),
         ("Steps", format!("{} (best of {})", trained.step, trained.of)),
         ("Validation DSSIM", format!("{:.4}", trained.loss)),

@@ -10,7 +10,9 @@ use card::Trained;
 
 use crate::checkpoint::{CHECKPOINT_FILE, Checkpoint};
 use crate::{TrainConfig, TrainError, files};
+use deepshade_infer::model::{PARITY, SPEC, WEIGHTS, withdraw};
 use deepshade_infer::{Model, Parity, parity, reference};
+use deepshade_shaders::atomic_file::{TEMPORARY_PREFIX, delete_temporaries, sync_folder};
 use std::path::Path;
 
 /// Name of the ONNX file.
@@ -20,10 +22,12 @@ pub const CARD_FILE: &str = "card.md";
 /// Height and width of the image that a runtime is checked with: neither even nor square.
 const PARITY_SIZE: [usize; 2] = [75, 101];
 
-/// Exports the best of a run's validated networks into a model folder.
+/// Exports the best of a run's validated networks into a model folder, in which only its own files are replaced. Killed
+/// at any moment, the folder holds the old model, the new one, or none that loads, and never a mixture.
 ///
 /// # Errors
-/// If the run has no checkpoint, none of its networks was validated, or a file cannot be read or written.
+/// If the run has no checkpoint, none of its networks was validated, or a file cannot be read or written; an older model
+/// is then still there, unless the new one's files cannot be moved to where its own are.
 pub fn export(run: &Path, folder: &Path, facts: &Facts) -> Result<Model, TrainError> {
     let config = TrainConfig::load(run)?;
     let Some(checkpoint) = Checkpoint::load(run, &config.spec)? else {
@@ -38,12 +42,27 @@ pub fn export(run: &Path, folder: &Path, facts: &Facts) -> Result<Model, TrainEr
     let model = Model { spec: config.spec.clone(), weights: weights.clone() };
     let trained = Trained { step, of: checkpoint.progress.step, loss };
     std::fs::create_dir_all(folder).map_err(TrainError::io("create", folder))?;
+    delete_temporaries(folder).map_err(TrainError::io("clean", folder))?;
     let [height, width] = PARITY_SIZE;
     let input = parity::noise(model.spec.input_channels(), height, width, 1);
     let output = reference::forward(&model.spec, &model.weights, &input);
-    files::replace(&folder.join(ONNX_FILE), &onnx::encode(&model))?;
-    files::replace(&folder.join(CARD_FILE), card::card(&config, trained, facts).as_bytes())?;
-    Parity { input, output }.save(folder)?;
-    model.save(folder)?;
+    let new = tempfile::Builder::new().prefix(TEMPORARY_PREFIX).tempdir_in(folder);
+    let new = new.map_err(TrainError::io("write into", folder))?;
+    files::replace(&new.path().join(ONNX_FILE), &onnx::encode(&model))?;
+    files::replace(&new.path().join(CARD_FILE), card::card(&config, trained, facts).as_bytes())?;
+    Parity { input, output }.save(new.path())?;
+    model.save(new.path())?;
+    install(new.path(), folder)?;
     Ok(model)
+}
+
+/// Moves a whole model's files into a folder that may hold an older model.
+fn install(new: &Path, folder: &Path) -> Result<(), TrainError> {
+    withdraw(folder)?;
+    // The spec last: the folder holds a model again when it is there.
+    for name in [ONNX_FILE, CARD_FILE, PARITY, WEIGHTS, SPEC] {
+        let path = folder.join(name);
+        std::fs::rename(new.join(name), &path).map_err(TrainError::io("write", &path))?;
+    }
+    sync_folder(folder).map_err(TrainError::io("write into", folder))
 }

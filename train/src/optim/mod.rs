@@ -38,6 +38,20 @@ impl Optimiser {
     /// The practical default.
     pub const ADAMW: Self = Self::Adamw { rate: 2e-3, weight_decay: 1e-4, warm_up: 200 };
 
+    /// The highest rate of a run.
+    pub const fn highest_rate(&self) -> f64 {
+        let (Self::Adadelta { rate, .. } | Self::Adamw { rate, .. }) = *self;
+        rate
+    }
+
+    /// The same with another highest rate.
+    #[must_use]
+    pub const fn with_rate(mut self, wanted: f64) -> Self {
+        let (Self::Adadelta { rate, .. } | Self::Adamw { rate, .. }) = &mut self;
+        *rate = wanted;
+        self
+    }
+
     /// A fresh optimiser.
     pub(crate) fn start(&self) -> ModuleOptimizer {
         match *self {
@@ -57,6 +71,19 @@ impl Optimiser {
                 let share = (step - warm_up) as f64 / (steps.saturating_sub(warm_up)).max(1) as f64;
                 let fall = 0.5 + 0.5 * (std::f64::consts::PI * share.min(1.0)).cos();
                 rate * (0.01 + 0.99 * fall)
+            }
+        }
+    }
+}
+
+impl std::fmt::Display for Optimiser {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Adadelta { rate, decay, epsilon } => {
+                write!(f, "ADADELTA, decay {decay}, epsilon {epsilon}, rate {rate}")
+            }
+            Self::Adamw { rate, weight_decay, warm_up } => {
+                write!(f, "AdamW, rate {rate} (warm-up {warm_up} steps, cosine), weight decay {weight_decay}")
             }
         }
     }

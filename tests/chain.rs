@@ -1,0 +1,158 @@
+//! The whole chain through the program, as small as it goes: data, training, export, running, comparing, evaluating,
+//! measuring; and the figures that scripts ask for by name.
+#![cfg(feature = "train")]
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_deepshade");
+
+/// A test recipe of two scenes.
+const TEST_RECIPE: &str = r#"effect = "ao"
+split = "test"
+seed = 5
+resolution = { height = 64, width = 64 }
+samples = 8
+radius = { diagonal = 0.1 }
+views_per_scene = 1
+tiles = { samples = 16, one_in = 2, whole_frames = 1 }
+families = [{ name = "cave", scenes = 1 }, { name = "drapery", scenes = 1 }]
+"#;
+
+const TRAIN: &str = "train --dataset data --out run --steps 4 --batch 2 --crop 64 --validate-every 2 \
+    --validation-pairs 2";
+
+/// A folder in which the program runs.
+struct Chain(tempfile::TempDir);
+
+impl Chain {
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn run(&self, program: &mut Command, line: &str) -> Output {
+        program.args(line.split_whitespace()).current_dir(self.0.path()).output().expect("starts")
+    }
+
+    /// Runs the program, which must succeed and write all of these figures as finite numbers.
+    fn figures(&self, line: &str, names: &[&str]) -> Value {
+        let output = self.run(&mut Command::new(PROGRAM), &format!("{line} --json figures.json"));
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+        let json: Value = serde_json::from_slice(&std::fs::read(self.path("figures.json")).expect("written"))
+            .expect("JSON");
+        let figures = json["figures"].clone();
+        for name in names {
+            assert!(figures[name].is_number(), "{line}: no `{name}` in {figures}");
+        }
+        figures
+    }
+
+    /// Runs the program where files beyond so many KiB fail, as on a full disk; it must name the file that did.
+    #[cfg(target_os = "linux")]
+    fn assert_full(&self, kib: u32, line: &str, named: &str) {
+        let limit = format!("trap '' XFSZ; ulimit -f {kib}; exec \"$@\"");
+        let output = self.run(Command::new("bash").args(["-c", &limit, "bash", PROGRAM]), line);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && !message.contains("panicked"), "{line}: {message}");
+        assert!(message.contains(named) && message.contains("File too large"), "{line}: {message}");
+    }
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn from_a_recipe_to_a_network_that_is_compared() {
+    let chain = Chain(tempfile::tempdir().expect("a folder"));
+    let recipe = Path::new(env!("CARGO_MANIFEST_DIR")).join("dataset/recipes/ao-tiny.toml");
+    std::fs::copy(recipe, chain.path("train.toml")).expect("copied");
+    std::fs::write(chain.path("test.toml"), TEST_RECIPE).expect("written");
+
+    let made = chain.figures("dataset generate train.toml --out data", &["pairs", "rendered", "seconds"]);
+    assert_eq!(made["pairs"], 16.0);
+    assert_eq!(chain.figures("dataset verify data", &["pairs", "faults"])["faults"], 0.0);
+    chain.figures("dataset show data --out sheet.png --pairs 2", &["pairs", "shown"]);
+
+    #[cfg(target_os = "linux")]
+    {
+        chain.assert_full(64, TRAIN, "checkpoint");
+        assert!(
+            !names(&chain.path("run")).iter().any(|name| name.contains("checkpoint")),
+            "half a checkpoint"
+        );
+    }
+    let trained = chain.figures(TRAIN, &["best_loss", "images_per_second"]);
+    assert_eq!(trained["steps"], 4.0);
+
+    #[cfg(target_os = "linux")]
+    {
+        chain.assert_full(64, "export --run run --out model", "model.onnx");
+        assert_eq!(names(&chain.path("model")), [""; 0], "a model that is not whole");
+    }
+    std::fs::rename(chain.path("data"), chain.path("moved")).expect("moved");
+    let output = chain.run(&mut Command::new(PROGRAM), "export --run run --out model");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && message.contains("--dataset"), "{message}");
+    let exported = chain.figures("export --run run --out model --dataset moved", &["weights"]);
+    assert_eq!(exported["weights"], 71_089.0);
+
+    chain.figures("dataset testset test.toml --out testset", &["frames", "hours", "hours_expected"]);
+    chain.figures(
+        "compare --scene stairs:7 --model model --out report --height 64 --width 64 --samples 8",
+        &[
+            "ssim_learned",
+            "psnr_learned",
+            "flip_learned",
+            "relmse_learned",
+            "ms_learned",
+            "ssim_hbao",
+            "psnr_hbao",
+            "flip_hbao",
+            "relmse_hbao",
+            "ms_hbao",
+            "ssim_ceiling",
+            "ms_truth",
+        ],
+    );
+    assert!(chain.path("report/index.html").is_file());
+    let evaluated = chain.figures(
+        "eval --model model --testset testset",
+        &["ssim_learned", "ssim_hbao", "ssim_ceiling", "ssim_white", "psnr_learned", "flip_learned"],
+    );
+    assert_eq!(evaluated["frames"], 2.0);
+    let tuned = chain.figures("tune --dataset moved --frames 1", &["radius_scale", "strength", "bias"]);
+    let ssim = |name: &str| tuned[name].as_f64().expect("a number");
+    assert!(ssim("ssim_tuned") >= ssim("ssim_default"));
+
+    let net = "bench net --model model --height 64 --width 64 --runs 1";
+    chain.figures(net, &["ms_wgsl_ao", "ms_onnxruntime_ao"]);
+    chain.figures("bench train --crop 64 --batch 1 --steps 1", &["images_per_second"]);
+    chain.figures("bench rays --size 64 --runs 1", &["mrays_primary", "mrays_ao", "diagonal"]);
+}
+
+#[test]
+fn the_help_of_training_states_its_defaults() {
+    let output = Command::new(PROGRAM).args(["train", "--help"]).output().expect("starts");
+    let help = String::from_utf8_lossy(&output.stdout).split_whitespace().collect::<Vec<_>>().join(" ");
+    for stated in [
+        "[default: 0.002 for adamw, 1 for adadelta]",
+        "[default: 4]",
+        "[default: 256]",
+        "[default: 20000]",
+        "[default: 32]",
+        "[default: 500]",
+        "[default: 20]",
+        "[default: 1]",
+        "[default: 4096]",
+        "decay 0.9",
+        "epsilon 0.000001",
+    ] {
+        assert!(help.contains(stated), "no `{stated}` in {help}");
+    }
+}
