@@ -118,7 +118,7 @@ pub fn run(args: &Args) -> Result<()> {
         seed: args.seed,
     };
     let completed = complete(&scene, &view.camera, &wants)?;
-    let radius = args.radius.unwrap_or_else(|| DEFAULT_RADIUS_SHARE * completed.scene.diagonal());
+    let radius = args.radius.unwrap_or_else(|| default_radius(None, completed.scene.diagonal(), size[0]));
     let shot =
         Shot { footprint: Footprint::Box, ..Shot::new(&completed.scene, &completed.camera, size, radius) };
     let start = Instant::now();

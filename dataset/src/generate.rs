@@ -6,7 +6,7 @@
 use crate::journal::{Journal, checked};
 use crate::manifest::{MANIFEST, Manifest, PairRecord};
 use crate::origin::Origin;
-use crate::plan::{PlannedScene, PlannedView};
+use crate::plan::{Part, PlannedScene, PlannedView};
 use crate::{DatasetError, Props, Recipe, StagedScene, progress, truth, views};
 use deepshade_render::exr_file::{Layer, Metadata, encode};
 use deepshade_render::gbuffer;

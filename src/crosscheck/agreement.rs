@@ -70,7 +70,7 @@ impl Agreement {
             deviate([at(a), at(b)], [at(&guarded_a), at(&guarded_b)], replicates)
         };
         // Negated, so that what is not a number is outside.
-        let outside = (0..values).filter(|i| !(deviate(*i).abs() <= BOUND)).count();
+        let outside = (0..values).filter(|i| deviate(*i).abs().partial_cmp(&BOUND).is_none_or(std::cmp::Ordering::is_gt)).count();
         let noise = |i: usize| {
             let truth = f64::from(b.data()[i]);
             (f64::from(va.data()[i]) + f64::from(vb.data()[i])) / (truth * truth + relative_mse::EPSILON)

@@ -70,11 +70,7 @@ struct Leaf {
 impl Wide {
     /// An eight-wide hierarchy from a binary one that has one triangle a leaf. `corners` are those of a triangle,
     /// `asked` says whether it is not simply there.
-    pub fn new(
-        binary: &Bvh2,
-        corners: impl Fn(u32) -> [Vec3; 3],
-        asked: impl Fn(u32) -> bool,
-    ) -> Self {
+    pub fn new(binary: &Bvh2, corners: impl Fn(u32) -> [Vec3; 3], asked: impl Fn(u32) -> bool) -> Self {
         let Tree { nodes, leaves, order, .. } = Tree::new(binary);
         let leaf = |range: &std::ops::Range<usize>| {
             let triangles = &order[range.clone()];

@@ -27,7 +27,11 @@ impl<'a> Layer<'a> {
     /// All attributes of a g-buffer.
     pub fn gbuffer(gbuffer: &'a GBuffer) -> Self {
         let channels = gbuffer.attributes().iter().flat_map(|attribute| attribute.channels());
-        Self { names: channels.map(|channel| channel.to_string()).collect(), planes: gbuffer.planes(), full: false }
+        Self {
+            names: channels.map(|channel| channel.to_string()).collect(),
+            planes: gbuffer.planes(),
+            full: false,
+        }
     }
 
     /// An image: one plane has the layer's name, three are red, green and blue.

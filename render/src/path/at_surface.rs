@@ -76,7 +76,7 @@ mod tests {
 
     impl SurfaceEffect for Looked {
         fn sample(&self, visible: &Visible, stream: &mut Stream) -> Vec3 {
-            Vec3::new(visible.point.position.y + stream.next(), visible.to_viewer.y, 1.0)
+            Vec3::new(visible.point.position.y + stream.next_1d(), visible.to_viewer.y, 1.0)
         }
     }
 

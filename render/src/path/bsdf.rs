@@ -103,7 +103,7 @@ impl Bsdf {
     /// diffuse and the specular lobe are chosen between by what they reflect, and the density is that of both together
     /// (the one-sample model of multiple importance sampling, Veach 1997, 9.2.4).
     pub fn sample(&self, to_viewer: Vec3, stream: &mut Stream) -> Option<BsdfSample> {
-        let (choice, square) = (stream.next(), stream.next_2d());
+        let (choice, square) = (stream.next_1d(), stream.next_2d());
         let viewer = self.to_world.transpose() * to_viewer;
         let share = self.specular_share(viewer)?;
         let light = match &self.lobe {

@@ -39,7 +39,7 @@ impl<'a> Directional<'a> {
     /// 1997, 9.2.4). `None` where no light comes from there.
     fn arriving(&self, point: &SurfacePoint, stream: &mut Stream) -> Option<Arriving> {
         let environment = self.environment?;
-        let (choice, square) = (stream.next(), stream.next_2d());
+        let (choice, square) = (stream.next_1d(), stream.next_2d());
         let direction = if choice < 0.5 {
             environment.sample(square)?.direction
         } else {

@@ -70,7 +70,7 @@ impl<'a> Lights<'a> {
     /// One light, chosen at random; `None` where no light can shine on the point, which is where the ray to the light
     /// will start: off a surface, not on it. Takes four numbers.
     pub fn sample(&self, point: Vec3, stream: &mut Stream) -> Option<LightSample> {
-        let (kind, which, square) = (stream.next(), stream.next(), stream.next_2d());
+        let (kind, which, square) = (stream.next_1d(), stream.next_1d(), stream.next_2d());
         let importance = self.importance(point);
         let total = importance.total();
         let mut left = kind * total;

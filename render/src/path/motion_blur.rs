@@ -23,7 +23,7 @@ impl<'a> MotionBlur<'a> {
 impl Integrator for MotionBlur<'_> {
     fn sample(&self, at: Vec2, stream: &mut Stream) -> Vec3 {
         let Shot { scene, camera, height, width, .. } = self.shot;
-        let moment = scene.at(stream.next() - 0.5);
+        let moment = scene.at(stream.next_1d() - 0.5);
         appearance(moment, camera.position, camera.direction(at, height, width))
     }
 }

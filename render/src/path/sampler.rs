@@ -67,7 +67,7 @@ impl Stream {
     }
 
     /// The next number, in [0, 1).
-    pub fn next(&mut self) -> f32 {
+    pub fn next_1d(&mut self) -> f32 {
         let (set, within) = (self.taken / 4, self.taken % 4);
         self.taken += 1;
         if set >= NUM_DIMENSION_SETS_4D {
@@ -87,7 +87,7 @@ impl Stream {
         if self.taken % 4 == 2 && self.taken / 4 < NUM_DIMENSION_SETS_4D {
             self.set = self.pixel.sample_4d(self.sample, self.taken / 4);
         }
-        Vec2::new(self.next(), self.next())
+        Vec2::new(self.next_1d(), self.next_1d())
     }
 }
 
@@ -157,7 +157,7 @@ mod tests {
         let sequence = PixelSampler::new(1, 2, 3).scrambled(4);
         let numbers = |sampler, sample| {
             let mut stream = Stream::new(sampler, sample);
-            (0..1100).map(|_| stream.next()).collect::<Vec<f32>>()
+            (0..1100).map(|_| stream.next_1d()).collect::<Vec<f32>>()
         };
         assert_eq!(numbers(sequence, 13), numbers(sequence.starting_at(8), 5));
         assert_ne!(numbers(sequence, 5), numbers(sequence.starting_at(8), 5));

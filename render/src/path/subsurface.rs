@@ -105,7 +105,7 @@ impl Body {
             throughput *= flight.collided(self.albedo);
             let left = throughput.max_element();
             let survival = if collisions < CERTAIN_COLLISIONS { 1.0 } else { left.min(1.0) };
-            if left == 0.0 || (survival < 1.0 && stream.next() >= survival) {
+            if left == 0.0 || (survival < 1.0 && stream.next_1d() >= survival) {
                 return Vec3::ZERO;
             }
             throughput /= survival;

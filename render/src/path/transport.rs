@@ -211,7 +211,7 @@ impl<'a> Transport<'a> {
 
     /// The surface at an edge's end.
     fn hit(&self, edge: &Edge, stream: &mut Stream) -> Option<Hit> {
-        let chance = if self.blended { stream.next() } else { 0.0 };
+        let chance = if self.blended { stream.next_1d() } else { 0.0 };
         self.scene.hit_by_chance(edge.origin, edge.direction, chance)
     }
 
@@ -274,7 +274,7 @@ pub fn power_heuristic(density: f32, other: f32) -> f32 {
 /// Russian roulette: ends a path that carries little, and makes up for it where it does not.
 fn survives(throughput: &mut Vec3, stream: &mut Stream) -> bool {
     let survival = throughput.max_element().min(LARGEST_SURVIVAL);
-    if stream.next() >= survival {
+    if stream.next_1d() >= survival {
         return false;
     }
     *throughput /= survival;

@@ -18,8 +18,8 @@ pub mod summary;
 pub mod texture;
 
 pub use camera::{Camera, Lens};
-pub use environment::Environment;
 pub(crate) use environment::Cumulative;
+pub use environment::Environment;
 pub use light::Light;
 pub use look::Look;
 pub use material::{AlphaMode, Gloss, Material, Surface, TextureSlot};

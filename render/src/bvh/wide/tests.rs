@@ -54,7 +54,7 @@ fn ray(soup: &[[Vec3; 3]], i: u32) -> Ray {
         _ => random_vector(2 * i) * 14.0 - 2.0,
     };
     let mut direction = random_vector(2 * i + 1) - 0.5;
-    let zero = if i % 2 == 0 { 0.0 } else { -0.0 };
+    let zero = if i.is_multiple_of(2) { 0.0 } else { -0.0 };
     let axis = i as usize / 4 % 3;
     match i % 4 {
         0 => direction[axis] = zero,

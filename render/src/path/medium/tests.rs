@@ -281,7 +281,7 @@ fn anisotropy_is_the_mean_cosine() {
     for g in [-0.99, -0.6, 0.0, 0.3, 0.9, 0.99] {
         let phase = HenyeyGreenstein::new(g);
         let cosine = |stream: &mut Stream| {
-            Vec3::splat(phase.sample(Vec3::Y, Vec2::new(stream.next(), stream.next())).y)
+            Vec3::splat(phase.sample(Vec3::Y, Vec2::new(stream.next_1d(), stream.next_1d())).y)
         };
         let found = estimate(40_000, cosine);
         assert!(

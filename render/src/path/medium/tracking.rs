@@ -134,7 +134,7 @@ struct Numbers {
 
 impl Numbers {
     fn new(stream: &mut Stream) -> Self {
-        Self { key: hash(stream.next().to_bits()), taken: 0 }
+        Self { key: hash(stream.next_1d().to_bits()), taken: 0 }
     }
 
     /// The next number, in [0, 1).
