@@ -222,7 +222,7 @@ fn write_exr(
     let camera = &view.camera;
     let metadata: Metadata = [
         ("scene", args.scene.to_string()),
-        ("view", view.name.clone()),
+        ("view_name", view.name.clone()),
         ("camera_position", camera.position.to_string()),
         ("effect", args.effect.to_string()),
         ("units", args.effect.unit().to_owned()),

@@ -1,5 +1,5 @@
 //! Which triangle a ray meets: a scene with bounding volume hierarchies over it; a binary one, built by `obvhs`, for
-//! bundles of rays from one point, and an eight-wide one made from it for single rays.
+//! bundles of rays of a camera, and an eight-wide one made from it for all others.
 //!
 //! Triangles lie in the order of the eight-wide hierarchy's leaves. Where a material is masked or blended, opacity
 //! decides whether a triangle is there at all.
@@ -11,7 +11,7 @@ mod translucent;
 mod wide;
 
 use crate::scene::{AlphaMode, Bounds, Look, Mesh, Scene, SceneError};
-use bundle::{Start, World};
+use bundle::World;
 use glam::{Vec2, Vec3, Vec3A};
 use moment::{Moment, Swept};
 use obvhs::{
@@ -21,7 +21,7 @@ use obvhs::{
     triangle::Triangle,
 };
 use std::sync::Arc;
-use wide::{Ray, Wide};
+use wide::{Fan, Ray, Wide};
 
 /// Opacity from which a blended surface is seen by a camera, which cannot see two surfaces at once.
 const VISIBLE_OPACITY: f32 = 0.5;
@@ -154,12 +154,11 @@ impl TracedScene {
     /// [`TracedScene::hit`] for rays without an end that start together, at most [`bundle::BUNDLE`] of them; the nearer
     /// neighbours are to each other, the faster it goes.
     pub fn hit_bundle(&self, origin: Vec3, directions: &[Vec3]) -> Vec<Option<Hit>> {
-        let start = Start { origin, above: Vec3::ZERO, reach: f32::INFINITY };
         let endless = |direction: Vec3| ray(origin, direction, f32::INFINITY);
         let visible = |index: u32, direction: Vec3| {
             self.opacity(&endless(direction), index as usize) >= VISIBLE_OPACITY
         };
-        let met = clock::around(|| self.world(visible).nearest(start, directions));
+        let met = clock::around(|| self.world(visible).nearest(origin, directions));
         let hit = |(met, direction): (Option<(f32, u32)>, &Vec3)| {
             met.map(|(distance, index)| self.hit_at(&endless(*direction), index, distance))
         };
@@ -173,15 +172,15 @@ impl TracedScene {
         self.meets_any(ray, |opacity, index| stops(opacity, &ray, index))
     }
 
-    /// [`TracedScene::blocked`] for rays that start together: bit `i` is set where `directions[i]` is blocked. The
-    /// directions are unit vectors, at most [`bundle::BUNDLE`] of them; the nearer neighbours are to each other, the
-    /// faster it goes.
-    pub fn blocked_bundle(&self, start: Start, directions: &[Vec3]) -> u64 {
-        let stops = |index: u32, direction: Vec3| {
-            let ray = ray(start.origin, direction, start.reach);
+    /// [`TracedScene::blocked`] for rays that start together: bit `i` is set where `directions[i]` is blocked, of at most
+    /// [`bundle::BUNDLE`]; the nearer neighbours are to each other, the faster it goes.
+    pub fn blocked_bundle(&self, origin: Vec3, directions: &[Vec3], reach: f32) -> u64 {
+        let there = |index: u32, direction: Vec3| {
+            let ray = ray(origin, direction, reach);
             stops(self.opacity(&ray, index as usize), &ray, index)
         };
-        clock::around(|| self.world(stops).blocked(start, directions))
+        let directions = &directions[..directions.len().min(bundle::BUNDLE)];
+        clock::around(|| self.bvh.all_blocked(Fan { origin, directions, reach }, there))
     }
 
     /// What bundles are traced through.

@@ -53,8 +53,7 @@ impl SurfacePoint {
             },
         );
         let geometric_normal = facing(geometric, -direction);
-        let turn = turn(resting, geometric);
-        let (smooth, mapped) = (turn * smooth, turn * mapped.unwrap_or(smooth));
+        let [smooth, mapped] = turned([smooth, mapped.unwrap_or(smooth)], resting, geometric);
         // The mesh's normal decides which side of its own the shading normal is on, the viewer which side is meant.
         let side = if smooth.dot(geometric_normal) < 0.0 { -1.0 } else { 1.0 };
         let normal = leaning_to(side * mapped, -direction, geometric_normal);
@@ -87,9 +86,10 @@ fn plane_normal([a, b, c]: [Vec3; 3]) -> Option<Vec3> {
     (b - a).cross(c - a).try_normalize()
 }
 
-/// The rotation that takes one unit vector to another.
-fn turn(from: Vec3, to: Vec3) -> Quat {
-    if from == to { Quat::IDENTITY } else { Quat::from_rotation_arc(from, to) }
+/// Vectors turned as one unit vector must be to become another. Where that is no turn, they stay what they are to the
+/// sign of a zero, which decides on which tangents belong to a normal.
+fn turned(vectors: [Vec3; 2], from: Vec3, to: Vec3) -> [Vec3; 2] {
+    if from == to { vectors } else { vectors.map(|vector| Quat::from_rotation_arc(from, to) * vector) }
 }
 
 /// Both sets of texture coordinates at a point of a triangle; zero where the mesh has none.
@@ -161,7 +161,7 @@ fn leaning_to(normal: Vec3, to_viewer: Vec3, geometric: Vec3) -> Vec3 {
 mod tests {
     use super::*;
     use crate::bvh::TracedScene;
-    use crate::bvh::bundle::{BUNDLE, Start};
+    use crate::bvh::bundle::BUNDLE;
     use crate::scene::{Encoding, Material, Scene, Texture, TextureId, TextureSlot, Wrap};
     use glam::Affine2;
 
@@ -247,8 +247,7 @@ mod tests {
                 })
                 .collect();
             let origin = point.ray_origin();
-            let start = Start { origin, above: point.geometric_normal, reach: 1e4 };
-            shadowed += scene.blocked_bundle(start, &directions).count_ones();
+            shadowed += scene.blocked_bundle(origin, &directions, 1e4).count_ones();
             shadowed += directions.iter().filter(|d| scene.blocked(origin, **d, 1e4)).count() as u32;
         }
         assert_eq!(shadowed, 0, "of {} rays", 400 * 2 * BUNDLE);

@@ -107,7 +107,7 @@ fn a_bundle_is_blocked_where_its_rays_are() {
         let reach = 0.5 + 4.0 * random(i + 900);
         let rays = 1 + i % 64;
         let directions = hemisphere(&PixelSampler::new(i as usize, 0, 0), rays, above);
-        let blocked = traced.blocked_bundle(Start { origin, above, reach }, &directions);
+        let blocked = traced.blocked_bundle(origin, &directions, reach);
         for (ray, direction) in directions.iter().enumerate() {
             let alone = traced.blocked(origin, *direction, reach);
             assert_eq!(blocked >> ray & 1 == 1, alone, "ray {ray} of bundle {i}");
@@ -139,8 +139,8 @@ fn no_ray_slips_through_an_edge() {
         for triangle in &traced.scene().meshes[0].triangles {
             let [a, b, _] = triangle.map(|corner| corners[corner as usize]);
             let direction = a.lerp(b, step as f32 / 500.0).normalize();
-            let start = Start { origin: Vec3::ZERO, above: direction, reach: 9.0 };
-            assert_eq!(traced.blocked_bundle(start, &[direction]), 1, "towards {direction}");
+            assert_eq!(traced.blocked_bundle(Vec3::ZERO, &[direction], 9.0), 1, "towards {direction}");
+            assert!(traced.hit_bundle(Vec3::ZERO, &[direction])[0].is_some(), "towards {direction}");
         }
     }
 }

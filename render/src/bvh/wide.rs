@@ -10,13 +10,14 @@
 
 mod collapse;
 mod eight;
+mod intersect;
 mod walk;
 
 use collapse::Tree;
 use eight::{LANES, Processor};
 use glam::Vec3;
 use obvhs::{aabb::Aabb, bvh2::Bvh2};
-use walk::Walk;
+use walk::{Walk, WalkAll};
 
 /// The hierarchy.
 pub struct Wide {
@@ -40,6 +41,17 @@ pub struct Ray {
     pub reach: f32,
     /// The moment of the exposure, from -0.5 to 0.5, at which it meets what moves.
     pub time: f32,
+}
+
+/// Rays with one start, in the middle of the exposure.
+#[derive(Clone, Copy, Debug)]
+pub struct Fan<'a> {
+    /// Where they start, metres.
+    pub origin: Vec3,
+    /// At most 64, none of them zero.
+    pub directions: &'a [Vec3],
+    /// How far they go, in lengths of their directions.
+    pub reach: f32,
 }
 
 /// Eight boxes, and what is in them.
@@ -118,6 +130,12 @@ impl Wide {
             return self.processor.run(Walk::<_, false, false> { wide: self, ray, there }).is_some();
         }
         self.processor.run(Walk::<_, false, true> { wide: self, ray, there }).is_some()
+    }
+
+    /// Bit `i` is set where any triangle is within the reach of the ray of direction `i`; of those that must be asked,
+    /// only where they are `there` for that direction. The nearer neighbours are to each other, the faster it goes.
+    pub fn all_blocked(&self, fan: Fan<'_>, there: impl Fn(u32, Vec3) -> bool) -> u64 {
+        self.processor.run(WalkAll { wide: self, fan, there })
     }
 }
 

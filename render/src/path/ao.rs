@@ -4,7 +4,7 @@
 use super::sampler::{MAX_SAMPLES, PixelSampler, Stream, cosine_hemisphere, frame};
 use super::{Footprint, Integrator, Shot};
 use crate::bvh::TracedScene;
-use crate::bvh::bundle::{BUNDLE, Start};
+use crate::bvh::bundle::BUNDLE;
 use crate::intersection::SurfacePoint;
 use glam::{Vec2, Vec3};
 
@@ -30,16 +30,13 @@ impl<'a> Ao<'a> {
 
     /// The open share of the hemisphere over a point.
     fn open_share(&self, point: &SurfacePoint, sampler: PixelSampler, samples: u32) -> f32 {
-        let start =
-            Start { origin: point.ray_origin(), above: point.geometric_normal, reach: self.shot.radius };
+        let Shot { scene, radius, .. } = self.shot;
         let samples = samples.clamp(1, MAX_SAMPLES);
         // A direction below the triangle is blocked by the triangle itself.
         let mut directions = hemisphere(&sampler, samples, point.normal);
         directions.retain(|direction| direction.dot(point.geometric_normal) > 0.0);
-        let open: u32 = directions
-            .chunks(BUNDLE)
-            .map(|bundle| bundle.len() as u32 - self.shot.scene.blocked_bundle(start, bundle).count_ones())
-            .sum();
+        let blocked = |bundle: &[Vec3]| scene.blocked_bundle(point.ray_origin(), bundle, radius).count_ones();
+        let open = directions.len() as u32 - directions.chunks(BUNDLE).map(blocked).sum::<u32>();
         open as f32 / samples as f32
     }
 }

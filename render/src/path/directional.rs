@@ -7,7 +7,7 @@ use super::ao::morton;
 use super::at_surface::{SurfaceEffect, Visible};
 use super::sampler::{PixelSampler, Stream, cosine_hemisphere, frame};
 use crate::bvh::TracedScene;
-use crate::bvh::bundle::{BUNDLE, Start};
+use crate::bvh::bundle::BUNDLE;
 use crate::intersection::SurfacePoint;
 use crate::scene::Environment;
 use glam::Vec3;
@@ -76,11 +76,10 @@ impl SurfaceEffect for Directional<'_> {
             })
             .collect();
         arriving.sort_by_key(|(key, _)| *key);
-        let start = Start { origin: point.ray_origin(), above: point.geometric_normal, reach: self.radius };
         let mut sum = Vec3::ZERO;
         for bundle in arriving.chunks(BUNDLE) {
             let directions: Vec<Vec3> = bundle.iter().map(|(_, arriving)| arriving.direction).collect();
-            let blocked = self.scene.blocked_bundle(start, &directions);
+            let blocked = self.scene.blocked_bundle(point.ray_origin(), &directions, self.radius);
             let open = |i: &usize| blocked >> i & 1 == 0;
             sum += (0..bundle.len()).filter(open).map(|i| bundle[i].1.light).sum::<Vec3>();
         }

@@ -1,7 +1,7 @@
 //! The same rays traced in several ways: as the program traces such rays, one by one, and by a rival.
 
 use super::Rival;
-use super::sets::{Kind, Ray, RaySet};
+use super::sets::{Bundle, Kind, Ray, RaySet};
 use crate::figures::Figures;
 use anyhow::Result;
 use deepshade_render::bvh::{Hit, TracedScene};
@@ -87,13 +87,14 @@ impl Contest<'_> {
         };
         match set.kind {
             Kind::Ao => Box::new(move |part| {
-                let blocked =
-                    |(start, directions): &(_, Vec<_>)| scene.blocked_bundle(*start, directions).count_ones();
+                let blocked = |Bundle { origin, directions, reach }: &Bundle| {
+                    scene.blocked_bundle(*origin, directions, *reach).count_ones()
+                };
                 bundles(part).iter().map(blocked).sum()
             }),
             Kind::Primary | Kind::Diffuse => Box::new(move |part| {
                 let bundles = bundles(part).iter();
-                let hits = bundles.flat_map(|(start, directions)| scene.hit_bundle(start.origin, directions));
+                let hits = bundles.flat_map(|bundle| scene.hit_bundle(bundle.origin, &bundle.directions));
                 hits.flatten().map(|hit| hit.triangle).fold(0, u32::wrapping_add)
             }),
         }

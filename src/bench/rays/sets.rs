@@ -3,7 +3,7 @@
 
 use crate::compare::DEFAULT_REACH;
 use deepshade_render::bvh::TracedScene;
-use deepshade_render::bvh::bundle::{BUNDLE, Start};
+use deepshade_render::bvh::bundle::BUNDLE;
 use deepshade_render::intersection::SurfacePoint;
 use deepshade_render::path::ao::hemisphere;
 use deepshade_render::path::sampler::PixelSampler;
@@ -44,12 +44,20 @@ pub struct Ray {
     pub reach: f32,
 }
 
+/// Rays that start at one point.
+pub struct Bundle {
+    pub origin: Vec3,
+    /// Unit vectors, neighbours one after the other.
+    pub directions: Vec<Vec3>,
+    pub reach: f32,
+}
+
 /// Rays of a kind.
 pub struct RaySet {
     pub kind: Kind,
     pub rays: Vec<Ray>,
     /// The same rays in the same order, where the program traces such rays together; else empty.
-    pub bundles: Vec<(Start, Vec<Vec3>)>,
+    pub bundles: Vec<Bundle>,
 }
 
 /// All kinds of rays of some views of a scene.
@@ -62,8 +70,8 @@ pub fn all<'a>(scene: &TracedScene, cameras: impl Iterator<Item = &'a Camera>, s
     let points: Vec<SurfacePoint> = primary.rays.iter().filter_map(seen).collect();
     let reach = DEFAULT_REACH.diagonal_share * scene.diagonal();
     let occlusion = |(i, point): (usize, &SurfacePoint)| {
-        let start = Start { origin: point.ray_origin(), above: point.geometric_normal, reach };
-        (start, hemisphere(&PixelSampler::new(i, 0, 0), BUNDLE as u32, point.geometric_normal))
+        let directions = hemisphere(&PixelSampler::new(i, 0, 0), BUNDLE as u32, point.geometric_normal);
+        Bundle { origin: point.ray_origin(), directions, reach }
     };
     let bounce = |(i, point): (usize, &SurfacePoint)| {
         let directions = hemisphere(&PixelSampler::new(i, 1, 0), 1, point.geometric_normal);
@@ -79,17 +87,16 @@ pub fn all<'a>(scene: &TracedScene, cameras: impl Iterator<Item = &'a Camera>, s
 }
 
 impl RaySet {
-    fn of_bundles(kind: Kind, bundles: Vec<(Start, Vec<Vec3>)>) -> Self {
-        let rays = bundles.iter().flat_map(|(start, directions)| {
-            let Start { origin, reach, .. } = *start;
-            directions.iter().map(move |direction| Ray { origin, direction: *direction, reach })
+    fn of_bundles(kind: Kind, bundles: Vec<Bundle>) -> Self {
+        let rays = bundles.iter().flat_map(|Bundle { origin, directions, reach }| {
+            directions.iter().map(|direction| Ray { origin: *origin, direction: *direction, reach: *reach })
         });
         Self { kind, rays: rays.collect(), bundles }
     }
 }
 
 /// The rays of a camera, one through the middle of each pixel.
-fn squares(camera: &Camera, size: usize) -> impl Iterator<Item = (Start, Vec<Vec3>)> {
+fn squares(camera: &Camera, size: usize) -> impl Iterator<Item = Bundle> {
     let camera = *camera;
     let edge = BUNDLE.isqrt();
     let corners = move || (0..size).step_by(edge);
@@ -98,7 +105,7 @@ fn squares(camera: &Camera, size: usize) -> impl Iterator<Item = (Start, Vec<Vec
         let pixels = (top..size.min(top + edge)).flat_map(|y| columns.clone().map(move |x| (x, y)));
         let direction =
             |(x, y): (usize, usize)| camera.direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5), size, size);
-        let start = Start { origin: camera.position, above: Vec3::ZERO, reach: f32::INFINITY };
-        (start, pixels.map(direction).collect())
+        let directions = pixels.map(direction).collect();
+        Bundle { origin: camera.position, directions, reach: f32::INFINITY }
     })
 }

@@ -1,20 +1,11 @@
-//! A ray on its way through an eight-wide hierarchy.
-//!
-//! Boxes by the slab test, conservative about rounding (Ize, "Robust BVH Ray Traversal", 2013), the nearest one first.
-//! Triangles by the test of Woop, Benthin and Wald ("Watertight Ray/Triangle Intersection", 2013): seen along the ray
-//! and sheared to it, edges that two triangles share are exact opposites, and a difference of two products never has
-//! the wrong sign, so that no ray slips through between. Their fallback to f64 serves the rule that only one of the two
-//! is met, which we do not need: an edge belongs to both.
+//! Rays on their way through an eight-wide hierarchy, to the nearest child first.
 
 use super::eight::{Eight, LANES, Work};
-use super::{Child, Corners, Node, Ray, Wide};
+use super::intersect::{Shear, Slabs, moved};
+use super::{Child, Fan, Node, Ray, Wide};
 use glam::Vec3;
 
-/// A direction's component nearer to zero is taken as this, so that zero times infinity never occurs.
-const SMALLEST: f32 = 1e-18;
-/// A box's far side is moved away by this, more than the rounding of the distances.
-const FAR_SIDE: f32 = 1.000_001;
-/// Visits that wait on the stack, which is cleared for every ray; more of them go to the heap.
+/// Visits that wait on the stack, which is cleared for every walk; more of them go to the heap.
 const WAITING: usize = 32;
 
 /// A ray to the nearest triangle, or to any, through what moves or does not.
@@ -30,45 +21,113 @@ impl<T: Fn(u32) -> bool, const NEAREST: bool, const MOVING: bool> Work for Walk<
 
     #[inline(always)]
     fn with<E: Eight>(self, eight: E) -> Self::Output {
-        let inverse = self.ray.inverse();
-        let slabs = Slabs::new(eight, self.ray.origin, inverse);
-        let shear = Shear::new(eight, &self.ray, inverse);
-        let mut met = Met { reach: self.ray.reach, triangle: None };
+        let lines = Lines::new(eight, &self.ray);
+        let met = self.walk(eight, &lines, &mut Waiting::new());
+        met.triangle.map(|triangle| (met.reach, triangle))
+    }
+}
+
+/// Rays of a fan, each to any triangle. A ray first tries the leaf that the last one ended in: neighbours often end at
+/// the same triangles, and which one it is does not matter.
+pub struct WalkAll<'a, T> {
+    pub wide: &'a Wide,
+    pub fan: Fan<'a>,
+    /// Whether a triangle that must be asked is there for the ray of a direction.
+    pub there: T,
+}
+
+impl<T: Fn(u32, Vec3) -> bool> Work for WalkAll<'_, T> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn with<E: Eight>(self, eight: E) -> u64 {
+        let Fan { origin, directions, reach } = self.fan;
         let mut waiting = Waiting::new();
+        let (mut blocked, mut last) = (0, None);
+        for (i, direction) in directions.iter().enumerate() {
+            let ray = Ray { origin, direction: *direction, reach, time: 0.0 };
+            let there = |triangle: u32| (self.there)(triangle, *direction);
+            let walk = Walk::<_, false, false> { wide: self.wide, ray, there };
+            let lines = Lines::new(eight, &ray);
+            let mut met = Met::nothing(reach);
+            let again = last.is_some_and(|leaf| walk.test(eight, &lines, leaf, &mut met));
+            if !again {
+                met = walk.walk(eight, &lines, &mut waiting);
+            }
+            if met.triangle.is_some() {
+                blocked |= 1 << i;
+                last = Some(met.leaf);
+            }
+        }
+        blocked
+    }
+}
+
+/// A ray as the tests need it.
+struct Lines<E: Eight> {
+    slabs: Slabs<E>,
+    shear: Shear<E>,
+}
+
+impl<E: Eight> Lines<E> {
+    #[inline(always)]
+    fn new(eight: E, ray: &Ray) -> Self {
+        let inverse = ray.inverse();
+        Self { slabs: Slabs::new(eight, ray.origin, inverse), shear: Shear::new(eight, ray, inverse) }
+    }
+}
+
+/// What a ray has met so far.
+struct Met {
+    reach: f32,
+    triangle: Option<u32>,
+    /// The leaf of that.
+    leaf: usize,
+}
+
+impl Met {
+    #[inline(always)]
+    const fn nothing(reach: f32) -> Self {
+        Self { reach, triangle: None, leaf: 0 }
+    }
+}
+
+impl<T: Fn(u32) -> bool, const NEAREST: bool, const MOVING: bool> Walk<'_, T, NEAREST, MOVING> {
+    #[inline(always)]
+    fn walk<E: Eight>(&self, eight: E, lines: &Lines<E>, waiting: &mut Waiting) -> Met {
+        let mut met = Met::nothing(self.ray.reach);
         let mut child = Child::node(0);
+        waiting.clear();
         loop {
             if child.0 & Child::LEAF == 0 {
                 let node = &self.wide.nodes[child.0 as usize];
-                let (near, entered) = slabs.enter(eight, node, met.reach);
+                let (near, entered) = lines.slabs.enter(eight, node, met.reach);
                 if entered != 0 {
                     child = waiting.all_but_nearest::<NEAREST>(node, &near, entered);
                     continue;
                 }
             } else {
-                let index = (child.0 ^ Child::LEAF) as usize;
-                if self.test(eight, &shear, index, &mut met) {
-                    break;
+                let leaf = (child.0 ^ Child::LEAF) as usize;
+                if self.test(eight, lines, leaf, &mut met) {
+                    return met;
                 }
             }
             match waiting.next(met.reach) {
                 Some(next) => child = next,
-                None => break,
+                None => return met,
             }
         }
-        met.triangle.map(|triangle| (met.reach, triangle))
     }
-}
 
-impl<T: Fn(u32) -> bool, const NEAREST: bool, const MOVING: bool> Walk<'_, T, NEAREST, MOVING> {
     /// Cuts the ray off at the nearest triangle of a leaf that it meets. Whether that ends it.
     #[inline(always)]
-    fn test<E: Eight>(&self, eight: E, shear: &Shear<E>, index: usize, met: &mut Met) -> bool {
+    fn test<E: Eight>(&self, eight: E, lines: &Lines<E>, index: usize, met: &mut Met) -> bool {
         let leaf = &self.wide.leaves[index];
         let (distances, mut meets) = if MOVING {
             let now = moved(eight, &leaf.corners, &self.wide.ways[index], self.ray.time);
-            shear.meets(eight, &now, met.reach)
+            lines.shear.meets(eight, &now, met.reach)
         } else {
-            shear.meets(eight, &leaf.corners, met.reach)
+            lines.shear.meets(eight, &leaf.corners, met.reach)
         };
         while meets != 0 {
             let lane = meets.trailing_zeros();
@@ -76,166 +135,13 @@ impl<T: Fn(u32) -> bool, const NEAREST: bool, const MOVING: bool> Walk<'_, T, NE
             let distance = distances[lane as usize % LANES];
             let triangle = leaf.first + lane;
             if distance < met.reach && (leaf.asked >> lane & 1 == 0 || (self.there)(triangle)) {
-                met.reach = distance;
-                met.triangle = Some(triangle);
+                *met = Met { reach: distance, triangle: Some(triangle), leaf: index };
                 if !NEAREST {
                     return true;
                 }
             }
         }
         false
-    }
-}
-
-/// Where corners are at a moment of their ways.
-#[inline(always)]
-fn moved<E: Eight>(eight: E, corners: &Corners, ways: &Corners, time: f32) -> Corners {
-    let time = eight.splat(time);
-    let mut now = *corners;
-    for axis in 0..3 {
-        for corner in 0..3 {
-            let (from, way) = (eight.load(&corners[axis][corner]), eight.load(&ways[axis][corner]));
-            now[axis][corner] = eight.store(eight.mul_add(time, way, from));
-        }
-    }
-    now
-}
-
-impl Ray {
-    /// One over each component of the direction.
-    #[inline(always)]
-    fn inverse(&self) -> Vec3 {
-        let Vec3 { x, y, z } = self.direction;
-        Vec3::new(safe(x).recip(), safe(y).recip(), safe(z).recip())
-    }
-}
-
-#[inline(always)]
-fn safe(component: f32) -> f32 {
-    if component.abs() < SMALLEST { SMALLEST } else { component }
-}
-
-/// What a ray has met so far.
-struct Met {
-    reach: f32,
-    triangle: Option<u32>,
-}
-
-/// A ray as the test with boxes needs it.
-struct Slabs<E: Eight> {
-    origin: [E::Numbers; 3],
-    inverse: [E::Numbers; 3],
-    /// Which side of a box is the near one: 0 for the low one, 1 for the high one.
-    near_side: [usize; 3],
-}
-
-impl<E: Eight> Slabs<E> {
-    #[inline(always)]
-    fn new(eight: E, origin: Vec3, inverse: Vec3) -> Self {
-        let Vec3 { x, y, z } = inverse;
-        Self {
-            origin: [eight.splat(origin.x), eight.splat(origin.y), eight.splat(origin.z)],
-            inverse: [eight.splat(x), eight.splat(y), eight.splat(z)],
-            near_side: [usize::from(x < 0.0), usize::from(y < 0.0), usize::from(z < 0.0)],
-        }
-    }
-
-    /// Where the ray enters the boxes of a node, and those that it enters within its reach.
-    #[inline(always)]
-    fn enter(&self, eight: E, node: &Node, reach: f32) -> ([f32; LANES], u32) {
-        let (x0, x1) = self.slab(eight, node, 0);
-        let (y0, y1) = self.slab(eight, node, 1);
-        let (z0, z1) = self.slab(eight, node, 2);
-        let near = eight.max(eight.max(x0, y0), eight.max(z0, eight.splat(0.0)));
-        let far = eight.mul(eight.min(eight.min(x1, y1), z1), eight.splat(FAR_SIDE));
-        let entered = eight.at_most(near, eight.min(far, eight.splat(reach)));
-        (eight.store(near), entered)
-    }
-
-    /// Where the ray crosses the near and the far sides of boxes along an axis.
-    #[inline(always)]
-    fn slab(&self, eight: E, node: &Node, axis: usize) -> (E::Numbers, E::Numbers) {
-        let sides = &node.bounds[axis];
-        let near = eight.load(&sides[self.near_side[axis]]);
-        let far = eight.load(&sides[1 - self.near_side[axis]]);
-        (
-            eight.mul(eight.sub(near, self.origin[axis]), self.inverse[axis]),
-            eight.mul(eight.sub(far, self.origin[axis]), self.inverse[axis]),
-        )
-    }
-}
-
-/// A ray as the test with triangles needs it: axes in an order that ends with its direction's largest component, and
-/// the shear and scale that make that axis of the direction.
-struct Shear<E: Eight> {
-    axes: [usize; 3],
-    origin: [E::Numbers; 3],
-    x: E::Numbers,
-    y: E::Numbers,
-    z: f32,
-}
-
-impl<E: Eight> Shear<E> {
-    #[inline(always)]
-    fn new(eight: E, ray: &Ray, inverse: Vec3) -> Self {
-        let size = ray.direction.abs();
-        let axes = if size.x > size.y && size.x > size.z {
-            [1, 2, 0]
-        } else if size.y > size.z {
-            [2, 0, 1]
-        } else {
-            [0, 1, 2]
-        };
-        let z = inverse[axes[2]];
-        Self {
-            axes,
-            origin: [
-                eight.splat(ray.origin[axes[0]]),
-                eight.splat(ray.origin[axes[1]]),
-                eight.splat(ray.origin[axes[2]]),
-            ],
-            x: eight.splat(-ray.direction[axes[0]] * z),
-            y: eight.splat(-ray.direction[axes[1]] * z),
-            z,
-        }
-    }
-
-    /// Distances of eight triangles, and those that the ray meets within its reach.
-    #[inline(always)]
-    fn meets(&self, eight: E, corners: &Corners, reach: f32) -> ([f32; LANES], u32) {
-        let [x, y, z] = [&corners[self.axes[0]], &corners[self.axes[1]], &corners[self.axes[2]]];
-        let (ax, ay, az) = self.seen(eight, &x[0], &y[0], &z[0]);
-        let (bx, by, bz) = self.seen(eight, &x[1], &y[1], &z[1]);
-        let (cx, cy, cz) = self.seen(eight, &x[2], &y[2], &z[2]);
-        // Weights of the corners: areas of which the edges opposite are sides.
-        let u = eight.sub(eight.mul(cx, by), eight.mul(cy, bx));
-        let v = eight.sub(eight.mul(ax, cy), eight.mul(ay, cx));
-        let w = eight.sub(eight.mul(bx, ay), eight.mul(by, ax));
-        let zero = eight.splat(0.0);
-        let least = eight.min(u, eight.min(v, w));
-        let most = eight.max(u, eight.max(v, w));
-        let inside = eight.at_most(zero, least) | eight.at_most(most, zero);
-        let area = eight.add(eight.add(u, v), w);
-        let depth = eight.mul_add(u, az, eight.mul_add(v, bz, eight.mul(w, cz)));
-        let distance = eight.div(eight.mul(depth, eight.splat(self.z)), area);
-        // A triangle without area gives a distance that is not a number.
-        let within = eight.below(zero, distance) & eight.below(distance, eight.splat(reach));
-        (eight.store(distance), inside & within)
-    }
-
-    /// A corner of all triangles, seen along the ray: beside it, beside it, and along the axis.
-    #[inline(always)]
-    fn seen(
-        &self,
-        eight: E,
-        x: &[f32; LANES],
-        y: &[f32; LANES],
-        z: &[f32; LANES],
-    ) -> (E::Numbers, E::Numbers, E::Numbers) {
-        let z = eight.sub(eight.load(z), self.origin[2]);
-        let x = eight.mul_add(self.x, z, eight.sub(eight.load(x), self.origin[0]));
-        let y = eight.mul_add(self.y, z, eight.sub(eight.load(y), self.origin[1]));
-        (x, y, z)
     }
 }
 
@@ -252,6 +158,12 @@ impl Waiting {
     #[inline(always)]
     fn new() -> Self {
         Self { visits: [0; WAITING], count: 0, more: Vec::new() }
+    }
+
+    #[inline(always)]
+    fn clear(&mut self) {
+        self.count = 0;
+        self.more.clear();
     }
 
     /// The nearest child that is entered; the others wait.
