@@ -138,7 +138,7 @@ pub fn run(args: &Args) -> Result<()> {
     figures.set("samples", f64::from(estimate.samples));
     figures.detail("effect", json!(args.effect));
     figures.detail("scene", args.scene.to_string().into());
-    figures.detail("view", view.name.clone().into());
+    figures.detail("view_name", view.name.clone().into());
     figures.detail("added", json!(completed.added));
     figures.detail("exposure", json!(exposure.to_string()));
     figures.write(args.json.as_deref())?;
