@@ -86,10 +86,10 @@ fn a_bundle_meets_what_its_rays_meet() {
             met += usize::from(hit.is_some());
             let Some((hit, alone)) = hit.zip(alone) else { continue };
             let [a, b, c] = traced.scene().meshes[hit.mesh as usize].corners(hit.triangle as usize);
-            // A distance is worth less the more its triangle is seen edge-on.
+            // A distance is as exact as coordinates of 10 m, and less the more its triangle is seen edge-on.
             let slope = (b - a).cross(c - a).normalize().dot(*direction).abs();
             let difference = (hit.distance - alone.distance).abs();
-            assert!(difference * slope < 4e-6 * hit.distance, "{} and {}", hit.distance, alone.distance);
+            assert!(difference * slope < 2e-5, "{} and {}", hit.distance, alone.distance);
         }
     }
     assert!(met > 3_000, "{met} rays met something");
