@@ -199,14 +199,14 @@ impl TracedScene {
     /// opacity there and their index in the hierarchy.
     fn nearest(&self, ray: Ray, present: impl Fn(f32, u32) -> bool) -> Option<Hit> {
         let there = |index: u32| present(self.opacity(&ray, index as usize), index);
-        let (distance, index) = clock::around(|| self.bvh.nearest(ray, there))?;
+        let (distance, index) = clock::around(|| self.bvh.nearest(&ray, there))?;
         Some(self.hit_at(&ray, index, distance))
     }
 
     /// Whether a ray meets any triangle, of those that can be seen through only where they are `present`.
     fn meets_any(&self, ray: Ray, present: impl Fn(f32, u32) -> bool) -> bool {
         let there = |index: u32| present(self.opacity(&ray, index as usize), index);
-        clock::around(|| self.bvh.blocked(ray, there))
+        clock::around(|| self.bvh.blocked(&ray, there))
     }
 
     /// Opacity of a triangle where a ray meets it.

@@ -69,8 +69,8 @@ impl Agreement {
             let at = |image: &Planes| f64::from(image.data()[i]);
             deviate([at(a), at(b)], [at(&guarded_a), at(&guarded_b)], replicates)
         };
-        // Negated, so that what is not a number is outside.
-        let outside = (0..values).filter(|i| deviate(*i).abs().partial_cmp(&BOUND).is_none_or(std::cmp::Ordering::is_gt)).count();
+        // What is not a number is not inside.
+        let inside = (0..values).filter(|i| deviate(*i).abs() <= BOUND).count();
         let noise = |i: usize| {
             let truth = f64::from(b.data()[i]);
             (f64::from(va.data()[i]) + f64::from(vb.data()[i])) / (truth * truth + relative_mse::EPSILON)
@@ -82,7 +82,7 @@ impl Agreement {
             .max_by(|x, y| x[1].abs().total_cmp(&y[1].abs()))
             .expect("a channel");
         Self {
-            outside_share: outside as f64 / values as f64,
+            outside_share: (values - inside) as f64 / values as f64,
             relative_mse: relative_mse(a, b),
             noise_relative_mse: (0..values).map(noise).sum::<f64>() / values as f64,
             means: [mean(a.data()), mean(b.data())],

@@ -48,7 +48,7 @@ impl<'a> Moment<'a> {
         let Some(swept) = self.swept() else { return self.traced.hit(origin, direction, reach) };
         let ray = Ray { origin, direction, reach, time: self.time };
         let visible = |index| self.opacity(swept, &ray, index) >= VISIBLE_OPACITY;
-        let (distance, index) = clock::around(|| swept.bvh.nearest(ray, visible))?;
+        let (distance, index) = clock::around(|| swept.bvh.nearest(&ray, visible))?;
         let TriangleOrigin { mesh, triangle, .. } = swept.origins[index as usize];
         let barycentric = barycentric(&swept.triangles[index as usize].at(self.time), &ray);
         Some(Hit { distance, mesh, triangle, barycentric })
@@ -59,7 +59,7 @@ impl<'a> Moment<'a> {
         let Some(swept) = self.swept() else { return self.traced.blocked(origin, direction, reach) };
         let ray = Ray { origin, direction, reach, time: self.time };
         let stops = |index| stops(self.opacity(swept, &ray, index), &ray, index);
-        clock::around(|| swept.bvh.blocked(ray, stops))
+        clock::around(|| swept.bvh.blocked(&ray, stops))
     }
 
     /// The ways to trace through; `None` where the triangles are at their places in the middle.

@@ -114,8 +114,8 @@ impl Wide {
 
     /// Distance and place of the nearest triangle within a ray's reach; of those that must be asked, only where they
     /// are `there`.
-    #[inline]
-    pub fn nearest(&self, ray: Ray, there: impl Fn(u32) -> bool) -> Option<(f32, u32)> {
+    #[inline(always)]
+    pub fn nearest(&self, ray: &Ray, there: impl Fn(u32) -> bool) -> Option<(f32, u32)> {
         if self.ways.is_empty() {
             return self.processor.run(Walk::<_, true, false> { wide: self, ray, there });
         }
@@ -124,8 +124,8 @@ impl Wide {
 
     /// Whether any triangle is within a ray's reach; of those that must be asked, only where they are `there`. Each is
     /// asked once.
-    #[inline]
-    pub fn blocked(&self, ray: Ray, there: impl Fn(u32) -> bool) -> bool {
+    #[inline(always)]
+    pub fn blocked(&self, ray: &Ray, there: impl Fn(u32) -> bool) -> bool {
         if self.ways.is_empty() {
             return self.processor.run(Walk::<_, false, false> { wide: self, ray, there }).is_some();
         }

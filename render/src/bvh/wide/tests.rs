@@ -69,7 +69,7 @@ fn ray(soup: &[[Vec3; 3]], i: u32) -> Ray {
 }
 
 /// Distance and place of the nearest triangle, each leaf tested by itself, and how many triangles the ray meets.
-fn one_by_one(wide: &Wide, ray: Ray) -> (Option<(f32, u32)>, usize) {
+fn one_by_one(wide: &Wide, ray: &Ray) -> (Option<(f32, u32)>, usize) {
     let asked = RefCell::new(0);
     let of_leaf = |leaf: &Leaf| {
         let mut node = Node::EMPTY;
@@ -104,10 +104,10 @@ fn boxes_hide_nothing() {
         let wide = Wide { processor, ..wide(&soup, false) };
         for i in 0..1_500 {
             let ray = ray(&soup, i);
-            let (expected, _) = one_by_one(&wide, ray);
-            let nearest = wide.nearest(ray, |_| true);
+            let (expected, _) = one_by_one(&wide, &ray);
+            let nearest = wide.nearest(&ray, |_| true);
             assert_eq!(nearest.map(|hit| hit.0), expected.map(|hit| hit.0), "{ray:?}");
-            assert_eq!(wide.blocked(ray, |_| true), expected.is_some(), "{ray:?}");
+            assert_eq!(wide.blocked(&ray, |_| true), expected.is_some(), "{ray:?}");
             met += usize::from(expected.is_some());
         }
     }
@@ -123,21 +123,21 @@ fn every_triangle_on_the_way_is_asked_once() {
     for i in 0..40 {
         let ray = ray(&soup, i);
         let asked = RefCell::new(Vec::new());
-        let blocked = wide.blocked(ray, |place| {
+        let blocked = wide.blocked(&ray, |place| {
             asked.borrow_mut().push(place);
             false
         });
         assert!(!blocked, "all of them said no");
         let mut asked = asked.into_inner();
-        let (_, expected) = one_by_one(&wide, ray);
+        let (_, expected) = one_by_one(&wide, &ray);
         assert_eq!(asked.len(), expected);
         asked.sort_unstable();
         asked.dedup();
         assert_eq!(asked.len(), expected, "none is asked twice");
         most = most.max(expected);
         // The nearest that says yes is met, and what says no is not there.
-        if let Some((near, place)) = wide.nearest(ray, |_| true) {
-            let behind = wide.nearest(ray, |other| other != place);
+        if let Some((near, place)) = wide.nearest(&ray, |_| true) {
+            let behind = wide.nearest(&ray, |other| other != place);
             assert!(behind.is_none_or(|(far, other)| far >= near && other != place));
         }
     }
@@ -151,13 +151,13 @@ fn a_reach_ends_before_what_it_touches() {
     let mut met = 0;
     for i in 0..500 {
         let ray = ray(&soup, i);
-        let Some((distance, place)) = wide.nearest(ray, |_| true) else { continue };
+        let Some((distance, place)) = wide.nearest(&ray, |_| true) else { continue };
         let short = Ray { reach: distance, ..ray };
-        assert!(wide.nearest(short, |_| true).is_none() && !wide.blocked(short, |_| true));
+        assert!(wide.nearest(&short, |_| true).is_none() && !wide.blocked(&short, |_| true));
         let enough = Ray { reach: distance.next_up(), ..ray };
-        let hit = wide.nearest(enough, |_| true).map(|hit| hit.0);
+        let hit = wide.nearest(&enough, |_| true).map(|hit| hit.0);
         assert_eq!(hit, Some(distance), "triangle {place}");
-        assert!(wide.blocked(enough, |_| true));
+        assert!(wide.blocked(&enough, |_| true));
         met += 1;
     }
     assert!(met > 200, "{met} rays met something");
@@ -192,7 +192,7 @@ fn distances_are_those_of_f64() {
             let all: Vec<_> = soup.iter().map(|corners| in_f64(corners, &ray, 1e-4)).collect();
             clear += usize::from(all.iter().all(|(_, unclear)| !unclear));
             let expected = all.iter().filter_map(|(distance, _)| *distance).min_by(f64::total_cmp);
-            let nearest = wide.nearest(ray, |_| true);
+            let nearest = wide.nearest(&ray, |_| true);
             let length = f64::from(ray.direction.length());
             let distance = nearest.map(|(distance, _)| f64::from(distance) * length);
             let same = match (expected, distance) {
@@ -226,7 +226,7 @@ fn no_ray_slips_through_an_edge() {
                 let direction = a.lerp(*b, step as f32 / 500.0).normalize();
                 for origin in [Vec3::ZERO, -0.1 * direction, Vec3::new(0.01, 0.02, 0.03)] {
                     let ray = Ray { origin, direction, reach: f32::INFINITY, time: 0.0 };
-                    assert!(wide.blocked(ray, |_| true), "{ray:?}");
+                    assert!(wide.blocked(&ray, |_| true), "{ray:?}");
                 }
             }
         }

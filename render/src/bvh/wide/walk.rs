@@ -11,7 +11,7 @@ const WAITING: usize = 32;
 /// A ray to the nearest triangle, or to any, through what moves or does not.
 pub struct Walk<'a, T, const NEAREST: bool, const MOVING: bool> {
     pub wide: &'a Wide,
-    pub ray: Ray,
+    pub ray: &'a Ray,
     /// Whether a triangle that must be asked is there.
     pub there: T,
 }
@@ -21,7 +21,7 @@ impl<T: Fn(u32) -> bool, const NEAREST: bool, const MOVING: bool> Work for Walk<
 
     #[inline(always)]
     fn with<E: Eight>(self, eight: E) -> Self::Output {
-        let lines = Lines::new(eight, &self.ray);
+        let lines = Lines::new(eight, self.ray);
         let met = self.walk(eight, &lines, &mut Waiting::new());
         met.triangle.map(|triangle| (met.reach, triangle))
     }
@@ -47,7 +47,7 @@ impl<T: Fn(u32, Vec3) -> bool> Work for WalkAll<'_, T> {
         for (i, direction) in directions.iter().enumerate() {
             let ray = Ray { origin, direction: *direction, reach, time: 0.0 };
             let there = |triangle: u32| (self.there)(triangle, *direction);
-            let walk = Walk::<_, false, false> { wide: self.wide, ray, there };
+            let walk = Walk::<_, false, false> { wide: self.wide, ray: &ray, there };
             let lines = Lines::new(eight, &ray);
             let mut met = Met::nothing(reach);
             let again = last.is_some_and(|leaf| walk.test(eight, &lines, leaf, &mut met));
