@@ -324,20 +324,19 @@ fn stops(opacity: f32, ray: &Ray, index: u32) -> bool {
 }
 
 /// A ray in the middle of the exposure.
-const fn ray(origin: Vec3, direction: Vec3, reach: f32) -> Ray {
-    Ray { origin, direction, reach, time: 0.0 }
+fn ray(origin: Vec3, direction: Vec3, reach: f32) -> Ray {
+    Ray { origin: origin.into(), direction: direction.into(), reach, time: 0.0 }
 }
 
 /// Weights of the second and third corner where a ray meets a triangle's plane.
 fn barycentric(triangle: &Triangle, ray: &Ray) -> Vec2 {
     let edge1 = triangle.v1 - triangle.v0;
     let edge2 = triangle.v2 - triangle.v0;
-    let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
-    let across = direction.cross(edge2);
+    let across = ray.direction.cross(edge2);
     let inverse = edge1.dot(across).recip();
-    let from_corner = origin - triangle.v0;
+    let from_corner = ray.origin - triangle.v0;
     let u = from_corner.dot(across) * inverse;
-    let v = direction.dot(from_corner.cross(edge1)) * inverse;
+    let v = ray.direction.dot(from_corner.cross(edge1)) * inverse;
     Vec2::new(u, v).clamp(Vec2::ZERO, Vec2::ONE)
 }
 

@@ -61,6 +61,9 @@ pub(super) fn look(scene: &TracedScene, vary: &Vary, variation: &Variation, prop
     look
 }
 
+/// Some of every colour is diffuse, since a bare metal is black but where it mirrors the one lamp.
+const MOST_METALLIC: f32 = 0.9;
+
 /// Draws colour, metalness and roughness; paler where a texture brings colours.
 fn paint(material: &mut Material, textured: bool, draw: impl Fn(u64) -> f32) {
     let saturation = draw(0) * if textured { 0.3 } else { 0.8 };
@@ -68,11 +71,7 @@ fn paint(material: &mut Material, textured: bool, draw: impl Fn(u64) -> f32) {
     let hue = Vec3::new(draw(2), draw(3), draw(4));
     let colour = value * Vec3::ONE.lerp(hue / hue.max_element().max(1e-3), saturation);
     material.base_colour = colour.extend(material.base_colour.w);
-    material.metallic = match draw(5) {
-        share if share < 0.5 => 0.0,
-        share if share < 0.75 => 1.0,
-        _ => draw(6),
-    };
+    material.metallic = if draw(5) < 0.5 { 0.0 } else { MOST_METALLIC * draw(6) };
     material.roughness = between([0.1, 1.0], draw(7));
     material.metallic_roughness_texture = None;
     material.gloss = Gloss::Phong;

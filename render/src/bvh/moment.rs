@@ -6,7 +6,8 @@
 
 use super::wide::{Ray, Wide};
 use super::{
-    Hit, TracedScene, TriangleOrigin, VISIBLE_OPACITY, barycentric, binary_hierarchy, clock, opacity, stops,
+    Hit, TracedScene, TriangleOrigin, VISIBLE_OPACITY, barycentric, binary_hierarchy, clock, opacity, ray,
+    stops,
 };
 use crate::scene::{AlphaMode, Mesh, Scene};
 use glam::{Vec3, Vec3A};
@@ -46,7 +47,7 @@ impl<'a> Moment<'a> {
     /// [`TracedScene::hit`] at this moment.
     pub fn hit(&self, origin: Vec3, direction: Vec3, reach: f32) -> Option<Hit> {
         let Some(swept) = self.swept() else { return self.traced.hit(origin, direction, reach) };
-        let ray = Ray { origin, direction, reach, time: self.time };
+        let ray = Ray { time: self.time, ..ray(origin, direction, reach) };
         let visible = |index| self.opacity(swept, &ray, index) >= VISIBLE_OPACITY;
         let (distance, index) = clock::around(|| swept.bvh.nearest(&ray, visible))?;
         let TriangleOrigin { mesh, triangle, .. } = swept.origins[index as usize];
@@ -57,7 +58,7 @@ impl<'a> Moment<'a> {
     /// [`TracedScene::blocked`] at this moment.
     pub fn blocked(&self, origin: Vec3, direction: Vec3, reach: f32) -> bool {
         let Some(swept) = self.swept() else { return self.traced.blocked(origin, direction, reach) };
-        let ray = Ray { origin, direction, reach, time: self.time };
+        let ray = Ray { time: self.time, ..ray(origin, direction, reach) };
         let stops = |index| stops(self.opacity(swept, &ray, index), &ray, index);
         clock::around(|| swept.bvh.blocked(&ray, stops))
     }

@@ -15,7 +15,7 @@ mod walk;
 
 use collapse::Tree;
 use eight::{LANES, Processor};
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 use obvhs::{aabb::Aabb, bvh2::Bvh2};
 use walk::{Walk, WalkAll};
 
@@ -30,13 +30,13 @@ pub struct Wide {
     order: Vec<u32>,
 }
 
-/// A ray.
+/// A ray. Its vectors are written to memory whole: where a processor reads together what was written in parts, it waits.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
     /// Where it starts, metres.
-    pub origin: Vec3,
+    pub origin: Vec3A,
     /// Not zero.
-    pub direction: Vec3,
+    pub direction: Vec3A,
     /// How far it goes, in lengths of its direction.
     pub reach: f32,
     /// The moment of the exposure, from -0.5 to 0.5, at which it meets what moves.

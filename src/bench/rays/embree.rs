@@ -91,8 +91,6 @@ pub struct Embree {
     release_scene: Release,
     release_device: Release,
     build_seconds: f64,
-    /// Keeps the functions where they are; dropped last.
-    _library: Library,
 }
 
 // SAFETY: Embree lets any number of threads trace rays through a committed scene, which nothing here changes.
@@ -106,13 +104,14 @@ impl Embree {
     pub fn new(scene: &Scene) -> Result<Self> {
         // SAFETY: Embree and what it loads have no conditions on being loaded.
         let library = unsafe { Library::new(LIBRARY) }.with_context(|| LIBRARY.to_owned())?;
-        let new_device: unsafe extern "C" fn(*const c_char) -> Handle = function(&library, "rtcNewDevice")?;
-        let new_scene: unsafe extern "C" fn(Handle) -> Handle = function(&library, "rtcNewScene")?;
-        let commit: unsafe extern "C" fn(Handle) = function(&library, "rtcCommitScene")?;
-        let (intersect, occluded) =
-            (function(&library, "rtcIntersect1")?, function(&library, "rtcOccluded1")?);
+        // Its functions are used and its threads live for as long as the program does: it is never unloaded.
+        let library: &'static Library = Box::leak(Box::new(library));
+        let new_device: unsafe extern "C" fn(*const c_char) -> Handle = function(library, "rtcNewDevice")?;
+        let new_scene: unsafe extern "C" fn(Handle) -> Handle = function(library, "rtcNewScene")?;
+        let commit: unsafe extern "C" fn(Handle) = function(library, "rtcCommitScene")?;
+        let (intersect, occluded) = (function(library, "rtcIntersect1")?, function(library, "rtcOccluded1")?);
         let (release_scene, release_device): (Release, Release) =
-            (function(&library, "rtcReleaseScene")?, function(&library, "rtcReleaseDevice")?);
+            (function(library, "rtcReleaseScene")?, function(library, "rtcReleaseDevice")?);
         // SAFETY: no settings are allowed, and the device is released by `drop`.
         let device = unsafe { new_device(ptr::null()) };
         ensure!(!device.is_null(), "Embree makes no device");
@@ -126,9 +125,8 @@ impl Embree {
             release_scene,
             release_device,
             build_seconds: 0.0,
-            _library: library,
         };
-        embree.attach(scene)?;
+        embree.attach(library, scene)?;
         let start = Instant::now();
         // SAFETY: the scene is one, and its geometry is committed.
         unsafe { commit(handle) };
@@ -137,9 +135,8 @@ impl Embree {
     }
 
     /// Gives Embree all triangles as one geometry.
-    fn attach(&self, scene: &Scene) -> Result<()> {
+    fn attach(&self, library: &Library, scene: &Scene) -> Result<()> {
         type NewBuffer = unsafe extern "C" fn(Handle, c_uint, c_uint, c_uint, usize, usize) -> *mut c_void;
-        let library = &self._library;
         let new: unsafe extern "C" fn(Handle, c_uint) -> Handle = function(library, "rtcNewGeometry")?;
         let buffer: NewBuffer = function(library, "rtcSetNewGeometryBuffer")?;
         let commit: unsafe extern "C" fn(Handle) = function(library, "rtcCommitGeometry")?;
@@ -171,7 +168,7 @@ impl Embree {
 
 impl Drop for Embree {
     fn drop(&mut self) {
-        // SAFETY: both are what they are called, and nobody uses them after this; the library is unloaded later.
+        // SAFETY: both are what they are called, and nobody uses them after this.
         unsafe {
             (self.release_scene)(self.scene);
             (self.release_device)(self.device);

@@ -8,7 +8,7 @@
 
 use super::eight::{Eight, LANES};
 use super::{Corners, Node, Ray};
-use glam::Vec3;
+use glam::Vec3A;
 
 /// A direction's component nearer to zero is taken as this, so that zero times infinity never occurs.
 const SMALLEST: f32 = 1e-18;
@@ -32,9 +32,9 @@ pub fn moved<E: Eight>(eight: E, corners: &Corners, ways: &Corners, time: f32) -
 impl Ray {
     /// One over each component of the direction.
     #[inline(always)]
-    pub fn inverse(&self) -> Vec3 {
-        let Vec3 { x, y, z } = self.direction;
-        Vec3::new(safe(x).recip(), safe(y).recip(), safe(z).recip())
+    pub fn inverse(&self) -> Vec3A {
+        let [x, y, z] = self.direction.to_array();
+        Vec3A::new(safe(x).recip(), safe(y).recip(), safe(z).recip())
     }
 }
 
@@ -53,8 +53,8 @@ pub struct Slabs<E: Eight> {
 
 impl<E: Eight> Slabs<E> {
     #[inline(always)]
-    pub fn new(eight: E, origin: Vec3, inverse: Vec3) -> Self {
-        let Vec3 { x, y, z } = inverse;
+    pub fn new(eight: E, origin: Vec3A, inverse: Vec3A) -> Self {
+        let [x, y, z] = inverse.to_array();
         Self {
             origin: [eight.splat(origin.x), eight.splat(origin.y), eight.splat(origin.z)],
             inverse: [eight.splat(x), eight.splat(y), eight.splat(z)],
@@ -99,7 +99,7 @@ pub struct Shear<E: Eight> {
 
 impl<E: Eight> Shear<E> {
     #[inline(always)]
-    pub fn new(eight: E, ray: &Ray, inverse: Vec3) -> Self {
+    pub fn new(eight: E, ray: &Ray, inverse: Vec3A) -> Self {
         let size = ray.direction.abs();
         let axes = if size.x > size.y && size.x > size.z {
             [1, 2, 0]

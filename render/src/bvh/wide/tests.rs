@@ -65,7 +65,7 @@ fn ray(soup: &[[Vec3; 3]], i: u32) -> Ray {
         }
         _ => {}
     }
-    Ray { origin, direction, reach: f32::INFINITY, time: 0.0 }
+    Ray { origin: origin.into(), direction: direction.into(), reach: f32::INFINITY, time: 0.0 }
 }
 
 /// Distance and place of the nearest triangle, each leaf tested by itself, and how many triangles the ray meets.
@@ -167,7 +167,8 @@ fn a_reach_ends_before_what_it_touches() {
 /// within `margin` of the triangle's size, or starts so near.
 fn in_f64(corners: &[Vec3; 3], ray: &Ray, margin: f64) -> (Option<f64>, bool) {
     let [a, b, c] = corners.map(DVec3::from);
-    let (origin, direction) = (DVec3::from(ray.origin), DVec3::from(ray.direction).normalize());
+    let (origin, direction) =
+        (DVec3::from(Vec3::from(ray.origin)), DVec3::from(Vec3::from(ray.direction)).normalize());
     let normal = (b - a).cross(c - a);
     if normal.length() < 1e-6 {
         return (None, false);
@@ -225,7 +226,12 @@ fn no_ray_slips_through_an_edge() {
             for [a, b, _] in &hat {
                 let direction = a.lerp(*b, step as f32 / 500.0).normalize();
                 for origin in [Vec3::ZERO, -0.1 * direction, Vec3::new(0.01, 0.02, 0.03)] {
-                    let ray = Ray { origin, direction, reach: f32::INFINITY, time: 0.0 };
+                    let ray = Ray {
+                        origin: origin.into(),
+                        direction: direction.into(),
+                        reach: f32::INFINITY,
+                        time: 0.0,
+                    };
                     assert!(wide.blocked(&ray, |_| true), "{ray:?}");
                 }
             }

@@ -45,7 +45,7 @@ impl<T: Fn(u32, Vec3) -> bool> Work for WalkAll<'_, T> {
         let mut waiting = Waiting::new();
         let (mut blocked, mut last) = (0, None);
         for (i, direction) in directions.iter().enumerate() {
-            let ray = Ray { origin, direction: *direction, reach, time: 0.0 };
+            let ray = Ray { origin: origin.into(), direction: (*direction).into(), reach, time: 0.0 };
             let there = |triangle: u32| (self.there)(triangle, *direction);
             let walk = Walk::<_, false, false> { wide: self.wide, ray: &ray, there };
             let lines = Lines::new(eight, &ray);
