@@ -9,7 +9,7 @@ use std::path::{Component, Path, PathBuf};
 
 /// Version of what a recipe gives and of how it is described. To be increased whenever the same recipe may give other
 /// pixels than before, be it by other scenes, views or samples: data of another version are refused.
-pub const DATA_VERSION: u32 = 2;
+pub const DATA_VERSION: u32 = 3;
 
 /// What data were made by and from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

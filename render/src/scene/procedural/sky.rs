@@ -140,17 +140,21 @@ fn distribution([a, b, c, d, e]: [f64; 5], height: f64, angle: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::path::sampler::{PixelSampler, cosine_hemisphere};
 
-    /// Irradiance of level ground, divided by pi, from the environment as it is looked up.
+    /// Irradiance of level ground, divided by pi, from the environment as it is looked up, at sixteen points a texel,
+    /// since a few hundred random directions meet the sun too rarely.
     fn level(environment: &Environment) -> Vec3 {
-        let sampler = PixelSampler::new(0, 0, 1);
-        let radiance = |i| {
-            let [u, v, ..] = sampler.sample_4d(i, 0);
-            let Vec3 { x, y, z } = cosine_hemisphere(u, v);
-            environment.radiance(Vec3::new(x, z, y))
+        const ROWS: usize = 2 * HEIGHT;
+        const COLUMNS: usize = 4 * WIDTH;
+        let point = |i: usize| {
+            let (row, column) = (i / COLUMNS, i % COLUMNS);
+            let (aside, up) = (FRAC_PI_2 * (row as f64 + 0.5) / ROWS as f64).sin_cos();
+            let (sin, cos) = (2.0 * PI * (column as f64 + 0.5) / COLUMNS as f64).sin_cos();
+            let towards = DVec3::new(sin * aside, up, -cos * aside);
+            let solid_angle = FRAC_PI_2 / ROWS as f64 * 2.0 * PI / COLUMNS as f64 * aside;
+            environment.radiance(towards.as_vec3()).as_dvec3() * (up * solid_angle / PI)
         };
-        (0..16_384).map(radiance).sum::<Vec3>() / 16_384.0
+        (0..ROWS * COLUMNS).map(point).sum::<DVec3>().as_vec3()
     }
 
     #[test]
