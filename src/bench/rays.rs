@@ -1,4 +1,9 @@
-//! `deepshade bench rays`: rays a second through a scene, beside Embree on the very same rays, traversal alone.
+//! `deepshade bench rays`: rays a second through a scene, one thread and all, beside Embree on the very same rays,
+//! traversal alone.
+//!
+//! Embree traces single rays (`rtcIntersect1`, `rtcOccluded1`), and `ratio_primary`, `ratio_ao` and `ratio_diffuse` are of
+//! our single rays. Rays that the program traces in bundles are measured so too, and called so; Embree's packets and
+//! streams, their counterpart, are not.
 //!
 //! Materials are made opaque, since what a texture lets through is no question of traversal. Rays are made beforehand;
 //! all ways to trace them take turns, so that what else the machine does falls on all of them.
@@ -21,6 +26,11 @@ use std::time::Instant;
 /// Measures rays a second through a scene, beside Embree where the program is built with the cargo feature `embree`.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  deepshade bench rays --scene sponza.gltf --json rays.json\n\n\
+    Beside Embree 3 (Debian 12: apt-get install libembree-dev), which is loaded at run time:\n  \
+    cargo run --release --features embree -- bench rays --scene sponza.gltf\n\n\
+    ratio_primary, ratio_ao and ratio_diffuse in the JSON file are our rate over Embree's, single rays against single \
+    rays (rtcIntersect1, rtcOccluded1), one thread. ratio_*_bundles are bundles of 64 rays that start together against \
+    Embree's single rays; Embree's packets are not measured.\n\n\
     The default scene is procedural, so that everybody has it. The figures in the README are of Sponza, which does not \
     come with the program; those of different scenes cannot be compared. Ambient occlusion rays are as long as \
     15 % of the scene's diagonal.")]

@@ -1,5 +1,6 @@
 //! Which effects are compared in which scenes.
 
+use deepshade_render::path::sampler::hash;
 use deepshade_shaders::Effect;
 
 /// An effect in a scene.
@@ -13,6 +14,11 @@ pub struct Case {
     pub reference: Reference,
     /// Whether the two should agree.
     pub expected: Expected,
+    /// Times as many samples as asked for: so many that the image's mean is known well enough.
+    pub samples: u32,
+    /// The largest share of values outside, where their noise is far from normal: a few bright paths among many dark
+    /// ones. `None` for what chance has at most of normal noise.
+    pub heavy_tail: Option<f64>,
 }
 
 /// What our truth is compared with.
@@ -30,7 +36,7 @@ pub enum Reference {
 /// What can be put wrong on purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// Every light shines 2 % brighter.
+    /// Every light shines 2 % brighter, the environment too.
     BrighterLights,
     /// Directions are uniform over the hemisphere and not cosine-distributed.
     NoCosine,
@@ -55,23 +61,37 @@ impl Case {
         };
         format!("{}.{}{fault}", self.scene, self.effect)
     }
+
+    /// A seed of its own for each case, so that what chance does to one it does not to another; below 2^31.
+    pub fn seed(&self) -> u32 {
+        self.name().bytes().fold(0, |seed, byte| hash(seed ^ u32::from(byte))) >> 1
+    }
+
+    /// The same with more samples.
+    const fn sampled(self, times: u32) -> Self {
+        Self { samples: times, ..self }
+    }
+}
+
+const fn case(scene: &'static str, effect: Effect, reference: Reference, expected: Expected) -> Case {
+    Case { scene, effect, reference, expected, samples: 1, heavy_tail: None }
 }
 
 const fn mitsuba(scene: &'static str, effect: Effect) -> Case {
-    Case { scene, effect, reference: Reference::Mitsuba { fault: None }, expected: Expected::Agreement }
+    case(scene, effect, Reference::Mitsuba { fault: None }, Expected::Agreement)
 }
 
 const fn control(scene: &'static str, effect: Effect, fault: Fault) -> Case {
-    let reference = Reference::Mitsuba { fault: Some(fault) };
-    Case { scene, effect, reference, expected: Expected::Disagreement }
+    case(scene, effect, Reference::Mitsuba { fault: Some(fault) }, Expected::Disagreement)
 }
 
 /// Every comparison.
 pub const ALL: &[Case] = &[
     mitsuba("blocks", Effect::Ao),
     mitsuba("blocks", Effect::Aa),
-    mitsuba("blocks", Effect::Gi),
+    mitsuba("blocks", Effect::Gi).sampled(8),
     mitsuba("blocks", Effect::Path),
+    mitsuba("glossy", Effect::Ibl),
     mitsuba("glossy", Effect::Path),
     mitsuba("blobs", Effect::Ao),
     mitsuba("blobs", Effect::Do),
@@ -79,27 +99,28 @@ pub const ALL: &[Case] = &[
     mitsuba("flat-blobs", Effect::Path),
     mitsuba("still-life", Effect::Dof),
     mitsuba("still-life", Effect::Multi),
-    mitsuba("room", Effect::Gi),
-    mitsuba("room", Effect::Path),
-    mitsuba("cornell-box", Effect::Path),
+    mitsuba("room", Effect::Gi).sampled(8),
+    mitsuba("room", Effect::Path).sampled(2),
+    mitsuba("cornell-box", Effect::Path).sampled(4),
     mitsuba("sponza", Effect::Ao),
-    mitsuba("sponza", Effect::Gi),
+    mitsuba("sponza", Effect::Gi).sampled(4),
     mitsuba("sponza", Effect::Path),
-    mitsuba("fog", Effect::FogDirect),
-    mitsuba("fog", Effect::FogIndirect),
+    mitsuba("fog", Effect::FogDirect).sampled(4),
+    mitsuba("fog", Effect::FogIndirect).sampled(4),
     mitsuba("fog", Effect::Path),
     mitsuba("smoke", Effect::FogDirect),
     mitsuba("smoke", Effect::Path),
-    mitsuba("black-smoke", Effect::FogMultiple),
-    Case {
-        scene: "moving",
-        effect: Effect::MotionBlur,
-        reference: Reference::Stills,
-        expected: Expected::Agreement,
-    },
+    mitsuba("black-smoke", Effect::FogMultiple).sampled(8),
+    case("moving", Effect::MotionBlur, Reference::Stills, Expected::Agreement),
     control("blocks", Effect::Ao, Fault::NoCosine),
     control("blocks", Effect::Aa, Fault::BrighterLights),
+    control("blobs", Effect::Ibl, Fault::BrighterLights),
+    control("glossy", Effect::Path, Fault::BrighterLights),
+    control("still-life", Effect::Dof, Fault::BrighterLights),
+    control("room", Effect::Gi, Fault::BrighterLights).sampled(8),
+    control("fog", Effect::FogIndirect, Fault::BrighterLights).sampled(4),
     control("smoke", Effect::FogDirect, Fault::BrighterLights),
+    control("black-smoke", Effect::FogMultiple, Fault::BrighterLights).sampled(8),
 ];
 
 #[cfg(test)]
@@ -112,12 +133,18 @@ mod tests {
         let names: BTreeSet<String> = ALL.iter().map(Case::name).collect();
         assert_eq!(names.len(), ALL.len());
         assert!(names.iter().all(|name| !name.contains(['/', ' '])));
+        let seeds: BTreeSet<u32> = ALL.iter().map(|case| case.seed() >> 12).collect();
+        assert_eq!(seeds.len(), ALL.len(), "seeds follow each other from the first of a case");
     }
 
     #[test]
     fn there_are_enough_scenes_and_controls() {
         let scenes: BTreeSet<&str> = ALL.iter().map(|case| case.scene).collect();
         assert!(scenes.len() >= 6);
-        assert!(ALL.iter().any(|case| case.expected == Expected::Disagreement));
+        let control = |case: &Case| (case.expected == Expected::Disagreement).then_some(case.effect.name());
+        let controls: BTreeSet<&str> = ALL.iter().filter_map(control).collect();
+        for effect in ["ao", "aa", "gi", "ibl", "dof", "path", "fog-direct", "fog-indirect", "fog-multiple"] {
+            assert!(controls.contains(effect), "a fault of {effect}");
+        }
     }
 }

@@ -5,10 +5,11 @@ mod light;
 
 use super::cases::Fault;
 use super::files::{write_pfm, write_ply};
-use super::lambert::{emission, make_black, texture_of};
+use super::lambert::{emission, make_black, make_phong, texture_of};
 use super::settings::Setting;
 use crate::figures::write_atomically;
 use anyhow::{Result, bail};
+use deepshade_render::path::Sampling;
 use deepshade_render::scene::{Camera, Density, Gloss, Material, Medium, Mesh, Scene, Wrap};
 use deepshade_shaders::Effect;
 use glam::{Vec2, Vec3, Vec4};
@@ -22,7 +23,7 @@ const BACK: f32 = 1e-4;
 /// How much brighter the lights of a control are.
 const BRIGHTER: f32 = 1.02;
 
-/// Writes a case into a folder. `samples` are those of a pixel with each seed, and the number of seeds.
+/// Writes a case into a folder. Mitsuba's seeds follow each other from the first, one a scrambling.
 ///
 /// # Errors
 /// If a file cannot be written, or the scene holds what Mitsuba would not render alike.
@@ -32,7 +33,7 @@ pub fn write(
     setting: &Setting,
     fault: Option<Fault>,
     size: [usize; 2],
-    [samples, seeds]: [u32; 2],
+    sampling: Sampling,
 ) -> Result<()> {
     let mut scene = setting.scene.clone();
     // Light that is scattered once meets no surface: what Mitsuba, which knows no routes, is left with if surfaces are
@@ -40,17 +41,23 @@ pub fn write(
     if effect == Effect::FogDirect {
         make_black(&mut scene);
     }
+    // Environments are reflected by the Phong model, whatever model a material has.
+    if effect == Effect::Ibl {
+        make_phong(&mut scene);
+    }
     let brightness = if fault == Some(Fault::BrighterLights) { BRIGHTER } else { 1.0 };
     let meshes = meshes(folder, &scene, brightness)?;
     let lights =
         scene.lights.iter().map(|light| light::light(light, brightness)).collect::<Result<Vec<_>>>()?;
-    let environment = scene.environment.as_deref().map(|map| light::environment(folder, map)).transpose()?;
+    let environment = scene.environment.as_deref();
+    let environment = environment.map(|map| light::environment(folder, map, brightness)).transpose()?;
     let medium = scene.medium.as_deref().map(|medium| light::medium(folder, medium)).transpose()?;
     let (integrator, minus) = integrators(effect, setting, fault)?;
     let case = json!({
         "size": size,
-        "samples_a_seed": samples,
-        "seeds": seeds,
+        "samples_a_seed": sampling.samples.div_ceil(sampling.scramblings),
+        "first_seed": sampling.seed,
+        "seeds": sampling.scramblings,
         "integrator": integrator,
         "minus": minus,
         "camera": camera(&setting.camera, effect, &scene),
@@ -70,6 +77,9 @@ fn integrators(effect: Effect, setting: &Setting, fault: Option<Fault>) -> Resul
     }
     if fault == Some(Fault::NoCosine) {
         of_surface["cosine"] = json!(false);
+    }
+    if setting.scene.materials.iter().any(|material| material.gloss != Gloss::None) {
+        of_surface["glossy"] = json!(true);
     }
     let medium = setting.scene.medium.as_deref();
     Ok(match (effect, medium) {
@@ -176,15 +186,20 @@ fn write_mesh(
     }))
 }
 
-/// The colours and the roughness of a material of microfacets.
+/// The model, the colours and the roughness of a material that reflects specularly.
 fn glossy(scene: &Scene, material: &Material) -> Option<Value> {
     let surface = material.surface(&scene.textures, [Vec2::ZERO; 2], Vec4::ONE);
-    let value = json!({
+    let model = match surface.gloss {
+        Gloss::Microfacets => "microfacets",
+        Gloss::Phong => "phong",
+        Gloss::None => return None,
+    };
+    Some(json!({
+        "type": model,
         "diffuse": surface.diffuse.to_array(),
         "specular": surface.specular.to_array(),
         "roughness": surface.roughness,
-    });
-    (surface.gloss == Gloss::Microfacets).then_some(value)
+    }))
 }
 
 /// The other side of a mesh's triangles, a little behind them.
@@ -203,17 +218,22 @@ fn back(mesh: &Mesh) -> Mesh {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::crosscheck::files::read_pfm;
     use crate::crosscheck::settings;
 
     fn exported(effect: Effect, fault: Option<Fault>) -> Value {
         let folder = tempfile::tempdir().expect("a folder");
-        let setting = settings::build("blocks", Path::new("")).expect("built").expect("procedural");
-        write(folder.path(), effect, &setting, fault, [4, 6], [8, 2]).expect("written");
+        export(folder.path(), "blocks", effect, fault)
+    }
+
+    fn export(folder: &Path, scene: &str, effect: Effect, fault: Option<Fault>) -> Value {
+        let setting = settings::build(scene, Path::new("")).expect("built").expect("procedural");
+        let sampling = Sampling { samples: 16, scramblings: 2, seed: 5 };
+        write(folder, effect, &setting, fault, [4, 6], sampling).expect("written");
         let case: Value =
-            serde_json::from_slice(&std::fs::read(folder.path().join("scene.json")).expect("a file"))
-                .expect("JSON");
+            serde_json::from_slice(&std::fs::read(folder.join("scene.json")).expect("a file")).expect("JSON");
         for mesh in case["meshes"].as_array().expect("meshes") {
-            assert!(folder.path().join(mesh["file"].as_str().expect("a name")).is_file());
+            assert!(folder.join(mesh["file"].as_str().expect("a name")).is_file());
         }
         case
     }
@@ -222,6 +242,7 @@ mod tests {
     fn a_case_names_files_that_are_there_and_the_camera_looks_ahead() {
         let case = exported(Effect::Ao, None);
         assert_eq!((&case["integrator"]["type"], &case["seeds"]), (&json!("ao"), &json!(2)));
+        assert_eq!((&case["samples_a_seed"], &case["first_seed"]), (&json!(8), &json!(5)));
         let at = |name: &str| {
             Vec3::from_slice(
                 &serde_json::from_value::<Vec<f32>>(case["camera"][name].clone()).expect("three numbers"),
@@ -242,6 +263,24 @@ mod tests {
             |fault| exported(Effect::Aa, fault)["lights"][0]["intensity"][0].as_f64().expect("a number");
         assert!((intensity(Some(Fault::BrighterLights)) / intensity(None) - 1.02).abs() < 1e-5);
         assert_eq!(exported(Effect::Ao, Some(Fault::NoCosine))["integrator"]["cosine"], false);
+        let sky = |fault| {
+            let folder = tempfile::tempdir().expect("a folder");
+            let case = export(folder.path(), "glossy", Effect::Ibl, fault);
+            let sky = folder.path().join(case["environment"].as_str().expect("a sky"));
+            read_pfm(&sky, 3).expect("a map").data().iter().sum::<f32>()
+        };
+        assert!((sky(Some(Fault::BrighterLights)) / sky(None) - 1.02).abs() < 1e-4);
+    }
+
+    #[test]
+    fn environments_are_reflected_by_the_phong_model() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (effect, model) in [(Effect::Ibl, "phong"), (Effect::Path, "microfacets")] {
+            let case = export(folder.path(), "glossy", effect, None);
+            let meshes = case["meshes"].as_array().expect("meshes");
+            assert!(meshes[0]["glossy"].is_null(), "the floor is matte");
+            assert!(meshes[1..].iter().all(|mesh| mesh["glossy"]["type"] == model), "{effect}");
+        }
     }
 
     #[test]

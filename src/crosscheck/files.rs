@@ -1,4 +1,4 @@
-//! Files that both programs understand: PFM images of f32, binary PLY meshes, Mitsuba's .vol grids.
+//! Files that both programs understand: PFM images of f32, binary PLY meshes.
 
 use crate::figures::write_atomically;
 use anyhow::{Context, Result, bail};
@@ -77,21 +77,6 @@ pub fn write_ply(path: &Path, mesh: &Mesh) -> Result<()> {
         bytes.push(3);
         bytes.extend(triangle.iter().flat_map(|index| index.to_le_bytes()));
     }
-    write_atomically(path, &bytes)
-}
-
-/// Writes RGB values of a grid's cells, x fastest, as Mitsuba's .vol over the unit cube.
-///
-/// # Errors
-/// If the file cannot be written.
-pub fn write_vol(path: &Path, size: [usize; 3], cells: &[Vec3]) -> Result<()> {
-    /// The format's number for f32.
-    const FLOAT32: u32 = 1;
-    let mut bytes = b"VOL\x03".to_vec();
-    let [x, y, z] = size.map(|cells| cells as u32);
-    bytes.extend([FLOAT32, x, y, z, 3].iter().flat_map(|number| number.to_le_bytes()));
-    bytes.extend([0f32, 0.0, 0.0, 1.0, 1.0, 1.0].iter().flat_map(|number| number.to_le_bytes()));
-    bytes.extend(cells.iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes));
     write_atomically(path, &bytes)
 }
 

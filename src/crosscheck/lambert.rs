@@ -30,6 +30,13 @@ pub fn make_black(scene: &mut Scene) {
     }
 }
 
+/// Gives all that reflects specularly the Phong lobe.
+pub fn make_phong(scene: &mut Scene) {
+    for material in scene.materials.iter_mut().filter(|material| material.gloss != Gloss::None) {
+        material.gloss = Gloss::Phong;
+    }
+}
+
 /// The emission of a material, where it emits.
 pub fn emission(scene: &Scene, id: MaterialId) -> Option<Vec3> {
     let emission = scene.material(id).emission;
@@ -101,7 +108,7 @@ mod tests {
         };
         let texture = Texture::new(1, 1, vec![[255, 0, 0, 9]], Encoding::Linear, [Wrap::Repeat; 2]);
         let mut scene = Scene {
-            meshes: vec![triangle],
+            meshes: vec![triangle].into(),
             materials: vec![shiny],
             textures: vec![texture.into()],
             ..Scene::default()

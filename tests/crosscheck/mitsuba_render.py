@@ -29,6 +29,7 @@ class Effect(mi.SamplingIntegrator):
         self.radius = props.get("radius", dr.inf)
         self.cosine = props.get("cosine", True)
         self.background = props.get("background", 0.0)
+        self.glossy = props.get("glossy", False)
 
     def sample(self, scene, sampler, ray, medium=None, active=True):
         si = scene.ray_intersect(ray, active)
@@ -77,9 +78,13 @@ class DirectionalOcclusion(Effect):
 
 
 class ImageBasedLighting(Effect):
-    """Of diffuse surfaces, which is all that the exported scenes hold for this effect."""
+    """By the surfaces' own reflectance in a glossy scene, whose normals are the triangles'; else of diffuse surfaces."""
 
     def at_surface(self, scene, sampler, si, to_viewer, active):
+        if self.glossy:
+            random = sampler.next_1d(active), sampler.next_2d(active)
+            sampled, weight = si.bsdf().sample(mi.BSDFContext(), si, *random, active)
+            return dr.select(active, weight * environment(scene, si.to_world(sampled.wo), active), 0)
         direction, above = self.direction(sampler, si, to_viewer, active)
         reflected = si.bsdf().eval_diffuse_reflectance(si, active) * environment(scene, direction, active)
         return dr.select(above, reflected, 0)
@@ -143,51 +148,30 @@ class FogIndirect(mi.SamplingIntegrator):
         return dr.select(lit, weight * light, 0), mi.Bool(True), []
 
 
-class Glossy(mi.BSDF):
-    """GGX microfacets with Schlick's Fresnel over a diffuse base that gets what is let through, as defined in
-    render/src/path/bsdf.rs; Mitsuba has neither as it is. Distribution and masking are Mitsuba's own."""
-
-    # Mean of (1 - cos)^5 over the hemisphere, as the definition has it, a little below 1 / 21.
-    MEAN_OF_FIFTH = 1 / 22
+class Coated(mi.BSDF):
+    """A specular lobe with a diffuse base, each of which half of the directions are sampled from."""
 
     def __init__(self, props):
         super().__init__(props)
         self.diffuse, self.specular = mi.Color3f(props["diffuse"]), mi.Color3f(props["specular"])
-        alpha = props["roughness"] ** 2
-        self.facets = mi.MicrofacetDistribution(mi.MicrofacetType.GGX, alpha, True)
         reflection = mi.BSDFFlags.DiffuseReflection | mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.FrontSide
         self.m_components, self.m_flags = [reflection], reflection
 
-    def fresnel(self, cosine):
-        return self.specular + (1 - self.specular) * dr.clip(1 - cosine, 0, 1) ** 5
-
     def eval(self, ctx, si, wo, active=True):
-        wi, half = si.wi, dr.normalize(si.wi + wo)
-        # Masking and shadowing together with the height: lambda is 1 / G1 - 1 (Heitz 2014).
-        hidden = [dr.rcp(self.facets.smith_g1(v, half)) - 1 for v in (wi, wo)]
-        lobe = self.facets.eval(half) / (1 + hidden[0] + hidden[1]) / (4 * wi.z * wo.z)
-        through = (1 - self.fresnel(wi.z)) * (1 - self.fresnel(wo.z))
-        mean = 1 - self.specular - (1 - self.specular) * self.MEAN_OF_FIFTH
-        # A white mirror lets nothing through.
-        base = self.diffuse * through / dr.maximum(mean, 1e-6) * dr.inv_pi
-        above = active & (wi.z > 0) & (wo.z > 0)
-        return dr.select(above, (base + self.fresnel(dr.dot(wi, half)) * lobe) * wo.z, 0)
+        above = active & (si.wi.z > 0) & (wo.z > 0)
+        return dr.select(above, self.reflectance(si.wi, wo) * wo.z, 0)
 
     def pdf(self, ctx, si, wo, active=True):
-        """Half of the directions are the base's, half the microfacets'."""
-        half = dr.normalize(si.wi + wo)
-        lobe = self.facets.pdf(si.wi, half) / (4 * dr.dot(wo, half))
         above = active & (si.wi.z > 0) & (wo.z > 0)
-        return dr.select(above, 0.5 * (lobe + wo.z * dr.inv_pi), 0)
+        return dr.select(above, 0.5 * (self.lobe_pdf(si.wi, wo) + wo.z * dr.inv_pi), 0)
 
     def eval_pdf(self, ctx, si, wo, active=True):
         return self.eval(ctx, si, wo, active), self.pdf(ctx, si, wo, active)
 
     def sample(self, ctx, si, sample1, sample2, active=True):
-        facet, _ = self.facets.sample(si.wi, sample2)
-        mirrored = 2 * dr.dot(si.wi, facet) * facet - si.wi
         sampled = dr.zeros(mi.BSDFSample3f)
-        sampled.wo = dr.select(sample1 < 0.5, mirrored, mi.warp.square_to_cosine_hemisphere(sample2))
+        base = mi.warp.square_to_cosine_hemisphere(sample2)
+        sampled.wo = dr.select(sample1 < 0.5, self.lobe_sample(si.wi, sample2), base)
         sampled.pdf = self.pdf(ctx, si, sampled.wo, active)
         sampled.eta = 1
         sampled.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)
@@ -196,10 +180,71 @@ class Glossy(mi.BSDF):
         return sampled, dr.select(active, self.eval(ctx, si, sampled.wo, active) / sampled.pdf, 0)
 
     def to_string(self):
-        return "Glossy"
+        return type(self).__name__
 
 
-mi.register_bsdf("glossy", Glossy)
+class Microfacets(Coated):
+    """GGX microfacets with Schlick's Fresnel over a diffuse base that gets what is let through, as defined in
+    render/src/path/bsdf.rs; Mitsuba has neither as it is. Distribution and masking are Mitsuba's own."""
+
+    # Mean of (1 - cos)^5 over the hemisphere, as the definition has it, a little below 1 / 21.
+    MEAN_OF_FIFTH = 1 / 22
+
+    def __init__(self, props):
+        super().__init__(props)
+        self.facets = mi.MicrofacetDistribution(mi.MicrofacetType.GGX, props["roughness"] ** 2, True)
+
+    def fresnel(self, cosine):
+        return self.specular + (1 - self.specular) * dr.clip(1 - cosine, 0, 1) ** 5
+
+    def reflectance(self, wi, wo):
+        half = dr.normalize(wi + wo)
+        # Masking and shadowing together with the height: lambda is 1 / G1 - 1 (Heitz 2014).
+        hidden = [dr.rcp(self.facets.smith_g1(v, half)) - 1 for v in (wi, wo)]
+        lobe = self.facets.eval(half) / (1 + hidden[0] + hidden[1]) / (4 * wi.z * wo.z)
+        through = (1 - self.fresnel(wi.z)) * (1 - self.fresnel(wo.z))
+        mean = 1 - self.specular - (1 - self.specular) * self.MEAN_OF_FIFTH
+        # A white mirror lets nothing through.
+        base = self.diffuse * through / dr.maximum(mean, 1e-6) * dr.inv_pi
+        return base + self.fresnel(dr.dot(wi, half)) * lobe
+
+    def lobe_pdf(self, wi, wo):
+        half = dr.normalize(wi + wo)
+        return self.facets.pdf(wi, half) / (4 * dr.dot(wo, half))
+
+    def lobe_sample(self, wi, square):
+        facet, _ = self.facets.sample(wi, square)
+        return 2 * dr.dot(wi, facet) * facet - wi
+
+
+class Phong(Coated):
+    """The energy-normalised Phong lobe beside Lambert's law, as defined in render/src/path/bsdf.rs; Mitsuba 3 has no
+    Phong."""
+
+    def __init__(self, props):
+        super().__init__(props)
+        self.exponent = 2 / max(props["roughness"] ** 2, 0.02) ** 2 - 2
+
+    def power(self, wi, wo):
+        cosine = dr.dot(mi.Vector3f(-wi.x, -wi.y, wi.z), wo)
+        return dr.select(cosine > 0, dr.maximum(cosine, 1e-9) ** self.exponent, 0)
+
+    def reflectance(self, wi, wo):
+        lobe = (self.exponent + 2) / dr.two_pi * self.power(wi, wo)
+        return self.diffuse * dr.inv_pi + self.specular * lobe
+
+    def lobe_pdf(self, wi, wo):
+        return (self.exponent + 1) / dr.two_pi * self.power(wi, wo)
+
+    def lobe_sample(self, wi, square):
+        cosine = square.y ** (1 / (self.exponent + 1))
+        sine, (sin, cos) = dr.safe_sqrt(1 - cosine * cosine), dr.sincos(dr.two_pi * square.x)
+        around = mi.Frame3f(mi.Vector3f(-wi.x, -wi.y, wi.z))
+        return around.to_world(mi.Vector3f(sine * cos, sine * sin, cosine))
+
+
+mi.register_bsdf("microfacets", Microfacets)
+mi.register_bsdf("phong", Phong)
 
 for name, integrator in {
     "ao": AmbientOcclusion,
@@ -272,7 +317,7 @@ def mesh(folder, exported):
         }
     bsdf = {"type": "diffuse", "reflectance": reflectance}
     if exported["glossy"]:
-        bsdf = {"type": "glossy"} | vectors(exported["glossy"])
+        bsdf = vectors(exported["glossy"])
     shape = {
         "type": "ply",
         "filename": str(folder / exported["file"]),
@@ -366,10 +411,11 @@ def render(folder):
     if case["integrator"]["type"] == "fog-indirect":
         case["medium"], case["camera"]["in_medium"] = None, False
     loaded = scene(folder, case)
-    count = case["seeds"]
-    mean, variance = mean_and_variance(loaded, case["integrator"], case["samples_a_seed"], range(count))
+    first, count = case["first_seed"], case["seeds"]
+    seeds = range(first, first + count)
+    mean, variance = mean_and_variance(loaded, case["integrator"], case["samples_a_seed"], seeds)
     if case["minus"]:
-        seeds = range(count, 2 * count)
+        seeds = range(first + count, first + 2 * count)
         less, more = mean_and_variance(loaded, case["minus"], case["samples_a_seed"], seeds)
         mean, variance = mean - less, variance + more
     for name, image in [("mean", mean), ("variance", variance)]:
@@ -380,4 +426,4 @@ if __name__ == "__main__":
     mi.set_log_level(mi.LogLevel.Error)
     for argument in sys.argv[1:]:
         render(Path(argument))
-        print(f"rendered {Path(argument).name}", flush=True)
+        print(f"rendered {Path(argument).name}", file=sys.stderr, flush=True)

@@ -1,13 +1,19 @@
-//! The same rays traced in several ways: as the program traces such rays, one by one, and by a rival.
+//! The same rays traced in several ways: one by one, in bundles where the program does so, and one by one by a rival.
+//!
+//! A rival's rate is always that of single rays. So [`Outcome`]'s `ratio_<kind>` sets single rays beside single rays;
+//! what bundles gain over a rival's single rays is `ratio_<kind>_bundles`, which says nothing of the two hierarchies.
 
 use super::Rival;
 use super::sets::{Bundle, Kind, Ray, RaySet};
 use crate::figures::Figures;
 use anyhow::Result;
+use deepshade_render::bvh::bundle::BUNDLE;
 use deepshade_render::bvh::{Hit, TracedScene};
+use deepshade_render::scene::Mesh;
 use deepshade_shaders::lists;
 use rayon::prelude::*;
 use std::hint::black_box;
+use std::ops::Range;
 use std::time::Instant;
 
 /// Rays that a thread traces at a time.
@@ -32,8 +38,10 @@ struct Rates {
 
 /// What came out for a kind of rays.
 pub struct Outcome {
-    ours: Rates,
     single: Rates,
+    /// Where the program traces such rays together.
+    bundles: Option<Rates>,
+    /// Of single rays.
     rival: Option<Against>,
 }
 
@@ -44,7 +52,7 @@ struct Against {
 }
 
 /// A way to trace a part of the rays, from its first to its last; the number that comes out stands for the hits.
-type Way<'a> = Box<dyn Fn(std::ops::Range<usize>) -> u32 + Sync + 'a>;
+type Way<'a> = Box<dyn Fn(Range<usize>) -> u32 + Sync + 'a>;
 
 impl Contest<'_> {
     /// Measures a kind of rays.
@@ -58,9 +66,9 @@ impl Contest<'_> {
         }
         let mut rates = self.rates(&ways, set.rays.len()).into_iter();
         let single = rates.next().expect("one by one comes first");
-        let ours = if set.bundles.is_empty() { single } else { rates.next().expect("then bundles") };
+        let bundles = if set.bundles.is_empty() { None } else { rates.next() };
         let against = |(rival, rates)| Against { rates, disagree: self.disagreement(rival, set) };
-        Outcome { ours, single, rival: self.rival.zip(rates.next()).map(against) }
+        Outcome { single, bundles, rival: self.rival.zip(rates.next()).map(against) }
     }
 
     /// Rays one by one.
@@ -77,14 +85,10 @@ impl Contest<'_> {
         }
     }
 
-    /// Rays in bundles, as the program traces them. All bundles but those at an image's edges are full.
+    /// Rays in bundles, as the program traces them.
     fn bundles<'a>(&'a self, set: &'a RaySet) -> Way<'a> {
         let scene = self.scene;
-        let share = set.bundles.len() as f64 / set.rays.len() as f64;
-        let bundles = move |part: std::ops::Range<usize>| {
-            let place = |ray: usize| (ray as f64 * share).round() as usize;
-            &set.bundles[place(part.start)..place(part.end)]
-        };
+        let bundles = move |part| &set.bundles[bundles_of(part, set.rays.len(), set.bundles.len())];
         match set.kind {
             Kind::Ao => Box::new(move |part| {
                 let blocked = |Bundle { origin, directions, reach }: &Bundle| {
@@ -120,23 +124,30 @@ impl Contest<'_> {
 
     /// Share of the rays for which a rival finds another distance, or nothing where we find something.
     fn disagreement(&self, rival: &dyn Rival, set: &RaySet) -> f64 {
-        let firsts = self.first_triangles();
+        let firsts = first_triangles(self.scene);
         let differs = |ray: &&Ray| match set.kind {
             Kind::Ao => blocked(self.scene, ray) != rival.blocked(ray),
             Kind::Primary | Kind::Diffuse => !same(hit(self.scene, ray), rival.nearest(ray), &firsts),
         };
         set.rays.iter().filter(differs).count() as f64 / set.rays.len() as f64
     }
+}
 
-    /// How many triangles come before each mesh's.
-    fn first_triangles(&self) -> Vec<u32> {
-        let count = |before: &mut u32, mesh: &deepshade_render::scene::Mesh| {
-            let first = *before;
-            *before += mesh.triangles.len() as u32;
-            Some(first)
-        };
-        self.scene.scene().meshes.iter().scan(0, count).collect()
-    }
+/// How many triangles come before each mesh's.
+fn first_triangles(scene: &TracedScene) -> Vec<u32> {
+    let count = |before: &mut u32, mesh: &Mesh| {
+        let first = *before;
+        *before += mesh.triangles.len() as u32;
+        Some(first)
+    };
+    scene.scene().meshes.iter().scan(0, count).collect()
+}
+
+/// The bundles that stand for a part of the rays: every bundle for one part, whatever the parts. All bundles but those
+/// at an image's edges are full, so that parts of as many rays have as many bundles, or one more.
+fn bundles_of(part: Range<usize>, rays: usize, bundles: usize) -> Range<usize> {
+    let place = |ray: usize| (ray * bundles + rays / 2) / rays;
+    place(part.start)..place(part.end)
 }
 
 /// Whether two hits are one: the same triangle, or another at the same distance, as where two share an edge or lie in
@@ -176,34 +187,40 @@ impl Outcome {
     /// Sets a kind's figures.
     pub fn write(&self, kind: Kind, figures: &mut Figures) {
         let name = kind.name();
-        let mut rates = |what: &str, rates: Rates| {
-            figures.set(&format!("mrays_{name}{what}"), rates.one_thread);
-            figures.set(&format!("mrays_{name}{what}_all_threads"), rates.all_threads);
-        };
-        rates("", self.ours);
-        rates("_single", self.single);
-        if let Some(Against { rates: theirs, disagree }) = &self.rival {
-            rates("_embree", *theirs);
-            figures.set(&format!("ratio_{name}"), self.ours.one_thread / theirs.one_thread);
-            figures.set(&format!("ratio_{name}_single"), self.single.one_thread / theirs.one_thread);
-            figures.set(&format!("disagree_{name}"), *disagree);
+        let rival = self.rival.as_ref().map(|rival| rival.rates);
+        for (way, rates) in [("", Some(self.single)), ("_bundles", self.bundles), ("_embree", rival)] {
+            let Some(rates) = rates else { continue };
+            figures.set(&format!("mrays_{name}{way}"), rates.one_thread);
+            figures.set(&format!("mrays_{name}{way}_all_threads"), rates.all_threads);
         }
+        let Some(Against { rates: theirs, disagree }) = &self.rival else { return };
+        figures.set(&format!("ratio_{name}"), self.single.one_thread / theirs.one_thread);
+        if let Some(bundles) = self.bundles {
+            figures.set(&format!("ratio_{name}_bundles"), bundles.one_thread / theirs.one_thread);
+        }
+        figures.set(&format!("disagree_{name}"), *disagree);
     }
 
     /// Prints a kind's rates.
     pub fn print(&self, set: &RaySet) -> Result<()> {
-        let line = |who: &str, rates: Rates| {
-            let Rates { one_thread, all_threads } = rates;
-            say!("          {one_thread:6.2} Mrays/s, all threads {all_threads:6.2}  {who}")
-        };
         say!("{:<9} {} rays", set.kind.name(), set.rays.len())?;
-        if !set.bundles.is_empty() {
-            line("in bundles, as the program traces them", self.ours)?;
+        self.line("single rays", self.single)?;
+        if let Some(bundles) = self.bundles {
+            self.line(&format!("in bundles of {BUNDLE}, as the program traces them"), bundles)?;
         }
-        line("one by one", self.single)?;
         let Some(Against { rates, disagree }) = &self.rival else { return Ok(()) };
-        line("Embree, one by one", *rates)?;
-        let ratio = self.ours.one_thread / rates.one_thread;
-        say!("          {ratio:6.2} of Embree's rate, one thread; {:.5} % disagree", 100.0 * disagree)
+        self.line("Embree, single rays", *rates)?;
+        say!("          {:.5} % of the rays meet something else in Embree", 100.0 * disagree)
+    }
+
+    /// A way's rates, and what part they are of the rival's single rays.
+    fn line(&self, way: &str, Rates { one_thread, all_threads }: Rates) -> Result<()> {
+        let part =
+            |rival: &Against| format!(", {:.2} of Embree's single rays", one_thread / rival.rates.one_thread);
+        let part = self.rival.as_ref().map(part).unwrap_or_default();
+        say!("          {one_thread:6.2} Mrays/s, all threads {all_threads:6.2}  {way}{part}")
     }
 }
+
+#[cfg(test)]
+mod tests;

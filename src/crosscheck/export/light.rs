@@ -1,7 +1,8 @@
 //! What shines and what scatters, as the script reads it.
 
-use super::super::files::{write_pfm, write_vol};
+use super::super::files::write_pfm;
 use anyhow::{Result, ensure};
+use deepshade_render::scene::medium::write_vol;
 use deepshade_render::scene::{Bounds, Density, Environment, Light, Medium};
 use glam::Vec3;
 use serde_json::{Value, json};
@@ -46,7 +47,7 @@ pub fn light(light: &Light, brightness: f32) -> Result<Value> {
 ///
 /// # Errors
 /// If the file cannot be written.
-pub fn environment(folder: &Path, map: &Environment) -> Result<&'static str> {
+pub fn environment(folder: &Path, map: &Environment, brightness: f32) -> Result<&'static str> {
     const FILE: &str = "environment.pfm";
     let [width, height] = map.size();
     let rows = 2 * height + 1;
@@ -55,7 +56,7 @@ pub fn environment(folder: &Path, map: &Environment) -> Result<&'static str> {
         let v = (i / width) as f32 / (rows - 1) as f32;
         let (sin, cos) = (std::f32::consts::TAU * u).sin_cos();
         let (side, up) = (std::f32::consts::PI * v).sin_cos();
-        map.radiance(Vec3::new(sin * side, up, -cos * side))
+        map.radiance(Vec3::new(sin * side, up, -cos * side)) * brightness
     };
     write_pfm(&folder.join(FILE), [width, rows], &(0..width * rows).map(radiance).collect::<Vec<_>>())?;
     Ok(FILE)
@@ -81,8 +82,10 @@ pub fn medium(folder: &Path, medium: &Medium) -> Result<Value> {
     let extinction = medium.extinction();
     ensure!(extinction.min_element() > 0.0, "a colour that the medium lets through has no albedo");
     if let Density::Grid(grid) = &medium.density {
-        let cells: Vec<Vec3> = grid.values().iter().map(|density| extinction * *density).collect();
-        write_vol(&folder.join(FILE), grid.size(), &cells)?;
+        let values: Vec<f32> =
+            grid.values().iter().flat_map(|density| (extinction * *density).to_array()).collect();
+        let unit = Bounds { min: Vec3::ZERO, max: Vec3::ONE };
+        write_vol(&folder.join(FILE), unit, grid.size(), 3, &values)?;
     }
     Ok(json!({
         "bounds": bounds.map(|bounds| [bounds.min.to_array(), bounds.max.to_array()]),
