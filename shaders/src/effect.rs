@@ -104,6 +104,22 @@ impl Effect {
         }
     }
 
+    /// Whether it shows direct light of a scene's lights only: what the environment and shining surfaces send
+    /// is left out.
+    pub const fn lit_by_lamps_alone(self) -> bool {
+        match self {
+            Self::Sss | Self::Subsurface | Self::Dof | Self::MotionBlur | Self::Aa | Self::Multi => true,
+            Self::Ao
+            | Self::Do
+            | Self::Gi
+            | Self::Ibl
+            | Self::FogDirect
+            | Self::FogIndirect
+            | Self::FogMultiple
+            | Self::Path => false,
+        }
+    }
+
     /// What the numbers of its image mean.
     pub const fn unit(self) -> &'static str {
         match self {

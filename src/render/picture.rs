@@ -1,6 +1,7 @@
 //! Linear values as a picture: exposure and tone curve.
 
 use crate::report::images::painted;
+use deepshade_shaders::colour::luminance;
 use deepshade_shaders::{Effect, Planes};
 use glam::Vec3;
 use image::RgbImage;
@@ -34,7 +35,7 @@ impl Exposure {
         if effect == Effect::Ao {
             return Self::Plain;
         }
-        let luminances = (0..image.pixels()).map(|pixel| luminance(colour(image, pixel)));
+        let luminances = (0..image.pixels()).map(|pixel| luminance(colour(image, pixel).into()));
         let lit: Vec<f32> = luminances.filter(|value| *value > 0.0 && value.is_finite()).collect();
         if lit.is_empty() {
             return Self::Plain;
@@ -57,7 +58,7 @@ impl Exposure {
             Self::Tone { middle, white } if white.is_infinite() => colour * (KEY / middle),
             Self::Tone { middle, white } => {
                 let scaled = KEY / middle;
-                let (bright, white) = (luminance(colour) * scaled, (white * scaled).max(1.0));
+                let (bright, white) = (luminance(colour.into()) * scaled, (white * scaled).max(1.0));
                 colour * scaled * (1.0 + bright / (white * white)) / (1.0 + bright)
             }
         }
@@ -87,11 +88,6 @@ fn colour(image: &Planes, pixel: usize) -> Vec3 {
     Vec3::from_array([0, 1, 2].map(|channel: usize| image.plane(channel.min(last))[pixel]))
 }
 
-/// Of a linear colour (ITU-R BT.709).
-fn luminance(colour: Vec3) -> f32 {
-    colour.dot(Vec3::new(0.2126, 0.7152, 0.0722))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -112,7 +108,7 @@ mod tests {
     #[test]
     fn white_is_white_and_hue_stays() {
         let exposure = Exposure::Tone { middle: 0.1, white: 50.0 };
-        assert!((luminance(exposure.shown(Vec3::splat(50.0))) - 1.0).abs() < 1e-5);
+        assert!((luminance(exposure.shown(Vec3::splat(50.0)).into()) - 1.0).abs() < 1e-5);
         let shown = exposure.shown(Vec3::new(2.0, 1.0, 0.5));
         assert!((shown.x / shown.y - 2.0).abs() < 1e-5 && (shown.y / shown.z - 2.0).abs() < 1e-5);
         let asked = Exposure::new(Effect::Path, &grey(&[1.0]), Some(4.0));

@@ -1,5 +1,7 @@
 //! What colours values have on a contact sheet.
 
+use deepshade_shaders::colour::srgb_byte;
+
 /// A colour of a picture, sRGB.
 pub type Rgb = [u8; 3];
 
@@ -41,7 +43,7 @@ impl Paint {
         match self {
             Self::Grey => [byte(share(mean[0])); 3],
             Self::Signed => signed(mean[0] / high),
-            Self::Colour => mean.map(|value| byte(encoded(share(value)))),
+            Self::Colour => mean.map(|value| srgb_byte(share(value))),
             Self::Motion => mean.map(byte),
         }
     }
@@ -50,12 +52,6 @@ impl Paint {
 /// The nearest byte of a number in [0, 1]; what is not a number is 0.
 fn byte(value: f32) -> u8 {
     (255.0 * value).round() as u8
-}
-
-/// The sRGB encoding of a linear value (IEC 61966-2-1).
-fn encoded(linear: f32) -> f32 {
-    let linear = linear.clamp(0.0, 1.0);
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
 /// Blue for -1, black for 0, orange for 1.

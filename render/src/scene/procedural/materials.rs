@@ -4,6 +4,7 @@ use super::noise;
 use super::random::Random;
 use super::stage::Stage;
 use crate::scene::{AlphaMode, Encoding, Material, MaterialId, Texture, Wrap};
+use deepshade_shaders::colour::srgb_byte;
 use glam::{IVec3, Vec2, Vec3};
 
 /// Texels along the edge of a texture.
@@ -260,13 +261,6 @@ fn normal_map(height: impl Fn(Vec2) -> f32) -> Texture {
 /// The middle of a texel, in [0, 1]^2 from the top left.
 fn middle(index: usize, size: usize) -> Vec2 {
     (Vec2::new((index % size) as f32, (index / size) as f32) + Vec2::splat(0.5)) / size as f32
-}
-
-/// The sRGB byte of a linear value (IEC 61966-2-1).
-fn srgb_byte(linear: f32) -> u8 {
-    let linear = linear.clamp(0.0, 1.0);
-    let value = if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
-    (value * 255.0).round() as u8
 }
 
 #[cfg(test)]
