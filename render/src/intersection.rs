@@ -177,7 +177,7 @@ mod tests {
         let texture = Texture::new(1, 1, vec![texel], Encoding::Linear, [Wrap::Repeat; 2]);
         let material = Material { normal_texture: Some((slot, 1.0)), ..Material::default() };
         TracedScene::new(Scene {
-            meshes: vec![mesh],
+            meshes: vec![mesh].into(),
             materials: vec![material],
             textures: vec![texture.into()],
             ..Scene::default()
@@ -221,7 +221,7 @@ mod tests {
             ..Mesh::default()
         };
         TracedScene::new(Scene {
-            meshes: vec![mesh],
+            meshes: vec![mesh].into(),
             materials: vec![Material::default()],
             ..Scene::default()
         })

@@ -11,7 +11,7 @@ fn square() -> TracedScene {
         ..Mesh::default()
     };
     let materials = vec![Material::matte("red", Vec3::new(0.8, 0.1, 0.2))];
-    TracedScene::new(Scene { meshes: vec![mesh], materials, ..Scene::default() }).expect("a square")
+    TracedScene::new(Scene { meshes: vec![mesh].into(), materials, ..Scene::default() }).expect("a square")
 }
 
 #[test]

@@ -52,7 +52,8 @@ mod tests {
             ..Mesh::default()
         };
         let materials = vec![Material { emission: Vec3::ONE, ..Material::default() }];
-        TracedScene::new(Scene { meshes: vec![mesh], materials, ..Scene::default() }).expect("half a plane")
+        TracedScene::new(Scene { meshes: vec![mesh].into(), materials, ..Scene::default() })
+            .expect("half a plane")
     }
 
     /// Area of the part of a pixel to the left of the line, with coordinates in pixels from the middle, y up.

@@ -5,7 +5,7 @@
 //!
 //! - `Gloss::None`: Lambert's law, `diffuse / pi`.
 //! - `Gloss::Phong`: `diffuse / pi + specular (n + 2) / (2 pi) cos^n`. The sum reflects no more than it receives since
-//!   the material caps the two colours ([`Material::surface`](crate::scene::Material::surface)).
+//!   the material caps the diffuse colour ([`Material::surface`](crate::scene::Material::surface)).
 //! - `Gloss::Microfacets`: GGX microfacets with Schlick's Fresnel `F` over a diffuse base that only gets what `F` lets
 //!   through, on its way in and out: `diffuse / pi (1 - F(in)) (1 - F(out)) / (1 - mean F)` (Shirley et al., "A
 //!   Practitioners' Assessment of Light Reflection Models", 1997). Together they never reflect more than there is. A

@@ -42,6 +42,18 @@ fn vertices_move_at_their_velocity() {
 }
 
 #[test]
+fn an_animation_says_when_it_begins_and_ends() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let span = |name: &str, text: &str| {
+        write(folder.path(), name, text);
+        Scene::animation_span(&folder.path().join(name)).expect("a file")
+    };
+    assert_eq!(span("moving.gltf", &sliding()), Some([1.0, 3.0]));
+    assert_eq!(span("still.gltf", &triangle().gltf(ONE_MESH)), None);
+    assert_eq!(span("still.obj", "v 0 0 0\n"), None, "a format without animations");
+}
+
+#[test]
 fn the_shutter_may_open_before_the_animation() {
     // At 1 s, where it starts, half of the exposure is before.
     let scene = load(&sliding(), 1.0, 0.5).expect("an animation");

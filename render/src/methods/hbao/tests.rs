@@ -253,7 +253,7 @@ fn corner() -> TracedScene {
     };
     let materials = vec![Material::matte("grey", Vec3::splat(0.5))];
     let meshes = vec![quad(z, x), quad(x, y), quad(y, z)];
-    TracedScene::new(Scene { meshes, materials, ..Scene::default() }).expect("three squares")
+    TracedScene::new(Scene { meshes: meshes.into(), materials, ..Scene::default() }).expect("three squares")
 }
 
 #[test]

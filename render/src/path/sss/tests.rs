@@ -41,7 +41,7 @@ fn step(mean_free_path: Vec3) -> TracedScene {
     };
     let material = |grey: f32| Material { mean_free_path, ..Material::matte("matte", Vec3::splat(grey)) };
     TracedScene::new(Scene {
-        meshes: vec![half(-9.0, 0), half(9.0, 1)],
+        meshes: vec![half(-9.0, 0), half(9.0, 1)].into(),
         materials: vec![material(0.0), material(1.0)],
         lights: vec![Light::Directional {
             direction: Vec3::NEG_Z,
