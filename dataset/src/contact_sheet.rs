@@ -1,10 +1,10 @@
-//! A picture of some pairs: one row a pair, one column a channel, for looking at with one's own eyes. Red, green and
+//! A picture of some pairs or frames of a test set: one row a pair, one column a channel, for looking at with one's own eyes. Red, green and
 //! blue share a column, and so do the direction and the length of a movement.
 
 mod paint;
 
 use crate::generate::target_layer;
-use crate::{Dataset, DatasetError, Pair, font};
+use crate::{Dataset, DatasetError, Pair, TestSet, font};
 use deepshade_shaders::atomic_file;
 use deepshade_shaders::{Attribute, AttributeKind, GBuffer, shows_surface};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
@@ -37,7 +37,30 @@ pub fn contact_sheet(dataset: &Dataset, pairs: &[usize], path: &Path) -> Result<
         let title = format!("{}, view {}, {:?}", record.scene, record.view, record.part).to_lowercase();
         rows.push((title, columns(&dataset.pair(*index)?, &target_layer(dataset.recipe()))));
     }
-    let sheet = Sheet::drawn(&rows);
+    write(&Sheet::drawn(&rows), path)
+}
+
+/// [`contact_sheet`] of some frames of a test set, as [`TestSet::pair`] gives them.
+///
+/// # Errors
+/// If a frame cannot be had again or the picture cannot be written.
+///
+/// # Panics
+/// If there is no frame of an index.
+pub fn test_sheet(set: &TestSet, frames: &[usize], path: &Path) -> Result<(), DatasetError> {
+    let props = set.props()?;
+    let target = format!("truth.{}", set.recipe().effect);
+    let mut rows = Vec::new();
+    for index in frames {
+        let record = &set.frames()[*index];
+        let title = format!("{}, view {}, testing", record.scene, record.view).to_lowercase();
+        rows.push((title, columns(&set.pair(*index, &props)?, &target)));
+    }
+    write(&Sheet::drawn(&rows), path)
+}
+
+/// Writes a PNG file.
+fn write(sheet: &Sheet, path: &Path) -> Result<(), DatasetError> {
     let mut png = Vec::new();
     PngEncoder::new(&mut png)
         .write_image(

@@ -19,6 +19,9 @@ mod random;
 pub mod read;
 pub mod recipe;
 pub mod scene;
+#[cfg(test)]
+mod shipped;
+pub mod stopwatch;
 pub mod testset;
 pub mod truth;
 pub mod vary;
@@ -26,7 +29,7 @@ pub mod verify;
 pub mod views;
 
 pub use augment::{Symmetry, augment};
-pub use contact_sheet::contact_sheet;
+pub use contact_sheet::{contact_sheet, test_sheet};
 pub use error::DatasetError;
 pub use generate::{Summary, generate};
 pub use manifest::{Manifest, PairRecord};

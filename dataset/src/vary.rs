@@ -11,6 +11,7 @@ mod fog;
 mod lamp;
 mod look;
 mod motion;
+mod pool;
 mod props;
 mod staged;
 
@@ -33,8 +34,8 @@ pub struct Vary {
     /// Every opaque object gets a texture drawn for every image; objects without texture coordinates are box-mapped.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub textures: Option<Textures>,
-    /// One point light at a place drawn uniformly for every image, in place of the scene's own lights. A scene in which
-    /// nothing shines gets one in any case, if the effect shows light.
+    /// One point light for every image, in place of the scene's own lights, at a place drawn uniformly of those from which it
+    /// lights at least a tenth of what is seen. A scene in which nothing shines that the effect shows gets one in any case.
     pub light: bool,
     /// One environment for all images: networks learn it by heart (thesis 7.4).
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -44,7 +45,7 @@ pub struct Vary {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lens: Option<[f32; 2]>,
     /// Three objects in four move parallel to the image plane; the range is that of how far their nearest visible point
-    /// moves while the shutter is open, in pixels.
+    /// moves while the shutter is open, in pixels. What is animated in a scene file moves as it does there, at a random time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<[f32; 2]>,
     /// Mean free path below every object's surface, of the colour in which it is longest, as a share of the scene's
@@ -62,7 +63,7 @@ pub struct Vary {
 pub enum Textures {
     /// So many procedural patterns: checkers, stripes, bricks, cells, clouds, fractal detail.
     Procedural(usize),
-    /// All PNG and JPEG images of a folder, relative to where the recipe's `files` are.
+    /// All PNG and JPEG images of a folder and the folders in it, relative to where the recipe's `files` are.
     Folder(PathBuf),
 }
 

@@ -256,8 +256,12 @@ mod tests {
     }
 
     fn traced(meshes: Vec<Mesh>) -> TracedScene {
-        let scene =
-            Scene { name: "boxes".into(), meshes, materials: vec![Material::default()], ..Scene::default() };
+        let scene = Scene {
+            name: "boxes".into(),
+            meshes: meshes.into(),
+            materials: vec![Material::default()],
+            ..Scene::default()
+        };
         TracedScene::new(scene).expect("boxes")
     }
 

@@ -6,12 +6,13 @@
 use crate::figures::Figures;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::plan::PlannedScene;
+use deepshade_dataset::stopwatch::prepared_and_sampled;
 use deepshade_dataset::testset::{in_tiles, tile_indices};
 use deepshade_dataset::{Props, Recipe, StagedScene, progress, truth, views};
 use deepshade_render::bvh::clock;
 use deepshade_render::exr_file::{self, Layer, Metadata};
 use deepshade_render::gbuffer;
-use deepshade_render::path::{Refinement, Shot};
+use deepshade_render::path::{Sampling, Shot, render};
 use deepshade_shaders::{Effect, lists};
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
@@ -133,26 +134,18 @@ fn pair(recipe: &Recipe, props: &Props, scene: &PlannedScene, args: &Args) -> Re
         / (height * width) as f64;
     let radius = recipe.radius.metres(shown.diagonal());
     let shot = Shot::new(&shown, &camera, size, radius);
-    // What is done once an image, and what is done for every pixel.
-    let prepare = || Refinement::new(recipe.effect, &shot, 1, view.seed);
     let attributes = truth::attributes(recipe.effect);
-    let whole = || (prepare(), gbuffer::render(&shown, &camera, height, width, attributes));
-    let (once, rays_once) = twice(whole);
-    let (each, rays_each) = twice(|| {
-        let mut refinement = prepare();
-        refinement.refine(recipe.samples, &in_tiles, |_| {});
-        refinement
-    });
-    let (preparing, rays_preparing) = twice(prepare);
-    let scaled = |each: f64, preparing: f64| (each - preparing).max(0.0) / share;
-    let time = once + scaled(each, preparing);
-    let rays = (rays_once + scaled(rays_each, rays_preparing)).min(time);
+    let render_gbuffer = || gbuffer::render(&shown, &camera, height, width, attributes);
+    let drawn = twice(&mut || drop(black_box(render_gbuffer())));
+    let [prepared, sampled] =
+        prepared_and_sampled(recipe.effect, &shot, (recipe.samples, view.seed), &in_tiles, twice);
+    let whole = |part: fn(&Timed) -> f64| part(&drawn) + part(&prepared) + part(&sampled) / share;
+    let time = whole(|timed| timed.all);
+    let rays = whole(|timed| timed.rays).min(time);
 
-    let gbuffer = truth::light_within_half(gbuffer::render(&shown, &camera, height, width, attributes));
+    let gbuffer = truth::light_within_half(render_gbuffer());
     // As noisy as the truth is, which makes it as large.
-    let mut target = prepare();
-    target.refine(1, |_, _| true, |_| {});
-    let target = truth::within_half(target.estimate().mean);
+    let target = truth::within_half(render(recipe.effect, &shot, Sampling::one(1, view.seed)).mean);
     let start = Instant::now();
     let layers = [Layer::gbuffer(&gbuffer), Layer::image("target", &target)];
     black_box(exr_file::encode(Path::new("pair.exr"), &layers, &Metadata::new())?);
@@ -161,11 +154,19 @@ fn pair(recipe: &Recipe, props: &Props, scene: &PlannedScene, args: &Args) -> Re
     Ok(Seconds { scene, rays, shading: time - rays, exr })
 }
 
-/// Seconds of some work, and of its rays in a second run.
-fn twice<R>(work: impl Fn() -> R) -> (f64, f64) {
+/// Seconds of some work.
+#[derive(Clone, Copy, Debug)]
+struct Timed {
+    all: f64,
+    /// Of its rays, in a second run.
+    rays: f64,
+}
+
+/// Runs some work twice.
+fn twice(work: &mut dyn FnMut()) -> Timed {
     let start = Instant::now();
-    black_box(work());
-    let time = start.elapsed().as_secs_f64();
-    let (_, rays) = clock::timed(|| black_box(work()));
-    (time, rays.time.as_secs_f64())
+    work();
+    let all = start.elapsed().as_secs_f64();
+    let ((), rays) = clock::timed(work);
+    Timed { all, rays: rays.time.as_secs_f64() }
 }

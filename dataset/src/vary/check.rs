@@ -5,6 +5,8 @@ use deepshade_shaders::Effect;
 
 /// What changes how surfaces are shaded.
 const SHADING: &[&str] = &["materials", "textures", "light", "environment"];
+/// The same where lamps alone shine.
+const BY_LAMPS: &[&str] = &["materials", "textures", "light"];
 
 /// The key that an effect is nothing without, and those that change it too.
 const fn keys(effect: Effect) -> (Option<&'static str>, &'static [&'static str]) {
@@ -12,16 +14,17 @@ const fn keys(effect: Effect) -> (Option<&'static str>, &'static [&'static str])
         Effect::Ao => (None, &[]),
         Effect::Do => (Some("environment"), &[]),
         Effect::Ibl => (Some("environment"), &["materials", "textures"]),
-        Effect::Gi | Effect::Aa => (None, SHADING),
-        Effect::Sss | Effect::Subsurface => (Some("mean_free_path"), SHADING),
-        Effect::Dof | Effect::Multi => (Some("lens"), SHADING),
-        Effect::MotionBlur => (Some("motion"), SHADING),
+        Effect::Gi => (None, SHADING),
+        Effect::Aa => (None, BY_LAMPS),
+        Effect::Sss | Effect::Subsurface => (Some("mean_free_path"), BY_LAMPS),
+        Effect::Dof | Effect::Multi => (Some("lens"), BY_LAMPS),
+        Effect::MotionBlur => (Some("motion"), BY_LAMPS),
         Effect::FogDirect | Effect::FogIndirect | Effect::FogMultiple => (Some("fog"), SHADING),
         Effect::Path => (None, &["materials", "textures", "light", "environment", "fog"]),
     }
 }
 
-/// Most textures: all of them are in memory.
+/// Most procedural textures, which all stay in memory.
 const MOST_TEXTURES: usize = 512;
 
 impl Vary {
@@ -75,6 +78,3 @@ fn range(key: &str, range: Option<[f32; 2]>, least: f32, most: f32) -> Result<()
     }
     Err(format!("`vary.{key}` must be two numbers from {least} to {most}, the smaller one first"))
 }
-
-/// Most images of a folder of textures.
-pub(super) const MOST_IMAGES: usize = MOST_TEXTURES;

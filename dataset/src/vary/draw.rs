@@ -31,6 +31,8 @@ pub(super) mod purpose {
     pub const TEXTURE: u64 = 5;
     pub const MEAN_FREE_PATH: u64 = 6;
     pub const MOTION: u64 = 7;
+    pub const TIME: u64 = 8;
+    pub const POOL: u64 = 9;
 }
 
 /// Whether an effect shows light that lamps may be the source of.
@@ -51,7 +53,11 @@ pub(super) fn draw(
     let table = vary.unwrap_or(&nothing);
     let lens = table.lens.map(|range| drawn_lens(range, scene, &camera, [height, width], seed));
     let camera = Camera { lens: lens.or(camera.lens), ..camera };
-    let dark = table.environment.is_none() && scene.scene().is_dark();
+    let dark = if effect.lit_by_lamps_alone() {
+        scene.scene().lights.is_empty()
+    } else {
+        table.environment.is_none() && scene.scene().is_dark()
+    };
     let lamp = shows_lamps(effect) && (table.light || dark);
     if vary.is_none() && !lamp {
         return (camera, None);

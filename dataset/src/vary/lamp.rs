@@ -1,4 +1,4 @@
-//! A point light drawn uniformly in a scene ("the position of the light source is sampled uniformly at random per
+//! A point light drawn uniformly in a scene, of those places that light something of what is seen ("the position of the light source is sampled uniformly at random per
 //! image", thesis 7.4).
 
 use super::draw::{between, purpose};
@@ -27,11 +27,11 @@ const ATTEMPTS: u64 = 256;
 /// Least distance to a surface, as a share of the diagonal.
 const LEAST_DISTANCE: f32 = 0.02;
 /// Share of what the camera sees that must be lit.
-const LEAST_LIT: f32 = 0.4;
+const LEAST_LIT: f32 = 0.1;
 
 impl Lamp {
     /// A lamp of a seed: at a place that is uniform in the box that views are sampled in, given that it is not inside of
-    /// geometry or nearer to it than 2 % of the diagonal, and lights two fifths of what the camera sees; where none of 256
+    /// geometry or nearer to it than 2 % of the diagonal, and lights a tenth of what the camera sees; where none of 256
     /// places is so, at the camera. A white surface that faces it from the median distance of what it lights shines with a
     /// radiance of 0.7 to 1.5.
     pub fn drawn(scene: &TracedScene, camera: &Camera, size: [usize; 2], seed: u32) -> Self {

@@ -2,11 +2,16 @@
 
 use super::draw::{between, between_ratios, purpose};
 use super::{Props, Variation, Vary};
+use crate::DatasetError;
 use crate::random::{mix, uniform};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::box_mapping::box_map;
-use deepshade_render::scene::{AlphaMode, Gloss, Look, Material, MaterialId, Scene, TextureId, TextureSlot};
+use deepshade_render::scene::medium::MediumError;
+use deepshade_render::scene::{
+    AlphaMode, Gloss, Look, Material, MaterialId, Scene, SceneError, TextureId, TextureSlot,
+};
 use glam::{Affine2, Vec2, Vec3};
+use std::collections::{HashMap, hash_map::Entry};
 
 /// Gives every object a material of its own, and texture coordinates where textures need them.
 pub(super) fn prepare(scene: &mut Scene, vary: &Vary) {
@@ -23,11 +28,21 @@ pub(super) fn prepare(scene: &mut Scene, vary: &Vary) {
     }
 }
 
+/// Most textures of the pool in one image: more would fill the memory in scenes of many objects.
+const MOST_TEXTURES: u64 = 64;
+
 /// The look of an image of a scene that was prepared.
-pub(super) fn look(scene: &TracedScene, vary: &Vary, variation: &Variation, props: &Props) -> Look {
+///
+/// # Errors
+/// If a texture cannot be read, or there can be no fog in the scene.
+pub(super) fn look(
+    scene: &TracedScene,
+    vary: &Vary,
+    variation: &Variation,
+    props: &Props,
+) -> Result<Look, DatasetError> {
     let mut look = scene.scene().look();
-    let first = look.textures.len();
-    look.textures.extend(props.textures().iter().cloned());
+    let mut drawn = HashMap::new();
     let seed = u64::from(variation.seed);
     for (index, material) in look.materials.iter_mut().enumerate() {
         let words = |purpose: u64, which: u64| [seed, purpose, index as u64, which];
@@ -37,8 +52,15 @@ pub(super) fn look(scene: &TracedScene, vary: &Vary, variation: &Variation, prop
             paint(material, textured, draw);
         }
         if textured {
-            let chosen = mix(&words(purpose::TEXTURE, 0)) % props.textures().len() as u64;
-            let texture = TextureId((first as u64 + chosen) as u32);
+            let slot = mix(&words(purpose::TEXTURE, 0)) % MOST_TEXTURES;
+            let chosen = mix(&[seed, purpose::POOL, slot]) % props.textures().len() as u64;
+            let texture = match drawn.entry(chosen) {
+                Entry::Occupied(entry) => *entry.get(),
+                Entry::Vacant(entry) => {
+                    look.textures.push(props.textures().texture(chosen as usize)?);
+                    *entry.insert(TextureId(look.textures.len() as u32 - 1))
+                }
+            };
             cover(material, texture, uniform(&words(purpose::TEXTURE, 1)));
         }
         if let Some(range) = vary.mean_free_path {
@@ -56,23 +78,28 @@ pub(super) fn look(scene: &TracedScene, vary: &Vary, variation: &Variation, prop
         look.environment = Some(environment.clone());
     }
     if let Some(fog) = variation.fog {
-        look.medium = Some(fog.medium(scene).into());
+        let refused =
+            |error: MediumError| SceneError::invalid(scene.scene().name.as_ref(), error.to_string());
+        look.medium = Some(fog.medium(scene).map_err(refused)?.into());
     }
-    look
+    Ok(look)
 }
 
-/// Some of every colour is diffuse, since a bare metal is black but where it mirrors the one lamp.
-const MOST_METALLIC: f32 = 0.9;
-
-/// Draws colour, metalness and roughness; paler where a texture brings colours.
+/// Draws the parameters of the Phong model, diffuse and specular colour and glossiness (thesis 7.3.1, which does not say
+/// how they are distributed). The diffuse colour is paler where a texture brings colours; two colours that reflect more
+/// than there is are dimmed alike until they reflect all of it.
 fn paint(material: &mut Material, textured: bool, draw: impl Fn(u64) -> f32) {
-    let saturation = draw(0) * if textured { 0.3 } else { 0.8 };
-    let value = between(if textured { [0.7, 1.0] } else { [0.2, 0.9] }, draw(1));
-    let hue = Vec3::new(draw(2), draw(3), draw(4));
-    let colour = value * Vec3::ONE.lerp(hue / hue.max_element().max(1e-3), saturation);
-    material.base_colour = colour.extend(material.base_colour.w);
-    material.metallic = if draw(5) < 0.5 { 0.0 } else { MOST_METALLIC * draw(6) };
-    material.roughness = between([0.1, 1.0], draw(7));
+    let colour = |first: u64, most_saturated: f32, brightness: [f32; 2]| {
+        let hue = Vec3::from_array(std::array::from_fn(|channel| draw(first + 2 + channel as u64)));
+        let saturation = most_saturated * draw(first + 1);
+        between(brightness, draw(first)) * Vec3::ONE.lerp(hue / hue.max_element().max(1e-3), saturation)
+    };
+    let diffuse = if textured { colour(0, 0.3, [0.7, 1.0]) } else { colour(0, 0.8, [0.2, 0.9]) };
+    let specular = colour(5, 0.8, [0.0, 0.9]);
+    let dimmed = (diffuse + specular).max_element().max(1.0).recip();
+    material.base_colour = (dimmed * diffuse).extend(material.base_colour.w);
+    material.specular = Some(dimmed * specular);
+    material.roughness = between([0.1, 1.0], draw(10));
     material.metallic_roughness_texture = None;
     material.gloss = Gloss::Phong;
 }

@@ -13,8 +13,9 @@ use std::f32::consts::TAU;
 /// Share of the objects that move.
 const MOVING: f32 = 0.75;
 
-/// How far every vertex of every object moves. An object's way is drawn in pixels, for its visible point that is
-/// nearest to the camera, of a grid of those; objects that the camera does not see stand still.
+/// How far every vertex of every object moves. Objects that move by themselves, in an animated file, keep their ways. Those
+/// of others are drawn in pixels, for an object's visible point that is nearest to the camera, of a grid of those; what
+/// the camera does not see stands still.
 pub(super) fn displacements(
     scene: &TracedScene,
     camera: &Camera,
@@ -38,5 +39,10 @@ pub(super) fn displacements(
         Some(vec![camera.rotation * across.extend(0.0); vertices])
     };
     let meshes = scene.scene().meshes.iter().enumerate();
-    meshes.map(|(index, mesh)| way(index, mesh.positions.len()).unwrap_or_default()).collect()
+    meshes
+        .map(|(index, mesh)| match mesh.displacements.as_slice() {
+            [] => way(index, mesh.positions.len()).unwrap_or_default(),
+            own => own.to_vec(),
+        })
+        .collect()
 }

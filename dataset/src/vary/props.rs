@@ -1,48 +1,41 @@
 //! What all images of a recipe share: a pool of textures and an environment.
 
-use super::check::MOST_IMAGES;
+use super::pool::Pool;
 use super::{Surroundings, Textures};
-use crate::random::mix;
 use crate::recipe::file_hash;
 use crate::{DatasetError, Recipe};
-use deepshade_render::scene::procedural::{pattern, sky};
-use deepshade_render::scene::{Environment, SceneError, Texture};
-use rayon::prelude::*;
+use deepshade_render::scene::Environment;
+use deepshade_render::scene::procedural::sky;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Textures and an environment, in memory.
-#[derive(Clone, Debug, Default)]
+/// Textures and an environment.
+#[derive(Debug, Default)]
 pub struct Props {
-    textures: Vec<Arc<Texture>>,
+    textures: Pool,
     environment: Option<Arc<Environment>>,
 }
 
 impl Props {
-    /// Makes or reads what a recipe names; files are relative to [`Recipe::folder`].
+    /// Finds or reads what a recipe names; files are relative to [`Recipe::folder`]. Images of a folder are read when they
+    /// are needed.
     ///
     /// # Errors
-    /// If a file or folder is missing or damaged, or a folder holds no image or more than 512.
+    /// If a file or folder is missing or damaged, or a folder holds no image.
     pub fn load(recipe: &Recipe) -> Result<Self, DatasetError> {
         let Some(vary) = &recipe.vary else { return Ok(Self::default()) };
-        let textures: Result<Vec<_>, SceneError> = match &vary.textures {
-            None => Ok(Vec::new()),
-            Some(Textures::Procedural(count)) => {
-                let seed = |index: usize| mix(&[u64::from(recipe.seed), index as u64]);
-                Ok((0..*count).into_par_iter().map(|index| Arc::new(pattern(seed(index)))).collect())
-            }
-            Some(Textures::Folder(folder)) => {
-                let images = images(&recipe.folder.join(folder))?;
-                images.par_iter().map(|path| Texture::load(path).map(Arc::new)).collect()
-            }
+        let textures = match &vary.textures {
+            None => Pool::default(),
+            Some(Textures::Procedural(count)) => Pool::patterns(*count, recipe.seed, recipe.split),
+            Some(Textures::Folder(folder)) => Pool::folder(&recipe.folder.join(folder))?,
         };
         let environment = match &vary.environment {
             None => None,
             Some(Surroundings::Sky(seed)) => Some(sky(u64::from(*seed))),
             Some(Surroundings::File(path)) => Some(Environment::load(&recipe.folder.join(path))?),
         };
-        Ok(Self { textures: textures?, environment: environment.map(Arc::new) })
+        Ok(Self { textures, environment: environment.map(Arc::new) })
     }
 
     /// [`Props::load`] for data that were made with files of these hashes.
@@ -59,7 +52,7 @@ impl Props {
     }
 
     /// The pool that objects are given textures from.
-    pub(super) fn textures(&self) -> &[Arc<Texture>] {
+    pub(super) const fn textures(&self) -> &Pool {
         &self.textures
     }
 
@@ -77,34 +70,8 @@ pub fn hashes(recipe: &Recipe) -> Result<BTreeMap<PathBuf, String>, DatasetError
     let paths = recipe.vary.iter().flat_map(super::Vary::paths);
     let hash = |path: &PathBuf| {
         let whole = recipe.folder.join(path);
-        let hash = if whole.is_dir() { folder_hash(&whole)? } else { file_hash(&whole)? };
+        let hash = if whole.is_dir() { Pool::folder(&whole)?.hash() } else { file_hash(&whole)? };
         Ok((path.clone(), hash))
     };
     paths.map(hash).collect()
-}
-
-/// The hash of a folder's images and their order.
-fn folder_hash(folder: &Path) -> Result<String, DatasetError> {
-    let hashes: Result<Vec<String>, DatasetError> =
-        images(folder)?.par_iter().map(|path| file_hash(path)).collect();
-    Ok(blake3::hash(hashes?.concat().as_bytes()).to_hex().to_string())
-}
-
-/// All images in a folder, in the order of their names.
-fn images(folder: &Path) -> Result<Vec<PathBuf>, DatasetError> {
-    let io = |source| DatasetError::io(folder, source);
-    let mut images = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(io)? {
-        let path = entry.map_err(io)?.path();
-        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-        if ["png", "jpg", "jpeg"].contains(&ending.as_str()) {
-            images.push(path);
-        }
-    }
-    if !(1..=MOST_IMAGES).contains(&images.len()) {
-        let what = format!("{} PNG and JPEG images, where there must be 1 to {MOST_IMAGES}", images.len());
-        return Err(DatasetError::invalid(folder, what));
-    }
-    images.sort();
-    Ok(images)
 }

@@ -2,8 +2,9 @@ use super::*;
 use crate::recipe::Recipe;
 use crate::{SceneRecord, views};
 use deepshade_render::bvh::TracedScene;
+use deepshade_render::gbuffer;
 use deepshade_render::scene::{AlphaMode, Camera, Density, Gloss, Light, Scene, SceneSource};
-use deepshade_shaders::Effect;
+use deepshade_shaders::{Attribute, Effect};
 use glam::Vec3;
 use std::path::Path;
 
@@ -52,9 +53,20 @@ fn images_differ_in_what_is_varied_and_in_nothing_else() {
         assert_eq!(mesh.uvs[0].len(), mesh.positions.len());
         assert_eq!(material.gloss, Gloss::Phong);
         let slot = material.base_colour_texture.expect("a texture");
-        let pool = scene.textures.len() - props.textures().len();
-        assert_eq!(slot.texture.0 as usize >= pool, material.alpha == AlphaMode::Opaque);
+        let own = staged.base().scene().textures.len();
+        assert_eq!(slot.texture.0 as usize >= own, material.alpha == AlphaMode::Opaque);
+        let specular = material.specular.expect("a specular colour");
+        let both = material.base_colour.truncate() + specular;
+        assert!(both.max_element() <= 1.0 + 1e-6 && specular.min_element() >= 0.0, "{both}");
     }
+    let speculars: Vec<Vec3> = scene.materials.iter().filter_map(|material| material.specular).collect();
+    let brightness = |low: f32, high: f32| {
+        speculars.iter().filter(|colour| (low..high).contains(&colour.max_element())).count() * 5
+    };
+    assert!(brightness(0.0, 0.3) > speculars.len() && brightness(0.3, 1.0) > speculars.len(), "all kinds");
+    let grey = |colour: &&Vec3| colour.max_element() - colour.min_element() < 1e-3;
+    assert!(speculars.iter().filter(grey).count() * 5 < speculars.len(), "most are coloured");
+    assert!(scene.textures.len() - staged.base().scene().textures.len() <= 5, "none is in memory twice");
     let hit = |scene: &TracedScene| scene.hit(camera.position, camera.rotation * Vec3::NEG_Z, f32::INFINITY);
     assert_eq!(hit(&first), hit(staged.base()));
 }
@@ -190,13 +202,18 @@ fn one_environment_is_in_all_images_and_its_file_is_checked() {
     let made_from = hashes(&recipe).expect("hashes");
     assert_eq!(made_from.len(), 1);
     assert_eq!(Props::load_again(&recipe, &made_from).expect("the same").textures().len(), 2);
+    let unread = Props::load(&recipe).expect("a pool");
     picture("b.png", 201);
     let error = Props::load_again(&recipe, &made_from).expect_err("another image").to_string();
     assert!(error.contains("pool") && error.contains("not what the data were made from"), "{error}");
     std::fs::remove_dir_all(folder.path().join("pool")).expect("removed");
     assert!(Props::load(&recipe).expect_err("gone").to_string().contains("pool"));
     std::fs::create_dir(folder.path().join("pool")).expect("made");
-    assert!(Props::load(&recipe).expect_err("empty").to_string().contains("0 PNG and JPEG images"));
+    assert!(Props::load(&recipe).expect_err("empty").to_string().contains("holds no PNG or JPEG image"));
+    let staged = StagedScene::load(&record(&recipe), &recipe, &unread).expect("a scene");
+    let (_, variation) = staged.draw(camera, 1);
+    let error = staged.shown(&camera, variation.as_ref()).expect_err("gone when it is drawn").to_string();
+    assert!(error.contains("pool"), "{error}");
 }
 
 #[test]
@@ -226,6 +243,8 @@ fn keys_that_an_effect_lacks_or_does_not_know_are_named() {
     assert_eq!(refused(Effect::Ao, &lit), "`vary.light` means nothing for effect `ao`");
     let blurred = Vary { lens: Some([1.0, 2.0]), ..Vary::default() };
     assert_eq!(refused(Effect::Gi, &blurred), "`vary.lens` means nothing for effect `gi`");
+    let sky = Vary { environment: Some(Surroundings::Sky(1)), lens: Some([1.0, 2.0]), ..Vary::default() };
+    assert_eq!(refused(Effect::Dof, &sky), "`vary.environment` means nothing for effect `dof`");
     assert!(
         lit.check(Effect::Gi).is_ok()
             && blurred.check(Effect::Dof).is_ok()
@@ -240,4 +259,60 @@ fn keys_that_an_effect_lacks_or_does_not_know_are_named() {
     assert!(error.contains("`vary.fog.smoke_share` must be 0 to 1"), "{error}");
     let none = Vary { textures: Some(Textures::Procedural(0)), ..Vary::default() };
     assert!(refused(Effect::Aa, &none).contains("`vary.textures.procedural` must be 1 to 512"));
+}
+
+/// A triangle whose node moves evenly along x, from the origin to 4 m in the first two seconds, above another that stays.
+const SLIDING: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+    "nodes": [{"mesh": 0}, {"mesh": 1}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}, {"primitives": [{"attributes": {"POSITION": 1}}]}],
+    "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
+        "samplers": [{"input": 2, "output": 3}]}],
+    "buffers": [{"uri": "sliding.bin", "byteLength": 104}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 36},
+        {"buffer": 0, "byteOffset": 72, "byteLength": 8}, {"buffer": 0, "byteOffset": 80, "byteLength": 24}],
+    "accessors": [
+        {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-2, 0, 0], "max": [2, 2, 0]},
+        {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-9, 0, -9], "max": [9, 0, 9]},
+        {"bufferView": 2, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [2]},
+        {"bufferView": 3, "componentType": 5126, "count": 2, "type": "VEC3"}]}"#;
+
+#[test]
+fn what_is_animated_in_a_file_moves_at_a_time_of_its_own_in_every_image() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let sliding = [-2.0f32, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0, 0.0];
+    let floor = [-9.0, 0.0, 9.0, 9.0, 0.0, 9.0, 0.0, 0.0, -9.0];
+    let (times, places) = ([0.0, 2.0], [0.0, 0.0, 0.0, 4.0, 0.0, 0.0]);
+    let numbers = sliding.into_iter().chain(floor).chain(times).chain(places);
+    let bytes: Vec<u8> = numbers.flat_map(f32::to_le_bytes).collect();
+    std::fs::write(folder.path().join("sliding.bin"), bytes).expect("written");
+    let path = folder.path().join("sliding.gltf");
+    std::fs::write(&path, SLIDING).expect("written");
+    let file = SceneRecord {
+        source: SceneSource::File("sliding.gltf".into()),
+        blake3: Some(crate::identity::scene_hash(&Scene::load(&path, 0.0).expect("a scene"))),
+    };
+    let vary = "vary = { textures = { procedural = 2 }, motion = [3.0, 8.0] }";
+    let recipe = recipe(folder.path(), "motion-blur", vary);
+    let props = Props::load(&recipe).expect("textures");
+    let staged = StagedScene::load(&file, &recipe, &props).expect("a scene");
+    let camera = Camera::look_at(Vec3::new(2.0, 1.5, 8.0), Vec3::new(2.0, 0.5, 0.0));
+    let mut places = Vec::new();
+    for seed in 0..4 {
+        let (camera, variation) = staged.draw(camera, seed);
+        let shown = staged.shown(&camera, variation.as_ref()).expect("shown");
+        let triangle = &shown.scene().meshes[0];
+        // Two metres a second in a twenty-fourth of it; half as far at an end of the animation.
+        let way = triangle.displacements[0];
+        assert!((0.041..0.084).contains(&way.x) && way.y == 0.0 && way.z == 0.0, "{way}");
+        places.push(triangle.positions[0].x);
+        let gbuffer = gbuffer::render(&shown, &camera, 24, 32, &[Attribute::Motion]);
+        let length = gbuffer.planes().plane(1);
+        assert!(length.iter().any(|pixels| *pixels > 0.05), "the network sees it move");
+        let again = staged.shown(&camera, variation.as_ref()).expect("shown");
+        assert_eq!(again.scene().meshes[0].positions, triangle.positions, "from the manifest alone");
+    }
+    assert!(places.iter().all(|x| (-2.0..=2.0).contains(x)));
+    places.sort_unstable_by(f32::total_cmp);
+    places.dedup();
+    assert_eq!(places.len(), 4, "each at its own time: {places:?}");
 }
