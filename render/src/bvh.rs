@@ -2,7 +2,8 @@
 //! bundles of rays of a camera, and an eight-wide one made from it for all others.
 //!
 //! Triangles lie in the order of the eight-wide hierarchy's leaves. Where a material is masked or blended, opacity
-//! decides whether a triangle is there at all.
+//! decides whether a triangle is there at all; what chance decides of one is decided by its mesh and its index there, so
+//! that images do not depend on how the hierarchies were built.
 
 pub mod bundle;
 pub mod clock;
@@ -10,6 +11,8 @@ pub mod moment;
 mod translucent;
 mod wide;
 
+use crate::memory;
+use crate::path::sampler::hash;
 use crate::scene::{AlphaMode, Bounds, Look, Mesh, Scene, SceneError};
 use bundle::World;
 use glam::{Vec2, Vec3, Vec3A};
@@ -41,6 +44,10 @@ pub struct TracedScene {
     triangles: Arc<[Triangle]>,
     /// Mesh and triangle in it, of each of `triangles`.
     origins: Arc<[TriangleOrigin]>,
+    /// Of each mesh, whether its material could be seen through when the hierarchies were built.
+    seen_through: Arc<[bool]>,
+    /// Whether a material is blended.
+    blended: bool,
     /// For moments other than the middle of the exposure; `None` where nothing moves.
     swept: Option<Arc<Swept>>,
 }
@@ -52,6 +59,13 @@ struct TriangleOrigin {
     triangle: u32,
     /// Whether the material's opacity must be asked.
     see_through: bool,
+}
+
+impl TriangleOrigin {
+    /// A number that no hierarchy changes.
+    const fn key(self) -> u32 {
+        hash(self.triangle ^ hash(self.mesh))
+    }
 }
 
 /// Where a ray met a triangle.
@@ -71,17 +85,22 @@ impl TracedScene {
     /// Builds the hierarchy, and one more over the triangles' ways where some move.
     ///
     /// # Errors
-    /// If a vertex is not finite or its displacement is missing, there is no triangle, the scene is more than 1e9 m
-    /// across, or [`Scene::check_lights`] refuses its
-    /// lights or [`Medium::check`](crate::scene::Medium::check) its medium.
+    /// If a vertex is not finite or its displacement is missing, there is no triangle, there are more than memory holds
+    /// (at 512 bytes each, twice that where any moves), the scene is more than 1e9 m across, or [`Scene::check_look`]
+    /// refuses its look.
     pub fn new(scene: Scene) -> Result<Self, SceneError> {
         check(&scene)?;
-        let (triangles, origins) = flattened(&scene);
+        let triangles = scene.triangle_count() * if scene.moves() { 2 } else { 1 };
+        memory::check(&scene.name, triangles, memory::available())?;
+        let seen_through: Arc<[bool]> = seen_through(&scene).collect();
+        let (triangles, origins) = flattened(&scene, &seen_through);
         let (bvh, binary) = hierarchies(&triangles, &origins);
         let in_order = |index: &u32| *index as usize;
         Ok(Self {
             bounds: scene.bounds(),
-            swept: Swept::new(&scene).map(Arc::new),
+            swept: Swept::new(&scene, &seen_through).map(Arc::new),
+            seen_through,
+            blended: has_blended(&scene),
             scene,
             triangles: bvh.order().iter().map(|index| triangles[in_order(index)]).collect(),
             origins: bvh.order().iter().map(|index| origins[in_order(index)]).collect(),
@@ -90,18 +109,24 @@ impl TracedScene {
         })
     }
 
-    /// The same triangles with another look. Which of them can be seen through stays as it was: a material that was
-    /// opaque stays so.
+    /// The same triangles with another look.
     ///
-    /// # Panics
-    /// If a mesh's material is not in the look.
-    #[must_use]
-    pub fn with_look(&self, look: Look) -> Self {
-        let known = |mesh: &Mesh| (mesh.material.0 as usize) < look.materials.len();
-        assert!(self.scene.meshes.iter().all(known), "a material for every mesh");
+    /// # Errors
+    /// If [`Scene::check_look`] refuses it, or a mesh that was opaque when the hierarchies were built can be seen through.
+    pub fn with_look(&self, look: Look) -> Result<Self, SceneError> {
         let mut copy = self.clone();
         copy.scene.set_look(look);
-        copy
+        let scene = &copy.scene;
+        scene.check_look()?;
+        let changed = seen_through(scene).zip(&*self.seen_through).position(|(now, built)| now && !built);
+        if let Some(Mesh { name, material, .. }) = changed.map(|index| &scene.meshes[index]) {
+            let material = &scene.material(*material).name;
+            let what =
+                format!("mesh `{name}` was built opaque, and material `{material}` can be seen through");
+            return Err(SceneError::invalid(scene.name.as_ref(), what));
+        }
+        copy.blended = has_blended(scene);
+        Ok(copy)
     }
 
     /// The same triangles on other ways: one list a mesh, as [`Mesh::displacements`] is. Only the hierarchy over the
@@ -120,7 +145,8 @@ impl TracedScene {
             mesh.displacements = displacements;
         }
         check(&copy.scene)?;
-        copy.swept = Swept::new(&copy.scene).map(Arc::new);
+        memory::check(&copy.scene.name, copy.scene.triangle_count(), memory::available())?;
+        copy.swept = Swept::new(&copy.scene, &copy.seen_through).map(Arc::new);
         Ok(copy)
     }
 
@@ -169,7 +195,7 @@ impl TracedScene {
     /// with the probability of its opacity, decided by a hash of the ray and the triangle.
     pub fn blocked(&self, origin: Vec3, direction: Vec3, reach: f32) -> bool {
         let ray = ray(origin, direction, reach);
-        self.meets_any(ray, |opacity, index| stops(opacity, &ray, index))
+        self.meets_any(ray, |opacity, triangle| stops(opacity, &ray, triangle))
     }
 
     /// [`TracedScene::blocked`] for rays that start together: bit `i` is set where `directions[i]` is blocked, of at most
@@ -177,7 +203,7 @@ impl TracedScene {
     pub fn blocked_bundle(&self, origin: Vec3, directions: &[Vec3], reach: f32) -> u64 {
         let there = |index: u32, direction: Vec3| {
             let ray = ray(origin, direction, reach);
-            stops(self.opacity(&ray, index as usize), &ray, index)
+            stops(self.opacity(&ray, index as usize), &ray, self.origins[index as usize])
         };
         let directions = &directions[..directions.len().min(bundle::BUNDLE)];
         clock::around(|| self.bvh.all_blocked(Fan { origin, directions, reach }, there))
@@ -196,16 +222,16 @@ impl TracedScene {
     }
 
     /// The nearest triangle that a ray meets, of those that can be seen through only where `present` says so of their
-    /// opacity there and their index in the hierarchy.
-    fn nearest(&self, ray: Ray, present: impl Fn(f32, u32) -> bool) -> Option<Hit> {
-        let there = |index: u32| present(self.opacity(&ray, index as usize), index);
+    /// opacity there.
+    fn nearest(&self, ray: Ray, present: impl Fn(f32, TriangleOrigin) -> bool) -> Option<Hit> {
+        let there = |index: u32| present(self.opacity(&ray, index as usize), self.origins[index as usize]);
         let (distance, index) = clock::around(|| self.bvh.nearest(&ray, there))?;
         Some(self.hit_at(&ray, index, distance))
     }
 
     /// Whether a ray meets any triangle, of those that can be seen through only where they are `present`.
-    fn meets_any(&self, ray: Ray, present: impl Fn(f32, u32) -> bool) -> bool {
-        let there = |index: u32| present(self.opacity(&ray, index as usize), index);
+    fn meets_any(&self, ray: Ray, present: impl Fn(f32, TriangleOrigin) -> bool) -> bool {
+        let there = |index: u32| present(self.opacity(&ray, index as usize), self.origins[index as usize]);
         clock::around(|| self.bvh.blocked(&ray, there))
     }
 
@@ -227,7 +253,7 @@ pub fn corner_weights(barycentric: Vec2) -> [f32; 3] {
     [1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y]
 }
 
-/// What [`TracedScene::new`] refuses.
+/// What [`TracedScene::new`] refuses, whatever the memory.
 fn check(scene: &Scene) -> Result<(), SceneError> {
     let invalid = |what: String| Err(SceneError::invalid(scene.name.as_ref(), what));
     for mesh in &scene.meshes {
@@ -251,10 +277,16 @@ fn check(scene: &Scene) -> Result<(), SceneError> {
     if !diagonal.is_finite() || diagonal > LARGEST_DIAGONAL {
         return invalid(format!("is {diagonal:e} m across, more than {LARGEST_DIAGONAL:e} m"));
     }
-    if let Some(medium) = &scene.medium {
-        medium.check().or_else(|error| invalid(error.to_string()))?;
-    }
-    Ok(())
+    scene.check_look()
+}
+
+/// Of each mesh, whether its material can be seen through.
+fn seen_through(scene: &Scene) -> impl Iterator<Item = bool> {
+    scene.meshes.iter().map(|mesh| scene.material(mesh.material).can_be_seen_through())
+}
+
+fn has_blended(scene: &Scene) -> bool {
+    scene.materials.iter().any(|material| material.alpha == AlphaMode::Blend)
 }
 
 /// Opacity of a triangle at a point of it.
@@ -269,16 +301,16 @@ fn opacity(scene: &Scene, TriangleOrigin { mesh, triangle, .. }: TriangleOrigin,
     )
 }
 
-/// All triangles of a scene, with where they come from.
-fn flattened(scene: &Scene) -> (Vec<Triangle>, Vec<TriangleOrigin>) {
+/// All triangles of a scene, of meshes that can be `seen_through` or not, with where they come from.
+fn flattened(scene: &Scene, seen_through: &[bool]) -> (Vec<Triangle>, Vec<TriangleOrigin>) {
     let mut triangles = Vec::with_capacity(scene.triangle_count());
     let mut origins = Vec::with_capacity(scene.triangle_count());
-    for (mesh_index, mesh) in scene.meshes.iter().enumerate() {
-        let see_through = scene.material(mesh.material).alpha != AlphaMode::Opaque;
+    for (mesh_index, (mesh, see_through)) in scene.meshes.iter().zip(seen_through).enumerate() {
         for triangle in 0..mesh.triangles.len() {
             let [v0, v1, v2] = mesh.corners(triangle).map(Vec3A::from);
             triangles.push(Triangle { v0, v1, v2 });
-            origins.push(TriangleOrigin { mesh: mesh_index as u32, triangle: triangle as u32, see_through });
+            let (mesh, triangle, see_through) = (mesh_index as u32, triangle as u32, *see_through);
+            origins.push(TriangleOrigin { mesh, triangle, see_through });
         }
     }
     (triangles, origins)
@@ -319,8 +351,8 @@ fn binary_hierarchy<T: Boundable>(primitives: &[T]) -> Bvh2 {
 }
 
 /// Whether a surface of some opacity stops a ray.
-fn stops(opacity: f32, ray: &Ray, index: u32) -> bool {
-    opacity >= 1.0 || (opacity > 0.0 && opacity > ray_hash(ray, index))
+fn stops(opacity: f32, ray: &Ray, triangle: TriangleOrigin) -> bool {
+    opacity >= 1.0 || (opacity > 0.0 && opacity > ray_hash(ray, triangle))
 }
 
 /// A ray in the middle of the exposure.
@@ -341,10 +373,10 @@ fn barycentric(triangle: &Triangle, ray: &Ray) -> Vec2 {
 }
 
 /// A number in [0, 1) that a ray and a triangle share, for decisions that must not depend on threads.
-fn ray_hash(ray: &Ray, index: u32) -> f32 {
+fn ray_hash(ray: &Ray, triangle: TriangleOrigin) -> f32 {
     let words = [ray.direction.x, ray.direction.y, ray.direction.z, ray.origin.x, ray.origin.y, ray.origin.z];
-    let hash = words.iter().fold(index, |hash, word| crate::path::sampler::hash(hash ^ word.to_bits()));
-    hash as f32 / 4_294_967_296.0
+    let mixed = words.iter().fold(triangle.key(), |mixed, word| hash(mixed ^ word.to_bits()));
+    (mixed >> 8) as f32 / 16_777_216.0
 }
 
 #[cfg(test)]

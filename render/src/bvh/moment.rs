@@ -4,12 +4,13 @@
 //! where it is at the ray's time before it is met (linear motion: Glassner 1988, "Spacetime ray tracing for
 //! animation"). The middle of the exposure, and scenes in which nothing moves, are traced as if there were no time.
 
+use super::translucent::left;
 use super::wide::{Ray, Wide};
 use super::{
     Hit, TracedScene, TriangleOrigin, VISIBLE_OPACITY, barycentric, binary_hierarchy, clock, opacity, ray,
     stops,
 };
-use crate::scene::{AlphaMode, Mesh, Scene};
+use crate::scene::{Mesh, Scene};
 use glam::{Vec3, Vec3A};
 use obvhs::{Boundable, aabb::Aabb, triangle::Triangle};
 
@@ -59,8 +60,18 @@ impl<'a> Moment<'a> {
     pub fn blocked(&self, origin: Vec3, direction: Vec3, reach: f32) -> bool {
         let Some(swept) = self.swept() else { return self.traced.blocked(origin, direction, reach) };
         let ray = Ray { time: self.time, ..ray(origin, direction, reach) };
-        let stops = |index| stops(self.opacity(swept, &ray, index), &ray, index);
+        let stops = |index| stops(self.opacity(swept, &ray, index), &ray, swept.origins[index as usize]);
         clock::around(|| swept.bvh.blocked(&ray, stops))
+    }
+
+    /// [`TracedScene::let_through`] at this moment.
+    pub fn let_through(&self, origin: Vec3, direction: Vec3, reach: f32) -> f32 {
+        let Some(swept) = self.swept() else { return self.traced.let_through(origin, direction, reach) };
+        let ray = Ray { time: self.time, ..ray(origin, direction, reach) };
+        left(|ends| {
+            let stops = |index| ends(self.opacity(swept, &ray, index));
+            clock::around(|| swept.bvh.blocked(&ray, stops))
+        })
     }
 
     /// The ways to trace through; `None` where the triangles are at their places in the middle.
@@ -94,21 +105,19 @@ pub(super) struct Swept {
 }
 
 impl Swept {
-    /// The ways of a scene's triangles; `None` where none moves.
-    pub fn new(scene: &Scene) -> Option<Self> {
-        let moves = |mesh: &Mesh| mesh.displacements.iter().any(|displacement| *displacement != Vec3::ZERO);
-        if !scene.meshes.iter().any(moves) {
+    /// The ways of a scene's triangles, of meshes that can be `seen_through` or not; `None` where none moves.
+    pub fn new(scene: &Scene, seen_through: &[bool]) -> Option<Self> {
+        if !scene.moves() {
             return None;
         }
         let (mut triangles, mut origins) = (Vec::new(), Vec::new());
-        for (mesh_index, mesh) in scene.meshes.iter().enumerate() {
-            let see_through = scene.material(mesh.material).alpha != AlphaMode::Opaque;
+        for (mesh_index, (mesh, see_through)) in scene.meshes.iter().zip(seen_through).enumerate() {
             for triangle in 0..mesh.triangles.len() {
                 triangles.push(MovingTriangle::new(mesh, triangle));
                 origins.push(TriangleOrigin {
                     mesh: mesh_index as u32,
                     triangle: triangle as u32,
-                    see_through,
+                    see_through: *see_through,
                 });
             }
         }

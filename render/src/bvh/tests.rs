@@ -1,5 +1,7 @@
 use super::*;
-use crate::scene::{Encoding, Material, Mesh, Texture, TextureId, TextureSlot, Wrap};
+use crate::path::{Sampling, Shot, render};
+use crate::scene::{Camera, Encoding, Environment, Material, Mesh, Texture, TextureId, TextureSlot, Wrap};
+use deepshade_shaders::{Effect, Planes};
 use glam::{Affine2, Vec4};
 
 fn square_at(z: f32) -> Mesh {
@@ -12,7 +14,7 @@ fn square_at(z: f32) -> Mesh {
 }
 
 fn scene(meshes: Vec<Mesh>, material: Material) -> Scene {
-    Scene { meshes, materials: vec![material], ..Scene::default() }
+    Scene { meshes: meshes.into(), materials: vec![material], ..Scene::default() }
 }
 
 #[test]
@@ -39,7 +41,7 @@ fn negative_zero_is_a_direction_like_zero() {
 }
 
 pub(in crate::bvh) fn random(i: u32) -> f32 {
-    crate::path::sampler::hash(i) as f32 / 4_294_967_296.0
+    hash(i) as f32 / 4_294_967_296.0
 }
 
 /// Opaque triangles every which way in a cube of 10 m, and two panes of glass.
@@ -60,7 +62,7 @@ pub(in crate::bvh) fn clutter() -> TracedScene {
     }
     let panes = Mesh { material: crate::scene::MaterialId(1), ..square_at(3.0) };
     let materials = vec![Material::default(), glass];
-    TracedScene::new(Scene { meshes: vec![clutter, panes], materials, ..Scene::default() })
+    TracedScene::new(Scene { meshes: vec![clutter, panes].into(), materials, ..Scene::default() })
         .expect("triangles")
 }
 
@@ -200,4 +202,67 @@ fn scenes_too_large_to_trace_are_refused_by_name() {
         let error = reaching(far).expect_err("too large").to_string();
         assert!(error.starts_with("far: is ") && error.contains("more than 1e9 m"), "{error}");
     }
+}
+
+/// An image of a scene of panes by paths, and one by occlusion rays.
+fn pictures(scene: &TracedScene) -> [Planes; 2] {
+    let camera = Camera::look_at(Vec3::new(0.4, 0.6, 4.0), Vec3::new(0.5, 0.5, 0.0));
+    let shot = Shot::new(scene, &camera, [24, 24], 2.0);
+    [Effect::Path, Effect::Ao].map(|effect| render(effect, &shot, Sampling::one(8, 3)).mean)
+}
+
+/// Panes in front of each other, `count` of them, under a white sky.
+fn panes(count: u32) -> Scene {
+    let glass = Material {
+        base_colour: Vec4::new(0.7, 0.8, 0.9, 0.4),
+        alpha: AlphaMode::Blend,
+        ..Material::default()
+    };
+    Scene {
+        environment: Some(Environment::uniform(Vec3::ONE).into()),
+        ..scene((0..count).map(|i| square_at(-0.2 * i as f32)).collect(), glass)
+    }
+}
+
+#[test]
+fn chance_does_not_ask_where_a_triangle_is_in_the_hierarchy() {
+    // Far triangles behind the others in the list give all of them other places.
+    let mut more = panes(4);
+    for i in 0..50 {
+        let mut far = square_at(0.0);
+        far.positions.iter_mut().for_each(|p| *p = *p * 0.1 + Vec3::new(random(i) - 0.5, 2.0, 9.0) * 50.0);
+        more.meshes.push(far);
+    }
+    let [few, many] = [panes(4), more].map(|scene| TracedScene::new(scene).expect("panes"));
+    let place = |scene: &TracedScene| scene.origins.iter().position(|o| (o.mesh, o.triangle) == (1, 1));
+    assert_ne!(place(&few), place(&many), "the hierarchies are alike");
+    let mut met = [0; 2];
+    for i in 0..2_000 {
+        let (origin, chance) = (Vec3::new(random(i), random(i + 5_000), 1.0), random(i + 9_000));
+        let hit = |scene: &TracedScene| scene.hit_by_chance(origin, Vec3::NEG_Z, 9.0, || chance);
+        assert_eq!(hit(&few), hit(&many), "ray {i}");
+        assert_eq!(few.blocked(origin, Vec3::NEG_Z, 1.3), many.blocked(origin, Vec3::NEG_Z, 1.3), "ray {i}");
+        met[usize::from(hit(&few).is_some())] += 1;
+    }
+    assert!(met[0] > 100 && met[1] > 1_000, "{met:?}");
+}
+
+#[test]
+fn images_do_not_depend_on_the_threads_that_build_the_hierarchies() {
+    // The builder works on several threads from half a million triangles on.
+    let mut scene = panes(2);
+    let mut dust = Mesh::default();
+    for i in 0..520_000 {
+        let middle = Vec3::new(random(3 * i), random(3 * i + 1), -1.0 - random(3 * i + 2));
+        dust.positions.extend([0.0, 0.01, 0.02].map(|by: f32| middle + Vec3::new(by, by * by * 50.0, -by)));
+        dust.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+    }
+    scene.meshes.push(dust);
+    let built = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| TracedScene::new(scene.clone()).expect("triangles"))
+    };
+    let (one, four) = (pictures(&built(1)), pictures(&built(4)));
+    assert!(one == four, "images differ");
+    assert!(one[0].data().iter().any(|value| *value < 0.9), "nothing is seen");
 }

@@ -1,36 +1,50 @@
-//! Rays that carry light through blended surfaces, as path tracing needs them: [`TracedScene::hit`] shows a camera
-//! surfaces from half opacity on and [`TracedScene::blocked`] decides by the ray alone, so that neither gets nearer to
-//! the truth by more samples. Here, every blended triangle stops its share of rays by a number that each ray brings, or
-//! dims them all by its share. Masks are there or not, as everywhere.
+//! Rays that carry light through blended surfaces: [`TracedScene::hit`] shows a camera surfaces from half opacity on and
+//! [`TracedScene::blocked`] decides by the ray alone, so that neither gets nearer to the truth by more samples. Here, every
+//! blended triangle stops its share of rays by a number that each ray brings, or dims them all by its share. Masks are
+//! there or not, as everywhere.
 
-use super::{Hit, TracedScene, ray};
+use super::{Hit, TracedScene, TriangleOrigin, ray};
 use crate::path::sampler::hash;
 use glam::Vec3;
 use std::cell::Cell;
 
 impl TracedScene {
-    /// The nearest surface that stops light along a ray. A blended triangle does with the probability of its opacity,
-    /// independently of every other, decided by `chance`, a random number in [0, 1).
-    pub fn hit_by_chance(&self, origin: Vec3, direction: Vec3, chance: f32) -> Option<Hit> {
-        let stops = |opacity, index| opacity > chance_of(index, chance);
-        self.nearest(ray(origin, direction, f32::INFINITY), stops)
+    /// The nearest surface that stops light along a ray, up to `reach` lengths of `direction`. A blended triangle does
+    /// with the probability of its opacity, independently of every other, decided by `chance`, a random number in [0, 1),
+    /// which is drawn only in a scene with blended materials.
+    pub fn hit_by_chance(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        reach: f32,
+        chance: impl FnOnce() -> f32,
+    ) -> Option<Hit> {
+        let chance = if self.blended { chance() } else { 0.0 };
+        let stops = |opacity, origin| opacity > chance_of(origin, chance);
+        self.nearest(ray(origin, direction, reach), stops)
     }
 
     /// The share of light that gets through along a ray within `reach` lengths of `direction`: the product of what each
     /// surface lets through, 0 behind an opaque one.
     pub fn let_through(&self, origin: Vec3, direction: Vec3, reach: f32) -> f32 {
-        let share = Cell::new(1.0f32);
-        let stops = |opacity: f32, _| {
-            share.set(share.get() * (1.0 - opacity).max(0.0));
-            share.get() == 0.0
-        };
-        if self.meets_any(ray(origin, direction, reach), stops) { 0.0 } else { share.get() }
+        left(|ends| self.meets_any(ray(origin, direction, reach), |opacity, _| ends(opacity)))
     }
 }
 
+/// The share of light that surfaces leave: `meets` tells of the opacity of each that a ray meets, until told that no light
+/// is left, and whether one let none through.
+pub(super) fn left(meets: impl FnOnce(&dyn Fn(f32) -> bool) -> bool) -> f32 {
+    let share = Cell::new(1.0f32);
+    let ends = |opacity: f32| {
+        share.set(share.get() * (1.0 - opacity).max(0.0));
+        share.get() == 0.0
+    };
+    if meets(&ends) { 0.0 } else { share.get() }
+}
+
 /// A number in [0, 1) for each triangle, of one random number.
-fn chance_of(triangle: u32, chance: f32) -> f32 {
-    (hash(triangle ^ hash(chance.to_bits())) >> 8) as f32 / 16_777_216.0
+fn chance_of(triangle: TriangleOrigin, chance: f32) -> f32 {
+    (hash(triangle.key() ^ hash(chance.to_bits())) >> 8) as f32 / 16_777_216.0
 }
 
 #[cfg(test)]
@@ -52,7 +66,7 @@ mod tests {
             ..Material::default()
         };
         TracedScene::new(Scene {
-            meshes: vec![pane(0.0), pane(-1.0)],
+            meshes: vec![pane(0.0), pane(-1.0)].into(),
             materials: vec![material],
             ..Scene::default()
         })
@@ -76,12 +90,14 @@ mod tests {
         let mut met = [0; 2];
         for i in 0..count {
             let chance = hash(i) as f32 / 4_294_967_296.0;
-            if let Some(hit) = panes.hit_by_chance(FROM, Vec3::NEG_Z, chance) {
+            if let Some(hit) = panes.hit_by_chance(FROM, Vec3::NEG_Z, f32::INFINITY, || chance) {
                 met[hit.mesh as usize] += 1;
             }
         }
         // Three standard deviations of a binomial: 137 for 0.3, 122 for 0.7 * 0.3.
         assert!((met[0] - 3_000i32).abs() < 140, "{met:?}");
         assert!((met[1] - 2_100i32).abs() < 125, "{met:?}");
+        let near = (0..100).filter_map(|i| panes.hit_by_chance(FROM, Vec3::NEG_Z, 1.5, || i as f32 / 100.0));
+        assert!(near.map(|hit| hit.mesh).all(|mesh| mesh == 0), "the second is out of reach");
     }
 }

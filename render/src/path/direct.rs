@@ -1,5 +1,6 @@
 //! Direct light from lights without an extent, with shadows: the attributes `L` and `Ldiff` (thesis 7.3.1). It is the
-//! exact sum over those lights, without noise; light of emissive triangles and of the environment is no part of it.
+//! exact sum over those lights, without noise, also behind blended surfaces, which let their share through; light of
+//! emissive triangles and of the environment is no part of it.
 
 use super::bsdf::Phong;
 use super::lights::Arrival;
@@ -28,10 +29,10 @@ pub fn direct_light<'a>(scene: impl Into<Moment<'a>>, point: &SurfacePoint, to_c
         let Arrival { direction, distance, irradiance } = Arrival::new(scene.scene(), light, point.position);
         let cosine = point.normal.dot(direction);
         let lit = cosine > 0.0 && point.geometric_normal.dot(direction) > 0.0 && irradiance != Vec3::ZERO;
-        if !lit || scene.blocked(point.ray_origin(), direction, distance) {
+        if !lit {
             continue;
         }
-        let received = irradiance * cosine;
+        let received = irradiance * cosine * scene.let_through(point.ray_origin(), direction, distance);
         sum.diffuse += received * point.surface.diffuse * FRAC_1_PI;
         sum.specular += received * point.surface.specular * lobe.reflectance(mirrored.dot(direction));
     }
@@ -42,19 +43,24 @@ pub fn direct_light<'a>(scene: impl Into<Moment<'a>>, point: &SurfacePoint, to_c
 mod tests {
     use super::*;
     use crate::bvh::TracedScene;
-    use crate::scene::{Light, Material, Mesh, Scene};
+    use crate::scene::{AlphaMode, Light, Material, MaterialId, Mesh, Scene};
     use std::f32::consts::PI;
 
     /// A floor of albedo 0.5 at y = 0 under a point light, with a roof that shades the half x > 0.
     fn floor_and_roof(light: Light) -> TracedScene {
+        floor_and_roof_of(light, Material::default())
+    }
+
+    fn floor_and_roof_of(light: Light, roof: Material) -> TracedScene {
         let square = |y: f32, x0: f32, x1: f32| Mesh {
             positions: [(x0, -9.), (x0, 9.), (x1, 9.), (x1, -9.)].map(|(x, z)| Vec3::new(x, y, z)).to_vec(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             ..Mesh::default()
         };
         TracedScene::new(Scene {
-            meshes: vec![square(0.0, -9.0, 9.0), square(1.0, 0.0, 9.0)],
-            materials: vec![Material::matte("grey", Vec3::splat(0.5))],
+            meshes: vec![square(0.0, -9.0, 9.0), Mesh { material: MaterialId(1), ..square(1.0, 0.0, 9.0) }]
+                .into(),
+            materials: vec![Material::matte("grey", Vec3::splat(0.5)), roof],
             lights: vec![light],
             ..Scene::default()
         })
@@ -96,6 +102,24 @@ mod tests {
         let scene = floor_and_roof(light);
         assert!(floor_light(&scene, -1.0).diffuse.x > 0.1);
         assert_eq!(floor_light(&scene, 1.0), DirectLight::default());
+    }
+
+    #[test]
+    fn a_pane_lets_its_share_through_at_every_moment() {
+        let light = Light::Directional { direction: Vec3::NEG_Y, irradiance: Vec3::ONE, pattern: None };
+        let mut pane = Material { alpha: AlphaMode::Blend, ..Material::default() };
+        pane.base_colour.w = 0.3;
+        let still = floor_and_roof_of(light, pane);
+        let moving = still.with_motion(vec![vec![], vec![Vec3::X * 0.1; 4]]).expect("a way");
+        for x in [0.5, 1.7, 4.2] {
+            let through = floor_light(&still, x).diffuse.x / floor_light(&still, -x).diffuse.x;
+            assert!((through - 0.7).abs() < 1e-6, "{through} of the light at {x}");
+            let moment = moving.at(0.4);
+            let hit = moment.hit(Vec3::new(x, 0.9, 0.0), Vec3::NEG_Y, 9.0).expect("the floor");
+            let point = SurfacePoint::new(moment, &hit, Vec3::NEG_Y);
+            let now = direct_light(moment, &point, Vec3::Y).diffuse.x;
+            assert!((now - 0.7 * 0.5 / PI).abs() < 1e-6, "{now} at {x} while the pane moves");
+        }
     }
 
     #[test]

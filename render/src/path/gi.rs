@@ -3,7 +3,8 @@
 //!
 //! Direct light comes from every light of the scene, with shadows at any distance; the surface on the way reflects it
 //! by its diffuse colour, as Lambert does and the attribute `Ldiff` has it. Light that surfaces emit by themselves is
-//! direct light and not counted. Times the receiver's diffuse colour it is radiance.
+//! direct light and not counted. Times the receiver's diffuse colour it is radiance. Blended surfaces send, and let
+//! through, by their opacity, as in [`Transport`](super::transport::Transport).
 //!
 //! Receivers may also be glossy: then it is the radiance that the receiver's specular lobe reflects to the eye of that
 //! same light. Radiance of a lobe is no irradiance, so the effect `gi` is that of [`Receiver::Diffuse`], and programs
@@ -12,12 +13,13 @@
 use super::Shot;
 use super::at_surface::{SurfaceEffect, Visible};
 use super::bsdf::Bsdf;
-use super::lights::Lights;
+use super::lights::{Lights, LightsAt};
 use super::sampler::{Stream, cosine_hemisphere, frame};
-use crate::bvh::TracedScene;
+use super::transport::power_heuristic;
+use crate::bvh::{Hit, TracedScene};
 use crate::intersection::SurfacePoint;
 use glam::Vec3;
-use std::f32::consts::FRAC_1_PI;
+use std::f32::consts::{FRAC_1_PI, PI};
 
 /// What becomes of indirect light where it arrives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,19 +51,55 @@ impl<'a> Gi<'a> {
         if direction.dot(point.geometric_normal) <= 0.0 {
             return Vec3::ZERO;
         }
-        let Some(hit) = self.scene.hit(point.ray_origin(), direction, self.radius) else { return Vec3::ZERO };
+        let Some(hit) = self.hit(point, direction, self.radius, stream) else { return Vec3::ZERO };
         let sender = SurfacePoint::new(self.scene, &hit, direction);
         self.irradiance(&sender, stream) * sender.surface.diffuse * FRAC_1_PI
     }
 
-    /// One sample of the irradiance of direct light.
+    /// The surface that a ray from a point meets.
+    fn hit(&self, point: &SurfacePoint, direction: Vec3, reach: f32, stream: &mut Stream) -> Option<Hit> {
+        self.scene.hit_by_chance(point.ray_origin(), direction, reach, || stream.next_1d())
+    }
+
+    /// One sample of the irradiance of direct light: of a light and of a direction, which may meet one, weighed by the
+    /// power heuristic.
     fn irradiance(&self, point: &SurfacePoint, stream: &mut Stream) -> Vec3 {
-        let Some(light) = self.lights.sample(point.ray_origin(), stream) else { return Vec3::ZERO };
+        let lights = self.lights.at_surface(point);
+        let sampled = self.of_a_light(point, &lights, stream);
+        if !self.lights.have_extent() {
+            return sampled;
+        }
+        sampled + self.of_a_direction(point, &lights, stream)
+    }
+
+    /// Irradiance by one light.
+    fn of_a_light(&self, point: &SurfacePoint, lights: &LightsAt<'_>, stream: &mut Stream) -> Vec3 {
+        let Some(light) = lights.sample(stream) else { return Vec3::ZERO };
         let cosine = point.normal.dot(light.direction);
         if cosine <= 0.0 || point.geometric_normal.dot(light.direction) <= 0.0 {
             return Vec3::ZERO;
         }
-        light.radiance * cosine * self.scene.let_through(point.ray_origin(), light.direction, light.distance)
+        let weight = light.density.map_or(1.0, |density| power_heuristic(density, cosine * FRAC_1_PI));
+        let let_through = self.scene.let_through(point.ray_origin(), light.direction, light.distance);
+        light.radiance * cosine * weight * let_through
+    }
+
+    /// Irradiance by the light that a direction of the hemisphere meets, drawn by its cosine.
+    fn of_a_direction(&self, point: &SurfacePoint, lights: &LightsAt<'_>, stream: &mut Stream) -> Vec3 {
+        let square = stream.next_2d();
+        let direction = frame(point.normal) * cosine_hemisphere(square.x, square.y);
+        let density = point.normal.dot(direction) * FRAC_1_PI;
+        if density <= 0.0 || direction.dot(point.geometric_normal) <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let (radiance, other) = match self.hit(point, direction, f32::INFINITY, stream) {
+            Some(hit) => {
+                let emission = SurfacePoint::new(self.scene, &hit, direction).surface.emission;
+                (emission, lights.density_of_hit(direction, &hit))
+            }
+            None => (self.lights.environment(direction), lights.density_of_environment(direction)),
+        };
+        PI * radiance * power_heuristic(density, other)
     }
 }
 
@@ -90,8 +128,7 @@ mod tests {
     use super::*;
     use crate::path::at_surface::AtSurface;
     use crate::path::proving::{Measured, integral, quad};
-    use crate::scene::{Camera, Environment, Gloss, Light, Material, MaterialId, Mesh, Scene};
-    use std::f32::consts::PI;
+    use crate::scene::{AlphaMode, Camera, Environment, Gloss, Light, Material, MaterialId, Mesh, Scene};
 
     /// Diffuse colour of what sends light.
     const COLOUR: Vec3 = Vec3::new(0.8, 0.5, 0.2);
@@ -109,7 +146,7 @@ mod tests {
         let direction = direction.normalize();
         let irradiance = Vec3::splat(irradiance);
         TracedScene::new(Scene {
-            meshes,
+            meshes: meshes.into(),
             materials: vec![receiver, sender],
             lights: vec![Light::Directional { direction, irradiance, pattern: None }],
             ..Scene::default()
@@ -141,12 +178,11 @@ mod tests {
         let scene = |irradiance| patch_and_square(1.0, 0.7, Material::default(), irradiance);
         let expected = COLOUR * FRAC_1_PI * form_factor(1.0, 0.7);
         let value = at_patch(&scene(1.0), f32::INFINITY, Receiver::Diffuse);
-        assert!(value.is(expected), "{value:?} is not {expected}");
-        let brighter = at_patch(&scene(1.02), f32::INFINITY, Receiver::Diffuse);
-        assert!(!brighter.is(expected), "a 2 % brighter light is noticed");
+        value.proves("gi/square", expected);
+        at_patch(&scene(1.02), f32::INFINITY, Receiver::Diffuse).refutes("gi/square", expected);
         // Without the receiver's cosine: the share of the hemisphere's solid angle, 4 asin(a^2 / (a^2 + h^2)).
         let without = COLOUR * FRAC_1_PI * (1.0f32 / 1.49).asin() * 4.0 / (2.0 * PI);
-        assert!(!value.is(without), "a cosine left out is noticed");
+        value.refutes("gi/square", without);
     }
 
     #[test]
@@ -186,10 +222,10 @@ mod tests {
             Measured::of_samples(sample, 4096)
         };
         let value = mean_over_lower(&square(1.0));
-        assert!(value.is(expected), "{value:?} is not {expected}");
-        assert!(!mean_over_lower(&square(1.02)).is(expected), "a 2 % brighter light is noticed");
-        let lit_from_ahead = expected / direction.normalize().y;
-        assert!(!value.is(lit_from_ahead), "the sender's cosine left out is noticed");
+        value.proves("gi/parallel_plates", expected);
+        mean_over_lower(&square(1.02)).refutes("gi/parallel_plates", expected);
+        // Without the sender's cosine.
+        value.refutes("gi/parallel_plates", expected / direction.normalize().y);
     }
 
     #[test]
@@ -199,6 +235,45 @@ mod tests {
         scene.materials[1].emission = Vec3::splat(5.0);
         let scene = TracedScene::new(scene).expect("squares");
         assert_eq!(at_patch(&scene, f32::INFINITY, Receiver::Diffuse).mean, Vec3::ZERO);
+    }
+
+    #[test]
+    fn a_sender_that_touches_a_lamp_is_lit_with_bounded_noise() {
+        // A wall below a ceiling that shines, met a millimetre below the edge that they share.
+        let wall = quad([(0., 0.), (0., -1.), (1., -1.), (1., 0.)].map(|(x, y)| Vec3::new(x, y, 0.0)));
+        let corners = [(0., 0.), (1., 0.), (1., 1.), (0., 1.)].map(|(x, z)| Vec3::new(x, 0.0, z));
+        let lamp = Material { emission: Vec3::splat(3.0), ..Material::matte("lamp", Vec3::ZERO) };
+        let scene = TracedScene::new(Scene {
+            meshes: vec![wall, Mesh { material: MaterialId(1), ..quad(corners) }].into(),
+            materials: vec![Material::default(), lamp],
+            ..Scene::default()
+        })
+        .expect("a wall and a lamp");
+        let camera = Camera::look_at(Vec3::new(0.5, -0.001, 1.0), Vec3::new(0.5, -0.001, 0.0));
+        let shot = Shot::new(&scene, &camera, [1, 1], f32::INFINITY);
+        let point = Visible::at(&shot, glam::Vec2::splat(0.5)).expect("the wall").point;
+        let gi = Gi::new(&shot, Receiver::Diffuse);
+        let irradiance = |stream: &mut Stream| gi.irradiance(&point, stream);
+        let count = 20_000;
+        let measured = Measured::of_independent(irradiance, count);
+        // Lambert's polygon formula: half the sum of the edges' angles times their planes' normals.
+        let edges = (0..4).map(|i| (corners[i] - point.position, corners[(i + 1) % 4] - point.position));
+        let sum: Vec3 = edges.map(|(a, b)| a.cross(b).normalize() * a.angle_between(b)).sum();
+        let expected = 3.0 * 0.5 * sum.dot(point.normal).abs();
+        measured.proves("gi/corner_of_a_lamp", Vec3::splat(expected));
+        measured.refutes("gi/corner_of_a_lamp", Vec3::splat(1.02 * expected));
+        let variance = count as f32 * (measured.error / measured.mean).x.powi(2);
+        assert!(variance < 2.0, "a sample's variance is {variance} squared means");
+    }
+
+    #[test]
+    fn a_blended_sender_sends_its_share() {
+        let mut scene = patch_and_square(1.0, 0.7, Material::default(), 1.0).scene().clone();
+        scene.materials[1].alpha = AlphaMode::Blend;
+        scene.materials[1].base_colour.w = 0.3;
+        let value = at_patch(&TracedScene::new(scene).expect("squares"), f32::INFINITY, Receiver::Diffuse);
+        value.proves("gi/blended", 0.3 * COLOUR * FRAC_1_PI * form_factor(1.0, 0.7));
+        value.refutes("gi/blended", COLOUR * FRAC_1_PI * form_factor(1.0, 0.7));
     }
 
     #[test]
@@ -223,9 +298,9 @@ mod tests {
             let everywhere = Environment::uniform(Vec3::ONE);
             let albedo = integral(&everywhere, |to_light| bsdf.evaluate(to_viewer, to_light));
             let expected = albedo * COLOUR * FRAC_1_PI;
-            assert!(value.is(expected), "{gloss:?}: {value:?} is not {expected}");
-            assert!(!value.is(1.02 * expected), "2 % are noticed");
-            assert!(!value.is(COLOUR * FRAC_1_PI * 0.5), "{gloss:?}");
+            value.proves("gi/glossy", expected);
+            value.refutes("gi/glossy", 1.02 * expected);
+            value.refutes("gi/glossy", COLOUR * FRAC_1_PI * 0.5);
         }
         let matte = Material { gloss: Gloss::None, ..Material::default() };
         let scene = patch_and_square(900.0, 1.0, matte, 1.0);

@@ -1,22 +1,26 @@
 //! Choosing points on lights: lights without an extent, emissive triangles, the environment.
 //!
-//! One light a sample: each light without an extent in proportion to what would arrive from it at the very point (so
-//! that one that does not shine there is never taken, and costs nothing but the look), all emissive triangles together
-//! in proportion to a rough estimate of what would, the environment to what would arrive from a hemisphere of its mean.
-//! Emissive triangles share by power (Pharr, Jakob and Humphreys, "Physically Based Rendering", 12.6).
+//! One light a sample. Each light without an extent counts by what would arrive from it at the very point if nothing were
+//! in between, so that one that does not shine there is never taken, and costs nothing but the look; all emissive
+//! triangles together count by a rough estimate of the same, the environment by what would arrive from a hemisphere of
+//! its mean. What is in between is not known, so a fifth of the choice is spread evenly over all that count: of `n`
+//! lights, one that is the only one seen is taken with a probability of at least `1 / 5 n`, however strong those are that
+//! a wall keeps off. Emissive triangles share by power (Pharr, Jakob and Humphreys, "Physically Based Rendering", 12.6).
 
 mod arrival;
+mod at;
 mod emitters;
 #[cfg(test)]
 mod tests;
 
 pub use arrival::Arrival;
+pub use at::LightsAt;
 
-use super::sampler::Stream;
-use crate::bvh::{Hit, TracedScene};
+use crate::bvh::TracedScene;
+use crate::intersection::SurfacePoint;
 use crate::scene::Environment;
 use emitters::Emitters;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use std::f32::consts::PI;
 
 /// All lights of a scene, ready to be sampled.
@@ -45,19 +49,6 @@ pub struct LightSample {
     pub density: Option<f32>,
 }
 
-/// How likely each kind of light is to be chosen at a point, not normalised.
-struct Importance {
-    without_extent: f32,
-    emitters: f32,
-    environment: f32,
-}
-
-impl Importance {
-    fn total(&self) -> f32 {
-        self.without_extent + self.emitters + self.environment
-    }
-}
-
 impl<'a> Lights<'a> {
     /// The lights of a scene.
     pub fn new(scene: &'a TracedScene) -> Self {
@@ -67,101 +58,25 @@ impl<'a> Lights<'a> {
         Self { scene, emitters: Emitters::new(scene), environment, environment_importance }
     }
 
-    /// One light, chosen at random; `None` where no light can shine on the point, which is where the ray to the light
-    /// will start: off a surface, not on it. Takes four numbers.
-    pub fn sample(&self, point: Vec3, stream: &mut Stream) -> Option<LightSample> {
-        let (kind, which, square) = (stream.next_1d(), stream.next_1d(), stream.next_2d());
-        let importance = self.importance(point);
-        let total = importance.total();
-        let mut left = kind * total;
-        if left < importance.without_extent {
-            return self.sample_without_extent(point, left, total);
-        }
-        left -= importance.without_extent;
-        if left < importance.emitters {
-            return self.sample_emitters(point, which, square, importance.emitters / total);
-        }
-        self.sample_environment(square, importance.environment / total)
+    /// As they are from a point of the medium.
+    pub fn at(&self, point: Vec3) -> LightsAt<'_> {
+        LightsAt::new(self, point, None)
     }
 
-    /// Density per steradian with which [`Lights::sample`] takes the direction in which a ray from `point` met an
-    /// emissive triangle; 0 where that does not emit.
-    pub fn density_of_hit(&self, point: Vec3, direction: Vec3, hit: &Hit) -> f32 {
-        let Some(emitters) = &self.emitters else { return 0.0 };
-        let density = emitters.density(self.scene.scene(), direction, hit);
-        if density == 0.0 {
-            return 0.0;
-        }
-        let importance = self.importance(point);
-        density * importance.emitters / importance.total()
+    /// As they are from a surface, whose other side none of them lights. Those without an extent that stand below its
+    /// horizon are never taken.
+    pub fn at_surface(&self, point: &SurfacePoint) -> LightsAt<'_> {
+        LightsAt::new(self, point.ray_origin(), Some([point.normal, point.geometric_normal]))
+    }
+
+    /// Whether any of them can be met by a ray.
+    pub const fn have_extent(&self) -> bool {
+        self.emitters.is_some() || self.environment.is_some()
     }
 
     /// Radiance of the environment in a direction.
     pub fn environment(&self, direction: Vec3) -> Vec3 {
         self.environment.map_or(Vec3::ZERO, |environment| environment.radiance(direction))
-    }
-
-    /// Density per steradian with which [`Lights::sample`], at some point, takes that direction for the environment.
-    pub fn density_of_environment(&self, point: Vec3, direction: Vec3) -> f32 {
-        let Some(environment) = self.environment else { return 0.0 };
-        let importance = self.importance(point);
-        let total = importance.total();
-        if total > 0.0 { environment.density(direction) * importance.environment / total } else { 0.0 }
-    }
-
-    /// What would arrive from each light without an extent, in order.
-    fn arrivals(&self, point: Vec3) -> impl Iterator<Item = Arrival> {
-        let scene = self.scene.scene();
-        scene.lights.iter().map(move |light| Arrival::new(scene, light, point))
-    }
-
-    fn importance(&self, point: Vec3) -> Importance {
-        Importance {
-            without_extent: self.arrivals(point).map(|arrival| brightness(arrival.irradiance)).sum(),
-            emitters: self.emitters.as_ref().map_or(0.0, |emitters| emitters.importance(point)),
-            environment: self.environment_importance,
-        }
-    }
-
-    /// The light without an extent at `left` of the `total` importance.
-    fn sample_without_extent(&self, point: Vec3, mut left: f32, total: f32) -> Option<LightSample> {
-        let mut chosen = None;
-        for arrival in self.arrivals(point) {
-            let importance = brightness(arrival.irradiance);
-            if importance > 0.0 {
-                chosen = Some((arrival, importance));
-                if left < importance {
-                    break;
-                }
-            }
-            left -= importance;
-        }
-        let (Arrival { direction, distance, irradiance }, importance) = chosen?;
-        Some(LightSample { direction, distance, radiance: irradiance * total / importance, density: None })
-    }
-
-    fn sample_emitters(&self, point: Vec3, which: f32, square: Vec2, share: f32) -> Option<LightSample> {
-        let sample = self.emitters.as_ref()?.sample(self.scene.scene(), point, which, square)?;
-        let to_light = sample.position - point;
-        let distance = to_light.length();
-        let density = sample.density * share;
-        Some(LightSample {
-            direction: to_light / distance,
-            distance,
-            radiance: sample.radiance / density,
-            density: Some(density),
-        })
-    }
-
-    fn sample_environment(&self, square: Vec2, share: f32) -> Option<LightSample> {
-        let sample = self.environment?.sample(square)?;
-        let density = sample.density * share;
-        Some(LightSample {
-            direction: sample.direction,
-            distance: f32::INFINITY,
-            radiance: sample.radiance / density,
-            density: Some(density),
-        })
     }
 }
 

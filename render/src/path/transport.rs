@@ -6,14 +6,13 @@
 //! end by Russian roulette, which keeps the mean. Blended surfaces are there with the probability of their opacity for
 //! paths and let their share through to lights ([`crate::bvh`]), so that every pixel converges.
 
-use super::lights::{LightSample, Lights};
+use super::lights::{LightSample, Lights, LightsAt};
 use super::medium::{Flight, Media, Segment};
 use super::route::{Route, Vertices};
 use super::sampler::Stream;
 use super::vertex::Vertex;
 use crate::bvh::{Hit, TracedScene};
 use crate::intersection::SurfacePoint;
-use crate::scene::AlphaMode;
 use glam::Vec3;
 
 /// Vertices of a path that are never cut short.
@@ -40,8 +39,6 @@ pub struct Transport<'a> {
     scene: &'a TracedScene,
     lights: Lights<'a>,
     media: Media<'a>,
-    /// Whether a blended surface may let rays through.
-    blended: bool,
     /// Most vertices of a path.
     most_vertices: u32,
     finding: Finding,
@@ -80,24 +77,22 @@ impl Split {
 }
 
 /// The last edge of a path, towards the light.
-struct Edge {
+struct Edge<'a> {
     origin: Vec3,
     /// Unit vector.
     direction: Vec3,
-    /// With which the direction was sampled, per steradian; `None` from the eye.
-    density: Option<f32>,
+    /// With which density the direction was sampled, per steradian, and the lights that the vertex sampled too; `None`
+    /// from the eye, and from vertices whose light is not wanted.
+    sampled: Option<(f32, LightsAt<'a>)>,
 }
 
 impl<'a> Transport<'a> {
     /// Transport without a limit to the number of bounces.
     pub fn new(scene: &'a TracedScene) -> Self {
-        let blended = scene.scene().materials.iter().any(|material| material.alpha == AlphaMode::Blend);
-        let lights = Lights::new(scene);
         Self {
             scene,
-            lights,
+            lights: Lights::new(scene),
             media: Media::of(scene),
-            blended,
             most_vertices: u32::MAX,
             finding: Finding::Both,
             wanted: None,
@@ -147,7 +142,7 @@ impl<'a> Transport<'a> {
         stream: &mut Stream,
         mut found: impl FnMut(Vertices, Vec3),
     ) {
-        let mut edge = Edge { origin, direction, density: None };
+        let mut edge = Edge { origin, direction, sampled: None };
         let (mut throughput, mut vertices) = (Vec3::ONE, Vertices::default());
         loop {
             let hit = self.hit(&edge, stream);
@@ -180,16 +175,20 @@ impl<'a> Transport<'a> {
             if self.wanted.is_some_and(|wanted| !vertices.lead_to(wanted)) {
                 return;
             }
-            if self.wants(vertices) {
-                found(vertices, throughput * self.lit(&vertex, stream));
+            let lights = self.wants(vertices).then(|| self.lights_at(&vertex));
+            if let Some(lights) = &lights {
+                found(vertices, throughput * self.lit(&vertex, lights, stream));
             }
             let Some(next) = vertex.sample(stream) else { return };
             throughput *= next.weight;
             if vertices.count() > SURE_VERTICES && !survives(&mut throughput, stream) {
                 return;
             }
-            edge =
-                Edge { origin: vertex.ray_origin(), direction: next.direction, density: Some(next.density) };
+            edge = Edge {
+                origin: vertex.ray_origin(),
+                direction: next.direction,
+                sampled: lights.map(|lights| (next.density, lights)),
+            };
         }
     }
 
@@ -202,7 +201,10 @@ impl<'a> Transport<'a> {
     fn follow(&self, vertices: Vertices, segment: &Segment, throughput: Vec3, stream: &mut Stream) -> Flight {
         match self.wanted {
             None | Some(Route::Multiple) => self.media.flight(segment, throughput, stream),
-            Some(Route::Direct | Route::Indirect) if vertices.count() == 0 => {
+            Some(Route::Direct) if vertices.count() == 0 => {
+                self.media.scattering_of_lamps(&self.scene.scene().lights, segment, throughput, stream)
+            }
+            Some(Route::Indirect) if vertices.count() == 0 => {
                 self.media.scattering(segment, throughput, stream)
             }
             Some(_) => Flight::passed(self.media.transmittance(segment, stream)),
@@ -210,15 +212,22 @@ impl<'a> Transport<'a> {
     }
 
     /// The surface at an edge's end.
-    fn hit(&self, edge: &Edge, stream: &mut Stream) -> Option<Hit> {
-        let chance = if self.blended { stream.next_1d() } else { 0.0 };
-        self.scene.hit_by_chance(edge.origin, edge.direction, chance)
+    fn hit(&self, edge: &Edge<'_>, stream: &mut Stream) -> Option<Hit> {
+        self.scene.hit_by_chance(edge.origin, edge.direction, f32::INFINITY, || stream.next_1d())
+    }
+
+    /// The lights from a vertex.
+    fn lights_at(&self, vertex: &Vertex) -> LightsAt<'_> {
+        match vertex {
+            Vertex::Surface { point, .. } => self.lights.at_surface(point),
+            Vertex::Medium { point, .. } => self.lights.at(*point),
+        }
     }
 
     /// Light of one light, sampled, that a vertex turns to the vertex before.
-    fn lit(&self, vertex: &Vertex, stream: &mut Stream) -> Vec3 {
+    fn lit(&self, vertex: &Vertex, lights: &LightsAt<'_>, stream: &mut Stream) -> Vec3 {
         let origin = vertex.ray_origin();
-        let Some(light) = self.lights.sample(origin, stream) else { return Vec3::ZERO };
+        let Some(light) = lights.sample(stream) else { return Vec3::ZERO };
         let LightSample { direction, distance, radiance, density } = light;
         let weight = match (density, self.finding) {
             (None, _) | (_, Finding::Lights) => 1.0,
@@ -238,29 +247,29 @@ impl<'a> Transport<'a> {
     }
 
     /// Light of the environment at the end of an edge, weighed.
-    fn environment(&self, edge: &Edge) -> Vec3 {
+    fn environment(&self, edge: &Edge<'_>) -> Vec3 {
         let radiance = self.lights.environment(edge.direction);
         if radiance == Vec3::ZERO {
             return radiance;
         }
-        radiance * self.weight(edge, || self.lights.density_of_environment(edge.origin, edge.direction))
+        radiance * self.weight(edge, |lights| lights.density_of_environment(edge.direction))
     }
 
     /// Emission of a surface at the end of an edge, weighed.
-    fn emission(&self, edge: &Edge, point: &SurfacePoint, hit: &Hit) -> Vec3 {
+    fn emission(&self, edge: &Edge<'_>, point: &SurfacePoint, hit: &Hit) -> Vec3 {
         let emission = point.surface.emission;
         if emission == Vec3::ZERO {
             return emission;
         }
-        emission * self.weight(edge, || self.lights.density_of_hit(edge.origin, edge.direction, hit))
+        emission * self.weight(edge, |lights| lights.density_of_hit(edge.direction, hit))
     }
 
-    /// How much light that an edge met counts, which lights are sampled at with the density of `sampled`.
-    fn weight(&self, edge: &Edge, sampled: impl Fn() -> f32) -> f32 {
-        match (edge.density, self.finding) {
+    /// How much light that an edge met counts, which is sampled among the lights with the density of `sampled`.
+    fn weight(&self, edge: &Edge<'_>, sampled: impl Fn(&LightsAt<'_>) -> f32) -> f32 {
+        match (&edge.sampled, self.finding) {
             (None, _) | (_, Finding::Paths) => 1.0,
-            (Some(density), Finding::Both) => power_heuristic(density, sampled()),
-            (Some(_), Finding::Lights) => f32::from(sampled() == 0.0),
+            (Some((density, lights)), Finding::Both) => power_heuristic(*density, sampled(lights)),
+            (Some((_, lights)), Finding::Lights) => f32::from(sampled(lights) == 0.0),
         }
     }
 }

@@ -27,7 +27,7 @@ pub enum Light {
         range: f32,
         /// Cosine of the half angle inside which the light is full.
         cos_inner: f32,
-        /// Cosine of the half angle outside which there is none.
+        /// Cosine of the half angle outside which there is none; below `cos_inner`.
         cos_outer: f32,
         /// A picture that the cone projects: multiplies the intensity, its inscribed circle is the outer cone.
         slide: Option<TextureId>,
@@ -68,7 +68,23 @@ impl Light {
         if range.is_nan() || range <= 0.0 || pattern_without_size {
             return Some("its range or its pattern's size is not above 0");
         }
-        None
+        match *self {
+            Self::Spot { cos_inner, cos_outer, .. }
+                if !(-1.0 <= cos_outer && cos_outer < cos_inner && cos_inner <= 1.0) =>
+            {
+                Some("its outer cone is not wider than its inner one")
+            }
+            _ => None,
+        }
+    }
+
+    /// The picture that it projects.
+    fn picture(&self) -> Option<TextureId> {
+        match *self {
+            Self::Point { .. } => None,
+            Self::Spot { slide, .. } => slide,
+            Self::Directional { pattern, .. } => pattern.map(|(texture, _)| texture),
+        }
     }
 }
 
@@ -82,6 +98,9 @@ impl Scene {
         for (index, light) in self.lights.iter().enumerate() {
             if let Some(fault) = light.fault() {
                 return invalid(format!("light {index}: {fault}"));
+            }
+            if let Some(texture) = light.picture().filter(|texture| !self.has_texture(*texture)) {
+                return invalid(format!("light {index}: there is no texture {}", texture.0));
             }
         }
         match self.materials.iter().find(|material| !is_light(material.emission)) {
@@ -101,7 +120,7 @@ fn is_light(colour: Vec3) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Material;
+    use crate::scene::{Encoding, Material, Texture, Wrap};
 
     fn error(light: Light) -> String {
         let scene = Scene { name: "room".to_owned(), lights: vec![light], ..Scene::default() };
@@ -123,8 +142,31 @@ mod tests {
         };
         assert!(error(sun(Vec3::ZERO, 1.0)).contains("direction"));
         assert!(error(sun(Vec3::X, 0.0)).contains("pattern"));
-        let sound =
-            Scene { lights: vec![point(Vec3::ONE, f32::INFINITY), sun(Vec3::X, 1.0)], ..Scene::default() };
+        assert_eq!(error(sun(Vec3::X, 1.0)), "room: light 0: there is no texture 0");
+        let lights = vec![point(Vec3::ONE, f32::INFINITY), sun(Vec3::X, 1.0)];
+        let texture = Texture::new(1, 1, vec![[255; 4]], Encoding::Linear, [Wrap::Clamp; 2]);
+        let sound = Scene { lights, textures: vec![texture.into()], ..Scene::default() };
+        assert!(sound.check_lights().is_ok());
+    }
+
+    #[test]
+    fn spots_that_cannot_be_are_refused() {
+        let spot = |cos_inner: f32, cos_outer: f32, slide: Option<TextureId>| Light::Spot {
+            position: Vec3::ZERO,
+            direction: Vec3::X,
+            intensity: Vec3::ONE,
+            range: 2.0,
+            cos_inner,
+            cos_outer,
+            slide,
+        };
+        for [inner, outer] in
+            [[0.5, 0.5], [0.4, 0.5], [1.1, 0.5], [0.5, -1.1], [f32::NAN, 0.5], [0.5, f32::NAN]]
+        {
+            assert!(error(spot(inner, outer, None)).contains("outer cone"), "{inner} and {outer}");
+        }
+        assert_eq!(error(spot(0.9, 0.8, Some(TextureId(3)))), "room: light 0: there is no texture 3");
+        let sound = Scene { lights: vec![spot(1.0, -1.0, None)], ..Scene::default() };
         assert!(sound.check_lights().is_ok());
     }
 

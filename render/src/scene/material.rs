@@ -60,6 +60,9 @@ pub struct Material {
     pub normal_texture: Option<(TextureSlot, f32)>,
     /// How what is reflected specularly spreads.
     pub gloss: Gloss,
+    /// Specular colour of [`Gloss::Phong`], beside a diffuse one that is the base colour; without it, both come from
+    /// base colour and metalness, as those of microfacets do.
+    pub specular: Option<Vec3>,
     /// Mean free path below the surface for each colour, metres; zero where light does not enter.
     pub mean_free_path: Vec3,
     /// Emitted radiance.
@@ -82,6 +85,7 @@ impl Default for Material {
             metallic_roughness_texture: None,
             normal_texture: None,
             gloss: Gloss::default(),
+            specular: None,
             mean_free_path: Vec3::ZERO,
             emission: Vec3::ZERO,
             emission_texture: None,
@@ -95,8 +99,8 @@ impl Default for Material {
 pub struct Surface {
     /// `Rdiff`, the diffuse albedo.
     pub diffuse: Vec3,
-    /// `Rspec`, specular colour at normal incidence: 4 % for a dielectric, the base colour for a metal, zero where
-    /// nothing is reflected specularly.
+    /// `Rspec`, specular colour at normal incidence: the material's own; else 4 % for a dielectric, the base colour for a
+    /// metal, zero where nothing is reflected specularly.
     pub specular: Vec3,
     /// Perceptual roughness.
     pub roughness: f32,
@@ -123,13 +127,18 @@ impl Material {
         let metallic_roughness = read(self.metallic_roughness_texture, textures, uvs);
         let metallic = (self.metallic * metallic_roughness.z).clamp(0.0, 1.0);
         let base = base.truncate().clamp(Vec3::ZERO, Vec3::ONE);
-        let specular = match self.gloss {
-            Gloss::Microfacets | Gloss::Phong => Vec3::splat(DIELECTRIC_SPECULAR).lerp(base, metallic),
-            Gloss::None => Vec3::ZERO,
+        let (body, coat) = (base * (1.0 - metallic), Vec3::splat(DIELECTRIC_SPECULAR).lerp(base, metallic));
+        let (diffuse, specular) = match (self.gloss, self.specular) {
+            (Gloss::None, _) => (body, Vec3::ZERO),
+            (Gloss::Microfacets, _) => (body, coat),
+            (Gloss::Phong, None) => (body.min(Vec3::ONE - coat), coat),
+            (Gloss::Phong, Some(specular)) => {
+                let specular = specular.clamp(Vec3::ZERO, Vec3::ONE);
+                (base.min(Vec3::ONE - specular), specular)
+            }
         };
-        let diffuse = base * (1.0 - metallic);
         Surface {
-            diffuse: if self.gloss == Gloss::Phong { diffuse.min(Vec3::ONE - specular) } else { diffuse },
+            diffuse,
             specular,
             roughness: (self.roughness * metallic_roughness.y).clamp(0.0, 1.0),
             gloss: self.gloss,
@@ -153,6 +162,19 @@ impl Material {
         }
     }
 
+    /// What it reads from textures.
+    pub fn textures(&self) -> impl Iterator<Item = TextureSlot> {
+        let normal = self.normal_texture.map(|(slot, _)| slot);
+        let slots =
+            [self.base_colour_texture, self.metallic_roughness_texture, self.emission_texture, normal];
+        slots.into_iter().flatten()
+    }
+
+    /// Whether a share of light may pass through it: whether its opacity must be asked.
+    pub fn can_be_seen_through(&self) -> bool {
+        self.alpha != AlphaMode::Opaque
+    }
+
     /// The tangent-space normal at a point, unit length; `None` without a normal map.
     pub fn tangent_normal(&self, textures: &[Arc<Texture>], uvs: [Vec2; 2]) -> Option<Vec3> {
         let (slot, scale) = self.normal_texture?;
@@ -166,4 +188,29 @@ fn read(slot: Option<TextureSlot>, textures: &[Arc<Texture>], uvs: [Vec2; 2]) ->
     slot.map_or(Vec4::ONE, |slot| {
         textures[slot.texture.0 as usize].sample(slot.transform.transform_point2(uvs[slot.uv_set]))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn phong_reflects_its_own_specular_colour_and_no_more_than_it_receives() {
+        let [base, specular] = [Vec3::new(0.9, 0.5, 0.1), Vec3::new(0.3, 0.2, 0.8)];
+        let phong = Material { gloss: Gloss::Phong, metallic: 1.0, ..Material::matte("", base) };
+        let surface = |material: &Material| material.surface(&[], [Vec2::ZERO; 2], Vec4::ONE);
+        let own = surface(&Material { specular: Some(specular), ..phong.clone() });
+        assert_eq!(own.specular, specular);
+        assert_eq!(
+            own.diffuse,
+            Vec3::new(1.0 - 0.3, 0.5, 0.1),
+            "all of the base colour that there is room for"
+        );
+        assert_eq!(surface(&phong).specular, base, "a metal");
+        let microfacets = Material { gloss: Gloss::Microfacets, specular: Some(specular), ..phong };
+        assert_eq!(surface(&microfacets).specular, base, "glTF's model knows metalness only");
+        let bright = Material { specular: Some(Vec3::splat(7.0)), ..Material::default() };
+        let bright = surface(&Material { gloss: Gloss::Phong, ..bright });
+        assert_eq!((bright.diffuse, bright.specular), (Vec3::ZERO, Vec3::ONE));
+    }
 }

@@ -11,6 +11,7 @@ pub mod look;
 pub mod material;
 pub mod medium;
 pub mod mesh;
+mod mesh_list;
 pub mod obj;
 pub mod procedural;
 pub mod source;
@@ -25,6 +26,7 @@ pub use look::Look;
 pub use material::{AlphaMode, Gloss, Material, Surface, TextureSlot};
 pub use medium::{Density, DensityGrid, Medium};
 pub use mesh::{Bounds, Mesh};
+pub use mesh_list::Meshes;
 pub use source::SceneSource;
 pub use summary::SceneSummary;
 pub use texture::{Encoding, Texture, Wrap};
@@ -46,8 +48,8 @@ pub struct TextureId(pub u32);
 pub struct Scene {
     /// What the scene is called in tables and file names.
     pub name: String,
-    /// Triangle meshes in world space; an object placed twice is two meshes.
-    pub meshes: Vec<Mesh>,
+    /// Triangle meshes in world space; an object placed twice is two meshes. Copies of the scene share them.
+    pub meshes: Meshes,
     /// Materials; never empty where there is a mesh.
     pub materials: Vec<Material>,
     /// Textures of the materials.
@@ -86,6 +88,16 @@ pub enum SceneError {
     Empty {
         /// Which scene.
         name: String,
+    },
+    /// There are more triangles than memory holds.
+    #[error("scene `{name}` has {triangles} triangles; the memory that is available here holds {most}")]
+    Memory {
+        /// Which scene.
+        name: String,
+        /// How many it has.
+        triangles: usize,
+        /// How many would fit.
+        most: usize,
     },
     /// The ending says neither glTF nor OBJ.
     #[error("{path}: not a scene file that is known here (.gltf, .glb, .obj)")]
@@ -138,8 +150,7 @@ impl Scene {
         if !(shutter.is_finite() && shutter >= 0.0) {
             return Err(SceneError::invalid(path, format!("cannot be exposed for {shutter} seconds")));
         }
-        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-        let mut scene = match ending.as_str() {
+        let mut scene = match ending(path).as_str() {
             "gltf" | "glb" => gltf::load(path, time, shutter)?,
             "obj" => obj::load(path)?,
             _ => return Err(SceneError::UnknownFormat { path: path.to_owned() }),
@@ -149,6 +160,17 @@ impl Scene {
             return Err(SceneError::Empty { name: scene.name });
         }
         Ok(scene)
+    }
+
+    /// When the animation that [`Scene::load`] poses a file by begins and ends, seconds; `None` where nothing is animated.
+    ///
+    /// # Errors
+    /// If a file is missing or damaged.
+    pub fn animation_span(path: &Path) -> Result<Option<[f32; 2]>, SceneError> {
+        match ending(path).as_str() {
+            "gltf" | "glb" => gltf::animation_span(path),
+            _ => Ok(None),
+        }
     }
 
     /// Number of triangles.
@@ -166,6 +188,12 @@ impl Scene {
         self.meshes.iter().fold(Bounds::EMPTY, |bounds, mesh| bounds.union(mesh.swept_bounds()))
     }
 
+    /// Whether any vertex moves while the shutter is open.
+    pub fn moves(&self) -> bool {
+        let moves = |mesh: &Mesh| mesh.displacements.iter().any(|way| *way != glam::Vec3::ZERO);
+        self.meshes.iter().any(moves)
+    }
+
     /// A material by its index.
     pub fn material(&self, id: MaterialId) -> &Material {
         &self.materials[id.0 as usize]
@@ -178,4 +206,9 @@ impl Scene {
         }
         self.meshes.retain(|mesh| !mesh.triangles.is_empty());
     }
+}
+
+/// The ending of a file's name, which says its format, in small letters.
+fn ending(path: &Path) -> String {
+    path.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_ascii_lowercase()
 }

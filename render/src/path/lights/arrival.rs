@@ -4,9 +4,10 @@
 //! A picture's up is the world's y, or z where the light travels along y to 0.999; its right is to the right for
 //! somebody who stands at the light and looks along its direction, as through a camera. A spot's slide is projected in
 //! perspective, and the outer cone is the circle in its square; cones wider than 89 degrees to a side take what fills
-//! that one. A directional light's pattern is projected in parallel, its top left corner at the world's origin.
+//! that one. A directional light's pattern is projected in parallel, its top left corner at the world's origin. Slides
+//! end at their edges and patterns begin again, whatever their textures do elsewhere.
 
-use crate::scene::{Light, Scene, TextureId};
+use crate::scene::{Light, Scene, TextureId, Wrap};
 use glam::{Vec2, Vec3};
 
 /// Light that reaches a point if nothing is in between.
@@ -48,7 +49,7 @@ impl Arrival {
                 let tint = pattern.map_or(Vec3::ONE, |(texture, size)| {
                     let [right, up] = axes(direction);
                     let uv = Vec2::new(right.dot(point), -up.dot(point)) / size;
-                    picture(scene, texture, uv - uv.floor())
+                    picture(scene, texture, uv, Wrap::Repeat)
                 });
                 Self { direction: -direction, distance: f32::INFINITY, irradiance: irradiance * tint }
             }
@@ -66,9 +67,9 @@ impl Arrival {
 }
 
 /// How much of a spot's intensity goes in a direction, by its cosine to the axis. KHR_lights_punctual: linear in the
-/// cosine between the cones, then squared.
+/// cosine between the cones, of which the outer one is the wider ([`Scene::check_lights`]), then squared.
 fn cone(cosine: f32, cos_inner: f32, cos_outer: f32) -> f32 {
-    let inside = ((cosine - cos_outer) / (cos_inner - cos_outer).max(1e-4)).clamp(0.0, 1.0);
+    let inside = ((cosine - cos_outer) / (cos_inner - cos_outer)).clamp(0.0, 1.0);
     inside * inside
 }
 
@@ -79,7 +80,7 @@ fn projected(scene: &Scene, slide: TextureId, axis: Vec3, cos_outer: f32, direct
     let [right, up] = axes(axis);
     let forward = direction.dot(axis).max(WIDEST_SLIDE);
     let at = Vec2::new(right.dot(direction), -up.dot(direction)) / (forward * rim.max(f32::MIN_POSITIVE));
-    picture(scene, slide, 0.5 + 0.5 * at)
+    picture(scene, slide, 0.5 + 0.5 * at, Wrap::Clamp)
 }
 
 /// A picture's right and up for a light that travels along `direction`.
@@ -89,14 +90,14 @@ fn axes(direction: Vec3) -> [Vec3; 2] {
     [right, right.cross(direction)]
 }
 
-fn picture(scene: &Scene, texture: TextureId, uv: Vec2) -> Vec3 {
-    scene.textures[texture.0 as usize].sample(uv).truncate()
+fn picture(scene: &Scene, texture: TextureId, uv: Vec2, wrap: Wrap) -> Vec3 {
+    scene.textures[texture.0 as usize].sample_wrapped(uv, [wrap; 2]).truncate()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Encoding, Texture, Wrap};
+    use crate::scene::{Encoding, Texture};
 
     /// Red, green over blue, white.
     fn four_colours() -> Scene {
@@ -127,6 +128,40 @@ mod tests {
         for (colour, expected) in colours.into_iter().zip([Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE]) {
             assert!((colour - expected).length() < 1e-4, "{colour} is not {expected}");
         }
+    }
+
+    #[test]
+    fn a_slide_ends_at_its_edges() {
+        // Almost at the left edge, where the texture would go over to the green of the right one.
+        let light = Light::Spot {
+            position: Vec3::ZERO,
+            direction: Vec3::NEG_Z,
+            intensity: Vec3::ONE,
+            range: f32::INFINITY,
+            cos_inner: 0.75,
+            cos_outer: 0.5f32.sqrt(),
+            slide: Some(TextureId(0)),
+        };
+        let colour = irradiance(&light, Vec3::new(-0.99, 0.1, -1.0));
+        assert!(colour.x > 0.0 && colour.y < 1e-3 * colour.x, "{colour}");
+    }
+
+    #[test]
+    fn a_narrow_cone_is_full_on_its_axis() {
+        let light = Light::Spot {
+            position: Vec3::ZERO,
+            direction: Vec3::NEG_Z,
+            intensity: Vec3::ONE,
+            range: f32::INFINITY,
+            cos_inner: 1.0,
+            cos_outer: 0.01f32.cos(),
+            slide: None,
+        };
+        assert_eq!(irradiance(&light, Vec3::NEG_Z), Vec3::ONE);
+        assert_eq!(irradiance(&light, Vec3::new(0.011, 0.0, -1.0)), Vec3::ZERO);
+        // Linear in the cosine, squared, half way to the rim.
+        let half = irradiance(&light, Vec3::new(0.005, 0.0, -1.0)).x;
+        assert!((half - 0.75f32.powi(2)).abs() < 0.01, "{half}");
     }
 
     #[test]

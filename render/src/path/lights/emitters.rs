@@ -5,7 +5,7 @@ use crate::intersection::{clearance, colour, uvs};
 use crate::scene::{Cumulative, Mesh, Scene};
 use glam::{Vec2, Vec3};
 
-/// Emission of a textured triangle below which its share is not reduced, relative to the factor of its texture: a few
+/// Emission of a triangle below which its share is not reduced, relative to the factor of its texture and opacity: a few
 /// points of the triangle cannot prove that it is dark, and what is never chosen would be missing.
 const LEAST_SHARE: f32 = 0.01;
 
@@ -133,9 +133,12 @@ fn strength(scene: &Scene, mesh: usize, triangle: usize) -> f64 {
     let mesh = &scene.meshes[mesh];
     let material = scene.material(mesh.material);
     let (area, _) = area_and_normal(mesh.corners(triangle));
-    let mean = match material.emission_texture {
-        None => emitted(scene, mesh, triangle, Vec2::splat(1.0 / 3.0)),
-        Some(_) => mean_emitted(scene, mesh, triangle),
+    let opacity_varies = material.can_be_seen_through()
+        && (material.base_colour_texture.is_some() || !mesh.colours.is_empty());
+    let mean = if opacity_varies || material.emission_texture.is_some() {
+        mean_emitted(scene, mesh, triangle)
+    } else {
+        emitted(scene, mesh, triangle, Vec2::splat(1.0 / 3.0))
     };
     f64::from(mean.max(material.emission * LEAST_SHARE).element_sum() / 3.0 * area)
 }

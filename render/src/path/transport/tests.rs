@@ -1,18 +1,15 @@
 mod veach;
 
 use super::*;
+use crate::path::proving::{Measured, least_squares, prove_slope, quad};
 use crate::path::sampler::PixelSampler;
 use crate::path::{Sampling, Shot, render};
-use crate::scene::{Camera, Environment, Gloss, Light, Material, MaterialId, Mesh, Scene};
+use crate::scene::{AlphaMode, Camera, Environment, Gloss, Light, Material, MaterialId, Mesh, Scene};
 use deepshade_shaders::Effect;
 use std::f32::consts::{FRAC_1_PI, PI};
 
 fn traced(scene: Scene) -> TracedScene {
     TracedScene::new(scene).expect("triangles")
-}
-
-fn quad(corners: [Vec3; 4]) -> Mesh {
-    Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() }
 }
 
 /// A square of edge `2 size` at a height, of a material.
@@ -32,44 +29,15 @@ fn lambert(albedo: f32) -> Material {
     Material { gloss: Gloss::None, ..Material::matte("grey", Vec3::splat(albedo)) }
 }
 
-/// Mean of a quantity over independent paths, with its standard error.
-#[derive(Clone, Copy, Debug)]
-struct Measured {
-    mean: f32,
-    error: f32,
+/// Mean of a quantity over independent paths.
+fn measured(count: u32, sample: impl Fn(&mut Stream) -> f32) -> Measured {
+    Measured::of_independent(|stream| Vec3::splat(sample(stream)), count)
 }
 
-impl Measured {
-    fn new(count: usize, sample: impl Fn(&mut Stream) -> f32) -> Self {
-        let [measured] = Self::together(count, |stream| [sample(stream)]);
-        measured
-    }
-
-    /// Several quantities of the same paths.
-    fn together<const N: usize>(count: usize, sample: impl Fn(&mut Stream) -> [f32; N]) -> [Self; N] {
-        let mut sums = [[0.0f64; 2]; N];
-        for i in 0..count {
-            let values = sample(&mut Stream::new(PixelSampler::new(i, 11, 3), 0));
-            for (sums, value) in sums.iter_mut().zip(values.map(f64::from)) {
-                *sums = [sums[0] + value, sums[1] + value * value];
-            }
-        }
-        sums.map(|[sum, squares]| {
-            let mean = sum / count as f64;
-            let variance = (squares / count as f64 - mean * mean).max(0.0) / count as f64;
-            Self { mean: mean as f32, error: variance.sqrt() as f32 }
-        })
-    }
-
-    /// Within three standard errors, or the rounding of sums of many numbers where there is no noise.
-    fn is(&self, expected: f32) -> bool {
-        (self.mean - expected).abs() <= 3.0 * self.error + 1e-4 * expected
-    }
-
-    /// The same by light that is 2 % brighter: transport is linear.
-    fn brighter(&self) -> Self {
-        Self { mean: 1.02 * self.mean, error: 1.02 * self.error }
-    }
+/// Proves a value, and that light that is 2 % brighter would be noticed: transport is linear.
+fn prove(name: &str, found: Measured, expected: Vec3) {
+    found.proves(name, expected);
+    Measured { mean: 1.02 * found.mean, error: 1.02 * found.error }.refutes(name, expected);
 }
 
 /// Where paths of these tests begin, and their direction.
@@ -79,16 +47,23 @@ const EYE: (Vec3, Vec3) = (Vec3::new(0.1, 0.3, -0.2), Vec3::new(0.36, -0.8, 0.48
 fn a_white_furnace_of_lambert_walls_has_the_sum_of_powers() {
     for albedo in [0.3f32, 0.7] {
         let wall = Material { emission: Vec3::ONE, ..lambert(albedo) };
-        let scene = traced(Scene { meshes: cube(6), materials: vec![wall], ..Scene::default() });
+        let scene = traced(Scene { meshes: cube(6).into(), materials: vec![wall], ..Scene::default() });
         let transport = Transport::new(&scene);
-        let parts = |split: Split| {
-            [split.emitted, split.direct, split.first_indirect, split.rest, split.total()].map(|part| part.x)
+        let of = |parts: &dyn Fn(Split) -> Vec3| {
+            Measured::of_independent(|stream| parts(transport.split(EYE.0, EYE.1, stream)), 150_000)
         };
-        let found = Measured::together(150_000, |stream| parts(transport.split(EYE.0, EYE.1, stream)));
-        let expected = [1.0, albedo, albedo.powi(2), albedo.powi(3) / (1.0 - albedo), 1.0 / (1.0 - albedo)];
-        for (found, expected) in found.iter().zip(expected) {
-            assert!(found.is(expected), "{found:?} is not {expected}");
-            assert!(!found.brighter().is(expected), "2 % more light than {found:?} passes for {expected}");
+        let all = 1.0 / (1.0 - albedo);
+        let first = of(&|split| Vec3::new(split.emitted.x, split.direct.x, split.first_indirect.x));
+        let later = of(&|split| Vec3::new(split.rest.x, split.total().x, split.total().x));
+        for (found, expected) in [
+            (first, Vec3::new(1.0, albedo, albedo.powi(2))),
+            (later, all * Vec3::new(albedo.powi(3), 1.0, 1.0)),
+        ] {
+            for part in 0..3 {
+                let alone = |of: Vec3| Vec3::splat(of[part]);
+                let found = Measured { mean: alone(found.mean), error: alone(found.error) };
+                prove("furnace/lambert_box", found, alone(expected));
+            }
         }
     }
 }
@@ -97,14 +72,14 @@ fn a_white_furnace_of_lambert_walls_has_the_sum_of_powers() {
 fn white_walls_in_a_white_sky_are_invisible() {
     // A white cube without a lid, in an environment of radiance 1: every wall has radiance 1.
     let scene = traced(Scene {
-        meshes: cube(5),
+        meshes: cube(5).into(),
         materials: vec![lambert(1.0)],
         environment: Some(Environment::uniform(Vec3::ONE).into()),
         ..Scene::default()
     });
     let transport = Transport::new(&scene);
-    let found = Measured::new(20_000, |stream| transport.radiance(EYE.0, EYE.1, stream).x);
-    assert!(found.is(1.0) && !found.brighter().is(1.0), "{found:?}");
+    let found = Measured::of_independent(|stream| transport.radiance(EYE.0, EYE.1, stream), 20_000);
+    prove("furnace/open_box", found, Vec3::ONE);
 }
 
 #[test]
@@ -116,17 +91,17 @@ fn every_material_in_a_white_sky_shows_its_albedo() {
         ..Material::matte("metal", Vec3::splat(0.8))
     };
     let dielectric = |roughness: f32, gloss: Gloss| Material { metallic: 0.0, ..metal(roughness, gloss) };
-    for material in [
-        lambert(0.8),
-        metal(0.25, Gloss::Microfacets),
-        metal(0.9, Gloss::Microfacets),
-        dielectric(0.4, Gloss::Microfacets),
-        metal(0.4, Gloss::Phong),
-        dielectric(0.6, Gloss::Phong),
+    for (name, material) in [
+        ("furnace/lambert", lambert(0.8)),
+        ("furnace/smooth_metal", metal(0.25, Gloss::Microfacets)),
+        ("furnace/rough_metal", metal(0.9, Gloss::Microfacets)),
+        ("furnace/dielectric", dielectric(0.4, Gloss::Microfacets)),
+        ("furnace/phong_metal", metal(0.4, Gloss::Phong)),
+        ("furnace/phong_dielectric", dielectric(0.6, Gloss::Phong)),
     ] {
         let scene = traced(Scene {
-            meshes: vec![square(-1.0, 5.0, 0)],
-            materials: vec![material.clone()],
+            meshes: vec![square(-1.0, 5.0, 0)].into(),
+            materials: vec![material],
             environment: Some(Environment::uniform(Vec3::ONE).into()),
             ..Scene::default()
         });
@@ -136,10 +111,11 @@ fn every_material_in_a_white_sky_shows_its_albedo() {
         for finding in [Finding::Both, Finding::Lights, Finding::Paths] {
             let transport = Transport::new(&scene).with_finding(finding);
             let count = if finding == Finding::Both { 100_000 } else { 20_000 };
-            let found = Measured::new(count, |stream| transport.radiance(EYE.0, EYE.1, stream).x);
-            assert!(found.is(expected), "{found:?} by {finding:?} is not {expected} of {material:?}");
-            let noticed = finding != Finding::Both || !found.brighter().is(expected);
-            assert!(noticed, "2 % more light than {found:?} passes for {expected} of {material:?}");
+            let found = measured(count, |stream| transport.radiance(EYE.0, EYE.1, stream).x);
+            match finding {
+                Finding::Both => prove(name, found, Vec3::splat(expected)),
+                Finding::Lights | Finding::Paths => found.proves(name, Vec3::splat(expected)),
+            }
         }
     }
 }
@@ -163,7 +139,7 @@ fn integral(of: impl Fn(Vec3) -> f32) -> f32 {
 fn lights_without_an_extent_light_a_floor_as_they_do_alone() {
     let floor = |lights: Vec<Light>| {
         traced(Scene {
-            meshes: vec![square(0.0, 9.0, 0)],
+            meshes: vec![square(0.0, 9.0, 0)].into(),
             materials: vec![lambert(0.5)],
             lights,
             ..Scene::default()
@@ -189,20 +165,22 @@ fn lights_without_an_extent_light_a_floor_as_they_do_alone() {
     let at_origin = |lights: Vec<Light>, from: Vec3| {
         let scene = floor(lights);
         let transport = Transport::new(&scene);
-        let found = Measured::new(4_000, |stream| transport.radiance(from, -from.normalize(), stream).x);
-        assert!(found.error < 0.01 * found.mean.max(1e-3), "{found:?}");
+        let found = measured(4_000, |stream| transport.radiance(from, -from.normalize(), stream).x);
+        assert!(found.error.x < 0.01 * found.mean.x.max(1e-3), "{found:?}");
         found
     };
+    // Rays start a little above the floor, which is a little nearer to the light.
+    let close = |found: Measured, to: f32| (found.mean.x - to).abs() <= 3.0 * found.error.x + 1e-4 * to;
     // I / d^2 cos albedo / pi, with d = 5 and cos = 0.8.
     let (above, by_lamp) = (Vec3::new(0.3, 2.0, 0.4), 100.0 / 25.0 * 0.8 * 0.5 * FRAC_1_PI);
-    assert!(at_origin(vec![point(100.0)], above).is(by_lamp));
-    assert!(!at_origin(vec![point(102.0)], above).is(by_lamp));
-    assert!(at_origin(vec![spot], above).is(by_lamp));
+    assert!(close(at_origin(vec![point(100.0)], above), by_lamp));
+    assert!(!close(at_origin(vec![point(102.0)], above), by_lamp));
+    assert!(close(at_origin(vec![spot], above), by_lamp));
     let by_sun = 2.0 * 0.8 * 0.5 * FRAC_1_PI;
-    assert!(at_origin(vec![sun], above).is(by_sun));
-    assert!(at_origin(vec![point(100.0), spot, sun], above).is(2.0 * by_lamp + by_sun));
+    assert!(close(at_origin(vec![sun], above), by_sun));
+    assert!(close(at_origin(vec![point(100.0), spot, sun], above), 2.0 * by_lamp + by_sun));
     // From below, the floor itself is in the way.
-    assert!(at_origin(vec![point(100.0), sun], -above).is(0.0));
+    assert!(close(at_origin(vec![point(100.0), sun], -above), 0.0));
 }
 
 /// A corner of a room with glossy and matte walls under a lamp, a point light and a sky.
@@ -214,7 +192,7 @@ fn corner() -> TracedScene {
     meshes.push(square(-1.0, 1.0, 1));
     meshes.push(square(0.9, 0.5, 2));
     traced(Scene {
-        meshes,
+        meshes: meshes.into(),
         materials: vec![Material::matte("wall", Vec3::new(0.8, 0.7, 0.3)), metal, lamp],
         lights: vec![Light::Point { position: Vec3::splat(0.5), intensity: Vec3::ONE, range: f32::INFINITY }],
         environment: Some(Environment::uniform(Vec3::new(0.2, 0.3, 0.5)).into()),
@@ -249,16 +227,16 @@ fn parts_add_up_and_fewer_bounces_leave_the_first_parts() {
 #[test]
 fn lights_and_paths_find_the_same_light() {
     let scene = corner();
-    let measured = |finding: Finding| {
+    let found_by = |finding: Finding| {
         let transport = Transport::new(&scene).with_finding(finding);
-        Measured::new(80_000, |stream| transport.radiance(EYE.0, EYE.1, stream).y)
+        measured(80_000, |stream| transport.radiance(EYE.0, EYE.1, stream).y)
     };
-    let both = measured(Finding::Both);
+    let both = found_by(Finding::Both);
     for finding in [Finding::Lights, Finding::Paths] {
-        let one = measured(finding);
-        let error = both.error.hypot(one.error);
-        assert!((both.mean - one.mean).abs() < 3.0 * error, "{both:?}, {finding:?} {one:?}");
-        assert!(error < 0.02 * both.mean, "{error} is too large to tell 6 %");
+        let one = found_by(finding);
+        let error = both.error.x.hypot(one.error.x);
+        assert!((both.mean.x - one.mean.x).abs() < 3.0 * error, "{both:?}, {finding:?} {one:?}");
+        assert!(error < 0.02 * both.mean.x, "{error} is too large to tell 6 %");
     }
 }
 
@@ -272,7 +250,7 @@ fn blended_surfaces_let_their_share_through_whichever_way_light_is_found() {
     let lamp = blend(Material { emission: Vec3::splat(5.0), ..lambert(0.0) }, 0.4);
     let pane = blend(lambert(0.0), 0.25);
     let scene = traced(Scene {
-        meshes: vec![square(0.0, 1.0, 0), square(0.5, 500.0, 1), square(1.0, 1.0, 2)],
+        meshes: vec![square(0.0, 1.0, 0), square(0.5, 500.0, 1), square(1.0, 1.0, 2)].into(),
         materials: vec![lambert(0.5), pane, lamp],
         environment: Some(Environment::uniform(Vec3::ONE).into()),
         ..Scene::default()
@@ -286,16 +264,16 @@ fn blended_surfaces_let_their_share_through_whichever_way_light_is_found() {
     for finding in [Finding::Both, Finding::Lights, Finding::Paths] {
         let transport = Transport::new(&scene).with_finding(finding);
         let down = |stream: &mut Stream| transport.radiance(Vec3::Y * 0.25, Vec3::NEG_Y, stream).x;
-        let found = Measured::new(40_000, down);
-        assert!(found.is(expected), "{found:?} by {finding:?} is not {expected}");
+        let found = measured(40_000, down);
+        assert!(found.is(Vec3::splat(expected)), "{found:?} by {finding:?} is not {expected}");
     }
     // Seen from above, beside the diagonal that two triangles share: the lamp, the pane and the floor, each through
     // those before.
     let transport = Transport::new(&scene);
     let from = Vec3::new(0.003, 2.0, 0.001);
-    let found = Measured::new(40_000, |stream| transport.radiance(from, Vec3::NEG_Y, stream).x);
+    let found = measured(40_000, |stream| transport.radiance(from, Vec3::NEG_Y, stream).x);
     let seen = 0.4 * 5.0 + 0.6 * 0.75 * expected;
-    assert!(found.is(seen), "{found:?} is not {seen}");
+    assert!(found.is(Vec3::splat(seen)), "{found:?} is not {seen}");
 }
 
 fn seen(scene: &TracedScene, sampling: Sampling, size: usize) -> crate::path::Estimate {
@@ -316,14 +294,21 @@ fn the_error_falls_at_least_as_the_root_of_the_number_of_samples() {
             (f64::from(each).ln(), 0.5 * mean.ln())
         })
         .collect();
-    let count = points.len() as f64;
-    let [x, y] =
-        [points.iter().map(|p| p.0).sum::<f64>() / count, points.iter().map(|p| p.1).sum::<f64>() / count];
-    let slope = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>()
-        / points.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>();
+    let slope = least_squares(&points);
     // The variance of 192 values with seven degrees of freedom each is known to 4 % or so.
     assert!((-1.5..-0.48).contains(&slope), "{slope} of {points:?}");
-    println!("standard error falls with N^{slope:.3}");
+}
+
+#[test]
+fn in_a_white_furnace_the_error_falls_at_least_as_the_root_of_the_number_of_samples() {
+    let wall = Material { emission: Vec3::ONE, ..lambert(0.7) };
+    let scene = traced(Scene { meshes: cube(6).into(), materials: vec![wall], ..Scene::default() });
+    let transport = Transport::new(&scene);
+    prove_slope("slope/path", 1.0 / 0.3, |replicate, samples| {
+        let sampler = PixelSampler::new(0, 0, 7).scrambled(replicate);
+        let radiance = |i| transport.radiance(EYE.0, EYE.1, &mut Stream::new(sampler, i)).x;
+        (0..samples).map(radiance).sum::<f32>() / samples as f32
+    });
 }
 
 #[test]

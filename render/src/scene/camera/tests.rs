@@ -141,3 +141,26 @@ fn projection_is_the_inverse_of_direction() {
     assert_eq!(camera.project(Vec3::new(0.0, 0.0, 1.0), 48, 64), None);
     assert_eq!(camera.project(Vec3::ZERO, 48, 64), None);
 }
+
+#[test]
+fn points_of_a_lens_are_spread_evenly() {
+    use crate::path::chi_square::{p_value, proves, refutes};
+    use crate::path::sampler::Stream;
+    use std::f32::consts::{FRAC_1_PI, TAU};
+    // Points of a disk, lifted to the hemisphere above it, have the density cosine / pi (Malley's method).
+    let lifted = |at: Vec2| Some(at.extend((1.0 - at.length_squared()).max(0.0).sqrt()));
+    let density = |direction: Vec3| direction.z.max(0.0) * FRAC_1_PI;
+    let camera = with_lens(0.3, 2.0);
+    let name = "chi_square/lens";
+    let sampled = |stream: &mut Stream| {
+        let (origin, _) = camera.ray(Vec2::new(3.0, 20.0), 32, 32, stream.next_2d());
+        lifted((camera.rotation.transpose() * (origin - camera.position)).truncate() / 0.3)
+    };
+    proves(name, p_value(Vec3::Z, sampled, density), 1);
+    // A polar map without its square root crowds the middle.
+    let crowded = |stream: &mut Stream| {
+        let square = stream.next_2d();
+        lifted(Vec2::from_angle(TAU * square.x) * square.y)
+    };
+    refutes(name, p_value(Vec3::Z, crowded, density), 1);
+}

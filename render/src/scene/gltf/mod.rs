@@ -24,6 +24,7 @@ use animation::Pose;
 use document::File;
 use node::Hierarchy;
 use std::path::Path;
+use texture::TextureList;
 
 /// Reads a glTF file, posed by its first animation at `time` seconds, with the displacements of its vertices in the
 /// `shutter` seconds around that. Times outside the animation give its ends. The file's default scene is read, else its
@@ -38,21 +39,31 @@ pub fn load(path: &Path, time: f32, shutter: f32) -> Result<Scene, SceneError> {
     let file = File::open(path)?;
     let pose = Pose::at(&file, time)?;
     let hierarchy = Hierarchy::new(&file, &pose)?;
-    let (materials, textures) = material::read(&file)?;
+    let mut textures = TextureList::default();
+    let materials = material::read(&file, &mut textures)?;
+    let lights = light::lights(&file, &hierarchy, &mut textures)?;
     let mut meshes = mesh::read(&file, &hierarchy, &pose)?;
     if shutter > 0.0 && file.document.animations().len() > 0 {
         displace(&file, &mut meshes, [time - 0.5 * shutter, time + 0.5 * shutter])?;
     }
     Ok(Scene {
         name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
-        meshes,
+        meshes: meshes.into(),
         materials,
-        textures,
-        lights: light::lights(&file, &hierarchy)?,
+        textures: textures.load(&file)?,
+        lights,
         cameras: light::cameras(&file, &hierarchy)?,
         environment: None,
         medium: None,
     })
+}
+
+/// When a glTF file's first animation begins and ends, seconds; `None` where nothing is animated.
+///
+/// # Errors
+/// If the file, or one that it refers to, is missing or damaged.
+pub fn animation_span(path: &Path) -> Result<Option<[f32; 2]>, SceneError> {
+    animation::span(&File::open(path)?)
 }
 
 /// Gives the meshes that move between two times how far each of their vertices does. A file's meshes and vertices are
