@@ -4,7 +4,7 @@ use super::FogRange;
 use super::draw::{between, between_ratios, purpose};
 use crate::random::{mix, uniform};
 use deepshade_render::bvh::TracedScene;
-use deepshade_render::scene::medium::Smoke;
+use deepshade_render::scene::medium::{MediumError, Smoke};
 use deepshade_render::scene::{Bounds, Density, Medium};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -50,7 +50,10 @@ impl Fog {
     }
 
     /// The medium in a scene.
-    pub(super) fn medium(&self, scene: &TracedScene) -> Medium {
+    ///
+    /// # Errors
+    /// If the scene is so small for its distance from the origin that smoke is too fine, or as [`Medium::check`].
+    pub(super) fn medium(&self, scene: &TracedScene) -> Result<Medium, MediumError> {
         let margin = Vec3::splat(MARGIN * scene.diagonal());
         let Bounds { min, max } = scene.bounds();
         let bounds = Bounds { min: min - margin, max: max + margin };
@@ -60,10 +63,39 @@ impl Fog {
                 let share = |which: u64| uniform(&[u64::from(seed), which]);
                 let billow = bounds.diagonal() * between([0.08, 0.25], share(0));
                 let smoke = Smoke { seed, billow, cover: between([0.4, 0.8], share(1)) };
-                Density::Grid(smoke.grid(bounds, CELLS).expect("a box with a volume"))
+                Density::Grid(smoke.grid(bounds, CELLS)?)
             }
         };
-        let Self { absorption, scattering, anisotropy, .. } = *self;
-        Medium { absorption, scattering, anisotropy, density }
+        Medium::new(self.absorption, self.scattering, self.anisotropy, density)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use deepshade_render::scene::{Material, Mesh, Scene};
+
+    /// A triangle of 2 m so far from the origin.
+    fn scene(distance: f32) -> TracedScene {
+        let corners = [Vec3::ZERO, Vec3::X * 2.0, Vec3::new(0.0, 2.0, 2.0)];
+        let mesh = Mesh {
+            positions: corners.map(|corner| corner + Vec3::X * distance).to_vec(),
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        let materials = vec![Material::default()];
+        TracedScene::new(Scene { meshes: vec![mesh].into(), materials, ..Scene::default() })
+            .expect("a triangle")
+    }
+
+    #[test]
+    fn where_there_can_be_no_fog_is_an_error() {
+        let fog = |smoke| Fog { absorption: Vec3::ZERO, scattering: Vec3::ONE, anisotropy: 0.0, smoke };
+        for smoke in [None, Some(3)] {
+            assert!(fog(smoke).medium(&scene(0.0)).is_ok());
+        }
+        assert!(matches!(fog(Some(3)).medium(&scene(2e6)), Err(MediumError::Smoke(_))));
+        let thick = Fog { scattering: Vec3::splat(1e7), ..fog(None) };
+        assert!(matches!(thick.medium(&scene(0.0)), Err(MediumError::Coefficient { .. })));
     }
 }

@@ -24,8 +24,11 @@ impl Visible {
     }
 }
 
-/// An effect at a surface; 0 where none is seen.
+/// An effect at a surface.
 pub trait SurfaceEffect: Sync {
+    /// Its value where no surface is seen.
+    const BACKGROUND: Vec3 = Vec3::ZERO;
+
     /// One unbiased sample.
     fn sample(&self, visible: &Visible, stream: &mut Stream) -> Vec3;
 
@@ -52,7 +55,7 @@ impl<'a, E: SurfaceEffect> AtSurface<'a, E> {
 
 impl<E: SurfaceEffect> Integrator for AtSurface<'_, E> {
     fn sample(&self, at: Vec2, stream: &mut Stream) -> Vec3 {
-        Visible::at(&self.shot, at).map_or(Vec3::ZERO, |visible| self.effect.sample(&visible, stream))
+        Visible::at(&self.shot, at).map_or(E::BACKGROUND, |visible| self.effect.sample(&visible, stream))
     }
 
     /// A pixel's middle shows the same surface to all samples.
@@ -61,7 +64,7 @@ impl<E: SurfaceEffect> Integrator for AtSurface<'_, E> {
             return super::mean_of_samples(self, shot, x, y, sampler, count);
         }
         let visible = Visible::at(&self.shot, Vec2::new(x as f32 + 0.5, y as f32 + 0.5));
-        visible.map_or(Vec3::ZERO, |visible| self.effect.mean(&visible, sampler, count))
+        visible.map_or(E::BACKGROUND, |visible| self.effect.mean(&visible, sampler, count))
     }
 }
 

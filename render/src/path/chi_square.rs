@@ -1,9 +1,10 @@
-//! Pearson's chi-square test of samplers of directions against the densities that they claim, for tests.
+//! Pearson's chi-square test of samplers of directions and of distances against the densities that they claim, for tests.
 //!
 //! Directions are counted in bins over the sphere, and what a bin should hold is the density's integral over it.
 //! Samples that give no direction are a bin of their own, so that the density's total is checked as well. Sidak's
 //! correction keeps the probability that any of several right samplers is rejected at 1 %.
 
+use super::proving::Comparison;
 use super::sampler::{PixelSampler, Stream, frame};
 use glam::Vec3;
 use std::f64::consts::PI;
@@ -12,6 +13,8 @@ use std::f64::consts::PI;
 const ROWS: usize = 32;
 /// Bins around.
 const COLUMNS: usize = 64;
+/// Bins along a line.
+const STEPS: usize = 60;
 /// Points along both edges of a bin at which the density is read.
 const POINTS: usize = 12;
 const SAMPLES: u32 = 100_000;
@@ -24,7 +27,27 @@ const SIGNIFICANCE: f64 = 0.01;
 
 /// Whether a probability of [`p_value`] is too small for a right sampler, `tests` of which are looked at.
 pub fn rejects(p: f64, tests: usize) -> bool {
-    p < 1.0 - (1.0 - SIGNIFICANCE).powf(1.0 / tests as f64)
+    p < least(tests)
+}
+
+/// Asserts that it is not.
+pub fn proves(name: &str, p: f64, tests: usize) {
+    compared(name, p, tests, false).settle();
+}
+
+/// Asserts that it is: the control of a proof.
+pub fn refutes(name: &str, p: f64, tests: usize) {
+    compared(name, p, tests, true).settle();
+}
+
+fn compared(name: &str, p: f64, tests: usize, control: bool) -> Comparison<'_> {
+    let within = !rejects(p, tests);
+    Comparison { name, value: p, expected: least(tests), standard_error: None, within, control }
+}
+
+/// Sidak's correction.
+fn least(tests: usize) -> f64 {
+    1.0 - (1.0 - SIGNIFICANCE).powf(1.0 / tests as f64)
 }
 
 /// Probability of counts at least as far from what they should be if the density is the sampler's. Bins turn about
@@ -35,24 +58,51 @@ pub fn p_value(
     density: impl Fn(Vec3) -> f32,
 ) -> f64 {
     let to_world = frame(pole);
-    let nothing = ROWS * COLUMNS;
-    let mut counts = vec![0.0; nothing + 1];
+    p_value_of_bins(
+        ROWS * COLUMNS,
+        |stream| sample(stream).map(|direction| bin(to_world.transpose() * direction)),
+        |bin| integral(bin, |direction| density(to_world * direction)),
+    )
+}
+
+/// As [`p_value`], of a sampler of distances up to a length and their density, 1/m.
+pub fn p_value_of_distances(
+    length: f32,
+    mut sample: impl FnMut(&mut Stream) -> Option<f32>,
+    density: impl Fn(f32) -> f64,
+) -> f64 {
+    let width = length / STEPS as f32;
+    let middle = |bin: usize, point: usize| (bin as f32 + (point as f32 + 0.5) / POINTS as f32) * width;
+    p_value_of_bins(
+        STEPS,
+        |stream| sample(stream).map(|distance| ((distance / width) as usize).min(STEPS - 1)),
+        |bin| {
+            let sum: f64 = (0..POINTS).map(|point| density(middle(bin, point))).sum();
+            sum * f64::from(width) / POINTS as f64
+        },
+    )
+}
+
+/// Of a sampler of `bins` numbered bins, or none, and the probability of each.
+fn p_value_of_bins(
+    bins: usize,
+    mut sample: impl FnMut(&mut Stream) -> Option<usize>,
+    probability_of: impl Fn(usize) -> f64,
+) -> f64 {
+    let mut counts = vec![0.0; bins + 1];
     for i in 0..SAMPLES {
         // Independent numbers, as the test asks for: the first of a sequence of its own each time.
         let mut stream = Stream::new(PixelSampler::new(i as usize, 0, 1), 0);
-        let bin = sample(&mut stream).map_or(nothing, |direction| bin(to_world.transpose() * direction));
-        counts[bin] += 1.0;
+        counts[sample(&mut stream).unwrap_or(bins)] += 1.0;
     }
-    let mut bins: Vec<(f64, f64)> = (0..nothing)
-        .map(|bin| integral(bin, |direction| density(to_world * direction)) * f64::from(SAMPLES))
-        .zip(counts.iter().copied())
-        .collect();
-    let total: f64 = bins.iter().map(|(expected, _)| expected).sum();
+    let mut pairs: Vec<(f64, f64)> =
+        (0..bins).map(|bin| (probability_of(bin) * f64::from(SAMPLES), counts[bin])).collect();
+    let total: f64 = pairs.iter().map(|(expected, _)| expected).sum();
     if total > LARGEST_TOTAL * f64::from(SAMPLES) {
         return 0.0;
     }
-    bins.push(((f64::from(SAMPLES) - total).max(0.0), counts[nothing]));
-    probability(bins)
+    pairs.push(((f64::from(SAMPLES) - total).max(0.0), counts[bins]));
+    probability(pairs)
 }
 
 /// Of bins with what they should hold and what they do.
@@ -171,8 +221,8 @@ mod tests {
             Some(cosine_hemisphere(square.x, square.y))
         };
         let p = |density: fn(Vec3) -> f32| p_value(Vec3::Z, cosine, density);
-        let right = p(|direction| direction.z.max(0.0) * FRAC_1_PI);
-        assert!(!rejects(right, 1), "{right}");
+        let name = "chi_square/cosine_hemisphere";
+        proves(name, p(|direction| direction.z.max(0.0) * FRAC_1_PI), 1);
         // Uniform over the hemisphere, over the sphere, a density that is 2 % too high, and a little that is missing.
         for wrong in [
             |direction: Vec3| f32::from(direction.z > 0.0) * 0.5 * FRAC_1_PI,
@@ -180,7 +230,7 @@ mod tests {
             |direction: Vec3| direction.z.max(0.0) * 1.02 * FRAC_1_PI,
             |direction: Vec3| if direction.x > 0.98 { 0.0 } else { direction.z.max(0.0) * FRAC_1_PI },
         ] {
-            assert!(rejects(p(wrong), 1));
+            refutes(name, p(wrong), 1);
         }
     }
 

@@ -31,8 +31,9 @@ impl Integrator for DepthOfField<'_> {
 mod tests {
     use super::*;
     use crate::bvh::TracedScene;
+    use crate::path::proving::{quad, traced};
     use crate::path::{Estimate, Footprint, Sampling, render};
-    use crate::scene::{Camera, Lens, Material, Mesh, Scene};
+    use crate::scene::{Camera, Lens, Material};
     use deepshade_shaders::Effect;
 
     const SIZE: usize = 32;
@@ -47,13 +48,9 @@ mod tests {
     fn lamp(depth: f32, pixels: f32) -> TracedScene {
         let half = 0.5 * pixels * depth / SIZE as f32;
         let corner = |(x, y): (f32, f32)| Vec3::new(x * half, y * half, -depth);
-        let mesh = Mesh {
-            positions: [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)].map(corner).to_vec(),
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
-            ..Mesh::default()
-        };
-        let materials = vec![Material { emission: Vec3::new(3.0, 2.0, 1.0), ..Material::default() }];
-        TracedScene::new(Scene { meshes: vec![mesh], materials, ..Scene::default() }).expect("a square")
+        let mesh = quad([(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)].map(corner));
+        let material = Material { emission: Vec3::new(3.0, 2.0, 1.0), ..Material::default() };
+        traced(vec![mesh], material)
     }
 
     /// Sum of the red pixels whose middles are within a radius of the image's, and its standard error.

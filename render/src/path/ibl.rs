@@ -94,9 +94,9 @@ mod tests {
                     })
                 };
                 let value = on_floor(&scene, degrees);
-                assert!(value.is(expected(false)), "{degrees}: {value:?} is not {}", expected(false));
-                assert!(!value.is(1.02 * expected(false)), "2 % are noticed");
-                assert!(!value.is(expected(true)), "a cosine left out is noticed");
+                value.proves("ibl/phong", expected(false));
+                value.refutes("ibl/phong", 1.02 * expected(false));
+                value.refutes("ibl/phong", expected(true));
             }
         }
     }

@@ -9,6 +9,7 @@
 //! ([`Media::transmittance`]), and whether a ray passes to the surface ahead or is scattered before
 //! ([`Media::flight`]). Absorption is never sampled: it is in the weights.
 
+mod lamps;
 mod phase;
 #[cfg(test)]
 mod tests;
@@ -16,11 +17,13 @@ mod tracking;
 mod uniform;
 
 pub use phase::HenyeyGreenstein;
+pub(super) use uniform::FreeFlight;
 
 use super::sampler::Stream;
 use crate::bvh::TracedScene;
-use crate::scene::{Density, Medium};
+use crate::scene::{Density, Light, Medium};
 use glam::Vec3;
+use lamps::Lamps;
 
 /// What fills a scene, if anything does.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +51,13 @@ pub struct Flight {
     /// over the probability density of being scattered there; or the transmittance of the segment over the probability
     /// of passing.
     pub weight: Vec3,
+}
+
+impl Segment {
+    /// The point at a distance.
+    pub fn at(&self, distance: f32) -> Vec3 {
+        self.origin + self.direction * distance
+    }
 }
 
 impl Flight {
@@ -113,6 +123,38 @@ impl<'a> Media<'a> {
             }
             _ => uniform::scattering(medium, [near, far], throughput, stream.next_2d()),
         }
+    }
+
+    /// As [`Media::scattering`], for light that comes straight from `lights`: half of the distances are drawn by what
+    /// lamps send there, and all are weighed by the balance heuristic (Veach 1997, 9.2.4). Of a grid the density of the
+    /// other half is not known; that of a uniform medium with the grid's mean density stands for it, since any weights
+    /// that add up to 1 keep the mean.
+    pub fn scattering_of_lamps(
+        &self,
+        lights: &[Light],
+        segment: &Segment,
+        throughput: Vec3,
+        stream: &mut Stream,
+    ) -> Flight {
+        let Some((medium, span)) = self.inside(segment) else { return Flight::passed(Vec3::ZERO) };
+        let by_flight = uniform::Scattering::new(medium, medium.density.mean(), span, throughput);
+        let (Some(by_flight), Some(by_lamps)) = (by_flight, Lamps::beside(lights, segment, span)) else {
+            return self.scattering(segment, throughput, stream);
+        };
+        let at = stream.next_2d();
+        if at.x < 0.5 {
+            let distance = by_lamps.distance(at.y);
+            let densities = 0.5 * (by_lamps.density(distance) + by_flight.density(distance));
+            let before = Segment { length: distance, ..*segment };
+            let density = medium.density.inside(segment.at(distance));
+            let passing = self.transmittance(&before, stream);
+            return Flight::scattered(distance, medium.scattering * density * passing / densities);
+        }
+        let flight = self.scattering(segment, throughput, stream);
+        let Some(distance) = flight.scattered else { return flight };
+        let density = by_flight.density(distance);
+        let share = density / (0.5 * (by_lamps.density(distance) + density));
+        Flight { weight: flight.weight * share, ..flight }
     }
 
     /// The part of a segment that is inside the medium.

@@ -38,7 +38,7 @@ pub use at_surface::AtSurface;
 pub use directional::Directional;
 pub use dof::DepthOfField;
 pub use estimate::{Estimate, Refinement, Sampling, render, render_where};
-pub use fog::Fog;
+pub use full::FullPath;
 pub use gi::{Gi, Receiver};
 pub use ibl::Ibl;
 pub use motion_blur::MotionBlur;
@@ -126,7 +126,7 @@ fn mean_of_samples<I: Integrator + ?Sized>(
 /// The integrator of an effect's truth.
 pub fn integrator<'a>(effect: Effect, shot: &Shot<'a>) -> Box<dyn Integrator + 'a> {
     match effect {
-        Effect::Ao => Box::new(Ao::new(shot)),
+        Effect::Ao => Box::new(AtSurface::new(shot, Ao::new(shot))),
         Effect::Do => Box::new(AtSurface::new(shot, Directional::new(shot))),
         Effect::Gi => Box::new(AtSurface::new(shot, Gi::new(shot, Receiver::Diffuse))),
         Effect::Ibl => Box::new(AtSurface::new(shot, Ibl::new(shot))),
@@ -136,9 +136,9 @@ pub fn integrator<'a>(effect: Effect, shot: &Shot<'a>) -> Box<dyn Integrator + '
         Effect::MotionBlur => Box::new(MotionBlur::new(shot)),
         Effect::Aa => Box::new(AntiAliasing::new(shot)),
         Effect::Multi => Box::new(Multi::new(shot)),
-        Effect::FogDirect => Box::new(Fog::direct(shot)),
-        Effect::FogIndirect => Box::new(Fog::indirect(shot)),
-        Effect::FogMultiple => Box::new(Fog::multiple(shot)),
-        Effect::Path => Box::new(full::FullPath::new(shot)),
+        Effect::FogDirect => Box::new(fog::direct(shot)),
+        Effect::FogIndirect => Box::new(fog::indirect(shot)),
+        Effect::FogMultiple => Box::new(fog::multiple(shot)),
+        Effect::Path => Box::new(FullPath::new(shot)),
     }
 }

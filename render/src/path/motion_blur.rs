@@ -33,13 +33,12 @@ mod tests {
     use super::*;
     use crate::bvh::TracedScene;
     use crate::path::appearance::appearance;
-    use crate::path::{Sampling, render};
+    use crate::path::{Sampling, proving, render};
     use crate::scene::{Camera, Light, Material, MaterialId, Mesh, Scene};
     use deepshade_shaders::Effect;
 
     fn quad(material: u32, corners: [Vec3; 4]) -> Mesh {
-        let triangles = vec![[0, 1, 2], [0, 2, 3]];
-        Mesh { positions: corners.to_vec(), triangles, material: MaterialId(material), ..Mesh::default() }
+        Mesh { material: MaterialId(material), ..proving::quad(corners) }
     }
 
     #[test]
@@ -51,8 +50,8 @@ mod tests {
         let sheet = [(-9., -9.), (0., -9.), (0., 9.), (-9., 9.)].map(|(x, y)| Vec3::new(x, y, -1.0));
         let mesh = Mesh { displacements: vec![Vec3::X * 20.0 / 48.0; 4], ..quad(0, sheet) };
         let materials = vec![Material { emission: Vec3::ONE, ..Material::default() }];
-        let scene =
-            TracedScene::new(Scene { meshes: vec![mesh], materials, ..Scene::default() }).expect("a sheet");
+        let scene = TracedScene::new(Scene { meshes: vec![mesh].into(), materials, ..Scene::default() })
+            .expect("a sheet");
         let shot = Shot::new(&scene, &camera, [WIDTH; 2], 1.0);
         let image = render(Effect::MotionBlur, &shot, Sampling::one(64, 2)).mean;
         let mut worst: f32 = 0.0;
@@ -78,7 +77,7 @@ mod tests {
             range: f32::INFINITY,
         };
         Scene {
-            meshes: vec![quad(0, floor), Mesh { displacements, ..quad(1, board) }],
+            meshes: vec![quad(0, floor), Mesh { displacements, ..quad(1, board) }].into(),
             materials: vec![
                 Material::matte("grey", Vec3::splat(0.6)),
                 Material { roughness: 0.4, ..Material::matte("red", Vec3::X) },

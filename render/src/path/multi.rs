@@ -34,18 +34,13 @@ impl Integrator for Multi<'_> {
 mod tests {
     use super::*;
     use crate::bvh::TracedScene;
+    use crate::path::proving::{floor, quad};
     use crate::path::{Sampling, render};
-    use crate::scene::{Camera, Lens, Light, Material, Mesh, Scene};
+    use crate::scene::{Camera, Lens, Light, Material, Scene};
     use deepshade_shaders::Effect;
 
     /// A floor and a wall in the light of a lamp.
     fn corner() -> TracedScene {
-        let quad = |corners: [Vec3; 4]| Mesh {
-            positions: corners.to_vec(),
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
-            ..Mesh::default()
-        };
-        let floor = [(-9., 9.), (9., 9.), (9., -9.), (-9., -9.)].map(|(x, z)| Vec3::new(x, 0.0, z));
         let wall = [(-9., 0.), (-9., 2.), (9., 2.), (9., 0.)].map(|(z, y)| Vec3::new(0.0, y, z));
         let lamp = Light::Point {
             position: Vec3::new(3.0, 2.0, 1.0),
@@ -53,7 +48,7 @@ mod tests {
             range: f32::INFINITY,
         };
         TracedScene::new(Scene {
-            meshes: vec![quad(floor), quad(wall)],
+            meshes: vec![floor(), quad(wall)].into(),
             materials: vec![Material::matte("grey", Vec3::splat(0.5))],
             lights: vec![lamp],
             ..Scene::default()

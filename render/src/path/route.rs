@@ -49,8 +49,7 @@ impl Vertices {
 
     /// Whether this route, or one with more vertices, is the wanted one.
     pub fn lead_to(self, wanted: Route) -> bool {
-        self.count == 0
-            || self.route == wanted
+        self.route == wanted
             || wanted == Route::Multiple
             || (self.route == Route::Direct && wanted == Route::Indirect)
     }

@@ -16,6 +16,7 @@
 //! a path like the object's own, with the light that falls on it from behind.
 
 use super::direct::direct_light;
+use super::medium::FreeFlight;
 use super::sampler::{Stream, cosine_hemisphere, frame};
 use super::{Integrator, Shot};
 use crate::bvh::{Hit, TracedScene};
@@ -93,7 +94,7 @@ impl Body {
         let mut origin = start.position;
         let mut throughput = Vec3::select(self.entered, Vec3::ONE, Vec3::ZERO);
         for collisions in 0..MOST_COLLISIONS {
-            let flight = Flight::new(self, throughput, stream);
+            let flight = FreeFlight::new(self.extinction, throughput, stream.next_2d());
             let mut met = scene.hit(origin, direction, flight.distance);
             if collisions == 0 && met.is_some_and(|hit| same_triangle(&hit, entry)) {
                 // A start above the surface by a rounding. Starting well below always would miss short paths.
@@ -102,7 +103,7 @@ impl Body {
             if let Some(hit) = met {
                 return throughput * flight.passed(hit.distance) * light_outside(scene, &hit, direction);
             }
-            throughput *= flight.collided(self.albedo);
+            throughput *= self.albedo * self.extinction * flight.collided();
             let left = throughput.max_element();
             let survival = if collisions < CERTAIN_COLLISIONS { 1.0 } else { left.min(1.0) };
             if left == 0.0 || (survival < 1.0 && stream.next_1d() >= survival) {
@@ -118,46 +119,6 @@ impl Body {
 
 fn same_triangle(a: &Hit, b: &Hit) -> bool {
     (a.mesh, a.triangle) == (b.mesh, b.triangle)
-}
-
-/// A straight part of a path, as long as chosen by one colour, for all colours: each weighs against the density with
-/// which any of them would have chosen it (Chiang, Kutz and Burley 2016, "Practical and controllable subsurface
-/// scattering for production path tracing").
-struct Flight {
-    /// How far the path flies if nothing is in the way, metres.
-    distance: f32,
-    extinction: Vec3,
-    /// The probability of each colour to be the one that chooses.
-    choice: Vec3,
-}
-
-impl Flight {
-    fn new(body: &Body, throughput: Vec3, stream: &mut Stream) -> Self {
-        // A colour has a say by how much of it is left.
-        let choice = throughput / throughput.element_sum();
-        let [which, u] = stream.next_2d().to_array();
-        let chooser = if which < choice.x || choice.y + choice.z == 0.0 {
-            0
-        } else if which < choice.x + choice.y || choice.z == 0.0 {
-            1
-        } else {
-            2
-        };
-        let distance = -(-u).ln_1p() / body.extinction[chooser];
-        Self { distance, extinction: body.extinction, choice }
-    }
-
-    /// Factor of a path that met a surface at a distance.
-    fn passed(&self, distance: f32) -> Vec3 {
-        let transmittance = (-self.extinction * distance).exp();
-        transmittance / self.choice.dot(transmittance)
-    }
-
-    /// Factor of a path that collided at its end.
-    fn collided(&self, albedo: Vec3) -> Vec3 {
-        let density = self.extinction * (-self.extinction * self.distance).exp();
-        albedo * density / self.choice.dot(density)
-    }
 }
 
 /// Direct light that a path through the surface at `hit` finds outside: what a white matte surface would reflect.

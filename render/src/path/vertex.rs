@@ -36,8 +36,7 @@ impl Vertex {
 
     /// In the medium, at a distance on a segment.
     pub fn medium(media: &Media<'_>, segment: &Segment, distance: f32) -> Self {
-        let point = segment.origin + segment.direction * distance;
-        Self::Medium { point, phase: media.phase(), direction: segment.direction }
+        Self::Medium { point: segment.at(distance), phase: media.phase(), direction: segment.direction }
     }
 
     /// Where rays from here start, and from where lights are sampled.

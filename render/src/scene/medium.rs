@@ -10,6 +10,7 @@ mod vol;
 
 pub use grid::DensityGrid;
 pub use smoke::Smoke;
+pub use vol::write_vol;
 
 use super::Bounds;
 use glam::Vec3;
@@ -165,6 +166,22 @@ impl Density {
             Self::Grid(grid) => clip(grid.bounds(), origin, direction, reach),
         }
     }
+
+    /// The density at a point of the medium's box.
+    pub fn inside(&self, point: Vec3) -> f32 {
+        match self {
+            Self::Everywhere | Self::Within(_) => 1.0,
+            Self::Grid(grid) => grid.at(point),
+        }
+    }
+
+    /// The mean density in the medium's box.
+    pub const fn mean(&self) -> f32 {
+        match self {
+            Self::Everywhere | Self::Within(_) => 1.0,
+            Self::Grid(grid) => grid.mean(),
+        }
+    }
 }
 
 /// The part of a ray inside a box, by the slab method (Kay and Kajiya 1986).
@@ -226,7 +243,7 @@ mod tests {
         let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
         let scene = Scene {
             name: "murk".to_owned(),
-            meshes: vec![Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() }],
+            meshes: vec![Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() }].into(),
             materials: vec![Material::default()],
             medium: Some(medium.into()),
             ..Scene::default()

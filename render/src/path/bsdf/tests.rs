@@ -1,5 +1,6 @@
 use super::*;
-use crate::path::chi_square::{p_value, rejects};
+use crate::path::chi_square::{self, p_value, rejects};
+use crate::path::proving::least_squares;
 use crate::path::sampler::PixelSampler;
 use crate::scene::Material;
 use glam::Vec4;
@@ -32,7 +33,9 @@ fn materials() -> Vec<(String, Material)> {
                 })
             })
         });
-    std::iter::once(lambert).chain(glossy).collect()
+    let tinted =
+        Material { specular: Some(Vec3::new(0.1, 0.4, 0.6)), ..material(Gloss::Phong, 0.0, 0.5, colour) };
+    std::iter::once(lambert).chain(glossy).chain([("phong, tinted".to_owned(), tinted)]).collect()
 }
 
 const ANGLES: [f32; 4] = [0.0, 35.0, 65.0, 84.0];
@@ -82,7 +85,8 @@ fn every_sampler_has_its_density() {
     for (name, bsdf, to_viewer) in &cases {
         let sample = |stream: &mut Stream| bsdf.sample(*to_viewer, stream).map(|sample| sample.direction);
         let p = p_value(Vec3::X, sample, |direction| bsdf.density(*to_viewer, direction));
-        assert!(!rejects(p, cases.len()), "{name}: {p}");
+        println!("{name}: {p}");
+        chi_square::proves("chi_square/reflectance", p, cases.len());
     }
 }
 
@@ -92,7 +96,7 @@ fn a_sampler_does_not_have_the_density_of_a_rougher_surface() {
         let [bsdf, rougher] = [0.5, 0.515].map(|roughness| flat(&material(gloss, 1.0, roughness, Vec3::ONE)));
         let sample = |stream: &mut Stream| bsdf.sample(viewer(50.0), stream).map(|sample| sample.direction);
         let p = p_value(Vec3::X, sample, |direction| rougher.density(viewer(50.0), direction));
-        assert!(rejects(p, 100), "{gloss:?}: {p}");
+        chi_square::refutes("chi_square/reflectance", p, 100);
     }
 }
 
@@ -218,15 +222,6 @@ fn a_black_surface_reflects_nothing() {
     assert_eq!(bsdf.evaluate(viewer(20.0), viewer(10.0)), Vec3::ZERO);
 }
 
-/// Slope of the line through points (x, y) of least squares.
-fn slope(points: &[(f32, f32)]) -> f32 {
-    let n = points.len() as f32;
-    let (x, y) = points.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0 / n, sum.1 + p.1 / n));
-    let (across, along) =
-        points.iter().fold((0.0, 0.0), |sum, p| (sum.0 + (p.0 - x) * (p.1 - y), sum.1 + (p.0 - x).powi(2)));
-    across / along
-}
-
 #[test]
 fn errors_fall_at_least_as_fast_as_the_root_of_the_samples() {
     // Light that grows towards one side, on a dielectric; truth by many samples.
@@ -234,7 +229,7 @@ fn errors_fall_at_least_as_fast_as_the_root_of_the_samples() {
     let light = |direction: Vec3| 1.0 + direction.x + 4.0 * f32::from(direction.y > 0.3);
     let truth = estimated(&bsdf, viewer(50.0), light, 32_768).0.x;
     let fitted = |bias: f32| {
-        let points: Vec<(f32, f32)> = (3..12)
+        let points: Vec<(f64, f64)> = (3..12)
             .map(|power| {
                 let replicate = |pixel: usize| {
                     let sampler = PixelSampler::new(pixel, 7, 0);
@@ -246,10 +241,10 @@ fn errors_fall_at_least_as_fast_as_the_root_of_the_samples() {
                     (mean * bias - truth).powi(2)
                 };
                 let error = (0..64).map(replicate).sum::<f32>() / 64.0;
-                (power as f32 * std::f32::consts::LN_2, 0.5 * error.ln())
+                (f64::from(power) * std::f64::consts::LN_2, f64::from(0.5 * error.ln()))
             })
             .collect();
-        slope(&points)
+        least_squares(&points)
     };
     assert!(fitted(1.0) < -0.5, "{}", fitted(1.0));
     assert!(fitted(1.02) > -0.5, "an error that stays is noticed");

@@ -2,17 +2,17 @@
 
 use super::*;
 use crate::bvh::TracedScene;
-use crate::path::full::FullPath;
 use crate::path::medium::HenyeyGreenstein;
-use crate::path::proving::{Measured, quad};
-use crate::path::{Sampling, render};
+use crate::path::proving::{Measured, prove_slope, quad};
+use crate::path::sampler::{PixelSampler, Stream};
+use crate::path::{Integrator, Sampling, render};
 use crate::scene::medium::Smoke;
 use crate::scene::{
     Bounds, Camera, Density, DensityGrid, Environment, Gloss, Light, Material, MaterialId, Medium, Mesh,
     Scene,
 };
 use deepshade_shaders::Effect;
-use glam::DVec3;
+use glam::{DVec3, Vec2, Vec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -63,12 +63,13 @@ fn wall(x: f32) -> (Mesh, Material) {
 fn seen(scene: &TracedScene, from: Vec3, samples: u32, route: Route) -> Measured {
     let camera = Camera::look_at(from, from + Vec3::X);
     let shot = Shot::new(scene, &camera, [1, 1], f32::INFINITY);
-    Measured::of(&Fog::along(route, &shot), &shot, samples)
+    Measured::of(&FullPath::along(route, &shot), &shot, samples)
 }
 
-fn assert_is(found: Measured, expected: Vec3) {
-    assert!(found.is(expected), "{} +- {} is not {expected}", found.mean, found.error);
-    assert!(!found.is(expected * 1.02), "a light 2 % brighter would be noticed");
+/// Proves a value, and that a light that is 2 % brighter would be noticed.
+fn prove(name: &str, found: Measured, expected: Vec3) {
+    found.proves(name, expected);
+    found.refutes(name, expected * 1.02);
 }
 
 /// Of each colour, by its absorption and scattering coefficient.
@@ -132,10 +133,10 @@ fn shafts_of_sunlight_are_as_bright_as_their_lit_segment() {
     for (lean, anisotropy) in [(0.0, 0.0), (0.5, 0.0), (0.5, 0.6), (-0.2, -0.5)] {
         for density in both_ways(bounds) {
             let found = seen(&shaft(lean, anisotropy, density), Vec3::ZERO, 4096, Route::Direct);
-            assert_is(found, expected_shaft(lean, anisotropy));
+            prove("fog/shaft", found, expected_shaft(lean, anisotropy));
             if anisotropy != 0.0 {
-                assert!(!found.is(expected_shaft(lean, -anisotropy)), "forwards is not backwards");
-                assert!(!found.is(expected_shaft(lean, 0.0)), "nor to all sides");
+                found.refutes("fog/shaft", expected_shaft(lean, -anisotropy));
+                found.refutes("fog/shaft", expected_shaft(lean, 0.0));
             }
         }
     }
@@ -146,46 +147,71 @@ const INTENSITY: Vec3 = Vec3::new(5.0, 7.0, 9.0);
 /// Its distance from the eye, and that of the wall.
 const LAMP: f64 = 2.0;
 const WALL: f64 = 3.5;
-/// Angle between the view and the lamp.
-const ASIDE: f64 = 0.6;
+/// Angles between the view and the lamp: it is 1.1 m aside, or 4 cm.
+const ASIDE: [f64; 2] = [0.6, 0.02];
 
 /// Airlight of a lamp in endless fog that scatters alike in all directions (Sun et al. 2005, equation 11).
-fn sun_airlight(absorption: f64, scattering: f64) -> f64 {
+fn sun_airlight(aside: f64, absorption: f64, scattering: f64) -> f64 {
     let extinction = absorption + scattering;
     let (t, t_wall) = (extinction * LAMP, extinction * WALL);
-    let (sin, cos) = ASIDE.sin_cos();
+    let (sin, cos) = aside.sin_cos();
     let front = scattering * (-t * cos).exp() / (2.0 * PI * LAMP * sin);
     let a1 = t * sin;
     let a2 = 0.25 * PI + 0.5 * ((t_wall - t * cos) / (t * sin)).atan();
-    front * integral(0.5 * ASIDE, a2, 4000, |x| (-a1 * x.tan()).exp())
+    front * integral(0.5 * aside, a2, 40_000, |x| (-a1 * x.tan()).exp())
 }
 
 /// The same as an integral along the view, for any anisotropy.
-fn airlight(anisotropy: f32, absorption: f64, scattering: f64) -> f64 {
+fn airlight(aside: f64, anisotropy: f32, absorption: f64, scattering: f64) -> f64 {
     let extinction = absorption + scattering;
-    integral(0.0, WALL, 4000, |x| {
-        let to_lamp = DVec3::new(LAMP * ASIDE.cos() - x, LAMP * ASIDE.sin(), 0.0);
+    integral(0.0, WALL, 40_000, |x| {
+        let to_lamp = DVec3::new(LAMP * aside.cos() - x, LAMP * aside.sin(), 0.0);
         let distance = to_lamp.length();
         let turned = phase(anisotropy, to_lamp.x / distance);
         scattering * turned * (-extinction * (x + distance)).exp() / (distance * distance)
     })
 }
 
+/// A lamp in endless fog before a wall.
+fn lamp_in_fog(aside: f64, anisotropy: f32) -> TracedScene {
+    let position = Vec3::new((LAMP * aside.cos()) as f32, (LAMP * aside.sin()) as f32, 0.0);
+    let lamp = Light::Point { position, intensity: INTENSITY, range: f32::INFINITY };
+    traced(vec![wall(WALL as f32)], vec![lamp], medium(anisotropy, Density::Everywhere))
+}
+
 #[test]
 fn airlight_of_a_lamp_is_suns() {
-    let position = Vec3::new((LAMP * ASIDE.cos()) as f32, (LAMP * ASIDE.sin()) as f32, 0.0);
-    let lamp = Light::Point { position, intensity: INTENSITY, range: f32::INFINITY };
-    for anisotropy in [0.0, 0.6, -0.4] {
-        let expected = each_colour(|absorption, scattering| airlight(anisotropy, absorption, scattering));
-        if anisotropy == 0.0 {
-            assert!((expected - each_colour(sun_airlight)).length() < 1e-6 * expected.length());
+    for (aside, name) in ASIDE.into_iter().zip(["fog/airlight", "fog/airlight_of_a_near_lamp"]) {
+        for anisotropy in [0.0, 0.6, -0.4] {
+            let expected = |anisotropy| {
+                INTENSITY
+                    * each_colour(|absorption, scattering| {
+                        airlight(aside, anisotropy, absorption, scattering)
+                    })
+            };
+            if anisotropy == 0.0 {
+                let suns = each_colour(|absorption, scattering| sun_airlight(aside, absorption, scattering));
+                assert!((expected(0.0) - INTENSITY * suns).length() < 1e-5 * expected(0.0).length());
+            }
+            let found = seen(&lamp_in_fog(aside, anisotropy), Vec3::ZERO, 16_384, Route::Direct);
+            prove(name, found, expected(anisotropy));
+            if anisotropy != 0.0 {
+                found.refutes(name, expected(-anisotropy));
+            }
         }
-        let scene = traced(vec![wall(WALL as f32)], vec![lamp], medium(anisotropy, Density::Everywhere));
-        let found = seen(&scene, Vec3::ZERO, 4096, Route::Direct);
-        assert_is(found, expected * INTENSITY);
-        let away = each_colour(|absorption, scattering| airlight(-anisotropy, absorption, scattering));
-        assert!(anisotropy == 0.0 || !found.is(away * INTENSITY), "forwards is not backwards");
     }
+}
+
+#[test]
+fn errors_fall_at_least_as_fast_as_the_root_of_the_samples() {
+    let scene = lamp_in_fog(ASIDE[0], 0.0);
+    let truth = f64::from(INTENSITY.y) * sun_airlight(ASIDE[0], ABSORPTION.y.into(), SCATTERING.y.into());
+    let camera = Camera::look_at(Vec3::ZERO, Vec3::X);
+    let shot = Shot::new(&scene, &camera, [1, 1], f32::INFINITY);
+    let fog = direct(&shot);
+    prove_slope("slope/fog-direct", truth, |replicate, samples| {
+        fog.pixel(&shot, 0, 0, PixelSampler::new(0, 0, 7).scrambled(replicate), samples).y
+    });
 }
 
 /// A box of fog half a metre above a rectangle, and the middle of the box along which it is looked through.
@@ -218,7 +244,7 @@ fn fog_over_a_glowing_rectangle_scatters_its_light() {
         let scene = traced(vec![(rectangle(), matte(Vec3::ZERO, glow))], vec![], medium(0.5, density));
         let expected =
             glow * each_colour(|absorption, scattering| lit_from_below(0.5, absorption, scattering));
-        assert_is(seen(&scene, BESIDE, 2048, Route::Direct), expected);
+        prove("fog/glowing_rectangle", seen(&scene, BESIDE, 2048, Route::Direct), expected);
         assert_eq!(seen(&scene, BESIDE, 64, Route::Indirect).mean, Vec3::ZERO);
     }
 }
@@ -239,10 +265,11 @@ fn fog_over_a_sunlit_rectangle_scatters_what_it_reflects() {
         let reflected = albedo * 4.0 * cosine / std::f32::consts::PI;
         let turned = each_colour(|absorption, scattering| lit_from_below(0.5, absorption, scattering));
         let found = seen(&scene, BESIDE, 4096, Route::Indirect);
-        let expected = reflected * turned;
-        assert!(found.is(expected), "{} +- {} is not {expected}", found.mean, found.error);
-        assert!(!found.is(expected * 1.05), "a sun 5 % brighter would be noticed");
-        assert!(!found.is(expected / cosine), "a cosine left out would be noticed");
+        let name = "fog/sunlit_rectangle";
+        found.proves(name, reflected * turned);
+        found.refutes(name, reflected * turned * 1.05);
+        // Without the cosine.
+        found.refutes(name, reflected * turned / cosine);
         // Black surfaces have no part in it, and the fog's own light is another effect's.
         let black = sunlit_rectangle(Vec3::ZERO, density);
         assert_eq!(seen(&black, BESIDE, 64, Route::Indirect).mean, Vec3::ZERO);
@@ -268,9 +295,9 @@ fn surfaces_that_only_fog_shines_on_are_multiple_scattering() {
     let camera = Camera::look_at(Vec3::new(-0.5, 0.4, 0.0), Vec3::new(1.4, 0.0, 0.0));
     let shot = Shot::new(&scene, &camera, [1, 1], f32::INFINITY);
     for none in [Route::Direct, Route::Indirect, Route::Surfaces] {
-        assert_eq!(Measured::of(&Fog::along(none, &shot), &shot, 256).mean, Vec3::ZERO);
+        assert_eq!(Measured::of(&FullPath::along(none, &shot), &shot, 256).mean, Vec3::ZERO);
     }
-    let multiple = Measured::of(&Fog::multiple(&shot), &shot, 4096);
+    let multiple = Measured::of(&multiple(&shot), &shot, 4096);
     assert!(multiple.mean.cmpgt(5.0 * multiple.error).all(), "{} +- {}", multiple.mean, multiple.error);
 }
 
@@ -281,13 +308,13 @@ fn what_is_not_scattered_is_dimmed_as_beer_and_lambert_say() {
     for density in both_ways(within([1.0, -1.0, -1.0], [3.0, 1.0, 1.0])) {
         let scene = traced(vec![(mesh.clone(), matte(Vec3::ZERO, glow))], vec![], medium(0.2, density));
         let expected = glow * (-(ABSORPTION + SCATTERING) * 2.0).exp();
-        assert_is(seen(&scene, Vec3::ZERO, 1024, Route::Surfaces), expected);
+        prove("beer_lambert/surface", seen(&scene, Vec3::ZERO, 1024, Route::Surfaces), expected);
     }
 }
 
 /// Sum of some integrators' samples, and one more with a factor.
 struct Sum<'a> {
-    parts: Vec<Fog<'a>>,
+    parts: Vec<FullPath<'a>>,
     whole: FullPath<'a>,
     factor: f32,
 }
@@ -330,13 +357,13 @@ fn the_three_and_dimmed_surfaces_add_up_to_full_path_tracing() {
         let shot = Shot::new(&scene, &camera, [2, 3], f32::INFINITY);
         let rest = |without: Option<Route>| {
             let parts = ROUTES.into_iter().filter(|route| Some(*route) != without);
-            let parts = parts.map(|route| Fog::along(route, &shot)).collect();
-            Measured::of(&Sum { parts, whole: FullPath::new(&shot), factor: -1.0 }, &shot, 1024)
+            let parts = parts.map(|route| FullPath::along(route, &shot)).collect();
+            Measured::of(&Sum { parts, whole: FullPath::new(&shot), factor: -1.0 }, &shot, 4096)
         };
         let nothing = rest(None);
-        assert!(nothing.is(Vec3::ZERO), "{} +- {} is not nothing", nothing.mean, nothing.error);
+        nothing.proves("fog/sum_of_routes", Vec3::ZERO);
         for without in ROUTES {
-            assert!(!rest(Some(without)).is(Vec3::ZERO), "{without:?} left out would be noticed");
+            rest(Some(without)).refutes("fog/sum_of_routes", Vec3::ZERO);
         }
     }
 }
@@ -362,14 +389,17 @@ fn white_fog_under_an_even_sky_is_not_seen() {
             let measured = |albedo: f32, factor: f32| {
                 let scene = furnace(albedo, density.clone(), sky);
                 let shot = Shot::new(&scene, &camera, [1, 1], f32::INFINITY);
-                let parts =
-                    if factor == 0.0 { ROUTES.map(|route| Fog::along(route, &shot)).into() } else { vec![] };
+                let parts = if factor == 0.0 {
+                    ROUTES.map(|route| FullPath::along(route, &shot)).into()
+                } else {
+                    vec![]
+                };
                 Measured::of(&Sum { parts, whole: FullPath::new(&shot), factor }, &shot, 1024)
             };
             for factor in [0.0, 1.0] {
-                let found = measured(1.0, factor);
-                assert!(found.is(sky), "{} +- {} is not {sky}", found.mean, found.error);
-                assert!(!measured(0.95, factor).is(sky), "grey fog would be noticed");
+                measured(1.0, factor).proves("furnace/fog", sky);
+                // Grey fog.
+                measured(0.95, factor).refutes("furnace/fog", sky);
             }
         }
     }

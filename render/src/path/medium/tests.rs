@@ -1,31 +1,21 @@
 use super::*;
-use crate::path::chi_square::{p_value, rejects};
+use crate::path::chi_square::{self, p_value, p_value_of_distances};
+use crate::path::lights::Arrival;
+use crate::path::proving::Measured;
 use crate::path::sampler::PixelSampler;
-use crate::scene::{Bounds, DensityGrid};
-use glam::{DVec3, Vec2};
+use crate::scene::{Bounds, DensityGrid, Scene};
+use glam::Vec2;
+use std::f32::consts::FRAC_1_PI;
 
 /// A stream of numbers that are independent of all others.
 fn stream(index: u32, seed: u32) -> Stream {
     Stream::new(PixelSampler::new(index as usize, 0, seed), 0)
 }
 
-/// Mean of independent samples and its standard error.
-fn estimate(count: u32, sample: impl Fn(&mut Stream) -> Vec3) -> [Vec3; 2] {
-    let values: Vec<DVec3> = (0..count).map(|index| sample(&mut stream(index, 1)).as_dvec3()).collect();
-    let count = f64::from(count);
-    let mean = values.iter().sum::<DVec3>() / count;
-    let squares: DVec3 = values.iter().map(|value| (*value - mean) * (*value - mean)).sum();
-    [mean.as_vec3(), (squares / (count * (count - 1.0))).map(f64::sqrt).as_vec3()]
-}
-
-/// Whether a mean is within three standard errors, and rounding, of what it should be.
-fn agrees([mean, error]: [Vec3; 2], expected: Vec3) -> bool {
-    (mean - expected).abs().cmple(3.0 * error + 1e-5 * expected.abs()).all()
-}
-
-fn assert_mean(found: [Vec3; 2], expected: Vec3) {
-    assert!(agrees(found, expected), "{} +- {} is not {expected}", found[0], found[1]);
-    assert!(!agrees(found, expected * 1.05), "5 % more would be noticed");
+/// Proves a value, and that 5 % more would be noticed.
+fn prove(name: &str, found: Measured, expected: Vec3) {
+    found.proves(name, expected);
+    found.refutes(name, expected * 1.05);
 }
 
 const ABSORPTION: Vec3 = Vec3::new(0.1, 0.3, 0.0);
@@ -55,18 +45,25 @@ fn waves() -> Medium {
 /// All along the middle of the box, from before to behind it.
 const ALONG: Segment = Segment { origin: Vec3::new(-1.0, 0.5, 0.5), direction: Vec3::X, length: 6.0 };
 
-/// Density times length, up to a distance on the segment; by midpoints that meet the corners of the grids' densities.
-fn column(medium: &Medium, length: f32) -> f32 {
-    let steps = 19_200;
-    let step = 6.0 / steps as f32;
-    let Density::Grid(grid) = &medium.density else { return (length - 1.0).clamp(0.0, 3.0) };
-    let density = |x: f32| if (0.0..3.0).contains(&x) { grid.at(Vec3::new(x, 0.5, 0.5)) } else { 0.0 };
+/// Density times length along the middle of a grid's box, up to a distance from where it begins; by midpoints that meet
+/// the corners of the grids' densities.
+fn column_of(grid: &DensityGrid, length: f32) -> f32 {
+    let steps = 9_600;
+    let step = 3.0 / steps as f32;
     let sum: f64 = (0..steps)
         .map(|i| (i as f32 + 0.5) * step)
         .filter(|at| *at < length)
-        .map(|at| f64::from(density(at - 1.0)))
+        .map(|at| f64::from(grid.at(Vec3::new(at, 0.5, 0.5))))
         .sum();
     sum as f32 * step
+}
+
+/// The same of a medium, up to a distance on the segment.
+fn column(medium: &Medium, length: f32) -> f32 {
+    match &medium.density {
+        Density::Grid(grid) => column_of(grid, length - 1.0),
+        _ => (length - 1.0).clamp(0.0, 3.0),
+    }
 }
 
 fn passing(medium: &Medium, length: f32) -> Vec3 {
@@ -102,7 +99,11 @@ fn uniform_media_dim_light_as_beer_and_lambert_say() {
     let extinction = ABSORPTION + SCATTERING;
     for (length, inside) in [(0.5, 0.0), (2.5, 1.5), (6.0, 3.0)] {
         let expected = (-extinction * inside).exp();
-        assert!((dimmed(&medium, Segment { length, ..ALONG }) - expected).length() < 1e-6);
+        let found = Measured { mean: dimmed(&medium, Segment { length, ..ALONG }), error: Vec3::ZERO };
+        found.proves("beer_lambert/uniform", expected);
+        if inside > 0.0 {
+            found.refutes("beer_lambert/uniform", (-1.02 * extinction * inside).exp());
+        }
     }
     // Without an end, and without anything to stop one of the colours.
     let endless = Medium { absorption: Vec3::Y, scattering: Vec3::X, density: Density::Everywhere, ..medium };
@@ -118,8 +119,8 @@ fn ratio_tracking_dims_light_by_the_line_integral() {
         for length in [2.2, 6.0] {
             let segment = Segment { length, ..ALONG };
             let media = Media { medium: Some(&medium) };
-            let found = estimate(60_000, |stream| media.transmittance(&segment, stream));
-            assert_mean(found, passing(&medium, length));
+            let found = Measured::of_independent(|stream| media.transmittance(&segment, stream), 60_000);
+            prove("beer_lambert/ratio_tracking", found, passing(&medium, length));
         }
     }
 }
@@ -130,8 +131,8 @@ fn thick_grids_dim_light_without_a_bias_by_roulette() {
     // Optical depths of 4.2, 3.6 and 5.4, at all of which light is faint.
     let medium = Medium { absorption: Vec3::new(0.5, 0.2, 0.0), ..medium(Density::Grid(dense)) };
     let media = Media { medium: Some(&medium) };
-    let found = estimate(300_000, |stream| media.transmittance(&ALONG, stream));
-    assert_mean(found, (-medium.extinction() * 6.0).exp());
+    let found = Measured::of_independent(|stream| media.transmittance(&ALONG, stream), 300_000);
+    prove("beer_lambert/thick", found, (-medium.extinction() * 6.0).exp());
 }
 
 #[test]
@@ -142,12 +143,12 @@ fn flights_pass_and_scatter_as_often_as_light_does() {
                 let flight = flight(&medium, length, stream);
                 if flight.scattered.is_none() { flight.weight } else { Vec3::ZERO }
             };
-            assert_mean(estimate(40_000, passed), passing(&medium, length));
+            prove("flight/passing", Measured::of_independent(passed, 40_000), passing(&medium, length));
             let scatters = |stream: &mut Stream| {
                 let flight = flight(&medium, length, stream);
                 if flight.scattered.is_some() { flight.weight } else { Vec3::ZERO }
             };
-            assert_mean(estimate(40_000, scatters), scattered(&medium, length));
+            prove("flight/scattered", Measured::of_independent(scatters, 40_000), scattered(&medium, length));
         }
     }
 }
@@ -164,7 +165,7 @@ fn flights_scatter_where_light_does() {
                     Vec3::ZERO
                 }
             };
-            assert_mean(estimate(40_000, early), scattered(&medium, until));
+            prove("flight/scattered", Measured::of_independent(early, 40_000), scattered(&medium, until));
         }
     }
 }
@@ -178,9 +179,135 @@ fn certain_scattering_is_where_and_as_much_as_that_of_flights() {
                 let Flight { scattered, weight } = media.scattering(&ALONG, THROUGHPUT, stream);
                 if scattered.is_some_and(|distance| distance < until) { weight } else { Vec3::ZERO }
             };
-            assert_mean(estimate(40_000, early), scattered(&medium, until));
+            prove("flight/certain", Measured::of_independent(early, 40_000), scattered(&medium, until));
         }
     }
+}
+
+/// A lamp beside the middle of the box.
+fn lamp(aside: f32, intensity: Vec3) -> Light {
+    Light::Point { position: Vec3::new(1.3, 0.5 + aside, 0.5), intensity, range: f32::INFINITY }
+}
+
+#[test]
+fn scattering_of_lamps_is_where_and_as_much_as_that_of_flights() {
+    let lights = [lamp(0.05, Vec3::ONE), lamp(-0.3, Vec3::new(9.0, 3.0, 1.0))];
+    for medium in [uniform(), two_layers(), waves()] {
+        let media = Media { medium: Some(&medium) };
+        for until in [1.7, 3.1, 6.0] {
+            let early = |stream: &mut Stream| {
+                let Flight { scattered, weight } =
+                    media.scattering_of_lamps(&lights, &ALONG, THROUGHPUT, stream);
+                if scattered.is_some_and(|distance| distance < until) { weight } else { Vec3::ZERO }
+            };
+            let found = Measured::of_independent(early, 160_000);
+            prove("flight/of_lamps", found, scattered(&medium, until));
+        }
+    }
+}
+
+#[test]
+fn light_of_a_near_lamp_has_a_tenth_of_the_variance_of_free_flights() {
+    let scene = Scene::default();
+    let lights = [lamp(0.02, Vec3::ONE)];
+    for medium in [uniform(), two_layers(), waves()] {
+        let media = Media { medium: Some(&medium) };
+        // What the flight sends back of a lamp that nothing dims on its way.
+        let lit = |flight: Flight| {
+            flight.scattered.map_or(Vec3::ZERO, |distance| {
+                flight.weight
+                    * Arrival::new(&scene, &lights[0], ALONG.at(distance)).irradiance
+                    * (0.25 * FRAC_1_PI)
+            })
+        };
+        // The same by midpoints, of a sixteenth of a millimetre.
+        let steps = 48_000;
+        let step = 3.0 / steps as f32;
+        let mut column = 0.0;
+        let mut expected = glam::DVec3::ZERO;
+        for i in 0..steps {
+            let point = ALONG.at(1.0 + (i as f32 + 0.5) * step);
+            let density = medium.density.inside(point);
+            let passing = (-medium.extinction() * (column + 0.5 * density * step)).exp();
+            let arriving = Arrival::new(&scene, &lights[0], point).irradiance * (0.25 * FRAC_1_PI);
+            expected += (SCATTERING * density * passing * arriving * step).as_dvec3();
+            column += density * step;
+        }
+        let expected = expected.as_vec3();
+        let count = 100_000;
+        let by_lamps = Measured::of_independent(
+            |stream| lit(media.scattering_of_lamps(&lights, &ALONG, Vec3::ONE, stream)),
+            count,
+        );
+        let by_flights =
+            Measured::of_independent(|stream| lit(media.scattering(&ALONG, Vec3::ONE, stream)), count);
+        by_lamps.proves("flight/near_lamp", expected);
+        by_lamps.refutes("flight/near_lamp", 1.02 * expected);
+        assert!(by_flights.is(expected), "{by_flights:?} is not {expected}");
+        let ratio = by_flights.error / by_lamps.error;
+        let gain = ratio * ratio;
+        println!("a variance {gain} times as small");
+        assert!(gain.min_element() > 10.0, "{gain}");
+    }
+}
+
+/// A colourless medium that absorbs nothing: flights end with the density of collisions.
+fn colourless(density: Density) -> Medium {
+    Medium::new(Vec3::ZERO, Vec3::splat(0.9), 0.0, density).expect("a medium")
+}
+
+#[test]
+fn distances_are_sampled_as_they_say() {
+    let inside = |flight: Flight| flight.scattered.map(|distance| distance - 1.0);
+    let tests = 5;
+    // Of coloured light in a uniform medium: all colours' densities, by what is left of them.
+    let coloured = uniform();
+    let p = |factor: f32| {
+        let extinction = factor * coloured.extinction();
+        let density =
+            |x: f32| THROUGHPUT.dot(extinction * (-extinction * x).exp()) / THROUGHPUT.element_sum();
+        let sample = |stream: &mut Stream| inside(flight(&coloured, 6.0, stream));
+        p_value_of_distances(3.0, sample, |x| density(x).into())
+    };
+    chi_square::proves("chi_square/flight", p(1.0), tests);
+    chi_square::refutes("chi_square/flight", p(1.05), tests);
+    // Through grids: density times what passes.
+    for medium in [two_layers(), waves()].map(|medium| colourless(medium.density)) {
+        let Density::Grid(grid) = &medium.density else { unreachable!("grids") };
+        let columns: Vec<f32> = (0..=3000).map(|i| column_of(grid, i as f32 / 1000.0)).collect();
+        let p = |factor: f32| {
+            let extinction = factor * 0.9;
+            let density = |x: f32| {
+                let before = columns[(x * 1000.0).round() as usize];
+                extinction * grid.at(Vec3::new(x, 0.5, 0.5)) * (-extinction * before).exp()
+            };
+            let sample = |stream: &mut Stream| inside(flight(&medium, 6.0, stream));
+            p_value_of_distances(3.0, sample, |x| density(x).into())
+        };
+        chi_square::proves("chi_square/delta_tracking", p(1.0), tests);
+        chi_square::refutes("chi_square/delta_tracking", p(1.05), tests);
+    }
+    // Scattering for certain, and by what lamps send.
+    let span = [1.0, 4.0];
+    let p = |sampled: f32, claimed: f32| {
+        let [sampled, claimed] = [sampled, claimed].map(|density| {
+            uniform::Scattering::new(&coloured, density, span, THROUGHPUT).expect("scattering")
+        });
+        let sample = |stream: &mut Stream| Some(sampled.distance(stream.next_2d()) - 1.0);
+        p_value_of_distances(3.0, sample, |x| claimed.density(1.0 + x).into())
+    };
+    chi_square::proves("chi_square/scattering", p(1.0, 1.0), tests);
+    chi_square::refutes("chi_square/scattering", p(1.0, 1.05), tests);
+    let p = |sampled: f32, claimed: f32| {
+        let [sampled, claimed] =
+            [sampled, claimed].map(|aside| [lamp(aside, Vec3::ONE), lamp(-0.6, Vec3::new(4.0, 2.0, 9.0))]);
+        let [sampled, claimed] =
+            [&sampled, &claimed].map(|lights| Lamps::beside(lights, &ALONG, span).expect("lamps"));
+        let sample = |stream: &mut Stream| Some(sampled.distance(stream.next_1d()) - 1.0);
+        p_value_of_distances(3.0, sample, |x| claimed.density(1.0 + x).into())
+    };
+    chi_square::proves("chi_square/lamps", p(0.1, 0.1), tests);
+    chi_square::refutes("chi_square/lamps", p(0.1, 0.105), tests);
 }
 
 #[test]
@@ -201,8 +328,8 @@ fn what_only_absorbs_scatters_nothing() {
         let media = Media { medium: Some(&medium) };
         assert!((0..100).all(|index| flight(&medium, 6.0, &mut stream(index, 3)).scattered.is_none()));
         assert_eq!(media.scattering(&ALONG, Vec3::ONE, &mut stream(0, 3)), Flight::passed(Vec3::ZERO));
-        let found = estimate(40_000, |stream| flight(&medium, 6.0, stream).weight);
-        assert_mean(found, passing(&medium, 6.0));
+        let found = Measured::of_independent(|stream| flight(&medium, 6.0, stream).weight, 40_000);
+        prove("beer_lambert/absorption", found, passing(&medium, 6.0));
     }
 }
 
@@ -225,12 +352,12 @@ fn nothing_is_nothing() {
 
 /// Mean squared distance from its start of light that is absorbed where it collides, after a random walk in an endless
 /// medium with a mean free path of half a metre.
-fn squared_distance(albedo: f32, anisotropy: f32) -> [Vec3; 2] {
+fn squared_distance(albedo: f32, anisotropy: f32) -> Measured {
     let (extinction, absorbed) = (Vec3::splat(2.0), 1.0 - albedo);
     let medium = Medium::new(extinction * absorbed, extinction * albedo, anisotropy, Density::Everywhere);
     let medium = medium.expect("a medium");
     let media = Media { medium: Some(&medium) };
-    estimate(60_000, |stream| {
+    let walk = |stream: &mut Stream| {
         let (mut point, mut direction) = (Vec3::ZERO, Vec3::X);
         let (mut weight, mut sum) = (1.0, 0.0);
         // What is left after 200 collisions of albedo 0.8 is 1e-20.
@@ -243,7 +370,8 @@ fn squared_distance(albedo: f32, anisotropy: f32) -> [Vec3; 2] {
             direction = media.phase().sample(direction, stream.next_2d());
         }
         Vec3::splat(sum)
-    })
+    };
+    Measured::of_independent(walk, 60_000)
 }
 
 #[test]
@@ -251,11 +379,9 @@ fn random_walks_go_as_far_as_their_second_moment_says() {
     // 2 l^2 / (1 - albedo), and with the mean cosine g another factor 1 / (1 - albedo g).
     for (albedo, g) in [(0.5, 0.0), (0.8, 0.0), (0.8, 0.6), (0.8, -0.6)] {
         let expected = Vec3::splat(0.5 / ((1.0 - albedo) * (1.0 - albedo * g)));
-        let found = squared_distance(albedo, g);
-        assert!(agrees(found, expected), "{} +- {} is not {expected}", found[0], found[1]);
-        assert!(!agrees(found, expected * 1.05), "5 % farther would be noticed");
+        prove("flight/random_walk", squared_distance(albedo, g), expected);
     }
-    assert!(!agrees(squared_distance(0.8, 0.1), Vec3::splat(2.5)), "a mean cosine of 0.1 would be noticed");
+    squared_distance(0.8, 0.1).refutes("flight/random_walk", Vec3::splat(2.5));
 }
 
 #[test]
@@ -269,10 +395,10 @@ fn phase_functions_are_sampled_as_they_say() {
     };
     let all = [-0.8, -0.3, 0.0, 1e-4, 0.5, 0.85];
     for g in all {
-        assert!(!rejects(p(g, g), all.len()), "{g}: {}", p(g, g));
+        chi_square::proves("chi_square/phase", p(g, g), all.len());
     }
     for (sampled, claimed) in [(0.5, 0.53), (0.0, 0.05), (0.5, -0.5), (-0.8, -0.77)] {
-        assert!(rejects(p(sampled, claimed), all.len()), "{sampled} is not {claimed}");
+        chi_square::refutes("chi_square/phase", p(sampled, claimed), all.len());
     }
 }
 
@@ -283,13 +409,9 @@ fn anisotropy_is_the_mean_cosine() {
         let cosine = |stream: &mut Stream| {
             Vec3::splat(phase.sample(Vec3::Y, Vec2::new(stream.next_1d(), stream.next_1d())).y)
         };
-        let found = estimate(40_000, cosine);
-        assert!(
-            (found[0].x - g).abs() < 3.0 * found[1].x + 1e-6,
-            "{} +- {} is not {g}",
-            found[0].x,
-            found[1].x
-        );
+        let found = Measured::of_independent(cosine, 40_000);
+        found.proves("phase/mean_cosine", Vec3::splat(g));
+        found.refutes("phase/mean_cosine", Vec3::splat(g + 0.02));
         // By midpoints over the cosine, fine enough for the peak.
         let steps = 200_000;
         let moment = |power: i32| -> f64 {

@@ -55,8 +55,7 @@ impl<'a> Walk<'a> {
         if self.distance >= self.far {
             return None;
         }
-        let density =
-            self.grid.at(self.segment.origin + self.segment.direction * self.distance) / self.majorant;
+        let density = self.grid.at(self.segment.at(self.distance)) / self.majorant;
         // Rounding may lift density above the largest by its last digit.
         let passes = (Vec3::ONE - medium.extinction() * density).max(Vec3::ZERO);
         Some(Collision { distance: self.distance, scatters: medium.scattering * density, passes })

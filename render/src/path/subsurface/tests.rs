@@ -11,7 +11,7 @@ fn seen_from_above(meshes: Vec<Mesh>, material: Material, suns: &[Vec3], samples
     let sun =
         |direction: &Vec3| Light::Directional { direction: *direction, irradiance: Vec3::ONE, pattern: None };
     let lights = suns.iter().map(sun).collect();
-    let scene = Scene { meshes, materials: vec![material], lights, ..Scene::default() };
+    let scene = Scene { meshes: meshes.into(), materials: vec![material], lights, ..Scene::default() };
     let scene = TracedScene::new(scene).expect("triangles");
     let camera = Camera::look_at(Vec3::new(0.13, 0.17, 1.0), Vec3::new(0.13, 0.17, 0.0));
     let estimate =

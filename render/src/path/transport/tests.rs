@@ -229,7 +229,7 @@ fn lights_and_paths_find_the_same_light() {
     let scene = corner();
     let found_by = |finding: Finding| {
         let transport = Transport::new(&scene).with_finding(finding);
-        measured(80_000, |stream| transport.radiance(EYE.0, EYE.1, stream).y)
+        measured(200_000, |stream| transport.radiance(EYE.0, EYE.1, stream).y)
     };
     let both = found_by(Finding::Both);
     for finding in [Finding::Lights, Finding::Paths] {

@@ -15,6 +15,8 @@ pub struct DensityGrid {
     values: Vec<f32>,
     /// The largest value.
     largest: f32,
+    /// The mean of the values.
+    mean: f32,
     /// Cells a metre.
     scale: Vec3,
 }
@@ -42,8 +44,9 @@ impl DensityGrid {
             return Err(MediumError::Density { cell, value: values[index] });
         }
         let largest = values.iter().copied().fold(0.0, f32::max);
+        let mean = (values.iter().copied().map(f64::from).sum::<f64>() / cells as f64) as f32;
         let scale = Vec3::from(size.map(|cells| cells as f32)) / bounds.size();
-        Ok(Self { bounds, size, values, largest, scale })
+        Ok(Self { bounds, size, values, largest, mean, scale })
     }
 
     /// Number of cells of a grid of that size.
@@ -73,6 +76,11 @@ impl DensityGrid {
     /// The largest value: no density anywhere is above it.
     pub const fn largest(&self) -> f32 {
         self.largest
+    }
+
+    /// The mean of the values.
+    pub const fn mean(&self) -> f32 {
+        self.mean
     }
 
     /// Density at a point of the box.

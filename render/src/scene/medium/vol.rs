@@ -6,6 +6,7 @@
 
 use super::{DensityGrid, MediumError};
 use crate::scene::Bounds;
+use deepshade_shaders::atomic_file;
 use glam::Vec3;
 use std::path::Path;
 
@@ -36,20 +37,25 @@ impl DensityGrid {
         let grid = Self::new(bounds.unwrap_or(stored), size, values);
         grid.map_err(|error| invalid(error.to_string()))
     }
+}
 
-    /// Writes a .vol file.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn write_vol(&self, path: &Path) -> Result<(), MediumError> {
-        let [x, y, z] = self.size().map(|cells| cells as u32);
-        let Bounds { min, max } = self.bounds();
-        let mut bytes = MAGIC.to_vec();
-        bytes.extend([FLOATS, x, y, z, 1].iter().flat_map(|number| number.to_le_bytes()));
-        let corners = min.to_array().into_iter().chain(max.to_array());
-        bytes.extend(corners.chain(self.values().iter().copied()).flat_map(f32::to_le_bytes));
-        std::fs::write(path, bytes).map_err(|source| MediumError::Io { path: path.to_owned(), source })
-    }
+/// Writes a .vol file of some channels: `values` are those of a cell, then of the next along x, then y, then z.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_vol(
+    path: &Path,
+    bounds: Bounds,
+    size: [usize; 3],
+    channels: usize,
+    values: &[f32],
+) -> Result<(), MediumError> {
+    let [x, y, z] = size.map(|cells| cells as u32);
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend([FLOATS, x, y, z, channels as u32].iter().flat_map(|number| number.to_le_bytes()));
+    let corners = bounds.min.to_array().into_iter().chain(bounds.max.to_array());
+    bytes.extend(corners.chain(values.iter().copied()).flat_map(f32::to_le_bytes));
+    atomic_file::write(path, &bytes).map_err(|source| MediumError::Io { path: path.to_owned(), source })
 }
 
 /// Size, box and values of a file; the error says what is wrong with it.
@@ -84,11 +90,15 @@ mod tests {
         DensityGrid::new(bounds, [4, 3, 2], (0..24).map(|i| i as f32 * 0.37).collect()).expect("a grid")
     }
 
+    fn write(grid: &DensityGrid, path: &Path) {
+        write_vol(path, grid.bounds(), grid.size(), 1, grid.values()).expect("written");
+    }
+
     #[test]
     fn what_is_written_is_read_again() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.vol");
-        grid().write_vol(&path).expect("written");
+        write(&grid(), &path);
         assert_eq!(DensityGrid::read_vol(&path, None).expect("read"), grid());
         let other = Bounds { min: Vec3::ZERO, max: Vec3::ONE };
         let placed = DensityGrid::read_vol(&path, Some(other)).expect("read");
@@ -99,7 +109,7 @@ mod tests {
     fn damaged(at: usize, replaced: &[u8], length: usize) -> String {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("damaged.vol");
-        grid().write_vol(&path).expect("written");
+        write(&grid(), &path);
         let mut bytes = std::fs::read(&path).expect("bytes");
         bytes[at..at + replaced.len()].copy_from_slice(replaced);
         bytes.resize(length, 0);
