@@ -1,13 +1,16 @@
 //! What an effect needs and a scene may not bring: light, a lens, fog, a mean free path.
 
-use anyhow::Result;
+mod additions;
+
+pub use additions::Additions;
+
+use anyhow::{Result, ensure};
 use deepshade_dataset::vary::Lamp;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::procedural::sky;
-use deepshade_render::scene::{Bounds, Camera, Density, Environment, Lens, Look, Medium};
+use deepshade_render::scene::{Camera, Environment, Lens, Look};
 use deepshade_shaders::Effect;
 use glam::{Vec2, Vec3};
-use std::path::Path;
 use std::sync::Arc;
 
 /// A scene and a camera with all that the effect needs.
@@ -20,18 +23,15 @@ pub struct Completed {
     pub added: Vec<String>,
 }
 
-/// What a picture is to show, and what its command line says of light and lens.
+/// What a picture is to show, and what its command line gives the scene.
+#[derive(Clone, Copy)]
 pub struct Wants<'a> {
     /// The effect.
     pub effect: Effect,
     /// Rows and columns.
     pub size: [usize; 2],
-    /// An environment map to put around the scene.
-    pub environment: Option<&'a Path>,
-    /// Radius of the lens, metres.
-    pub aperture: Option<f32>,
-    /// Depth that the lens focuses, metres.
-    pub focus: Option<f32>,
+    /// What is given.
+    pub additions: &'a Additions,
     /// Chooses the lamp and the sky.
     pub seed: u32,
 }
@@ -40,20 +40,16 @@ pub struct Wants<'a> {
 const BLUR: f32 = 8.0;
 /// Mean free path of red, green and blue, as a share of the diagonal.
 const MEAN_FREE_PATH: Vec3 = Vec3::new(0.01, 0.006, 0.004);
-/// How far fog reaches beyond the scene's box, as a share of the diagonal.
-const FOG_MARGIN: f32 = 0.1;
-/// Share of the light that fog scatters and does not absorb.
-const FOG_ALBEDO: f32 = 0.9;
 
 /// Adds to a scene and a camera what is wanted and what is missing.
 ///
 /// # Errors
-/// If the environment cannot be read, or the lens is none.
+/// If the environment or the medium cannot be read, or the lens or the medium is none.
 pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Result<Completed> {
-    let Wants { effect, .. } = *wants;
+    let Wants { effect, additions, .. } = *wants;
     let (mut camera, mut added) = (*camera, Vec::new());
     let mut look = scene.scene().look();
-    if let Some(path) = wants.environment {
+    if let Some(path) = &additions.environment {
         look.environment = Some(Arc::new(Environment::load(path)?));
     }
     add_light(scene, &camera, wants, &mut look, &mut added);
@@ -65,21 +61,25 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
         added.push(format!("no material lets light in: all do, with mean free paths of {metres} m"));
     }
     let foggy = matches!(effect, Effect::FogDirect | Effect::FogIndirect | Effect::FogMultiple);
-    if foggy && look.medium.is_none() {
-        look.medium = Some(Arc::new(fog(scene)?));
+    if let Some(medium) = additions.medium(scene)? {
+        look.medium = Some(Arc::new(medium));
+    } else if foggy && look.medium.is_none() {
+        look.medium = Some(Arc::new(additions.fog(scene)?));
         added.push("the scene brings no medium: grey fog, of optical depth 1 along its diagonal".to_owned());
     }
     let still = scene.scene().meshes.iter().all(|mesh| mesh.displacements.is_empty());
     if effect == Effect::MotionBlur && still {
         added.push("nothing in the scene moves: the picture is of a still scene".to_owned());
     }
-    if wants.aperture.is_some() || matches!(effect, Effect::Dof | Effect::Multi) {
+    if additions.aperture.is_some() || matches!(effect, Effect::Dof | Effect::Multi) {
         camera.lens = Some(lens(scene, &camera, wants, &mut added)?);
+    } else {
+        ensure!(additions.focus.is_none(), "--focus means nothing to {effect} without --aperture");
     }
-    Ok(Completed { scene: scene.with_look(look), camera, added })
+    Ok(Completed { scene: scene.with_look(look)?, camera, added })
 }
 
-/// Adds a sky for effects that are lit by one alone, and a lamp for others in a scene where nothing shines.
+/// Adds a sky for effects that are lit by one alone, and a lamp for others in a scene where nothing shines for them.
 fn add_light(
     scene: &TracedScene,
     camera: &Camera,
@@ -92,34 +92,33 @@ fn add_light(
         look.environment = Some(Arc::new(sky(u64::from(wants.seed))));
         added.push(format!("no environment is given: a clear sky, number {}", wants.seed));
     }
-    if !by_sky && wants.effect != Effect::Ao && look.environment.is_none() && scene.scene().is_dark() {
+    let dark = if wants.effect.lit_by_lamps_alone() {
+        look.lights.is_empty()
+    } else {
+        look.environment.is_none() && scene.scene().is_dark()
+    };
+    if dark && !by_sky && wants.effect != Effect::Ao {
         let lamp = Lamp::drawn(scene, camera, wants.size, wants.seed);
         look.lights.push(lamp.light());
         let Lamp { position, intensity } = lamp;
-        added.push(format!("nothing in the scene shines: a lamp at {position:.2} m of {intensity:.3} W/sr"));
+        added
+            .push(format!("no light that the effect sees: a lamp at {position:.2} m of {intensity:.3} W/sr"));
     }
-}
-
-/// Fog that fills the scene's box and a little more.
-fn fog(scene: &TracedScene) -> Result<Medium> {
-    let margin = Vec3::splat(FOG_MARGIN * scene.diagonal());
-    let Bounds { min, max } = scene.bounds();
-    let extinction = Vec3::splat(1.0 / scene.diagonal());
-    let density = Density::Within(Bounds { min: min - margin, max: max + margin });
-    Ok(Medium::new((1.0 - FOG_ALBEDO) * extinction, FOG_ALBEDO * extinction, 0.0, density)?)
 }
 
 /// The lens that is wanted, as far as it is stated.
 fn lens(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>, added: &mut Vec<String>) -> Result<Lens> {
     let [height, width] = wants.size;
-    let focus = wants.focus.unwrap_or_else(|| {
+    let Additions { aperture, focus, .. } = *wants.additions;
+    let both = aperture.is_some() && focus.is_some();
+    let focus = focus.unwrap_or_else(|| {
         let direction = camera.direction(0.5 * Vec2::new(width as f32, height as f32), height, width);
         let depth = |distance: f32| -camera.to_camera(camera.position + direction * distance).z;
         let met = scene.hit(camera.position, direction, f32::INFINITY);
         met.map_or(scene.diagonal(), |hit| depth(hit.distance))
     });
-    let radius = wants.aperture.unwrap_or_else(|| BLUR * focus / camera.focal_length(512));
-    if wants.aperture.is_none() || wants.focus.is_none() {
+    let radius = aperture.unwrap_or_else(|| BLUR * focus / camera.focal_length(512));
+    if !both {
         added.push(format!("a lens of radius {radius:.4} m that focuses {focus:.3} m"));
     }
     Ok(Lens::new(radius, focus)?)
@@ -128,6 +127,7 @@ fn lens(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>, added: &mut Vec
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::Parser as _;
     use deepshade_render::scene::{Material, Mesh, Scene};
 
     /// A wall of 4 m at z = 0, with nothing that shines.
@@ -139,15 +139,24 @@ mod tests {
             ..Mesh::default()
         };
         let materials = vec![Material::default()];
-        TracedScene::new(Scene { meshes: vec![mesh], materials, ..Scene::default() }).expect("a wall")
+        TracedScene::new(Scene { meshes: vec![mesh].into(), materials, ..Scene::default() }).expect("a wall")
+    }
+
+    fn additions(arguments: &[&str]) -> Additions {
+        #[derive(clap::Parser)]
+        struct Line {
+            #[command(flatten)]
+            additions: Additions,
+        }
+        let line = Line::try_parse_from(["deepshade"].iter().chain(arguments));
+        line.unwrap_or_else(|error| panic!("{error}")).additions
     }
 
     #[test]
     fn what_an_effect_needs_is_added_and_said() {
         let (scene, camera) = (wall(), Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO));
         for effect in Effect::ALL {
-            let wants =
-                Wants { effect, size: [16, 16], environment: None, aperture: None, focus: None, seed: 1 };
+            let wants = Wants { effect, size: [16, 16], additions: &additions(&[]), seed: 1 };
             let Completed { scene, camera, added } = complete(&scene, &camera, &wants).expect("completed");
             let scene = scene.scene();
             let sky = matches!(effect, Effect::Do | Effect::Ibl);
@@ -161,20 +170,40 @@ mod tests {
     }
 
     #[test]
+    fn what_shines_for_one_effect_is_dark_for_another() {
+        let mut scene = wall().scene().clone();
+        scene.materials[0].emission = Vec3::ONE;
+        let scene = TracedScene::new(scene).expect("a wall");
+        let camera = Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO);
+        for effect in Effect::ALL {
+            let wants = Wants { effect, size: [16, 16], additions: &additions(&[]), seed: 1 };
+            let completed = complete(&scene, &camera, &wants).expect("completed");
+            let lamps = completed.scene.scene().lights.len();
+            assert_eq!(lamps, usize::from(effect.lit_by_lamps_alone()), "{effect}");
+        }
+    }
+
+    #[test]
     fn what_is_asked_for_is_taken() {
         let camera = Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO);
-        let missing = Path::new("missing.hdr");
-        let wants = Wants {
-            effect: Effect::Path,
-            size: [16, 16],
-            environment: None,
-            aperture: Some(0.1),
-            focus: Some(2.0),
-            seed: 1,
+        let completed = |effect, arguments: &[&str]| {
+            let wants = Wants { effect, size: [16, 16], additions: &additions(arguments), seed: 1 };
+            complete(&wall(), &camera, &wants)
         };
-        let completed = complete(&wall(), &camera, &wants).expect("completed");
-        assert_eq!(completed.camera.lens, Some(Lens { radius: 0.1, focus: 2.0 }));
-        let error = complete(&wall(), &camera, &Wants { environment: Some(missing), ..wants });
-        assert!(error.err().expect("no such file").to_string().contains("missing.hdr"));
+        let sharp = completed(Effect::Path, &["--aperture", "0.1", "--focus", "2"]).expect("completed");
+        assert_eq!(sharp.camera.lens, Some(Lens { radius: 0.1, focus: 2.0 }));
+        let foggy = completed(Effect::Path, &["--extinction", "0.4,0.2,0.1", "--scattering-albedo", "0.5"]);
+        let medium = foggy.expect("completed").scene.scene().medium.clone().expect("fog");
+        assert!((medium.extinction() - Vec3::new(0.4, 0.2, 0.1)).length() < 1e-6);
+        for (arguments, named) in [
+            (["--environment", "missing.hdr"].as_slice(), "missing.hdr"),
+            (&["--focus", "2"], "--focus"),
+            (&["--medium", "missing.vol"], "missing.vol"),
+            (&["--extinction", "1", "--scattering-albedo", "1.5"], "--scattering-albedo"),
+            (&["--extinction", "1", "--asymmetry", "2"], "asymmetry"),
+        ] {
+            let error = format!("{:#}", completed(Effect::Path, arguments).err().expect("an error"));
+            assert!(error.contains(named), "{error}");
+        }
     }
 }

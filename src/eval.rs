@@ -10,7 +10,7 @@ use deepshade_dataset::{progress, truth};
 use deepshade_infer::Model;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Method, Repeats};
-use deepshade_render::metrics::{flip, psnr, ssim};
+use deepshade_render::metrics::{exposed, flip, psnr, ssim};
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, Planes, lists};
@@ -160,12 +160,15 @@ fn score_frame(
         Frame { scene, camera: &record.camera, gbuffer: &gbuffer, radius: record.radius, seed: record.seed };
     let kind = kind(&record.scene.source);
     let index = evaluation.scenes;
+    let shown = |image: &Planes| exposed(image, record.exposure);
+    let (expected, whole) = (shown(&truth.truth), truth.whole.as_ref().map(shown));
     let mut score = |name: &str, image: &Planes| {
-        let tiles = gather(image, &truth.tiles);
-        evaluation.add(&kind, index, format!("ssim_{name}"), ssim(&tiles, &truth.truth));
-        evaluation.add(&kind, index, format!("psnr_{name}"), psnr(&tiles, &truth.truth));
-        if let Some(whole) = &truth.whole {
-            evaluation.add(&kind, index, format!("flip_{name}"), flip(image, whole));
+        let image = shown(image);
+        let tiles = gather(&image, &truth.tiles);
+        evaluation.add(&kind, index, format!("ssim_{name}"), ssim(&tiles, &expected));
+        evaluation.add(&kind, index, format!("psnr_{name}"), psnr(&tiles, &expected));
+        if let Some(whole) = &whole {
+            evaluation.add(&kind, index, format!("flip_{name}"), flip(&image, whole));
         }
     };
     for method in methods {

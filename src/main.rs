@@ -15,6 +15,7 @@ mod demo;
 mod eval;
 #[cfg(feature = "train")]
 mod export;
+mod exposure_time;
 mod figures;
 mod infer;
 mod learned;
@@ -24,6 +25,7 @@ mod onnxruntime;
 mod parity;
 mod render;
 mod report;
+mod samples;
 mod scene;
 mod statistics;
 #[cfg(feature = "train")]

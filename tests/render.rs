@@ -58,6 +58,9 @@ fn what_cannot_be_done_is_named_and_leaves_nothing_behind() {
         (["--out", "a.exr", "--camera", "left"], "no camera `left`"),
         (["--out", "a.exr", "--environment", "none.hdr"], "none.hdr"),
         (["--out", "a.exr", "--error", "0"], "not above 0"),
+        (["--effect", "gi", "--part", "direct"], "no part `direct`"),
+        (["--effect", "path", "--focus", "1"], "--focus"),
+        (["--effect", "path", "--medium", "none.vol"], "none.vol"),
     ] {
         let output = render(folder.path(), &args);
         let message = String::from_utf8_lossy(&output.stderr);

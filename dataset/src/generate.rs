@@ -12,7 +12,7 @@ use crate::plan::{Part, PlannedScene, PlannedView};
 use crate::{DatasetError, Props, Recipe, StagedScene, progress, truth, views};
 use deepshade_render::exr_file::{Layer, Metadata, encode};
 use deepshade_render::gbuffer;
-use deepshade_render::path::{Sampling, Shot, render};
+use deepshade_render::path::{Estimate, Goal, Sampling, Shot, Truth, render};
 use deepshade_render::scene::procedural::Split;
 use deepshade_shaders::atomic_file;
 use indicatif::ProgressBar;
@@ -133,14 +133,15 @@ impl Work<'_> {
         staged: &StagedScene<'_>,
         view: &PlannedView,
     ) -> Result<PairRecord, DatasetError> {
-        let Recipe { effect, resolution, samples, seed, .. } = *self.recipe;
+        let Recipe { effect, resolution, seed, .. } = *self.recipe;
         let (height, width) = (resolution.height, resolution.width);
         let camera = views::sample_view(staged.base(), [height, width], seed, planned.key, view.index)?;
         let radius = self.recipe.radius.metres(staged.base().diagonal());
         let (camera, variation) = staged.draw(camera, view.seed);
         let scene = staged.shown(&camera, variation.as_ref())?;
         let shot = Shot::new(&scene, &camera, [height, width], radius);
-        let target = truth::within_half(render(effect, &shot, Sampling::one(samples, view.seed)).mean);
+        let Estimate { mean, variance, samples } = self.target(&shot, view.seed);
+        let target = truth::within_half(mean);
         let gbuffer = gbuffer::render(&scene, &camera, height, width, truth::attributes(effect));
         let gbuffer = truth::light_within_half(gbuffer);
         let mut record = PairRecord {
@@ -155,13 +156,23 @@ impl Work<'_> {
             variation,
         };
         let path = self.folder.join(&record.file);
-        let layers = [Layer::gbuffer(&gbuffer), Layer::image(&target_layer(self.recipe), &target)];
-        let bytes = encode(&path, &layers, &metadata(self.recipe, &record))?;
+        let mut layers = vec![Layer::gbuffer(&gbuffer), Layer::image(&target_layer(self.recipe), &target)];
+        layers.extend(variance.iter().map(|variance| Layer::image("variance", variance).in_full()));
+        let bytes = encode(&path, &layers, &metadata(self.recipe, &record, samples))?;
         atomic_file::write(&path, &bytes).map_err(|source| DatasetError::io(&path, source))?;
         record.blake3 = blake3::hash(&bytes).to_hex().to_string();
         self.journal.add(&record)?;
         self.bar.inc(1);
         Ok(record)
+    }
+
+    /// Truth with as many samples as the recipe wants.
+    fn target(&self, shot: &Shot<'_>, seed: u32) -> Estimate {
+        let Recipe { effect, samples, error, .. } = *self.recipe;
+        if error.is_none() {
+            return render(effect, shot, Sampling::one(samples, seed));
+        }
+        Truth::render(effect, shot, Goal { samples, error }, seed, |_, _| true).estimate
     }
 }
 
@@ -175,7 +186,7 @@ pub(crate) fn target_layer(recipe: &Recipe) -> String {
 }
 
 /// What a pair's file says of itself.
-fn metadata(recipe: &Recipe, record: &PairRecord) -> Metadata {
+fn metadata(recipe: &Recipe, record: &PairRecord, samples: u32) -> Metadata {
     let camera = &record.camera;
     let axes = camera.rotation;
     [
@@ -185,7 +196,7 @@ fn metadata(recipe: &Recipe, record: &PairRecord) -> Metadata {
         ("camera_axes", format!("right {}, up {}, back {}", axes.x_axis, axes.y_axis, axes.z_axis)),
         ("camera_vertical_fov_degrees", camera.vertical_fov.to_degrees().to_string()),
         ("radius_metres", record.radius.to_string()),
-        ("samples", recipe.samples.to_string()),
+        ("samples", samples.to_string()),
         ("seed", record.seed.to_string()),
         ("units", truth::units(recipe.effect)),
     ]

@@ -27,8 +27,13 @@ pub struct Recipe {
     pub seed: u32,
     /// Size of every image.
     pub resolution: Resolution,
-    /// Samples of a pixel.
+    /// Samples of a pixel; with `error` the most.
     pub samples: u32,
+    /// Of pairs: noise below which a target takes no more samples, as a share of its values; see
+    /// [`Goal::error`](deepshade_render::path::Goal). Targets then come with their variance. Without it all samples are of
+    /// one sequence, which has the least noise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<f32>,
     /// How far the effect reaches; of effects without a reach, the length by which networks measure.
     pub radius: Radius,
     /// Views of every scene.
@@ -93,7 +98,7 @@ pub struct FamilyShare {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tiles {
-    /// Samples of a pixel of these tiles; even, since two independent halves are rendered.
+    /// Samples of a pixel of these tiles; a multiple of 8, since there are eight independent scramblings.
     pub samples: u32,
     /// One tile out of so many.
     pub one_in: usize,

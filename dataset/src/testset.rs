@@ -14,11 +14,12 @@
 //!   a pixel, for metrics that need neighbours.
 //!
 //! # Noise
-//! Truth is the mean of two independent renderings, each with half the samples. [`Ceiling`] says how far these two
-//! agree: a perfect image scores no less against their mean.
+//! Truth is the mean of eight independent scramblings. [`Ceiling`] says how much they vary and how far those of one half
+//! agree with those of the other: a perfect image scores no less against their mean.
 
 mod estimate;
 mod make;
+mod show;
 
 use crate::journal::Entry;
 use crate::manifest::read_json;
@@ -69,7 +70,9 @@ pub struct FrameRecord {
     /// What the frame was given beside what its scene brings.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub variation: Option<Variation>,
-    /// How far two renderings with half the samples agree.
+    /// What images are multiplied by before they are compared, see [`exposure`](deepshade_render::metrics::exposure()).
+    pub exposure: f32,
+    /// How sure truth is.
     pub ceiling: Ceiling,
     /// The tiles' truth.
     pub tiles: HashedFile,
@@ -87,14 +90,14 @@ pub struct HashedFile {
     pub blake3: String,
 }
 
-/// How far two independent renderings of the tiles, each with half the samples of truth, agree.
+/// How sure the tiles' truth is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ceiling {
-    /// Structural similarity; mean over tiles and channels.
+    /// Structural similarity of two independent images, each of half the samples of truth; mean over tiles and channels.
     pub ssim: f64,
-    /// Mean squared difference. The variance of truth, their mean, is a quarter of it.
-    pub mse: f64,
+    /// Mean over pixels and channels of truth's variance, in truth's unit squared.
+    pub variance: f64,
 }
 
 /// The truth of a frame.

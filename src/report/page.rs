@@ -102,7 +102,7 @@ impl<'a> Section<'a> {
         });
         let truth = &frame.truth;
         let rows = methods.chain(reference_rows(truth.noise, truth.white, truth.milliseconds)).collect();
-        let image = &truth.image;
+        let image = &truth.truth.estimate.mean;
         Self {
             index,
             folder: frame_folder(index),
@@ -217,8 +217,8 @@ fn data(comparison: &Comparison, methods: &[String]) -> Result<String> {
     let frames = comparison.frames.iter().enumerate().map(|(index, frame)| DataFrame {
         folder: frame_folder(index),
         name: &frame.name,
-        width: frame.truth.image.width(),
-        height: frame.truth.image.height(),
+        width: frame.truth.truth.estimate.mean.width(),
+        height: frame.truth.truth.estimate.mean.height(),
     });
     let data = Data { images: &images, views: images::VIEWS, frames: frames.collect() };
     Ok(serde_json::to_string(&data)?.replace('<', "\\u003c"))

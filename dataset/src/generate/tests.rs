@@ -2,6 +2,7 @@ use super::*;
 use crate::journal::JOURNAL;
 use crate::shipped::{contents, shrunk};
 use crate::{DATA_VERSION, Dataset, contact_sheet, verify};
+use deepshade_render::exr_file;
 use deepshade_render::scene::procedural::{Family, Split};
 
 /// A recipe of two scenes with two views each.
@@ -33,6 +34,30 @@ fn the_number_of_threads_does_not_matter() {
     assert_eq!(one.len(), 5, "four pairs and a manifest, nothing else");
     assert!(one == generated(2));
     assert!(one == generated(4));
+}
+
+#[test]
+fn pairs_with_an_error_take_the_samples_that_it_needs_and_come_with_their_variance() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = Recipe { samples: 4096, error: Some(0.02), ..recipe(folder.path(), 1) };
+    let out = folder.path().join("out");
+    generate(&recipe, &out).expect("generated");
+    let manifest = Manifest::load(&out).expect("a manifest");
+    let taken: Vec<u32> = manifest
+        .pairs
+        .iter()
+        .map(|pair| {
+            let image = exr_file::read(&out.join(&pair.file)).expect("read");
+            let variance = image.image("variance", 1).expect("variance");
+            let mean = image.image("target.ao", 1).expect("a target");
+            let samples = image.metadata()["samples"].parse().expect("a number");
+            let estimate = Estimate { mean, variance: Some(variance), samples };
+            // Half floats round the mean.
+            assert!(estimate.noise_relmse(1.0).expect("variance").sqrt() < 0.0201, "{}", pair.file);
+            samples
+        })
+        .collect();
+    assert!(taken.iter().all(|samples| (128..4096).contains(samples)), "{taken:?}");
 }
 
 #[test]

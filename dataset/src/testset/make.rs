@@ -12,8 +12,8 @@ use crate::random::mix;
 use crate::recipe::Tiles;
 use crate::{DatasetError, Props, Recipe, StagedScene, progress, truth, views};
 use deepshade_render::exr_file::{self, Layer, Metadata};
-use deepshade_render::metrics::ssim;
-use deepshade_render::path::{Sampling, Shot, render, render_where};
+use deepshade_render::metrics::{exposed, exposure, ssim};
+use deepshade_render::path::{Goal, Sampling, Shot, Truth, render};
 use deepshade_shaders::Planes;
 use deepshade_shaders::atomic_file;
 use indicatif::ProgressBar;
@@ -109,18 +109,12 @@ impl Work<'_> {
         let (camera, variation) = staged.draw(camera, view.seed);
         let scene = staged.shown(&camera, variation.as_ref())?;
         let shot = Shot::new(&scene, &camera, [height, width], radius);
-        let sampling =
-            |samples, stream: u64| Sampling::one(samples, mix(&[u64::from(view.seed), stream]) as u32);
+        let stream = |stream: u64| mix(&[u64::from(view.seed), stream]) as u32;
         let tiles = tile_indices(view.seed, height, width, self.tiles.one_in);
-        let wanted = in_tiles(&tiles, width);
-        let half = |stream| {
-            let sampling = sampling(self.tiles.samples / 2, stream);
-            truth::within_half(gather(&render_where(effect, &shot, sampling, &wanted).mean, &tiles))
-        };
-        let (a, b) = (half(0), half(1));
-        let mean = Planes::from_fn(a.channels(), a.height(), a.width(), |c, y, x| {
-            0.5 * (a.at(c, y, x) + b.at(c, y, x))
-        });
+        let goal = Goal::samples(self.tiles.samples);
+        let rendered = Truth::render(effect, &shot, goal, stream(0), in_tiles(&tiles, width));
+        let image = truth::within_half(gather(&rendered.estimate.mean, &tiles));
+        let exposure = exposure(effect, &image);
         let write = |folder: &str, samples: u32, image: &Planes| self.write(folder, view, samples, image);
         let record = FrameRecord {
             name: view.name.clone(),
@@ -130,12 +124,13 @@ impl Work<'_> {
             radius,
             seed: view.seed,
             variation,
-            ceiling: Ceiling { ssim: rounded(ssim(&a, &b)), mse: rounded(mean_squared_difference(&a, &b)) },
-            tiles: write("tiles", self.tiles.samples, &mean)?,
+            exposure,
+            ceiling: ceiling(&rendered, &tiles, exposure),
+            tiles: write("tiles", rendered.estimate.samples, &image)?,
             whole: whole
                 .then(|| {
-                    let image = truth::within_half(render(effect, &shot, sampling(samples, 2)).mean);
-                    write("whole", samples, &image)
+                    let whole = render(effect, &shot, Sampling::one(samples, stream(1)));
+                    write("whole", whole.samples, &truth::within_half(whole.mean))
                 })
                 .transpose()?,
         };
@@ -164,12 +159,18 @@ impl Work<'_> {
     }
 }
 
-/// A figure with nine decimals: so few survive JSON text to the last bit, which a resumed run's list needs.
-fn rounded(value: f64) -> f64 {
-    (value * 1e9).round() / 1e9
+/// What is known of the noise of tiles' truth.
+fn ceiling(truth: &Truth, tiles: &[usize], exposure: f32) -> Ceiling {
+    let [a, b] = [0, 1].map(|half: usize| exposed(&gather(&truth.halves[half], tiles), exposure));
+    let variance = truth.estimate.variance.iter().map(|variance| mean(&gather(variance, tiles))).sum();
+    Ceiling { ssim: rounded(ssim(&a, &b)), variance: rounded(variance) }
 }
 
-pub(super) fn mean_squared_difference(a: &Planes, b: &Planes) -> f64 {
-    let squares = a.data().iter().zip(b.data()).map(|(a, b)| f64::from(a - b).powi(2));
-    squares.sum::<f64>() / a.data().len() as f64
+fn mean(image: &Planes) -> f64 {
+    image.data().iter().map(|value| f64::from(*value)).sum::<f64>() / image.data().len() as f64
+}
+
+/// A figure with nine digits: so few survive JSON text to the last bit, which a resumed run's list needs.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.8e}").parse().unwrap_or(value)
 }

@@ -4,15 +4,10 @@
 //! Independently scrambled sequences are, and the means of `n` of them estimate the variance of their mean with `n - 1`
 //! degrees of freedom (Owen 1997).
 
-use super::sampler::{MAX_SAMPLES, PixelSampler};
-use super::{Integrator, Shot, integrator};
-use crate::metrics::relative_mse::EPSILON;
+use super::{Refinement, Shot};
+use crate::metrics::{self, relative_mse::EPSILON};
 use deepshade_shaders::{Effect, Planes};
 use glam::Vec3;
-use rayon::prelude::*;
-
-/// Edge of the squares of pixels that threads take, so that a thread's rays stay near each other.
-const TILE: usize = 16;
 
 /// How many samples are taken, and which.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,16 +47,64 @@ impl Sampling {
 }
 
 impl Estimate {
-    /// Mean square of the image's own error, relative to its squared values as [`relative_mse`] is to truth's; `None`
-    /// of one scrambling.
+    /// Mean square of the image's own error, relative to its squared values as [`relative_mse`] is to truth's, under
+    /// an [exposure]; `None` of one scrambling, NaN where a value is no number.
     ///
     /// [`relative_mse`]: crate::metrics::relative_mse()
-    pub fn noise_relmse(&self) -> Option<f64> {
+    /// [exposure]: crate::metrics::exposure()
+    pub fn noise_relmse(&self, exposure: f32) -> Option<f64> {
         let variance = self.variance.as_ref()?;
+        let scale = f64::from(exposure).powi(2);
         let pairs = variance.data().iter().zip(self.mean.data());
-        let relative =
-            pairs.map(|(variance, mean)| f64::from(*variance) / (f64::from(*mean).powi(2) + EPSILON));
+        let relative = pairs.map(|(variance, mean)| {
+            scale * f64::from(*variance) / (scale * f64::from(*mean).powi(2) + EPSILON)
+        });
         Some(relative.sum::<f64>() / variance.data().len() as f64)
+    }
+
+    /// The mean of independent images of one shape, made of so many samples of a pixel in all, and its variance where
+    /// there are several.
+    ///
+    /// # Panics
+    /// If there is no image, or they differ in shape.
+    pub fn of(images: &[Planes], samples: u32) -> Self {
+        let first = images.first().expect("an image");
+        assert!(images.iter().all(|image| image.same_shape(first)), "images of one shape");
+        let at = |i: usize| images.iter().map(|image| Vec3::splat(image.data()[i])).collect::<Vec<_>>();
+        let values: Vec<[Vec3; 2]> = (0..first.data().len()).map(|i| mean_and_variance(&at(i))).collect();
+        let image = |which: usize| {
+            let data = values.iter().map(|value| value[which].x).collect();
+            Planes::from_data(first.channels(), first.height(), first.width(), data)
+        };
+        Self { mean: image(0), variance: (images.len() > 1).then(|| image(1)), samples }
+    }
+}
+
+/// When an image has samples enough.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Goal {
+    /// Samples of a pixel, rounded up to a multiple of [`SCRAMBLINGS`]; with `error` the most.
+    pub samples: u32,
+    /// Noise, as the square root of [`Estimate::noise_relmse`], below which no more samples are taken.
+    pub error: Option<f32>,
+}
+
+/// Samples of a pixel and scrambling before the noise's estimate is believed.
+const LEAST_FOR_AN_ERROR: u32 = 16;
+
+impl Goal {
+    /// So many samples.
+    pub const fn samples(samples: u32) -> Self {
+        Self { samples, error: None }
+    }
+
+    /// Whether an image is good enough. One in which no light has arrived yet says nothing of its noise.
+    pub(super) fn is_reached(&self, effect: Effect, estimate: &Estimate) -> bool {
+        let Some(error) = self.error else { return false };
+        let lit = estimate.mean.data().iter().any(|value| *value > 0.0);
+        let noise = estimate.noise_relmse(metrics::exposure(effect, &estimate.mean));
+        lit && estimate.samples >= LEAST_FOR_AN_ERROR * SCRAMBLINGS
+            && noise.is_some_and(|noise| noise.sqrt() <= f64::from(error))
     }
 }
 
@@ -82,104 +125,11 @@ pub fn render_where(
     refinement.estimate()
 }
 
-/// An estimate that grows: each pass goes on with the sequences of the one before, so that passes that double the
-/// samples give what as many samples at once give, and an image to look at in between.
-pub struct Refinement<'a> {
-    effect: Effect,
-    shot: Shot<'a>,
-    integrator: Box<dyn Integrator + 'a>,
-    scramblings: u32,
-    seed: u32,
-    /// Samples of a pixel in each scrambling.
-    taken: u32,
-    /// Means of the scramblings of each pixel, pixel by pixel, square of pixels by square.
-    means: Vec<Vec3>,
-}
-
-impl<'a> Refinement<'a> {
-    /// No samples yet.
-    pub fn new(effect: Effect, shot: &Shot<'a>, scramblings: u32, seed: u32) -> Self {
-        let scramblings = scramblings.max(1);
-        let pixels = shot.width.div_ceil(TILE) * shot.height.div_ceil(TILE) * TILE * TILE;
-        Self {
-            effect,
-            shot: *shot,
-            integrator: integrator(effect, shot),
-            scramblings,
-            seed,
-            taken: 0,
-            means: vec![Vec3::ZERO; pixels * scramblings as usize],
-        }
-    }
-
-    /// Samples of a pixel so far, of all scramblings.
-    pub const fn samples(&self) -> u32 {
-        self.taken * self.scramblings
-    }
-
-    /// Takes `count` more samples in each scrambling of the pixels (x, y) that are wanted, which are the same in every
-    /// pass. Says of each square of pixels that is finished how many of them it holds.
-    ///
-    /// # Panics
-    /// If a scrambling gets more than [`MAX_SAMPLES`](super::sampler::MAX_SAMPLES).
-    pub fn refine(
-        &mut self,
-        count: u32,
-        wanted: impl Fn(usize, usize) -> bool + Sync,
-        finished: impl Fn(usize) + Sync,
-    ) {
-        assert!(self.taken + count <= MAX_SAMPLES, "no more samples than the sequence has");
-        let Self { shot, integrator, scramblings, seed, taken, .. } = self;
-        let (height, width, each) = (shot.height, shot.width, *scramblings as usize);
-        let columns = width.div_ceil(TILE);
-        let share = count as f32 / (*taken + count) as f32;
-        self.means.par_chunks_mut(TILE * TILE * each).enumerate().for_each(|(tile, means)| {
-            let (x0, y0) = (tile % columns * TILE, tile / columns * TILE);
-            let mut inside = 0;
-            for (i, means) in means.chunks_exact_mut(each).enumerate() {
-                let (x, y) = (x0 + i % TILE, y0 + i / TILE);
-                if x >= width || y >= height {
-                    continue;
-                }
-                inside += 1;
-                if !wanted(x, y) {
-                    continue;
-                }
-                for (scrambling, mean) in means.iter_mut().enumerate() {
-                    let sampler =
-                        PixelSampler::new(x, y, *seed).scrambled(scrambling as u32).starting_at(*taken);
-                    let new = integrator.pixel(shot, x, y, sampler, count);
-                    *mean = if *taken == 0 { new } else { *mean + (new - *mean) * share };
-                }
-            }
-            finished(inside);
-        });
-        self.taken += count;
-    }
-
-    /// The image so far.
-    pub fn estimate(&self) -> Estimate {
-        let each = self.scramblings as usize;
-        let pixels: Vec<[Vec3; 2]> =
-            self.means.par_chunks_exact(each).map(|means| mean_and_variance(means.iter().copied())).collect();
-        let Shot { height, width, .. } = self.shot;
-        let columns = width.div_ceil(TILE);
-        let plane = |which: usize| {
-            Planes::from_fn(self.effect.channels(), height, width, |c, y, x| {
-                let tile = y / TILE * columns + x / TILE;
-                pixels[tile * TILE * TILE + y % TILE * TILE + x % TILE][which][c]
-            })
-        };
-        let variance = (self.scramblings > 1).then(|| plane(1));
-        Estimate { mean: plane(0), variance, samples: self.samples() }
-    }
-}
-
 /// The mean of some values and the variance of that mean.
-fn mean_and_variance(values: impl Iterator<Item = Vec3>) -> [Vec3; 2] {
+pub(super) fn mean_and_variance(values: &[Vec3]) -> [Vec3; 2] {
     // Welford's update: sums of squares would lose what little the values differ by.
     let (mut count, mut mean, mut squares) = (0.0, Vec3::ZERO, Vec3::ZERO);
-    for value in values {
+    for &value in values {
         count += 1.0;
         let before = value - mean;
         mean += before / count;
@@ -191,52 +141,9 @@ fn mean_and_variance(values: impl Iterator<Item = Vec3>) -> [Vec3; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bvh::TracedScene;
     use crate::metrics::relative_mse;
-    use crate::scene::{Camera, Material, Mesh, Scene};
-    use std::sync::atomic::{AtomicUsize, Ordering};
-
-    /// A floor under a roof with an edge, from the side.
-    fn porch() -> TracedScene {
-        let square = |y: f32, x: f32| Mesh {
-            positions: [(-9., -9.), (-9., 9.), (x, 9.), (x, -9.)].map(|(x, z)| Vec3::new(x, y, z)).to_vec(),
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
-            ..Mesh::default()
-        };
-        let scene = Scene {
-            meshes: vec![square(0.0, 9.0), square(1.0, 0.0)],
-            materials: vec![Material::default()],
-            ..Scene::default()
-        };
-        TracedScene::new(scene).expect("two squares")
-    }
-
-    #[test]
-    fn passes_come_to_what_all_samples_at_once_do() {
-        let scene = porch();
-        let camera = Camera::look_at(Vec3::new(3.0, 0.7, 0.2), Vec3::new(0.0, 0.3, 0.0));
-        let shot = Shot::new(&scene, &camera, [19, 33], 2.0);
-        let wanted = |x: usize, _: usize| x != 5;
-        let mut refinement = Refinement::new(Effect::Ao, &shot, 8, 3);
-        let pixels = AtomicUsize::new(0);
-        for count in [2, 2, 4, 8] {
-            refinement.refine(count, wanted, |finished| {
-                pixels.fetch_add(finished, Ordering::Relaxed);
-            });
-        }
-        assert_eq!(pixels.into_inner(), 4 * 19 * 33);
-        let passes = refinement.estimate();
-        let at_once = render_where(Effect::Ao, &shot, Sampling::scrambled(128, 3), wanted);
-        assert_eq!((passes.samples, at_once.samples), (128, 128));
-        let close = |a: &Planes, b: &Planes| a.data().iter().zip(b.data()).all(|(a, b)| (a - b).abs() < 1e-5);
-        assert!(close(&passes.mean, &at_once.mean));
-        let variances = [&passes, &at_once].map(|estimate| estimate.variance.as_ref().expect("scramblings"));
-        assert!(close(variances[0], variances[1]));
-        assert!((0..19).all(|y| passes.mean.at(0, y, 5) == 0.0), "not wanted");
-        // Other samples come to something else.
-        let other = render_where(Effect::Ao, &shot, Sampling::scrambled(128, 4), wanted);
-        assert!(!close(&passes.mean, &other.mean));
-    }
+    use crate::path::proving::porch;
+    use crate::scene::Camera;
 
     #[test]
     fn the_stated_noise_is_the_distance_to_truth() {
@@ -245,18 +152,29 @@ mod tests {
         let shot = Shot::new(&scene, &camera, [24, 32], 2.0);
         let truth = render(Effect::Ao, &shot, Sampling::one(4096, 9)).mean;
         let noisy = render(Effect::Ao, &shot, Sampling::scrambled(32, 1));
-        let (stated, found) = (noisy.noise_relmse().expect("scramblings"), relative_mse(&noisy.mean, &truth));
+        let (stated, found) =
+            (noisy.noise_relmse(1.0).expect("scramblings"), relative_mse(&noisy.mean, &truth));
         assert!((0.7..1.4).contains(&(stated / found)), "{stated} is not {found}");
-        assert_eq!(render(Effect::Ao, &shot, Sampling::one(32, 1)).noise_relmse(), None);
+        assert_eq!(render(Effect::Ao, &shot, Sampling::one(32, 1)).noise_relmse(1.0), None);
+    }
+
+    #[test]
+    fn independent_images_come_to_their_mean_and_its_variance() {
+        let images = [1.0, 3.0].map(|value| Planes::filled(1, 1, 2, value));
+        let estimate = Estimate::of(&images, 2);
+        // Squared deviations 1 + 1, over 1 for the images' variance, over 2 for the mean's.
+        assert_eq!(estimate.mean.data(), [2.0; 2]);
+        assert_eq!(estimate.variance.expect("two images").data(), [1.0; 2]);
+        assert_eq!(Estimate::of(&images[..1], 1).variance, None);
     }
 
     #[test]
     fn variance_of_a_mean_is_that_of_the_values_over_their_number() {
         let values = [1.0, 2.0, 3.0, 6.0].map(Vec3::splat);
-        let [mean, variance] = mean_and_variance(values.into_iter());
+        let [mean, variance] = mean_and_variance(&values);
         // Squared deviations 4 + 1 + 0 + 9, over 3 for the values' variance, over 4 for the mean's.
         assert!((mean.x - 3.0).abs() < 1e-6 && (variance.x - 14.0 / 12.0).abs() < 1e-6);
-        let [mean, variance] = mean_and_variance(std::iter::once(Vec3::ONE));
+        let [mean, variance] = mean_and_variance(&[Vec3::ONE]);
         assert_eq!((mean, variance), (Vec3::ONE, Vec3::ZERO));
     }
 }

@@ -23,13 +23,16 @@ pub mod lights;
 pub mod medium;
 pub mod motion_blur;
 pub mod multi;
+pub mod part;
 #[cfg(test)]
 pub(crate) mod proving;
+pub mod refinement;
 pub mod route;
 pub mod sampler;
 pub mod sss;
 pub mod subsurface;
 pub mod transport;
+pub mod truth;
 pub mod vertex;
 
 pub use aa::AntiAliasing;
@@ -37,14 +40,17 @@ pub use ao::Ao;
 pub use at_surface::AtSurface;
 pub use directional::Directional;
 pub use dof::DepthOfField;
-pub use estimate::{Estimate, Refinement, Sampling, render, render_where};
+pub use estimate::{Estimate, Goal, Sampling, render, render_where};
 pub use full::FullPath;
 pub use gi::{Gi, Receiver};
 pub use ibl::Ibl;
 pub use motion_blur::MotionBlur;
 pub use multi::Multi;
+pub use part::Part;
+pub use refinement::Refinement;
 pub use sss::ScreenSpaceScattering;
 pub use subsurface::Subsurface;
+pub use truth::Truth;
 
 use crate::bvh::TracedScene;
 use crate::scene::Camera;
@@ -67,6 +73,8 @@ pub struct Shot<'a> {
     pub radius: f32,
     /// Where in a pixel samples are.
     pub footprint: Footprint,
+    /// Which light; a part that the effect has, see [`Part::is_of`].
+    pub part: Part,
 }
 
 impl<'a> Shot<'a> {
@@ -77,7 +85,7 @@ impl<'a> Shot<'a> {
         [height, width]: [usize; 2],
         radius: f32,
     ) -> Self {
-        Self { scene, camera, height, width, radius, footprint: Footprint::Middle }
+        Self { scene, camera, height, width, radius, footprint: Footprint::Middle, part: Part::All }
     }
 }
 
@@ -128,6 +136,9 @@ pub fn integrator<'a>(effect: Effect, shot: &Shot<'a>) -> Box<dyn Integrator + '
     match effect {
         Effect::Ao => Box::new(AtSurface::new(shot, Ao::new(shot))),
         Effect::Do => Box::new(AtSurface::new(shot, Directional::new(shot))),
+        Effect::Gi if shot.part == Part::Glossy => {
+            Box::new(AtSurface::new(shot, Gi::new(shot, Receiver::Glossy)))
+        }
         Effect::Gi => Box::new(AtSurface::new(shot, Gi::new(shot, Receiver::Diffuse))),
         Effect::Ibl => Box::new(AtSurface::new(shot, Ibl::new(shot))),
         Effect::Sss => Box::new(ScreenSpaceScattering::new(shot)),
