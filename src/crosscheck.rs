@@ -7,8 +7,12 @@
 //!
 //! Materials are Lambert's in most scenes, here and there, so that there is one definition of them; one scene is glossy,
 //! with our microfacets written once more on Mitsuba's, and for image-based lighting our Phong lobe, since Mitsuba 3 has
-//! neither as it is defined here. Masked and blended surfaces are made opaque, vertex colours and
-//! the pictures of spots and directional lights left out: they are proven by tests of their own.
+//! neither as it is defined here. Masked and blended surfaces are made opaque, vertex colours and the pictures of spots
+//! and directional lights left out: they are proven by tests of their own.
+//!
+//! Each case has random numbers of its own, and its mean is tested to the noise alone. What is left with many more samples
+//! is Mitsuba's: rays of its own integrators start `9e-5 (1 + |p|)` above a surface, which lets light into creases, 0.04 %
+//! more in `flat-blobs.path`. The integrators of the script start theirs nearer.
 
 mod agreement;
 mod cases;

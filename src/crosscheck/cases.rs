@@ -110,7 +110,7 @@ pub const ALL: &[Case] = &[
     mitsuba("fog", Effect::Path),
     mitsuba("smoke", Effect::FogDirect),
     mitsuba("smoke", Effect::Path),
-    mitsuba("black-smoke", Effect::FogMultiple).sampled(8),
+    mitsuba("black-smoke", Effect::FogMultiple).sampled(2),
     case("moving", Effect::MotionBlur, Reference::Stills, Expected::Agreement),
     control("blocks", Effect::Ao, Fault::NoCosine),
     control("blocks", Effect::Aa, Fault::BrighterLights),
@@ -120,7 +120,7 @@ pub const ALL: &[Case] = &[
     control("room", Effect::Gi, Fault::BrighterLights).sampled(8),
     control("fog", Effect::FogIndirect, Fault::BrighterLights).sampled(4),
     control("smoke", Effect::FogDirect, Fault::BrighterLights),
-    control("black-smoke", Effect::FogMultiple, Fault::BrighterLights).sampled(8),
+    control("black-smoke", Effect::FogMultiple, Fault::BrighterLights).sampled(2),
 ];
 
 #[cfg(test)]

@@ -57,12 +57,18 @@ class Effect(mi.SamplingIntegrator):
         active &= emitted.pdf > 0
         return weight * si.bsdf().eval(mi.BSDFContext(), si, si.to_local(emitted.d), active)
 
+    def leaving(self, si, to_viewer, direction):
+        """A ray within the radius. Mitsuba's own start nine times as far above a surface, which lets light into creases:
+        0.07 % more in the ambient occlusion of the blobs."""
+        geometric = dr.select(dr.dot(si.n, to_viewer) < 0, -si.n, si.n)
+        ray = mi.Ray3f(si.p + geometric * (1e-5 * (1 + dr.max(dr.abs(si.p)))), direction)
+        ray.maxt = self.radius
+        return ray
+
     def open(self, scene, sampler, si, to_viewer, active):
         """A cosine-distributed direction, and whether nothing blocks it within the radius."""
         direction, above = self.direction(sampler, si, to_viewer, active)
-        ray = si.spawn_ray(direction)
-        ray.maxt = self.radius
-        return direction, above & ~scene.ray_test(ray, active & above)
+        return direction, above & ~scene.ray_test(self.leaving(si, to_viewer, direction), active & above)
 
 
 class AmbientOcclusion(Effect):
@@ -93,9 +99,7 @@ class ImageBasedLighting(Effect):
 class OneBounce(Effect):
     def at_surface(self, scene, sampler, si, to_viewer, active):
         direction, above = self.direction(sampler, si, to_viewer, active)
-        ray = si.spawn_ray(direction)
-        ray.maxt = self.radius
-        bounce = scene.ray_intersect(ray, active & above)
+        bounce = scene.ray_intersect(self.leaving(si, to_viewer, direction), active & above)
         lit = active & above & bounce.is_valid()
         return dr.select(lit, self.direct(scene, sampler, bounce, lit), 0)
 
@@ -396,11 +400,17 @@ def scene(folder, case):
     return mi.load_dict(things)
 
 
-def mean_and_variance(scene, integrator, samples, seeds):
-    """The mean of independent renderings, and the variance of that mean."""
+def renderings(scene, integrator, case):
+    """Independent renderings of a case, one a seed."""
     integrator = mi.load_dict(vectors(integrator))
-    images = [mi.render(scene, integrator=integrator, spp=samples, seed=seed) for seed in seeds]
+    seeds = range(case["first_seed"], case["first_seed"] + case["seeds"])
+    images = [mi.render(scene, integrator=integrator, spp=case["samples_a_seed"], seed=seed) for seed in seeds]
     dr.eval(images)
+    return images
+
+
+def mean_and_variance(images):
+    """The mean of independent images, and the variance of that mean."""
     mean = sum(images) / len(images)
     squares = sum((image - mean) ** 2 for image in images)
     return mean, squares / (len(images) * (len(images) - 1))
@@ -411,13 +421,11 @@ def render(folder):
     if case["integrator"]["type"] == "fog-indirect":
         case["medium"], case["camera"]["in_medium"] = None, False
     loaded = scene(folder, case)
-    first, count = case["first_seed"], case["seeds"]
-    seeds = range(first, first + count)
-    mean, variance = mean_and_variance(loaded, case["integrator"], case["samples_a_seed"], seeds)
+    images = renderings(loaded, case["integrator"], case)
     if case["minus"]:
-        seeds = range(first + count, first + 2 * count)
-        less, more = mean_and_variance(loaded, case["minus"], case["samples_a_seed"], seeds)
-        mean, variance = mean - less, variance + more
+        # With the same random numbers, so that the paths of both cancel out.
+        images = [more - less for more, less in zip(images, renderings(loaded, case["minus"], case))]
+    mean, variance = mean_and_variance(images)
     for name, image in [("mean", mean), ("variance", variance)]:
         mi.Bitmap(mi.TensorXf(image)).write(str(folder / f"{name}.pfm"))
 
