@@ -226,16 +226,21 @@ fn panes(count: u32) -> Scene {
 
 #[test]
 fn chance_does_not_ask_where_a_triangle_is_in_the_hierarchy() {
-    // Far triangles behind the others in the list give all of them other places.
+    // Squares to both sides of the panes, later in the list, give the panes' triangles other places.
     let mut more = panes(4);
     for i in 0..50 {
-        let mut far = square_at(0.0);
-        far.positions.iter_mut().for_each(|p| *p = *p * 0.1 + Vec3::new(random(i) - 0.5, 2.0, 9.0) * 50.0);
-        more.meshes.push(far);
+        let aside = Vec3::new(2.0 + 9.0 * random(i), random(i + 60), random(i + 120) - 0.5);
+        let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
+        let mut square = square_at(0.0);
+        square.positions.iter_mut().for_each(|p| *p = *p * 0.5 + aside * Vec3::new(sign, 1.0, 1.0));
+        more.meshes.push(square);
     }
     let [few, many] = [panes(4), more].map(|scene| TracedScene::new(scene).expect("panes"));
-    let place = |scene: &TracedScene| scene.origins.iter().position(|o| (o.mesh, o.triangle) == (1, 1));
-    assert_ne!(place(&few), place(&many), "the hierarchies are alike");
+    let places = |scene: &TracedScene| -> Vec<usize> {
+        let origins = scene.origins.iter().enumerate();
+        origins.filter(|(_, origin)| origin.mesh < 4).map(|(place, _)| place).collect()
+    };
+    assert_ne!(places(&few), places(&many), "the hierarchies are alike");
     let mut met = [0; 2];
     for i in 0..2_000 {
         let (origin, chance) = (Vec3::new(random(i), random(i + 5_000), 1.0), random(i + 9_000));

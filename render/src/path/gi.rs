@@ -254,7 +254,7 @@ mod tests {
         let point = Visible::at(&shot, glam::Vec2::splat(0.5)).expect("the wall").point;
         let gi = Gi::new(&shot, Receiver::Diffuse);
         let irradiance = |stream: &mut Stream| gi.irradiance(&point, stream);
-        let count = 20_000;
+        let count = 100_000;
         let measured = Measured::of_independent(irradiance, count);
         // Lambert's polygon formula: half the sum of the edges' angles times their planes' normals.
         let edges = (0..4).map(|i| (corners[i] - point.position, corners[(i + 1) % 4] - point.position));

@@ -236,7 +236,10 @@ fn lights_and_paths_find_the_same_light() {
         let one = found_by(finding);
         let error = both.error.x.hypot(one.error.x);
         assert!((both.mean.x - one.mean.x).abs() < 3.0 * error, "{both:?}, {finding:?} {one:?}");
-        assert!(error < 0.02 * both.mean.x, "{error} is too large to tell 6 %");
+        assert!(
+            error < 0.02 * both.mean.x,
+            "{error} is too large to tell 6 %: {both:?}, {finding:?} {one:?}"
+        );
     }
 }
 
