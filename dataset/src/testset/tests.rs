@@ -158,8 +158,10 @@ fn test_sets_of_other_effects_hold_what_their_frames_were_given() {
             let scene = staged.shown(camera, Some(variation)).expect("shown");
             let shot = Shot::new(&scene, camera, [24, 32], record.radius);
             let image = gather(&render(recipe.effect, &shot, Sampling::one(64, 99)).mean, &frame.tiles);
+            // The lamp's reflection in a glossy surface is not to outshine all else.
+            let compressed = |value: &f32| value / (1.0 + value);
             let pairs = image.data().iter().zip(frame.truth.data());
-            pairs.map(|(a, b)| (a - b).abs()).sum::<f32>()
+            pairs.map(|(a, b)| (compressed(a) - compressed(b)).abs()).sum::<f32>()
         };
         let own = distance(&record.camera, variation);
         let lamp = set.frames()[1 - index].variation.expect("a lamp").lamp;

@@ -59,16 +59,33 @@ fn images_differ_in_what_is_varied_and_in_nothing_else() {
         let both = material.base_colour.truncate() + specular;
         assert!(both.max_element() <= 1.0 + 1e-6 && specular.min_element() >= 0.0, "{both}");
     }
-    let speculars: Vec<Vec3> = scene.materials.iter().filter_map(|material| material.specular).collect();
-    let brightness = |low: f32, high: f32| {
-        speculars.iter().filter(|colour| (low..high).contains(&colour.max_element())).count() * 5
-    };
-    assert!(brightness(0.0, 0.3) > speculars.len() && brightness(0.3, 1.0) > speculars.len(), "all kinds");
-    let grey = |colour: &&Vec3| colour.max_element() - colour.min_element() < 1e-3;
-    assert!(speculars.iter().filter(grey).count() * 5 < speculars.len(), "most are coloured");
     assert!(scene.textures.len() - staged.base().scene().textures.len() <= 5, "none is in memory twice");
     let hit = |scene: &TracedScene| scene.hit(camera.position, camera.rotation * Vec3::NEG_Z, f32::INFINITY);
     assert_eq!(hit(&first), hit(staged.base()));
+}
+
+#[test]
+fn specular_colours_are_of_every_brightness_and_hue() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = recipe(folder.path(), "aa", SHADED);
+    let props = Props::load(&recipe).expect("textures");
+    let staged = StagedScene::load(&record(&recipe), &recipe, &props).expect("a scene");
+    let camera = camera(&staged);
+    let colours = (0..40).flat_map(|seed| {
+        let (_, variation) = staged.draw(camera, seed);
+        let shown = staged.shown(&camera, variation.as_ref()).expect("shown");
+        shown.scene().materials.iter().filter_map(|material| material.specular).collect::<Vec<_>>()
+    });
+    let colours: Vec<Vec3> = colours.collect();
+    let share = |holds: &dyn Fn(&Vec3) -> bool| {
+        colours.iter().filter(|colour| holds(colour)).count() as f32 / colours.len() as f32
+    };
+    let [dark, bright] = [share(&|c| c.max_element() < 0.25), share(&|c| c.max_element() > 0.4)];
+    assert!(colours.len() >= 100 && dark > 0.15 && bright > 0.15, "{dark} dark, {bright} bright");
+    for channel in 0..3 {
+        let most = share(&|c| c.max_position() == channel && c.max_element() - c.min_element() > 0.02);
+        assert!(most > 0.15, "{most} are of channel {channel}");
+    }
 }
 
 #[test]
