@@ -112,7 +112,8 @@ impl Proofs {
         for (name, comparisons) in &self.by_name {
             let (controls, proofs): (Vec<_>, Vec<_>) =
                 comparisons.iter().partition(|comparison| comparison.control);
-            let off = |comparison: &Comparison| comparison.deviation().unwrap_or_default().abs();
+            // Of probabilities the smallest.
+            let off = |comparison: &Comparison| comparison.deviation().map_or(-comparison.value, f64::abs);
             let worst = proofs.iter().max_by(|a, b| off(a).total_cmp(&off(b)));
             let Some(Comparison { value, expected, .. }) = worst else { continue };
             let deviation = worst

@@ -355,15 +355,14 @@ fn the_three_and_dimmed_surfaces_add_up_to_full_path_tracing() {
     for density in [Density::Within(bounds), Density::Grid(smoke)] {
         let (scene, camera) = (room(density), room_camera());
         let shot = Shot::new(&scene, &camera, [2, 3], f32::INFINITY);
-        let rest = |without: Option<Route>| {
+        let rest = |without: Option<Route>, samples: u32| {
             let parts = ROUTES.into_iter().filter(|route| Some(*route) != without);
             let parts = parts.map(|route| FullPath::along(route, &shot)).collect();
-            Measured::of(&Sum { parts, whole: FullPath::new(&shot), factor: -1.0 }, &shot, 4096)
+            Measured::of(&Sum { parts, whole: FullPath::new(&shot), factor: -1.0 }, &shot, samples)
         };
-        let nothing = rest(None);
-        nothing.proves("fog/sum_of_routes", Vec3::ZERO);
+        rest(None, 4096).proves("fog/sum_of_routes", Vec3::ZERO);
         for without in ROUTES {
-            rest(Some(without)).refutes("fog/sum_of_routes", Vec3::ZERO);
+            rest(Some(without), 512).refutes("fog/sum_of_routes", Vec3::ZERO);
         }
     }
 }
