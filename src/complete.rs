@@ -149,7 +149,7 @@ mod tests {
             additions: Additions,
         }
         let line = Line::try_parse_from(["deepshade"].iter().chain(arguments));
-        line.unwrap_or_else(|error| panic!("{error}")).additions
+        line.expect("a sound command line").additions
     }
 
     #[test]
@@ -200,7 +200,7 @@ mod tests {
             (&["--focus", "2"], "--focus"),
             (&["--medium", "missing.vol"], "missing.vol"),
             (&["--extinction", "1", "--scattering-albedo", "1.5"], "--scattering-albedo"),
-            (&["--extinction", "1", "--asymmetry", "2"], "asymmetry"),
+            (&["--extinction", "1", "--anisotropy", "2"], "anisotropy"),
         ] {
             let error = format!("{:#}", completed(Effect::Path, arguments).err().expect("an error"));
             assert!(error.contains(named), "{error}");

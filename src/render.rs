@@ -193,7 +193,7 @@ fn provenance(
     radius: f32,
     samples: u32,
 ) -> Metadata {
-    let Additions { environment, medium, extinction, scattering_albedo, asymmetry, .. } = &args.additions;
+    let Additions { environment, medium, extinction, scattering_albedo, anisotropy, .. } = &args.additions;
     let path =
         |path: &Option<PathBuf>| path.as_ref().map_or("none".to_owned(), |path| path.display().to_string());
     let lens = camera
@@ -212,7 +212,7 @@ fn provenance(
         (
             "medium",
             format!(
-                "{}; extinction {extinction}, albedo {scattering_albedo}, asymmetry {asymmetry}",
+                "{}; extinction {extinction}, albedo {scattering_albedo}, anisotropy {anisotropy}",
                 path(medium)
             ),
         ),

@@ -32,9 +32,9 @@ pub struct Additions {
     /// Share of the extinction that is scattering, the rest being absorption: one number, or red,green,blue.
     #[arg(long, default_value = "0.9", value_parser = colour)]
     pub scattering_albedo: Vec3,
-    /// Mean cosine of the angle by which the medium scatters (Henyey-Greenstein), above -1 and below 1.
+    /// Mean cosine of the angle by which the medium scatters (Henyey-Greenstein), from -0.99 to 0.99.
     #[arg(long, default_value_t = 0.0, allow_hyphen_values = true)]
-    pub asymmetry: f32,
+    pub anisotropy: f32,
 }
 
 impl Additions {
@@ -66,7 +66,7 @@ impl Additions {
             albedo.max_element() <= 1.0,
             "--scattering-albedo {albedo}: more than all cannot be scattered"
         );
-        Ok(Medium::new((1.0 - albedo) * extinction, albedo * extinction, self.asymmetry, density)?)
+        Ok(Medium::new((1.0 - albedo) * extinction, albedo * extinction, self.anisotropy, density)?)
     }
 }
 

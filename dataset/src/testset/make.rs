@@ -17,7 +17,6 @@ use deepshade_render::path::{Goal, Sampling, Shot, Truth, render};
 use deepshade_shaders::Planes;
 use deepshade_shaders::atomic_file;
 use indicatif::ProgressBar;
-use rayon::prelude::*;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -87,11 +86,7 @@ impl Work<'_> {
             let whole = spread(first + view.index, self.total, self.tiles.whole_frames.min(self.total));
             known(view).map_or_else(|| self.frame(scene, &staged, view, whole), Ok)
         };
-        // As in `generate`: few copies of the scene in memory.
-        if self.recipe.vary.is_some() {
-            return scene.views.iter().map(record).collect();
-        }
-        scene.views.par_iter().map(record).collect()
+        staged.each(&scene.views, record)
     }
 
     /// Renders a frame's truth and writes it.
