@@ -3,10 +3,8 @@
 //! Each value has a mean and a variance on either side, both estimated from replicates, so their difference over its
 //! error follows Student's t with Welch's degrees of freedom. Turned into a normal deviate, it lies beyond
 //! [`BOUND`] with a known probability where the two agree, and the share of values that do may exceed it by no more than
-//! chance has it. Where light is so rare that a value's samples met none or little of it, they hardly vary, and its
-//! neighbours' variance is taken for its own; how often that is, and what it hides, is told beside. A small error
-//! everywhere hides in the noise of single values, but not in that of the whole image, which is tested too and must be
-//! small.
+//! chance has it. A small error everywhere hides in the noise of single values, but not in that of the whole image, which
+//! is tested too and must be small.
 
 use deepshade_render::metrics::relative_mse;
 use deepshade_render::path::Estimate;
@@ -30,12 +28,6 @@ const LARGEST_MEAN_ERROR: f64 = 4e-3;
 /// What two renderers may differ by without noise, relative: f32, ray offsets, interpolation of tables.
 const ROUNDING: f64 = 1e-4;
 
-/// Share of their neighbourhood's mean variance below which values are taken to have missed rare light.
-const RARE: f32 = 0.25;
-
-/// How many pixels a neighbourhood reaches to each side.
-const REACH: usize = 2;
-
 /// How well two estimates of an image agree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Agreement {
@@ -43,10 +35,6 @@ pub struct Agreement {
     pub outside_share: f64,
     /// The largest that counts as agreement.
     pub outside_limit: f64,
-    /// Share of values on either side that got their neighbours' variance.
-    pub guarded_share: f64,
-    /// What `outside_share` is with every value's own variance.
-    pub unguarded_outside_share: f64,
     /// Of ours, theirs being the truth.
     pub relative_mse: f64,
     /// What noise alone would make of it.
@@ -63,27 +51,22 @@ pub struct Agreement {
 
 impl Agreement {
     /// Compares two images of the same scene, each with the variance of its values from `replicates` renderings.
-    /// `heavy_tail` is the largest share of values outside where their noise is known to be far from normal.
     ///
     /// # Panics
     /// If the images differ in shape or one comes without variance.
-    pub fn of(ours: &Estimate, theirs: &Estimate, replicates: u32, heavy_tail: Option<f64>) -> Self {
+    pub fn of(ours: &Estimate, theirs: &Estimate, replicates: u32) -> Self {
         let variances = [ours, theirs].map(|image| image.variance.as_ref().expect("rendered in replicates"));
         let images = [&ours.mean, &theirs.mean];
         let [a, b] = images;
         assert!(a.same_shape(b) && variances.iter().all(|v| v.same_shape(a)), "images of one scene");
-        let guarded = variances.map(with_rare_light);
-        let differs = |i: usize| (0..2).any(|side| guarded[side].data()[i] != variances[side].data()[i]);
         let colours: Vec<Means> = (0..a.channels())
             .map(|c| Means::of(images.map(|x| x.plane(c)), variances.map(|x| x.plane(c))))
             .collect();
         let worst = colours.iter().max_by(|x, y| x.deviate.abs().total_cmp(&y.deviate.abs()));
         let worst = worst.expect("a channel");
         Self {
-            outside_share: outside_share(images, guarded.each_ref(), replicates),
-            outside_limit: heavy_tail.unwrap_or_else(|| largest_share_by_chance(a.pixels())),
-            guarded_share: share(a.data().len(), differs),
-            unguarded_outside_share: outside_share(images, variances, replicates),
+            outside_share: outside_share(images, variances, replicates),
+            outside_limit: largest_share_by_chance(a.pixels()),
             relative_mse: relative_mse(a, b),
             noise_relative_mse: noise_of_difference(theirs, variances),
             means: images.map(|image| mean(image.data())),
@@ -113,8 +96,6 @@ impl Agreement {
         json!({
             "outside_share": self.outside_share,
             "outside_limit": self.outside_limit,
-            "guarded_share": self.guarded_share,
-            "unguarded_outside_share": self.unguarded_outside_share,
             "relmse": self.relative_mse,
             "noise_relmse": self.noise_relative_mse,
             "mean": self.means[0],
@@ -131,11 +112,10 @@ impl fmt::Display for Agreement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "outside {:.2} % of at most {:.2} % (guarded {:.1} %)  relMSE {:.1e} (noise {:.1e})  means {:.5} {:.5} \
+            "outside {:.2} % of at most {:.2} %  relMSE {:.1e} (noise {:.1e})  means {:.5} {:.5} \
              ({:+.3} %, {:+.1} sigma; 1 sigma at most {:.3} %)",
             100.0 * self.outside_share,
             100.0 * self.outside_limit,
-            100.0 * self.guarded_share,
             self.relative_mse,
             self.noise_relative_mse,
             self.means[0],
@@ -147,7 +127,7 @@ impl fmt::Display for Agreement {
     }
 }
 
-/// The largest of some numbers of at least 0; not a number where one of them is none.
+/// The largest size of some numbers; not a number where one of them is none.
 pub fn largest(values: impl Iterator<Item = f64>) -> f64 {
     // In the total order, what is not a number is above all others if its sign is plus.
     values.map(f64::abs).max_by(f64::total_cmp).unwrap_or(0.0)
@@ -162,16 +142,12 @@ fn largest_share_by_chance(pixels: usize) -> f64 {
 
 /// Share of the values of two images whose deviate is beyond [`BOUND`].
 fn outside_share([a, b]: [&Planes; 2], [va, vb]: [&Planes; 2], replicates: u32) -> f64 {
+    let at = |image: &Planes, i: usize| f64::from(image.data()[i]);
+    let deviate = |i| deviate([at(a, i), at(b, i)], [at(va, i), at(vb, i)], replicates);
+    let values = a.data().len();
     // What is not a number is not inside.
-    share(a.data().len(), |i| {
-        let at = |image: &Planes| f64::from(image.data()[i]);
-        let inside = deviate([at(a), at(b)], [at(va), at(vb)], replicates).abs() <= BOUND;
-        !inside
-    })
-}
-
-fn share(count: usize, of: impl Fn(usize) -> bool) -> f64 {
-    (0..count).filter(|i| of(*i)).count() as f64 / count as f64
+    let inside = (0..values).filter(|i| deviate(*i).abs() <= BOUND).count();
+    (values - inside) as f64 / values as f64
 }
 
 /// What noise on both sides makes of a relative mean squared error.
@@ -180,21 +156,6 @@ fn noise_of_difference(theirs: &Estimate, [va, vb]: [&Planes; 2]) -> f64 {
     variance.data_mut().iter_mut().zip(vb.data()).for_each(|(sum, other)| *sum += other);
     let both = Estimate { mean: theirs.mean.clone(), variance: Some(variance), samples: theirs.samples };
     both.noise_relmse(1.0).expect("a variance")
-}
-
-/// Variances, those that are less than [`RARE`] of their neighbourhood's replaced by that. A variance of 32 replicates
-/// without rare light is as small as that by chance in fewer than one of a million.
-fn with_rare_light(variance: &Planes) -> Planes {
-    let (height, width) = (variance.height(), variance.width());
-    Planes::from_fn(variance.channels(), height, width, |channel, y, x| {
-        let rows = y.saturating_sub(REACH)..(y + REACH + 1).min(height);
-        let columns = x.saturating_sub(REACH)..(x + REACH + 1).min(width);
-        let count = rows.len() * columns.len();
-        let around = rows.flat_map(|y| columns.clone().map(move |x| (y, x)));
-        let mean = around.map(|(y, x)| variance.at(channel, y, x)).sum::<f32>() / count as f32;
-        let own = variance.at(channel, y, x);
-        if own < RARE * mean { mean } else { own }
-    })
 }
 
 fn mean(values: &[f32]) -> f64 {
