@@ -1,6 +1,6 @@
 //! How surfaces reflect: Lambert, GGX microfacets and the energy-normalised Phong lobe.
 //!
-//! Surfaces are opaque and alike from both sides. The colours are [`Surface`](crate::scene::Surface)'s; how the
+//! Surfaces are opaque and alike from both sides. The colours are [`Surface`]'s; how the
 //! specular one spreads says its [`Gloss`]:
 //!
 //! - `Gloss::None`: Lambert's law, `diffuse / pi`.

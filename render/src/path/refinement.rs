@@ -49,7 +49,7 @@ impl<'a> Refinement<'a> {
     /// pass. Says of each square of pixels that is finished how many of them it holds.
     ///
     /// # Panics
-    /// If a scrambling gets more than [`MAX_SAMPLES`](super::sampler::MAX_SAMPLES).
+    /// If a scrambling gets more than [`MAX_SAMPLES`].
     pub fn refine(
         &mut self,
         count: u32,
