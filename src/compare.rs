@@ -1,22 +1,25 @@
 //! `deepshade compare`: methods against truth on the views of a scene.
 
+use crate::complete::{Additions, Wants, complete};
+use crate::exposure_time;
 use crate::figures::{self, Figures};
 use crate::methods::{self, Setup};
-use crate::report::{Comparison, FrameReport, MethodReport, Truth};
+use crate::report::{Comparison, FrameReport, MethodReport, TruthReport};
+use crate::samples;
 use crate::views::{self, View};
 use anyhow::{Context, Result, ensure};
 use clap::builder::RangedU64ValueParser;
 use deepshade_dataset::progress;
-use deepshade_dataset::truth::{self, Shot};
+use deepshade_dataset::truth;
 use deepshade_infer::{Model, Reach};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Method, Repeats};
-use deepshade_render::metrics::Scores;
+use deepshade_render::path::{Estimate, Goal, Shot, Truth};
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// How far an effect reaches where no network says what it knows. `radius` is what networks read, and there is none.
@@ -24,6 +27,9 @@ pub const DEFAULT_REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.15, heig
 
 /// Methods are timed as the median of so many runs.
 pub const REPEATS: Repeats = Repeats { warm_up: 2, timed: 11 };
+
+/// Samples of a pixel of truth where none are asked for.
+const SAMPLES: u32 = 512;
 
 /// Compares methods on a scene: images, errors, milliseconds and a page to look at.
 #[derive(clap::Args)]
@@ -36,15 +42,16 @@ pub struct Args {
     /// What is computed.
     #[arg(long, default_value = "ao")]
     effect: Effect,
-    /// Which methods; truth is always rendered, since the others are measured against it.
-    #[arg(long, value_delimiter = ',', default_value = "learned,hbao,truth")]
+    /// Which methods, all that compute the effect by default; truth is always rendered, since the others are measured
+    /// against it.
+    #[arg(long, value_delimiter = ',')]
     methods: Vec<String>,
     /// Folder of the page and its images.
     #[arg(long)]
     out: PathBuf,
-    /// Folder of the network of `learned`.
-    #[arg(long, default_value = "models/ao")]
-    model: PathBuf,
+    /// Folder of the network of `learned`; by default models/EFFECT.
+    #[arg(long)]
+    model: Option<PathBuf>,
     /// Rows of the images.
     #[arg(long, default_value_t = 512, value_parser = RangedU64ValueParser::<usize>::new().range(16..=8192))]
     height: usize,
@@ -58,15 +65,15 @@ pub struct Args {
     radius: Option<f32>,
     #[command(flatten)]
     views: views::Args,
-    /// Rays a pixel of each of truth's two renderings.
-    #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536))]
-    samples: u32,
-    /// Moment of animations, skins and morph targets, seconds.
-    #[arg(long, default_value_t = 0.0)]
-    time: f32,
+    #[command(flatten)]
+    samples: samples::Args,
+    #[command(flatten)]
+    time: exposure_time::Args,
     /// Writes the figures here as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    additions: Additions,
 }
 
 /// How a frame is compared.
@@ -80,8 +87,8 @@ pub struct Settings {
     pub width: usize,
     /// How far the effect reaches, metres.
     pub radius: f32,
-    /// Rays a pixel of each of truth's two renderings.
-    pub samples: u32,
+    /// When truth has samples enough.
+    pub goal: Goal,
     /// Chooses all random numbers.
     pub seed: u32,
     /// How often a method runs.
@@ -90,27 +97,39 @@ pub struct Settings {
 
 /// Compares, writes the page, prints the table.
 pub fn run(args: &Args) -> Result<()> {
-    methods::check(args.effect, &args.methods)?;
-    let learned = args.methods.iter().any(|name| name == methods::LEARNED);
-    let model = learned.then(|| Model::load(&args.model)).transpose()?;
+    check_pixels(args.height, args.width)?;
+    let names = if args.methods.is_empty() { methods::names_of(args.effect) } else { names(&args.methods) };
+    methods::check(args.effect, &names)?;
+    let model = names.contains(&methods::LEARNED).then(|| Model::load(&model_folder(args))).transpose()?;
     let gpu = Gpu::new()?;
-    let methods = methods::open(args.effect, &args.methods, Setup { gpu: &gpu, model: model.as_ref() })?;
-    let scene = args.scene.trace(args.time).with_context(|| format!("scene {}", args.scene))?;
+    let methods = methods::open(args.effect, &names, Setup { gpu: &gpu, model: model.as_ref() })?;
+    let scene = TracedScene::new(args.time.scene(&args.scene, args.effect)?)
+        .with_context(|| format!("scene {}", args.scene))?;
     let settings = Settings {
         effect: args.effect,
         height: args.height,
         width: args.width,
         radius: args.radius.unwrap_or_else(|| default_radius(model.as_ref(), scene.diagonal(), args.height)),
-        samples: args.samples,
+        goal: args.samples.goal(SAMPLES),
         seed: args.views.seed,
         repeats: REPEATS,
     };
     let views = args.views.of(&scene, [args.height, args.width])?;
+    let wants = Wants {
+        effect: args.effect,
+        size: [args.height, args.width],
+        additions: &args.additions,
+        seed: args.views.seed,
+    };
     let mut frames = Vec::new();
     let bar = progress::bar("frames", views.len(), 0);
     for view in &views {
         bar.set_message(view.name.clone());
-        frames.push(compare_frame(&scene, view, settings, &methods)?);
+        let completed = complete(&scene, &view.camera, &wants)?;
+        let view = View { camera: completed.camera, ..view.clone() };
+        let mut frame = compare_frame(&completed.scene, &view, settings, &methods)?;
+        frame.facts.extend(completed.added.into_iter().map(|added| ("added".to_owned(), added)));
+        frames.push(frame);
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -122,6 +141,24 @@ pub fn run(args: &Args) -> Result<()> {
     figures.detail("scene", args.scene.to_string().into());
     figures.write(args.json.as_deref())?;
     say!("{comparison}{}", page.display())
+}
+
+fn names(names: &[String]) -> Vec<&str> {
+    names.iter().map(String::as_str).collect()
+}
+
+fn model_folder(args: &Args) -> PathBuf {
+    args.model.clone().unwrap_or_else(|| Path::new("models").join(args.effect.name()))
+}
+
+/// Refuses images whose truth would not fit into memory.
+///
+/// # Errors
+/// If there are more than 2^25 pixels: the eight scramblings of one take 96 bytes, and what comes of them half as much.
+pub fn check_pixels(height: usize, width: usize) -> Result<()> {
+    const MOST: usize = 1 << 25;
+    ensure!(height * width <= MOST, "{width} x {height} pixels are more than {MOST}");
+    Ok(())
 }
 
 /// The radius of a scene with this diagonal in an image of this height, metres.
@@ -150,31 +187,28 @@ pub fn compare_frame(
             let shaded = method.shade(&frame, repeats)?;
             Ok(MethodReport {
                 name: method.name().to_owned(),
-                scores: Scores::new(&shaded.image, &truth.image),
+                scores: truth.scores(&shaded.image),
                 image: shaded.image,
                 milliseconds: shaded.milliseconds,
                 clock: shaded.clock,
             })
         })
         .collect::<Result<_>>()?;
-    Ok(FrameReport { name: view.name.clone(), facts: facts(scene, view, settings), truth, methods })
+    let facts = facts(scene, view, radius, &truth.truth.estimate);
+    Ok(FrameReport { name: view.name.clone(), facts, truth, methods })
 }
 
-/// Truth by two renderings whose random numbers have nothing to do with each other.
-fn render_truth(frame: &Frame<'_>, settings: Settings) -> Truth {
-    let Settings { effect, height, width, radius, samples, seed, .. } = settings;
-    let half = |half: u32| {
-        let seed = seed.wrapping_mul(2).wrapping_add(half);
-        let shot = Shot { scene: frame.scene, camera: frame.camera, height, width, radius, samples, seed };
-        truth::render(effect, &shot)
-    };
+/// Truth, no brighter than its file can hold.
+fn render_truth(frame: &Frame<'_>, settings: Settings) -> TruthReport {
+    let Settings { effect, height, width, radius, goal, seed, .. } = settings;
+    let shot = Shot::new(frame.scene, frame.camera, [height, width], radius);
     let start = Instant::now();
-    let halves = [half(0), half(1)];
-    Truth::new(effect, halves, start.elapsed().as_secs_f64() * 1e3)
+    let mut truth = Truth::render(effect, &shot, goal, seed, |_, _| true);
+    truth.estimate.mean = truth::within_half(truth.estimate.mean);
+    TruthReport::new(effect, truth, start.elapsed().as_secs_f64() * 1e3)
 }
 
-fn facts(scene: &TracedScene, view: &View, settings: Settings) -> Vec<(String, String)> {
-    let Settings { radius, samples, .. } = settings;
+fn facts(scene: &TracedScene, view: &View, radius: f32, truth: &Estimate) -> Vec<(String, String)> {
     let share = 100.0 * radius / scene.diagonal();
     let position = view.camera.position;
     [
@@ -182,7 +216,7 @@ fn facts(scene: &TracedScene, view: &View, settings: Settings) -> Vec<(String, S
         ("triangles", scene.scene().triangle_count().to_string()),
         ("camera", format!("at ({:.2}, {:.2}, {:.2})", position.x, position.y, position.z)),
         ("radius", format!("{radius:.3} m, {share:.1} % of the diagonal")),
-        ("truth", format!("2 × {samples} rays a pixel")),
+        ("truth", format!("{} samples a pixel", truth.samples)),
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .to_vec()
@@ -213,6 +247,13 @@ pub fn positive(text: &str) -> Result<f32, String> {
 mod tests {
     use super::*;
     use deepshade_infer::{ChannelOrder, NetSpec, Weights};
+
+    #[test]
+    fn images_that_memory_does_not_hold_are_refused() {
+        assert!(check_pixels(4096, 8192).is_ok());
+        let error = check_pixels(8192, 8192).expect_err("too many").to_string();
+        assert!(error.contains("8192 x 8192"), "{error}");
+    }
 
     #[test]
     fn the_default_radius_follows_one_rule_with_a_network_and_without() {

@@ -2,7 +2,7 @@
 
 use crate::figures::Figures;
 use anyhow::{Context, Result, bail};
-use deepshade_dataset::{Dataset, Recipe, TestSet, contact_sheet, generate, verify};
+use deepshade_dataset::{Dataset, Recipe, TestSet, contact_sheet, generate, test_sheet, verify};
 use deepshade_shaders::lists;
 use serde_json::json;
 use std::path::PathBuf;
@@ -15,7 +15,7 @@ pub enum Verb {
     Generate(Generate),
     /// Checks every file of a dataset against its manifest.
     Verify(Verify),
-    /// Draws every channel and the target of some pairs into one picture.
+    /// Draws every channel and the target of some pairs, or of some frames of a test set, into one picture.
     Show(Show),
     /// Makes a test set for `eval`: truth with many samples on a share of the tiles.
     Testset(Testset),
@@ -66,16 +66,21 @@ pub struct Verify {
     json: Option<PathBuf>,
 }
 
-/// Draws every channel and the target of some pairs into one picture.
+/// Draws every channel and the target of some pairs, or of some frames of a test set, into one picture.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  deepshade dataset show data/ao --out sheet.png")]
+#[command(after_help = "Example:\n  deepshade dataset show data/ao --out sheet.png\n\n\
+                  Frames of a test set are rendered again but for their truth, whose tiles are shown on black where the \
+                  set holds no whole image.")]
 pub struct Show {
-    /// Folder of the dataset.
+    /// Folder of the dataset or of the test set.
     dataset: PathBuf,
+    /// Folder that the scene files of a test set are relative to, where it is not the one that the set says.
+    #[arg(long)]
+    scenes: Option<PathBuf>,
     /// The picture, a PNG file.
     #[arg(long)]
     out: PathBuf,
-    /// How many pairs, spread over the dataset.
+    /// How many pairs or frames, spread over all.
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=64))]
     pairs: u16,
     /// Writes the figures here as JSON.
@@ -151,12 +156,22 @@ fn verify_pairs(args: &Verify) -> Result<()> {
 }
 
 fn show_pairs(args: &Show) -> Result<()> {
-    let dataset = Dataset::open(&args.dataset)?;
-    let shown = lists::spread(dataset.len(), args.pairs.into());
-    contact_sheet(&dataset, &shown, &args.out)?;
+    let wanted = args.pairs.into();
+    let (pairs, shown) = if TestSet::is_in(&args.dataset) {
+        let set = TestSet::open(&args.dataset)?;
+        let set = args.scenes.iter().fold(set, |set, folder| set.with_scenes(folder));
+        let frames = lists::spread(set.frames().len(), wanted);
+        test_sheet(&set, &frames, &args.out)?;
+        (set.frames().len(), frames.len())
+    } else {
+        let dataset = Dataset::open(&args.dataset)?;
+        let pairs = lists::spread(dataset.len(), wanted);
+        contact_sheet(&dataset, &pairs, &args.out)?;
+        (dataset.len(), pairs.len())
+    };
     let mut figures = Figures::new("dataset show");
-    figures.set("pairs", dataset.len() as f64);
-    figures.set("shown", shown.len() as f64);
+    figures.set("pairs", pairs as f64);
+    figures.set("shown", shown as f64);
     figures.write(args.json.as_deref())?;
     say!("{}", args.out.display())
 }

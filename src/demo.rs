@@ -11,6 +11,7 @@ use deepshade_dataset::views::sample_view;
 use deepshade_infer::Model;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::method::Repeats;
+use deepshade_render::path::Goal;
 use deepshade_render::scene::procedural::{Family, Split};
 use deepshade_shaders::gpu::Gpu;
 use std::path::PathBuf;
@@ -39,8 +40,8 @@ pub struct Args {
     /// How long the short training takes, minutes.
     #[arg(long, default_value_t = 2.0, value_parser = crate::train::minutes)]
     minutes: f64,
-    /// Rays a pixel of each of truth's two renderings.
-    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    /// Samples a pixel of truth, rounded up to a multiple of 8.
+    #[arg(long, default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     samples: u32,
     /// Writes the figures here as JSON.
     #[arg(long)]
@@ -83,7 +84,8 @@ fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model) -> Result<Compa
         note!("   {}, {} triangles", view.name, scene.scene().triangle_count());
         let radius = default_radius(Some(model), scene.diagonal(), height);
         let repeats = Repeats { warm_up: 1, timed: 3 };
-        let settings = Settings { effect, height, width, radius, samples: args.samples, seed: SEED, repeats };
+        let goal = Goal::samples(args.samples);
+        let settings = Settings { effect, height, width, radius, goal, seed: SEED, repeats };
         frames.push(compare_frame(&scene, &view, settings, &methods).with_context(|| view.name.clone())?);
     }
     Ok(Comparison { effect, frames, machine: compare::machine(gpu) })
@@ -139,7 +141,7 @@ mod short_training {
                 &data,
                 ChannelOrder::Interleaved,
                 diagonal_share,
-            )
+            )?
         };
         // A run of an earlier demo would be resumed; the demo starts afresh.
         deepshade_train::discard(&run)?;

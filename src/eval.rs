@@ -5,13 +5,12 @@ use crate::methods::{self, Setup};
 use crate::statistics::{Estimate, estimate};
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::testset::{FrameRecord, gather};
-use deepshade_dataset::{SceneRecord, TestFrame, TestSet};
+use deepshade_dataset::{SceneRecord, StagedScene, TestFrame, TestSet};
 use deepshade_dataset::{progress, truth};
 use deepshade_infer::Model;
-use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Method, Repeats};
-use deepshade_render::metrics::{flip, psnr, ssim};
+use deepshade_render::metrics::{exposed, flip, psnr, ssim};
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, Planes, lists};
@@ -124,14 +123,15 @@ fn evaluate(
     let bar = progress::bar("frames", chosen.len(), 0);
     let mut evaluation = Evaluation::default();
     // Frames of a scene follow each other, so that a scene is built once.
-    let mut current: Option<(SceneRecord, TracedScene)> = None;
+    let mut current: Option<(SceneRecord, StagedScene<'_>)> = None;
+    let props = set.props().context("--scenes says where files are")?;
     for index in chosen {
         let record = &set.frames()[*index];
         let scene = match current.take() {
             Some((source, scene)) if source == record.scene => scene,
             _ => {
                 evaluation.scenes += 1;
-                let scene = record.scene.load(&set.recipe().folder);
+                let scene = StagedScene::load(&record.scene, set.recipe(), &props);
                 scene
                     .with_context(|| format!("frame {}; --scenes says where scene files are", record.name))?
             }
@@ -147,31 +147,35 @@ fn evaluate(
 fn score_frame(
     evaluation: &mut Evaluation,
     record: &FrameRecord,
-    scene: &TracedScene,
+    staged: &StagedScene<'_>,
     truth: &TestFrame,
     set: &TestSet,
     effect: Effect,
     methods: &[Box<dyn Method>],
 ) -> Result<()> {
     let (height, width) = (set.recipe().resolution.height, set.recipe().resolution.width);
+    let scene = &staged.shown(&record.camera, record.variation.as_ref())?;
     let gbuffer = gbuffer::render(scene, &record.camera, height, width, truth::attributes(effect));
     let frame =
         Frame { scene, camera: &record.camera, gbuffer: &gbuffer, radius: record.radius, seed: record.seed };
     let kind = kind(&record.scene.source);
     let index = evaluation.scenes;
+    let shown = |image: &Planes| exposed(image, record.exposure);
+    let (expected, whole) = (shown(&truth.truth), truth.whole.as_ref().map(shown));
     let mut score = |name: &str, image: &Planes| {
-        let tiles = gather(image, &truth.tiles);
-        evaluation.add(&kind, index, format!("ssim_{name}"), ssim(&tiles, &truth.truth));
-        evaluation.add(&kind, index, format!("psnr_{name}"), psnr(&tiles, &truth.truth));
-        if let Some(whole) = &truth.whole {
-            evaluation.add(&kind, index, format!("flip_{name}"), flip(image, whole));
+        let image = shown(image);
+        let tiles = gather(&image, &truth.tiles);
+        evaluation.add(&kind, index, format!("ssim_{name}"), ssim(&tiles, &expected));
+        evaluation.add(&kind, index, format!("psnr_{name}"), psnr(&tiles, &expected));
+        if let Some(whole) = &whole {
+            evaluation.add(&kind, index, format!("flip_{name}"), flip(&image, whole));
         }
     };
     for method in methods {
         let shaded = method.shade(&frame, Repeats::ONCE).with_context(|| format!("frame {}", record.name))?;
         score(&method.name().replace('-', "_"), &shaded.image);
     }
-    score(WHITE, &Planes::filled(effect.channels(), height, width, effect.background()));
+    score(WHITE, &Planes::filled(effect.channels(), height, width, effect.background().unwrap_or(0.0)));
     evaluation.add(&kind, index, "ssim_ceiling".to_owned(), record.ceiling.ssim);
     Ok(())
 }

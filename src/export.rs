@@ -3,7 +3,6 @@
 use crate::figures::Figures;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::Manifest;
-use deepshade_shaders::Effect;
 use deepshade_train::TrainConfig;
 use deepshade_train::export::{Facts, export};
 use serde_json::Value;
@@ -75,23 +74,23 @@ pub fn facts(manifest: &Manifest, metrics: Vec<(String, String)>) -> Facts {
             families.join(", ")
         ),
         metrics,
-        limits: limits(recipe.effect),
+        limits: limits(),
         licence: LICENCE.to_owned(),
     }
 }
 
-fn limits(effect: Effect) -> Vec<String> {
-    let limits: &[&str] = match effect {
-        Effect::Ao => &[
-            "It sees what the camera sees: what lies outside the image or behind other surfaces blocks nothing.",
-            "It was trained on perspective views with a vertical field of view of 50 degrees, without motion or \
-             depth-of-field blur.",
-            "Its radius is fixed; other radii work by scaling positions and get worse the further they are from the \
-             trained one.",
-            "Frames are independent; nothing keeps them steady over time.",
-        ],
-    };
-    limits.iter().map(|limit| (*limit).to_owned()).collect()
+/// What networks that see one frame of a screen cannot do, whatever their effect.
+fn limits() -> Vec<String> {
+    [
+        "It sees what the camera sees: what lies outside the image or behind other surfaces blocks nothing.",
+        "It was trained on perspective views with a vertical field of view of 50 degrees, without motion or \
+         depth-of-field blur.",
+        "Its radius is fixed; other radii work by scaling positions and get worse the further they are from the \
+         trained one.",
+        "Frames are independent; nothing keeps them steady over time.",
+    ]
+    .map(str::to_owned)
+    .to_vec()
 }
 
 /// Figures of a JSON file as the card's table.

@@ -8,11 +8,14 @@ mod output;
 
 mod bench;
 mod compare;
+mod complete;
+mod crosscheck;
 mod dataset;
 mod demo;
 mod eval;
 #[cfg(feature = "train")]
 mod export;
+mod exposure_time;
 mod figures;
 mod infer;
 mod learned;
@@ -20,7 +23,9 @@ mod methods;
 mod onnxruntime;
 #[cfg(feature = "train")]
 mod parity;
+mod render;
 mod report;
+mod samples;
 mod scene;
 mod statistics;
 #[cfg(feature = "train")]
@@ -42,6 +47,8 @@ enum Verb {
     Demo(demo::Args),
     /// Says what a scene holds, or lists the procedural families.
     Scene(scene::Args),
+    /// Renders a picture of one effect's truth, refining it before one's eyes.
+    Render(render::Args),
     /// Generates, verifies and shows training pairs, and makes test sets.
     #[command(
         subcommand,
@@ -65,7 +72,10 @@ enum Verb {
     Eval(eval::Args),
     /// Tunes hbao's parameters on the validation views of a dataset.
     Tune(tune::Args),
-    /// Measures speed: of a network beside onnxruntime, of training, of rays.
+    /// Checks truth against Mitsuba 3; `cargo xtask crosscheck` sets it up and calls this.
+    #[command(hide = true)]
+    Crosscheck(crosscheck::Args),
+    /// Measures speed: of a network beside onnxruntime, of training, of rays beside Embree, of making data.
     #[command(subcommand, after_help = "Example:\n  deepshade bench net --model models/ao --json net.json")]
     Bench(bench::Verb),
 }
@@ -74,6 +84,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().verb {
         Verb::Demo(args) => demo::run(&args),
         Verb::Scene(args) => scene::run(&args),
+        Verb::Render(args) => render::run(&args),
         Verb::Dataset(verb) => dataset::run(&verb),
         #[cfg(feature = "train")]
         Verb::Train(args) => train::run(&args),
@@ -85,6 +96,7 @@ fn main() -> ExitCode {
         Verb::Compare(args) => compare::run(&args),
         Verb::Eval(args) => eval::run(&args),
         Verb::Tune(args) => tune::run(&args),
+        Verb::Crosscheck(args) => crosscheck::run(&args),
         Verb::Bench(verb) => bench::run(&verb),
     };
     match result {

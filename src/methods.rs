@@ -7,7 +7,7 @@ use deepshade_render::method::Method;
 use deepshade_render::methods::hbao::{self, Hbao};
 use deepshade_shaders::{Effect, gpu::Gpu};
 
-/// The name of truth, which is no [`Method`]: it is rendered twice, and the others are measured against it.
+/// The name of truth, which is no [`Method`]: it is always rendered, and the others are measured against it.
 pub const TRUTH: &str = "truth";
 
 /// The name of the trained network's method.
@@ -53,7 +53,7 @@ const ALL: [Entry; 2] = [
 /// # Errors
 /// If there is no such method of this effect, one cannot be opened, or it computes another effect, as the network of
 /// `learned` may; all are named.
-pub fn open(effect: Effect, names: &[String], setup: Setup<'_>) -> Result<Vec<Box<dyn Method>>> {
+pub fn open(effect: Effect, names: &[&str], setup: Setup<'_>) -> Result<Vec<Box<dyn Method>>> {
     check(effect, names)?;
     let asked = |entry: &&Entry, name: &str| entry.effect == effect && entry.name == name;
     names
@@ -68,18 +68,17 @@ pub fn open(effect: Effect, names: &[String], setup: Setup<'_>) -> Result<Vec<Bo
 /// # Errors
 /// As [`open`].
 pub fn open_all(effect: Effect, setup: Setup<'_>) -> Result<Vec<Box<dyn Method>>> {
-    let names: Vec<String> = names_of(effect).into_iter().map(str::to_owned).collect();
-    open(effect, &names, setup)
+    open(effect, &names_of(effect), setup)
 }
 
 /// Whether an effect has all of these methods, each named once.
 ///
 /// # Errors
 /// If one is unknown or named twice; what there is, is listed.
-pub fn check(effect: Effect, names: &[String]) -> Result<()> {
+pub fn check(effect: Effect, names: &[&str]) -> Result<()> {
     let known = names_of(effect);
     for (index, name) in names.iter().enumerate() {
-        if !known.contains(&name.as_str()) {
+        if !known.contains(name) {
             bail!("effect `{effect}` has no method `{name}`; there are {}", known.join(", "));
         }
         if names[..index].contains(name) {
@@ -111,8 +110,7 @@ mod tests {
     use glam::Vec3;
 
     fn checked(names: &[&str]) -> Result<(), String> {
-        let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
-        check(Effect::Ao, &names).map_err(|error| error.to_string())
+        check(Effect::Ao, names).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -128,7 +126,8 @@ mod tests {
         let positions =
             [(-2., 0.), (2., 0.), (2., -4.), (-2., -4.)].map(|(x, z)| Vec3::new(x, 0.0, z)).to_vec();
         let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() };
-        let scene = Scene { meshes: vec![mesh], materials: vec![Material::default()], ..Scene::default() };
+        let scene =
+            Scene { meshes: vec![mesh].into(), materials: vec![Material::default()], ..Scene::default() };
         TracedScene::new(scene).expect("a scene")
     }
 
@@ -146,7 +145,7 @@ mod tests {
 
         let scene = floor();
         let camera = Camera::look_at(Vec3::new(0.3, 1.0, 1.0), Vec3::new(0.0, 0.4, -4.0));
-        let gbuffer = gbuffer::render(&scene, &camera, 24, 40, &gbuffer::RENDERED);
+        let gbuffer = gbuffer::render(&scene, &camera, 24, 40, &Attribute::ALL);
         let valid = gbuffer.select(&[Attribute::Valid]).expect("a mask");
         let seen = valid.data().iter().filter(|valid| **valid == 1.0).count();
         assert!(seen > 100 && seen < 24 * 40 - 100, "{seen}");
@@ -164,7 +163,7 @@ mod tests {
     fn the_learned_method_needs_a_model() {
         let gpu = Gpu::new().expect("an adapter");
         let setup = Setup { gpu: &gpu, model: None };
-        let error = open(Effect::Ao, &["learned".to_owned()], setup).err().expect("no model");
+        let error = open(Effect::Ao, &["learned"], setup).err().expect("no model");
         assert_eq!(format!("{error:#}"), "method `learned`: no model is given");
     }
 

@@ -169,7 +169,7 @@ fn config(args: &Args) -> Result<TrainConfig> {
         ),
     };
     let optimiser = args.optimiser.defaults();
-    let base = default_config(&manifest, &args.dataset, args.order.into(), share);
+    let base = default_config(&manifest, &args.dataset, args.order.into(), share)?;
     Ok(TrainConfig {
         optimiser: args.rate.map_or(optimiser, |rate| optimiser.with_rate(rate)),
         batch: args.batch,
@@ -192,11 +192,12 @@ pub fn default_config(
     dataset: &Path,
     order: ChannelOrder,
     diagonal_share: f32,
-) -> TrainConfig {
+) -> Result<TrainConfig> {
     let recipe = &manifest.origin.recipe;
     let reach = Reach { radius: INPUT_RADIUS, diagonal_share, height: recipe.resolution.height };
     let spec = match recipe.effect {
         Effect::Ao => NetSpec::ao(order, reach),
+        effect => bail!("no network is laid out for effect `{effect}` yet; there is one for `ao`"),
     };
-    TrainConfig::new(spec, dataset.to_owned())
+    Ok(TrainConfig::new(spec, dataset.to_owned()))
 }

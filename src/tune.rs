@@ -3,7 +3,7 @@
 
 use crate::figures::Figures;
 use anyhow::{Context, Result, ensure};
-use deepshade_dataset::{Dataset, SceneRecord, progress, truth};
+use deepshade_dataset::{Dataset, Props, SceneRecord, StagedScene, progress, truth};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Method, Repeats};
@@ -15,6 +15,7 @@ use deepshade_shaders::{GBuffer, Planes, lists};
 use serde_json::json;
 use std::path::PathBuf;
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// Tunes hbao's parameters on the validation views of a dataset.
 #[derive(clap::Args)]
@@ -38,8 +39,8 @@ pub struct Args {
 
 /// A validation view with its truth.
 struct View {
-    /// Views of a scene share it.
-    scene: Rc<TracedScene>,
+    /// Views of a scene share it where nothing varies.
+    scene: Arc<TracedScene>,
     camera: Camera,
     gbuffer: GBuffer,
     target: Planes,
@@ -48,20 +49,21 @@ struct View {
 
 impl View {
     /// The views of some pairs, with the g-buffer in full precision, as methods get it.
-    fn open(dataset: &Dataset, pairs: &[usize]) -> Result<Vec<Self>> {
+    fn open(dataset: &Dataset, props: &Props, pairs: &[usize]) -> Result<Vec<Self>> {
         let attributes = truth::attributes(dataset.recipe().effect);
         // Pairs of a scene follow each other.
-        let mut current: Option<(&SceneRecord, Rc<TracedScene>)> = None;
+        let mut current: Option<(&SceneRecord, Rc<StagedScene<'_>>)> = None;
         let view = |index: &usize| {
             let record = dataset.record(*index);
-            let scene = match &current {
+            let staged = match &current {
                 Some((source, scene)) if **source == record.scene => Rc::clone(scene),
                 _ => {
-                    let scene = record.scene.load(&dataset.recipe().folder);
+                    let scene = StagedScene::load(&record.scene, dataset.recipe(), props);
                     Rc::new(scene.context("--scenes says where scene files are")?)
                 }
             };
-            current = Some((&record.scene, Rc::clone(&scene)));
+            current = Some((&record.scene, Rc::clone(&staged)));
+            let scene = staged.shown(&record.camera, record.variation.as_ref())?;
             let target = dataset.pair(*index)?.target;
             let (height, width) = (target.height(), target.width());
             let gbuffer = gbuffer::render(&scene, &record.camera, height, width, attributes);
@@ -99,7 +101,8 @@ pub fn run(args: &Args) -> Result<()> {
     ensure!(!held_apart.is_empty(), "{} has no validation views", args.dataset.display());
     let chosen = lists::spread(held_apart.len(), args.frames.into());
     let chosen: Vec<usize> = chosen.into_iter().map(|index| held_apart[index]).collect();
-    let views = View::open(&dataset, &chosen)?;
+    let props = dataset.props().context("--scenes says where files are")?;
+    let views = View::open(&dataset, &props, &chosen)?;
     let gpu = Gpu::new()?;
     let hbao = Hbao::new(&gpu, Parameters::default())?;
     let mut best = Parameters::default();

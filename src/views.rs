@@ -49,6 +49,29 @@ impl Args {
     }
 }
 
+/// One view: a camera of the file by its name or its first one, or the sampled view of an index.
+///
+/// # Errors
+/// If the file has no camera of the name asked for, or no view of the scene can be found.
+pub fn one(
+    scene: &TracedScene,
+    size: [usize; 2],
+    camera: Option<&str>,
+    index: Option<usize>,
+    seed: u32,
+) -> Result<View> {
+    let own = &scene.scene().cameras;
+    match (camera, index) {
+        (Some(name), _) => named(own, name),
+        (None, None) if !own.is_empty() => Ok(view(&own[0])),
+        (None, index) => {
+            let index = index.unwrap_or(0);
+            let camera = sample_view(scene, size, seed, 0, index)?;
+            Ok(View { name: format!("{}, view {index}", scene.scene().name), camera })
+        }
+    }
+}
+
 /// Views that a dataset could hold.
 fn sampled(scene: &TracedScene, size: [usize; 2], seed: u32, count: usize) -> Result<Vec<View>> {
     (0..count)

@@ -133,7 +133,32 @@ fn from_a_recipe_to_a_network_that_is_compared() {
     let net = "bench net --model model --height 64 --width 64 --runs 1";
     chain.figures(net, &["ms_wgsl_ao", "ms_onnxruntime_ao"]);
     chain.figures("bench train --crop 64 --batch 1 --steps 1", &["images_per_second"]);
-    chain.figures("bench rays --size 64 --runs 1", &["mrays_primary", "mrays_ao", "diagonal"]);
+    chain.figures(
+        "bench rays --size 64 --runs 1",
+        &[
+            "mrays_primary",
+            "mrays_primary_bundles",
+            "mrays_ao",
+            "mrays_ao_bundles",
+            "mrays_diffuse",
+            "diagonal",
+        ],
+    );
+}
+
+#[test]
+fn a_pair_takes_milliseconds_to_minutes_and_its_parts_are_all_of_it() {
+    let chain = Chain(tempfile::tempdir().expect("a folder"));
+    let recipes = Path::new(env!("CARGO_MANIFEST_DIR")).join("dataset/recipes");
+    let bench = format!("bench dataset --recipes {} --effects do --pairs 1 --one-in 64", recipes.display());
+    let made = chain.figures(&bench, &["pairs_per_hour_core_do"]);
+    let pairs = made["pairs_per_hour_core_do"].as_f64().expect("a number");
+    assert!((60.0..1e5).contains(&pairs), "{pairs} pairs an hour");
+    let share = |part: &str| made[format!("share_{part}_do")].as_f64().expect("a number");
+    let shares = ["scene", "rays", "shading", "exr"].map(share);
+    assert!(shares.iter().all(|share| (0.0..1.0).contains(share)), "{shares:?}");
+    assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{shares:?}");
+    assert!(shares[1] > 0.01, "rays take time: {shares:?}");
 }
 
 #[test]

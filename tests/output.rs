@@ -40,7 +40,7 @@ fn what_is_said_before_the_work_costs_no_work() {
     let path = |name: &str| folder.path().join(name).display().to_string();
     let recipe = "effect = \"ao\"\nsplit = \"test\"\nseed = 5\nresolution = { height = 32, width = 32 }\n\
         samples = 4\nradius = { diagonal = 0.1 }\nviews_per_scene = 1\n\
-        tiles = { samples = 4, one_in = 2, whole_frames = 0 }\nfamilies = [{ name = \"cave\", scenes = 1 }]\n";
+        tiles = { samples = 8, one_in = 2, whole_frames = 0 }\nfamilies = [{ name = \"cave\", scenes = 1 }]\n";
     std::fs::write(path("test.toml"), recipe).expect("written");
     let output = unread(&["dataset", "testset", &path("test.toml"), "--out", &path("testset")]);
     let notes = String::from_utf8_lossy(&output.stderr);

@@ -1,10 +1,14 @@
-//! A picture of some pairs: one row a pair, one column a channel, for looking at with one's own eyes.
+//! A picture of some pairs or frames of a test set: one row a pair, one column a channel, for looking at with one's own eyes. Red, green and
+//! blue share a column, and so do the direction and the length of a movement.
+
+mod paint;
 
 use crate::generate::target_layer;
-use crate::{Dataset, DatasetError, Pair, font};
+use crate::{Dataset, DatasetError, Pair, TestSet, font};
 use deepshade_shaders::atomic_file;
-use deepshade_shaders::{Attribute, GBuffer, shows_surface};
+use deepshade_shaders::{Attribute, AttributeKind, GBuffer, shows_surface};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use paint::{Paint, Rgb};
 use std::path::Path;
 
 /// Longest edge of a channel's picture, pixels.
@@ -13,11 +17,13 @@ const EDGE: usize = 192;
 const GAP: usize = 8;
 /// Height of a line of text, pixels.
 const LINE: usize = 12;
-const BACKGROUND: u8 = 32;
-const INK: u8 = 255;
+const BACKGROUND: Rgb = [32; 3];
+const INK: Rgb = [255; 3];
 
-/// Draws some pairs into a PNG file: above each row where the pair comes from, under each column the channel and,
-/// where values are stretched to black and white, the range that they are stretched from.
+/// Draws some pairs into a PNG file: above each row where the pair comes from, under each column the channel and the
+/// range that is shown. Scalars go from black to white; numbers that may be negative are blue below 0 and orange
+/// above; colours are themselves, as sRGB; movements have the hue of their direction and the brightness of their
+/// length.
 ///
 /// # Errors
 /// If a pair cannot be read or the picture cannot be written.
@@ -31,10 +37,38 @@ pub fn contact_sheet(dataset: &Dataset, pairs: &[usize], path: &Path) -> Result<
         let title = format!("{}, view {}, {:?}", record.scene, record.view, record.part).to_lowercase();
         rows.push((title, columns(&dataset.pair(*index)?, &target_layer(dataset.recipe()))));
     }
-    let sheet = Sheet::drawn(&rows);
+    write(&Sheet::drawn(&rows), path)
+}
+
+/// [`contact_sheet`] of some frames of a test set, as [`TestSet::pair`] gives them.
+///
+/// # Errors
+/// If a frame cannot be had again or the picture cannot be written.
+///
+/// # Panics
+/// If there is no frame of an index.
+pub fn test_sheet(set: &TestSet, frames: &[usize], path: &Path) -> Result<(), DatasetError> {
+    let props = set.props()?;
+    let target = format!("truth.{}", set.recipe().effect);
+    let mut rows = Vec::new();
+    for index in frames {
+        let record = &set.frames()[*index];
+        let title = format!("{}, view {}, testing", record.scene, record.view).to_lowercase();
+        rows.push((title, columns(&set.pair(*index, &props)?, &target)));
+    }
+    write(&Sheet::drawn(&rows), path)
+}
+
+/// Writes a PNG file.
+fn write(sheet: &Sheet, path: &Path) -> Result<(), DatasetError> {
     let mut png = Vec::new();
     PngEncoder::new(&mut png)
-        .write_image(&sheet.pixels, sheet.width as u32, sheet.height as u32, ExtendedColorType::L8)
+        .write_image(
+            sheet.pixels.as_flattened(),
+            sheet.width as u32,
+            sheet.height as u32,
+            ExtendedColorType::Rgb8,
+        )
         .map_err(|error| DatasetError::invalid(path, error.to_string()))?;
     atomic_file::write(path, &png).map_err(|source| DatasetError::io(path, source))
 }
@@ -44,29 +78,68 @@ struct Column {
     label: String,
     height: usize,
     width: usize,
-    pixels: Vec<u8>,
+    pixels: Vec<Rgb>,
 }
 
 /// All channels of a pair.
 fn columns(pair: &Pair, target: &str) -> Vec<Column> {
-    let (height, width) = (pair.gbuffer.height(), pair.gbuffer.width());
+    let gbuffer = &pair.gbuffer;
+    let size = (gbuffer.height(), gbuffer.width());
     let mut columns = Vec::new();
-    let channels = pair.gbuffer.attributes().iter().flat_map(|attribute| attribute.channels());
-    for (index, channel) in channels.enumerate() {
-        let plane = pair.gbuffer.planes().plane(index);
-        let range = match channel.attribute {
-            Attribute::Normal | Attribute::WorldNormal | Attribute::ToCamera => (-1.0, 1.0),
-            Attribute::Valid => (0.0, 1.0),
-            _ => shown_range(seen_range(plane, &pair.gbuffer)),
-        };
-        columns.push(Column::new(&channel.to_string(), plane, height, width, range));
+    let mut first = 0;
+    for attribute in gbuffer.attributes() {
+        let planes: Vec<&[f32]> =
+            (first..first + attribute.width()).map(|plane| gbuffer.planes().plane(plane)).collect();
+        first += attribute.width();
+        match attribute.kind() {
+            AttributeKind::Colour | AttributeKind::Motion => {
+                let paint =
+                    if attribute.kind() == AttributeKind::Colour { Paint::Colour } else { Paint::Motion };
+                columns.push(Column::new(
+                    attribute.name(),
+                    &planes,
+                    size,
+                    paint,
+                    range(&planes, *attribute, gbuffer),
+                ));
+            }
+            _ => columns.extend(attribute.channels().zip(&planes).map(|(channel, plane)| {
+                let planes = std::slice::from_ref(plane);
+                let paint = if *attribute == Attribute::Blurriness { Paint::Signed } else { Paint::Grey };
+                Column::new(&channel.to_string(), planes, size, paint, range(planes, *attribute, gbuffer))
+            })),
+        }
     }
-    for channel in 0..pair.target.channels() {
-        let label =
-            if pair.target.channels() == 1 { target.to_owned() } else { format!("{target}.{channel}") };
-        columns.push(Column::new(&label, pair.target.plane(channel), height, width, (0.0, 1.0)));
-    }
+    let planes: Vec<&[f32]> = (0..pair.target.channels()).map(|channel| pair.target.plane(channel)).collect();
+    let (paint, range) = match planes.len() {
+        1 => (Paint::Grey, (0.0, 1.0)),
+        _ => (Paint::Colour, (0.0, bright(&planes))),
+    };
+    columns.push(Column::new(target, &planes, size, paint, range));
     columns
+}
+
+/// The range that an attribute's planes are shown in.
+fn range(planes: &[&[f32]], attribute: Attribute, gbuffer: &GBuffer) -> (f32, f32) {
+    match attribute {
+        Attribute::Normal | Attribute::WorldNormal | Attribute::ToCamera => (-1.0, 1.0),
+        Attribute::Valid | Attribute::Diffuse | Attribute::Specular | Attribute::Glossiness => (0.0, 1.0),
+        Attribute::Motion => (0.0, planes[1].iter().copied().fold(1.0, f32::max)),
+        Attribute::Blurriness => {
+            let (low, high) = seen_range(planes[0], gbuffer);
+            let largest = if low <= high { low.abs().max(high.abs()).max(f32::MIN_POSITIVE) } else { 1.0 };
+            (-largest, largest)
+        }
+        _ if attribute.kind() == AttributeKind::Colour => (0.0, bright(planes)),
+        _ => shown_range(seen_range(planes[0], gbuffer)),
+    }
+}
+
+/// What is shown as white of light: one value in a hundred of those above 0 is brighter.
+fn bright(planes: &[&[f32]]) -> f32 {
+    let mut lit: Vec<f32> = planes.concat().into_iter().filter(|value| *value > 0.0).collect();
+    lit.sort_unstable_by(f32::total_cmp);
+    lit.get((lit.len().saturating_sub(1) * 99).div_ceil(100)).copied().unwrap_or(1.0)
 }
 
 /// Smallest and largest value where a surface is seen.
@@ -84,19 +157,24 @@ const fn shown_range((low, high): (f32, f32)) -> (f32, f32) {
 }
 
 impl Column {
-    /// Shrinks a plane by a whole factor, at most to one pixel across, and maps `low` to black and `high` to white.
-    fn new(name: &str, plane: &[f32], height: usize, width: usize, (low, high): (f32, f32)) -> Self {
+    /// Shrinks planes by a whole factor, at most to one pixel across, and paints what `range` spans.
+    fn new(
+        name: &str,
+        planes: &[&[f32]],
+        (height, width): (usize, usize),
+        paint: Paint,
+        range: (f32, f32),
+    ) -> Self {
         let factor = height.max(width).div_ceil(EDGE).min(height).min(width);
         let (small_height, small_width) = (height / factor, width / factor);
-        let mean = |y: usize, x: usize| {
-            let rows =
-                (y * factor..(y + 1) * factor).flat_map(|row| &plane[row * width + x * factor..][..factor]);
-            rows.sum::<f32>() / (factor * factor) as f32
+        let shown = |pixel: usize| {
+            let (y, x) = (pixel / small_width, pixel % small_width);
+            let rows = (y * factor..(y + 1) * factor).map(|row| row * width + x * factor);
+            paint.mean(planes, rows.flat_map(|first| first..first + factor), range)
         };
-        let grey = |value: f32| (255.0 * (value - low) / (high - low)).round() as u8;
-        let pixels = (0..small_height * small_width).map(|i| grey(mean(i / small_width, i % small_width)));
-        let label = format!("{} {low:.3} {high:.3}", name.to_lowercase());
-        Self { label: shortened(&label), height: small_height, width: small_width, pixels: pixels.collect() }
+        let pixels = (0..small_height * small_width).map(shown).collect();
+        let label = format!("{} {:.3} {:.3}", name.to_lowercase(), range.0, range.1);
+        Self { label: shortened(&label), height: small_height, width: small_width, pixels }
     }
 }
 
@@ -112,7 +190,7 @@ fn shortened(label: &str) -> String {
 struct Sheet {
     width: usize,
     height: usize,
-    pixels: Vec<u8>,
+    pixels: Vec<Rgb>,
 }
 
 impl Sheet {
@@ -162,9 +240,10 @@ impl Sheet {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use deepshade_shaders::Planes;
 
     fn column(plane: &[f32], height: usize, width: usize, range: (f32, f32)) -> Column {
-        Column::new("a", plane, height, width, shown_range(range))
+        Column::new("a", &[plane], (height, width), Paint::Grey, shown_range(range))
     }
 
     #[test]
@@ -185,10 +264,41 @@ mod tests {
     #[test]
     fn a_plane_of_one_value_is_shown_by_it() {
         for (value, grey) in [(0.0, 0), (0.5, 128), (1.0, 255), (7.0, 255), (-2.0, 0)] {
-            assert_eq!(column(&[value; 4], 2, 2, (value, value)).pixels, [grey; 4], "{value}");
+            assert_eq!(column(&[value; 4], 2, 2, (value, value)).pixels, [[grey; 3]; 4], "{value}");
         }
         // Nothing is seen.
-        assert_eq!(column(&[0.0; 4], 2, 2, (f32::INFINITY, f32::NEG_INFINITY)).pixels, [0; 4]);
-        assert_eq!(column(&[3.0, 4.0], 1, 2, (3.0, 4.0)).pixels, [0, 255]);
+        assert_eq!(column(&[0.0; 4], 2, 2, (f32::INFINITY, f32::NEG_INFINITY)).pixels, [[0; 3]; 4]);
+        assert_eq!(column(&[3.0, 4.0], 1, 2, (3.0, 4.0)).pixels, [[0; 3], [255; 3]]);
+    }
+
+    /// Two pixels, of which the second shows nothing.
+    fn pair(attribute: Attribute, first: &[f32]) -> Pair {
+        let attributes = vec![attribute, Attribute::Valid];
+        let planes = Planes::from_fn(attribute.width() + 1, 1, 2, |c, _, x| match x {
+            0 => first.get(c).copied().unwrap_or(1.0),
+            _ => 0.0,
+        });
+        let target = Planes::from_data(3, 1, 2, vec![4.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
+        Pair { gbuffer: GBuffer::new(attributes, planes), target, radius: 1.0 }
+    }
+
+    #[test]
+    fn colours_and_movements_have_one_column_and_signs_their_colours() {
+        let shown = |attribute, first: &[f32]| {
+            let columns = columns(&pair(attribute, first), "target.dof");
+            assert_eq!(columns.len(), 3, "{attribute:?}: the attribute, the mask and the target");
+            (columns[0].label.clone(), columns[0].pixels[0], columns[2].pixels[0])
+        };
+        let (label, light, target) = shown(Attribute::Light, &[0.0, 2.0, 0.0]);
+        assert_eq!((label.as_str(), light), ("light 0 2", [0, 255, 0]));
+        assert!(target[0] == 255 && target[1] > 120 && target[2] == 0, "{target:?}");
+        let (_, below, _) = shown(Attribute::Blurriness, &[-30.0]);
+        let (label, above, _) = shown(Attribute::Blurriness, &[30.0]);
+        assert!(below[2] > below[0] && above[0] > above[2], "{below:?} {above:?}");
+        assert_eq!(label, "blurriness -30 30");
+        let across = shown(Attribute::Motion, &[0.0, 8.0]).1;
+        let upwards = shown(Attribute::Motion, &[1.57, 8.0]).1;
+        assert_ne!(across, upwards, "directions differ in hue");
+        assert_eq!(shown(Attribute::Motion, &[1.57, 0.0]).1, [0; 3], "what stands still is black");
     }
 }

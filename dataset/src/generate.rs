@@ -1,17 +1,18 @@
 //! Making a dataset: `pairs/<scene>-<view>.exr` and `manifest.json`.
 //!
 //! The same recipe gives the same bytes, whatever the number of threads and however often the program was killed on
-//! the way: every random number is a hash of what it is for, and every finished file is noted in a journal.
+//! the way: every random number is a hash of what it is for, and every finished file is noted in a journal. That holds
+//! between machines of one kind: rays round once where the processor has fused multiply-add and twice where it has not,
+//! and sines are the system's, so that others may differ in last digits, and where a ray meets an edge.
 
 use crate::journal::{Journal, checked};
 use crate::manifest::{MANIFEST, Manifest, PairRecord};
 use crate::origin::Origin;
 use crate::plan::{Part, PlannedScene, PlannedView};
-use crate::truth::Shot;
-use crate::{DatasetError, Recipe, progress, truth, views};
-use deepshade_render::bvh::TracedScene;
+use crate::{DatasetError, Props, Recipe, StagedScene, progress, truth, views};
 use deepshade_render::exr_file::{Layer, Metadata, encode};
 use deepshade_render::gbuffer;
+use deepshade_render::path::{Estimate, Goal, Sampling, Shot, Truth, render};
 use deepshade_render::scene::procedural::Split;
 use deepshade_shaders::atomic_file;
 use indicatif::ProgressBar;
@@ -60,7 +61,8 @@ pub fn generate(recipe: &Recipe, folder: &Path) -> Result<Summary, DatasetError>
     let known = checked(folder, entries);
     let total = plan.iter().map(|scene| scene.views.len()).sum();
     let bar = progress::bar("pairs", total, known.len());
-    let work = Work { recipe, folder, journal: &journal, known: &known, bar: &bar };
+    let props = Props::load(recipe)?;
+    let work = Work { recipe, props: &props, folder, journal: &journal, known: &known, bar: &bar };
     let manifest = Manifest { origin, pairs: by_scene(&plan, |_, scene| work.scene(scene))? };
     bar.finish_and_clear();
     manifest.save(folder)?;
@@ -105,6 +107,7 @@ fn earlier_pairs(folder: &Path, ours: &str) -> Result<Vec<PairRecord>, DatasetEr
 /// What all pairs share.
 struct Work<'a> {
     recipe: &'a Recipe,
+    props: &'a Props,
     folder: &'a Path,
     journal: &'a Journal,
     known: &'a HashMap<String, PairRecord>,
@@ -118,25 +121,29 @@ impl Work<'_> {
         if let Some(records) = scene.views.iter().map(known).collect() {
             return Ok(records);
         }
-        let traced = scene.scene.load(&self.recipe.folder)?;
-        let record = |view: &PlannedView| known(view).map_or_else(|| self.pair(scene, &traced, view), Ok);
-        scene.views.par_iter().map(record).collect()
+        let staged = StagedScene::load(&scene.scene, self.recipe, self.props)?;
+        let record = |view: &PlannedView| known(view).map_or_else(|| self.pair(scene, &staged, view), Ok);
+        staged.each(&scene.views, record)
     }
 
     /// Renders a pair and writes it.
     fn pair(
         &self,
         planned: &PlannedScene,
-        scene: &TracedScene,
+        staged: &StagedScene<'_>,
         view: &PlannedView,
     ) -> Result<PairRecord, DatasetError> {
-        let Recipe { effect, resolution, samples, seed, .. } = *self.recipe;
+        let Recipe { effect, resolution, seed, .. } = *self.recipe;
         let (height, width) = (resolution.height, resolution.width);
-        let camera = views::sample_view(scene, [height, width], seed, planned.key, view.index)?;
-        let radius = self.recipe.radius.metres(scene.diagonal());
-        let shot = Shot { scene, camera: &camera, height, width, radius, samples, seed: view.seed };
-        let target = truth::render(effect, &shot);
-        let gbuffer = gbuffer::render(scene, &camera, height, width, truth::attributes(effect));
+        let camera = views::sample_view(staged.base(), [height, width], seed, planned.key, view.index)?;
+        let radius = self.recipe.radius.metres(staged.base().diagonal());
+        let (camera, variation) = staged.draw(camera, view.seed);
+        let scene = staged.shown(&camera, variation.as_ref())?;
+        let shot = Shot::new(&scene, &camera, [height, width], radius);
+        let Estimate { mean, variance, samples } = self.target(&shot, view.seed);
+        let target = truth::within_half(mean);
+        let gbuffer = gbuffer::render(&scene, &camera, height, width, truth::attributes(effect));
+        let gbuffer = truth::light_within_half(gbuffer);
         let mut record = PairRecord {
             file: file_name(view),
             blake3: String::new(),
@@ -146,15 +153,26 @@ impl Work<'_> {
             camera,
             radius,
             seed: view.seed,
+            variation,
         };
         let path = self.folder.join(&record.file);
-        let layers = [Layer::gbuffer(&gbuffer), Layer::image(&target_layer(self.recipe), &target)];
-        let bytes = encode(&path, &layers, &metadata(self.recipe, &record))?;
+        let mut layers = vec![Layer::gbuffer(&gbuffer), Layer::image(&target_layer(self.recipe), &target)];
+        layers.extend(variance.iter().map(|variance| Layer::image("variance", variance).in_full()));
+        let bytes = encode(&path, &layers, &metadata(self.recipe, &record, samples))?;
         atomic_file::write(&path, &bytes).map_err(|source| DatasetError::io(&path, source))?;
         record.blake3 = blake3::hash(&bytes).to_hex().to_string();
         self.journal.add(&record)?;
         self.bar.inc(1);
         Ok(record)
+    }
+
+    /// Truth with as many samples as the recipe wants.
+    fn target(&self, shot: &Shot<'_>, seed: u32) -> Estimate {
+        let Recipe { effect, samples, error, .. } = *self.recipe;
+        if error.is_none() {
+            return render(effect, shot, Sampling::one(samples, seed));
+        }
+        Truth::render(effect, shot, Goal { samples, error }, seed, |_, _| true).estimate
     }
 }
 
@@ -168,7 +186,7 @@ pub(crate) fn target_layer(recipe: &Recipe) -> String {
 }
 
 /// What a pair's file says of itself.
-fn metadata(recipe: &Recipe, record: &PairRecord) -> Metadata {
+fn metadata(recipe: &Recipe, record: &PairRecord, samples: u32) -> Metadata {
     let camera = &record.camera;
     let axes = camera.rotation;
     [
@@ -178,12 +196,31 @@ fn metadata(recipe: &Recipe, record: &PairRecord) -> Metadata {
         ("camera_axes", format!("right {}, up {}, back {}", axes.x_axis, axes.y_axis, axes.z_axis)),
         ("camera_vertical_fov_degrees", camera.vertical_fov.to_degrees().to_string()),
         ("radius_metres", record.radius.to_string()),
-        ("samples", recipe.samples.to_string()),
+        ("samples", samples.to_string()),
         ("seed", record.seed.to_string()),
-        ("units", truth::units(recipe.effect).to_owned()),
+        ("units", truth::units(recipe.effect)),
     ]
+    .into_iter()
+    .chain(varied(record))
     .map(|(name, value)| (name.to_owned(), value))
-    .into()
+    .collect()
+}
+
+/// What a pair's file says of what its image was given beside what its scene brings.
+fn varied(record: &PairRecord) -> Vec<(&'static str, String)> {
+    let lens = record.camera.lens.map(|lens| format!("radius {} m, focus {} m", lens.radius, lens.focus));
+    let lamp = record.variation.and_then(|variation| variation.lamp);
+    let lamp = lamp.map(|lamp| format!("at {} m, {} W/sr", lamp.position, lamp.intensity));
+    let fog = record.variation.and_then(|variation| variation.fog);
+    let fog = fog.map(|fog| {
+        let kind = fog.smoke.map_or_else(|| "homogeneous".to_owned(), |seed| format!("smoke {seed}"));
+        let (absorption, scattering, g) = (fog.absorption, fog.scattering, fog.anisotropy);
+        format!("{kind}, absorption {absorption} /m, scattering {scattering} /m, anisotropy {g}")
+    });
+    [("lens", lens), ("lamp", lamp), ("fog", fog)]
+        .into_iter()
+        .filter_map(|(name, value)| value.map(|value| (name, value)))
+        .collect()
 }
 
 #[cfg(test)]

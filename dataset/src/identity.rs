@@ -61,6 +61,12 @@ pub fn scene_hash(scene: &Scene) -> String {
         list(texture.texels().as_flattened().to_vec());
     }
     list(format!("{:?}", scene.lights).into_bytes());
+    if let Some(medium) = &scene.medium {
+        list(format!("{medium:?}").into_bytes());
+    }
+    if let Some(environment) = &scene.environment {
+        list(format!("{environment:?}").into_bytes());
+    }
     hasher.finalize().to_hex().to_string()
 }
 
@@ -115,7 +121,9 @@ mod tests {
     #[test]
     fn everything_that_is_seen_changes_the_hash_and_names_do_not() {
         let mut plain = scene();
-        plain.textures.push(Texture::new(1, 1, vec![[1, 2, 3, 255]], Encoding::Linear, [Wrap::Clamp; 2]));
+        plain
+            .textures
+            .push(Texture::new(1, 1, vec![[1, 2, 3, 255]], Encoding::Linear, [Wrap::Clamp; 2]).into());
         let hash = scene_hash(&plain);
         let changed = |change: fn(&mut Scene)| {
             let mut scene = plain.clone();
@@ -128,7 +136,7 @@ mod tests {
             |scene| scene.materials[0].base_colour.w = 0.5,
             |scene| {
                 let texel = vec![[1, 2, 3, 254]];
-                scene.textures[0] = Texture::new(1, 1, texel, Encoding::Linear, [Wrap::Clamp; 2]);
+                scene.textures[0] = Texture::new(1, 1, texel, Encoding::Linear, [Wrap::Clamp; 2]).into();
             },
             |scene| scene.meshes.swap(0, 1),
         ];

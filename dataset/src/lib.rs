@@ -19,13 +19,17 @@ mod random;
 pub mod read;
 pub mod recipe;
 pub mod scene;
+#[cfg(test)]
+mod shipped;
+pub mod stopwatch;
 pub mod testset;
 pub mod truth;
+pub mod vary;
 pub mod verify;
 pub mod views;
 
 pub use augment::{Symmetry, augment};
-pub use contact_sheet::contact_sheet;
+pub use contact_sheet::{contact_sheet, test_sheet};
 pub use error::DatasetError;
 pub use generate::{Summary, generate};
 pub use manifest::{Manifest, PairRecord};
@@ -35,4 +39,5 @@ pub use read::{Dataset, Pair};
 pub use recipe::{Radius, Recipe};
 pub use scene::SceneRecord;
 pub use testset::{TestFrame, TestSet};
+pub use vary::{Props, StagedScene, Variation, Vary};
 pub use verify::{Fault, Report, verify};

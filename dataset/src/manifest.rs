@@ -4,7 +4,7 @@
 use crate::journal::Entry;
 use crate::origin::{Origin, Versioned};
 use crate::recipe::file_hash;
-use crate::{DatasetError, Part, SceneRecord};
+use crate::{DatasetError, Part, SceneRecord, Variation};
 use deepshade_render::scene::Camera;
 use deepshade_shaders::atomic_file;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -43,6 +43,9 @@ pub struct PairRecord {
     pub radius: f32,
     /// Seed of the target's samples.
     pub seed: u32,
+    /// What the image was given beside what its scene brings.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub variation: Option<Variation>,
 }
 
 impl Entry for PairRecord {

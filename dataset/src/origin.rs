@@ -1,14 +1,15 @@
 //! What data on disk were made by and from: the head of a manifest and of a test set's list.
 
 use crate::plan::PlannedScene;
-use crate::{DatasetError, Recipe};
+use crate::{DatasetError, Recipe, vary};
 use deepshade_render::exr_file;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
 /// Version of what a recipe gives and of how it is described. To be increased whenever the same recipe may give other
 /// pixels than before, be it by other scenes, views or samples: data of another version are refused.
-pub const DATA_VERSION: u32 = 2;
+pub const DATA_VERSION: u32 = 3;
 
 /// What data were made by and from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,12 +19,15 @@ pub struct Origin {
     pub data_version: u32,
     /// Name and version of that program.
     pub program: String,
-    /// BLAKE3 hash of the recipe's contents and of its file scenes' contents, in hexadecimal. Comments, order of keys
+    /// BLAKE3 hash of the recipe's contents and of its files' contents, in hexadecimal. Comments, order of keys
     /// and the recipe's place do not matter.
     pub recipe_hash: String,
-    /// Of a recipe with `files`: what these are relative to, itself relative to the data's folder where it can be.
+    /// Of a recipe that names files: what these are relative to, itself relative to the data's folder where it can be.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scenes: Option<PathBuf>,
+    /// BLAKE3 hashes, in hexadecimal, of the files and folders that the recipe's table `vary` names.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub props: BTreeMap<PathBuf, String>,
     /// Name of the recipe's file.
     pub recipe_file: String,
     /// The recipe itself.
@@ -57,14 +61,16 @@ impl Origin {
     /// What this program makes in a folder from a recipe with this plan.
     ///
     /// # Errors
-    /// If the recipe's folder is gone.
+    /// If the recipe's folder is gone, or a file that its table `vary` names cannot be read.
     pub fn new(recipe: &Recipe, plan: &[PlannedScene], folder: &Path) -> Result<Self, DatasetError> {
+        let props = vary::hashes(recipe)?;
         let hashes = plan.iter().filter_map(|planned| planned.scene.blake3.as_deref());
         Ok(Self {
             data_version: DATA_VERSION,
             program: exr_file::PROGRAM.to_owned(),
-            recipe_hash: recipe_hash(recipe, hashes)?,
-            scenes: (!recipe.files.is_empty()).then(|| relative(&recipe.folder, folder)).transpose()?,
+            recipe_hash: recipe_hash(recipe, hashes.chain(props.values().map(String::as_str)))?,
+            props,
+            scenes: recipe.names_files().then(|| relative(&recipe.folder, folder)).transpose()?,
             recipe_file: recipe.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             recipe: recipe.clone(),
         })
@@ -84,7 +90,7 @@ impl Origin {
     }
 }
 
-/// [`Origin::recipe_hash`], from the hashes of the recipe's file scenes.
+/// [`Origin::recipe_hash`], from the hashes of the recipe's file scenes and other files.
 pub(crate) fn recipe_hash<'a>(
     recipe: &Recipe,
     scenes: impl Iterator<Item = &'a str>,

@@ -4,6 +4,7 @@ use crate::random::mix;
 use crate::{DatasetError, Recipe, SceneRecord};
 use deepshade_render::scene::SceneSource;
 use deepshade_render::scene::procedural::Family;
+use deepshade_shaders::lists;
 use serde::{Deserialize, Serialize};
 
 /// What a pair is used for.
@@ -92,9 +93,9 @@ fn held_apart(index: usize, count: usize, share: f64) -> bool {
     spread(index, count, wanted)
 }
 
-/// Whether the item of that index is among `wanted` of `count` that lie evenly among all.
+/// Whether the item of that index is among `wanted` of `count` that lie evenly among all, the last one always.
 pub(crate) const fn spread(index: usize, count: usize, wanted: usize) -> bool {
-    (index + 1) * wanted / count > index * wanted / count
+    lists::is_in_spread(count - 1 - index, count, wanted)
 }
 
 /// A number for a text.
@@ -117,5 +118,6 @@ mod tests {
         assert_eq!(apart(1, 0.5), [0; 0]);
         assert_eq!(apart(10, 0.0), [0; 0]);
         assert_eq!(apart(1000, 0.137).len(), 137);
+        assert_eq!(apart(13, 0.3), [3, 6, 9, 12]);
     }
 }

@@ -1,7 +1,7 @@
 //! Reading a dataset.
 
 use crate::generate::target_layer;
-use crate::{DatasetError, Manifest, PairRecord, Part, Recipe, truth};
+use crate::{DatasetError, Manifest, PairRecord, Part, Props, Recipe, truth};
 use deepshade_render::exr_file;
 use deepshade_shaders::{GBuffer, Planes};
 use std::path::{Path, PathBuf};
@@ -54,6 +54,14 @@ impl Dataset {
     /// What it was made from.
     pub const fn recipe(&self) -> &Recipe {
         &self.manifest.origin.recipe
+    }
+
+    /// The textures and the environment of its images.
+    ///
+    /// # Errors
+    /// If a file is missing, damaged or not what the data were made from.
+    pub fn props(&self) -> Result<Props, DatasetError> {
+        Props::load_again(self.recipe(), &self.manifest.origin.props)
     }
 
     /// Number of pairs.

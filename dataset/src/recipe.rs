@@ -8,7 +8,7 @@
 
 mod check;
 
-use crate::DatasetError;
+use crate::{DatasetError, Vary};
 use deepshade_render::scene::procedural::Split;
 use deepshade_shaders::Effect;
 use serde::{Deserialize, Serialize};
@@ -27,9 +27,14 @@ pub struct Recipe {
     pub seed: u32,
     /// Size of every image.
     pub resolution: Resolution,
-    /// Samples of a pixel.
+    /// Samples of a pixel; with `error` the most.
     pub samples: u32,
-    /// How far the effect reaches.
+    /// Of pairs: noise below which a target takes no more samples, as a share of its values; see
+    /// [`Goal::error`](deepshade_render::path::Goal). Targets then come with their variance. Without it all samples are of
+    /// one sequence, which has the least noise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<f32>,
+    /// How far the effect reaches; of effects without a reach, the length by which networks measure.
     pub radius: Radius,
     /// Views of every scene.
     pub views_per_scene: usize,
@@ -48,10 +53,13 @@ pub struct Recipe {
     /// How a test set is made; see [`crate::testset`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tiles: Option<Tiles>,
+    /// What images are given beside what their scenes bring.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vary: Option<Vary>,
     /// Where the recipe was read from; empty in data that were made from it.
     #[serde(skip)]
     pub path: PathBuf,
-    /// What `files` are relative to: the recipe's folder, or where data made from it say that the files are.
+    /// What `files`, and those of `vary`, are relative to: the recipe's folder, or where data made from it say that the files are.
     #[serde(skip)]
     pub folder: PathBuf,
 }
@@ -90,7 +98,7 @@ pub struct FamilyShare {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tiles {
-    /// Samples of a pixel of these tiles; even, since two independent halves are rendered.
+    /// Samples of a pixel of these tiles; a multiple of 8, since there are eight independent scramblings.
     pub samples: u32,
     /// One tile out of so many.
     pub one_in: usize,
@@ -147,6 +155,11 @@ impl Recipe {
         recipe.folder = path.parent().unwrap_or(Path::new("")).to_owned();
         recipe.check(path)?;
         Ok(recipe)
+    }
+
+    /// Whether it names files that are relative to [`Recipe::folder`].
+    pub(crate) fn names_files(&self) -> bool {
+        !self.files.is_empty() || self.vary.iter().any(|vary| vary.paths().next().is_some())
     }
 
     /// Number of scenes.

@@ -19,12 +19,20 @@ pub struct SceneRecord {
 }
 
 impl SceneRecord {
-    /// Makes or reads the scene; files are relative to `folder`.
+    /// Makes or reads the scene, ready for rays; files are relative to `folder`.
     ///
     /// # Errors
     /// If the file is missing, damaged, or does not hold the scene that the hash is of.
     pub fn load(&self, folder: &Path) -> Result<TracedScene, DatasetError> {
-        let scene = match &self.source {
+        Ok(TracedScene::new(self.read(folder)?)?)
+    }
+
+    /// Makes or reads the scene; files are relative to `folder`.
+    ///
+    /// # Errors
+    /// As [`SceneRecord::load`].
+    pub fn read(&self, folder: &Path) -> Result<Scene, DatasetError> {
+        Ok(match &self.source {
             SceneSource::Procedural(family, seed) => family.scene(*seed),
             SceneSource::File(path) => {
                 let path = folder.join(path);
@@ -35,8 +43,7 @@ impl SceneRecord {
                 }
                 scene
             }
-        };
-        Ok(TracedScene::new(scene)?)
+        })
     }
 }
 

@@ -14,17 +14,18 @@
 //!   a pixel, for metrics that need neighbours.
 //!
 //! # Noise
-//! Truth is the mean of two independent renderings, each with half the samples. [`Ceiling`] says how far these two
-//! agree: a perfect image scores no less against their mean.
+//! Truth is the mean of eight independent scramblings. [`Ceiling`] says how much they vary and how far those of one half
+//! agree with those of the other: a perfect image scores no less against their mean.
 
 mod estimate;
 mod make;
+mod show;
 
 use crate::journal::Entry;
 use crate::manifest::read_json;
 use crate::random::mix;
 use crate::recipe::{Tiles, file_hash, split_name};
-use crate::{DatasetError, Origin, Recipe, SceneRecord};
+use crate::{DatasetError, Origin, Props, Recipe, SceneRecord, Variation};
 use deepshade_render::exr_file;
 use deepshade_render::scene::Camera;
 use deepshade_render::scene::procedural::Split;
@@ -66,7 +67,12 @@ pub struct FrameRecord {
     pub radius: f32,
     /// Chooses the tiles and the samples.
     pub seed: u32,
-    /// How far two renderings with half the samples agree.
+    /// What the frame was given beside what its scene brings.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub variation: Option<Variation>,
+    /// What images are multiplied by before they are compared, see [`exposure`](deepshade_render::metrics::exposure()).
+    pub exposure: f32,
+    /// How sure truth is.
     pub ceiling: Ceiling,
     /// The tiles' truth.
     pub tiles: HashedFile,
@@ -84,14 +90,14 @@ pub struct HashedFile {
     pub blake3: String,
 }
 
-/// How far two independent renderings of the tiles, each with half the samples of truth, agree.
+/// How sure the tiles' truth is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ceiling {
-    /// Structural similarity; mean over tiles and channels.
+    /// Structural similarity of two independent images, each of half the samples of truth; mean over tiles and channels.
     pub ssim: f64,
-    /// Mean squared difference. The variance of truth, their mean, is a quarter of it.
-    pub mse: f64,
+    /// Mean over pixels and channels of truth's variance, in truth's unit squared.
+    pub variance: f64,
 }
 
 /// The truth of a frame.
@@ -127,7 +133,7 @@ pub fn tile_indices(seed: u32, height: usize, width: usize, one_in: usize) -> Ve
 }
 
 /// Whether a pixel (x, y) of an image so wide lies in one of the tiles.
-fn in_tiles(tiles: &[usize], width: usize) -> impl Fn(usize, usize) -> bool {
+pub fn in_tiles(tiles: &[usize], width: usize) -> impl Fn(usize, usize) -> bool {
     let columns = width / TILE;
     move |x, y| {
         let (row, column) = (y / TILE, x / TILE);
@@ -172,6 +178,14 @@ impl TestSet {
     /// What it was made from.
     pub const fn recipe(&self) -> &Recipe {
         &self.list.origin.recipe
+    }
+
+    /// The textures and the environment of its frames.
+    ///
+    /// # Errors
+    /// If a file is missing, damaged or not what the set was made from.
+    pub fn props(&self) -> Result<Props, DatasetError> {
+        Props::load_again(self.recipe(), &self.list.origin.props)
     }
 
     /// Its frames; those of a scene follow each other.

@@ -10,6 +10,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::HashSet;
+use std::f32::consts::PI;
 use std::path::{Path, PathBuf};
 
 /// Half floats round the components of a unit vector by up to 2.5e-4 each.
@@ -82,14 +83,15 @@ fn manifest_faults(dataset: &Dataset) -> Vec<(String, String)> {
     faults
 }
 
-/// The hash of the recipe with the scene files that the pairs say they are of.
+/// The hash of the recipe with the scene files that the pairs say they are of, and the other files as stated.
 fn stated_recipe_hash(manifest: &Manifest) -> Option<String> {
     let recipe = &manifest.origin.recipe;
     let scene = |file: &PathBuf| {
         let source = SceneSource::File(file.clone());
         manifest.pairs.iter().find(|pair| pair.scene.source == source)?.scene.blake3.as_deref()
     };
-    recipe_hash(recipe, recipe.files.iter().filter_map(scene)).ok()
+    let props = manifest.origin.props.values().map(String::as_str);
+    recipe_hash(recipe, recipe.files.iter().filter_map(scene).chain(props)).ok()
 }
 
 /// What is wrong with a pair, if something is.
@@ -126,6 +128,13 @@ fn content_fault(pair: &Pair, effect: Effect) -> Option<String> {
         if *seen != 0.0 && *seen != 1.0 {
             return Some(format!("a validity of {seen} {}", at()));
         }
+        let background = effect.background().filter(|_| *seen == 0.0);
+        if let Some(background) = background
+            && let Some(value) =
+                (0..target.channels()).map(|c| target.plane(c)[pixel]).find(|value| *value != background)
+        {
+            return Some(format!("a target of {value} where nothing is seen, {}", at()));
+        }
         if *seen == 0.0 && (0..gbuffer.planes().channels()).any(|c| gbuffer.planes().plane(c)[pixel] != 0.0) {
             return Some(format!("values where nothing is seen, {}", at()));
         }
@@ -138,9 +147,37 @@ fn content_fault(pair: &Pair, effect: Effect) -> Option<String> {
     None
 }
 
+/// Whether an effect can have a value.
 const fn in_range(value: f32, effect: Effect) -> bool {
     match effect {
         Effect::Ao => value >= 0.0 && value <= 1.0,
+        // Irradiance and radiance.
+        _ => value >= 0.0 && value.is_finite(),
+    }
+}
+
+/// Half floats round pi up by so much.
+const LARGEST_DIRECTION: f32 = PI + 1e-3;
+
+/// Whether a component of an attribute is a value that surfaces can have.
+fn possible(attribute: Attribute, component: usize, value: f32) -> bool {
+    match attribute {
+        Attribute::Diffuse | Attribute::Specular | Attribute::Glossiness => (0.0..=1.0).contains(&value),
+        Attribute::Depth => value > 0.0,
+        Attribute::CircleOfConfusion
+        | Attribute::MeanFreePath
+        | Attribute::Light
+        | Attribute::DiffuseLight
+        | Attribute::ObjectId
+        | Attribute::Emission => value >= 0.0,
+        Attribute::Motion => value >= 0.0 && (component == 1 || value <= LARGEST_DIRECTION),
+        Attribute::FocalDistance | Attribute::Blurriness => value.is_finite(),
+        // Vectors are checked as such, and the mask before everything else.
+        Attribute::Position
+        | Attribute::Normal
+        | Attribute::WorldNormal
+        | Attribute::ToCamera
+        | Attribute::Valid => true,
     }
 }
 
@@ -154,7 +191,7 @@ fn surface_fault(gbuffer: &GBuffer, pixel: usize) -> Option<String> {
     if let Some(position) = position.filter(|position| !(position.is_finite() && position.z < 0.0)) {
         return Some(format!("position {position}, which is not in front of the camera,"));
     }
-    for attribute in [Attribute::Normal, Attribute::WorldNormal] {
+    for attribute in [Attribute::Normal, Attribute::WorldNormal, Attribute::ToCamera] {
         let length = vector(attribute).map(Vec3::length);
         if let Some(length) =
             length.filter(|length| length.is_nan() || (length - 1.0).abs() >= UNIT_TOLERANCE)
@@ -162,7 +199,12 @@ fn surface_fault(gbuffer: &GBuffer, pixel: usize) -> Option<String> {
             return Some(format!("{} of length {length}", attribute.name()));
         }
     }
-    None
+    let channels = gbuffer.attributes().iter().flat_map(|attribute| attribute.channels());
+    channels.enumerate().find_map(|(plane, channel)| {
+        let value = gbuffer.planes().plane(plane)[pixel];
+        let fault = !possible(channel.attribute, channel.component, value);
+        fault.then(|| format!("{channel} of {value}"))
+    })
 }
 
 fn plane(gbuffer: &GBuffer, attribute: Attribute) -> Option<&[f32]> {
@@ -202,10 +244,42 @@ mod tests {
             let damaged = Pair { gbuffer, ..sound };
             assert_eq!(content_fault(&damaged, Effect::Ao).as_deref(), Some(expected));
         }
+        let target = Planes::from_data(1, 1, 2, vec![0.5, 0.75]);
+        let fault = content_fault(&Pair { target, ..pair() }, Effect::Ao);
+        assert_eq!(fault.as_deref(), Some("a target of 0.75 where nothing is seen, at pixel 1, 0"));
         for value in [-0.1, 1.1, f32::NAN] {
             let target = Planes::from_data(1, 1, 2, vec![0.5, value]);
             let fault = content_fault(&Pair { target, ..pair() }, Effect::Ao).expect("a fault");
             assert_eq!(fault, format!("a target of {value}"));
         }
+    }
+
+    #[test]
+    fn every_attribute_has_a_range_that_damage_leaves() {
+        for effect in Effect::ALL {
+            let attributes = crate::truth::attributes(effect).to_vec();
+            let channels: Vec<_> = attributes.iter().flat_map(|attribute| attribute.channels()).collect();
+            let sound = |channel: usize| match channels[channel].attribute {
+                Attribute::Position => [0.0, 0.0, -2.0][channels[channel].component],
+                Attribute::Normal | Attribute::WorldNormal | Attribute::ToCamera => {
+                    [0.0, 0.6, 0.8][channels[channel].component]
+                }
+                Attribute::Blurriness => -3.0,
+                _ => 1.0,
+            };
+            let faults = |damaged: Option<usize>| {
+                let value = |c: usize| if damaged == Some(c) { f32::NAN } else { sound(c) };
+                let planes = Planes::from_fn(channels.len(), 1, 1, |c, _, _| value(c));
+                let target = Planes::filled(effect.channels(), 1, 1, 0.5);
+                let pair = Pair { gbuffer: GBuffer::new(attributes.clone(), planes), target, radius: 0.1 };
+                content_fault(&pair, effect)
+            };
+            assert_eq!(faults(None), None, "{effect}");
+            for (index, channel) in channels.iter().enumerate() {
+                assert!(faults(Some(index)).is_some(), "{effect}: {channel}");
+            }
+        }
+        assert!(!possible(Attribute::Motion, 0, 3.2) && possible(Attribute::Motion, 1, 3.2));
+        assert!(!possible(Attribute::Diffuse, 0, 1.1) && !possible(Attribute::Light, 2, -0.1));
     }
 }

@@ -15,6 +15,7 @@
 use crate::DatasetError;
 use crate::random::{mix, uniform};
 use deepshade_render::bvh::TracedScene;
+use deepshade_render::intersection::SurfacePoint;
 use deepshade_render::scene::{Bounds, Camera};
 use glam::{Vec2, Vec3};
 
@@ -180,8 +181,32 @@ fn grid(camera: &Camera, aspect: f32) -> impl Iterator<Item = Vec3> {
     })
 }
 
+/// What the rays of a grid through an image meet.
+pub(crate) fn seen_points(
+    scene: &TracedScene,
+    camera: &Camera,
+    [height, width]: [usize; 2],
+) -> Vec<SurfacePoint> {
+    let met = |direction: Vec3| {
+        let hit = scene.hit(camera.position, direction, f32::INFINITY)?;
+        Some(SurfacePoint::new(scene, &hit, direction))
+    };
+    grid(camera, width as f32 / height as f32).filter_map(met).collect()
+}
+
+/// Whether a place is neither inside of geometry nor nearer to it than `clearance`, as far as rays in all directions
+/// tell.
+pub(crate) fn is_open(scene: &TracedScene, place: Vec3, clearance: f32) -> bool {
+    let (mut backs, mut nearest) = (0, f32::INFINITY);
+    for probe in ball(scene, place) {
+        backs += usize::from(probe.back);
+        nearest = nearest.min(probe.distance);
+    }
+    2 * backs <= BALL && nearest >= clearance
+}
+
 /// The box that views are sampled in: around all but the outermost triangles, then widened.
-fn fitted_box(scene: &TracedScene) -> Bounds {
+pub(crate) fn fitted_box(scene: &TracedScene) -> Bounds {
     let meshes = &scene.scene().meshes;
     let corners = meshes.iter().flat_map(|mesh| (0..mesh.triangles.len()).map(|index| mesh.corners(index)));
     let middles: Vec<Vec3> = corners.map(|[a, b, c]| (a + b + c) / 3.0).collect();
@@ -231,8 +256,12 @@ mod tests {
     }
 
     fn traced(meshes: Vec<Mesh>) -> TracedScene {
-        let scene =
-            Scene { name: "boxes".into(), meshes, materials: vec![Material::default()], ..Scene::default() };
+        let scene = Scene {
+            name: "boxes".into(),
+            meshes: meshes.into(),
+            materials: vec![Material::default()],
+            ..Scene::default()
+        };
         TracedScene::new(scene).expect("boxes")
     }
 

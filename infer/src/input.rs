@@ -29,7 +29,7 @@ impl NetSpec {
         Ok(input)
     }
 
-    /// Puts the effect's background where the g-buffer shows no surface.
+    /// Puts the effect's background, where it has one, where the g-buffer shows no surface.
     ///
     /// # Errors
     /// If the g-buffer has no `valid`.
@@ -38,11 +38,12 @@ impl NetSpec {
     /// If image and g-buffer differ in size.
     pub fn set_background(&self, gbuffer: &GBuffer, image: &mut Planes) -> Result<(), MissingAttribute> {
         assert_eq!((image.height(), image.width()), (gbuffer.height(), gbuffer.width()), "sizes");
+        let Some(background) = self.effect.background() else { return Ok(()) };
         let seen = gbuffer.seen()?;
         for channel in 0..image.channels() {
             for (value, seen) in image.plane_mut(channel).iter_mut().zip(&seen) {
                 if !seen {
-                    *value = self.effect.background();
+                    *value = background;
                 }
             }
         }

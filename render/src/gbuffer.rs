@@ -1,12 +1,14 @@
-//! The g-buffer of a scene and a camera, by one ray through the middle of every pixel.
+//! The g-buffer of a scene and a camera, by one ray through the middle of every pixel: of a pinhole, in the middle of the
+//! exposure, whatever lens and motion blur what is made from it.
 
 use crate::bvh::{TracedScene, bundle::BUNDLE};
 use crate::intersection::SurfacePoint;
-use crate::path::direct::direct_light;
+use crate::path::direct::{DirectLight, direct_light};
 use crate::scene::Camera;
 use deepshade_shaders::{Attribute, GBuffer, Planes};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
+use std::f32::consts::PI;
 
 /// Edge of the squares of pixels whose rays are traced together.
 const TILE: usize = BUNDLE.isqrt();
@@ -14,27 +16,7 @@ const TILE: usize = BUNDLE.isqrt();
 /// Ids are modulo this, so that half floats hold them exactly.
 const OBJECT_IDS: u32 = 2048;
 
-/// The attributes that a scene and a camera determine; lens, motion and scattering attributes need more.
-pub const RENDERED: [Attribute; 13] = [
-    Attribute::Position,
-    Attribute::Normal,
-    Attribute::WorldNormal,
-    Attribute::Depth,
-    Attribute::ToCamera,
-    Attribute::Diffuse,
-    Attribute::Specular,
-    Attribute::Glossiness,
-    Attribute::Light,
-    Attribute::DiffuseLight,
-    Attribute::ObjectId,
-    Attribute::Emission,
-    Attribute::Valid,
-];
-
 /// Renders some attributes. Where nothing is seen, all of them are 0.
-///
-/// # Panics
-/// If an attribute is not one of [`RENDERED`].
 pub fn render(
     scene: &TracedScene,
     camera: &Camera,
@@ -42,7 +24,6 @@ pub fn render(
     width: usize,
     attributes: &[Attribute],
 ) -> GBuffer {
-    assert!(attributes.iter().all(|attribute| RENDERED.contains(attribute)), "attributes that are rendered");
     let channels: usize = attributes.iter().map(|attribute| attribute.width()).sum();
     let lit = attributes.iter().any(|a| matches!(a, Attribute::Light | Attribute::DiffuseLight));
     let mut pixels = vec![0.0; channels * height * width];
@@ -61,8 +42,11 @@ pub fn render(
             for (((x, y), direction), hit) in inside.zip(&directions).zip(hits) {
                 let Some(hit) = hit else { continue };
                 let point = SurfacePoint::new(scene, &hit, *direction);
+                let to_camera = -*direction;
+                let direct = if lit { direct_light(scene, &point, to_camera) } else { Default::default() };
+                let seen = Seen { camera, height, point: &point, to_camera, direct };
                 let values = &mut rows[(y * width + x) * channels..][..channels];
-                write_pixel(values, attributes, &Seen::new(scene, camera, &point, *direction, lit));
+                write_pixel(values, attributes, &seen);
             }
         }
     });
@@ -70,137 +54,82 @@ pub fn render(
     GBuffer::new(attributes.to_vec(), planes)
 }
 
-/// What a pixel sees, in the spaces of the attributes.
+/// What a pixel sees.
 struct Seen<'a> {
+    camera: &'a Camera,
+    /// Rows of the image.
+    height: usize,
     point: &'a SurfacePoint,
-    position: Vec3,
-    normal: Vec3,
     to_camera: Vec3,
-    light: Vec3,
-    diffuse_light: Vec3,
+    direct: DirectLight,
 }
 
-impl<'a> Seen<'a> {
-    fn new(
-        scene: &TracedScene,
-        camera: &Camera,
-        point: &'a SurfacePoint,
-        direction: Vec3,
-        lit: bool,
-    ) -> Self {
-        let direct = if lit { direct_light(scene, point, -direction) } else { Default::default() };
-        Self {
-            point,
-            position: camera.to_camera(point.position),
-            normal: camera.direction_to_camera(point.normal),
-            to_camera: -direction,
-            light: direct.diffuse + direct.specular,
-            diffuse_light: direct.diffuse,
+impl Seen<'_> {
+    /// An attribute; components beyond its width are not used.
+    fn value(&self, attribute: Attribute) -> Vec3 {
+        let Self { camera, height, point, .. } = *self;
+        let position = camera.to_camera(point.position);
+        let depth = -position.z;
+        match attribute {
+            Attribute::Position => position,
+            Attribute::Normal => camera.direction_to_camera(point.normal),
+            Attribute::WorldNormal => point.normal,
+            Attribute::ToCamera => self.to_camera,
+            Attribute::Diffuse => point.surface.diffuse,
+            Attribute::Specular => point.surface.specular,
+            Attribute::MeanFreePath => point.surface.mean_free_path,
+            Attribute::Light => self.direct.diffuse + self.direct.specular,
+            Attribute::DiffuseLight => self.direct.diffuse,
+            Attribute::Emission => point.surface.emission,
+            Attribute::Depth => Vec3::splat(depth),
+            Attribute::FocalDistance => Vec3::splat(camera.focal_distance(depth)),
+            Attribute::CircleOfConfusion => Vec3::splat(camera.circle_of_confusion(depth, height)),
+            Attribute::Blurriness => {
+                Vec3::splat(camera.focal_distance(depth) * camera.blur_at_infinity(height))
+            }
+            Attribute::Glossiness => Vec3::splat(1.0 - point.surface.roughness),
+            Attribute::Motion => {
+                let displacement = camera.direction_to_camera(point.displacement);
+                polar(movement(camera, height, position, displacement)).extend(0.0)
+            }
+            Attribute::ObjectId => Vec3::splat((point.mesh % OBJECT_IDS) as f32),
+            Attribute::Valid => Vec3::ONE,
         }
     }
 }
 
+/// Movement in the image, in pixels, x to the right and y up, of a point that is displaced while the shutter is open:
+/// from where it is seen at the beginning to where at the end. Where it would be behind the camera then, as it moves
+/// in the middle.
+fn movement(camera: &Camera, height: usize, position: Vec3, displacement: Vec3) -> Vec2 {
+    // The image's width moves both ends alike.
+    let seen_at = |time: f32| camera.project(position + displacement * time, height, 0);
+    match (seen_at(-0.5), seen_at(0.5)) {
+        (Some(before), Some(after)) => Vec2::new(after.x - before.x, before.y - after.y),
+        _ => {
+            let depth = -position.z;
+            let across = displacement + position * (displacement.z / depth);
+            across.truncate() * (camera.focal_length(height) / depth)
+        }
+    }
+}
+
+/// Direction in [0, pi) and length of a movement: its sign is lost, since the shutter is the same in both directions of
+/// time (thesis 7.3.1).
+fn polar(movement: Vec2) -> Vec2 {
+    let direction = movement.y.atan2(movement.x).rem_euclid(PI);
+    // Rounding may give pi itself, which is the direction 0.
+    Vec2::new(if direction < PI { direction } else { 0.0 }, movement.length())
+}
+
 fn write_pixel(values: &mut [f32], attributes: &[Attribute], seen: &Seen<'_>) {
-    let surface = &seen.point.surface;
     let mut at = 0;
     for attribute in attributes {
-        let value = match attribute {
-            Attribute::Position => seen.position,
-            Attribute::Normal => seen.normal,
-            Attribute::WorldNormal => seen.point.normal,
-            Attribute::ToCamera => seen.to_camera,
-            Attribute::Diffuse => surface.diffuse,
-            Attribute::Specular => surface.specular,
-            Attribute::Light => seen.light,
-            Attribute::DiffuseLight => seen.diffuse_light,
-            Attribute::Emission => surface.emission,
-            Attribute::Depth => Vec3::splat(-seen.position.z),
-            Attribute::Glossiness => Vec3::splat(1.0 - surface.roughness),
-            Attribute::ObjectId => Vec3::splat((seen.point.mesh % OBJECT_IDS) as f32),
-            Attribute::Valid => Vec3::ONE,
-            Attribute::FocalDistance
-            | Attribute::CircleOfConfusion
-            | Attribute::MeanFreePath
-            | Attribute::Motion => unreachable!("checked by render"),
-        };
         let width = attribute.width();
-        values[at..at + width].copy_from_slice(&value.to_array()[..width]);
+        values[at..at + width].copy_from_slice(&seen.value(*attribute).to_array()[..width]);
         at += width;
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::{Material, Mesh, Scene};
-
-    /// A square of 2 x 2 m in the plane z = 0 that faces +z.
-    fn square() -> TracedScene {
-        let mesh = Mesh {
-            positions: [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)]
-                .map(|(x, y)| Vec3::new(x, y, 0.0))
-                .to_vec(),
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
-            ..Mesh::default()
-        };
-        let materials = vec![Material::matte("red", Vec3::new(0.8, 0.1, 0.2))];
-        TracedScene::new(Scene { meshes: vec![mesh], materials, ..Scene::default() }).expect("a square")
-    }
-
-    #[test]
-    fn a_square_seen_aslant_has_the_plane_it_lies_in() {
-        let scene = square();
-        let camera = Camera::look_at(Vec3::new(1.0, 0.5, 2.0), Vec3::ZERO);
-        let gbuffer = render(&scene, &camera, 33, 47, &RENDERED);
-        let all =
-            gbuffer.select(&[Attribute::Position, Attribute::Normal, Attribute::Depth, Attribute::Valid]);
-        let all = all.expect("all rendered");
-        let plane_normal = camera.direction_to_camera(Vec3::Z);
-        let origin = camera.to_camera(Vec3::ZERO);
-        let mut seen = 0;
-        for y in 0..33 {
-            for x in 0..47 {
-                let at = |first| Vec3::from_array(std::array::from_fn(|c| all.at(first + c, y, x)));
-                if all.at(7, y, x) == 0.0 {
-                    assert!(all.at(6, y, x) == 0.0 && at(0) == Vec3::ZERO);
-                    continue;
-                }
-                seen += 1;
-                assert!((at(3) - plane_normal).length() < 1e-5);
-                assert!((at(0) - origin).dot(plane_normal).abs() < 1e-5);
-                assert!((all.at(6, y, x) + at(0).z).abs() < 1e-6);
-                let towards = at(0).normalize();
-                let world = camera.direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5), 33, 47);
-                assert!((towards - camera.direction_to_camera(world)).length() < 1e-5);
-            }
-        }
-        assert!(seen > 300 && seen < 33 * 47, "{seen} pixels see the square");
-    }
-
-    #[test]
-    fn every_pixel_shows_what_its_own_ray_meets() {
-        let scene = crate::scene::procedural::Family::Room.scene(1);
-        let scene = TracedScene::new(scene).expect("a room");
-        let camera = Camera::look_at(scene.bounds().centre(), scene.bounds().min);
-        let (height, width) = (37, 51);
-        let gbuffer = render(&scene, &camera, height, width, &[Attribute::Depth]);
-        for y in 0..height {
-            for x in 0..width {
-                let direction = camera.direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5), height, width);
-                let hit = scene.hit(camera.position, direction, f32::INFINITY);
-                let depth =
-                    hit.map_or(0.0, |hit| -camera.to_camera(camera.position + direction * hit.distance).z);
-                let found = gbuffer.planes().at(0, y, x);
-                assert!((found - depth).abs() < 1e-4 * depth.max(1.0), "({x}, {y}): {found} is not {depth}");
-            }
-        }
-    }
-
-    #[test]
-    fn material_channels_are_the_materials() {
-        let camera = Camera::look_at(Vec3::new(0.0, 0.0, 1.0), Vec3::ZERO);
-        let gbuffer = render(&square(), &camera, 8, 8, &[Attribute::Diffuse, Attribute::Glossiness]);
-        let values: Vec<f32> = (0..4).map(|c| gbuffer.planes().at(c, 4, 4)).collect();
-        assert_eq!(values, vec![0.8, 0.1, 0.2, 0.0]);
-    }
-}
+mod tests;

@@ -1,8 +1,8 @@
 //! What is known of the point where a ray met a surface.
 
-use crate::bvh::{Hit, TracedScene, corner_weights};
+use crate::bvh::{Hit, corner_weights, moment::Moment};
 use crate::scene::{Mesh, Surface};
-use glam::{Mat3, Vec2, Vec3, Vec4};
+use glam::{Mat3, Quat, Vec2, Vec3, Vec4};
 
 /// How far above the surface rays start, in parts of the largest coordinate of the triangle's corners: 67 roundings of
 /// f32 (6e-8), of which the hit point, blended from the corners, and the triangle's plane, seen from there, make fewer
@@ -26,38 +26,45 @@ pub struct SurfacePoint {
     pub surface: Surface,
     /// Index of the mesh.
     pub mesh: u32,
+    /// How far the point moves during the exposure, world space, metres.
+    pub displacement: Vec3,
     /// How far above the surface rays must start so that they do not meet it, metres.
     clearance: f32,
 }
 
 impl SurfacePoint {
-    /// The point of a hit, seen against `direction`.
-    pub fn new(scene: &TracedScene, hit: &Hit, direction: Vec3) -> Self {
-        let mesh = &scene.scene().meshes[hit.mesh as usize];
+    /// The point of a hit, seen against `direction`, of a scene or of it at the moment of the hit. Shading normals turn
+    /// with their triangles as these move.
+    pub fn new<'a>(scene: impl Into<Moment<'a>>, hit: &Hit, direction: Vec3) -> Self {
+        let moment: Moment<'_> = scene.into();
+        let scene = moment.scene();
+        let mesh = &scene.meshes[hit.mesh as usize];
         let corners = mesh.triangles[hit.triangle as usize];
         let weights = corner_weights(hit.barycentric);
-        let [a, b, c] = mesh.corners(hit.triangle as usize);
-        let material = scene.scene().material(mesh.material);
+        let [a, b, c] = moment.corners(mesh, hit.triangle as usize);
+        let material = scene.material(mesh.material);
         let (uvs, colour) = (uvs(mesh, corners, weights), colour(mesh, corners, weights));
-        let geometric = (b - a).cross(c - a).normalize_or(-direction);
-        let smooth = interpolated_normal(mesh, corners, weights).unwrap_or(geometric);
-        let textures = &scene.scene().textures;
-        let mapped = material.normal_texture.zip(material.tangent_normal(textures, uvs)).map(
+        let geometric = plane_normal([a, b, c]).unwrap_or(-direction);
+        let resting = plane_normal(mesh.corners(hit.triangle as usize)).unwrap_or(geometric);
+        let smooth = interpolated_normal(mesh, corners, weights).unwrap_or(resting);
+        let mapped = material.normal_texture.zip(material.tangent_normal(&scene.textures, uvs)).map(
             |((slot, _), tangent_normal)| {
                 tangent_frame(mesh, corners, weights, smooth, slot.uv_set) * tangent_normal
             },
         );
         let geometric_normal = facing(geometric, -direction);
+        let [smooth, mapped] = turned([smooth, mapped.unwrap_or(smooth)], resting, geometric);
         // The mesh's normal decides which side of its own the shading normal is on, the viewer which side is meant.
         let side = if smooth.dot(geometric_normal) < 0.0 { -1.0 } else { 1.0 };
-        let normal = leaning_to(side * mapped.unwrap_or(smooth), -direction, geometric_normal);
+        let normal = leaning_to(side * mapped, -direction, geometric_normal);
         Self {
             // From one corner, so that rounding of the weights does not leave the triangle's plane.
             position: a + (b - a) * weights[1] + (c - a) * weights[2],
             geometric_normal,
             normal,
-            surface: material.surface(textures, uvs, colour),
+            surface: material.surface(&scene.textures, uvs, colour),
             mesh: hit.mesh,
+            displacement: interpolated(&mesh.displacements, corners, weights).unwrap_or(Vec3::ZERO),
             clearance: clearance([a, b, c]),
         }
     }
@@ -69,9 +76,20 @@ impl SurfacePoint {
 }
 
 /// How far above a triangle rays start, metres.
-fn clearance(corners: [Vec3; 3]) -> f32 {
+pub(crate) fn clearance(corners: [Vec3; 3]) -> f32 {
     let largest = corners.iter().map(|corner| corner.abs().max_element()).fold(SMALLEST_SCALE, f32::max);
     largest * RAY_OFFSET
+}
+
+/// Unit normal of a triangle's front; `None` of one without an area.
+fn plane_normal([a, b, c]: [Vec3; 3]) -> Option<Vec3> {
+    (b - a).cross(c - a).try_normalize()
+}
+
+/// Vectors turned as one unit vector must be to become another. Where that is no turn, they stay what they are to the
+/// sign of a zero, which decides on which tangents belong to a normal.
+fn turned(vectors: [Vec3; 2], from: Vec3, to: Vec3) -> [Vec3; 2] {
+    if from == to { vectors } else { vectors.map(|vector| Quat::from_rotation_arc(from, to) * vector) }
 }
 
 /// Both sets of texture coordinates at a point of a triangle; zero where the mesh has none.
@@ -142,7 +160,8 @@ fn leaning_to(normal: Vec3, to_viewer: Vec3, geometric: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bvh::bundle::{BUNDLE, Start};
+    use crate::bvh::TracedScene;
+    use crate::bvh::bundle::BUNDLE;
     use crate::scene::{Encoding, Material, Scene, Texture, TextureId, TextureSlot, Wrap};
     use glam::Affine2;
 
@@ -158,9 +177,9 @@ mod tests {
         let texture = Texture::new(1, 1, vec![texel], Encoding::Linear, [Wrap::Repeat; 2]);
         let material = Material { normal_texture: Some((slot, 1.0)), ..Material::default() };
         TracedScene::new(Scene {
-            meshes: vec![mesh],
+            meshes: vec![mesh].into(),
             materials: vec![material],
-            textures: vec![texture],
+            textures: vec![texture.into()],
             ..Scene::default()
         })
         .expect("a square")
@@ -202,7 +221,7 @@ mod tests {
             ..Mesh::default()
         };
         TracedScene::new(Scene {
-            meshes: vec![mesh],
+            meshes: vec![mesh].into(),
             materials: vec![Material::default()],
             ..Scene::default()
         })
@@ -228,8 +247,7 @@ mod tests {
                 })
                 .collect();
             let origin = point.ray_origin();
-            let start = Start { origin, above: point.geometric_normal, reach: 1e4 };
-            shadowed += scene.blocked_bundle(start, &directions).count_ones();
+            shadowed += scene.blocked_bundle(origin, &directions, 1e4).count_ones();
             shadowed += directions.iter().filter(|d| scene.blocked(origin, **d, 1e4)).count() as u32;
         }
         assert_eq!(shadowed, 0, "of {} rays", 400 * 2 * BUNDLE);

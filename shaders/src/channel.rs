@@ -31,10 +31,14 @@ pub enum Attribute {
     WorldNormal,
     /// `Ds`: depth, `-Ps.z`, metres.
     Depth,
-    /// `Dfocal`: distance to the focal plane, metres.
+    /// `Dfocal`: signed distance to the plane in focus, metres, positive beyond it; 0 without a lens.
     FocalDistance,
-    /// `B`: radius of the circle of confusion, pixels.
+    /// Radius of the circle of confusion that the lens makes of the point, pixels, never negative: `|Dfocal| B / Ds`.
     CircleOfConfusion,
+    /// `Dfocal B`, the one number of blur that the thesis feeds a network (7.4), beside `Ds`; metres times pixels. `B`
+    /// belongs to the lens and is the same all over an image: the radius in pixels of the circle of confusion of what
+    /// is infinitely far away.
+    Blurriness,
     /// `Cw`: unit direction to the camera in world space.
     ToCamera,
     /// `Rdiff`: diffuse colour (albedo).
@@ -49,7 +53,8 @@ pub enum Attribute {
     Light,
     /// `Ldiff`: direct light reflected diffusely, radiance.
     DiffuseLight,
-    /// `F`: movement in the image plane during exposure; direction in [0, pi) and length in pixels.
+    /// `F`: movement in the image plane during exposure; direction in [0, pi), from x to the right towards y up, and
+    /// length in pixels.
     Motion,
     /// Object id, whole numbers from 0, modulo 2048 so that half floats hold them exactly.
     ObjectId,
@@ -61,13 +66,14 @@ pub enum Attribute {
 
 impl Attribute {
     /// Every attribute, in file order.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Position,
         Self::Normal,
         Self::WorldNormal,
         Self::Depth,
         Self::FocalDistance,
         Self::CircleOfConfusion,
+        Self::Blurriness,
         Self::ToCamera,
         Self::Diffuse,
         Self::Specular,
@@ -90,6 +96,7 @@ impl Attribute {
             Self::Depth => "depth",
             Self::FocalDistance => "focal_distance",
             Self::CircleOfConfusion => "circle_of_confusion",
+            Self::Blurriness => "blurriness",
             Self::ToCamera => "to_camera",
             Self::Diffuse => "diffuse",
             Self::Specular => "specular",
@@ -119,6 +126,7 @@ impl Attribute {
             Self::Depth
             | Self::FocalDistance
             | Self::CircleOfConfusion
+            | Self::Blurriness
             | Self::Glossiness
             | Self::ObjectId
             | Self::Valid => AttributeKind::Scalar,

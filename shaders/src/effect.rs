@@ -9,16 +9,73 @@ pub enum Effect {
     /// Ambient occlusion: the cosine-weighted share of directions of the upper hemisphere that nothing blocks within
     /// a radius; 1 is open (thesis 7.4).
     Ao,
+    /// Directional occlusion: irradiance, divided by pi, from the environment map in the directions that nothing blocks
+    /// within a radius, RGB (thesis 7.4).
+    Do,
+    /// Diffuse indirect light: irradiance, divided by pi, of light that was reflected diffusely once within a radius,
+    /// RGB. Times the diffuse colour it is the indirect radiance (thesis 7.4).
+    Gi,
+    /// Image-based lighting: radiance reflected from an environment map that nothing blocks, by the Phong model, RGB.
+    Ibl,
+    /// Subsurface scattering in screen space: direct light gathered from the image's other pixels by Christensen's
+    /// normalised diffusion, RGB.
+    Sss,
+    /// Subsurface scattering as it is: direct light that random walks below the surface bring out again, radiance, RGB.
+    Subsurface,
+    /// Depth of field: direct light, averaged over a thin lens, radiance, RGB.
+    Dof,
+    /// Motion blur: direct light, averaged over the time of exposure, radiance, RGB.
+    MotionBlur,
+    /// Anti-aliasing: direct light, averaged over each pixel, radiance, RGB.
+    Aa,
+    /// Direct light times ambient occlusion, averaged over a thin lens, radiance, RGB.
+    Multi,
+    /// Light that went from a light to the medium to the eye, radiance, RGB.
+    FogDirect,
+    /// Light that went from a light to a surface to the medium to the eye, radiance, RGB.
+    FogIndirect,
+    /// Light of every other path with a vertex in the medium, radiance, RGB.
+    FogMultiple,
+    /// All light, radiance, RGB.
+    Path,
 }
 
 impl Effect {
     /// Every effect.
-    pub const ALL: [Self; 1] = [Self::Ao];
+    pub const ALL: [Self; 14] = [
+        Self::Ao,
+        Self::Do,
+        Self::Gi,
+        Self::Ibl,
+        Self::Sss,
+        Self::Subsurface,
+        Self::Dof,
+        Self::MotionBlur,
+        Self::Aa,
+        Self::Multi,
+        Self::FogDirect,
+        Self::FogIndirect,
+        Self::FogMultiple,
+        Self::Path,
+    ];
 
     /// Its name on the command line, in recipes and in files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Ao => "ao",
+            Self::Do => "do",
+            Self::Gi => "gi",
+            Self::Ibl => "ibl",
+            Self::Sss => "sss",
+            Self::Subsurface => "subsurface",
+            Self::Dof => "dof",
+            Self::MotionBlur => "motion-blur",
+            Self::Aa => "aa",
+            Self::Multi => "multi",
+            Self::FogDirect => "fog-direct",
+            Self::FogIndirect => "fog-indirect",
+            Self::FogMultiple => "fog-multiple",
+            Self::Path => "path",
         }
     }
 
@@ -26,13 +83,49 @@ impl Effect {
     pub const fn channels(self) -> usize {
         match self {
             Self::Ao => 1,
+            _ => 3,
         }
     }
 
-    /// Its value where no surface is seen; every method's image has it there.
-    pub const fn background(self) -> f32 {
+    /// Its value where no surface is seen, which every method's image has there; `None` for effects that reach beyond
+    /// the surface's pixel, as blur does, and have a value of their own there.
+    pub const fn background(self) -> Option<f32> {
         match self {
-            Self::Ao => 1.0,
+            Self::Ao => Some(1.0),
+            Self::Do | Self::Gi | Self::Ibl | Self::Sss | Self::Subsurface => Some(0.0),
+            Self::Dof
+            | Self::MotionBlur
+            | Self::Aa
+            | Self::Multi
+            | Self::FogDirect
+            | Self::FogIndirect
+            | Self::FogMultiple
+            | Self::Path => None,
+        }
+    }
+
+    /// Whether it shows direct light of a scene's lights only: what the environment and shining surfaces send
+    /// is left out.
+    pub const fn lit_by_lamps_alone(self) -> bool {
+        match self {
+            Self::Sss | Self::Subsurface | Self::Dof | Self::MotionBlur | Self::Aa | Self::Multi => true,
+            Self::Ao
+            | Self::Do
+            | Self::Gi
+            | Self::Ibl
+            | Self::FogDirect
+            | Self::FogIndirect
+            | Self::FogMultiple
+            | Self::Path => false,
+        }
+    }
+
+    /// What the numbers of its image mean.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Ao => "open share of the hemisphere",
+            Self::Do | Self::Gi => "irradiance / pi",
+            _ => "radiance",
         }
     }
 }

@@ -7,6 +7,7 @@
 
 pub mod atomic_file;
 pub mod channel;
+pub mod colour;
 pub mod effect;
 pub mod gbuffer;
 pub mod gpu;

@@ -12,8 +12,12 @@ pub fn median(mut values: Vec<f64>) -> f64 {
 
 /// Indices of at most `wanted` of `count` things, ascending, evenly spread from the first on.
 pub fn spread(count: usize, wanted: usize) -> Vec<usize> {
-    let wanted = wanted.min(count);
-    (0..wanted).map(|i| i * count / wanted).collect()
+    (0..count).filter(|index| is_in_spread(*index, count, wanted)).collect()
+}
+
+/// Whether an index below `count` is among those of [`spread`]: the share of `wanted` reaches a whole number there.
+pub const fn is_in_spread(index: usize, count: usize, wanted: usize) -> bool {
+    wanted >= count || (index * wanted).next_multiple_of(count) < (index + 1) * wanted
 }
 
 #[cfg(test)]
@@ -33,5 +37,10 @@ mod tests {
         assert_eq!(spread(2, 5), [0, 1]);
         assert_eq!(spread(7, 7), [0, 1, 2, 3, 4, 5, 6]);
         assert_eq!(spread(0, 3), [0; 0]);
+        assert_eq!(spread(5, 0), [0; 0]);
+        for (count, wanted) in [(1000, 137), (13, 12), (97, 1)] {
+            let expected: Vec<usize> = (0..wanted).map(|i| i * count / wanted).collect();
+            assert_eq!(spread(count, wanted), expected);
+        }
     }
 }

@@ -1,5 +1,7 @@
-//! `deepshade bench`: speed. A network is measured beside its rival in the same run; training and rays by themselves.
+//! `deepshade bench`: speed. Networks and rays are measured beside their rivals in the same run; training and making
+//! datasets by themselves.
 
+mod dataset;
 mod net;
 mod rays;
 #[cfg(feature = "train")]
@@ -15,8 +17,10 @@ pub enum Verb {
     /// Images a second that training takes.
     #[cfg(feature = "train")]
     Train(train::Args),
-    /// Rays a second through a scene, one thread, traversal alone.
+    /// Rays a second through a scene, one thread and all, traversal alone; beside Embree with the feature `embree`.
     Rays(rays::Args),
+    /// Training pairs an hour and a core, and where the time goes.
+    Dataset(dataset::Args),
 }
 
 /// Measures and prints.
@@ -29,5 +33,6 @@ pub fn run(verb: &Verb) -> Result<()> {
         #[cfg(feature = "train")]
         Verb::Train(args) => train::run(args),
         Verb::Rays(args) => rays::run(args),
+        Verb::Dataset(args) => dataset::run(args),
     }
 }

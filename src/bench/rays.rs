@@ -1,23 +1,36 @@
-//! `deepshade bench rays`: rays a second through a scene, one thread, traversal alone.
+//! `deepshade bench rays`: rays a second through a scene, one thread and all, beside Embree on the very same rays,
+//! traversal alone.
+//!
+//! Embree traces single rays (`rtcIntersect1`, `rtcOccluded1`), and `ratio_primary`, `ratio_ao` and `ratio_diffuse` are of
+//! our single rays. Rays that the program traces in bundles are measured so too, and called so; Embree's packets and
+//! streams, their counterpart, are not.
+//!
+//! Materials are made opaque, since what a texture lets through is no question of traversal. Rays are made beforehand;
+//! all ways to trace them take turns, so that what else the machine does falls on all of them.
 
-use crate::compare::DEFAULT_REACH;
+mod contest;
+#[cfg(feature = "embree")]
+mod embree;
+mod sets;
+
 use crate::{figures::Figures, views};
 use anyhow::{Result, ensure};
+use contest::{Contest, Outcome};
 use deepshade_render::bvh::TracedScene;
-use deepshade_render::bvh::bundle::{BUNDLE, Start};
-use deepshade_render::intersection::SurfacePoint;
-use deepshade_render::path::ao::hemisphere;
-use deepshade_render::path::sampler::PixelSampler;
-use deepshade_render::scene::{Camera, SceneSource};
-use deepshade_shaders::lists;
-use glam::{Vec2, Vec3};
-use std::hint::black_box;
+use deepshade_render::scene::{AlphaMode, Scene, SceneSource};
+use serde_json::json;
+use sets::{Ray, RaySet};
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Rays a second through a scene, one thread, traversal alone.
+/// Measures rays a second through a scene, beside Embree where the program is built with the cargo feature `embree`.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  deepshade bench rays --scene sponza.gltf --json rays.json\n\n\
+    Beside Embree 3 (Debian 12: apt-get install libembree-dev), which is loaded at run time:\n  \
+    cargo run --release --features embree -- bench rays --scene sponza.gltf\n\n\
+    ratio_primary, ratio_ao and ratio_diffuse in the JSON file are our rate over Embree's, single rays against single \
+    rays (rtcIntersect1, rtcOccluded1), one thread. ratio_*_bundles are bundles of 64 rays that start together against \
+    Embree's single rays; Embree's packets are not measured.\n\n\
     The default scene is procedural, so that everybody has it. The figures in the README are of Sponza, which does not \
     come with the program; those of different scenes cannot be compared. Ambient occlusion rays are as long as \
     15 % of the scene's diagonal.")]
@@ -31,130 +44,97 @@ pub struct Args {
     #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u16).range(16..=4096))]
     size: u16,
     /// Times that all rays are traced; the median counts.
-    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    runs: u32,
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    runs: u16,
     /// Writes the figures here as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
 }
 
-struct Ray {
-    origin: Vec3,
-    direction: Vec3,
+/// Another library's ray tracer.
+pub trait Rival: Sync {
+    /// Seconds that its hierarchy took.
+    fn build_seconds(&self) -> f64;
+
+    /// Distance and index of the nearest triangle, all meshes' triangles counted one after the other.
+    fn nearest(&self, ray: &Ray) -> Option<(f32, u32)>;
+
+    /// Whether a ray meets anything.
+    fn blocked(&self, ray: &Ray) -> bool;
+
+    /// The sum of the indices of all nearest triangles.
+    fn sum_of_nearest(&self, rays: &[Ray]) -> u32 {
+        rays.iter().filter_map(|ray| self.nearest(ray)).map(|(_, index)| index).fold(0, u32::wrapping_add)
+    }
+
+    /// How many rays meet anything.
+    fn count_of_blocked(&self, rays: &[Ray]) -> u32 {
+        rays.iter().map(|ray| u32::from(self.blocked(ray))).sum()
+    }
 }
 
 /// Measures and prints.
+///
+/// # Errors
+/// If the scene cannot be read or nothing of it is seen.
 pub fn run(args: &Args) -> Result<()> {
-    let scene = args.scene.scene(0.0)?;
+    let scene = opaque(args.scene.scene(0.0)?);
     let triangles = scene.triangle_count();
+    let rival = rival(&scene);
     let start = Instant::now();
     let scene = TracedScene::new(scene)?;
     let build_seconds = start.elapsed().as_secs_f64();
     let size = usize::from(args.size);
-    let (mut primary, mut squares) = (Vec::new(), Vec::new());
-    for view in args.views.of(&scene, [size, size])? {
-        primary.extend(primary_rays(&view.camera, size));
-        squares.extend(primary_bundles(&view.camera, size));
-    }
-    let bundles = occlusion_bundles(&scene, &primary);
-    ensure!(!bundles.is_empty(), "the views of {} see nothing", args.scene);
-    let mrays_primary = megarays(primary.len(), args.runs, || {
-        let hits = squares.iter().flat_map(|(origin, directions)| scene.hit_bundle(*origin, directions));
-        hits.flatten().map(|hit| hit.triangle).fold(0, u32::wrapping_add)
-    });
-    let mrays_primary_single = megarays(primary.len(), args.runs, || {
-        let hit = |ray: &Ray| scene.hit(ray.origin, ray.direction, f32::INFINITY);
-        primary.iter().filter_map(hit).map(|hit| hit.triangle).fold(0, u32::wrapping_add)
-    });
-    let rays = bundles.len() * BUNDLE;
-    let mrays_ao = megarays(rays, args.runs, || {
-        bundles
-            .iter()
-            .map(|(start, directions)| scene.blocked_bundle(*start, directions).count_ones())
-            .fold(0, u32::wrapping_add)
-    });
-    let mrays_ao_single = megarays(rays, args.runs, || {
-        let blocked = |(start, directions): &(Start, Vec<Vec3>)| {
-            let blocked = |direction: &&Vec3| scene.blocked(start.origin, **direction, start.reach);
-            directions.iter().filter(blocked).count() as u32
-        };
-        bundles.iter().map(blocked).fold(0, u32::wrapping_add)
-    });
+    let views = args.views.of(&scene, [size, size])?;
+    let sets = sets::all(&scene, views.iter().map(|view| &view.camera), size);
+    ensure!(sets.iter().all(|set| !set.rays.is_empty()), "the views of {} see nothing", args.scene);
+    let contest = Contest { scene: &scene, rival: rival.as_deref().ok(), runs: args.runs.into() };
+    let outcomes: Vec<(&RaySet, Outcome)> = sets.iter().map(|set| (set, contest.of(set))).collect();
 
     let diagonal = scene.diagonal();
     let mut figures = Figures::new("bench rays");
-    figures.set("mrays_primary", mrays_primary);
-    figures.set("mrays_primary_single", mrays_primary_single);
-    figures.set("mrays_ao", mrays_ao);
-    figures.set("mrays_ao_single", mrays_ao_single);
+    for (set, outcome) in &outcomes {
+        outcome.write(set.kind, &mut figures);
+    }
     figures.set("build_seconds", build_seconds);
+    if let Ok(rival) = &rival {
+        figures.set("build_seconds_embree", rival.build_seconds());
+    }
     figures.set("triangles", triangles as f64);
     figures.set("diagonal", f64::from(diagonal));
     figures.detail("scene", args.scene.to_string().into());
+    let who = rival.as_ref().map_or_else(ToString::to_string, |_| "Embree".to_owned());
+    figures.detail("rival", who.into());
+    figures.detail("size", json!({ "views": views.len(), "size": size, "runs": args.runs }));
     figures.write(args.json.as_deref())?;
+
     say!(
-        "scene              {} ({triangles} triangles, diagonal {diagonal:.2} m, built in {build_seconds:.2} s)",
+        "scene     {} ({triangles} triangles, diagonal {diagonal:.2} m, built in {build_seconds:.2} s)",
         args.scene
     )?;
-    say!(
-        "primary            {mrays_primary:.2} Mrays/s, one thread ({} rays, in bundles as g-buffers trace them)",
-        primary.len()
-    )?;
-    say!("                   {mrays_primary_single:.2} Mrays/s one by one")?;
-    say!(
-        "ambient occlusion  {mrays_ao:.2} Mrays/s, one thread ({rays} rays, in bundles as truth traces them)"
-    )?;
-    say!("                   {mrays_ao_single:.2} Mrays/s one by one")
+    match &rival {
+        Ok(rival) => say!("Embree    built in {:.2} s", rival.build_seconds())?,
+        Err(error) => say!("Embree    not measured: {error}")?,
+    }
+    outcomes.iter().try_for_each(|(set, outcome)| outcome.print(set))
 }
 
-fn primary_rays(camera: &Camera, size: usize) -> impl Iterator<Item = Ray> {
-    let camera = *camera;
-    (0..size * size).map(move |i| {
-        let pixel = Vec2::new((i % size) as f32 + 0.5, (i / size) as f32 + 0.5);
-        let direction = camera.direction(pixel, size, size);
-        Ray { origin: camera.position, direction }
-    })
+/// The scene with nothing to be seen through.
+fn opaque(mut scene: Scene) -> Scene {
+    for material in &mut scene.materials {
+        material.alpha = AlphaMode::Opaque;
+    }
+    scene
 }
 
-/// The same rays in squares of pixels, as a g-buffer traces them.
-fn primary_bundles(camera: &Camera, size: usize) -> impl Iterator<Item = (Vec3, Vec<Vec3>)> {
-    let camera = *camera;
-    let edge = BUNDLE.isqrt();
-    let corners = move || (0..size).step_by(edge);
-    corners().flat_map(move |top| corners().map(move |left| (left, top))).map(move |(left, top)| {
-        let columns = left..size.min(left + edge);
-        let pixels = (top..size.min(top + edge)).flat_map(|y| columns.clone().map(move |x| (x, y)));
-        let direction =
-            |(x, y): (usize, usize)| camera.direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5), size, size);
-        (camera.position, pixels.map(direction).collect())
-    })
+/// Embree over the same triangles.
+#[cfg(feature = "embree")]
+fn rival(scene: &Scene) -> Result<Box<dyn Rival>> {
+    Ok(Box::new(embree::Embree::new(scene)?))
 }
 
-/// Every which pixel ambient occlusion rays start from: neighbours tell nothing new.
-const STRIDE: usize = 5;
-
-/// A bundle of cosine-distributed rays, as long as the default radius whatever the size of the views, from each surface
-/// that primary rays meet.
-fn occlusion_bundles(scene: &TracedScene, primary: &[Ray]) -> Vec<(Start, Vec<Vec3>)> {
-    let reach = DEFAULT_REACH.diagonal_share * scene.diagonal();
-    let bundle = |(i, ray): (usize, &Ray)| {
-        let hit = scene.hit(ray.origin, ray.direction, f32::INFINITY)?;
-        let point = SurfacePoint::new(scene, &hit, ray.direction);
-        let start = Start { origin: point.ray_origin(), above: point.geometric_normal, reach };
-        let directions = hemisphere(&PixelSampler::new(i, 0, 0), BUNDLE as u32, point.geometric_normal);
-        Some((start, directions))
-    };
-    primary.iter().enumerate().step_by(STRIDE).filter_map(bundle).collect()
-}
-
-/// Millions of rays a second on this thread, median of some runs.
-fn megarays(rays: usize, runs: u32, trace: impl Fn() -> u32) -> f64 {
-    let seconds = (0..runs)
-        .map(|_| {
-            let start = Instant::now();
-            black_box(trace());
-            start.elapsed().as_secs_f64()
-        })
-        .collect();
-    rays as f64 / lists::median(seconds) / 1e6
+/// Nobody.
+#[cfg(not(feature = "embree"))]
+fn rival(_: &Scene) -> Result<Box<dyn Rival>> {
+    anyhow::bail!("the program is built without the cargo feature `embree`")
 }

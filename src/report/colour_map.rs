@@ -1,6 +1,7 @@
 //! Colour maps whose lightness grows evenly with what they show: straight lines in Oklab (Ottosson 2020), given by
 //! lightness, chroma and hue. Both are dark where there is no error.
 
+use deepshade_shaders::colour::srgb_byte;
 use glam::{Mat3, Vec3};
 use std::fmt::Write;
 
@@ -30,13 +31,6 @@ pub fn sequential(value: f32) -> Vec3 {
 /// The linear colour of a difference in [-1, 1].
 pub fn diverging(value: f32) -> Vec3 {
     if value < 0.0 { along(&NEGATIVE, -value) } else { along(&POSITIVE, value) }
-}
-
-/// A value in linear sRGB as a byte; what is not a number is 0.
-pub fn srgb_byte(linear: f32) -> u8 {
-    let linear = linear.clamp(0.0, 1.0);
-    let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
-    (encoded * 255.0).round() as u8
 }
 
 /// A colour map from `from` to `to` as a list of stops for a CSS gradient.
@@ -83,10 +77,7 @@ fn linear_from_oklab(lch: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn luminance(colour: Vec3) -> f32 {
-        colour.dot(Vec3::new(0.2126, 0.7152, 0.0722))
-    }
+    use deepshade_shaders::colour::luminance;
 
     #[test]
     fn oklab_white_is_white() {
@@ -97,7 +88,7 @@ mod tests {
     #[test]
     fn larger_errors_are_lighter() {
         for map in [sequential, diverging, |value: f32| diverging(-value)] {
-            let steps: Vec<f32> = (0..=20).map(|i| luminance(map(i as f32 / 20.0))).collect();
+            let steps: Vec<f32> = (0..=20).map(|i| luminance(map(i as f32 / 20.0).into())).collect();
             assert!(steps.windows(2).all(|pair| pair[1] > pair[0]), "{steps:?}");
         }
     }
@@ -108,10 +99,5 @@ mod tests {
         assert!(below.z > below.x && above.x > above.z);
         assert_eq!(sequential(7.0), sequential(1.0));
         assert_eq!(sequential(f32::NAN), sequential(0.0));
-    }
-
-    #[test]
-    fn bytes_are_srgb() {
-        assert_eq!([0.0, 0.214_041_14, 1.0, f32::NAN].map(srgb_byte), [0, 128, 255, 0]);
     }
 }

@@ -1,13 +1,15 @@
 //! The report's images: what methods made, how it differs from truth, and FLIP.
 //!
-//! PNG files show linear values encoded as sRGB, one channel as grey, so that they look on a screen as the values
-//! are; EXR files hold the linear values themselves.
+//! PNG files show linear values, exposed as for their scores and encoded as sRGB, one channel as grey, so that they
+//! look on a screen as the values are; EXR files hold the linear values themselves.
 
 use super::{FrameReport, colour_map};
 use crate::figures::write_atomically;
 use anyhow::{Context, Result};
 use deepshade_render::exr_file::{self, Layer, Metadata};
-use deepshade_render::metrics::flip_map;
+use deepshade_render::metrics::{exposed, flip_map};
+use deepshade_render::path::Estimate;
+use deepshade_shaders::colour::srgb_byte;
 use deepshade_shaders::{Effect, Planes};
 use glam::Vec3;
 use image::{ImageFormat, Rgb, RgbImage};
@@ -26,14 +28,20 @@ pub const VIEWS: [&str; 3] = ["image", "difference", "flip"];
 /// # Errors
 /// If a file cannot be written.
 pub fn write_frame(folder: &Path, effect: Effect, frame: &FrameReport) -> Result<()> {
-    let truth = &frame.truth;
+    let shown = |image: &Planes| exposed(image, frame.truth.exposure);
+    let truth = &frame.truth.truth;
+    let Estimate { mean, variance, .. } = &truth.estimate;
+    let expected = shown(mean);
     for method in &frame.methods {
-        write_pngs(folder, &method.name, &method.image, [&method.image, &truth.image])?;
-        write_exr(folder, effect, frame, &method.name, &method.image)?;
+        let image = shown(&method.image);
+        write_pngs(folder, &method.name, &image, [&image, &expected])?;
+        write_exr(folder, frame, &method.name, &[Layer::image(effect.name(), &method.image)])?;
     }
-    let [a, b] = &truth.halves;
-    write_pngs(folder, "truth", &truth.image, [a, b])?;
-    write_exr(folder, effect, frame, "truth", &truth.image)
+    let [a, b] = [0, 1].map(|half: usize| shown(&truth.halves[half]));
+    write_pngs(folder, "truth", &expected, [&a, &b])?;
+    let variance = variance.iter().map(|variance| Layer::image("variance", variance).in_full());
+    let layers: Vec<Layer<'_>> = [Layer::image(effect.name(), mean)].into_iter().chain(variance).collect();
+    write_exr(folder, frame, "truth", &layers)
 }
 
 /// Whether a frame's folder has files of that name from [`write_frame`].
@@ -50,17 +58,17 @@ fn write_pngs(folder: &Path, name: &str, image: &Planes, [wrong, right]: [&Plane
     Ok(())
 }
 
-/// Writes an image's values, with the frame's facts as text.
-fn write_exr(folder: &Path, effect: Effect, frame: &FrameReport, method: &str, image: &Planes) -> Result<()> {
+/// Writes a method's values, with the frame's facts as text.
+fn write_exr(folder: &Path, frame: &FrameReport, method: &str, layers: &[Layer<'_>]) -> Result<()> {
     let mut metadata: Metadata = frame.facts.iter().cloned().collect();
     metadata.insert("frame".to_owned(), frame.name.clone());
     metadata.insert("method".to_owned(), method.to_owned());
     let path = folder.join(format!("{method}.exr"));
-    Ok(exr_file::write(&path, &[Layer::image(effect.name(), image)], &metadata)?)
+    Ok(exr_file::write(&path, layers, &metadata)?)
 }
 
 /// An image as seen: one channel as grey, three as colour.
-fn shown(image: &Planes) -> RgbImage {
+pub fn shown(image: &Planes) -> RgbImage {
     let colour = image.channels() == 3;
     painted(image, |pixel| {
         let channel = |c: usize| image.plane(c)[pixel];
@@ -84,15 +92,15 @@ fn flip(image: &Planes, truth: &Planes) -> RgbImage {
 }
 
 /// A picture of an image's size from a linear colour for each pixel.
-fn painted(image: &Planes, colour: impl Fn(usize) -> Vec3) -> RgbImage {
+pub fn painted(image: &Planes, colour: impl Fn(usize) -> Vec3) -> RgbImage {
     let width = image.width();
     RgbImage::from_fn(width as u32, image.height() as u32, |x, y| {
-        Rgb(colour(y as usize * width + x as usize).to_array().map(colour_map::srgb_byte))
+        Rgb(colour(y as usize * width + x as usize).to_array().map(srgb_byte))
     })
 }
 
 /// Writes a picture, whole or not at all.
-fn write_png(path: &Path, picture: &RgbImage) -> Result<()> {
+pub fn write_png(path: &Path, picture: &RgbImage) -> Result<()> {
     let mut bytes = Vec::new();
     picture
         .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)

@@ -1,15 +1,17 @@
 //! The comparison report: one effect, some frames, several methods, each image against truth. One HTML page that
 //! needs no server and nothing from elsewhere, with its images beside it as PNG and EXR.
 
-mod colour_map;
+pub mod colour_map;
 mod earlier;
-mod images;
+pub mod images;
 mod page;
 mod summary;
 
 use crate::figures::write_atomically;
 use anyhow::{Context, Result, ensure};
-use deepshade_render::{method::Clock, metrics::Scores};
+use deepshade_render::method::Clock;
+use deepshade_render::metrics::{Scores, exposed, exposure};
+use deepshade_render::path::Truth;
 use deepshade_shaders::{Effect, Planes};
 use std::path::{Path, PathBuf};
 
@@ -30,23 +32,22 @@ pub struct FrameReport {
     /// What else is to be known of it, as name and value: size, radius, camera.
     pub facts: Vec<(String, String)>,
     /// Truth, which the scores refer to.
-    pub truth: Truth,
+    pub truth: TruthReport,
     /// The methods' images, in the order in which the page lists them.
     pub methods: Vec<MethodReport>,
 }
 
-/// Truth of a frame, as two independent halves, so that its own noise is known.
-pub struct Truth {
-    /// Two independent renderings, `[channels, height, width]`.
-    pub halves: [Planes; 2],
-    /// Their mean, which is taken for the truth.
-    pub image: Planes,
-    /// How far the halves are from each other, the `ceiling` of figures. It is a lower bound of what a perfect image
-    /// scores: that is measured against the mean of the halves, which has less noise than either.
+/// Truth of a frame, and what there is to compare with.
+pub struct TruthReport {
+    /// The truth.
+    pub truth: Truth,
+    /// What images are multiplied by before they are scored and shown.
+    pub exposure: f32,
+    /// How far truth's halves are from each other, the `ceiling` of figures.
     pub noise: Scores,
     /// Scores of an image that is [`Effect::background`] everywhere, white for ambient occlusion: the floor.
     pub white: Scores,
-    /// Wall clock of both halves together, milliseconds.
+    /// Wall clock of rendering it, milliseconds.
     pub milliseconds: f64,
 }
 
@@ -64,19 +65,23 @@ pub struct MethodReport {
     pub clock: Clock,
 }
 
-impl Truth {
-    /// Truth as the mean of two renderings that took `milliseconds` together.
-    ///
-    /// # Panics
-    /// If the halves differ in shape.
-    pub fn new(effect: Effect, halves: [Planes; 2], milliseconds: f64) -> Self {
-        let [a, b] = &halves;
-        let mut image = a.clone();
-        image.data_mut().iter_mut().zip(b.data()).for_each(|(a, b)| *a = 0.5 * (*a + b));
-        let noise = Scores::new(a, b);
-        let blank = Planes::filled(a.channels(), a.height(), a.width(), effect.background());
-        let white = Scores::new(&blank, &image);
-        Self { halves, image, noise, white, milliseconds }
+impl TruthReport {
+    /// Truth of an effect that took so many milliseconds.
+    pub fn new(effect: Effect, truth: Truth, milliseconds: f64) -> Self {
+        let exposure = exposure(effect, &truth.estimate.mean);
+        let scores = |image: &Planes, truth: &Planes| {
+            Scores::new(&exposed(image, exposure), &exposed(truth, exposure))
+        };
+        let image = &truth.estimate.mean;
+        let blank = effect.background().unwrap_or(0.0);
+        let blank = Planes::filled(image.channels(), image.height(), image.width(), blank);
+        let (noise, white) = (scores(&truth.halves[0], &truth.halves[1]), scores(&blank, image));
+        Self { truth, exposure, noise, white, milliseconds }
+    }
+
+    /// Scores of an image.
+    pub fn scores(&self, image: &Planes) -> Scores {
+        Scores::new(&exposed(image, self.exposure), &exposed(&self.truth.estimate.mean, self.exposure))
     }
 }
 

@@ -102,7 +102,7 @@ impl<'a> Section<'a> {
         });
         let truth = &frame.truth;
         let rows = methods.chain(reference_rows(truth.noise, truth.white, truth.milliseconds)).collect();
-        let image = &truth.image;
+        let image = &truth.truth.estimate.mean;
         Self {
             index,
             folder: frame_folder(index),
@@ -164,6 +164,19 @@ fn reference_rows(noise: Scores, white: Scores, truth_milliseconds: f64) -> [Row
 const fn title(effect: Effect) -> &'static str {
     match effect {
         Effect::Ao => "Ambient occlusion",
+        Effect::Do => "Directional occlusion",
+        Effect::Gi => "Diffuse indirect light",
+        Effect::Ibl => "Image-based lighting",
+        Effect::Sss => "Subsurface scattering in screen space",
+        Effect::Subsurface => "Subsurface scattering",
+        Effect::Dof => "Depth of field",
+        Effect::MotionBlur => "Motion blur",
+        Effect::Aa => "Anti-aliasing",
+        Effect::Multi => "Ambient occlusion and depth of field",
+        Effect::FogDirect => "Fog, light scattered once",
+        Effect::FogIndirect => "Fog, light from surfaces",
+        Effect::FogMultiple => "Fog, light scattered many times",
+        Effect::Path => "All light",
     }
 }
 
@@ -204,8 +217,8 @@ fn data(comparison: &Comparison, methods: &[String]) -> Result<String> {
     let frames = comparison.frames.iter().enumerate().map(|(index, frame)| DataFrame {
         folder: frame_folder(index),
         name: &frame.name,
-        width: frame.truth.image.width(),
-        height: frame.truth.image.height(),
+        width: frame.truth.truth.estimate.mean.width(),
+        height: frame.truth.truth.estimate.mean.height(),
     });
     let data = Data { images: &images, views: images::VIEWS, frames: frames.collect() };
     Ok(serde_json::to_string(&data)?.replace('<', "\\u003c"))

@@ -37,8 +37,11 @@ impl UNet {
         let area = spec.kernel * spec.kernel;
         let layers = spec.layers().into_iter().enumerate().map(|(index, layer)| {
             let fan_in = (layer.inputs / layer.groups * area) as f64;
-            let (scale, bias) =
-                if layer.activation { (1.0, 0.0) } else { (IMAGE_SCALE, spec.effect.background()) };
+            let (scale, bias) = if layer.activation {
+                (1.0, 0.0)
+            } else {
+                (IMAGE_SCALE, spec.effect.background().unwrap_or(0.0))
+            };
             let deviation = scale * (2.0 / (1.0 + f64::from(spec.leak).powi(2)) / fan_in).sqrt();
             let mut rng = Rng::new(seed, Purpose::Weights, index as u64);
             let count = layer.weight_count(spec.kernel) - layer.outputs;

@@ -1,11 +1,14 @@
-//! Set-up and the commands that the README and CI call: `cargo xtask demo`, `cargo xtask test`, `cargo xtask deny`.
+//! Set-up and the commands that the README and CI call: `cargo xtask demo`, `cargo xtask test`,
+//! `cargo xtask prove`, `cargo xtask crosscheck`, `cargo xtask deny`.
 //!
 //! Nothing but std and anyhow, so that it builds in seconds on a machine that has nothing else yet.
 
 mod apt;
 mod command;
+mod crosscheck;
 mod demo;
 mod deny;
+mod prove;
 mod python;
 mod test;
 mod vulkan;
@@ -20,6 +23,14 @@ Commands:
   demo [ARGS]  Set up Vulkan where it is missing, build deepshade and run `deepshade demo` with ARGS
   test         Set up Vulkan and onnxruntime where they are missing, then check everything: formatting, clippy,
                documentation, features, all tests; CI runs this
+  prove [--json F]
+               Prove truth: run the tests that hold it against closed forms, sampling densities and the rate at which
+               errors must fall, each with a control that must fail, and print what they measured
+  crosscheck [--json F] [--out DIR] [--only NAME] [--samples N]
+               Set up Mitsuba 3 in a Python environment below the target folder, render the same scenes with it and
+               with deepshade, and compare every effect pixel by pixel; some minutes. --only takes the cases whose
+               name holds NAME (room, room.gi, .ao), --samples is of a pixel, 512 by default; other arguments, too, go
+               to `deepshade crosscheck`, whose --help lists them
   deny         Check licences, banned crates and sources of all dependencies with cargo-deny
   help         Print this
 
@@ -45,6 +56,8 @@ fn run(args: &[String]) -> Result<()> {
     match (name, rest) {
         ("demo", rest) => demo::run(rest),
         ("test", []) => test::run(),
+        ("prove", rest) => prove::run(rest),
+        ("crosscheck", rest) => crosscheck::run(rest),
         ("deny", []) => deny::run(),
         ("help" | "-h" | "--help", []) => {
             println!("{HELP}");

@@ -1,4 +1,5 @@
-//! A private Python environment below the target folder, from which the tests take onnxruntime's library.
+//! Private Python environments below the target folder: one that the tests take onnxruntime's library from, one for
+//! the renderer that truth is compared with.
 
 use crate::{
     apt,
@@ -38,12 +39,34 @@ pub fn onnxruntime() -> Result<PathBuf> {
     library(&packages).with_context(|| format!("no libonnxruntime in {}", packages.display()))
 }
 
+/// The interpreter of an environment with packages of exact versions, after making it if need be.
+///
+/// # Errors
+/// If Python or its venv module is missing and cannot be installed, or if a package cannot be fetched.
+pub fn environment(name: &str, packages: &[&str]) -> Result<PathBuf> {
+    let folder = target().join(name);
+    let interpreter = folder.join("bin/python");
+    // Written last, so that an environment that was given up halfway is not taken for a whole one.
+    let record = folder.join("packages.txt");
+    let wanted = packages.join("\n");
+    if std::fs::read_to_string(&record).is_ok_and(|installed| installed == wanted) {
+        return Ok(interpreter);
+    }
+    make_environment(&folder)?;
+    let pip = folder.join("bin/pip").display().to_string();
+    let quiet = ["install", "--quiet", "--disable-pip-version-check", "--no-input", "--only-binary=:all:"];
+    run(&mut command(&pip, &[&quiet[..], packages].concat()))
+        .with_context(|| format!("cannot install {name}"))?;
+    std::fs::write(&record, wanted).with_context(|| format!("cannot write {}", record.display()))?;
+    Ok(interpreter)
+}
+
 /// An empty Python environment with pip.
 fn make_environment(folder: &Path) -> Result<()> {
     // Debian splits the module: `venv` can be imported without `ensurepip`, but does not work then.
     let ready = || succeeds(&mut command("python3", &["-c", "import venv, ensurepip"]));
     if !ready() {
-        apt::install(&["python3-venv"], "Python's venv module, for onnxruntime in the tests,")?;
+        apt::install(&["python3-venv"], "Python's venv module")?;
     }
     if !ready() {
         bail!("python3 cannot import `venv` and `ensurepip` although python3-venv is installed");

@@ -20,7 +20,7 @@ type Step = (&'static str, &'static [&'static str]);
 
 /// Lints and documentation are of what people build, training on the CPU's own kernels included. Training on Vulkan
 /// leaves these kernels out: its step compiles what is there instead.
-const STEPS: [Step; 6] = [
+const STEPS: [Step; 7] = [
     ("formatting", &["fmt", "--all", "--check"]),
     ("clippy", &["clippy", "--release", "--locked", "--workspace", "--all-targets", "--", "-D", "warnings"]),
     (
@@ -34,6 +34,11 @@ const STEPS: [Step; 6] = [
     (
         "the program without training",
         &["clippy", "--release", "--locked", "--no-default-features", "--", "-D", "warnings"],
+    ),
+    // The library is loaded at run time and need not be there.
+    (
+        "the benchmark beside Embree",
+        &["clippy", "--release", "--locked", "--features", "embree", "--", "-D", "warnings"],
     ),
     ("tests", &["test", "--release", "--locked", "--workspace", "--no-fail-fast"]),
 ];

@@ -85,7 +85,12 @@ fn turned(camera: &Camera, symmetry: Symmetry, height: usize, width: usize) -> C
     let matrix = Mat3::from_cols(Vec3::new(a, c, 0.0), Vec3::new(b, d, 0.0), Vec3::Z);
     let new_height = if symmetry.swaps_axes() { width } else { height };
     let vertical_fov = 2.0 * (0.5 * new_height as f32 / camera.focal_length(height)).atan();
-    Camera { position: camera.position, rotation: camera.rotation * matrix.transpose(), vertical_fov }
+    Camera {
+        position: camera.position,
+        rotation: camera.rotation * matrix.transpose(),
+        vertical_fov,
+        lens: None,
+    }
 }
 
 /// Share of pixels in which two g-buffers differ: rays that graze an edge may fall on either side of it.

@@ -1,8 +1,9 @@
 use super::*;
 use crate::journal::JOURNAL;
+use crate::shipped::{contents, shrunk};
 use crate::{DATA_VERSION, Dataset, contact_sheet, verify};
+use deepshade_render::exr_file;
 use deepshade_render::scene::procedural::{Family, Split};
-use std::collections::BTreeMap;
 
 /// A recipe of two scenes with two views each.
 fn recipe(folder: &Path, seed: u32) -> Recipe {
@@ -16,17 +17,6 @@ fn recipe(folder: &Path, seed: u32) -> Recipe {
     );
     std::fs::write(&path, text).expect("written");
     Recipe::load(&path).expect("a sound recipe")
-}
-
-/// Contents of all files of a dataset's folder, by name.
-fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let files = |inner: &str| {
-        let entries = std::fs::read_dir(folder.join(inner)).expect("listed");
-        let paths = entries.map(|entry| entry.expect("an entry").path()).filter(|path| path.is_file());
-        let name = |path: &Path| path.strip_prefix(folder).expect("inside").display().to_string();
-        paths.map(|path| (name(&path), std::fs::read(&path).expect("read"))).collect::<Vec<_>>()
-    };
-    files("").into_iter().chain(files(PAIRS)).collect()
 }
 
 #[test]
@@ -47,6 +37,30 @@ fn the_number_of_threads_does_not_matter() {
 }
 
 #[test]
+fn pairs_with_an_error_take_the_samples_that_it_needs_and_come_with_their_variance() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = Recipe { samples: 4096, error: Some(0.02), ..recipe(folder.path(), 1) };
+    let out = folder.path().join("out");
+    generate(&recipe, &out).expect("generated");
+    let manifest = Manifest::load(&out).expect("a manifest");
+    let taken: Vec<u32> = manifest
+        .pairs
+        .iter()
+        .map(|pair| {
+            let image = exr_file::read(&out.join(&pair.file)).expect("read");
+            let variance = image.image("variance", 1).expect("variance");
+            let mean = image.image("target.ao", 1).expect("a target");
+            let samples = image.metadata()["samples"].parse().expect("a number");
+            let estimate = Estimate { mean, variance: Some(variance), samples };
+            // Half floats round the mean.
+            assert!(estimate.noise_relmse(1.0).expect("variance").sqrt() < 0.0201, "{}", pair.file);
+            samples
+        })
+        .collect();
+    assert!(taken.iter().all(|samples| (128..4096).contains(samples)), "{taken:?}");
+}
+
+#[test]
 fn a_killed_run_ends_with_the_bytes_of_an_undisturbed_one() {
     let folder = tempfile::tempdir().expect("a folder");
     let recipe = recipe(folder.path(), 2);
@@ -63,7 +77,7 @@ fn a_killed_run_ends_with_the_bytes_of_an_undisturbed_one() {
     let cut_off = &json(third)[..40];
     let journal = format!("\"{}\"\n{}\n{}\n{cut_off}", manifest.origin.job(), json(first), json(second));
     std::fs::write(out.join(JOURNAL), journal).expect("written");
-    std::fs::write(out.join(&second.file), &undisturbed[&second.file][..500]).expect("truncated");
+    std::fs::write(out.join(&second.file), &undisturbed[Path::new(&second.file)][..500]).expect("truncated");
     std::fs::remove_file(out.join(&fourth.file)).expect("removed");
     std::fs::write(out.join(".deepshade-x1"), b"half").expect("left over");
     std::fs::write(out.join("pairs/.deepshade-x2"), b"half").expect("left over");
@@ -226,18 +240,10 @@ fn what_is_generated_is_read_and_verified() {
 
     let record = dataset.record(3);
     let scene = record.scene.load(&recipe.folder).expect("a scene");
-    let shot = Shot {
-        scene: &scene,
-        camera: &record.camera,
-        height: 32,
-        width: 40,
-        radius: record.radius,
-        samples: 4,
-        seed: record.seed,
-    };
+    let shot = Shot::new(&scene, &record.camera, [32, 40], record.radius);
     let pair = dataset.pair(3).expect("a pair");
     // Quarters are exact in half floats.
-    assert_eq!(pair.target, truth::render(recipe.effect, &shot));
+    assert_eq!(pair.target, render(recipe.effect, &shot, Sampling::one(4, record.seed)).mean);
     assert_eq!(pair.radius, 0.05 * scene.diagonal());
     let rendered = gbuffer::render(&scene, &record.camera, 32, 40, pair.gbuffer.attributes());
     let close = |(a, b): (&f32, &f32)| (a - b).abs() <= b.abs() / 2048.0 + 1e-6;
@@ -247,10 +253,10 @@ fn what_is_generated_is_read_and_verified() {
     assert_eq!(verify(&out).expect("verified").faults, []);
     let sheet = folder.path().join("sheet.png");
     contact_sheet(&dataset, &[0, 3], &sheet).expect("drawn");
-    let drawn = image::load_from_memory(&std::fs::read(sheet).expect("read")).expect("a PNG").into_luma8();
+    let drawn = image::load_from_memory(&std::fs::read(sheet).expect("read")).expect("a PNG").into_rgb8();
     // Eight columns of at least 40 pixels, two rows of 32 and their text; ink, black and white are all there.
     assert!(drawn.width() > 320 && drawn.height() > 64);
-    assert!([0, 32, 255].into_iter().all(|grey| drawn.pixels().any(|pixel| pixel.0 == [grey])));
+    assert!([0, 32, 255].into_iter().all(|grey| drawn.pixels().any(|pixel| pixel.0 == [grey; 3])));
     let file = |index: usize| out.join(&dataset.record(index).file);
     let mut bytes = std::fs::read(file(1)).expect("read");
     *bytes.last_mut().expect("a byte") ^= 1;
@@ -261,4 +267,21 @@ fn what_is_generated_is_read_and_verified() {
         verify(&out).expect("verified").faults.into_iter().map(|fault| fault.file).collect();
     let damaged = [1, 2].map(|index: usize| dataset.record(index).file.clone());
     assert_eq!(faults, ["pairs/stranger.exr".to_owned(), damaged[0].clone(), damaged[1].clone()]);
+}
+
+#[test]
+fn varied_data_are_resumed_to_the_same_bytes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = shrunk("dof.toml");
+    let out = folder.path().join("out");
+    generate(&recipe, &out).expect("generated");
+    let undisturbed = contents(&out);
+    let manifest = Manifest::load(&out).expect("a manifest");
+    // Killed after the first pair.
+    std::fs::remove_file(out.join(MANIFEST)).expect("removed");
+    std::fs::remove_file(out.join(&manifest.pairs[1].file)).expect("removed");
+    let first = serde_json::to_string(&manifest.pairs[0]).expect("JSON");
+    std::fs::write(out.join(JOURNAL), format!("\"{}\"\n{first}\n", manifest.origin.job())).expect("written");
+    assert_eq!(generate(&recipe, &out).expect("resumed").rendered, 1);
+    assert!(contents(&out) == undisturbed);
 }

@@ -4,6 +4,7 @@
 use super::{FamilyShare, Radius, Recipe, Resolution, split_name};
 use crate::DatasetError;
 use crate::identity::Identity;
+use deepshade_render::path::estimate::SCRAMBLINGS;
 use deepshade_render::path::sampler::MAX_SAMPLES;
 use deepshade_render::scene::Scene;
 use deepshade_render::scene::procedural::{Family, Split};
@@ -34,6 +35,7 @@ impl Recipe {
         between("resolution", height * width <= MAX_PIXELS, &format!("at most {MAX_PIXELS} pixels in all"))?;
         let samples = format!("1 to {MAX_SAMPLES}");
         between("samples", (1..=MAX_SAMPLES).contains(&self.samples), &samples)?;
+        between("error", self.error.is_none_or(|error| error > 0.0 && error < 1.0), "above 0 and below 1")?;
         between("validation_share", (0.0..=0.5).contains(&self.validation_share), "0 to 0.5")?;
         match self.radius {
             Radius::Diagonal(share) => {
@@ -46,8 +48,9 @@ impl Recipe {
             }
         }
         if let Some(tiles) = self.tiles {
-            let even = tiles.samples.is_multiple_of(2) && (2..=MAX_SAMPLES).contains(&tiles.samples);
-            between("tiles.samples", even, &format!("an even number from 2 to {MAX_SAMPLES}"))?;
+            let whole = tiles.samples.is_multiple_of(SCRAMBLINGS);
+            let holds = whole && (SCRAMBLINGS..=MAX_SAMPLES).contains(&tiles.samples);
+            between("tiles.samples", holds, &format!("a multiple of {SCRAMBLINGS} up to {MAX_SAMPLES}"))?;
             between("tiles.one_in", (1..=64).contains(&tiles.one_in), "1 to 64")?;
         }
         between("families", self.scene_count() > 0, "given, or `files`, so that there is a scene")?;
@@ -56,8 +59,9 @@ impl Recipe {
         between("views_per_scene", (1..=MAX_PAIRS).contains(&pairs), &limits)
     }
 
-    /// Whether no key is there that means nothing in this recipe.
+    /// Whether no key is there that means nothing in this recipe, and none is missing that its effect needs.
     fn check_use(&self) -> Result<(), String> {
+        self.vary.clone().unwrap_or_default().check(self.effect)?;
         if self.split == Split::Test && self.validation_share > 0.0 {
             return Err(
                 "`validation_share` is for training: a recipe for testing holds nothing apart".to_owned()

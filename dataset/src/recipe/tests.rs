@@ -53,6 +53,7 @@ fn absurd_values_are_refused_with_their_limits() {
         ("height = 64, width = 96", "height = 8192, width = 8192", "at most 33554432 pixels"),
         ("samples = 16", "samples = 0", "`samples` must be 1 to 65536"),
         ("samples = 16", "samples = 100000", "`samples` must be 1 to 65536"),
+        ("samples = 16", "samples = 16\nerror = 0.0", "`error` must be above 0"),
         ("0.05", "nan", "`radius.diagonal` must be above 0"),
         ("0.05", "-1.0", "`radius.diagonal` must be above 0"),
         ("views_per_scene = 2", "views_per_scene = 0", "1 to 1000000 views"),

@@ -1,9 +1,12 @@
 //! How long a test set will take, from a timed probe.
 
 use super::{TestSet, in_tiles, tile_indices, tiles_of};
-use crate::truth::Shot;
-use crate::{DatasetError, Recipe, truth, views};
+use crate::plan::PlannedScene;
+use crate::stopwatch::prepared_and_sampled;
+use crate::{DatasetError, Props, Recipe, StagedScene, views};
 use deepshade_render::bvh::bundle::BUNDLE;
+use deepshade_render::path::Shot;
+use deepshade_shaders::lists;
 use deepshade_shaders::similarity::TILE;
 use std::time::{Duration, Instant};
 
@@ -11,6 +14,19 @@ use std::time::{Duration, Instant};
 const SCENES: usize = 12;
 /// One tile in so many is rendered, with so many samples a pixel: as many as are traced at a time.
 const PROBE: (usize, u32) = (64, BUNDLE as u32);
+
+/// Seconds that parts of a test set take.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seconds {
+    /// Making or reading a scene.
+    scene: f64,
+    /// Choosing a view and giving the scene its look.
+    view: f64,
+    /// What comes before an image's first sample.
+    image: f64,
+    /// A sample of a pixel.
+    sample: f64,
+}
 
 impl TestSet {
     /// How long [`TestSet::generate`] will take from nothing, on this machine with nothing else to do: a few scenes,
@@ -21,31 +37,77 @@ impl TestSet {
     pub fn estimate(recipe: &Recipe) -> Result<Duration, DatasetError> {
         let tiles = tiles_of(recipe)?;
         let plan = recipe.plan()?;
-        let (height, width) = (recipe.resolution.height, recipe.resolution.width);
-        let probed: Vec<_> = plan.iter().step_by(plan.len().div_ceil(SCENES)).collect();
-        let (mut loading, mut rendering, mut rendered) = (0.0, 0.0, 0.0);
+        let props = Props::load(recipe)?;
+        let probed = lists::spread(plan.len(), SCENES);
+        let mut mean = Seconds::default();
         for scene in &probed {
-            let start = Instant::now();
-            let traced = scene.scene.load(&recipe.folder)?;
-            let camera = views::sample_view(&traced, [height, width], recipe.seed, scene.key, 0)?;
-            loading += start.elapsed().as_secs_f64();
-            let (one_in, samples) = PROBE;
-            let probe = tile_indices(recipe.seed, height, width, one_in);
-            let radius = recipe.radius.metres(traced.diagonal());
-            let shot =
-                Shot { scene: &traced, camera: &camera, height, width, radius, samples, seed: recipe.seed };
-            let start = Instant::now();
-            truth::render_where(recipe.effect, &shot, in_tiles(&probe, width));
-            rendering += start.elapsed().as_secs_f64();
-            rendered += (probe.len() * TILE * TILE) as f64 * f64::from(samples);
+            let seconds = probe(recipe, &props, &plan[*scene])?;
+            let share = 1.0 / probed.len() as f64;
+            mean.scene += share * seconds.scene;
+            mean.view += share * seconds.view;
+            mean.image += share * seconds.image;
+            mean.sample += share * seconds.sample;
         }
-        let pixels = (height * width) as f64;
+        let (height, width) = (recipe.resolution.height, recipe.resolution.width);
         let frames = (plan.len() * recipe.views_per_scene) as f64;
+        let whole = frames.min(tiles.whole_frames as f64);
         let in_tiles = tile_indices(recipe.seed, height, width, tiles.one_in).len() * TILE * TILE;
-        let tile_samples = frames * in_tiles as f64 * f64::from(tiles.samples);
-        let whole_samples = frames.min(tiles.whole_frames as f64) * pixels * f64::from(recipe.samples);
-        let seconds = loading * plan.len() as f64 / probed.len() as f64
-            + rendering * (tile_samples + whole_samples) / rendered;
+        let samples = frames * in_tiles as f64 * f64::from(tiles.samples)
+            + whole * (height * width) as f64 * f64::from(recipe.samples);
+        let seconds = mean.scene * plan.len() as f64
+            + mean.view * frames
+            + mean.image * (frames + whole)
+            + mean.sample * samples;
         Ok(Duration::from_secs_f64(seconds))
+    }
+}
+
+/// What the first view of a scene takes.
+fn probe(recipe: &Recipe, props: &Props, planned: &PlannedScene) -> Result<Seconds, DatasetError> {
+    let size @ [height, width] = [recipe.resolution.height, recipe.resolution.width];
+    let start = Instant::now();
+    let staged = StagedScene::load(&planned.scene, recipe, props)?;
+    let scene = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let camera = views::sample_view(staged.base(), size, recipe.seed, planned.key, 0)?;
+    let (camera, variation) = staged.draw(camera, planned.views[0].seed);
+    let shown = staged.shown(&camera, variation.as_ref())?;
+    let view = start.elapsed().as_secs_f64();
+    let (one_in, samples) = PROBE;
+    let tiles = tile_indices(recipe.seed, height, width, one_in);
+    let shot = Shot::new(&shown, &camera, size, recipe.radius.metres(shown.diagonal()));
+    let seconds = |work: &mut dyn FnMut()| {
+        let start = Instant::now();
+        work();
+        start.elapsed().as_secs_f64()
+    };
+    let wanted = in_tiles(&tiles, width);
+    let [image, rendering] =
+        prepared_and_sampled(recipe.effect, &shot, (samples, recipe.seed), wanted, seconds);
+    let rendered = (tiles.len() * TILE * TILE) as f64 * f64::from(samples);
+    Ok(Seconds { scene, view, image, sample: rendering / rendered })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_done_once_an_image_is_not_counted_for_every_sample() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("sss.toml");
+        let estimate = |samples: u32| {
+            let text = format!(
+                "effect = \"sss\"\nsplit = \"test\"\nseed = 7\nresolution = {{ height = 64, width = 64 }}\nsamples = 4\n\
+                 radius = {{ diagonal = 0.05 }}\nviews_per_scene = 1\n\
+                 tiles = {{ samples = {samples}, one_in = 4, whole_frames = 0 }}\n\
+                 vary = {{ light = true, mean_free_path = [0.01, 0.02] }}\n\
+                 families = [{{ name = \"bridge\", scenes = 1 }}]\n"
+            );
+            std::fs::write(&path, text).expect("written");
+            TestSet::estimate(&Recipe::load(&path).expect("a recipe")).expect("an estimate").as_secs_f64()
+        };
+        // The image is gathered before the first sample, and samples are looked up in it.
+        assert!(estimate(65_536) < 20.0 * estimate(64));
     }
 }

@@ -10,15 +10,13 @@ use crate::origin::Origin;
 use crate::plan::{PlannedScene, PlannedView, spread};
 use crate::random::mix;
 use crate::recipe::Tiles;
-use crate::truth::Shot;
-use crate::{DatasetError, Recipe, progress, truth, views};
-use deepshade_render::bvh::TracedScene;
+use crate::{DatasetError, Props, Recipe, StagedScene, progress, truth, views};
 use deepshade_render::exr_file::{self, Layer, Metadata};
-use deepshade_render::metrics::ssim;
+use deepshade_render::metrics::{exposed, exposure, ssim};
+use deepshade_render::path::{Goal, Sampling, Shot, Truth, render};
 use deepshade_shaders::Planes;
 use deepshade_shaders::atomic_file;
 use indicatif::ProgressBar;
-use rayon::prelude::*;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -39,7 +37,9 @@ impl TestSet {
         let known = checked(folder, entries);
         let total = recipe.scene_count() * recipe.views_per_scene;
         let bar = progress::bar("frames", total, known.len());
-        let work = Work { recipe, tiles, total, folder, journal: &journal, known: &known, bar: &bar };
+        let props = Props::load(recipe)?;
+        let work =
+            Work { recipe, props: &props, tiles, total, folder, journal: &journal, known: &known, bar: &bar };
         let list = List { origin, frames: by_scene(&plan, |index, scene| work.scene(index, scene))? };
         bar.finish_and_clear();
         write_json(&folder.join(LIST), &list)?;
@@ -64,6 +64,7 @@ fn earlier_frames(folder: &Path, ours: &str) -> Result<Vec<FrameRecord>, Dataset
 /// What all frames share.
 struct Work<'a> {
     recipe: &'a Recipe,
+    props: &'a Props,
     tiles: Tiles,
     total: usize,
     folder: &'a Path,
@@ -79,41 +80,36 @@ impl Work<'_> {
         if let Some(records) = scene.views.iter().map(known).collect() {
             return Ok(records);
         }
-        let traced = scene.scene.load(&self.recipe.folder)?;
+        let staged = StagedScene::load(&scene.scene, self.recipe, self.props)?;
         let first = index * self.recipe.views_per_scene;
         let record = |view: &PlannedView| {
             let whole = spread(first + view.index, self.total, self.tiles.whole_frames.min(self.total));
-            known(view).map_or_else(|| self.frame(scene, &traced, view, whole), Ok)
+            known(view).map_or_else(|| self.frame(scene, &staged, view, whole), Ok)
         };
-        scene.views.par_iter().map(record).collect()
+        staged.each(&scene.views, record)
     }
 
     /// Renders a frame's truth and writes it.
     fn frame(
         &self,
         planned: &PlannedScene,
-        scene: &TracedScene,
+        staged: &StagedScene<'_>,
         view: &PlannedView,
         whole: bool,
     ) -> Result<FrameRecord, DatasetError> {
         let Recipe { effect, resolution, samples, seed, .. } = *self.recipe;
         let (height, width) = (resolution.height, resolution.width);
-        let camera = views::sample_view(scene, [height, width], seed, planned.key, view.index)?;
-        let radius = self.recipe.radius.metres(scene.diagonal());
-        let shot = |samples, stream: u64| {
-            let seed = mix(&[u64::from(view.seed), stream]) as u32;
-            Shot { scene, camera: &camera, height, width, radius, samples, seed }
-        };
+        let camera = views::sample_view(staged.base(), [height, width], seed, planned.key, view.index)?;
+        let radius = self.recipe.radius.metres(staged.base().diagonal());
+        let (camera, variation) = staged.draw(camera, view.seed);
+        let scene = staged.shown(&camera, variation.as_ref())?;
+        let shot = Shot::new(&scene, &camera, [height, width], radius);
+        let stream = |stream: u64| mix(&[u64::from(view.seed), stream]) as u32;
         let tiles = tile_indices(view.seed, height, width, self.tiles.one_in);
-        let wanted = in_tiles(&tiles, width);
-        let half = |stream| {
-            let image = truth::render_where(effect, &shot(self.tiles.samples / 2, stream), &wanted);
-            gather(&image, &tiles)
-        };
-        let (a, b) = (half(0), half(1));
-        let mean = Planes::from_fn(a.channels(), a.height(), a.width(), |c, y, x| {
-            0.5 * (a.at(c, y, x) + b.at(c, y, x))
-        });
+        let goal = Goal::samples(self.tiles.samples);
+        let rendered = Truth::render(effect, &shot, goal, stream(0), in_tiles(&tiles, width));
+        let image = truth::within_half(gather(&rendered.estimate.mean, &tiles));
+        let exposure = exposure(effect, &image);
         let write = |folder: &str, samples: u32, image: &Planes| self.write(folder, view, samples, image);
         let record = FrameRecord {
             name: view.name.clone(),
@@ -122,10 +118,15 @@ impl Work<'_> {
             camera,
             radius,
             seed: view.seed,
-            ceiling: Ceiling { ssim: rounded(ssim(&a, &b)), mse: rounded(mean_squared_difference(&a, &b)) },
-            tiles: write("tiles", self.tiles.samples, &mean)?,
+            variation,
+            exposure,
+            ceiling: ceiling(&rendered, &tiles, exposure),
+            tiles: write("tiles", rendered.estimate.samples, &image)?,
             whole: whole
-                .then(|| write("whole", samples, &truth::render(effect, &shot(samples, 2))))
+                .then(|| {
+                    let whole = render(effect, &shot, Sampling::one(samples, stream(1)));
+                    write("whole", whole.samples, &truth::within_half(whole.mean))
+                })
                 .transpose()?,
         };
         self.journal.add(&record)?;
@@ -144,7 +145,7 @@ impl Work<'_> {
         let path = self.folder.join(&file);
         let metadata = Metadata::from([
             ("samples".to_owned(), samples.to_string()),
-            ("units".to_owned(), truth::units(self.recipe.effect).to_owned()),
+            ("units".to_owned(), truth::units(self.recipe.effect)),
         ]);
         let layer = Layer::image(&format!("truth.{}", self.recipe.effect), image);
         let bytes = exr_file::encode(&path, &[layer], &metadata)?;
@@ -153,12 +154,18 @@ impl Work<'_> {
     }
 }
 
-/// A figure with nine decimals: so few survive JSON text to the last bit, which a resumed run's list needs.
-fn rounded(value: f64) -> f64 {
-    (value * 1e9).round() / 1e9
+/// What is known of the noise of tiles' truth.
+fn ceiling(truth: &Truth, tiles: &[usize], exposure: f32) -> Ceiling {
+    let [a, b] = [0, 1].map(|half: usize| exposed(&gather(&truth.halves[half], tiles), exposure));
+    let variance = truth.estimate.variance.iter().map(|variance| mean(&gather(variance, tiles))).sum();
+    Ceiling { ssim: rounded(ssim(&a, &b)), variance: rounded(variance) }
 }
 
-pub(super) fn mean_squared_difference(a: &Planes, b: &Planes) -> f64 {
-    let squares = a.data().iter().zip(b.data()).map(|(a, b)| f64::from(a - b).powi(2));
-    squares.sum::<f64>() / a.data().len() as f64
+fn mean(image: &Planes) -> f64 {
+    image.data().iter().map(|value| f64::from(*value)).sum::<f64>() / image.data().len() as f64
+}
+
+/// A figure with nine digits: so few survive JSON text to the last bit, which a resumed run's list needs.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.8e}").parse().unwrap_or(value)
 }

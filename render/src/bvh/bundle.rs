@@ -1,11 +1,10 @@
-//! Rays from one point: which directions are blocked, and what is nearest.
+//! Rays from one point to what is nearest.
 //!
-//! Rays of a camera share their origin, and so do rays that ask how much of the world a point sees, which also stay
-//! above the point's surface. So most of the work of a ray is done once for a bundle of them: whether a box or a
-//! triangle is out of reach or below the surface, a box's sides seen from the origin, a triangle's edge planes. What is
-//! left for a ray is a few multiplications, a vector of rays an instruction. The bundle walks a binary hierarchy once
-//! (ray packets: Wald et al. 2001). The triangle test is Plücker's in the form of Embree, whose edges are exact
-//! opposites in two triangles that share them, so that no ray slips through between.
+//! Rays of a camera share their origin. So most of the work of a ray is done once for a bundle of them: a box's sides
+//! seen from the origin, a triangle's edge planes. What is left for a ray is a few multiplications, a vector of rays an
+//! instruction. The bundle walks a binary hierarchy once (ray packets: Wald et al. 2001). The triangle test is
+//! Plücker's in the form of Embree, whose edges are exact opposites in two triangles that share them, so that no ray
+//! slips through between.
 
 use glam::Vec3;
 use obvhs::{
@@ -18,23 +17,12 @@ use pulp::{Arch, Simd, WithSimd};
 pub const BUNDLE: usize = 64;
 /// A direction's component nearer to zero is taken as this, so that zero times infinity never occurs.
 const SMALLEST: f32 = 1e-18;
-/// Reach of a ray that is no longer asked for.
+/// Reach where there is no ray.
 const DONE: f32 = -1.0;
 /// Index of the nearest triangle where none was met.
 const NOTHING: u32 = u32::MAX;
 /// A box's far side is moved away by this, more than the rounding of the distances (Ize 2013).
 const FAR_SIDE: f32 = 1.000_001;
-
-/// Where the rays of a bundle start and where they may go.
-#[derive(Clone, Copy, Debug)]
-pub struct Start {
-    /// World space, metres.
-    pub origin: Vec3,
-    /// No direction has a negative component along this one; zero where they go everywhere.
-    pub above: Vec3,
-    /// How far every ray goes, in lengths of its direction, which is 1.
-    pub reach: f32,
-}
 
 /// What a bundle is traced through.
 pub struct World<'a, O, P> {
@@ -49,25 +37,13 @@ pub struct World<'a, O, P> {
 }
 
 impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool> World<'_, O, P> {
-    /// Bit `i` is set where a triangle blocks `directions[i]`, unit vectors, at most [`BUNDLE`] of them.
-    pub fn blocked(&self, start: Start, directions: &[Vec3]) -> u64 {
-        let directions = &directions[..directions.len().min(BUNDLE)];
-        let rays = self.walk::<false>(start, directions);
-        (0..directions.len()).fold(0, |bits, i| bits | u64::from(rays.reach[i] == DONE) << i)
-    }
-
     /// The distance and the index of the nearest triangle that stops each ray, of at most [`BUNDLE`].
-    pub fn nearest(&self, start: Start, directions: &[Vec3]) -> Vec<Option<(f32, u32)>> {
+    pub fn nearest(&self, origin: Vec3, directions: &[Vec3]) -> Vec<Option<(f32, u32)>> {
         let directions = &directions[..directions.len().min(BUNDLE)];
-        let rays = self.walk::<true>(start, directions);
+        let mut rays = Rays::new(directions);
+        Arch::new().dispatch(Walk { world: self, origin, directions, rays: &mut rays });
         let met = |i: usize| (rays.nearest[i] != NOTHING).then_some((rays.reach[i], rays.nearest[i]));
         (0..directions.len()).map(met).collect()
-    }
-
-    fn walk<const NEAREST: bool>(&self, start: Start, directions: &[Vec3]) -> Rays {
-        let mut rays = Rays::new(start, directions);
-        Arch::new().dispatch(Walk::<_, _, NEAREST> { world: self, start, directions, rays: &mut rays });
-        rays
     }
 }
 
@@ -76,14 +52,14 @@ impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool> World<'_, O, P> {
 struct Rays {
     direction: [[f32; BUNDLE]; 3],
     inverse: [[f32; BUNDLE]; 3],
-    /// How far each ray goes; [`DONE`] once it is blocked, and where there is no ray.
+    /// How far each ray goes; [`DONE`] where there is none.
     reach: [f32; BUNDLE],
-    /// The triangle at `reach`, where the nearest is looked for.
+    /// The triangle at `reach`.
     nearest: [u32; BUNDLE],
 }
 
 impl Rays {
-    fn new(start: Start, directions: &[Vec3]) -> Self {
+    fn new(directions: &[Vec3]) -> Self {
         let mut rays = Self {
             direction: [[0.0; BUNDLE]; 3],
             inverse: [[0.0; BUNDLE]; 3],
@@ -97,16 +73,16 @@ impl Rays {
                 rays.direction[axis][i] = component;
                 rays.inverse[axis][i] = safe.recip();
             }
-            rays.reach[i] = start.reach;
+            rays.reach[i] = f32::INFINITY;
         }
         rays
     }
 }
 
-/// A bundle on its way: to anything that blocks its rays, or to what is `NEAREST`.
-struct Walk<'a, 'b, O, P, const NEAREST: bool> {
+/// A bundle on its way.
+struct Walk<'a, 'b, O, P> {
     world: &'a World<'b, O, P>,
-    start: Start,
+    origin: Vec3,
     directions: &'a [Vec3],
     rays: &'a mut Rays,
 }
@@ -118,28 +94,19 @@ struct Visit {
     packs: u64,
 }
 
-impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool, const NEAREST: bool> WithSimd
-    for Walk<'_, '_, O, P, NEAREST>
-{
+impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool> WithSimd for Walk<'_, '_, O, P> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
-        let mut alive = !0u64 >> (64 - self.directions.len().div_ceil(S::F32_LANES).max(1));
+        let all = !0u64 >> (64 - self.directions.len().div_ceil(S::F32_LANES).max(1));
         let mut stack = Vec::with_capacity(64);
-        stack.push(Visit { node: 0, packs: alive });
+        stack.push(Visit { node: 0, packs: all });
         while let Some(Visit { node, packs }) = stack.pop() {
             let Bvh2Node { prim_count, first_index, .. } = self.world.bvh.nodes[node as usize];
-            let packs = packs & alive;
-            if packs == 0 {
-                continue;
-            }
             if prim_count > 0 {
                 for leaf in first_index..first_index + prim_count {
                     self.test(simd, self.world.bvh.primitive_indices[leaf as usize], packs);
-                }
-                if !NEAREST {
-                    alive = self.without_done(simd, alive, packs);
                 }
                 continue;
             }
@@ -155,7 +122,7 @@ impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool, const NEAREST: bool> WithSimd
     }
 }
 
-impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool, const NEAREST: bool> Walk<'_, '_, O, P, NEAREST> {
+impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool> Walk<'_, '_, O, P> {
     /// Both children of an inner node, with their squared distances.
     #[inline(always)]
     fn children<S: Simd>(&self, simd: S, first: u32, packs: u64) -> [(f32, Visit); 2] {
@@ -168,13 +135,8 @@ impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool, const NEAREST: bool> Walk<'_,
     #[inline(always)]
     fn entering<S: Simd>(&self, simd: S, node: u32, packs: u64) -> (f32, u64) {
         let bounds = &self.world.bvh.nodes[node as usize].aabb;
-        let (low, high) =
-            (Vec3::from(bounds.min) - self.start.origin, Vec3::from(bounds.max) - self.start.origin);
+        let (low, high) = (Vec3::from(bounds.min) - self.origin, Vec3::from(bounds.max) - self.origin);
         let squared = low.max(-high).max(Vec3::ZERO).length_squared();
-        let highest = (low * self.start.above).max(high * self.start.above).element_sum();
-        if squared > self.start.reach * self.start.reach || highest < 0.0 {
-            return (squared, 0);
-        }
         let (low, high) = (splat(simd, low), splat(simd, high));
         let (mut rest, mut entering) = (packs, 0);
         while rest != 0 {
@@ -201,16 +163,12 @@ impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool, const NEAREST: bool> Walk<'_,
         simd.first_true_m32s(simd.less_than_or_equal_f32s(near, far)) < S::F32_LANES
     }
 
-    /// Ends the rays of `packs` that a triangle blocks, or cuts them off there.
+    /// Cuts the rays of `packs` off that meet a triangle.
     #[inline(always)]
     fn test<S: Simd>(&mut self, simd: S, index: u32, packs: u64) {
         let Triangle { v0, v1, v2 } = self.world.triangles[index as usize];
-        let origin = self.start.origin;
+        let origin = self.origin;
         let (a, b, c) = (Vec3::from(v0) - origin, Vec3::from(v1) - origin, Vec3::from(v2) - origin);
-        let above = self.start.above;
-        if a.dot(above) < 0.0 && b.dot(above) < 0.0 && c.dot(above) < 0.0 {
-            return;
-        }
         // Normals of the planes through the origin and an edge each, and the triangle's own.
         let normal = (b - a).cross(c - a);
         let offset = normal.dot(a);
@@ -226,8 +184,7 @@ impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool, const NEAREST: bool> Walk<'_,
             let pack = rest.trailing_zeros() as usize;
             rest &= rest - 1;
             let (meets, towards) = self.meets_triangle(simd, pack, &normals, offset);
-            let distance =
-                if NEAREST { simd.div_f32s(simd.splat_f32s(offset), towards) } else { simd.splat_f32s(DONE) };
+            let distance = simd.div_f32s(simd.splat_f32s(offset), towards);
             if opaque {
                 self.end(simd, index, pack, meets, distance);
             } else if simd.first_true_m32s(meets) < S::F32_LANES {
@@ -242,10 +199,8 @@ impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool, const NEAREST: bool> Walk<'_,
     fn end<S: Simd>(&mut self, simd: S, triangle: u32, pack: usize, rays: S::m32s, reach: S::f32s) {
         let reaches = &mut S::as_mut_simd_f32s(&mut self.rays.reach).0[pack];
         *reaches = simd.select_f32s(rays, reach, *reaches);
-        if NEAREST {
-            let nearest = &mut S::as_mut_simd_u32s(&mut self.rays.nearest).0[pack];
-            *nearest = simd.select_u32s(rays, simd.splat_u32s(triangle), *nearest);
-        }
+        let nearest = &mut S::as_mut_simd_u32s(&mut self.rays.nearest).0[pack];
+        *nearest = simd.select_u32s(rays, simd.splat_u32s(triangle), *nearest);
     }
 
     /// Which rays of a pack meet a triangle within their reach, and how fast they near it: the distance is `offset`
@@ -288,21 +243,6 @@ impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool, const NEAREST: bool> Walk<'_,
             }
         }
         simd.greater_than_f32s(S::as_simd_f32s(&lanes).0[0], zero)
-    }
-
-    /// `alive` without those of `packs` whose rays are all done.
-    #[inline(always)]
-    fn without_done<S: Simd>(&self, simd: S, alive: u64, packs: u64) -> u64 {
-        let (mut rest, mut alive) = (packs, alive);
-        while rest != 0 {
-            let pack = rest.trailing_zeros();
-            rest &= rest - 1;
-            let reach = S::as_simd_f32s(&self.rays.reach).0[pack as usize];
-            let some = simd.first_true_m32s(simd.greater_than_or_equal_f32s(reach, simd.splat_f32s(0.0)))
-                < S::F32_LANES;
-            alive &= !(u64::from(!some) << pack);
-        }
-        alive
     }
 }
 

@@ -153,6 +153,21 @@ impl ExrImage {
         self.gathered(wanted.map(|name| (name.clone(), names::find_name(&self.names, &name))).collect())
     }
 
+    /// The file's one picture, `[3, height, width]`: channels `R`, `G` and `B`, or else `Y` three times.
+    ///
+    /// # Errors
+    /// If it has neither.
+    pub fn colour(&self) -> Result<Planes, ExrError> {
+        let found = |name: &str| (name.to_owned(), names::find_name(&self.names, name));
+        let colours = ["R", "G", "B"].map(found);
+        match found("Y") {
+            grey @ (_, Some(_)) if colours.iter().any(|(_, index)| index.is_none()) => {
+                self.gathered(vec![grey; 3])
+            }
+            _ => self.gathered(colours.to_vec()),
+        }
+    }
+
     /// Planes by index, or an error that names those that were not found.
     fn gathered(&self, found: Vec<(String, Option<usize>)>) -> Result<Planes, ExrError> {
         let missing: Vec<String> =

@@ -1,9 +1,9 @@
 use super::*;
 use crate::bvh::TracedScene;
-use crate::path::ao::Ao;
+use crate::path::{self, Sampling, Shot};
 use crate::scene::Camera;
 use crate::scene::procedural::Family;
-use deepshade_shaders::{Attribute, GBuffer, Planes};
+use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
 use exr::prelude::Compression;
 
 #[path = "../../tests/real_data/mod.rs"]
@@ -24,6 +24,17 @@ fn written(folder: &Path) -> (PathBuf, GBuffer, Planes) {
     let layers = [Layer::gbuffer(&gbuffer), Layer::image("target.ao", &target)];
     write(&path, &layers, &metadata).expect("written");
     (path, gbuffer, target)
+}
+
+#[test]
+fn a_layer_in_full_keeps_what_half_floats_lose() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("variance.exr");
+    let values = Planes::from_data(1, 1, 3, vec![1.234_567e-12, 1e9, 0.1]);
+    write(&path, &[Layer::image("variance", &values).in_full()], &Metadata::new()).expect("written");
+    assert_eq!(read(&path).expect("read").image("variance", 1).expect("there"), values);
+    let refused = write(&path, &[Layer::image("variance", &values)], &Metadata::new()).expect_err("1e9");
+    assert!(matches!(refused, ExrError::NotHalf { .. }), "{refused}");
 }
 
 #[test]
@@ -171,8 +182,8 @@ fn compression() {
     let camera = Camera::look_at(centre, corner);
     let attributes = [Attribute::Position, Attribute::Normal, Attribute::Valid];
     let gbuffer = crate::gbuffer::render(&scene, &camera, 256, 256, &attributes);
-    let truth =
-        Ao { radius: 0.05 * scene.diagonal(), samples: 16, seed: 1 }.render(&scene, &camera, 256, 256);
+    let shot = Shot::new(&scene, &camera, [256, 256], 0.05 * scene.diagonal());
+    let truth = path::render(Effect::Ao, &shot, Sampling::one(16, 1)).mean;
     let layers = [Layer::gbuffer(&gbuffer), Layer::image("target.ao", &truth)];
     let size = |compression: Compression| {
         let start = std::time::Instant::now();

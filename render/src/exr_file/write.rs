@@ -19,13 +19,19 @@ pub(super) const COMPRESSION: Compression = Compression::ZIP16;
 pub struct Layer<'a> {
     names: Vec<String>,
     planes: &'a Planes,
+    /// Whether values are written as 32-bit floats.
+    full: bool,
 }
 
 impl<'a> Layer<'a> {
     /// All attributes of a g-buffer.
     pub fn gbuffer(gbuffer: &'a GBuffer) -> Self {
         let channels = gbuffer.attributes().iter().flat_map(|attribute| attribute.channels());
-        Self { names: channels.map(|channel| channel.to_string()).collect(), planes: gbuffer.planes() }
+        Self {
+            names: channels.map(|channel| channel.to_string()).collect(),
+            planes: gbuffer.planes(),
+            full: false,
+        }
     }
 
     /// An image: one plane has the layer's name, three are red, green and blue.
@@ -33,7 +39,13 @@ impl<'a> Layer<'a> {
     /// # Panics
     /// If there is another number of planes.
     pub fn image(name: &str, planes: &'a Planes) -> Self {
-        Self { names: image_names(name, planes.channels()), planes }
+        Self { names: image_names(name, planes.channels()), planes, full: false }
+    }
+
+    /// The same layer with all its digits, in 32-bit floats: for what half floats cannot hold, such as variances.
+    #[must_use]
+    pub fn in_full(self) -> Self {
+        Self { full: true, ..self }
     }
 }
 
@@ -81,8 +93,12 @@ pub(super) fn encode_with(
     let mut channels = Vec::new();
     for layer in layers {
         for (index, name) in layer.names.iter().enumerate() {
-            let halves = to_half(path, name, layer.planes.plane(index))?;
-            channels.push(AnyChannel::new(name.as_str(), FlatSamples::F16(halves)));
+            let plane = layer.planes.plane(index);
+            let samples = match layer.full {
+                true => FlatSamples::F32(plane.to_vec()),
+                false => FlatSamples::F16(to_half(path, name, plane)?),
+            };
+            channels.push(AnyChannel::new(name.as_str(), samples));
         }
     }
     let encoding =

@@ -1,11 +1,12 @@
 //! How far an image is from another: structural similarity, peak signal-to-noise ratio, relative squared error and
 //! FLIP.
 //!
-//! All of them read raw linear values; radiance is first divided by one stated exposure an image. Two images that
+//! All of them read raw linear values; light is first multiplied by one [`exposure()`] an image. Two images that
 //! are compared have one shape, `[channels, height, width]`; comparing images of different shapes is a mistake of
 //! the program, not of its input, and panics. A value that is not a number makes the result not a number: it is
 //! never hidden.
 
+mod exposure;
 pub mod flip;
 pub mod psnr;
 pub mod relative_mse;
@@ -14,6 +15,7 @@ mod ssim;
 #[cfg(test)]
 mod controls;
 
+pub use exposure::{exposed, exposure};
 pub use flip::{flip, flip_map};
 pub use psnr::psnr;
 pub use relative_mse::relative_mse;

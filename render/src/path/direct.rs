@@ -1,10 +1,13 @@
-//! Direct light from lights without an extent, with shadows: the attributes `L` and `Ldiff` (thesis 7.3.1).
+//! Direct light from lights without an extent, with shadows: the attributes `L` and `Ldiff` (thesis 7.3.1). It is the
+//! exact sum over those lights, without noise, also behind blended surfaces, which let their share through; light of
+//! emissive triangles and of the environment is no part of it.
 
-use crate::bvh::TracedScene;
+use super::bsdf::Phong;
+use super::lights::Arrival;
+use crate::bvh::moment::Moment;
 use crate::intersection::SurfacePoint;
-use crate::scene::Light;
 use glam::Vec3;
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::FRAC_1_PI;
 
 /// Light reflected towards the viewer, radiance, RGB.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,83 +18,49 @@ pub struct DirectLight {
     pub specular: Vec3,
 }
 
-/// Light that reaches a point without a detour, reflected by the energy-normalised Phong model.
-pub fn direct_light(scene: &TracedScene, point: &SurfacePoint, to_camera: Vec3) -> DirectLight {
+/// Light that reaches a point without a detour, reflected by the energy-normalised Phong model: in a scene, or in it at
+/// the point's moment.
+pub fn direct_light<'a>(scene: impl Into<Moment<'a>>, point: &SurfacePoint, to_camera: Vec3) -> DirectLight {
+    let scene: Moment<'_> = scene.into();
+    let lobe = Phong::new(point.surface.roughness);
+    let mirrored = point.normal * (2.0 * point.normal.dot(to_camera)) - to_camera;
     let mut sum = DirectLight::default();
     for light in &scene.scene().lights {
-        let Arrival { direction, distance, irradiance } = arrival(light, point.position);
+        let Arrival { direction, distance, irradiance } = Arrival::new(scene.scene(), light, point.position);
         let cosine = point.normal.dot(direction);
         let lit = cosine > 0.0 && point.geometric_normal.dot(direction) > 0.0 && irradiance != Vec3::ZERO;
-        if !lit || scene.blocked(point.ray_origin(), direction, distance) {
+        if !lit {
             continue;
         }
-        let received = irradiance * cosine;
+        let received = irradiance * cosine * scene.let_through(point.ray_origin(), direction, distance);
         sum.diffuse += received * point.surface.diffuse * FRAC_1_PI;
-        sum.specular += received * point.surface.specular * phong_lobe(point, direction, to_camera);
+        sum.specular += received * point.surface.specular * lobe.reflectance(mirrored.dot(direction));
     }
     sum
-}
-
-/// What a light sends to a point if nothing is in between.
-struct Arrival {
-    /// Unit direction to the light.
-    direction: Vec3,
-    /// How far away it is.
-    distance: f32,
-    /// On a surface that faces the light.
-    irradiance: Vec3,
-}
-
-fn arrival(light: &Light, point: Vec3) -> Arrival {
-    match *light {
-        Light::Point { position, intensity, range } => from_position(position, intensity, range, point),
-        Light::Spot { position, direction, intensity, range, cos_inner, cos_outer } => {
-            let arrival = from_position(position, intensity, range, point);
-            // KHR_lights_punctual: linear in the cosine between the cones, then squared.
-            let cosine = -arrival.direction.dot(direction);
-            let inside = ((cosine - cos_outer) / (cos_inner - cos_outer).max(1e-4)).clamp(0.0, 1.0);
-            Arrival { irradiance: arrival.irradiance * inside * inside, ..arrival }
-        }
-        Light::Directional { direction, irradiance } => {
-            Arrival { direction: -direction, distance: f32::INFINITY, irradiance }
-        }
-    }
-}
-
-/// The inverse square, faded out towards the light's range as KHR_lights_punctual recommends.
-fn from_position(position: Vec3, intensity: Vec3, range: f32, point: Vec3) -> Arrival {
-    let to_light = position - point;
-    let distance = to_light.length().max(1e-6);
-    let fade = (1.0 - (distance / range).powi(4)).clamp(0.0, 1.0);
-    Arrival { direction: to_light / distance, distance, irradiance: intensity * fade / (distance * distance) }
-}
-
-/// The energy-normalised Phong lobe, `(n + 2) / (2 pi) cos^n`, whose exponent has the width of a GGX lobe of the
-/// same roughness (`n = 2 / alpha^2 - 2`, alpha the squared roughness).
-fn phong_lobe(point: &SurfacePoint, to_light: Vec3, to_camera: Vec3) -> f32 {
-    const NARROWEST_ALPHA: f32 = 0.02;
-    let alpha = (point.surface.roughness * point.surface.roughness).max(NARROWEST_ALPHA);
-    let exponent = (2.0 / (alpha * alpha) - 2.0).max(0.0);
-    let mirrored = point.normal * (2.0 * point.normal.dot(to_light)) - to_light;
-    let cosine = mirrored.dot(to_camera).max(0.0);
-    (exponent + 2.0) / (2.0 * PI) * cosine.powf(exponent)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Material, Mesh, Scene};
+    use crate::bvh::TracedScene;
+    use crate::scene::{AlphaMode, Light, Material, MaterialId, Mesh, Scene};
+    use std::f32::consts::PI;
 
     /// A floor of albedo 0.5 at y = 0 under a point light, with a roof that shades the half x > 0.
     fn floor_and_roof(light: Light) -> TracedScene {
+        floor_and_roof_of(light, Material::default())
+    }
+
+    fn floor_and_roof_of(light: Light, roof: Material) -> TracedScene {
         let square = |y: f32, x0: f32, x1: f32| Mesh {
             positions: [(x0, -9.), (x0, 9.), (x1, 9.), (x1, -9.)].map(|(x, z)| Vec3::new(x, y, z)).to_vec(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             ..Mesh::default()
         };
         TracedScene::new(Scene {
-            meshes: vec![square(0.0, -9.0, 9.0), square(1.0, 0.0, 9.0)],
-            materials: vec![Material::matte("grey", Vec3::splat(0.5))],
+            meshes: vec![square(0.0, -9.0, 9.0), Mesh { material: MaterialId(1), ..square(1.0, 0.0, 9.0) }]
+                .into(),
+            materials: vec![Material::matte("grey", Vec3::splat(0.5)), roof],
             lights: vec![light],
             ..Scene::default()
         })
@@ -129,10 +98,28 @@ mod tests {
 
     #[test]
     fn a_roof_casts_a_shadow() {
-        let light = Light::Directional { direction: Vec3::NEG_Y, irradiance: Vec3::ONE };
+        let light = Light::Directional { direction: Vec3::NEG_Y, irradiance: Vec3::ONE, pattern: None };
         let scene = floor_and_roof(light);
         assert!(floor_light(&scene, -1.0).diffuse.x > 0.1);
         assert_eq!(floor_light(&scene, 1.0), DirectLight::default());
+    }
+
+    #[test]
+    fn a_pane_lets_its_share_through_at_every_moment() {
+        let light = Light::Directional { direction: Vec3::NEG_Y, irradiance: Vec3::ONE, pattern: None };
+        let mut pane = Material { alpha: AlphaMode::Blend, ..Material::default() };
+        pane.base_colour.w = 0.3;
+        let still = floor_and_roof_of(light, pane);
+        let moving = still.with_motion(vec![vec![], vec![Vec3::X * 0.1; 4]]).expect("a way");
+        for x in [0.5, 1.7, 4.2] {
+            let through = floor_light(&still, x).diffuse.x / floor_light(&still, -x).diffuse.x;
+            assert!((through - 0.7).abs() < 1e-6, "{through} of the light at {x}");
+            let moment = moving.at(0.4);
+            let hit = moment.hit(Vec3::new(x, 0.9, 0.0), Vec3::NEG_Y, 9.0).expect("the floor");
+            let point = SurfacePoint::new(moment, &hit, Vec3::NEG_Y);
+            let now = direct_light(moment, &point, Vec3::Y).diffuse.x;
+            assert!((now - 0.7 * 0.5 / PI).abs() < 1e-6, "{now} at {x} while the pane moves");
+        }
     }
 
     #[test]
@@ -144,6 +131,7 @@ mod tests {
             range: f32::INFINITY,
             cos_inner: 0.95,
             cos_outer: 0.9,
+            slide: None,
         };
         let scene = floor_and_roof(light);
         assert!((floor_light(&scene, -3.0).diffuse.x - 100.0 / 16.0 * 0.5 / PI).abs() < 1e-4);

@@ -1,12 +1,66 @@
-//! A pinhole camera.
+//! A camera: a pinhole, or a thin lens.
 
+use crate::path::sampler::concentric_disk;
 use glam::{Mat3, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 /// Vertical field of view of every sampled view, degrees (thesis 7.3.1).
 pub const FIELD_OF_VIEW: f32 = 50.0;
 
-/// A pinhole camera; looks down its -z, x to the right, y up.
+/// A thin lens that focuses one plane; of radius 0, a pinhole.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Unchecked")]
+pub struct Lens {
+    /// Radius of the aperture, metres.
+    pub radius: f32,
+    /// Depth of the plane in focus, metres.
+    pub focus: f32,
+}
+
+/// A lens that cannot be.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum LensError {
+    /// The radius is negative or not finite.
+    #[error("a lens cannot have a radius of {0} m")]
+    Radius(f32),
+    /// The depth of the plane in focus is not positive or not finite.
+    #[error("a lens cannot focus at a depth of {0} m")]
+    Focus(f32),
+}
+
+/// What a file says of a lens.
+#[derive(Deserialize)]
+struct Unchecked {
+    radius: f32,
+    focus: f32,
+}
+
+impl TryFrom<Unchecked> for Lens {
+    type Error = LensError;
+
+    fn try_from(Unchecked { radius, focus }: Unchecked) -> Result<Self, LensError> {
+        Self::new(radius, focus)
+    }
+}
+
+impl Lens {
+    /// A lens with an aperture of some radius, 0 or more, that focuses a plane at some depth, both in metres.
+    ///
+    /// # Errors
+    /// If the radius is negative, the depth is not positive, or one of them is not finite.
+    pub fn new(radius: f32, focus: f32) -> Result<Self, LensError> {
+        if !(radius.is_finite() && radius >= 0.0) {
+            return Err(LensError::Radius(radius));
+        }
+        if !(focus.is_finite() && focus > 0.0) {
+            return Err(LensError::Focus(focus));
+        }
+        Ok(Self { radius, focus })
+    }
+}
+
+/// A camera; looks down its -z, x to the right, y up.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
     /// Where it stands, world space, metres.
@@ -15,6 +69,9 @@ pub struct Camera {
     pub rotation: Mat3,
     /// Full vertical angle of view, radians.
     pub vertical_fov: f32,
+    /// Its lens; `None` for a pinhole, which is what every g-buffer is seen through.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lens: Option<Lens>,
 }
 
 impl Camera {
@@ -24,7 +81,7 @@ impl Camera {
         let up = if backward.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
         let right = up.cross(backward).normalize();
         let rotation = Mat3::from_cols(right, backward.cross(right), backward);
-        Self { position, rotation, vertical_fov: FIELD_OF_VIEW.to_radians() }
+        Self { position, rotation, vertical_fov: FIELD_OF_VIEW.to_radians(), lens: None }
     }
 
     /// The unit direction, in world space, through a point of the image given in pixels from the top left corner
@@ -34,6 +91,48 @@ impl Camera {
         let x = (pixel.x - 0.5 * width as f32) * scale;
         let y = (0.5 * height as f32 - pixel.y) * scale;
         (self.rotation * Vec3::new(x, y, -1.0)).normalize()
+    }
+
+    /// Origin and unit direction, in world space, of the ray through a point of the image and a point of the lens. Points
+    /// of the unit square are spread evenly over the aperture; every one of them sees the plane in focus alike, so that
+    /// it stays sharp. Without a lens, that of [`Camera::direction`].
+    pub fn ray(&self, at: Vec2, height: usize, width: usize, on_lens: Vec2) -> (Vec3, Vec3) {
+        let direction = self.direction(at, height, width);
+        let Some(lens) = self.lens.filter(|lens| lens.radius > 0.0) else {
+            return (self.position, direction);
+        };
+        let offset = concentric_disk(on_lens.x, on_lens.y) * lens.radius;
+        let aside = self.rotation * offset.extend(0.0);
+        let along = -self.direction_to_camera(direction).z;
+        (self.position + aside, (direction * (lens.focus / along) - aside).normalize())
+    }
+
+    /// Radius in pixels of the circle of confusion of what is infinitely far away: `B`, the parameter of a lens that
+    /// blurs an image (thesis 7.3.1). 0 without a lens.
+    pub fn blur_at_infinity(&self, height: usize) -> f32 {
+        self.lens.map_or(0.0, |lens| self.focal_length(height) * lens.radius / lens.focus)
+    }
+
+    /// Signed distance of a depth to the plane in focus, metres, positive beyond it: `Dfocal`. 0 without a lens, which
+    /// has everything in focus.
+    pub fn focal_distance(&self, depth: f32) -> f32 {
+        self.lens.map_or(0.0, |lens| depth - lens.focus)
+    }
+
+    /// Radius in pixels of the disc that a point at a depth becomes: the circle of confusion of a thin lens,
+    /// `A f |d - df| / (d (df - f))` (Potmesil and Chakravarty 1981), in terms of the image of a pinhole of the same
+    /// angle of view, whose focal length takes in the lens' magnification: `B |Dfocal| / d`.
+    pub fn circle_of_confusion(&self, depth: f32, height: usize) -> f32 {
+        self.blur_at_infinity(height) * self.focal_distance(depth).abs() / depth
+    }
+
+    /// Where a camera-space point is in the image of the pinhole, in pixels from the top left corner; `None` for points
+    /// that are not in front of the camera.
+    pub fn project(&self, point: Vec3, height: usize, width: usize) -> Option<Vec2> {
+        let depth = -point.z;
+        let middle = 0.5 * Vec2::new(width as f32, height as f32);
+        let scale = self.focal_length(height) / depth;
+        (depth > 0.0 && scale.is_finite()).then(|| middle + Vec2::new(point.x, -point.y) * scale)
     }
 
     /// A world-space point in camera space.
@@ -53,25 +152,4 @@ impl Camera {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn camera_looks_down_minus_z_with_y_up() {
-        let camera = Camera::look_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO);
-        let middle = camera.direction(Vec2::new(50.0, 25.0), 50, 100);
-        assert!((middle - Vec3::NEG_Z).length() < 1e-6);
-        let top_right = camera.direction(Vec2::new(100.0, 0.0), 50, 100);
-        assert!(top_right.x > 0.0 && top_right.y > 0.0);
-        let point = camera.to_camera(Vec3::new(1.0, 2.0, 3.0));
-        assert!((point - Vec3::new(1.0, 2.0, -2.0)).length() < 1e-6);
-    }
-
-    #[test]
-    fn top_of_the_image_is_half_the_field_of_view_away() {
-        let camera = Camera::look_at(Vec3::new(3.0, 1.0, 2.0), Vec3::new(-1.0, 0.5, 0.0));
-        let middle = camera.direction(Vec2::new(32.0, 32.0), 64, 64);
-        let top = camera.direction(Vec2::new(32.0, 0.0), 64, 64);
-        assert!((middle.angle_between(top) - 25f32.to_radians()).abs() < 1e-5);
-    }
-}
+mod tests;

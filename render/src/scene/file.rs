@@ -1,6 +1,7 @@
 //! Reading what a scene file refers to: bytes with a size limit, and images.
 
 use super::SceneError;
+use crate::memory;
 use std::{fs, io::Cursor, path::Path};
 
 /// Largest file that is read, bytes.
@@ -17,14 +18,14 @@ pub(super) struct Image {
     pub texels: Vec<[u8; 4]>,
 }
 
-/// The bytes of a plain file. Devices and pipes, which may never end, are refused.
+/// The bytes of a plain file. Devices and pipes, which may never end, are refused, as is what memory does not hold.
 pub(super) fn read(path: &Path) -> Result<Vec<u8>, SceneError> {
     let io = |source| SceneError::Io { path: path.to_owned(), source };
     let metadata = fs::metadata(path).map_err(io)?;
     if !metadata.is_file() {
         return Err(SceneError::invalid(path, "is not a plain file"));
     }
-    if metadata.len() > LARGEST_FILE {
+    if metadata.len() > LARGEST_FILE.min(memory::available()) {
         return Err(SceneError::invalid(path, format!("has {} bytes, more than are read", metadata.len())));
     }
     fs::read(path).map_err(io)

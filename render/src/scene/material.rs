@@ -2,6 +2,7 @@
 
 use super::{Texture, TextureId};
 use glam::{Affine2, Vec2, Vec3, Vec4};
+use std::sync::Arc;
 
 /// How alpha is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,6 +27,19 @@ pub struct TextureSlot {
     pub transform: Affine2,
 }
 
+/// How a surface spreads what it reflects specularly.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Gloss {
+    /// Microfacets with the GGX distribution, glTF's model: what path tracing uses.
+    #[default]
+    Microfacets,
+    /// The energy-normalised Phong lobe, the model of the thesis' attributes (7.3.1). It adds to the diffuse colour,
+    /// which therefore takes no more than the specular colour leaves.
+    Phong,
+    /// Nothing is reflected specularly: Lambert's law alone.
+    None,
+}
+
 /// glTF's metallic-roughness material. Colours are linear; a texture multiplies its factor. Surfaces are seen and stop
 /// light from both sides, whatever a file says of culling.
 #[derive(Clone, Debug)]
@@ -44,6 +58,13 @@ pub struct Material {
     pub metallic_roughness_texture: Option<TextureSlot>,
     /// Tangent-space normals, with the scale of their x and y.
     pub normal_texture: Option<(TextureSlot, f32)>,
+    /// How what is reflected specularly spreads.
+    pub gloss: Gloss,
+    /// Specular colour of [`Gloss::Phong`], beside a diffuse one that is the base colour; without it, both come from
+    /// base colour and metalness, as those of microfacets do.
+    pub specular: Option<Vec3>,
+    /// Mean free path below the surface for each colour, metres; zero where light does not enter.
+    pub mean_free_path: Vec3,
     /// Emitted radiance.
     pub emission: Vec3,
     /// Multiplies the emission.
@@ -63,6 +84,9 @@ impl Default for Material {
             roughness: 1.0,
             metallic_roughness_texture: None,
             normal_texture: None,
+            gloss: Gloss::default(),
+            specular: None,
+            mean_free_path: Vec3::ZERO,
             emission: Vec3::ZERO,
             emission_texture: None,
             alpha: AlphaMode::Opaque,
@@ -75,10 +99,15 @@ impl Default for Material {
 pub struct Surface {
     /// `Rdiff`, the diffuse albedo.
     pub diffuse: Vec3,
-    /// `Rspec`, specular colour at normal incidence: 4 % for a dielectric, the base colour for a metal.
+    /// `Rspec`, specular colour at normal incidence: the material's own; else 4 % for a dielectric, the base colour for a
+    /// metal, zero where nothing is reflected specularly.
     pub specular: Vec3,
     /// Perceptual roughness.
     pub roughness: f32,
+    /// How what is reflected specularly spreads.
+    pub gloss: Gloss,
+    /// Mean free path below the surface, metres; zero where light does not enter.
+    pub mean_free_path: Vec3,
     /// Emitted radiance.
     pub emission: Vec3,
 }
@@ -93,21 +122,38 @@ impl Material {
     }
 
     /// The surface at a point with two sets of texture coordinates and an interpolated vertex colour.
-    pub fn surface(&self, textures: &[Texture], uvs: [Vec2; 2], colour: Vec4) -> Surface {
+    pub fn surface(&self, textures: &[Arc<Texture>], uvs: [Vec2; 2], colour: Vec4) -> Surface {
         let base = self.base_colour * colour * read(self.base_colour_texture, textures, uvs);
         let metallic_roughness = read(self.metallic_roughness_texture, textures, uvs);
         let metallic = (self.metallic * metallic_roughness.z).clamp(0.0, 1.0);
         let base = base.truncate().clamp(Vec3::ZERO, Vec3::ONE);
+        let (body, coat) = (base * (1.0 - metallic), Vec3::splat(DIELECTRIC_SPECULAR).lerp(base, metallic));
+        let (diffuse, specular) = match (self.gloss, self.specular) {
+            (Gloss::None, _) => (body, Vec3::ZERO),
+            (Gloss::Microfacets, _) => (body, coat),
+            (Gloss::Phong, None) => (body.min(Vec3::ONE - coat), coat),
+            (Gloss::Phong, Some(specular)) => {
+                let specular = specular.clamp(Vec3::ZERO, Vec3::ONE);
+                (base.min(Vec3::ONE - specular), specular)
+            }
+        };
         Surface {
-            diffuse: base * (1.0 - metallic),
-            specular: Vec3::splat(DIELECTRIC_SPECULAR).lerp(base, metallic),
+            diffuse,
+            specular,
             roughness: (self.roughness * metallic_roughness.y).clamp(0.0, 1.0),
-            emission: self.emission * read(self.emission_texture, textures, uvs).truncate(),
+            gloss: self.gloss,
+            mean_free_path: self.mean_free_path,
+            emission: self.emitted(textures, uvs),
         }
     }
 
+    /// Radiance emitted at a point, to both sides.
+    pub fn emitted(&self, textures: &[Arc<Texture>], uvs: [Vec2; 2]) -> Vec3 {
+        self.emission * read(self.emission_texture, textures, uvs).truncate()
+    }
+
     /// The share of light that is stopped at a point: 1, 0 or, for blended materials, alpha.
-    pub fn opacity(&self, textures: &[Texture], uvs: [Vec2; 2], colour: Vec4) -> f32 {
+    pub fn opacity(&self, textures: &[Arc<Texture>], uvs: [Vec2; 2], colour: Vec4) -> f32 {
         let alpha = || (self.base_colour * colour * read(self.base_colour_texture, textures, uvs)).w;
         match self.alpha {
             AlphaMode::Opaque => 1.0,
@@ -116,8 +162,21 @@ impl Material {
         }
     }
 
+    /// What it reads from textures.
+    pub fn textures(&self) -> impl Iterator<Item = TextureSlot> {
+        let normal = self.normal_texture.map(|(slot, _)| slot);
+        let slots =
+            [self.base_colour_texture, self.metallic_roughness_texture, self.emission_texture, normal];
+        slots.into_iter().flatten()
+    }
+
+    /// Whether a share of light may pass through it: whether its opacity must be asked.
+    pub fn can_be_seen_through(&self) -> bool {
+        self.alpha != AlphaMode::Opaque
+    }
+
     /// The tangent-space normal at a point, unit length; `None` without a normal map.
-    pub fn tangent_normal(&self, textures: &[Texture], uvs: [Vec2; 2]) -> Option<Vec3> {
+    pub fn tangent_normal(&self, textures: &[Arc<Texture>], uvs: [Vec2; 2]) -> Option<Vec3> {
         let (slot, scale) = self.normal_texture?;
         let value = read(Some(slot), textures, uvs).truncate() * 2.0 - Vec3::ONE;
         (value * Vec3::new(scale, scale, 1.0)).try_normalize()
@@ -125,8 +184,33 @@ impl Material {
 }
 
 /// The value of a slot, white where there is none.
-fn read(slot: Option<TextureSlot>, textures: &[Texture], uvs: [Vec2; 2]) -> Vec4 {
+fn read(slot: Option<TextureSlot>, textures: &[Arc<Texture>], uvs: [Vec2; 2]) -> Vec4 {
     slot.map_or(Vec4::ONE, |slot| {
         textures[slot.texture.0 as usize].sample(slot.transform.transform_point2(uvs[slot.uv_set]))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn phong_reflects_its_own_specular_colour_and_no_more_than_it_receives() {
+        let [base, specular] = [Vec3::new(0.9, 0.5, 0.1), Vec3::new(0.3, 0.2, 0.8)];
+        let phong = Material { gloss: Gloss::Phong, metallic: 1.0, ..Material::matte("", base) };
+        let surface = |material: &Material| material.surface(&[], [Vec2::ZERO; 2], Vec4::ONE);
+        let own = surface(&Material { specular: Some(specular), ..phong.clone() });
+        assert_eq!(own.specular, specular);
+        assert_eq!(
+            own.diffuse,
+            Vec3::new(1.0 - 0.3, 0.5, 0.1),
+            "all of the base colour that there is room for"
+        );
+        assert_eq!(surface(&phong).specular, base, "a metal");
+        let microfacets = Material { gloss: Gloss::Microfacets, specular: Some(specular), ..phong };
+        assert_eq!(surface(&microfacets).specular, base, "glTF's model knows metalness only");
+        let bright = Material { specular: Some(Vec3::splat(7.0)), ..Material::default() };
+        let bright = surface(&Material { gloss: Gloss::Phong, ..bright });
+        assert_eq!((bright.diffuse, bright.specular), (Vec3::ZERO, Vec3::ONE));
+    }
 }

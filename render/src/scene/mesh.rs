@@ -14,6 +14,9 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Unit shading normals; where empty, triangles are flat.
     pub normals: Vec<Vec3>,
+    /// How far each vertex moves while the shutter is open, world space, metres; where empty, nothing moves.
+    /// `positions` are those of the middle of that time.
+    pub displacements: Vec<Vec3>,
     /// Unit tangents with the bitangent's sign in w, as glTF has them; may be empty.
     pub tangents: Vec<Vec4>,
     /// Two sets of texture coordinates, origin top left as in glTF; each may be empty.
@@ -36,6 +39,18 @@ impl Mesh {
             .iter()
             .flatten()
             .fold(Bounds::EMPTY, |bounds, vertex| bounds.grow(self.positions[*vertex as usize]))
+    }
+
+    /// Where a vertex is at a moment of the exposure, from -0.5 to 0.5.
+    pub fn position_at(&self, vertex: u32, time: f32) -> Vec3 {
+        let displacement = self.displacements.get(vertex as usize).copied().unwrap_or(Vec3::ZERO);
+        self.positions[vertex as usize] + displacement * time
+    }
+
+    /// The box around the ways of the vertices in use, while the shutter is open.
+    pub fn swept_bounds(&self) -> Bounds {
+        let ends = |vertex: &u32| [-0.5, 0.5].map(|time| self.position_at(*vertex, time));
+        self.triangles.iter().flatten().flat_map(ends).fold(Bounds::EMPTY, Bounds::grow)
     }
 
     /// Takes out triangles without an area.

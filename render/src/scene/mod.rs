@@ -1,27 +1,38 @@
 //! Scenes: triangles in world space with materials, textures, lights and cameras, from files or from seeds.
 
+pub mod box_mapping;
 pub mod camera;
+pub mod environment;
 mod file;
 mod finish;
 pub mod gltf;
 pub mod light;
+pub mod look;
 pub mod material;
+pub mod medium;
 pub mod mesh;
+mod mesh_list;
 pub mod obj;
 pub mod procedural;
 pub mod source;
 pub mod summary;
 pub mod texture;
 
-pub use camera::Camera;
+pub use camera::{Camera, Lens};
+pub(crate) use environment::Cumulative;
+pub use environment::Environment;
 pub use light::Light;
-pub use material::{AlphaMode, Material, Surface, TextureSlot};
+pub use look::Look;
+pub use material::{AlphaMode, Gloss, Material, Surface, TextureSlot};
+pub use medium::{Density, DensityGrid, Medium};
 pub use mesh::{Bounds, Mesh};
+pub use mesh_list::Meshes;
 pub use source::SceneSource;
 pub use summary::SceneSummary;
 pub use texture::{Encoding, Texture, Wrap};
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Index into [`Scene::materials`].
@@ -37,14 +48,18 @@ pub struct TextureId(pub u32);
 pub struct Scene {
     /// What the scene is called in tables and file names.
     pub name: String,
-    /// Triangle meshes in world space; an object placed twice is two meshes.
-    pub meshes: Vec<Mesh>,
+    /// Triangle meshes in world space; an object placed twice is two meshes. Copies of the scene share them.
+    pub meshes: Meshes,
     /// Materials; never empty where there is a mesh.
     pub materials: Vec<Material>,
     /// Textures of the materials.
-    pub textures: Vec<Texture>,
+    pub textures: Vec<Arc<Texture>>,
     /// Lights other than emissive triangles.
     pub lights: Vec<Light>,
+    /// What shines from infinitely far away, where nothing else is.
+    pub environment: Option<Arc<Environment>>,
+    /// What fills the space between surfaces.
+    pub medium: Option<Arc<Medium>>,
     /// Cameras that the file brings, with their names.
     pub cameras: Vec<(String, Camera)>,
 }
@@ -73,6 +88,16 @@ pub enum SceneError {
     Empty {
         /// Which scene.
         name: String,
+    },
+    /// There are more triangles than memory holds.
+    #[error("scene `{name}` has {triangles} triangles; the memory that is available here holds {most}")]
+    Memory {
+        /// Which scene.
+        name: String,
+        /// How many it has.
+        triangles: usize,
+        /// How many would fit.
+        most: usize,
     },
     /// The ending says neither glTF nor OBJ.
     #[error("{path}: not a scene file that is known here (.gltf, .glb, .obj)")]
@@ -112,9 +137,21 @@ impl Scene {
     /// # Errors
     /// If a file is missing, damaged or unsupported, or holds no triangle with an area.
     pub fn load(path: &Path, time: f32) -> Result<Self, SceneError> {
-        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-        let mut scene = match ending.as_str() {
-            "gltf" | "glb" => gltf::load(path, time)?,
+        Self::load_moving(path, time, 0.0)
+    }
+
+    /// [`Scene::load`] with what moves while the shutter is open: `shutter` seconds, around `time`. Vertices move on
+    /// straight lines between where they are at the beginning and at the end, seen from where they are in the middle;
+    /// meshes that stay are those of [`Scene::load`].
+    ///
+    /// # Errors
+    /// Those of [`Scene::load`], and if the shutter is not a time.
+    pub fn load_moving(path: &Path, time: f32, shutter: f32) -> Result<Self, SceneError> {
+        if !(shutter.is_finite() && shutter >= 0.0) {
+            return Err(SceneError::invalid(path, format!("cannot be exposed for {shutter} seconds")));
+        }
+        let mut scene = match ending(path).as_str() {
+            "gltf" | "glb" => gltf::load(path, time, shutter)?,
             "obj" => obj::load(path)?,
             _ => return Err(SceneError::UnknownFormat { path: path.to_owned() }),
         };
@@ -125,6 +162,17 @@ impl Scene {
         Ok(scene)
     }
 
+    /// When the animation that [`Scene::load`] poses a file by begins and ends, seconds; `None` where nothing is animated.
+    ///
+    /// # Errors
+    /// If a file is missing or damaged.
+    pub fn animation_span(path: &Path) -> Result<Option<[f32; 2]>, SceneError> {
+        match ending(path).as_str() {
+            "gltf" | "glb" => gltf::animation_span(path),
+            _ => Ok(None),
+        }
+    }
+
     /// Number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.meshes.iter().map(|mesh| mesh.triangles.len()).sum()
@@ -133,6 +181,17 @@ impl Scene {
     /// The box around all vertices that a triangle uses.
     pub fn bounds(&self) -> Bounds {
         self.meshes.iter().fold(Bounds::EMPTY, |bounds, mesh| bounds.union(mesh.bounds()))
+    }
+
+    /// The box around the ways of all vertices that a triangle uses, while the shutter is open.
+    pub fn swept_bounds(&self) -> Bounds {
+        self.meshes.iter().fold(Bounds::EMPTY, |bounds, mesh| bounds.union(mesh.swept_bounds()))
+    }
+
+    /// Whether any vertex moves while the shutter is open.
+    pub fn moves(&self) -> bool {
+        let moves = |mesh: &Mesh| mesh.displacements.iter().any(|way| *way != glam::Vec3::ZERO);
+        self.meshes.iter().any(moves)
     }
 
     /// A material by its index.
@@ -147,4 +206,9 @@ impl Scene {
         }
         self.meshes.retain(|mesh| !mesh.triangles.is_empty());
     }
+}
+
+/// The ending of a file's name, which says its format, in small letters.
+fn ending(path: &Path) -> String {
+    path.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_ascii_lowercase()
 }

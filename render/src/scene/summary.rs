@@ -75,7 +75,7 @@ mod tests {
         let cameras = ["front", "side"].map(|name| (name.to_owned(), Camera::look_at(Vec3::Z, Vec3::ZERO)));
         let scene = Scene {
             name: "corner".into(),
-            meshes: vec![mesh],
+            meshes: vec![mesh].into(),
             cameras: cameras.to_vec(),
             ..Scene::default()
         };

@@ -1,6 +1,9 @@
 //! Textures: 8-bit texels, sampled bilinearly as linear values.
 
+use super::SceneError;
+use super::file::{decode, read};
 use glam::{Vec2, Vec4};
+use std::path::Path;
 
 /// What the stored bytes mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +51,15 @@ impl Texture {
         Self { width, height, texels, encoding, wrap }
     }
 
+    /// Reads a PNG or JPEG image, whose colours are taken as sRGB, to be repeated.
+    ///
+    /// # Errors
+    /// If the file is missing, damaged or no such image.
+    pub fn load(path: &Path) -> Result<Self, SceneError> {
+        let image = decode(&read(path)?).map_err(|what| SceneError::invalid(path, what))?;
+        Ok(Self::new(image.width, image.height, image.texels, Encoding::Srgb, [Wrap::Repeat; 2]))
+    }
+
     /// Texels in a row and in a column.
     pub const fn size(&self) -> [usize; 2] {
         [self.width, self.height]
@@ -70,20 +82,26 @@ impl Texture {
 
     /// The linear value at `uv`, bilinear between texel middles. Coordinates that are not finite are taken as 0.
     pub fn sample(&self, uv: Vec2) -> Vec4 {
+        self.sample_wrapped(uv, self.wrap)
+    }
+
+    /// [`Texture::sample`] where something else is to happen outside [0, 1].
+    pub fn sample_wrapped(&self, uv: Vec2, wrap: [Wrap; 2]) -> Vec4 {
         let finite = |coordinate: f32| if coordinate.is_finite() { coordinate } else { 0.0 };
         let x = finite(uv.x * self.width as f32) - 0.5;
         let y = finite(uv.y * self.height as f32) - 0.5;
         let (x0, y0) = (x.floor(), y.floor());
         let (fx, fy) = (x - x0, y - y0);
-        let top = self.texel(x0, y0).lerp(self.texel(x0 + 1.0, y0), fx);
-        let bottom = self.texel(x0, y0 + 1.0).lerp(self.texel(x0 + 1.0, y0 + 1.0), fx);
+        let texel = |x: f32, y: f32| self.texel(x, y, wrap);
+        let top = texel(x0, y0).lerp(texel(x0 + 1.0, y0), fx);
+        let bottom = texel(x0, y0 + 1.0).lerp(texel(x0 + 1.0, y0 + 1.0), fx);
         top.lerp(bottom, fy)
     }
 
     /// The linear value of the texel at whole-numbered `x` and `y`, wrapped.
-    fn texel(&self, x: f32, y: f32) -> Vec4 {
-        let column = wrapped(x, self.width, self.wrap[0]);
-        let row = wrapped(y, self.height, self.wrap[1]);
+    fn texel(&self, x: f32, y: f32, wrap: [Wrap; 2]) -> Vec4 {
+        let column = wrapped(x, self.width, wrap[0]);
+        let row = wrapped(y, self.height, wrap[1]);
         let [r, g, b, a] = self.texels[row * self.width + column];
         let [r, g, b] = match self.encoding {
             Encoding::Srgb => [r, g, b].map(|byte| SRGB_TO_LINEAR[byte as usize]),

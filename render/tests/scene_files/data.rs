@@ -62,7 +62,7 @@ fn triangles_are_those_of_the_data_table() {
     let Some(folder) = data() else { return };
     for (name, triangles) in TRIANGLES {
         let path = folder.join(name);
-        let scene = if name.ends_with(".obj") { obj::load(&path) } else { gltf::load(&path, 0.0) };
+        let scene = if name.ends_with(".obj") { obj::load(&path) } else { gltf::load(&path, 0.0, 0.0) };
         let scene = scene.expect(name);
         assert_eq!(scene.triangle_count(), triangles, "{name}");
     }
@@ -95,8 +95,11 @@ fn all_files_load_or_name_what_they_need() {
 
 /// What every scene must hold, so that nothing downstream has to check it again.
 fn check(scene: &Scene) {
-    for Mesh { name, material, positions, normals, tangents, uvs, colours, triangles } in &scene.meshes {
-        let lengths = [normals.len(), tangents.len(), uvs[0].len(), uvs[1].len(), colours.len()];
+    for Mesh { name, material, positions, normals, displacements, tangents, uvs, colours, triangles } in
+        &scene.meshes
+    {
+        let lengths = [normals, displacements].map(Vec::len);
+        let lengths = [&lengths[..], &[tangents.len(), uvs[0].len(), uvs[1].len(), colours.len()]].concat();
         assert!(lengths.iter().all(|length| [0, positions.len()].contains(length)), "{name}: {lengths:?}");
         assert!(triangles.iter().flatten().all(|vertex| (*vertex as usize) < positions.len()), "{name}");
         assert!(positions.iter().all(|position| position.is_finite()), "{name}");

@@ -4,7 +4,9 @@
 mod build;
 mod damaged;
 mod data;
+mod environment;
 mod fuzz;
+mod moving;
 mod obj;
 mod posed;
 #[path = "../real_data/mod.rs"]

@@ -1,6 +1,7 @@
 //! Wavefront OBJ and MTL.
 
 use crate::build::{png, write};
+use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::{AlphaMode, Scene, SceneError, TextureSlot};
 use glam::{Vec2, Vec3};
 use std::path::Path;
@@ -85,6 +86,14 @@ fn physically_based_materials_are_read() {
     assert!((texel(car.normal_texture.map(|(slot, _)| slot)).x - 188.0 / 255.0).abs() < 1e-6, "linear");
     assert!((texel(sign.base_colour_texture).x - 0.5029).abs() < 1e-3, "sRGB");
     assert_eq!(scene.textures.len(), 3);
+}
+
+#[test]
+fn emission_below_zero_is_refused_by_name() {
+    let text = format!("mtllib b.mtl\n{SQUARE}usemtl hole\nf 1 2 3\n");
+    let scene = load(&[("a.obj", text.as_bytes()), ("b.mtl", b"newmtl hole\nKe -1 0 0\n")]).expect("a file");
+    let what = TracedScene::new(scene).expect_err("dark light").to_string();
+    assert!(what.starts_with("a: material `hole` emits [-1, 0, 0]"), "{what}");
 }
 
 #[test]

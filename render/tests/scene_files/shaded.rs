@@ -1,7 +1,9 @@
 //! Materials, textures, vertex colours, lights and cameras.
 
 use crate::build::{base64, load, png, triangle};
-use deepshade_render::scene::{AlphaMode, Light, Scene};
+use deepshade_render::bvh::TracedScene;
+use deepshade_render::path::lights::Arrival;
+use deepshade_render::scene::{AlphaMode, Light, Scene, SceneError, TextureId};
 use glam::{Vec2, Vec3, Vec4};
 
 /// A triangle with one material, with further JSON beside it.
@@ -132,7 +134,7 @@ fn lights_shine_down_their_nodes_minus_z() {
     let is_down = |direction: Vec3| (direction - Vec3::NEG_Y).length() < 1e-6;
     let three = Vec3::splat(3.0);
     assert!(
-        matches!(sun, Light::Directional { direction, irradiance } if is_down(direction) && irradiance == three),
+        matches!(sun, Light::Directional { direction, irradiance, pattern: None } if is_down(direction) && irradiance == three),
         "{sun:?}"
     );
     let expected = Light::Spot {
@@ -142,8 +144,98 @@ fn lights_shine_down_their_nodes_minus_z() {
         range: 7.5,
         cos_inner: 0.5f32.cos(),
         cos_outer: 1f32.cos(),
+        slide: None,
     };
     assert_eq!(spot, expected);
+}
+
+/// A triangle with two textures of one colour each, red and green, under a spot and a sun that have extras.
+fn projecting(spot: &str, sun: &str) -> Result<Scene, SceneError> {
+    let image = |colour: [u8; 3]| base64(&png(1, 1, &[colour]));
+    let (red, green) = (image([255, 0, 0]), image([0, 255, 0]));
+    load(
+        &triangle().gltf(&format!(
+            r#""extensionsUsed":["KHR_lights_punctual"],
+            "extensions":{{"KHR_lights_punctual":{{"lights":[
+                {{"type":"spot","spot":{{"outerConeAngle":1.0}},"extras":{spot}}},
+                {{"type":"directional","extras":{sun}}}]}}}},
+            "nodes":[{{"mesh":0}},
+                {{"name":"lantern","extensions":{{"KHR_lights_punctual":{{"light":0}}}}}},
+                {{"name":"sun","extensions":{{"KHR_lights_punctual":{{"light":1}}}}}}],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+            "textures":[{{"source":0}},{{"source":1}}],
+            "images":[{{"uri":"data:image/png;base64,{red}"}},{{"uri":"data:image/png;base64,{green}"}}]"#
+        )),
+        0.0,
+    )
+}
+
+#[test]
+fn lights_project_the_textures_that_their_extras_name() {
+    let scene =
+        projecting(r#"{"slide":1,"note":"x"}"#, r#"{"pattern":0,"patternWidth":4.5}"#).expect("lights");
+    let slide = |light: &Light| if let Light::Spot { slide, .. } = light { *slide } else { None };
+    let pattern =
+        |light: &Light| if let Light::Directional { pattern, .. } = light { *pattern } else { None };
+    let slide = slide(&scene.lights[0]).expect("a slide");
+    let (pattern, width) = pattern(&scene.lights[1]).expect("a pattern");
+    let colour = |texture: TextureId| scene.textures[texture.0 as usize].sample(Vec2::splat(0.5)).truncate();
+    let is = |colour: Vec3, expected: Vec3| (colour - expected).length() < 1e-5;
+    assert!(is(colour(slide), Vec3::Y) && is(colour(pattern), Vec3::X) && width == 4.5);
+    let traced = TracedScene::new(scene).expect("a scene");
+    let arrives = |light: &Light| Arrival::new(traced.scene(), light, Vec3::NEG_Z).irradiance;
+    assert!(
+        is(arrives(&traced.scene().lights[0]), Vec3::Y) && is(arrives(&traced.scene().lights[1]), Vec3::X)
+    );
+
+    let plain = projecting(r#""words""#, r#"{"other":[1]}"#).expect("extras of others");
+    assert!(matches!(
+        plain.lights[..],
+        [Light::Spot { slide: None, .. }, Light::Directional { pattern: None, .. }]
+    ));
+}
+
+#[test]
+fn textures_that_lights_cannot_project_are_named() {
+    let error = |spot: &str, sun: &str| projecting(spot, sun).expect_err("a bad picture").to_string();
+    for slide in ["2", "-1", "0.5", "\"red\"", "null"] {
+        let what = error(&format!(r#"{{"slide":{slide}}}"#), "{}");
+        assert!(what.contains("`lantern`: its slide is") && what.contains("2 textures"), "{what}");
+    }
+    for width in ["0", "-1", "1e99", "\"4\"", "null"] {
+        let what = error("{}", &format!(r#"{{"pattern":0,"patternWidth":{width}}}"#));
+        assert!(what.contains("`sun`: its patternWidth is"), "{what}");
+    }
+    let what = error("{}", r#"{"pattern":0}"#);
+    assert!(what.contains("`sun`: its patternWidth is null"), "{what}");
+}
+
+#[test]
+fn light_below_zero_is_refused_by_name() {
+    let text = triangle().gltf(
+        r#""extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":-3}]}},
+        "nodes":[{"mesh":0},{"extensions":{"KHR_lights_punctual":{"light":0}}}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}]"#,
+    );
+    let error = |scene: Scene| TracedScene::new(scene).expect_err("dark light").to_string();
+    let what = error(load(&text, 0.0).expect("a file"));
+    assert_eq!(what, "test: light 0: its power is negative or not finite");
+    let what = error(material(r#""name":"hole","emissiveFactor":[-1,0,0]"#, ""));
+    assert!(what.starts_with("test: material `hole` emits [-1, 0, 0]"), "{what}");
+}
+
+#[test]
+fn cones_that_are_nearly_alike_are_spots_too() {
+    for angles in [r#""innerConeAngle":0.1,"outerConeAngle":0.10000001"#, r#""outerConeAngle":0.0001"#] {
+        let text = triangle().gltf(&format!(
+            r#""extensions":{{"KHR_lights_punctual":{{"lights":[{{"type":"spot","spot":{{{angles}}}}}]}}}},
+            "nodes":[{{"mesh":0}},{{"extensions":{{"KHR_lights_punctual":{{"light":0}}}}}}],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}]"#
+        ));
+        let traced = TracedScene::new(load(&text, 0.0).expect("a file")).expect("a spot");
+        let light = &traced.scene().lights[0];
+        assert_eq!(Arrival::new(traced.scene(), light, Vec3::NEG_Z).irradiance, Vec3::ONE);
+    }
 }
 
 #[test]

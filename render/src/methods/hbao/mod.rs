@@ -56,13 +56,13 @@ impl Default for Parameters {
     /// of `dataset/recipes/ao.toml`.
     fn default() -> Self {
         Self {
-            radius_scale: 1.4,
+            radius_scale: 1.2,
             bias: 0.15,
             strength: 1.3,
             directions: 16,
             steps: 24,
             blur_radius: 4,
-            blur_sharpness: 256.0,
+            blur_sharpness: 1024.0,
         }
     }
 }

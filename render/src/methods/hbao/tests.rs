@@ -3,7 +3,7 @@
 use super::*;
 use crate::bvh::TracedScene;
 use crate::gbuffer;
-use crate::path::ao::Ao;
+use crate::path::{self, Sampling, Shot};
 use crate::scene::{Camera, Material, Mesh, Scene};
 use glam::{Mat3, Vec2, Vec3};
 
@@ -22,7 +22,7 @@ const PLAIN: Parameters = Parameters {
 };
 
 fn camera() -> Camera {
-    Camera { position: Vec3::ZERO, rotation: Mat3::IDENTITY, vertical_fov: 50f32.to_radians() }
+    Camera { position: Vec3::ZERO, rotation: Mat3::IDENTITY, vertical_fov: 50f32.to_radians(), lens: None }
 }
 
 /// The surface that `hit` finds along the ray of each pixel: position and normal in camera space.
@@ -253,7 +253,7 @@ fn corner() -> TracedScene {
     };
     let materials = vec![Material::matte("grey", Vec3::splat(0.5))];
     let meshes = vec![quad(z, x), quad(x, y), quad(y, z)];
-    TracedScene::new(Scene { meshes, materials, ..Scene::default() }).expect("three squares")
+    TracedScene::new(Scene { meshes: meshes.into(), materials, ..Scene::default() }).expect("three squares")
 }
 
 #[test]
@@ -267,7 +267,8 @@ fn the_method_is_nearer_to_truth_than_white() {
         WIDTH,
         &[Attribute::Normal, Attribute::Position, Attribute::Valid],
     );
-    let truth = Ao { radius, samples: 256, seed: 1 }.render(&scene, &camera, HEIGHT, WIDTH);
+    let shot = Shot::new(&scene, &camera, [HEIGHT, WIDTH], radius);
+    let truth = path::render(Effect::Ao, &shot, Sampling::one(256, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let hbao = Hbao::new(&gpu, Parameters::default()).expect("valid shaders");
     let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: 3 };

@@ -36,6 +36,17 @@ impl Pose {
     }
 }
 
+/// When the first animation begins and ends, seconds; `None` where nothing is animated.
+pub(super) fn span(file: &File<'_>) -> Result<Option<[f32; 2]>, SceneError> {
+    let mut times = Vec::new();
+    for channel in file.document.animations().next().iter().flat_map(|animation| animation.channels()) {
+        let user = format!("animation 0, channel {}", channel.index());
+        times.extend(file.floats::<1>(&channel.sampler().input(), &user)?.into_flattened());
+    }
+    let (first, last) = (times.iter().copied().reduce(f32::min), times.iter().copied().reduce(f32::max));
+    Ok(first.zip(last).map(|(first, last)| [first, last]))
+}
+
 /// The weights that a node has without animation: its own, else its mesh's, else zeros.
 fn rest_weights(node: &Node<'_>) -> Vec<f32> {
     let Some(mesh) = node.mesh() else { return Vec::new() };

@@ -5,10 +5,11 @@ use super::{
     document::File,
     node::{Hierarchy, label},
 };
+use crate::memory;
 use glam::{Mat4, Quat};
 use gltf::{Node, Primitive, Semantic, mesh::Mode};
 
-/// Most vertices, and most triangles, of a scene.
+/// Most vertices of a scene, and most triangles where memory holds as many.
 const MOST: usize = 1 << 26;
 
 /// A primitive where a node shows it.
@@ -30,6 +31,7 @@ pub(super) fn instances<'a>(
 ) -> Result<Vec<Instance<'a>>, SceneError> {
     let mut instances = Vec::new();
     let (mut vertices, mut corners) = (0usize, 0usize);
+    let most = MOST.min(memory::most_triangles(memory::available()));
     for (node, world) in hierarchy.nodes(file) {
         let Some(mesh) = node.mesh() else { continue };
         let name =
@@ -40,9 +42,9 @@ pub(super) fn instances<'a>(
             let indices = primitive.indices().map_or(positions, |accessor| accessor.count());
             vertices = vertices.saturating_add(positions.saturating_mul(worlds.len()));
             corners = corners.saturating_add(indices.saturating_mul(worlds.len()));
-            if vertices > MOST || corners > 3 * MOST {
-                return Err(file
-                    .invalid(format!("mesh `{name}` brings the scene above {MOST} vertices or triangles")));
+            if vertices > MOST || corners > 3 * most {
+                let what = format!("above {MOST} vertices or the {most} triangles that memory holds");
+                return Err(file.invalid(format!("mesh `{name}` brings the scene {what}")));
             }
             let name = match mesh.primitives().len() {
                 1 => name.clone(),

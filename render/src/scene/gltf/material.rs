@@ -1,7 +1,7 @@
 //! Materials: metallic-roughness, with emissive strength and texture transforms (glTF 2.0, 3.9).
 
 use super::{
-    super::{AlphaMode, Material, SceneError, Texture, TextureSlot, texture::Encoding},
+    super::{AlphaMode, Material, SceneError, TextureSlot, texture::Encoding},
     document::File,
     texture::TextureList,
 };
@@ -17,18 +17,17 @@ use gltf::json::{
 /// The name of the extension, where it is not part of the parsed JSON.
 const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 
-/// All materials of a file, in its order, then the one of primitives without a material, and all their textures.
-pub(super) fn read(file: &File<'_>) -> Result<(Vec<Material>, Vec<Texture>), SceneError> {
-    let mut textures = TextureList::default();
+/// All materials of a file, in its order, then the one of primitives without a material; their textures are added.
+pub(super) fn read(file: &File<'_>, textures: &mut TextureList) -> Result<Vec<Material>, SceneError> {
     let written = file.document.as_json().materials.iter().enumerate();
     let mut materials: Vec<_> = written
-        .map(|(index, material)| read_one(file, index, material, &mut textures))
+        .map(|(index, material)| read_one(file, index, material, textures))
         .collect::<Result<_, _>>()?;
     let mut primitives = file.document.meshes().flat_map(|mesh| mesh.primitives());
     if primitives.any(|primitive| primitive.material().index().is_none()) {
         materials.push(without_material());
     }
-    Ok((materials, textures.load(file)?))
+    Ok(materials)
 }
 
 /// The material of primitives without one: what glTF gives where a file says nothing (3.7.2.1).
@@ -74,6 +73,7 @@ fn read_one(
             Checked::Valid(FileAlphaMode::Opaque) | Checked::Invalid => AlphaMode::Opaque,
         },
         name: name.clone(),
+        ..Material::default()
     };
     let finite = read.base_colour.is_finite() && read.emission.is_finite();
     let finite = finite && read.metallic.is_finite() && read.roughness.is_finite();

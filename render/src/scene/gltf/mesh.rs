@@ -69,6 +69,7 @@ impl Part {
             positions,
             normals,
             tangents: vectors(tangents),
+            displacements: Vec::new(),
             uvs,
             colours: attributes.colours()?,
             triangles: attributes.triangles()?,

@@ -19,31 +19,66 @@ mod place;
 mod skin;
 mod texture;
 
-use super::{Scene, SceneError};
+use super::{Mesh, Scene, SceneError};
 use animation::Pose;
 use document::File;
 use node::Hierarchy;
 use std::path::Path;
+use texture::TextureList;
 
-/// Reads a glTF file, posed by its first animation at `time` seconds. Times outside the animation give its ends.
-/// The file's default scene is read, else its first, else all of its nodes.
+/// Reads a glTF file, posed by its first animation at `time` seconds, with the displacements of its vertices in the
+/// `shutter` seconds around that. Times outside the animation give its ends. The file's default scene is read, else its
+/// first, else all of its nodes.
 ///
 /// # Errors
 /// If the file, or one that it refers to, is missing, damaged, or needs an extension that is not supported.
-pub fn load(path: &Path, time: f32) -> Result<Scene, SceneError> {
+pub fn load(path: &Path, time: f32, shutter: f32) -> Result<Scene, SceneError> {
     if !time.is_finite() {
         return Err(SceneError::invalid(path, format!("cannot be posed at {time} seconds")));
     }
     let file = File::open(path)?;
     let pose = Pose::at(&file, time)?;
     let hierarchy = Hierarchy::new(&file, &pose)?;
-    let (materials, textures) = material::read(&file)?;
+    let mut textures = TextureList::default();
+    let materials = material::read(&file, &mut textures)?;
+    let lights = light::lights(&file, &hierarchy, &mut textures)?;
+    let mut meshes = mesh::read(&file, &hierarchy, &pose)?;
+    if shutter > 0.0 && file.document.animations().len() > 0 {
+        displace(&file, &mut meshes, [time - 0.5 * shutter, time + 0.5 * shutter])?;
+    }
     Ok(Scene {
         name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
-        meshes: mesh::read(&file, &hierarchy, &pose)?,
+        meshes: meshes.into(),
         materials,
-        textures,
-        lights: light::lights(&file, &hierarchy)?,
+        textures: textures.load(&file)?,
+        lights,
         cameras: light::cameras(&file, &hierarchy)?,
+        environment: None,
+        medium: None,
     })
+}
+
+/// When a glTF file's first animation begins and ends, seconds; `None` where nothing is animated.
+///
+/// # Errors
+/// If the file, or one that it refers to, is missing or damaged.
+pub fn animation_span(path: &Path) -> Result<Option<[f32; 2]>, SceneError> {
+    animation::span(&File::open(path)?)
+}
+
+/// Gives the meshes that move between two times how far each of their vertices does. A file's meshes and vertices are
+/// the same at all times.
+fn displace(file: &File<'_>, meshes: &mut [Mesh], times: [f32; 2]) -> Result<(), SceneError> {
+    let posed = |time| {
+        let pose = Pose::at(file, time)?;
+        mesh::read(file, &Hierarchy::new(file, &pose)?, &pose)
+    };
+    let [before, after] = [posed(times[0])?, posed(times[1])?];
+    for (mesh, (before, after)) in meshes.iter_mut().zip(before.iter().zip(&after)) {
+        if before.positions != after.positions {
+            let vertices = before.positions.iter().zip(&after.positions);
+            mesh.displacements = vertices.map(|(before, after)| *after - *before).collect();
+        }
+    }
+    Ok(())
 }

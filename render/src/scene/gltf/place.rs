@@ -49,6 +49,7 @@ pub(super) fn placed(rest: &Mesh, place: impl Fn(usize) -> Place) -> Mesh {
                 unit(place.direction * t.truncate()).extend(sign)
             })
             .collect(),
+        displacements: Vec::new(),
         uvs: rest.uvs.clone(),
         colours: rest.colours.clone(),
         triangles: rest

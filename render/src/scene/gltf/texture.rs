@@ -11,6 +11,7 @@ use super::{
 use gltf::texture::WrappingMode;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// The textures that materials read, in the order in which they were asked for.
 #[derive(Debug, Default)]
@@ -40,7 +41,7 @@ impl TextureList {
     }
 
     /// Reads and decodes all of them, each image once.
-    pub fn load(self, file: &File<'_>) -> Result<Vec<Texture>, SceneError> {
+    pub fn load(self, file: &File<'_>) -> Result<Vec<Arc<Texture>>, SceneError> {
         let mut images: Vec<_> = self.0.iter().map(|wanted| wanted.image).collect();
         images.sort_unstable();
         images.dedup();
@@ -50,7 +51,7 @@ impl TextureList {
             .collect::<Result<_, SceneError>>()?;
         let texture = |wanted: Wanted| {
             let Image { width, height, texels } = &images[&wanted.image];
-            Texture::new(*width, *height, texels.clone(), wanted.encoding, wanted.wrap)
+            Arc::new(Texture::new(*width, *height, texels.clone(), wanted.encoding, wanted.wrap))
         };
         Ok(self.0.into_iter().map(texture).collect())
     }

@@ -1,17 +1,25 @@
 //! A look at the lines of OBJ and MTL files before they are parsed; errors say which line is wrong.
 
-/// Checks that the indices of all faces are in range. Negative ones count back from the last element above the line.
-pub(super) fn check_faces(text: &str) -> Result<(), String> {
+/// Checks that the indices of all faces are in range and that these are no more than `most` triangles. Negative indices
+/// count back from the last element above the line.
+pub(super) fn check_faces(text: &str, most: usize) -> Result<(), String> {
     let keywords = || text.lines().filter_map(|line| line.split_whitespace().next());
     let total = ["v", "vt", "vn"].map(|kind| keywords().filter(|keyword| *keyword == kind).count() as i64);
-    let mut above = [0i64; 3];
+    let (mut above, mut triangles) = ([0i64; 3], 0);
     for (line, content) in text.lines().enumerate() {
         let mut words = content.split_whitespace();
         match words.next() {
             Some("v") => above[0] += 1,
             Some("vt") => above[1] += 1,
             Some("vn") => above[2] += 1,
-            Some("f" | "l") => {
+            Some(kind @ ("f" | "l")) => {
+                if kind == "f" {
+                    triangles += words.clone().count().saturating_sub(2);
+                }
+                if triangles > most {
+                    let what = format!("there are more triangles than the {most} that memory holds");
+                    return Err(format!("line {}: {what}", line + 1));
+                }
                 for word in words {
                     let known = word.split('/').count() <= 3
                         && word.split('/').zip(total.iter().zip(above)).all(|(index, (total, above))| {
@@ -55,7 +63,7 @@ mod tests {
     #[test]
     fn faces_in_range_pass() {
         for face in ["f 1 2 3", "f -3 -2 -1", "f 1//1 2//1 3//-1", "# f 9 9 9"] {
-            assert_eq!(check_faces(&format!("{CORNERS}{face}")), Ok(()), "{face}");
+            assert_eq!(check_faces(&format!("{CORNERS}{face}"), 9), Ok(()), "{face}");
         }
     }
 
@@ -73,9 +81,17 @@ mod tests {
             "6148914691236517206",
             "1//6148914691236517206",
         ] {
-            let error = check_faces(&format!("{CORNERS}f 1 2 {word}")).expect_err(word);
+            let error = check_faces(&format!("{CORNERS}f 1 2 {word}"), 9).expect_err(word);
             assert_eq!(error, format!("line 5: there is no vertex `{word}`"));
         }
+    }
+
+    #[test]
+    fn reading_stops_where_memory_holds_no_more_triangles() {
+        let text = format!("{CORNERS}f 1 2 3\nl 1 2 3 1\nf 1 2 3 1 2\n");
+        assert_eq!(check_faces(&text, 4), Ok(()));
+        let error = check_faces(&text, 3).expect_err("one and three");
+        assert_eq!(error, "line 7: there are more triangles than the 3 that memory holds");
     }
 
     #[test]

@@ -15,6 +15,7 @@ use super::{
     lines::check_colours,
 };
 use glam::{Affine2, Vec3};
+use std::sync::Arc;
 use std::{
     cell::RefCell,
     path::{Path, PathBuf},
@@ -98,7 +99,7 @@ fn texture_path(library: &Path, material: &str, texture: &str) -> Result<String,
 pub(super) fn convert(
     obj: &Path,
     materials: &[tobj::Material],
-) -> Result<(Vec<Material>, Vec<Texture>), SceneError> {
+) -> Result<(Vec<Material>, Vec<Arc<Texture>>), SceneError> {
     let mut textures = Textures::default();
     let converted = materials.iter().map(|material| {
         let invalid = |what: String| SceneError::invalid(obj, format!("material `{}` {what}", material.name));
@@ -124,7 +125,7 @@ pub(super) fn convert(
 #[derive(Default)]
 struct Textures<'a> {
     known: Vec<(Option<&'a str>, Option<&'a str>, Encoding)>,
-    read: Vec<Texture>,
+    read: Vec<Arc<Texture>>,
 }
 
 impl<'a> Textures<'a> {
@@ -141,7 +142,7 @@ impl<'a> Textures<'a> {
         }
         let index = self.known.iter().position(|known| *known == wanted).unwrap_or(self.known.len());
         if index == self.known.len() {
-            self.read.push(texture(colour, alpha, encoding)?);
+            self.read.push(Arc::new(texture(colour, alpha, encoding)?));
             self.known.push(wanted);
         }
         let texture = TextureId(index as u32);

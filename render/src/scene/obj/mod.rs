@@ -7,6 +7,7 @@ mod lines;
 mod material;
 
 use super::{Material, MaterialId, Mesh, Scene, SceneError, file, finish::finish};
+use crate::memory;
 use glam::{Vec2, Vec3};
 use material::Library;
 use std::path::Path;
@@ -18,11 +19,12 @@ const OPTIONS: tobj::LoadOptions =
 /// Reads an OBJ file and its material libraries. Faces of a material that is in no library are white and rough.
 ///
 /// # Errors
-/// If the file, a library or a texture is missing or damaged.
+/// If the file, a library or a texture is missing or damaged, or if there are more triangles than memory holds.
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
     let bytes = file::read(path)?;
     let text = String::from_utf8_lossy(&bytes);
-    lines::check_faces(&text).map_err(|what| SceneError::invalid(path, what))?;
+    let most = memory::most_triangles(memory::available());
+    lines::check_faces(&text, most).map_err(|what| SceneError::invalid(path, what))?;
     let library = Library::new(path);
     let parsed = tobj::load_obj_buf(&mut text.as_bytes(), &OPTIONS, |name| library.read(name));
     library.failure()?;

@@ -4,6 +4,7 @@ use super::noise;
 use super::random::Random;
 use super::stage::Stage;
 use crate::scene::{AlphaMode, Encoding, Material, MaterialId, Texture, Wrap};
+use deepshade_shaders::colour::srgb_byte;
 use glam::{IVec3, Vec2, Vec3};
 
 /// Texels along the edge of a texture.
@@ -124,7 +125,7 @@ pub fn foliage(stage: &mut Stage, random: &mut Random) -> MaterialId {
 pub fn leaves(stage: &mut Stage, random: &mut Random) -> MaterialId {
     let base = colour(random.within(0.15, 0.36), random.within(0.4, 0.8), random.within(0.2, 0.6));
     let (lobes, depth) = (random.count(1, 7) as f32, random.within(0.0, 0.4));
-    let texels = filled(|uv| {
+    let texels = filled(SIZE, |uv| {
         let centred = uv * 2.0 - Vec2::ONE;
         let jagged = depth * (centred.y * lobes * 3.0).sin().abs();
         let half_width =
@@ -224,26 +225,26 @@ fn textured(
     wrap: Wrap,
     shade: impl Fn(Vec2) -> f32,
 ) -> MaterialId {
-    let texels = filled(|uv| (base * shade(uv)).extend(1.0));
+    let texels = filled(SIZE, |uv| (base * shade(uv)).extend(1.0));
     let slot = stage.texture(Texture::new(SIZE, SIZE, texels, Encoding::Srgb, [wrap; 2]), width);
     stage.material(Material { base_colour_texture: Some(slot), ..solid(name, Vec3::ONE, roughness) })
 }
 
-/// Texels from linear values at their middles.
-fn filled(value: impl Fn(Vec2) -> glam::Vec4) -> Vec<[u8; 4]> {
+/// Texels of a square of `size` x `size` from linear values at their middles.
+pub fn filled(size: usize, value: impl Fn(Vec2) -> glam::Vec4) -> Vec<[u8; 4]> {
     let texel = |index: usize| {
-        let value = value(middle(index));
+        let value = value(middle(index, size));
         let [r, g, b] = value.truncate().to_array().map(srgb_byte);
         [r, g, b, (value.w * 255.0) as u8]
     };
-    (0..SIZE * SIZE).map(texel).collect()
+    (0..size * size).map(texel).collect()
 }
 
 /// Tangent-space normals of a height, both in shares of the texture's width.
 fn normal_map(height: impl Fn(Vec2) -> f32) -> Texture {
     let step = 1.0 / SIZE as f32;
     let texel = |index: usize| {
-        let uv = middle(index);
+        let uv = middle(index, SIZE);
         let slope = |along: Vec2| {
             let (before, after) = ((uv - along).rem_euclid(Vec2::ONE), (uv + along).rem_euclid(Vec2::ONE));
             (height(after) - height(before)) / (2.0 * step)
@@ -258,15 +259,8 @@ fn normal_map(height: impl Fn(Vec2) -> f32) -> Texture {
 }
 
 /// The middle of a texel, in [0, 1]^2 from the top left.
-fn middle(index: usize) -> Vec2 {
-    (Vec2::new((index % SIZE) as f32, (index / SIZE) as f32) + Vec2::splat(0.5)) / SIZE as f32
-}
-
-/// The sRGB byte of a linear value (IEC 61966-2-1).
-fn srgb_byte(linear: f32) -> u8 {
-    let linear = linear.clamp(0.0, 1.0);
-    let value = if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
-    (value * 255.0).round() as u8
+fn middle(index: usize, size: usize) -> Vec2 {
+    (Vec2::new((index % size) as f32, (index / size) as f32) + Vec2::splat(0.5)) / size as f32
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! Ten families are for training and four, of other natures, for testing only. Scenes are in metres, compact, and rich
 //! in corners, contacts and thin things, since those are what ambient occlusion is about. Counts and choices rest on
 //! whole numbers; positions use the platform's sine and cosine, so they may differ in the last bit between systems.
+//! Beside them there are patterns for textures and skies, since the project stands without anybody's files.
 
 mod blobs;
 mod bridge;
@@ -15,13 +16,15 @@ mod furniture;
 mod grove;
 mod machinery;
 mod materials;
-mod noise;
+pub(super) mod noise;
+mod patterns;
 mod playground;
 mod random;
 mod rides;
 mod room;
 mod shape;
 mod shelves;
+mod sky;
 mod solids;
 mod stage;
 mod stairs;
@@ -30,6 +33,9 @@ mod surface;
 mod sweep;
 mod terrain;
 mod vessels;
+
+pub use patterns::pattern;
+pub use sky::sky;
 
 use super::{Scene, SceneError};
 use random::Random;

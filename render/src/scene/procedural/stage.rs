@@ -4,6 +4,7 @@ use super::random::Random;
 use super::shape::Shape;
 use crate::scene::{Light, Material, MaterialId, Mesh, Scene, Texture, TextureId, TextureSlot};
 use glam::{Affine2, Vec2, Vec3, Vec4};
+use std::sync::Arc;
 
 /// Least area of a triangle, m^2: smaller ones have no direction that is worth anything.
 const LEAST_AREA: f32 = 1e-10;
@@ -32,7 +33,7 @@ impl Stage {
 
     /// Adds a texture that is `width` metres wide.
     pub fn texture(&mut self, texture: Texture, width: f32) -> TextureSlot {
-        self.scene.textures.push(texture);
+        self.scene.textures.push(Arc::new(texture));
         let texture = TextureId(self.scene.textures.len() as u32 - 1);
         TextureSlot { texture, uv_set: 0, transform: Affine2::from_scale(Vec2::splat(1.0 / width)) }
     }
@@ -46,6 +47,7 @@ impl Stage {
         let mut mesh = Mesh {
             name: name.to_owned(),
             material,
+            displacements: Vec::new(),
             tangents: if mapped { tangents(&shape) } else { Vec::new() },
             positions: shape.positions,
             normals: shape.normals,
@@ -66,7 +68,11 @@ impl Stage {
         let mut to_sun = random.direction();
         to_sun.y = to_sun.y.abs() + 0.4;
         let irradiance = Vec3::new(1.0, 0.95, 0.85) * random.within(2.0, 4.0);
-        self.scene.lights.push(Light::Directional { direction: -to_sun.normalize(), irradiance });
+        self.scene.lights.push(Light::Directional {
+            direction: -to_sun.normalize(),
+            irradiance,
+            pattern: None,
+        });
     }
 
     /// Adds a lamp at a point.

@@ -1,0 +1,80 @@
+//! Which keys of the table `vary` an effect needs, which it may have, and their limits.
+
+use super::{FogRange, Textures, Vary};
+use deepshade_shaders::Effect;
+
+/// What changes how surfaces are shaded.
+const SHADING: &[&str] = &["materials", "textures", "light", "environment"];
+/// The same where lamps alone shine.
+const BY_LAMPS: &[&str] = &["materials", "textures", "light"];
+
+/// The key that an effect is nothing without, and those that change it too.
+const fn keys(effect: Effect) -> (Option<&'static str>, &'static [&'static str]) {
+    match effect {
+        Effect::Ao => (None, &[]),
+        Effect::Do => (Some("environment"), &[]),
+        Effect::Ibl => (Some("environment"), &["materials", "textures"]),
+        Effect::Gi => (None, SHADING),
+        Effect::Aa => (None, BY_LAMPS),
+        Effect::Sss | Effect::Subsurface => (Some("mean_free_path"), BY_LAMPS),
+        Effect::Dof | Effect::Multi => (Some("lens"), BY_LAMPS),
+        Effect::MotionBlur => (Some("motion"), BY_LAMPS),
+        Effect::FogDirect | Effect::FogIndirect | Effect::FogMultiple => (Some("fog"), SHADING),
+        Effect::Path => (None, &["materials", "textures", "light", "environment", "fog"]),
+    }
+}
+
+/// Most procedural textures, which all stay in memory.
+const MOST_TEXTURES: usize = 512;
+
+impl Vary {
+    /// Whether the table has what the effect needs, nothing that means nothing for it, and no absurd value.
+    pub(crate) fn check(&self, effect: Effect) -> Result<(), String> {
+        let given = [
+            ("materials", self.materials),
+            ("textures", self.textures.is_some()),
+            ("light", self.light),
+            ("environment", self.environment.is_some()),
+            ("lens", self.lens.is_some()),
+            ("motion", self.motion.is_some()),
+            ("mean_free_path", self.mean_free_path.is_some()),
+            ("fog", self.fog.is_some()),
+        ];
+        let (needed, allowed) = keys(effect);
+        for (key, is_given) in given {
+            if needed == Some(key) && !is_given {
+                return Err(format!("effect `{effect}` needs the key `vary.{key}`"));
+            }
+            if is_given && needed != Some(key) && !allowed.contains(&key) {
+                return Err(format!("`vary.{key}` means nothing for effect `{effect}`"));
+            }
+        }
+        self.check_limits()
+    }
+
+    fn check_limits(&self) -> Result<(), String> {
+        if let Some(Textures::Procedural(count)) = self.textures
+            && !(1..=MOST_TEXTURES).contains(&count)
+        {
+            return Err(format!("`vary.textures.procedural` must be 1 to {MOST_TEXTURES}"));
+        }
+        let FogRange { optical_depth, smoke_share } =
+            self.fog.unwrap_or(FogRange { optical_depth: [1.0; 2], smoke_share: 0.0 });
+        if !(0.0..=1.0).contains(&smoke_share) {
+            return Err("`vary.fog.smoke_share` must be 0 to 1".to_owned());
+        }
+        range("lens", self.lens, 0.01, 256.0)?;
+        range("motion", self.motion, 0.01, 256.0)?;
+        range("mean_free_path", self.mean_free_path, 1e-5, 1.0)?;
+        range("fog.optical_depth", Some(optical_depth), 0.01, 100.0)
+    }
+}
+
+/// Whether a range is one, within limits.
+fn range(key: &str, range: Option<[f32; 2]>, least: f32, most: f32) -> Result<(), String> {
+    let sound = |[low, high]: [f32; 2]| low >= least && low <= high && high <= most;
+    if range.is_none_or(sound) {
+        return Ok(());
+    }
+    Err(format!("`vary.{key}` must be two numbers from {least} to {most}, the smaller one first"))
+}

@@ -1,0 +1,77 @@
+//! Where a path turns: on a surface or in the medium. Shared by all integrators that follow paths through a medium.
+
+use super::bsdf::{Bsdf, BsdfSample};
+use super::medium::{HenyeyGreenstein, Media, Segment};
+use super::sampler::Stream;
+use crate::intersection::SurfacePoint;
+use glam::Vec3;
+
+/// A point where a path from the eye turns.
+pub enum Vertex {
+    /// On a surface.
+    Surface {
+        /// Where.
+        point: SurfacePoint,
+        /// How it reflects.
+        bsdf: Bsdf,
+        /// Unit direction to the vertex before.
+        to_viewer: Vec3,
+    },
+    /// In the medium.
+    Medium {
+        /// Where.
+        point: Vec3,
+        /// How it scatters.
+        phase: HenyeyGreenstein,
+        /// Unit direction that the path came along.
+        direction: Vec3,
+    },
+}
+
+impl Vertex {
+    /// On a surface that the path came to along `direction`.
+    pub fn surface(point: SurfacePoint, direction: Vec3) -> Self {
+        Self::Surface { bsdf: Bsdf::new(&point), point, to_viewer: -direction }
+    }
+
+    /// In the medium, at a distance on a segment.
+    pub fn medium(media: &Media<'_>, segment: &Segment, distance: f32) -> Self {
+        Self::Medium { point: segment.at(distance), phase: media.phase(), direction: segment.direction }
+    }
+
+    /// Where rays from here start, and from where lights are sampled.
+    pub fn ray_origin(&self) -> Vec3 {
+        match self {
+            Self::Surface { point, .. } => point.ray_origin(),
+            Self::Medium { point, .. } => *point,
+        }
+    }
+
+    /// Share of light from a direction that is turned to the vertex before, per steradian; with the cosine on surfaces.
+    pub fn evaluate(&self, to_light: Vec3) -> Vec3 {
+        match self {
+            Self::Surface { bsdf, to_viewer, .. } => bsdf.evaluate(*to_viewer, to_light),
+            Self::Medium { phase, direction, .. } => Vec3::splat(phase.evaluate(direction.dot(to_light))),
+        }
+    }
+
+    /// Density with which [`Vertex::sample`] takes a direction, per steradian.
+    pub fn density(&self, to_light: Vec3) -> f32 {
+        match self {
+            Self::Surface { bsdf, to_viewer, .. } => bsdf.density(*to_viewer, to_light),
+            Self::Medium { phase, direction, .. } => phase.evaluate(direction.dot(to_light)),
+        }
+    }
+
+    /// A direction to look for light in.
+    pub fn sample(&self, stream: &mut Stream) -> Option<BsdfSample> {
+        match self {
+            Self::Surface { bsdf, to_viewer, .. } => bsdf.sample(*to_viewer, stream),
+            Self::Medium { phase, direction, .. } => {
+                let turned = phase.sample(*direction, stream.next_2d());
+                let density = phase.evaluate(direction.dot(turned));
+                Some(BsdfSample { direction: turned, weight: Vec3::ONE, density })
+            }
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! What an effect needs and a scene may not bring: light, a lens, fog, a mean free path.
+
+mod additions;
+
+pub use additions::Additions;
+
+use anyhow::{Result, ensure};
+use deepshade_dataset::vary::Lamp;
+use deepshade_render::bvh::TracedScene;
+use deepshade_render::scene::procedural::sky;
+use deepshade_render::scene::{Camera, Environment, Lens, Look};
+use deepshade_shaders::Effect;
+use glam::{Vec2, Vec3};
+use std::sync::Arc;
+
+/// A scene and a camera with all that the effect needs.
+pub struct Completed {
+    /// The scene.
+    pub scene: TracedScene,
+    /// The camera.
+    pub camera: Camera,
+    /// What was added, a sentence each.
+    pub added: Vec<String>,
+}
+
+/// What a picture is to show, and what its command line gives the scene.
+#[derive(Clone, Copy)]
+pub struct Wants<'a> {
+    /// The effect.
+    pub effect: Effect,
+    /// Rows and columns.
+    pub size: [usize; 2],
+    /// What is given.
+    pub additions: &'a Additions,
+    /// Chooses the lamp and the sky.
+    pub seed: u32,
+}
+
+/// Radius in pixels, at 512 rows, of the circle of confusion at infinity of the lens that is added.
+const BLUR: f32 = 8.0;
+/// Mean free path of red, green and blue, as a share of the diagonal.
+const MEAN_FREE_PATH: Vec3 = Vec3::new(0.01, 0.006, 0.004);
+
+/// Adds to a scene and a camera what is wanted and what is missing.
+///
+/// # Errors
+/// If the environment or the medium cannot be read, or the lens or the medium is none.
+pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Result<Completed> {
+    let Wants { effect, additions, .. } = *wants;
+    let (mut camera, mut added) = (*camera, Vec::new());
+    let mut look = scene.scene().look();
+    if let Some(path) = &additions.environment {
+        look.environment = Some(Arc::new(Environment::load(path)?));
+    }
+    add_light(scene, &camera, wants, &mut look, &mut added);
+    if matches!(effect, Effect::Sss | Effect::Subsurface)
+        && look.materials.iter().all(|material| material.mean_free_path == Vec3::ZERO)
+    {
+        let metres = MEAN_FREE_PATH * scene.diagonal();
+        look.materials.iter_mut().for_each(|material| material.mean_free_path = metres);
+        added.push(format!("no material lets light in: all do, with mean free paths of {metres} m"));
+    }
+    let foggy = matches!(effect, Effect::FogDirect | Effect::FogIndirect | Effect::FogMultiple);
+    if let Some(medium) = additions.medium(scene)? {
+        look.medium = Some(Arc::new(medium));
+    } else if foggy && look.medium.is_none() {
+        look.medium = Some(Arc::new(additions.fog(scene)?));
+        added.push("the scene brings no medium: grey fog, of optical depth 1 along its diagonal".to_owned());
+    }
+    let still = scene.scene().meshes.iter().all(|mesh| mesh.displacements.is_empty());
+    if effect == Effect::MotionBlur && still {
+        added.push("nothing in the scene moves: the picture is of a still scene".to_owned());
+    }
+    if additions.aperture.is_some() || matches!(effect, Effect::Dof | Effect::Multi) {
+        camera.lens = Some(lens(scene, &camera, wants, &mut added)?);
+    } else {
+        ensure!(additions.focus.is_none(), "--focus means nothing to {effect} without --aperture");
+    }
+    Ok(Completed { scene: scene.with_look(look)?, camera, added })
+}
+
+/// Adds a sky for effects that are lit by one alone, and a lamp for others in a scene where nothing shines for them.
+fn add_light(
+    scene: &TracedScene,
+    camera: &Camera,
+    wants: &Wants<'_>,
+    look: &mut Look,
+    added: &mut Vec<String>,
+) {
+    let by_sky = matches!(wants.effect, Effect::Do | Effect::Ibl);
+    if by_sky && look.environment.is_none() {
+        look.environment = Some(Arc::new(sky(u64::from(wants.seed))));
+        added.push(format!("no environment is given: a clear sky, number {}", wants.seed));
+    }
+    let dark = if wants.effect.lit_by_lamps_alone() {
+        look.lights.is_empty()
+    } else {
+        look.environment.is_none() && scene.scene().is_dark()
+    };
+    if dark && !by_sky && wants.effect != Effect::Ao {
+        let lamp = Lamp::drawn(scene, camera, wants.size, wants.seed);
+        look.lights.push(lamp.light());
+        let Lamp { position, intensity } = lamp;
+        added
+            .push(format!("no light that the effect sees: a lamp at {position:.2} m of {intensity:.3} W/sr"));
+    }
+}
+
+/// The lens that is wanted, as far as it is stated.
+fn lens(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>, added: &mut Vec<String>) -> Result<Lens> {
+    let [height, width] = wants.size;
+    let Additions { aperture, focus, .. } = *wants.additions;
+    let both = aperture.is_some() && focus.is_some();
+    let focus = focus.unwrap_or_else(|| {
+        let direction = camera.direction(0.5 * Vec2::new(width as f32, height as f32), height, width);
+        let depth = |distance: f32| -camera.to_camera(camera.position + direction * distance).z;
+        let met = scene.hit(camera.position, direction, f32::INFINITY);
+        met.map_or(scene.diagonal(), |hit| depth(hit.distance))
+    });
+    let radius = aperture.unwrap_or_else(|| BLUR * focus / camera.focal_length(512));
+    if !both {
+        added.push(format!("a lens of radius {radius:.4} m that focuses {focus:.3} m"));
+    }
+    Ok(Lens::new(radius, focus)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser as _;
+    use deepshade_render::scene::{Material, Mesh, Scene};
+
+    /// A wall of 4 m at z = 0, with nothing that shines.
+    fn wall() -> TracedScene {
+        let corners = [(-2., -2.), (2., -2.), (2., 2.), (-2., 2.)];
+        let mesh = Mesh {
+            positions: corners.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        };
+        let materials = vec![Material::default()];
+        TracedScene::new(Scene { meshes: vec![mesh].into(), materials, ..Scene::default() }).expect("a wall")
+    }
+
+    fn additions(arguments: &[&str]) -> Additions {
+        #[derive(clap::Parser)]
+        struct Line {
+            #[command(flatten)]
+            additions: Additions,
+        }
+        let line = Line::try_parse_from(["deepshade"].iter().chain(arguments));
+        line.expect("a sound command line").additions
+    }
+
+    #[test]
+    fn what_an_effect_needs_is_added_and_said() {
+        let (scene, camera) = (wall(), Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO));
+        for effect in Effect::ALL {
+            let wants = Wants { effect, size: [16, 16], additions: &additions(&[]), seed: 1 };
+            let Completed { scene, camera, added } = complete(&scene, &camera, &wants).expect("completed");
+            let scene = scene.scene();
+            let sky = matches!(effect, Effect::Do | Effect::Ibl);
+            assert_eq!(scene.environment.is_some(), sky, "{effect}");
+            assert_eq!(scene.lights.len(), usize::from(!sky && effect != Effect::Ao), "{effect}");
+            assert_eq!(scene.medium.is_some(), effect.name().starts_with("fog"), "{effect}");
+            let lens = matches!(effect, Effect::Dof | Effect::Multi);
+            assert_eq!(camera.lens.map(|lens| lens.focus), lens.then_some(3.0), "{effect}");
+            assert_eq!(added.is_empty(), effect == Effect::Ao, "{effect}: {added:?}");
+        }
+    }
+
+    #[test]
+    fn what_shines_for_one_effect_is_dark_for_another() {
+        let mut scene = wall().scene().clone();
+        scene.materials[0].emission = Vec3::ONE;
+        let scene = TracedScene::new(scene).expect("a wall");
+        let camera = Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO);
+        for effect in Effect::ALL {
+            let wants = Wants { effect, size: [16, 16], additions: &additions(&[]), seed: 1 };
+            let completed = complete(&scene, &camera, &wants).expect("completed");
+            let lamps = completed.scene.scene().lights.len();
+            assert_eq!(lamps, usize::from(effect.lit_by_lamps_alone()), "{effect}");
+        }
+    }
+
+    #[test]
+    fn what_is_asked_for_is_taken() {
+        let camera = Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO);
+        let completed = |effect, arguments: &[&str]| {
+            let wants = Wants { effect, size: [16, 16], additions: &additions(arguments), seed: 1 };
+            complete(&wall(), &camera, &wants)
+        };
+        let sharp = completed(Effect::Path, &["--aperture", "0.1", "--focus", "2"]).expect("completed");
+        assert_eq!(sharp.camera.lens, Some(Lens { radius: 0.1, focus: 2.0 }));
+        let foggy = completed(Effect::Path, &["--extinction", "0.4,0.2,0.1", "--scattering-albedo", "0.5"]);
+        let medium = foggy.expect("completed").scene.scene().medium.clone().expect("fog");
+        assert!((medium.extinction() - Vec3::new(0.4, 0.2, 0.1)).length() < 1e-6);
+        for (arguments, named) in [
+            (["--environment", "missing.hdr"].as_slice(), "missing.hdr"),
+            (&["--focus", "2"], "--focus"),
+            (&["--medium", "missing.vol"], "missing.vol"),
+            (&["--extinction", "1", "--scattering-albedo", "1.5"], "--scattering-albedo"),
+            (&["--extinction", "1", "--anisotropy", "2"], "anisotropy"),
+        ] {
+            let error = format!("{:#}", completed(Effect::Path, arguments).err().expect("an error"));
+            assert!(error.contains(named), "{error}");
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! What a command line gives a scene: an environment, a lens, a medium.
+
+use anyhow::{Context, Result, ensure};
+use deepshade_render::bvh::TracedScene;
+use deepshade_render::scene::{Bounds, Density, DensityGrid, Medium};
+use glam::Vec3;
+use std::path::PathBuf;
+
+/// How far fog reaches beyond the scene's box, as a share of the diagonal.
+const FOG_MARGIN: f32 = 0.1;
+
+/// What a scene is given beside what its file brings.
+#[derive(clap::Args, Clone, Debug)]
+#[command(next_help_heading = "Light, lens and fog")]
+pub struct Additions {
+    /// An environment map (.hdr, .exr) around the scene.
+    #[arg(long)]
+    pub environment: Option<PathBuf>,
+    /// Radius of the lens, metres.
+    #[arg(long, value_parser = crate::compare::positive)]
+    pub aperture: Option<f32>,
+    /// Depth that the lens focuses, metres; by default that of what is in the middle of the picture.
+    #[arg(long, value_parser = crate::compare::positive)]
+    pub focus: Option<f32>,
+    /// Densities of a medium as a grid: a Mitsuba volume file (.vol), in the box that it states.
+    #[arg(long)]
+    pub medium: Option<PathBuf>,
+    /// Extinction where the medium's density is 1, per metre: one number, or red,green,blue. Without --medium it is that
+    /// of fog all over the scene.
+    #[arg(long, value_parser = colour)]
+    pub extinction: Option<Vec3>,
+    /// Share of the extinction that is scattering, the rest being absorption: one number, or red,green,blue.
+    #[arg(long, default_value = "0.9", value_parser = colour)]
+    pub scattering_albedo: Vec3,
+    /// Mean cosine of the angle by which the medium scatters (Henyey-Greenstein), from -0.99 to 0.99.
+    #[arg(long, default_value_t = 0.0, allow_hyphen_values = true)]
+    pub anisotropy: f32,
+}
+
+impl Additions {
+    /// The medium that is stated, if one is.
+    ///
+    /// # Errors
+    /// If its file cannot be read, or a coefficient is impossible.
+    pub fn medium(&self, scene: &TracedScene) -> Result<Option<Medium>> {
+        let density = match &self.medium {
+            Some(path) => Density::Grid(DensityGrid::read_vol(path, None)?),
+            None if self.extinction.is_some() => around(scene),
+            None => return Ok(None),
+        };
+        let extinction = self.extinction.context("--medium needs --extinction, that of density 1")?;
+        self.of_density(extinction, density).map(Some)
+    }
+
+    /// Fog all over a scene, of optical depth 1 along its diagonal.
+    ///
+    /// # Errors
+    /// If a coefficient is impossible.
+    pub fn fog(&self, scene: &TracedScene) -> Result<Medium> {
+        self.of_density(Vec3::splat(1.0 / scene.diagonal()), around(scene))
+    }
+
+    fn of_density(&self, extinction: Vec3, density: Density) -> Result<Medium> {
+        let albedo = self.scattering_albedo;
+        ensure!(
+            albedo.max_element() <= 1.0,
+            "--scattering-albedo {albedo}: more than all cannot be scattered"
+        );
+        Ok(Medium::new((1.0 - albedo) * extinction, albedo * extinction, self.anisotropy, density)?)
+    }
+}
+
+/// Density 1 in a scene's box and a little around it.
+fn around(scene: &TracedScene) -> Density {
+    let margin = Vec3::splat(FOG_MARGIN * scene.diagonal());
+    let Bounds { min, max } = scene.bounds();
+    Density::Within(Bounds { min: min - margin, max: max + margin })
+}
+
+/// Reads one number for all colours, or three.
+fn colour(text: &str) -> Result<Vec3, String> {
+    let number =
+        |text: &str| text.trim().parse::<f32>().ok().filter(|value| value.is_finite() && *value >= 0.0);
+    let numbers: Option<Vec<f32>> = text.split(',').map(number).collect();
+    match numbers.as_deref() {
+        Some([all]) => Ok(Vec3::splat(*all)),
+        Some([red, green, blue]) => Ok(Vec3::new(*red, *green, *blue)),
+        _ => Err(format!("`{text}` is neither a number nor red,green,blue, none of them negative")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_are_one_number_or_three() {
+        assert_eq!(colour("0.5"), Ok(Vec3::splat(0.5)));
+        assert_eq!(colour("1, 0.5,0"), Ok(Vec3::new(1.0, 0.5, 0.0)));
+        for wrong in ["", "1,2", "-1", "nan", "1,2,x", "inf"] {
+            assert!(colour(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! Linear values as a picture: exposure and tone curve.
+
+use crate::report::images::painted;
+use deepshade_shaders::colour::luminance;
+use deepshade_shaders::{Effect, Planes};
+use glam::Vec3;
+use image::RgbImage;
+use std::fmt;
+
+/// How linear values become those of a screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Exposure {
+    /// As they are.
+    Plain,
+    /// Light, divided by `middle` and multiplied by 0.18, then compressed so that `white` becomes 1 (Reinhard et al.
+    /// 2002, equations 2 and 4; their key is 0.18).
+    Tone {
+        /// Luminance that becomes a middle grey: the logarithmic mean.
+        middle: f32,
+        /// Luminance that becomes 1.
+        white: f32,
+    },
+}
+
+/// What a middle grey reflects.
+const KEY: f32 = 0.18;
+
+impl Exposure {
+    /// The exposure of an image: plain for shares of a hemisphere, by its own brightness for light, and so that `white`
+    /// becomes 1, without compression, where that is given.
+    pub fn new(effect: Effect, image: &Planes, white: Option<f32>) -> Self {
+        if let Some(white) = white {
+            return Self::Tone { middle: KEY * white, white: f32::INFINITY };
+        }
+        if effect == Effect::Ao {
+            return Self::Plain;
+        }
+        let luminances = (0..image.pixels()).map(|pixel| luminance(colour(image, pixel).into()));
+        let lit: Vec<f32> = luminances.filter(|value| *value > 0.0 && value.is_finite()).collect();
+        if lit.is_empty() {
+            return Self::Plain;
+        }
+        let logarithms = lit.iter().map(|value| f64::from(value.ln()));
+        let middle = (logarithms.sum::<f64>() / lit.len() as f64).exp() as f32;
+        let white = lit.iter().copied().fold(0.0, f32::max);
+        Self::Tone { middle, white }
+    }
+
+    /// The picture of an image, sRGB.
+    pub fn picture(self, image: &Planes) -> RgbImage {
+        painted(image, |pixel| self.shown(colour(image, pixel)))
+    }
+
+    /// The linear colour on the screen.
+    fn shown(self, colour: Vec3) -> Vec3 {
+        match self {
+            Self::Plain => colour,
+            Self::Tone { middle, white } if white.is_infinite() => colour * (KEY / middle),
+            Self::Tone { middle, white } => {
+                let scaled = KEY / middle;
+                let (bright, white) = (luminance(colour.into()) * scaled, (white * scaled).max(1.0));
+                colour * scaled * (1.0 + bright / (white * white)) / (1.0 + bright)
+            }
+        }
+    }
+}
+
+impl fmt::Display for Exposure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Plain => f.write_str("linear values as they are"),
+            Self::Tone { middle, white } if white.is_infinite() => {
+                write!(f, "exposed so that {} is white", middle / KEY)
+            }
+            Self::Tone { middle, white } => {
+                write!(
+                    f,
+                    "exposed so that {middle:.4} is middle grey, compressed so that {white:.3} is white"
+                )
+            }
+        }
+    }
+}
+
+/// A pixel's colour; grey where there is one channel.
+fn colour(image: &Planes, pixel: usize) -> Vec3 {
+    let last = image.channels() - 1;
+    Vec3::from_array([0, 1, 2].map(|channel: usize| image.plane(channel.min(last))[pixel]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grey(values: &[f32]) -> Planes {
+        Planes::from_fn(3, 1, values.len(), |_, _, x| values[x])
+    }
+
+    #[test]
+    fn brightness_of_the_scene_does_not_matter() {
+        let (dim, bright) = (grey(&[0.01, 0.02, 0.08]), grey(&[10.0, 20.0, 80.0]));
+        let picture = |image: &Planes| Exposure::new(Effect::Path, image, None).picture(image);
+        assert_eq!(picture(&dim), picture(&bright));
+        let levels: Vec<u8> = picture(&dim).pixels().map(|pixel| pixel.0[0]).collect();
+        assert!(levels.is_sorted() && levels[0] > 20 && levels[2] < 255, "{levels:?}");
+    }
+
+    #[test]
+    fn white_is_white_and_hue_stays() {
+        let exposure = Exposure::Tone { middle: 0.1, white: 50.0 };
+        assert!((luminance(exposure.shown(Vec3::splat(50.0)).into()) - 1.0).abs() < 1e-5);
+        let shown = exposure.shown(Vec3::new(2.0, 1.0, 0.5));
+        assert!((shown.x / shown.y - 2.0).abs() < 1e-5 && (shown.y / shown.z - 2.0).abs() < 1e-5);
+        let asked = Exposure::new(Effect::Path, &grey(&[1.0]), Some(4.0));
+        assert!((asked.shown(Vec3::splat(2.0)) - Vec3::splat(0.5)).length() < 1e-6);
+    }
+
+    #[test]
+    fn shares_and_darkness_are_shown_as_they_are() {
+        assert_eq!(Exposure::new(Effect::Ao, &Planes::filled(1, 1, 2, 0.3), None), Exposure::Plain);
+        assert_eq!(Exposure::new(Effect::Path, &grey(&[0.0, 0.0]), None), Exposure::Plain);
+        let picture = Exposure::Plain.picture(&Planes::from_data(1, 1, 2, vec![0.0, 1.0]));
+        assert_eq!((picture.get_pixel(0, 0).0, picture.get_pixel(1, 0).0), ([0; 3], [255; 3]));
+    }
+}
