@@ -1,5 +1,6 @@
 //! `deepshade compare`: methods against truth on the views of a scene.
 
+use crate::arguments::{check_pixels, positive};
 use crate::complete::{Additions, Wants, complete};
 use crate::exposure_time;
 use crate::figures::{self, Figures};
@@ -151,16 +152,6 @@ fn model_folder(args: &Args) -> PathBuf {
     args.model.clone().unwrap_or_else(|| Path::new("models").join(args.effect.name()))
 }
 
-/// Refuses images whose truth would not fit into memory.
-///
-/// # Errors
-/// If there are more than 2^25 pixels: the eight scramblings of one take 96 bytes, and what comes of them half as much.
-pub fn check_pixels(height: usize, width: usize) -> Result<()> {
-    const MOST: usize = 1 << 25;
-    ensure!(height * width <= MOST, "{width} x {height} pixels are more than {MOST}");
-    Ok(())
-}
-
 /// The radius of a scene with this diagonal in an image of this height, metres.
 pub fn default_radius(model: Option<&Model>, diagonal: f32, height: usize) -> f32 {
     model.map_or(DEFAULT_REACH, |model| model.spec.reach).radius(diagonal, height)
@@ -233,27 +224,10 @@ pub fn machine(gpu: &Gpu) -> Vec<(String, String)> {
     [adapter].into_iter().chain(rest).collect()
 }
 
-/// Reads a number that must be positive, such as a radius.
-pub fn positive(text: &str) -> Result<f32, String> {
-    let value: f32 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
-    if value > 0.0 && value.is_finite() {
-        Ok(value)
-    } else {
-        Err(format!("{value} is not above 0 and finite"))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use deepshade_infer::{ChannelOrder, NetSpec, Weights};
-
-    #[test]
-    fn images_that_memory_does_not_hold_are_refused() {
-        assert!(check_pixels(4096, 8192).is_ok());
-        let error = check_pixels(8192, 8192).expect_err("too many").to_string();
-        assert!(error.contains("8192 x 8192"), "{error}");
-    }
 
     #[test]
     fn the_default_radius_follows_one_rule_with_a_network_and_without() {

@@ -1,6 +1,6 @@
 //! `deepshade infer`: a network on a g-buffer file, whichever renderer wrote it.
 
-use crate::compare::positive;
+use crate::arguments::positive;
 use crate::figures::Figures;
 use anyhow::{Context, Result, anyhow, ensure};
 use deepshade_infer::{Model, NetSpec, forward};

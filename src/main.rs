@@ -6,6 +6,7 @@ use std::process::ExitCode;
 #[macro_use]
 mod output;
 
+mod arguments;
 mod bench;
 mod compare;
 mod complete;

@@ -5,7 +5,8 @@
 
 mod picture;
 
-use crate::compare::{check_pixels, default_radius, positive};
+use crate::arguments::{check_pixels, positive, reach};
+use crate::compare::default_radius;
 use crate::complete::{Additions, Completed, Wants, complete};
 use crate::exposure_time;
 use crate::figures::{Figures, write_atomically};
@@ -237,11 +238,6 @@ fn write_exr(path: &Path, effect: Effect, estimate: &Estimate, provenance: &Meta
     write_atomically(path, &exr_file::encode(path, &layers, provenance)?)
 }
 
-/// Reads a radius, which may be `inf`.
-fn reach(text: &str) -> Result<f32, String> {
-    if text == "inf" { Ok(f32::INFINITY) } else { positive(text) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -253,11 +249,5 @@ mod tests {
         assert_eq!(both_endings(Path::new("a/b.png")).expect("a picture"), both);
         assert_eq!(both_endings(Path::new("a/b.PNG")).expect("a picture")[1], Path::new("a/b.PNG"));
         assert!(both_endings(Path::new("a/b.jpg")).expect_err("no picture").to_string().contains("a/b.jpg"));
-    }
-
-    #[test]
-    fn a_radius_is_positive_or_endless() {
-        assert_eq!((reach("0.5"), reach("inf")), (Ok(0.5), Ok(f32::INFINITY)));
-        assert!(reach("0").is_err() && reach("-inf").is_err() && reach("nan").is_err());
     }
 }

@@ -1,6 +1,6 @@
 //! How many samples truth takes: a count, or as many as an error needs.
 
-use crate::compare::positive;
+use crate::arguments::positive;
 use deepshade_render::path::Goal;
 use deepshade_render::path::sampler::MAX_SAMPLES;
 

@@ -1,6 +1,6 @@
 //! `deepshade train`: a network from a dataset.
 
-use crate::compare::positive;
+use crate::arguments::positive;
 use crate::figures::Figures;
 use anyhow::{Result, bail};
 use clap::ValueEnum;

@@ -17,10 +17,10 @@ pub struct Additions {
     #[arg(long)]
     pub environment: Option<PathBuf>,
     /// Radius of the lens, metres.
-    #[arg(long, value_parser = crate::compare::positive)]
+    #[arg(long, value_parser = crate::arguments::positive)]
     pub aperture: Option<f32>,
     /// Depth that the lens focuses, metres; by default that of what is in the middle of the picture.
-    #[arg(long, value_parser = crate::compare::positive)]
+    #[arg(long, value_parser = crate::arguments::positive)]
     pub focus: Option<f32>,
     /// Densities of a medium as a grid: a Mitsuba volume file (.vol), in the box that it states.
     #[arg(long)]

@@ -1,0 +1,46 @@
+//! What command lines hold, read and checked.
+
+use anyhow::{Result, ensure};
+
+/// Reads a number that must be positive, such as a radius.
+pub fn positive(text: &str) -> Result<f32, String> {
+    let value: f32 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(format!("{value} is not above 0 and finite"))
+    }
+}
+
+/// Reads a radius, which may be `inf`.
+pub fn reach(text: &str) -> Result<f32, String> {
+    if text == "inf" { Ok(f32::INFINITY) } else { positive(text) }
+}
+
+/// Refuses images whose truth would not fit into memory.
+///
+/// # Errors
+/// If there are more than 2^25 pixels: the eight scramblings of one take 96 bytes, and what comes of them half as much.
+pub fn check_pixels(height: usize, width: usize) -> Result<()> {
+    const MOST: usize = 1 << 25;
+    ensure!(height * width <= MOST, "{width} x {height} pixels are more than {MOST}");
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn images_that_memory_does_not_hold_are_refused() {
+        assert!(check_pixels(4096, 8192).is_ok());
+        let error = check_pixels(8192, 8192).expect_err("too many").to_string();
+        assert!(error.contains("8192 x 8192"), "{error}");
+    }
+
+    #[test]
+    fn a_radius_is_positive_or_endless() {
+        assert_eq!((reach("0.5"), reach("inf")), (Ok(0.5), Ok(f32::INFINITY)));
+        assert!(reach("0").is_err() && reach("-inf").is_err() && reach("nan").is_err());
+    }
+}
