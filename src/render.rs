@@ -44,7 +44,8 @@ pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
     #[arg(long)]
     scene: SceneSource,
-    /// What is computed.
+    /// What is computed: ao, do, gi, ibl, sss, subsurface, dof, motion-blur, aa, multi, fog-direct, fog-indirect,
+    /// fog-multiple or path; the README says what each of them is.
     #[arg(long, default_value = "path")]
     effect: Effect,
     /// Which of the effect's light: of path emitted, direct, first-indirect (after one bounce) or rest; of gi glossy (what
@@ -69,7 +70,7 @@ pub struct Args {
     #[arg(long, default_value_t = 768, value_parser = RangedU64ValueParser::<usize>::new().range(1..=8192))]
     width: usize,
     /// How far effects with a radius reach, metres, or inf; by default 15 % of the scene's diagonal, divided by N in
-    /// pictures N times as high as 512 rows.
+    /// pictures N times as high as 512 rows, so that lower pictures have a larger one.
     #[arg(long, value_parser = reach)]
     radius: Option<f32>,
     #[command(flatten)]
@@ -137,7 +138,7 @@ pub fn run(args: &Args) -> Result<()> {
         "{}: {} ({}), {} samples a pixel in {seconds:.1} s",
         exr.display(),
         args.effect,
-        args.effect.unit(),
+        args.part.unit(args.effect),
         estimate.samples
     )?;
     say!("mean {:.4}, noise {:.2} % of the values", mean(&estimate.mean), 100.0 * noise.sqrt())?;
@@ -219,7 +220,7 @@ fn provenance(
         ),
         ("effect", args.effect.to_string()),
         ("part", args.part.to_string()),
-        ("units", args.effect.unit().to_owned()),
+        ("units", args.part.unit(args.effect).to_owned()),
         ("radius_metres", radius.to_string()),
         ("samples", samples.to_string()),
         ("scramblings", SCRAMBLINGS.to_string()),

@@ -11,7 +11,7 @@ use deepshade_render::methods::hbao::{Hbao, Parameters};
 use deepshade_render::metrics::ssim;
 use deepshade_render::scene::Camera;
 use deepshade_shaders::gpu::Gpu;
-use deepshade_shaders::{GBuffer, Planes, lists};
+use deepshade_shaders::{Effect, GBuffer, Planes, lists};
 use serde_json::json;
 use std::path::PathBuf;
 use std::rc::Rc;
@@ -90,13 +90,15 @@ const ROUNDS: usize = 2;
 /// Tunes and prints.
 ///
 /// # Errors
-/// If the dataset has no validation views, or the GPU fails.
+/// If the dataset is for another effect or has no validation views, or the GPU fails.
 pub fn run(args: &Args) -> Result<()> {
     let dataset = Dataset::open(&args.dataset)?;
     let dataset = match &args.scenes {
         Some(scenes) => dataset.with_scenes(scenes),
         None => dataset,
     };
+    let effect = dataset.recipe().effect;
+    ensure!(effect == Effect::Ao, "{} is for {effect}; hbao computes {}", args.dataset.display(), Effect::Ao);
     let held_apart = dataset.validation();
     ensure!(!held_apart.is_empty(), "{} has no validation views", args.dataset.display());
     let chosen = lists::spread(held_apart.len(), args.frames.into());

@@ -86,7 +86,9 @@ fn named(cameras: &[(String, Camera)], wanted: &str) -> Result<View> {
     let names: Vec<&str> = cameras.iter().map(|(name, _)| name.as_str()).collect();
     match cameras.iter().find(|(name, _)| name == wanted) {
         Some(camera) => Ok(view(camera)),
-        None if names.is_empty() => bail!("no camera `{wanted}`: the scene brings none; use --views"),
+        None if names.is_empty() => {
+            bail!("no camera `{wanted}`: the scene brings none, without --camera views are sampled in it")
+        }
         None => bail!("no camera `{wanted}`; the scene brings {}", names.join(", ")),
     }
 }

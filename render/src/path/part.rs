@@ -37,6 +37,14 @@ impl Part {
         }
     }
 
+    /// What the numbers of this part of an effect's image mean.
+    pub const fn unit(self, effect: Effect) -> &'static str {
+        match self {
+            Self::Glossy => "radiance",
+            Self::All | Self::Emitted | Self::Direct | Self::FirstIndirect | Self::Rest => effect.unit(),
+        }
+    }
+
     /// Whether an effect has such a part.
     pub fn is_of(self, effect: Effect) -> bool {
         match self {
