@@ -2,8 +2,9 @@
 
 use crate::arguments::positive;
 use crate::figures::Figures;
-use anyhow::{Result, bail};
+use anyhow::{Result, bail, ensure};
 use clap::ValueEnum;
+use deepshade_dataset::recipe::Resolution;
 use deepshade_dataset::{Manifest, Radius};
 use deepshade_infer::{ChannelOrder, NetSpec, Reach};
 use deepshade_shaders::Effect;
@@ -168,6 +169,14 @@ fn config(args: &Args) -> Result<TrainConfig> {
             args.dataset.display()
         ),
     };
+    // Before the run's folder is claimed: what is refused leaves no folder that remembers it.
+    let Resolution { height, width } = manifest.origin.recipe.resolution;
+    ensure!(
+        args.crop <= height.min(width),
+        "--crop {}: the pairs of {} are {width} x {height} pixels",
+        args.crop,
+        args.dataset.display()
+    );
     let optimiser = args.optimiser.defaults();
     let base = default_config(&manifest, &args.dataset, args.order.into(), share)?;
     Ok(TrainConfig {

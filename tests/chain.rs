@@ -87,6 +87,10 @@ fn from_a_recipe_to_a_network_that_is_compared() {
             "half a checkpoint"
         );
     }
+    let output = chain.run(&mut Command::new(PROGRAM), "train --dataset data --out refused --crop 128");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && message.contains("--crop 128"), "{message}");
+    assert!(!chain.path("refused").exists(), "a folder that remembers what was refused");
     let trained = chain.figures(TRAIN, &["best_loss", "images_per_second"]);
     assert_eq!(trained["steps"], 4.0);
 
@@ -153,7 +157,8 @@ fn a_pair_takes_milliseconds_to_minutes_and_its_parts_are_all_of_it() {
     let bench = format!("bench dataset --recipes {} --effects do --pairs 1 --one-in 64", recipes.display());
     let made = chain.figures(&bench, &["pairs_per_hour_core_do"]);
     let pairs = made["pairs_per_hour_core_do"].as_f64().expect("a number");
-    assert!((60.0..1e5).contains(&pairs), "{pairs} pairs an hour");
+    // Whatever the machine: in seconds, or in milliseconds, it would be far outside.
+    assert!((1.0..1e6).contains(&pairs), "{pairs} pairs an hour");
     let share = |part: &str| made[format!("share_{part}_do")].as_f64().expect("a number");
     let shares = ["scene", "rays", "shading", "exr"].map(share);
     assert!(shares.iter().all(|share| (0.0..1.0).contains(share)), "{shares:?}");

@@ -8,7 +8,7 @@
 //!   kept: it is rendered again from these, in the recipe's resolution, where it is needed.
 //! - `tiles/<frame>.exr`: the truth of the frame's tiles as a strip, `[channels, 8, 8 * tiles]`, in the layer
 //!   `truth.<effect>`. Which tiles these are is not stored: [`tile_indices`] gives them, row by row, from the frame's
-//!   seed. Half floats round by 1/4096 at most, which changes the similarity of tiles by less than 1e-4. Some
+//!   seed. Half floats round values up to 1 by 1/4096 at most, which changes the similarity of tiles by less than 1e-4. Some
 //!   45 kB a frame of 512 x 512 pixels with one tile in eight.
 //! - `whole/<frame>.exr`: of a few frames the whole image in the layer `truth.<effect>`, with the recipe's `samples`
 //!   a pixel, for metrics that need neighbours.

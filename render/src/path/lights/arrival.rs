@@ -110,10 +110,9 @@ mod tests {
         Arrival::new(&four_colours(), light, point).irradiance
     }
 
-    #[test]
-    fn a_slide_is_seen_upright_from_the_light() {
-        // 45 degrees to each side: the square of half a metre around the axis one metre away is half the slide.
-        let light = Light::Spot {
+    /// A spot at the origin that projects the four colours along -z, 45 degrees to each side.
+    fn projector() -> Light {
+        Light::Spot {
             position: Vec3::ZERO,
             direction: Vec3::NEG_Z,
             intensity: Vec3::ONE,
@@ -121,7 +120,13 @@ mod tests {
             cos_inner: 0.75,
             cos_outer: 0.5f32.sqrt(),
             slide: Some(TextureId(0)),
-        };
+        }
+    }
+
+    #[test]
+    fn a_slide_is_seen_upright_from_the_light() {
+        // The square of half a metre around the axis one metre away is half the slide.
+        let light = projector();
         // Texel middles of the square [-1, 1]^2 at distance 1 are at +-0.5; cos there is sqrt(2/3) > cos_inner.
         let at = |x: f32, y: f32| irradiance(&light, Vec3::new(x, y, -1.0)) * 1.5;
         let colours = [at(-0.5, 0.5), at(0.5, 0.5), at(-0.5, -0.5), at(0.5, -0.5)];
@@ -133,15 +138,7 @@ mod tests {
     #[test]
     fn a_slide_ends_at_its_edges() {
         // Almost at the left edge, where the texture would go over to the green of the right one.
-        let light = Light::Spot {
-            position: Vec3::ZERO,
-            direction: Vec3::NEG_Z,
-            intensity: Vec3::ONE,
-            range: f32::INFINITY,
-            cos_inner: 0.75,
-            cos_outer: 0.5f32.sqrt(),
-            slide: Some(TextureId(0)),
-        };
+        let light = projector();
         let colour = irradiance(&light, Vec3::new(-0.99, 0.1, -1.0));
         assert!(colour.x > 0.0 && colour.y < 1e-3 * colour.x, "{colour}");
     }
