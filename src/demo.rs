@@ -166,7 +166,7 @@ mod short_training {
     fn check(dataset: &Dataset, gpu: &Gpu, model: &Model, figures: &mut Figures) -> Result<()> {
         let index = dataset.validation()[0];
         let (pair, record) = (dataset.pair(index)?, dataset.record(index));
-        let input = model.spec.input(&pair.gbuffer, pair.radius)?;
+        let input = model.spec.input(&pair.gbuffer, pair.radius, 0)?;
         let mut expected = reference::forward(&model.spec, &model.weights, &input);
         model.spec.set_background(&pair.gbuffer, &mut expected)?;
         let scene = record.scene.load(&dataset.recipe().folder)?;

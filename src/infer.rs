@@ -55,8 +55,9 @@ pub fn run(args: &Args) -> Result<()> {
     let scale = model.spec.reach.position_scale(radius);
     ensure!(scale.is_finite(), "radius {radius} m is too small: positions cannot be multiplied by {scale}");
     let gpu = Gpu::new()?;
-    let input = model.spec.input(&gbuffer, radius)?;
-    let mut image = forward::run(&gpu, &model, &input)?;
+    let run = |run| Ok(forward::run(&gpu, &model, &model.spec.input(&gbuffer, radius, run)?)?);
+    let runs = (0..model.spec.runs()).map(run).collect::<Result<Vec<_>>>()?;
+    let mut image = model.spec.image(&runs);
     model.spec.set_background(&gbuffer, &mut image)?;
     let effect = model.spec.effect;
     let metadata = Metadata::from([

@@ -40,13 +40,20 @@ impl Method for Learned {
     /// The time is that of the network's passes, without sending the g-buffer there and the image back.
     fn shade(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Shaded, MethodError> {
         let missing = |source: MissingAttribute| MethodError::Missing { method: LEARNED, source };
-        let input = self.spec().input(frame.gbuffer, frame.radius).map_err(missing)?;
+        let spec = self.spec();
         let Repeats { warm_up, timed } = repeats;
-        let (mut image, timing) =
-            self.network.run_timed(&self.gpu.queue, &input, warm_up, timed).map_err(failed)?;
-        self.spec().set_background(frame.gbuffer, &mut image).map_err(missing)?;
-        let clock = if timing.by_gpu { Clock::Gpu } else { Clock::Cpu };
-        Ok(Shaded { image, milliseconds: timing.milliseconds, clock })
+        let (mut runs, mut milliseconds, mut clock) = (Vec::new(), 0.0, Clock::Gpu);
+        for run in 0..spec.runs() {
+            let input = spec.input(frame.gbuffer, frame.radius, run).map_err(missing)?;
+            let (image, timing) =
+                self.network.run_timed(&self.gpu.queue, &input, warm_up, timed).map_err(failed)?;
+            runs.push(image);
+            milliseconds += timing.milliseconds;
+            clock = if timing.by_gpu { clock } else { Clock::Cpu };
+        }
+        let mut image = spec.image(&runs);
+        spec.set_background(frame.gbuffer, &mut image).map_err(missing)?;
+        Ok(Shaded { image, milliseconds, clock })
     }
 }
 

@@ -30,7 +30,9 @@ pub const fn attributes(effect: Effect) -> &'static [Attribute] {
         Effect::FogDirect | Effect::FogIndirect | Effect::FogMultiple => {
             &[Position, Normal, Depth, Light, Diffuse, Valid]
         }
-        Effect::Path => &[Position, Normal, Depth, Light, Diffuse, Specular, Glossiness, Emission, Valid],
+        Effect::Path | Effect::Real => {
+            &[Position, Normal, Depth, Light, Diffuse, Specular, Glossiness, Emission, Valid]
+        }
     }
 }
 

@@ -157,8 +157,9 @@ impl Stage {
 /// The pass of a layer.
 fn shader(spec: &NetSpec, layer: &Layer) -> &'static Shader {
     match (layer.source, layer.activation) {
-        (Source::Input, true) => &wgsl::NET_FIRST,
-        (Source::Input, false) => &wgsl::NET_ONLY,
+        (Source::Input, _) if spec.levels == 1 => &wgsl::NET_ONLY,
+        (Source::Input, _) => &wgsl::NET_FIRST,
+        (Source::Plain(_), _) => &wgsl::NET_PLAIN,
         (Source::Pooled(_), _) if layer.level + 1 == spec.levels => &wgsl::NET_BOTTOM,
         (Source::Pooled(_), _) => &wgsl::NET_DOWN,
         (Source::Joined { .. }, true) => &wgsl::NET_UP,

@@ -1,6 +1,7 @@
-//! What a trained network does: its spec, its folder, its forward pass in WGSL on the caller's device, and a plain
-//! reference forward pass that the other is checked against.
+//! What a trained network does: its spec, its folder, its forward pass in WGSL on the caller's device and in vector
+//! instructions on the CPU, and a plain reference forward pass that the others are checked against.
 
+pub mod cpu;
 pub mod forward;
 pub mod input;
 pub mod model;
@@ -14,5 +15,5 @@ pub use forward::{ForwardError, Network, Plan};
 pub use model::{Model, ModelError};
 pub use parity::{Activation, Comparison, Parity};
 pub use reach::Reach;
-pub use spec::{ChannelOrder, Layer, NetSpec, Source, SpecError};
+pub use spec::{ChannelOrder, Colour, Layer, NetSpec, Source, SpecError};
 pub use weights::{LayerWeights, Weights};

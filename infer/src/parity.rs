@@ -91,7 +91,7 @@ impl Parity {
         let [height, width] = [parity.input.height().max(1), parity.input.width().max(1)];
         for (name, image, channels) in [
             ("input", &parity.input, spec.input_channels()),
-            ("output", &parity.output, spec.effect.channels()),
+            ("output", &parity.output, spec.output_channels()),
         ] {
             let expected = vec![channels, height, width];
             let found = vec![image.channels(), image.height(), image.width()];

@@ -51,6 +51,7 @@ pub(crate) fn layer(
 ) -> Planes {
     let mut image = match layer.source {
         Source::Input => convolved(input, layer, weights, spec.kernel),
+        Source::Plain(from) => convolved(&made[from], layer, weights, spec.kernel),
         Source::Pooled(from) => convolved(&pooled(&made[from]), layer, weights, spec.kernel),
         Source::Joined { coarse, skip } => {
             let joined = joined(spec, &doubled(&made[coarse]), &made[skip], layer.groups);

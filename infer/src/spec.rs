@@ -4,10 +4,10 @@
 //! The network is the U-net of the thesis (7.3.2): on the way down, level l has `u0 * 2^l` kernels in `2^l` groups, a
 //! leaky ReLU and 2x2 mean pooling; on the way up, the coarser level is doubled bilinearly, joined with the same
 //! level's way down, and convolved. The step upwards on level 0 makes the image itself, without an activation: with
-//! it ambient occlusion has 71,089 weights, Table 7.1's 71 k.
+//! it ambient occlusion has 71,089 weights, Table 7.1's 71 k. On a single level that step reads the way down alone.
 
 use crate::Reach;
-use deepshade_shaders::{Attribute, Effect};
+use deepshade_shaders::{Attribute, AttributeKind, Effect};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -20,6 +20,17 @@ pub enum ChannelOrder {
     Contiguous,
     /// Group by group: a share of the coarser level, then the same share of the skip, so that every group sees both.
     Interleaved,
+}
+
+/// Which colour channels one run of a network makes (thesis 7.3.1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Colour {
+    /// One: the network is trained on single channels, and runs once for each that the effect has. Of colours it
+    /// reads the same channel.
+    Mono,
+    /// All of the effect's at once.
+    Rgb,
 }
 
 /// Most rows of the frames that a network is trained on.
@@ -41,6 +52,10 @@ pub struct NetSpec {
     pub kernel: usize,
     /// Factor of negative values in the leaky ReLU.
     pub leak: f32,
+    /// Which colour channels a run makes.
+    pub colour: Colour,
+    /// Groups of the convolution that makes the image.
+    pub image_groups: usize,
     /// Order of the channels after a concatenation.
     pub channel_order: ChannelOrder,
     /// What it was trained to reach.
@@ -81,6 +96,8 @@ pub enum SpecError {
 pub enum Source {
     /// The network's input.
     Input,
+    /// The layer of that index, as it is: in a network of one level.
+    Plain(usize),
     /// The layer of that index, 2x2 mean pooled.
     Pooled(usize),
     /// The coarser layer, doubled bilinearly, joined with the skip connection's layer.
@@ -124,18 +141,48 @@ impl Layer {
 }
 
 impl NetSpec {
-    /// The paper's network for ambient occlusion (Table 7.1).
-    pub fn ao(channel_order: ChannelOrder, reach: Reach) -> Self {
-        Self {
-            effect: Effect::Ao,
-            inputs: vec![Attribute::Normal, Attribute::Position],
-            u0: 8,
-            levels: 6,
-            kernel: 3,
+    /// The paper's network for an effect (Table 7.1); none where the paper has none.
+    pub fn published(effect: Effect, channel_order: ChannelOrder, reach: Reach) -> Option<Self> {
+        use Attribute::{
+            Blurriness, Depth, Diffuse, DiffuseLight, Glossiness, Light, MeanFreePath, Motion, Normal,
+            Position, Specular, ToCamera, WorldNormal,
+        };
+        let (inputs, u0, levels, kernel, colour): (&[Attribute], _, _, _, _) = match effect {
+            Effect::Ao => (&[Normal, Position], 8, 6, 3, Colour::Mono),
+            Effect::Gi => (&[Normal, Position, DiffuseLight], 16, 5, 3, Colour::Mono),
+            Effect::Dof => (&[Blurriness, Depth, Light], 16, 5, 3, Colour::Mono),
+            Effect::MotionBlur => (&[Motion, Light, Depth], 16, 5, 3, Colour::Mono),
+            Effect::Sss => (&[Position, MeanFreePath, Light], 16, 5, 3, Colour::Mono),
+            Effect::Aa => (&[Depth, Light], 8, 1, 5, Colour::Mono),
+            Effect::Multi => (&[Normal, Position, Blurriness, Depth, Light], 16, 5, 3, Colour::Rgb),
+            Effect::Ibl => (&[WorldNormal, ToCamera, Diffuse, Specular, Glossiness], 300, 1, 1, Colour::Rgb),
+            Effect::Do => (&[WorldNormal, Normal, Position], 16, 5, 3, Colour::Rgb),
+            Effect::Real => (&[Normal], 16, 5, 5, Colour::Rgb),
+            Effect::Subsurface
+            | Effect::FogDirect
+            | Effect::FogIndirect
+            | Effect::FogMultiple
+            | Effect::Path => return None,
+        };
+        let image_groups = if effect == Effect::Ibl { 3 } else { 1 };
+        let inputs = inputs.to_vec();
+        Some(Self {
+            effect,
+            inputs,
+            u0,
+            levels,
+            kernel,
             leak: 0.01,
+            colour,
+            image_groups,
             channel_order,
             reach,
-        }
+        })
+    }
+
+    /// The paper's network for ambient occlusion.
+    pub fn ao(channel_order: ChannelOrder, reach: Reach) -> Self {
+        Self::published(Effect::Ao, channel_order, reach).expect("it has one")
     }
 
     /// Checks what a file or a recipe may get wrong, before anything is computed from it.
@@ -153,21 +200,40 @@ impl NetSpec {
         range("u0", (1..=512).contains(&self.u0), &self.u0, "1 to 512")?;
         range("levels", (1..=8).contains(&self.levels), &self.levels, "1 to 8")?;
         range("kernel", matches!(self.kernel, 1 | 3 | 5 | 7), &self.kernel, "1, 3, 5 or 7")?;
+        range("image_groups", (1..=64).contains(&self.image_groups), &self.image_groups, "1 to 64")?;
         range("leak", (0.0..=1.0).contains(&self.leak), &self.leak, "0 to 1")?;
         range("reach.radius", positive(reach.radius), &reach.radius, "positive")?;
         range("reach.diagonal_share", positive(reach.diagonal_share), &reach.diagonal_share, "positive")?;
         range("reach.height", (1..=MOST_ROWS).contains(&reach.height), &reach.height, "1 to 8192")?;
-        for Layer { name: layer, groups, inputs, outputs, .. } in self.layers() {
-            if inputs % groups != 0 || outputs % groups != 0 {
+        for Layer { name: layer, level, groups, inputs, outputs, source, .. } in self.layers() {
+            let joins_evenly = !matches!(source, Source::Joined { .. }) || (self.u0 << level) % groups == 0;
+            if inputs % groups != 0 || outputs % groups != 0 || !joins_evenly {
                 return Err(SpecError::Groups { layer, groups, inputs, outputs });
             }
         }
         Ok(())
     }
 
-    /// Number of channels read.
+    /// Number of channels that a run reads.
     pub fn input_channels(&self) -> usize {
-        self.inputs.iter().map(|attribute| attribute.width()).sum()
+        let width = |attribute: &Attribute| match (self.colour, attribute.kind()) {
+            (Colour::Mono, AttributeKind::Colour) => 1,
+            _ => attribute.width(),
+        };
+        self.inputs.iter().map(width).sum()
+    }
+
+    /// Number of channels that a run makes.
+    pub const fn output_channels(&self) -> usize {
+        match self.colour {
+            Colour::Mono => 1,
+            Colour::Rgb => self.effect.channels(),
+        }
+    }
+
+    /// Number of runs that make the effect's image.
+    pub const fn runs(&self) -> usize {
+        self.effect.channels() / self.output_channels()
     }
 
     /// The size that heights and widths are padded to a multiple of, so that every pooling is whole.
@@ -175,36 +241,45 @@ impl NetSpec {
         1 << (self.levels - 1)
     }
 
-    /// All layers in the order of computation: down, then up. A network of one level is a single layer that makes
-    /// the image.
+    /// All layers in the order of computation: down, then up.
     pub fn layers(&self) -> Vec<Layer> {
         let width = |level: usize| self.u0 << level;
         let mut layers = Vec::new();
         for level in 0..self.levels {
             let first = level == 0;
-            let last_image = self.levels == 1;
             layers.push(Layer {
                 name: format!("down{level}"),
                 level,
                 source: if first { Source::Input } else { Source::Pooled(level - 1) },
                 inputs: if first { self.input_channels() } else { width(level - 1) },
-                outputs: if last_image { self.effect.channels() } else { width(level) },
+                outputs: width(level),
                 groups: 1 << level,
-                activation: !last_image,
+                activation: true,
             });
         }
-        for level in (0..self.levels - 1).rev() {
+        for level in (1..self.levels - 1).rev() {
             let coarse = layers.len() - 1;
             layers.push(Layer {
                 name: format!("up{level}"),
                 level,
                 source: Source::Joined { coarse, skip: level },
                 inputs: width(level + 1) + width(level),
-                outputs: if level == 0 { self.effect.channels() } else { width(level) },
+                outputs: width(level),
                 groups: 1 << level,
-                activation: level > 0,
+                activation: true,
             });
         }
+        let coarse = layers.len() - 1;
+        let alone = self.levels == 1;
+        layers.push(Layer {
+            name: "up0".to_owned(),
+            level: 0,
+            source: if alone { Source::Plain(coarse) } else { Source::Joined { coarse, skip: 0 } },
+            inputs: if alone { width(0) } else { width(1) + width(0) },
+            outputs: self.output_channels(),
+            groups: self.image_groups,
+            activation: false,
+        });
         layers
     }
 
@@ -237,10 +312,45 @@ mod tests {
     const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
 
     #[test]
-    fn ao_has_the_papers_number_of_weights() {
+    fn networks_have_the_papers_numbers_of_weights() {
+        // Table 7.1 says 71 k, 134 k, 133 k, 133 k, 133 k, 135 k, 135 k, 370 k; for aa it says 1.2 k and for ibl
+        // 3.9 k, which what the text says of them does not give.
+        let weights = [
+            (Effect::Ao, 71_089),
+            (Effect::Gi, 133_489),
+            (Effect::Dof, 132_913),
+            (Effect::MotionBlur, 133_057),
+            (Effect::Sss, 133_201),
+            (Effect::Aa, 609),
+            (Effect::Multi, 134_931),
+            (Effect::Ibl, 4_503),
+            (Effect::Do, 134_643),
+            (Effect::Real, 370_323),
+        ];
         for order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
-            assert_eq!(NetSpec::ao(order, REACH).weight_count(), 71_089);
+            for (effect, weights) in weights {
+                let spec = NetSpec::published(effect, order, REACH).expect("the paper has one");
+                assert_eq!((effect, spec.weight_count(), spec.validate()), (effect, weights, Ok(())));
+            }
         }
+        assert_eq!(NetSpec::published(Effect::Path, ChannelOrder::Contiguous, REACH), None);
+    }
+
+    #[test]
+    fn a_mono_network_runs_once_a_colour_channel() {
+        let spec = |effect| NetSpec::published(effect, ChannelOrder::Interleaved, REACH).expect("has one");
+        let channels = |spec: NetSpec| (spec.input_channels(), spec.output_channels(), spec.runs());
+        assert_eq!(channels(spec(Effect::Ao)), (6, 1, 1));
+        assert_eq!(channels(spec(Effect::Sss)), (5, 1, 3));
+        assert_eq!(channels(spec(Effect::Multi)), (11, 3, 1));
+    }
+
+    #[test]
+    fn a_network_of_one_level_makes_the_image_of_its_way_down() {
+        let aa = NetSpec::published(Effect::Aa, ChannelOrder::Interleaved, REACH).expect("has one");
+        let layers: Vec<_> =
+            aa.layers().into_iter().map(|l| (l.source, l.inputs, l.outputs, l.activation)).collect();
+        assert_eq!(layers, [(Source::Input, 2, 8, true), (Source::Plain(0), 8, 1, false)]);
     }
 
     #[test]
@@ -269,6 +379,8 @@ mod tests {
             (NetSpec { levels: 60, ..ao.clone() }, "`levels` is 60"),
             (NetSpec { u0: usize::MAX, ..ao.clone() }, "`u0` is"),
             (NetSpec { kernel: 4, ..ao.clone() }, "`kernel` is 4"),
+            (NetSpec { image_groups: 0, ..ao.clone() }, "`image_groups` is 0"),
+            (NetSpec { image_groups: 5, ..ao.clone() }, "layer `up0` has 5 groups"),
             (NetSpec { leak: f32::NAN, ..ao.clone() }, "`leak` is NaN"),
             (NetSpec { inputs: Vec::new(), ..ao.clone() }, "`inputs` is 0"),
             (NetSpec { reach: Reach { radius: 0.0, ..REACH }, ..ao.clone() }, "`reach.radius` is 0"),

@@ -38,11 +38,13 @@ pub enum Effect {
     FogMultiple,
     /// All light, radiance, RGB.
     Path,
+    /// The look of photographs, radiance, RGB: all light, in a setting that a network learns by heart (thesis 7.4).
+    Real,
 }
 
 impl Effect {
     /// Every effect.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Ao,
         Self::Do,
         Self::Gi,
@@ -57,6 +59,7 @@ impl Effect {
         Self::FogIndirect,
         Self::FogMultiple,
         Self::Path,
+        Self::Real,
     ];
 
     /// Its name on the command line, in recipes and in files.
@@ -76,6 +79,7 @@ impl Effect {
             Self::FogIndirect => "fog-indirect",
             Self::FogMultiple => "fog-multiple",
             Self::Path => "path",
+            Self::Real => "real",
         }
     }
 
@@ -100,7 +104,8 @@ impl Effect {
             | Self::FogDirect
             | Self::FogIndirect
             | Self::FogMultiple
-            | Self::Path => None,
+            | Self::Path
+            | Self::Real => None,
         }
     }
 
@@ -116,7 +121,8 @@ impl Effect {
             | Self::FogDirect
             | Self::FogIndirect
             | Self::FogMultiple
-            | Self::Path => false,
+            | Self::Path
+            | Self::Real => false,
         }
     }
 

@@ -98,9 +98,12 @@ table! {
     /// A network's last layer.
     NET_IMAGE: "net.image", file "net/image", constants [KERNEL = 3], uniforms [NetLayer],
         shared ["net_image", "net_layer", "net_joined"];
-    /// A network of one level.
-    NET_ONLY: "net.only", file "net/image", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_image", "net_layer", "net_input", "net_single"];
+    /// The first layer of a network of one level.
+    NET_ONLY: "net.only", file "net/feature_map", constants [KERNEL = 3], uniforms [NetLayer],
+        shared ["net_features", "net_layer", "net_input", "net_single"];
+    /// The last layer of a network of one level.
+    NET_PLAIN: "net.plain", file "net/image", constants [KERNEL = 3], uniforms [NetLayer],
+        shared ["net_image", "net_layer", "net_pooled", "net_single"];
 }
 
 #[cfg(test)]

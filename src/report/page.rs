@@ -177,6 +177,7 @@ const fn title(effect: Effect) -> &'static str {
         Effect::FogIndirect => "Fog, light from surfaces",
         Effect::FogMultiple => "Fog, light scattered many times",
         Effect::Path => "All light",
+        Effect::Real => "The look of photographs",
     }
 }
 

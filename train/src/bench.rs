@@ -37,7 +37,7 @@ pub fn bench(config: &TrainConfig, steps: usize) -> Result<StepTimes, TrainError
     let mut net = UNet::random(&config.spec, config.seed, &device);
     let mut optimiser = config.optimiser.start();
     let noise = |channels: usize| noise([config.batch, channels, config.crop, config.crop], &device);
-    let (input, target) = (noise(config.spec.input_channels()), noise(config.spec.effect.channels()));
+    let (input, target) = (noise(config.spec.input_channels()), noise(config.spec.output_channels()));
     let valid = Tensor::ones([config.batch, 1, config.crop, config.crop], &device);
     let done = || device.sync().map_err(|error| TrainError::Device(error.to_string()));
     let mut times = Vec::with_capacity(steps);

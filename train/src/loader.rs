@@ -28,15 +28,17 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// Adds a pair, with the same [input](NetSpec::input) that the network gets wherever it runs.
-    pub fn push(&mut self, pair: &Pair, spec: &NetSpec) {
+    /// Adds what one of the network's [runs](NetSpec::runs) reads and makes of a pair, with the same
+    /// [input](NetSpec::input) that the network gets wherever it runs.
+    pub fn push(&mut self, pair: &Pair, spec: &NetSpec, run: usize) {
         let input =
-            spec.input(&pair.gbuffer, pair.radius).expect("pairs are kept with what the network reads");
+            spec.input(&pair.gbuffer, pair.radius, run).expect("pairs are kept with what the network reads");
         let seen = pair.gbuffer.seen().expect("pairs are kept with their validity");
         self.images += 1;
         self.size = [input.height(), input.width()];
         self.input.extend_from_slice(input.data());
-        self.target.extend_from_slice(pair.target.data());
+        let (made, pixels) = (spec.output_channels(), pair.target.pixels());
+        self.target.extend_from_slice(&pair.target.data()[run * made * pixels..][..made * pixels]);
         self.valid.extend(seen.into_iter().map(|seen| f32::from(u8::from(seen))));
     }
 
@@ -64,13 +66,15 @@ impl Sampler {
     fn batch(&self, step: usize) -> Result<Batch, TrainError> {
         let mut batch = Batch::default();
         for position in step * self.config.batch..(step + 1) * self.config.batch {
-            batch.push(&self.crop(position)?, &self.config.spec);
+            let (pair, run) = self.crop(position)?;
+            batch.push(&pair, &self.config.spec, run);
         }
         Ok(batch)
     }
 
-    /// The crop at a position in the run: every pair once an epoch, each epoch in another order.
-    fn crop(&self, position: usize) -> Result<Pair, TrainError> {
+    /// The crop at a position in the training, every pair once an epoch, each epoch in another order, and which of the
+    /// network's runs is trained on it.
+    fn crop(&self, position: usize) -> Result<(Pair, usize), TrainError> {
         let (epoch, at) = (position / self.pairs.len(), position % self.pairs.len());
         let order = Rng::new(self.config.seed, Purpose::Order, epoch as u64).permutation(self.pairs.len());
         let index = self.pairs[order[at]];
@@ -80,7 +84,8 @@ impl Sampler {
             index,
             problem: format!("is {} by {}, smaller than `crop`", pair.height(), pair.width()),
         })?;
-        Ok(augment(&crop, Symmetry::ALL[rng.below(Symmetry::ALL.len())]))
+        let turned = augment(&crop, Symmetry::ALL[rng.below(Symmetry::ALL.len())]);
+        Ok((turned, rng.below(self.config.spec.runs())))
     }
 }
 
@@ -166,12 +171,12 @@ mod tests {
             radius: 2.0,
         };
         let mut batch = Batch::default();
-        batch.push(&pair, &spec);
-        batch.push(&pair, &spec);
+        batch.push(&pair, &spec, 0);
+        batch.push(&pair, &spec, 0);
         // Of the first pixel nothing is seen; positions are scaled by the trained over the wanted radius.
         let image = [0.0, 41.0, 0.0, 51.0, 0.0, 61.0, 0.0, 0.25, 0.0, 2.75, 0.0, 5.25];
         assert_eq!(batch.input, [image, image].concat());
-        assert_eq!(batch.input[..12], *spec.input(&pair.gbuffer, pair.radius).expect("an input").data());
+        assert_eq!(batch.input[..12], *spec.input(&pair.gbuffer, pair.radius, 0).expect("an input").data());
         assert_eq!(batch.valid, [0.0, 1.0, 0.0, 1.0]);
         assert_eq!(batch.target, [0.25; 4]);
         let shapes = batch.into_tensors(&crate::device()).map(|tensor| tensor.dims());

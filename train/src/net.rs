@@ -110,6 +110,7 @@ impl UNet {
         for (layer, conv) in self.spec.layers().iter().zip(&self.convs) {
             let input = match layer.source {
                 Source::Input => x.clone(),
+                Source::Plain(from) => outputs[from].clone(),
                 Source::Pooled(finer) => ops::halve(outputs[finer].clone()),
                 Source::Joined { coarse, skip } => {
                     ops::join(outputs[coarse].clone(), outputs[skip].clone(), self.join_groups(layer))

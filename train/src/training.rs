@@ -236,7 +236,8 @@ impl<'a> Run<'a> {
         for index in &self.split.validation {
             let pair = self.cache.pair(*index)?;
             let mut batch = Batch::default();
-            batch.push(&pair.window(0, 0, pair.height(), pair.width()), &self.config.spec);
+            let whole = pair.window(0, 0, pair.height(), pair.width());
+            (0..self.config.spec.runs()).for_each(|run| batch.push(&whole, &self.config.spec, run));
             let [input, target, valid] = batch.into_tensors(&device);
             let loss: Tensor<1> = loss::dssim(net.forward(input), target, valid);
             sum += loss.into_scalar::<f32>();

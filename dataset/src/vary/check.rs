@@ -20,7 +20,7 @@ const fn keys(effect: Effect) -> (Option<&'static str>, &'static [&'static str])
         Effect::Dof | Effect::Multi => (Some("lens"), BY_LAMPS),
         Effect::MotionBlur => (Some("motion"), BY_LAMPS),
         Effect::FogDirect | Effect::FogIndirect | Effect::FogMultiple => (Some("fog"), SHADING),
-        Effect::Path => (None, &["materials", "textures", "light", "environment", "fog"]),
+        Effect::Path | Effect::Real => (None, &["materials", "textures", "light", "environment", "fog"]),
     }
 }
 

@@ -64,7 +64,7 @@ impl Run {
         if expected != found {
             return Err(ForwardError::Input { expected, found });
         }
-        let elements = spec.effect.channels() * input.pixels();
+        let elements = spec.output_channels() * input.pixels();
         Ok(Self {
             plan: network.plan(input.height(), input.width())?,
             input: gpu::storage(device, "net.input", input.data())?,

@@ -69,7 +69,7 @@ pub fn pack(
 ) -> Result<Packed, ForwardError> {
     let layer = &layers[index];
     let (order, split) = match layer.source {
-        Source::Input | Source::Pooled(_) => ((0..layer.inputs).collect(), layer.inputs),
+        Source::Input | Source::Plain(_) | Source::Pooled(_) => ((0..layer.inputs).collect(), layer.inputs),
         Source::Joined { coarse, skip } => {
             let (coarse, skip) = (layers[coarse].outputs, layers[skip].outputs);
             (spec.joined_order(coarse, skip, layer.groups), coarse)

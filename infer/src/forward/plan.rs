@@ -58,7 +58,7 @@ impl Plan {
             device: device.clone(),
             height,
             width,
-            channels: [spec.input_channels(), spec.effect.channels()],
+            channels: [spec.input_channels(), spec.output_channels()],
             levels: levels.collect::<Result<_, GpuError>>()?,
             steps: Vec::new(),
         };
@@ -195,6 +195,7 @@ impl Plan {
         }];
         match layer.source {
             Source::Input => images.push(Resource::Input),
+            Source::Plain(_) => images.push(view(levels[layer.level].down.as_ref())),
             Source::Pooled(_) => images.push(view(levels[layer.level].up.as_ref())),
             Source::Joined { coarse, .. } => {
                 images.push(view(self.made(&network.stages[coarse].layer)));
@@ -213,7 +214,7 @@ impl Plan {
         let level = &self.levels[layer.level];
         match layer.source {
             _ if !layer.activation => None,
-            Source::Input | Source::Pooled(_) => level.down.as_ref(),
+            Source::Input | Source::Plain(_) | Source::Pooled(_) => level.down.as_ref(),
             Source::Joined { .. } => level.up.as_ref(),
         }
     }
@@ -230,7 +231,7 @@ impl Level {
         let coarsest = level + 1 == spec.levels;
         let pooled = if coarsest { 1 } else { 0 };
         Ok(Self {
-            down: (spec.levels > 1).then(|| texture("down", spec.u0 << level)).transpose()?,
+            down: Some(texture("down", spec.u0 << level)?),
             up: (level > 0).then(|| texture("up", spec.u0 << (level - pooled))).transpose()?,
         })
     }
@@ -269,7 +270,7 @@ fn check_size(network: &Network, height: usize, width: usize) -> Result<(), Forw
     if height.max(width) > most / spec.alignment() * spec.alignment() {
         return error(first, format!("has feature maps of at most {most} rows and columns on this device"));
     }
-    for (layer, channels) in [(first, spec.input_channels()), (last, spec.effect.channels())] {
+    for (layer, channels) in [(first, spec.input_channels()), (last, spec.output_channels())] {
         let bytes = (channels * height * width * size_of::<f32>()) as u64;
         let limit = limits.max_storage_buffer_binding_size;
         if bytes > limit {

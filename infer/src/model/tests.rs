@@ -141,7 +141,7 @@ fn a_wrong_spec_is_named() {
             fs::write(path, json.replace(from, to)).expect("writes");
         })
     };
-    assert_says(&edited("\"u0\": 4", "\"u0\": 4, \"colour\": 1"), &["net.json", "unknown field `colour`"]);
+    assert_says(&edited("\"u0\": 4", "\"u0\": 4, \"colours\": 1"), &["net.json", "unknown field `colours`"]);
     assert_says(&edited("\"u0\": 4", "\"u0\": 5"), &["net.json", "layer `down1`"]);
     assert_says(&edited("\"levels\": 3", "\"levels\": 4000000000"), &["net.json", "`levels` is 4000000000"]);
     assert_says(&edited("{", ""), &["net.json"]);

@@ -141,12 +141,15 @@ fn any_size_gives_an_image_of_that_size_and_names_every_layer() {
 }
 
 #[test]
-fn a_network_of_one_level_is_its_convolution() {
+fn a_network_of_one_level_is_two_convolutions() {
     let spec = NetSpec { levels: 1, ..NetSpec::ao(ChannelOrder::Contiguous, REACH) };
     let weights = Weights::random(&spec, 1);
     let input = noise(6, 8, 8, 2);
     let image = forward(&spec, &weights, &input);
-    assert_eq!(image, convolved(&input, &spec.layers()[0], &weights.0[0], 3));
+    let [down, up] = [0, 1].map(|layer| spec.layers()[layer].clone());
+    let mut made = convolved(&input, &down, &weights.0[0], 3);
+    made.data_mut().iter_mut().for_each(|value| *value = leaky(*value, spec.leak));
+    assert_eq!(image, convolved(&made, &up, &weights.0[1], 3));
     assert!(image.data().iter().any(|value| *value < -0.5), "the image has no activation");
 }
 

@@ -150,6 +150,6 @@ pub fn integrator<'a>(effect: Effect, shot: &Shot<'a>) -> Box<dyn Integrator + '
         Effect::FogDirect => Box::new(fog::direct(shot)),
         Effect::FogIndirect => Box::new(fog::indirect(shot)),
         Effect::FogMultiple => Box::new(fog::multiple(shot)),
-        Effect::Path => Box::new(FullPath::new(shot)),
+        Effect::Path | Effect::Real => Box::new(FullPath::new(shot)),
     }
 }

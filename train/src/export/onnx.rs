@@ -24,6 +24,7 @@ pub fn encode(model: &Model) -> Vec<u8> {
     for (layer, weights) in spec.layers().iter().zip(&model.weights.0) {
         let input = match layer.source {
             Source::Input => padded.clone(),
+            Source::Plain(from) => outputs[from].clone(),
             Source::Pooled(finer) => graph.halve(&layer.name, &outputs[finer]),
             Source::Joined { coarse, skip } => {
                 let coarse = graph.double(&layer.name, &outputs[coarse]);
@@ -50,7 +51,7 @@ pub fn with_layers(file: &[u8], spec: &NetSpec) -> Result<Vec<u8>, prost::Decode
     let earlier = &layers[..layers.len() - 1];
     if let Some(graph) = &mut model.graph {
         graph.output = earlier.iter().map(|layer| layer_image(&layer.name, layer.outputs)).collect();
-        graph.output.push(image(OUTPUT, spec.effect.channels()));
+        graph.output.push(image(OUTPUT, spec.output_channels()));
     }
     Ok(model.encode_to_vec())
 }
@@ -71,7 +72,7 @@ fn model_proto(spec: &NetSpec, graph: Graph) -> ModelProto {
             name: spec.effect.name().to_owned(),
             initializer: graph.constants,
             input: vec![image(INPUT, spec.input_channels())],
-            output: vec![image(OUTPUT, spec.effect.channels())],
+            output: vec![image(OUTPUT, spec.output_channels())],
         }),
         opset_import: vec![OperatorSetIdProto { domain: String::new(), version: 17 }],
     }

@@ -1,0 +1,195 @@
+//! What a convolution reads, and the buffer into which the rows of a stripe of it are copied.
+//!
+//! Pooling, doubling and concatenation happen as rows are copied: none of what they make is ever stored as an image.
+
+use super::conv::ConvShape;
+use std::borrow::Cow;
+
+/// Rows are padded to a multiple of this, so that no block of any vector width reaches beyond them.
+const TILE: usize = 64;
+
+/// Images `[batch, channels, height, width]`.
+#[derive(Clone, Copy, Debug)]
+pub struct Image<'a> {
+    /// The numbers.
+    pub data: &'a [f32],
+    /// Channels of each image.
+    pub channels: usize,
+    /// Rows.
+    pub height: usize,
+    /// Columns.
+    pub width: usize,
+}
+
+impl<'a> Image<'a> {
+    #[inline(always)]
+    fn row(&self, image: usize, channel: usize, y: usize) -> &'a [f32] {
+        &self.data[((image * self.channels + channel) * self.height + y) * self.width..][..self.width]
+    }
+}
+
+/// What a convolution reads.
+#[derive(Clone, Debug)]
+pub enum Operand<'a> {
+    /// Images, continued at bottom and right by their last row and column where the frame is larger.
+    Plain(Image<'a>),
+    /// The 2x2 means of images.
+    Pooled(Image<'a>),
+    /// Coarse images, doubled bilinearly (half-pixel centres, edges replicated), concatenated with fine ones.
+    Joined {
+        /// Half as high and wide as the frame.
+        coarse: Image<'a>,
+        /// As large as the frame.
+        fine: Image<'a>,
+        /// For each channel that the convolution reads: which of the concatenation it is.
+        order: Cow<'a, [usize]>,
+    },
+}
+
+impl Operand<'_> {
+    /// Copies a row of the frame.
+    #[inline(always)]
+    fn copy_row(&self, image: usize, channel: usize, y: usize, blend: &mut Vec<f32>, out: &mut [f32]) {
+        match self {
+            Self::Plain(plain) => continued(plain.row(image, channel, y.min(plain.height - 1)), out),
+            Self::Pooled(fine) => {
+                pooled(fine.row(image, channel, 2 * y), fine.row(image, channel, 2 * y + 1), out);
+            }
+            Self::Joined { coarse, fine, order } => match order[channel].checked_sub(coarse.channels) {
+                Some(channel) => out.copy_from_slice(fine.row(image, channel, y)),
+                None => {
+                    let (near, far) = (y / 2, neighbour(y, coarse.height));
+                    let [near, far] = [near, far].map(|y| coarse.row(image, order[channel], y));
+                    blend.clear();
+                    blend.extend(near.iter().zip(far).map(|(near, far)| 0.75 * near + 0.25 * far));
+                    widen(blend, out.as_chunks_mut::<2>().0);
+                }
+            },
+        }
+    }
+}
+
+/// The row or column that doubled row or column `at` blends in with a weight of 1/4; the one in which it lies,
+/// `at / 2`, has the rest.
+pub const fn neighbour(at: usize, size: usize) -> usize {
+    let near = at / 2;
+    match at % 2 {
+        0 => near.saturating_sub(1),
+        _ if near + 1 < size => near + 1,
+        _ => near,
+    }
+}
+
+#[inline(always)]
+fn continued(row: &[f32], out: &mut [f32]) {
+    let (inside, beyond) = out.split_at_mut(row.len());
+    inside.copy_from_slice(row);
+    beyond.fill(row[row.len() - 1]);
+}
+
+#[inline(always)]
+fn pooled(upper: &[f32], lower: &[f32], out: &mut [f32]) {
+    let pairs = upper.as_chunks::<2>().0.iter().zip(lower.as_chunks::<2>().0);
+    for (out, (a, b)) in out.iter_mut().zip(pairs) {
+        *out = 0.25 * (a[0] + a[1] + b[0] + b[1]);
+    }
+}
+
+/// Doubles a row.
+#[inline(always)]
+fn widen(row: &[f32], out: &mut [[f32; 2]]) {
+    let last = row.len() - 1;
+    let pair =
+        |left: f32, centre: f32, right: f32| [0.75 * centre + 0.25 * left, 0.75 * centre + 0.25 * right];
+    for (window, out) in row.windows(3).zip(&mut out[1..]) {
+        *out = pair(window[0], window[1], window[2]);
+    }
+    out[0] = pair(row[0], row[0], row[last.min(1)]);
+    out[last] = pair(row[last.saturating_sub(1)], row[last], row[last]);
+}
+
+/// Room for the rows of one stripe; a thread keeps it from stripe to stripe.
+#[derive(Debug, Default)]
+pub struct Buffer {
+    rows: Vec<f32>,
+    blend: Vec<f32>,
+}
+
+/// Rows that a stripe reads, with a border of zeros: `[channels, rows + kernel - 1, stride]`.
+#[derive(Clone, Copy, Debug)]
+pub struct Padded<'a> {
+    /// The values.
+    pub data: &'a [f32],
+    /// Length of a row: the width rounded up to whole vectors, and the border.
+    pub stride: usize,
+    /// Rows of the stripe itself.
+    pub rows: usize,
+}
+
+impl<'a> Padded<'a> {
+    /// Length of a row of [`Padded`] for rows of `width`.
+    pub const fn stride(width: usize, kernel: usize) -> usize {
+        width.next_multiple_of(TILE) + 2 * (kernel / 2)
+    }
+
+    /// The rows of an operand that a stripe of `rows` rows from `top` on of the group of the image `part`
+    /// (`image * groups + group`) reads.
+    #[inline(always)]
+    pub fn of(
+        operand: &Operand<'_>,
+        shape: ConvShape,
+        part: usize,
+        top: usize,
+        rows: usize,
+        buffer: &'a mut Buffer,
+    ) -> Self {
+        let Buffer { rows: numbers, blend } = buffer;
+        let (image, group) = (part / shape.groups, part % shape.groups);
+        Self::filled(shape, shape.inputs, top, rows, numbers, |channel, y, row| {
+            operand.copy_row(image, group * shape.inputs + channel, y, blend, row);
+        })
+    }
+
+    /// Rows that `fill` makes: it gets channel, row and where the row goes.
+    #[inline(always)]
+    pub fn filled(
+        shape: ConvShape,
+        channels: usize,
+        top: usize,
+        rows: usize,
+        buffer: &'a mut Vec<f32>,
+        mut fill: impl FnMut(usize, usize, &mut [f32]),
+    ) -> Self {
+        let half = shape.kernel / 2;
+        let stride = Self::stride(shape.width, shape.kernel);
+        let height = rows + 2 * half;
+        let length = channels * height * stride;
+        if buffer.len() < length {
+            buffer.resize(length, 0.0);
+        }
+        let data = &mut buffer[..length];
+        for (at, row) in data.chunks_exact_mut(stride).enumerate() {
+            let (channel, y) = (at / height, top + at % height);
+            if (half..shape.height + half).contains(&y) {
+                row[..half].fill(0.0);
+                row[half + shape.width..].fill(0.0);
+                fill(channel, y - half, &mut row[half..half + shape.width]);
+            } else {
+                row.fill(0.0);
+            }
+        }
+        Self { data, stride, rows }
+    }
+
+    /// Where the first pixel of the window of each weight `[channels, kernel, kernel]` lies.
+    pub fn taps(&self, channels: usize, kernel: usize) -> Vec<usize> {
+        let plane = (self.rows + kernel - 1) * self.stride;
+        let mut taps = Vec::with_capacity(channels * kernel * kernel);
+        for channel in 0..channels {
+            for y in 0..kernel {
+                taps.extend((0..kernel).map(|x| channel * plane + y * self.stride + x));
+            }
+        }
+        taps
+    }
+}
