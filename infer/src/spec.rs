@@ -291,18 +291,23 @@ impl NetSpec {
     /// For each channel that a [`Source::Joined`] layer's convolution reads, in order: which channel of the plain
     /// concatenation (coarse, then skip) it is.
     pub fn joined_order(&self, coarse: usize, skip: usize, groups: usize) -> Vec<usize> {
+        joined_order(coarse, skip, self.join_groups(groups))
+    }
+
+    /// The groups in which a concatenation goes that a convolution in `groups` reads.
+    pub const fn join_groups(&self, groups: usize) -> usize {
         match self.channel_order {
-            ChannelOrder::Contiguous => (0..coarse + skip).collect(),
-            ChannelOrder::Interleaved => {
-                let (a, b) = (coarse / groups, skip / groups);
-                (0..groups)
-                    .flat_map(|group| {
-                        (group * a..(group + 1) * a).chain(coarse + group * b..coarse + (group + 1) * b)
-                    })
-                    .collect()
-            }
+            ChannelOrder::Contiguous => 1,
+            ChannelOrder::Interleaved => groups,
         }
     }
+}
+
+/// For each channel of two images concatenated group by group: which channel of the plain concatenation it is.
+pub fn joined_order(coarse: usize, skip: usize, groups: usize) -> Vec<usize> {
+    let (a, b) = (coarse / groups, skip / groups);
+    let group = |group| (group * a..(group + 1) * a).chain(coarse + group * b..coarse + (group + 1) * b);
+    (0..groups).flat_map(group).collect()
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use burn::module::{Module, Param, ParamId};
 use burn::tensor::ops::PadMode;
 use burn::tensor::{Device, Tensor, TensorData};
 use deepshade_infer::weights::LayerWeights;
-use deepshade_infer::{Activation, ChannelOrder, Layer, NetSpec, Source, Weights};
+use deepshade_infer::{Activation, NetSpec, Source, Weights};
 use deepshade_shaders::Planes;
 
 /// A convolution's weights and biases.
@@ -108,26 +108,20 @@ impl UNet {
     fn layers(&self, x: Tensor<4>) -> Vec<Tensor<4>> {
         let mut outputs: Vec<Tensor<4>> = Vec::with_capacity(self.convs.len());
         for (layer, conv) in self.spec.layers().iter().zip(&self.convs) {
-            let input = match layer.source {
-                Source::Input => x.clone(),
-                Source::Plain(from) => outputs[from].clone(),
-                Source::Pooled(finer) => ops::halve(outputs[finer].clone()),
-                Source::Joined { coarse, skip } => {
-                    ops::join(outputs[coarse].clone(), outputs[skip].clone(), self.join_groups(layer))
-                }
-            };
             let leak = if layer.activation { self.spec.leak } else { 1.0 };
-            outputs.push(ops::convolve(input, conv.weight.val(), conv.bias.val(), leak));
+            let (weight, bias) = (conv.weight.val(), conv.bias.val());
+            let made = |index: usize| outputs[index].clone();
+            outputs.push(match layer.source {
+                Source::Input => ops::convolve(x.clone(), weight, bias, false, leak),
+                Source::Plain(from) => ops::convolve(made(from), weight, bias, false, leak),
+                Source::Pooled(finer) => ops::convolve(made(finer), weight, bias, true, leak),
+                Source::Joined { coarse, skip } => {
+                    let join_groups = self.spec.join_groups(layer.groups);
+                    ops::convolve_joined([made(coarse), made(skip)], weight, bias, join_groups, leak)
+                }
+            });
         }
         outputs
-    }
-
-    /// The groups in which a concatenation goes: that gives the spec's order ([`NetSpec::joined_order`]).
-    const fn join_groups(&self, layer: &Layer) -> usize {
-        match self.spec.channel_order {
-            ChannelOrder::Contiguous => 1,
-            ChannelOrder::Interleaved => layer.groups,
-        }
     }
 }
 
@@ -178,7 +172,7 @@ pub(crate) fn to_planes(tensor: Tensor<4>) -> Planes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deepshade_infer::{Comparison, Reach, parity, reference};
+    use deepshade_infer::{ChannelOrder, Comparison, Reach, parity, reference};
 
     const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
 

@@ -7,7 +7,8 @@ use burn::tensor::module::{avg_pool2d, conv2d};
 use burn::tensor::ops::{AvgPoolOptions, ConvOptions};
 
 /// As `kernels::convolve`.
-pub fn convolve(x: Tensor<4>, weight: Tensor<4>, bias: Tensor<1>, leak: f32) -> Tensor<4> {
+pub fn convolve(x: Tensor<4>, weight: Tensor<4>, bias: Tensor<1>, pooled: bool, leak: f32) -> Tensor<4> {
+    let x = if pooled { avg_pool2d(x, AvgPoolOptions::new([2, 2])) } else { x };
     let [_, inputs, kernel, _] = weight.dims();
     let groups = x.dims()[1] / inputs;
     let options = ConvOptions::new([1, 1], [kernel / 2; 2], [1, 1], groups);
@@ -15,13 +16,19 @@ pub fn convolve(x: Tensor<4>, weight: Tensor<4>, bias: Tensor<1>, leak: f32) -> 
     if leak == 1.0 { sums } else { leaky_relu(sums, leak.into()) }
 }
 
-/// As `kernels::halve`.
-pub fn halve(x: Tensor<4>) -> Tensor<4> {
-    avg_pool2d(x, AvgPoolOptions::new([2, 2]))
+/// As `kernels::convolve_joined`.
+pub fn convolve_joined(
+    [coarse, fine]: [Tensor<4>; 2],
+    weight: Tensor<4>,
+    bias: Tensor<1>,
+    join_groups: usize,
+    leak: f32,
+) -> Tensor<4> {
+    convolve(join(coarse, fine, join_groups), weight, bias, false, leak)
 }
 
-/// As `kernels::join`. burn's `interpolate` has no gradient on its GPU backends; slices and blends have.
-pub fn join(coarse: Tensor<4>, fine: Tensor<4>, groups: usize) -> Tensor<4> {
+/// Doubling and concatenation. burn's `interpolate` has no gradient on its GPU backends; slices and blends have.
+fn join(coarse: Tensor<4>, fine: Tensor<4>, groups: usize) -> Tensor<4> {
     let doubled = double_along(double_along(coarse, 2), 3);
     let [batch, channels, height, width] = fine.dims();
     let joined = [batch, channels + doubled.dims()[1], height, width];

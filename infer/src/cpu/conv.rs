@@ -51,24 +51,60 @@ impl ConvShape {
         fitting.clamp(ROWS[0], ROWS[1])
     }
 
-    /// Cuts images `[batch, groups * channels, scale * height, scale * width]` into stripes.
-    pub fn stripes<'a>(&self, image: &'a mut [f32], channels: usize, scale: usize) -> Vec<Stripe<'a>> {
+    /// The stripes of the work, without anything to write to.
+    pub fn stripes<'a>(&self) -> Vec<Stripe<'a>> {
+        let rows = self.stripe_rows();
+        let tops = (0..self.height).step_by(rows);
+        (0..self.batch * self.groups)
+            .flat_map(|part| tops.clone().map(move |top| (part, top)))
+            .map(|(part, top)| Stripe { part, top, rows: rows.min(self.height - top), planes: Vec::new() })
+            .collect()
+    }
+
+    /// Deals the rows of images `[batch, positions, height, width] * scale` out to stripes whose groups have so many
+    /// channels: `positions` says for each channel of an image which one of all groups' it is.
+    pub fn deal<'a>(
+        &self,
+        stripes: &mut [Stripe<'a>],
+        channels: usize,
+        image: &'a mut [f32],
+        positions: &[usize],
+        scale: Scale,
+    ) {
         let rows = self.stripe_rows();
         let count = self.height.div_ceil(rows);
-        let mut stripes: Vec<Stripe<'_>> = (0..self.batch * self.groups * count)
-            .map(|task| {
-                let top = task % count * rows;
-                let rows = rows.min(self.height - top);
-                Stripe { part: task / count, top, rows, planes: Vec::with_capacity(channels) }
-            })
-            .collect();
-        let planes = image.chunks_exact_mut(self.height * self.width * scale * scale);
-        for (channel, plane) in planes.enumerate() {
-            for (at, rows) in plane.chunks_mut(rows * self.width * scale * scale).enumerate() {
-                stripes[channel / channels * count + at].planes.push(rows);
+        stripes.iter_mut().for_each(|stripe| stripe.planes.resize_with(channels, Default::default));
+        for (at, plane) in image.chunks_exact_mut(scale.area(self.height * self.width)).enumerate() {
+            let (image, position) = (at / positions.len(), positions[at % positions.len()]);
+            let first = (image * self.groups + position / channels) * count;
+            for (stripe, rows) in
+                stripes[first..].iter_mut().zip(plane.chunks_mut(scale.area(rows * self.width)))
+            {
+                stripe.planes[position % channels] = rows;
             }
         }
-        stripes
+    }
+}
+
+/// The size of an image beside the frame of a convolution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Half as high and wide.
+    Half,
+    /// The same.
+    Same,
+    /// Twice as high and wide.
+    Double,
+}
+
+impl Scale {
+    /// Pixels of the image where the frame has `pixels`.
+    pub const fn area(self, pixels: usize) -> usize {
+        match self {
+            Self::Half => pixels / 4,
+            Self::Same => pixels,
+            Self::Double => 4 * pixels,
+        }
     }
 }
 
@@ -81,7 +117,7 @@ pub struct Stripe<'a> {
     pub top: usize,
     /// Its rows.
     pub rows: usize,
-    /// Its rows of every channel, `[rows, width]` each.
+    /// Where the rows that it makes go, a slice a channel.
     pub planes: Vec<&'a mut [f32]>,
 }
 
@@ -94,7 +130,9 @@ pub fn forward(
     leak: f32,
     y: &mut [f32],
 ) {
-    let stripes = shape.stripes(y, shape.outputs, 1);
+    let mut stripes = shape.stripes();
+    let channels: Vec<usize> = (0..shape.groups * shape.outputs).collect();
+    shape.deal(&mut stripes, shape.outputs, y, &channels, Scale::Same);
     stripes.into_par_iter().for_each_init(Buffer::default, |buffer, stripe| {
         Arch::new().dispatch(Forward { shape, operand, weights, bias, leak, stripe, buffer });
     });

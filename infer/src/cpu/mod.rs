@@ -143,8 +143,15 @@ impl Plan {
         let [height, width] =
             [self.height, self.width].map(|size| size.next_multiple_of(network.spec.alignment()));
         let last = &self.maps[self.maps.len() - 1];
-        let rows = last.chunks_exact(width).enumerate().filter(|(row, _)| row % height < self.height);
-        let data = rows.flat_map(|(_, row)| &row[..self.width]).copied().collect();
+        let mut data = Vec::with_capacity(network.spec.output_channels() * self.height * self.width);
+        for row in last
+            .chunks_exact(width)
+            .enumerate()
+            .filter(|(row, _)| row % height < self.height)
+            .map(|(_, row)| row)
+        {
+            data.extend_from_slice(&row[..self.width]);
+        }
         Planes::from_data(network.spec.output_channels(), self.height, self.width, data)
     }
 }

@@ -1,12 +1,16 @@
 //! What a convolution reads, and the buffer into which the rows of a stripe of it are copied.
 //!
 //! Pooling, doubling and concatenation happen as rows are copied: none of what they make is ever stored as an image.
+//! Loops, not iterators with closures, and these marked: else the compiler would not make them of the instructions that
+//! `pulp` chooses.
 
 use super::conv::ConvShape;
 use std::borrow::Cow;
 
-/// Rows are padded to a multiple of this, so that no block of any vector width reaches beyond them.
-const TILE: usize = 64;
+/// Rows are padded to a multiple of this, so that no vector reaches beyond them.
+const TILE: usize = 16;
+/// Pixels of a row that are doubled together.
+const BLOCK: usize = 16;
 
 /// Images `[batch, channels, height, width]`.
 #[derive(Clone, Copy, Debug)]
@@ -58,11 +62,11 @@ impl Operand<'_> {
             Self::Joined { coarse, fine, order } => match order[channel].checked_sub(coarse.channels) {
                 Some(channel) => out.copy_from_slice(fine.row(image, channel, y)),
                 None => {
-                    let (near, far) = (y / 2, neighbour(y, coarse.height));
-                    let [near, far] = [near, far].map(|y| coarse.row(image, order[channel], y));
-                    blend.clear();
-                    blend.extend(near.iter().zip(far).map(|(near, far)| 0.75 * near + 0.25 * far));
-                    widen(blend, out.as_chunks_mut::<2>().0);
+                    let near = coarse.row(image, order[channel], y / 2);
+                    let far = coarse.row(image, order[channel], neighbour(y, coarse.height));
+                    blend.resize(coarse.width + 2, 0.0);
+                    blended(near, far, &mut blend[1..=coarse.width]);
+                    widen(blend, out);
                 }
             },
         }
@@ -89,23 +93,39 @@ fn continued(row: &[f32], out: &mut [f32]) {
 
 #[inline(always)]
 fn pooled(upper: &[f32], lower: &[f32], out: &mut [f32]) {
-    let pairs = upper.as_chunks::<2>().0.iter().zip(lower.as_chunks::<2>().0);
-    for (out, (a, b)) in out.iter_mut().zip(pairs) {
-        *out = 0.25 * (a[0] + a[1] + b[0] + b[1]);
+    let (upper, lower) = (&upper[..2 * out.len()], &lower[..2 * out.len()]);
+    for x in 0..out.len() {
+        out[x] = 0.25 * (upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1]);
     }
 }
 
-/// Doubles a row.
 #[inline(always)]
-fn widen(row: &[f32], out: &mut [[f32; 2]]) {
-    let last = row.len() - 1;
-    let pair =
-        |left: f32, centre: f32, right: f32| [0.75 * centre + 0.25 * left, 0.75 * centre + 0.25 * right];
-    for (window, out) in row.windows(3).zip(&mut out[1..]) {
-        *out = pair(window[0], window[1], window[2]);
+fn blended(near: &[f32], far: &[f32], out: &mut [f32]) {
+    let (near, far) = (&near[..out.len()], &far[..out.len()]);
+    for x in 0..out.len() {
+        out[x] = 0.75 * near[x] + 0.25 * far[x];
     }
-    out[0] = pair(row[0], row[0], row[last.min(1)]);
-    out[last] = pair(row[last.saturating_sub(1)], row[last], row[last]);
+}
+
+/// Doubles a row that stands between two numbers to spare.
+#[inline(always)]
+fn widen(row: &mut [f32], out: &mut [f32]) {
+    let last = row.len() - 1;
+    (row[0], row[last]) = (row[1], row[last - 1]);
+    // In blocks, since a loop of unknown length would end in many single steps where rows are short.
+    let (blocks, rest) = out.as_chunks_mut::<{ 2 * BLOCK }>();
+    let done = blocks.len() * BLOCK;
+    for (at, block) in blocks.iter_mut().enumerate() {
+        let row = &row[at * BLOCK..][..BLOCK + 2];
+        for x in 0..BLOCK {
+            block[2 * x] = 0.75 * row[x + 1] + 0.25 * row[x];
+            block[2 * x + 1] = 0.75 * row[x + 1] + 0.25 * row[x + 2];
+        }
+    }
+    for (x, pair) in rest.as_chunks_mut::<2>().0.iter_mut().enumerate() {
+        let row = &row[done + x..][..3];
+        *pair = [0.75 * row[1] + 0.25 * row[0], 0.75 * row[1] + 0.25 * row[2]];
+    }
 }
 
 /// Room for the rows of one stripe; a thread keeps it from stripe to stripe.
@@ -145,9 +165,15 @@ impl<'a> Padded<'a> {
     ) -> Self {
         let Buffer { rows: numbers, blend } = buffer;
         let (image, group) = (part / shape.groups, part % shape.groups);
-        Self::filled(shape, shape.inputs, top, rows, numbers, |channel, y, row| {
-            operand.copy_row(image, group * shape.inputs + channel, y, blend, row);
-        })
+        Self::filled(
+            shape,
+            shape.inputs,
+            top,
+            rows,
+            numbers,
+            #[inline(always)]
+            |channel, y, row| operand.copy_row(image, group * shape.inputs + channel, y, blend, row),
+        )
     }
 
     /// Rows that `fill` makes: it gets channel, row and where the row goes.

@@ -76,7 +76,7 @@ pub fn convolve<S: Simd>(
             (4, _) => job.run::<S, 4, 4, 3>(simd, 0),
             (3, _) => job.run::<S, 3, 3, 4>(simd, 0),
             (2, _) => job.run::<S, 2, 2, 4>(simd, 0),
-            _ => job.run::<S, 1, 1, 4>(simd, 0),
+            _ => job.run::<S, 1, 1, 8>(simd, 0),
         }
     }
 }
@@ -100,13 +100,25 @@ impl Job<'_, '_> {
         for y in 0..self.x.rows {
             let mut x = 0;
             while x < self.width {
-                let vectors = (self.width - x).div_ceil(S::F32_LANES).min(B);
-                match vectors {
-                    _ if vectors == B => self.tile::<S, BLOCK, A, B>(simd, first, y, x),
-                    3 => self.tile::<S, BLOCK, A, 3>(simd, first, y, x),
-                    2 => self.tile::<S, BLOCK, A, 2>(simd, first, y, x),
-                    _ => self.tile::<S, BLOCK, A, 1>(simd, first, y, x),
-                }
+                let missing = (self.width - x).div_ceil(S::F32_LANES);
+                let vectors = match missing {
+                    _ if missing >= B => {
+                        self.tile::<S, BLOCK, A, B>(simd, first, y, x);
+                        B
+                    }
+                    3.. if B > 3 => {
+                        self.tile::<S, BLOCK, A, 3>(simd, first, y, x);
+                        3
+                    }
+                    2.. => {
+                        self.tile::<S, BLOCK, A, 2>(simd, first, y, x);
+                        2
+                    }
+                    _ => {
+                        self.tile::<S, BLOCK, A, 1>(simd, first, y, x);
+                        1
+                    }
+                };
                 x += vectors * S::F32_LANES;
             }
         }
@@ -135,10 +147,17 @@ impl Job<'_, '_> {
                 }
             }
         }
+        // Copied one by one, or else the compiler keeps the sums themselves in memory as well, for the loop below.
+        let mut made = [[simd.splat_f32s(0.0); B]; A];
+        for a in 0..A {
+            for b in 0..B {
+                made[a][b] = sums[a][b];
+            }
+        }
         let end = (x + B * S::F32_LANES).min(self.width);
-        for (a, sums) in sums.iter().enumerate() {
+        for (a, made) in made.iter().enumerate() {
             let row = &mut self.planes[first + a][y * self.width + x..y * self.width + end];
-            store(simd, sums, self.leak, row);
+            store(simd, made, self.leak, row);
         }
     }
 }

@@ -1,21 +1,26 @@
-//! The network's operations on the CPU, as a backend extension of burn's `flex`.
+//! The network's steps on the CPU, as a backend extension of burn's `flex`: what comes before a convolution (pooling,
+//! doubling, concatenation), the convolution, bias and leaky ReLU as one operation with one gradient.
 //!
-//! They replace burn's own grouped convolution, its gradients and the slices that a bilinear doubling is made of.
-//! `deepshade bench train` measures training with these alone. Other backends run the same operations written with
-//! tensors (`plain`), which are also what these are tested against.
+//! Forwards they are the kernels that also run networks ([`deepshade_infer::cpu`]). `deepshade bench train` measures
+//! training with these alone. Other backends run the same operations written with tensors (`plain`), which are also
+//! what these are tested against.
 
-mod conv;
-mod resample;
-mod stripe;
+mod backward;
+mod correlate;
 
+use backward::Made;
+use burn::backend::autodiff::NodeId;
 use burn::backend::autodiff::checkpoint::{base::Checkpointer, strategy::CheckpointStrategy};
 use burn::backend::autodiff::grads::Gradients;
-use burn::backend::autodiff::ops::{Backward, Ops, OpsKind, unary};
+use burn::backend::autodiff::ops::{Backward, Ops, OpsKind};
 use burn::backend::tensor::FloatTensor;
 use burn::backend::{Autodiff, Backend, Dispatch, Flex, TensorMetadata, backend_extension};
 use burn::tensor::{Tensor, TensorData};
-use conv::ConvShape;
-use resample::JoinShape;
+use deepshade_infer::cpu::conv::{self, ConvShape};
+use deepshade_infer::cpu::operand::{Image, Operand};
+use deepshade_infer::cpu::stripe::Packed;
+use deepshade_infer::spec::joined_order;
+use std::borrow::Cow;
 
 /// A tensor of the CPU backend.
 type Cpu = FloatTensor<Flex>;
@@ -23,68 +28,63 @@ type Cpu = FloatTensor<Flex>;
 /// The operations that [`Flex`] has kernels for.
 #[backend_extension(Flex, Autodiff)]
 pub trait NetOps: Backend {
-    /// Grouped convolution that keeps height and width, bias, leaky ReLU (`leak` 1 for none).
+    /// [`convolve`].
     fn convolve(
         x: FloatTensor<Self>,
         weight: FloatTensor<Self>,
         bias: FloatTensor<Self>,
+        pooled: bool,
         leak: f32,
     ) -> FloatTensor<Self>;
-    /// 2x2 means.
-    fn halve(x: FloatTensor<Self>) -> FloatTensor<Self>;
-    /// Bilinear doubling of `coarse`, concatenated with `fine` group by group.
-    fn join(coarse: FloatTensor<Self>, fine: FloatTensor<Self>, groups: usize) -> FloatTensor<Self>;
+    /// [`convolve_joined`].
+    fn convolve_joined(
+        coarse: FloatTensor<Self>,
+        fine: FloatTensor<Self>,
+        weight: FloatTensor<Self>,
+        bias: FloatTensor<Self>,
+        join_groups: usize,
+        leak: f32,
+    ) -> FloatTensor<Self>;
 }
 
-/// Grouped convolution with zero padding, stride 1, bias and leaky ReLU (`leak` 1 for none).
+/// Grouped convolution with zero padding, stride 1, bias and leaky ReLU (`leak` 1 for none), of an image or of its
+/// 2x2 means.
 ///
 /// # Shapes
-/// `x` `[batch, inputs, height, width]`, `weight` `[outputs, inputs / groups, kernel, kernel]`, `bias` `[outputs]`,
-/// to `[batch, outputs, height, width]`.
-pub fn convolve(x: Tensor<4>, weight: Tensor<4>, bias: Tensor<1>, leak: f32) -> Tensor<4> {
-    Tensor::from_dispatch(<Dispatch as NetOps>::convolve(
-        x.into_dispatch(),
-        weight.into_dispatch(),
-        bias.into_dispatch(),
-        leak,
-    ))
+/// `x` `[batch, inputs, height, width]`, twice as high and wide if it is to be `pooled`, `weight` `[outputs, inputs /
+/// groups, kernel, kernel]`, `bias` `[outputs]`, to `[batch, outputs, height, width]`.
+pub fn convolve(x: Tensor<4>, weight: Tensor<4>, bias: Tensor<1>, pooled: bool, leak: f32) -> Tensor<4> {
+    let (weight, bias) = (weight.into_dispatch(), bias.into_dispatch());
+    Tensor::from_dispatch(<Dispatch as NetOps>::convolve(x.into_dispatch(), weight, bias, pooled, leak))
 }
 
-/// 2x2 means: `[batch, channels, height, width]` to `[batch, channels, height / 2, width / 2]`.
-pub fn halve(x: Tensor<4>) -> Tensor<4> {
-    Tensor::from_dispatch(<Dispatch as NetOps>::halve(x.into_dispatch()))
-}
-
-/// Bilinear doubling of `coarse` (half-pixel centres, edges replicated), concatenated with `fine` group by group.
+/// As [`convolve`], of `coarse`, doubled bilinearly (half-pixel centres, edges replicated), concatenated with `fine` in
+/// so many groups.
 ///
 /// # Shapes
-/// `[batch, a, height, width]` and `[batch, b, 2 * height, 2 * width]` to `[batch, a + b, 2 * height, 2 * width]`.
-pub fn join(coarse: Tensor<4>, fine: Tensor<4>, groups: usize) -> Tensor<4> {
-    Tensor::from_dispatch(<Dispatch as NetOps>::join(coarse.into_dispatch(), fine.into_dispatch(), groups))
+/// `[batch, a, height / 2, width / 2]` and `[batch, b, height, width]` to `[batch, outputs, height, width]`.
+pub fn convolve_joined(
+    [coarse, fine]: [Tensor<4>; 2],
+    weight: Tensor<4>,
+    bias: Tensor<1>,
+    join_groups: usize,
+    leak: f32,
+) -> Tensor<4> {
+    let (coarse, fine) = (coarse.into_dispatch(), fine.into_dispatch());
+    let (weight, bias) = (weight.into_dispatch(), bias.into_dispatch());
+    let made = <Dispatch as NetOps>::convolve_joined(coarse, fine, weight, bias, join_groups, leak);
+    Tensor::from_dispatch(made)
 }
 
 impl NetOps for Flex {
-    fn convolve(x: Cpu, weight: Cpu, bias: Cpu, leak: f32) -> Cpu {
-        let shape = conv_shape(&x, &weight);
-        let [batch, _, height, width] = dims(&x);
-        let y = conv::forward(
-            shape,
-            numbers(&x.to_contiguous()),
-            numbers(&weight.to_contiguous()),
-            numbers(&bias.to_contiguous()),
-            leak,
-        );
-        tensor(y, [batch, shape.groups * shape.outputs, height, width])
+    fn convolve(x: Cpu, weight: Cpu, bias: Cpu, pooled: bool, leak: f32) -> Cpu {
+        let x = x.to_contiguous();
+        forward(&single(&x, pooled), &weight, &bias, leak)
     }
 
-    fn halve(x: Cpu) -> Cpu {
-        resampled(x, |h, w| [h / 2, w / 2], resample::halve)
-    }
-
-    fn join(coarse: Cpu, fine: Cpu, groups: usize) -> Cpu {
-        let (shape, joined) = join_shape(&coarse, &fine, groups);
+    fn convolve_joined(coarse: Cpu, fine: Cpu, weight: Cpu, bias: Cpu, join_groups: usize, leak: f32) -> Cpu {
         let (coarse, fine) = (coarse.to_contiguous(), fine.to_contiguous());
-        tensor(resample::join(shape, numbers(&coarse), numbers(&fine)), joined)
+        forward(&joined(&coarse, &fine, join_groups), &weight, &bias, leak)
     }
 }
 
@@ -93,133 +93,142 @@ impl<C: CheckpointStrategy> NetOps for Autodiff<Flex, C> {
         x: FloatTensor<Self>,
         weight: FloatTensor<Self>,
         bias: FloatTensor<Self>,
+        pooled: bool,
         leak: f32,
     ) -> FloatTensor<Self> {
         let guards = [x.node(), weight.node(), bias.node()];
         let x = x.into_primitive().to_contiguous();
         let weight = weight.into_primitive().to_contiguous();
-        let y = Flex::convolve(x.clone(), weight.clone(), bias.into_primitive(), leak);
+        let y = Flex::convolve(x.clone(), weight.clone(), bias.into_primitive(), pooled, leak);
         match Convolve.prepare::<C>(guards).compute_bound().stateful() {
-            OpsKind::Tracked(prep) => prep.finish((x, weight, y.clone(), leak), y),
+            OpsKind::Tracked(prep) => prep.finish((x, pooled, Run { weight, y: y.clone(), leak }), y),
             OpsKind::UnTracked(prep) => prep.finish(y),
         }
     }
 
-    fn halve(x: FloatTensor<Self>) -> FloatTensor<Self> {
-        let guard = x.node();
-        let y = Flex::halve(x.into_primitive());
-        match Halve.prepare::<C>([guard]).compute_bound().stateful() {
-            OpsKind::Tracked(prep) => prep.finish((), y),
-            OpsKind::UnTracked(prep) => prep.finish(y),
-        }
-    }
-
-    fn join(coarse: FloatTensor<Self>, fine: FloatTensor<Self>, groups: usize) -> FloatTensor<Self> {
-        let guards = [coarse.node(), fine.node()];
-        let (coarse, fine) = (coarse.into_primitive(), fine.into_primitive());
-        let state = (join_shape(&coarse, &fine, groups).0, dims(&coarse), dims(&fine));
-        let y = Flex::join(coarse, fine, groups);
-        match Join.prepare::<C>(guards).compute_bound().stateful() {
-            OpsKind::Tracked(prep) => prep.finish(state, y),
+    fn convolve_joined(
+        coarse: FloatTensor<Self>,
+        fine: FloatTensor<Self>,
+        weight: FloatTensor<Self>,
+        bias: FloatTensor<Self>,
+        join_groups: usize,
+        leak: f32,
+    ) -> FloatTensor<Self> {
+        let guards = [coarse.node(), fine.node(), weight.node(), bias.node()];
+        let images = [coarse, fine].map(|image| image.into_primitive().to_contiguous());
+        let weight = weight.into_primitive().to_contiguous();
+        let [coarse, fine] = images.clone();
+        let y = Flex::convolve_joined(coarse, fine, weight.clone(), bias.into_primitive(), join_groups, leak);
+        match ConvolveJoined.prepare::<C>(guards).compute_bound().stateful() {
+            OpsKind::Tracked(prep) => {
+                prep.finish((images, join_groups, Run { weight, y: y.clone(), leak }), y)
+            }
             OpsKind::UnTracked(prep) => prep.finish(y),
         }
     }
 }
 
-/// The backward step of a convolution. State: input, weights, output, leak.
+/// What a convolution was run with, and what it made.
+#[derive(Clone, Debug)]
+struct Run {
+    weight: Cpu,
+    y: Cpu,
+    leak: f32,
+}
+
+/// The backward step of a convolution of one image.
 #[derive(Debug)]
 struct Convolve;
 
 impl Backward<Flex, 3> for Convolve {
-    type State = (Cpu, Cpu, Cpu, f32);
+    type State = (Cpu, bool, Run);
 
     fn backward(self, ops: Ops<Self::State, 3>, grads: &mut Gradients, _: &mut Checkpointer) {
-        let (x, weight, y, leak) = ops.state;
+        let (x, pooled, run) = ops.state;
         let dy = grads.consume::<Flex>(&ops.node).to_contiguous();
-        let [x_node, weight_node, bias_node] = ops.parents;
-        let shape = conv_shape(&x, &weight);
-        let gradients = conv::backward(
-            shape,
-            numbers(&x),
-            numbers(&weight),
-            numbers(&y),
-            numbers(&dy),
-            leak,
-            x_node.is_some(),
-        );
-        if let (Some(node), Some(input)) = (x_node, gradients.input) {
-            grads.register::<Flex>(node.id, tensor(input, dims::<4>(&x)));
-        }
-        if let Some(node) = weight_node {
-            grads.register::<Flex>(node.id, tensor(gradients.weight, dims::<4>(&weight)));
-        }
-        if let Some(node) = bias_node {
-            let length = gradients.bias.len();
-            grads.register::<Flex>(node.id, tensor(gradients.bias, [length]));
-        }
+        let [x_node, weight_node, bias_node] = ops.parents.map(|node| Some(node?.id));
+        let made = backward(&single(&x, pooled), &run, &dy, x_node.is_some());
+        register(grads, [(x_node, &x)], made.operand);
+        register(grads, [(weight_node, &run.weight)], vec![made.weight]);
+        register_bias(grads, bias_node, made.bias);
     }
 }
 
-/// The backward step of a pooling.
+/// The backward step of a convolution of two images.
 #[derive(Debug)]
-struct Halve;
+struct ConvolveJoined;
 
-impl Backward<Flex, 1> for Halve {
-    type State = ();
+impl Backward<Flex, 4> for ConvolveJoined {
+    type State = ([Cpu; 2], usize, Run);
 
-    fn backward(self, ops: Ops<(), 1>, grads: &mut Gradients, _: &mut Checkpointer) {
-        unary::<Flex, _>(ops.parents, ops.node, grads, |dy| {
-            resampled(dy, |h, w| [2 * h, 2 * w], |dy, h, w| resample::halve_backward(dy, 2 * h, 2 * w))
-        });
-    }
-}
-
-/// The backward step of a doubling with concatenation. State: sizes, shape of the coarse image, of the fine one.
-#[derive(Debug)]
-struct Join;
-
-impl Backward<Flex, 2> for Join {
-    type State = (JoinShape, [usize; 4], [usize; 4]);
-
-    fn backward(self, ops: Ops<Self::State, 2>, grads: &mut Gradients, _: &mut Checkpointer) {
-        let (shape, coarse, fine) = ops.state;
+    fn backward(self, ops: Ops<Self::State, 4>, grads: &mut Gradients, _: &mut Checkpointer) {
+        let ([coarse, fine], join_groups, run) = ops.state;
         let dy = grads.consume::<Flex>(&ops.node).to_contiguous();
-        let [coarse_node, fine_node] = ops.parents;
-        if let Some(node) = coarse_node {
-            let gradient = resample::join_backward_coarse(shape, numbers(&dy));
-            grads.register::<Flex>(node.id, tensor(gradient, coarse));
-        }
-        if let Some(node) = fine_node {
-            let gradient = resample::join_backward_fine(shape, numbers(&dy));
-            grads.register::<Flex>(node.id, tensor(gradient, fine));
+        let [coarse_node, fine_node, weight_node, bias_node] = ops.parents.map(|node| Some(node?.id));
+        let wants_images = coarse_node.is_some() || fine_node.is_some();
+        let made = backward(&joined(&coarse, &fine, join_groups), &run, &dy, wants_images);
+        register(grads, [(coarse_node, &coarse), (fine_node, &fine)], made.operand);
+        register(grads, [(weight_node, &run.weight)], vec![made.weight]);
+        register_bias(grads, bias_node, made.bias);
+    }
+}
+
+fn register<const N: usize>(grads: &mut Gradients, of: [(Option<NodeId>, &Cpu); N], made: Vec<Vec<f32>>) {
+    for ((node, like), gradient) in of.into_iter().zip(made) {
+        if let Some(node) = node {
+            grads.register::<Flex>(node, tensor(gradient, dims::<4>(like)));
         }
     }
 }
 
-/// Runs a kernel on planes: it gets the numbers, height and width.
-fn resampled(
-    x: Cpu,
-    size: impl Fn(usize, usize) -> [usize; 2],
-    kernel: impl Fn(&[f32], usize, usize) -> Vec<f32>,
-) -> Cpu {
-    let [batch, channels, height, width] = dims(&x);
-    let [new_height, new_width] = size(height, width);
-    tensor(kernel(numbers(&x.to_contiguous()), height, width), [batch, channels, new_height, new_width])
+fn register_bias(grads: &mut Gradients, node: Option<NodeId>, gradient: Vec<f32>) {
+    if let Some(node) = node {
+        let length = gradient.len();
+        grads.register::<Flex>(node, tensor(gradient, [length]));
+    }
 }
 
-fn conv_shape(x: &Cpu, weight: &Cpu) -> ConvShape {
-    let [batch, channels, height, width] = dims(x);
+fn forward(operand: &Operand<'_>, weight: &Cpu, bias: &Cpu, leak: f32) -> Cpu {
+    let weight = weight.to_contiguous();
+    let shape = shape(operand, &weight);
+    let packed = Packed::new(shape, numbers(&weight));
+    let mut y = vec![0.0; shape.made()];
+    conv::forward(shape, operand, &packed, numbers(&bias.to_contiguous()), leak, &mut y);
+    tensor(y, [shape.batch, shape.groups * shape.outputs, shape.height, shape.width])
+}
+
+fn backward(operand: &Operand<'_>, run: &Run, dy: &Cpu, wants_operand: bool) -> backward::Gradients {
+    let Run { weight, y, leak } = run;
+    let made = Made { weight: numbers(weight), y: numbers(y), dy: numbers(dy), leak: *leak };
+    backward::backward(shape(operand, weight), operand, made, wants_operand)
+}
+
+fn single(x: &Cpu, pooled: bool) -> Operand<'_> {
+    if pooled { Operand::Pooled(image(x)) } else { Operand::Plain(image(x)) }
+}
+
+fn joined<'a>(coarse: &'a Cpu, fine: &'a Cpu, groups: usize) -> Operand<'a> {
+    let (coarse, fine) = (image(coarse), image(fine));
+    let order = Cow::Owned(joined_order(coarse.channels, fine.channels, groups));
+    Operand::Joined { coarse, fine, order }
+}
+
+fn image(x: &Cpu) -> Image<'_> {
+    let [_, channels, height, width] = dims(x);
+    Image { data: numbers(x), channels, height, width }
+}
+
+/// The sizes of a convolution of an operand by weights `[outputs, inputs / groups, kernel, kernel]`.
+fn shape(operand: &Operand<'_>, weight: &Cpu) -> ConvShape {
     let [outputs, inputs, kernel, _] = dims(weight);
+    let (of, channels, [height, width]) = match operand {
+        Operand::Plain(x) => (x, x.channels, [x.height, x.width]),
+        Operand::Pooled(x) => (x, x.channels, [x.height / 2, x.width / 2]),
+        Operand::Joined { fine, order, .. } => (fine, order.len(), [fine.height, fine.width]),
+    };
+    let batch = of.data.len() / (of.channels * of.height * of.width);
     let groups = channels / inputs;
     ConvShape { batch, groups, inputs, outputs: outputs / groups, height, width, kernel }
-}
-
-/// The sizes of a concatenation, and the shape that it makes.
-fn join_shape(coarse: &Cpu, fine: &Cpu, groups: usize) -> (JoinShape, [usize; 4]) {
-    let [batch, a, height, width] = dims(coarse);
-    let [_, b, fine_height, fine_width] = dims(fine);
-    let shape = JoinShape { parts: batch * groups, coarse: a / groups, fine: b / groups, height, width };
-    (shape, [batch, a + b, fine_height, fine_width])
 }
 
 fn dims<const D: usize>(tensor: &Cpu) -> [usize; D] {
@@ -275,63 +284,120 @@ mod tests {
         std::iter::once(made.inner()).chain(gradients).collect()
     }
 
+    /// `[batch, groups, inputs, outputs, height, width, kernel]`.
+    const SHAPES: [[usize; 7]; 9] = [
+        [1, 1, 6, 8, 40, 70, 3],
+        [2, 4, 4, 8, 17, 9, 3],
+        [3, 1, 24, 1, 16, 33, 3],
+        [1, 2, 3, 3, 5, 1, 5],
+        [2, 8, 24, 8, 2, 2, 3],
+        [1, 1, 2, 4, 1, 1, 1],
+        [1, 3, 10, 1, 9, 20, 1],
+        [1, 1, 48, 3, 70, 18, 5],
+        [2, 2, 8, 16, 34, 50, 3],
+    ];
+
+    fn assert_all_close(shape: [usize; 7], what: &str, made: &[Tensor<4>], expected: &[Tensor<4>]) {
+        let names =
+            [what, "its first gradient", "its second gradient", "its third gradient", "its fourth gradient"];
+        assert_eq!(made.len(), expected.len());
+        for (name, (made, expected)) in names.iter().zip(made.iter().zip(expected)) {
+            assert_close(&format!("{name} of {shape:?}"), made, expected);
+        }
+    }
+
     #[test]
-    fn convolution_and_its_gradients() {
-        // [batch, groups, inputs, outputs, height, width, kernel]
-        let shapes = [
-            [1, 1, 6, 8, 40, 70, 3],
-            [2, 4, 4, 8, 17, 9, 3],
-            [3, 1, 24, 1, 16, 33, 3],
-            [1, 2, 3, 3, 5, 1, 5],
-            [2, 8, 24, 8, 2, 2, 3],
-            [1, 1, 2, 4, 1, 1, 1],
-        ];
-        for [batch, groups, inputs, outputs, height, width, kernel] in shapes {
+    fn convolution_with_pooling_and_its_gradients() {
+        for shape in SHAPES {
+            let [batch, groups, inputs, outputs, height, width, kernel] = shape;
+            let flat = |bias: Tensor<4>| bias.reshape([groups * outputs]);
+            for (pooled, scale, leak) in [(false, 1, 0.01), (true, 2, 0.01), (false, 1, 1.0)] {
+                let leaves = || {
+                    [
+                        noise([batch, groups * inputs, scale * height, scale * width], 1),
+                        noise([groups * outputs, inputs, kernel, kernel], 2),
+                        noise([groups * outputs, 1, 1, 1], 3),
+                    ]
+                };
+                let made = traced(leaves(), |[x, w, b]| convolve(x, w, flat(b), pooled, leak));
+                let expected = traced(leaves(), |[x, w, b]| plain::convolve(x, w, flat(b), pooled, leak));
+                assert_all_close(shape, "the convolution", &made, &expected);
+            }
+        }
+    }
+
+    #[test]
+    fn convolution_with_doubling_and_concatenation_and_its_gradients() {
+        for shape in SHAPES {
+            let [batch, groups, inputs, outputs, height, width, kernel] = shape;
+            let coarse = (2 * inputs / 3).max(1);
+            if coarse == inputs {
+                continue;
+            }
+            let flat = |bias: Tensor<4>| bias.reshape([groups * outputs]);
             let leaves = || {
                 [
-                    noise([batch, groups * inputs, height, width], 1),
-                    noise([groups * outputs, inputs, kernel, kernel], 2),
-                    noise([groups * outputs, 1, 1, 1], 3),
+                    noise([batch, groups * coarse, height, width], 1),
+                    noise([batch, groups * (inputs - coarse), 2 * height, 2 * width], 2),
+                    noise([groups * outputs, inputs, kernel, kernel], 3),
+                    noise([groups * outputs, 1, 1, 1], 4),
                 ]
             };
-            for leak in [0.01, 1.0] {
-                let flat = |bias: Tensor<4>| bias.reshape([groups * outputs]);
-                let made = traced(leaves(), |[x, w, b]| convolve(x, w, flat(b), leak));
-                let expected = traced(leaves(), |[x, w, b]| plain::convolve(x, w, flat(b), leak));
-                for (what, (made, expected)) in ["y", "dx", "dw", "db"].iter().zip(made.iter().zip(&expected))
-                {
-                    assert_close(
-                        &format!("{what} of {:?}", [groups, inputs, outputs, height, width]),
-                        made,
-                        expected,
-                    );
-                }
+            for join_groups in [1, groups] {
+                let made = traced(leaves(), |[coarse, fine, w, b]| {
+                    convolve_joined([coarse, fine], w, flat(b), join_groups, 0.01)
+                });
+                let expected = traced(leaves(), |[coarse, fine, w, b]| {
+                    plain::convolve_joined([coarse, fine], w, flat(b), join_groups, 0.01)
+                });
+                assert_all_close(shape, "the convolution", &made, &expected);
             }
         }
     }
 
-    #[test]
-    fn pooling_and_its_gradient() {
-        for (height, width) in [(2, 2), (6, 14), (16, 4)] {
-            let leaf = || [noise([2, 3, height, width], 1)];
-            let expected = traced(leaf(), |[x]| plain::halve(x));
-            for (made, expected) in traced(leaf(), |[x]| halve(x)).iter().zip(&expected) {
-                assert_close("halve", made, expected);
-            }
-        }
+    /// The gradient by an input, taken from differences of the output in double precision.
+    fn difference(of: impl Fn(Tensor<4>) -> Tensor<4>, x: &Tensor<4>, at: usize) -> f64 {
+        const STEP: f32 = 0.01;
+        let moved = |step: f32| {
+            let mut numbers = x.to_data().try_into_vec::<f32>().expect("f32");
+            numbers[at] += step;
+            let made = of(Tensor::from_data(TensorData::new(numbers, x.dims()), &device()));
+            let shape = made.dims();
+            let weights = noise(shape, 99).to_data().try_into_vec::<f32>().expect("f32");
+            let made = made.to_data().try_into_vec::<f32>().expect("f32");
+            made.iter().zip(&weights).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum::<f64>()
+        };
+        (moved(STEP) - moved(-STEP)) / f64::from(2.0 * STEP)
     }
 
     #[test]
-    fn doubling_with_concatenation_and_its_gradients() {
-        for (height, width) in [(1, 1), (1, 5), (2, 2), (3, 4), (9, 6)] {
-            for groups in [1, 2] {
-                let leaves = || [noise([2, 4, height, width], 1), noise([2, 6, 2 * height, 2 * width], 2)];
-                let made = traced(leaves(), |[coarse, fine]| join(coarse, fine, groups));
-                let expected = traced(leaves(), |[coarse, fine]| plain::join(coarse, fine, groups));
-                for (what, (made, expected)) in ["y", "coarse", "fine"].iter().zip(made.iter().zip(&expected))
-                {
-                    assert_close(&format!("{what} of {height}x{width} in {groups}"), made, expected);
-                }
+    fn gradients_are_those_of_finite_differences() {
+        let coarse = noise([1, 4, 3, 5], 1);
+        let fine = noise([1, 2, 6, 10], 2);
+        let (weight, bias) = (noise([4, 3, 3, 3], 3), noise([4], 4));
+        // Without a leak the operation is linear, so that differences are exact but for rounding.
+        let made = |coarse: Tensor<4>, fine: Tensor<4>, weight: Tensor<4>| {
+            convolve_joined([coarse, fine], weight, bias.clone(), 2, 1.0)
+        };
+        let gradients = traced([coarse.clone(), fine.clone(), weight.clone()], |[c, f, w]| made(c, f, w));
+        let rest = |c: &Tensor<4>, f: &Tensor<4>, w: &Tensor<4>| (c.clone(), f.clone(), w.clone());
+        for (index, leaf) in [&coarse, &fine, &weight].into_iter().enumerate() {
+            let gradient = gradients[index + 1].to_data().try_into_vec::<f32>().expect("f32");
+            for at in (0..gradient.len()).step_by(7) {
+                let expected = difference(
+                    |moved| {
+                        let (c, f, w) = rest(&coarse, &fine, &weight);
+                        match index {
+                            0 => made(moved, f, w),
+                            1 => made(c, moved, w),
+                            _ => made(c, f, moved),
+                        }
+                    },
+                    leaf,
+                    at,
+                );
+                let error = (f64::from(gradient[at]) - expected).abs();
+                assert!(error < 1e-3 * expected.abs().max(1.0), "{index}[{at}]: {} {expected}", gradient[at]);
             }
         }
     }
@@ -339,21 +405,23 @@ mod tests {
     #[test]
     fn an_input_without_gradient_costs_none() {
         let (x, bias) = (noise([1, 2, 8, 8], 1), noise([4], 3));
-        let gradients = |convolve: fn(Tensor<4>, Tensor<4>, Tensor<1>, f32) -> Tensor<4>| {
+        let gradients = |convolve: fn(Tensor<4>, Tensor<4>, Tensor<1>, bool, f32) -> Tensor<4>| {
             let weight = noise([4, 2, 3, 3], 2).require_grad();
-            let made = convolve(x.clone(), weight.clone(), bias.clone(), 0.1);
+            let made = convolve(x.clone(), weight.clone(), bias.clone(), false, 0.1);
             let grads = (made.clone() * noise(made.dims(), 99)).sum().backward();
             (x.grad(&grads), weight.grad(&grads).expect("a gradient"))
         };
         let ((none, made), (_, expected)) = (gradients(convolve), gradients(plain::convolve));
         assert!(none.is_none());
         assert_close("dw", &made, &expected);
+        let (image, weight) = (noise([1, 2, 8, 8], 1), noise([4, 2, 3, 3], 2));
+        let [image, weight] =
+            [image, weight].map(|tensor| tensor.to_data().try_into_vec::<f32>().expect("f32"));
         let shape = ConvShape { batch: 1, groups: 1, inputs: 2, outputs: 4, height: 8, width: 8, kernel: 3 };
-        let numbers = |count: usize| vec![0.5; count];
-        let [image, weight, outputs] = [2 * 64, 4 * 2 * 9, 4 * 64].map(numbers);
-        let costs = |wants_input: bool| {
-            conv::backward(shape, &image, &weight, &outputs, &outputs, 0.1, wants_input).input.is_some()
-        };
-        assert!(costs(true) && !costs(false));
+        let operand = Operand::Plain(Image { data: &image, channels: 2, height: 8, width: 8 });
+        let made = vec![0.5; 4 * 64];
+        let made = Made { weight: &weight, y: &made, dy: &made, leak: 0.1 };
+        let images = |wants: bool| backward::backward(shape, &operand, made, wants).operand.len();
+        assert_eq!([images(true), images(false)], [1, 0]);
     }
 }
