@@ -27,6 +27,26 @@ pub fn check_pixels(height: usize, width: usize) -> Result<()> {
     Ok(())
 }
 
+/// Size of an image, written like 768x512.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+}
+
+impl std::str::FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let edge = |edge: &str| edge.parse().ok().filter(|edge| (16..=8192).contains(edge));
+        let size = text.split_once('x').and_then(|(width, height)| Some((edge(width)?, edge(height)?)));
+        let (width, height) = size.ok_or("expected columns x rows, such as 768x512, each 16 to 8192")?;
+        Ok(Self { width, height })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -42,5 +62,13 @@ mod tests {
     fn a_radius_is_positive_or_endless() {
         assert_eq!((reach("0.5"), reach("inf")), (Ok(0.5), Ok(f32::INFINITY)));
         assert!(reach("0").is_err() && reach("-inf").is_err() && reach("nan").is_err());
+    }
+
+    #[test]
+    fn sizes_are_columns_by_rows() {
+        assert_eq!("768x512".parse(), Ok(Size { width: 768, height: 512 }));
+        for wrong in ["768", "768x", "15x16", "x512", "9000x16", "16x-16"] {
+            assert!(wrong.parse::<Size>().is_err(), "{wrong}");
+        }
     }
 }

@@ -1,14 +1,14 @@
 //! `deepshade infer`: a network on a g-buffer file, whichever renderer wrote it.
 
 use crate::arguments::positive;
+use crate::engine::Engine;
 use crate::figures::Figures;
 use anyhow::{Context, Result, anyhow, ensure};
-use deepshade_infer::{Model, NetSpec, forward};
+use deepshade_infer::{Model, NetSpec};
 use deepshade_render::exr_file::{self, ExrImage, Layer, Metadata};
 use deepshade_render::scene::Bounds;
 use deepshade_shaders::{Attribute, GBuffer, Planes, gpu::Gpu};
 use glam::Vec3;
-use serde_json::json;
 use std::path::PathBuf;
 
 /// Runs a network on a g-buffer file from any renderer.
@@ -54,8 +54,9 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let scale = model.spec.reach.position_scale(radius);
     ensure!(scale.is_finite(), "radius {radius} m is too small: positions cannot be multiplied by {scale}");
-    let gpu = Gpu::new()?;
-    let run = |run| Ok(forward::run(&gpu, &model, &model.spec.input(&gbuffer, radius, run)?)?);
+    // Without any adapter the processor does it.
+    let engine = Engine::new(Gpu::new().ok().as_ref(), &model)?;
+    let run = |run| Ok(engine.run(&model.spec.input(&gbuffer, radius, run)?, 0, 1)?.0);
     let runs = (0..model.spec.runs()).map(run).collect::<Result<Vec<_>>>()?;
     let mut image = model.spec.image(&runs);
     model.spec.set_background(&gbuffer, &mut image)?;
@@ -71,11 +72,10 @@ pub fn run(args: &Args) -> Result<()> {
     let mut figures = Figures::new("infer");
     figures.set("radius", f64::from(radius));
     figures.set("mean", mean);
-    figures.detail("adapter", json!(gpu.info.name));
-    figures.detail("driver", json!(gpu.info.driver_info));
+    figures.detail("device", engine.device());
     figures.write(args.json.as_deref())?;
     say!("{}: {effect}, {} x {}, radius {radius} m", args.out.display(), image.width(), image.height())?;
-    say!("adapter {} ({}), mean {mean:.4}", gpu.info.name, gpu.info.driver_info)
+    say!("{}, mean {mean:.4}", engine.device().as_str().unwrap_or("unknown processor"))
 }
 
 /// The network's inputs and validity.

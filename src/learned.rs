@@ -1,7 +1,8 @@
 //! The method `learned`: a trained network, run by `infer`.
 
+use crate::engine::Engine;
 use crate::methods::LEARNED;
-use deepshade_infer::forward::{ForwardError, Network};
+use deepshade_infer::forward::ForwardError;
 use deepshade_infer::{Model, NetSpec};
 use deepshade_render::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
 use deepshade_shaders::gpu::Gpu;
@@ -9,22 +10,20 @@ use deepshade_shaders::{Effect, MissingAttribute};
 
 /// A trained network on a device.
 pub struct Learned {
-    gpu: Gpu,
-    network: Network,
+    engine: Engine,
 }
 
 impl Learned {
-    /// Compiles the network's passes and uploads its weights.
+    /// Prepares the network for the device, or for the processor where that is faster.
     ///
     /// # Errors
     /// If the device refuses.
     pub fn new(gpu: &Gpu, model: &Model) -> Result<Self, ForwardError> {
-        let network = Network::new(&gpu.device, &model.spec, &model.weights)?;
-        Ok(Self { gpu: gpu.clone(), network })
+        Ok(Self { engine: Engine::new(Some(gpu), model)? })
     }
 
     fn spec(&self) -> &NetSpec {
-        self.network.spec()
+        self.engine.spec()
     }
 }
 
@@ -37,7 +36,7 @@ impl Method for Learned {
         self.spec().effect
     }
 
-    /// The time is that of the network's passes, without sending the g-buffer there and the image back.
+    /// The time is that of the network alone, without sending the g-buffer there and the image back.
     fn shade(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Shaded, MethodError> {
         let missing = |source: MissingAttribute| MethodError::Missing { method: LEARNED, source };
         let spec = self.spec();
@@ -45,8 +44,7 @@ impl Method for Learned {
         let (mut runs, mut milliseconds, mut clock) = (Vec::new(), 0.0, Clock::Gpu);
         for run in 0..spec.runs() {
             let input = spec.input(frame.gbuffer, frame.radius, run).map_err(missing)?;
-            let (image, timing) =
-                self.network.run_timed(&self.gpu.queue, &input, warm_up, timed).map_err(failed)?;
+            let (image, timing) = self.engine.run(&input, warm_up, timed).map_err(failed)?;
             runs.push(image);
             milliseconds += timing.milliseconds;
             clock = if timing.by_gpu { clock } else { Clock::Cpu };

@@ -13,6 +13,7 @@ mod complete;
 mod crosscheck;
 mod dataset;
 mod demo;
+mod engine;
 mod eval;
 #[cfg(feature = "train")]
 mod export;

@@ -1,22 +1,23 @@
-//! `deepshade parity`: whether the four forms of a network agree: burn, the plain reference, WGSL, and the exported
-//! file in onnxruntime.
+//! `deepshade parity`: whether the forms of a network agree: burn, the plain reference, WGSL, the CPU engine, and the
+//! exported file in onnxruntime.
 //!
 //! Each is compared element by element with onnxruntime's CPU provider, and that one with the reference, on random
 //! images; first with random weights, in both orders of channels, then with a model's own.
 
+use crate::arguments::Size;
 use crate::{figures::Figures, onnxruntime};
 use anyhow::{Context, Result, bail};
 use deepshade_infer::parity::{self, Activation, Comparison, Parity};
-use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, Weights, forward, reference};
+use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, Weights, cpu, forward, reference};
 use deepshade_shaders::{Planes, gpu::Gpu};
 use deepshade_train::export::{ONNX_FILE, onnx};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// The forms, as figures name them.
-const FORMS: [&str; 4] = ["reference", "wgsl", "burn", "onnxruntime"];
+const FORMS: [&str; 5] = ["reference", "wgsl", "cpu", "burn", "onnxruntime"];
 
-/// Checks that burn, the reference, WGSL and onnxruntime agree.
+/// Checks that burn, the reference, WGSL, the CPU engine and onnxruntime agree.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  deepshade parity --model models/ao --sizes 256x256,768x512,203x117 --json parity.json"
@@ -35,24 +36,6 @@ pub struct Args {
     json: Option<PathBuf>,
 }
 
-/// Size of an image, written like 768x512.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Size {
-    width: usize,
-    height: usize,
-}
-
-impl std::str::FromStr for Size {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let edge = |edge: &str| edge.parse().ok().filter(|edge| (16..=8192).contains(edge));
-        let size = text.split_once('x').and_then(|(width, height)| Some((edge(width)?, edge(height)?)));
-        let (width, height) = size.ok_or("expected columns x rows, such as 768x512, each 16 to 8192")?;
-        Ok(Self { width, height })
-    }
-}
-
 /// Compares everything, says what came out of it, and fails if anything differs.
 ///
 /// # Errors
@@ -65,7 +48,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut check = Check {
         gpu,
         onnxruntime: &args.onnxruntime,
-        max_abs: [0.0; 4],
+        max_abs: [0.0; FORMS.len()],
         lines: vec![adapter],
         faults: Vec::new(),
     };
@@ -109,7 +92,7 @@ fn random(model: Option<&Model>, channel_order: ChannelOrder) -> Model {
 struct Check<'a> {
     gpu: Gpu,
     onnxruntime: &'a onnxruntime::Args,
-    max_abs: [f32; 4],
+    max_abs: [f32; FORMS.len()],
     /// What every comparison came to.
     lines: Vec<String>,
     faults: Vec<String>,
@@ -124,10 +107,12 @@ impl Check<'_> {
             let oracle = session.image(&input)?;
             let plain = reference::forward(&model.spec, &model.weights, &input);
             let wgsl = forward::run(&self.gpu, model, &input)?;
+            let cpu = cpu::Network::new(&model.spec, &model.weights).run(&input);
             let burn = deepshade_train::forward_burn(&model.spec, &model.weights, &input);
             let comparisons = [
                 Comparison::new(&oracle, &plain),
                 Comparison::new(&oracle, &wgsl),
+                Comparison::new(&oracle, &cpu),
                 Comparison::new(&oracle, &burn),
                 Comparison::new(&plain, &oracle),
             ];
@@ -150,6 +135,7 @@ impl Check<'_> {
         let plain = reference::layers(&model.spec, &model.weights, input);
         let forms = [
             ("wgsl", forward::run_layers(&self.gpu, model, input)?),
+            ("cpu", cpu_layers(model, input)),
             ("burn", deepshade_train::layers_burn(&model.spec, &model.weights, input)),
             ("onnxruntime", self.onnxruntime_layers(model, file, input)?),
         ];
@@ -190,15 +176,10 @@ impl Check<'_> {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_are_columns_by_rows() {
-        assert_eq!("768x512".parse(), Ok(Size { width: 768, height: 512 }));
-        for wrong in ["768", "768x", "15x16", "x512", "9000x16", "16x-16"] {
-            assert!(wrong.parse::<Size>().is_err(), "{wrong}");
-        }
-    }
+/// What every layer makes on the CPU.
+fn cpu_layers(model: &Model, input: &Planes) -> Vec<Activation> {
+    let network = cpu::Network::new(&model.spec, &model.weights);
+    let mut plan = network.plan(input.height(), input.width());
+    plan.run(&network, input);
+    plan.layers(&network)
 }

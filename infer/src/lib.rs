@@ -1,6 +1,7 @@
 //! What a trained network does: its spec, its folder, its forward pass in WGSL on the caller's device and in vector
 //! instructions on the CPU, and a plain reference forward pass that the others are checked against.
 
+pub mod cost;
 pub mod cpu;
 pub mod forward;
 pub mod input;
@@ -11,6 +12,7 @@ pub mod reference;
 pub mod spec;
 pub mod weights;
 
+pub use cost::Cost;
 pub use forward::{ForwardError, Network, Plan};
 pub use model::{Model, ModelError};
 pub use parity::{Activation, Comparison, Parity};

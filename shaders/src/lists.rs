@@ -10,6 +10,16 @@ pub fn median(mut values: Vec<f64>) -> f64 {
     if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
 }
 
+/// The smallest of the values that `share` of them do not exceed: 0.95 for the 95th percentile.
+///
+/// # Panics
+/// If there is no value.
+pub fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    let rank = (share * values.len() as f64).ceil() as usize;
+    values[rank.clamp(1, values.len()) - 1]
+}
+
 /// Indices of at most `wanted` of `count` things, ascending, evenly spread from the first on.
 pub fn spread(count: usize, wanted: usize) -> Vec<usize> {
     (0..count).filter(|index| is_in_spread(*index, count, wanted)).collect()
@@ -29,6 +39,16 @@ mod tests {
         assert_eq!(median(vec![9.0, 1.0, 3.0]), 3.0);
         assert_eq!(median(vec![9.0, 1.0, 3.0, 4.0]), 3.5);
         assert_eq!(median(vec![7.0]), 7.0);
+    }
+
+    #[test]
+    fn a_quantile_is_the_smallest_that_enough_do_not_exceed() {
+        let values: Vec<f64> = (1..=20).rev().map(f64::from).collect();
+        assert_eq!(
+            [0.0, 0.5, 0.95, 0.96, 1.0].map(|share| quantile(values.clone(), share)),
+            [1.0, 10.0, 19.0, 20.0, 20.0]
+        );
+        assert_eq!(quantile(vec![7.0], 0.95), 7.0);
     }
 
     #[test]

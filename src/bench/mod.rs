@@ -2,7 +2,10 @@
 //! datasets by themselves.
 
 mod dataset;
+#[cfg(feature = "train")]
 mod net;
+#[cfg(feature = "train")]
+mod pytorch;
 mod rays;
 #[cfg(feature = "train")]
 mod train;
@@ -12,7 +15,8 @@ use anyhow::Result;
 /// What is measured.
 #[derive(clap::Subcommand)]
 pub enum Verb {
-    /// Milliseconds of a network in WGSL beside onnxruntime.
+    /// Milliseconds of the paper's networks, in WGSL and on the CPU, beside onnxruntime and PyTorch.
+    #[cfg(feature = "train")]
     Net(net::Args),
     /// Images a second that training takes.
     #[cfg(feature = "train")]
@@ -29,6 +33,7 @@ pub enum Verb {
 /// If what is measured does not run.
 pub fn run(verb: &Verb) -> Result<()> {
     match verb {
+        #[cfg(feature = "train")]
         Verb::Net(args) => net::run(args),
         #[cfg(feature = "train")]
         Verb::Train(args) => train::run(args),

@@ -6,6 +6,7 @@
 //! width]`: vectors of neighbouring pixels fit groups of few channels and a single output alike, and need no way to
 //! and from the g-buffer's layout.
 
+pub mod ceilings;
 pub mod conv;
 pub mod operand;
 pub mod stripe;
@@ -15,6 +16,7 @@ use conv::ConvShape;
 use deepshade_shaders::Planes;
 use operand::{Image, Operand};
 use std::borrow::Cow;
+use std::time::Instant;
 use stripe::Packed;
 
 /// A network with its weights in the order in which the CPU reads them.
@@ -91,30 +93,49 @@ impl Plan {
     /// # Panics
     /// If the input is not the spec's, or of another size than the plan.
     pub fn run(&mut self, network: &Network, input: &Planes) -> Planes {
-        let Network { spec, stages } = network;
+        (0..network.stages.len()).for_each(|index| self.run_layer(network, index, input));
+        self.image(network)
+    }
+
+    /// How long each layer takes, by name, milliseconds.
+    ///
+    /// # Panics
+    /// If the input is not the spec's, or of another size than the plan.
+    pub fn layer_times(&mut self, network: &Network, input: &Planes) -> Vec<(String, f64)> {
+        let time = |(index, stage): (usize, &Stage)| {
+            let start = Instant::now();
+            self.run_layer(network, index, input);
+            (stage.layer.name.clone(), start.elapsed().as_secs_f64() * 1e3)
+        };
+        network.stages.iter().enumerate().map(time).collect()
+    }
+
+    /// Bytes of the feature maps.
+    pub fn bytes(&self) -> u64 {
+        self.maps.iter().map(|map| size_of_val(map.as_slice()) as u64).sum()
+    }
+
+    fn run_layer(&mut self, Network { spec, stages }: &Network, index: usize, input: &Planes) {
         let found = [input.channels(), input.height(), input.width()];
         assert_eq!(found, [spec.input_channels(), self.height, self.width], "shape of the input");
-        for (index, stage) in stages.iter().enumerate() {
-            let (made, rest) = self.maps.split_at_mut(index);
-            let map = |of: usize| {
-                let [height, width] = frame(spec, &stages[of].layer, [self.height, self.width]);
-                Image { data: &made[of], channels: stages[of].layer.outputs, height, width }
-            };
-            let operand = match stage.layer.source {
-                Source::Input => Operand::Plain(image(input)),
-                Source::Plain(from) => Operand::Plain(map(from)),
-                Source::Pooled(from) => Operand::Pooled(map(from)),
-                Source::Joined { coarse, skip } => Operand::Joined {
-                    coarse: map(coarse),
-                    fine: map(skip),
-                    order: Cow::Borrowed(&stage.order),
-                },
-            };
-            let leak = if stage.layer.activation { spec.leak } else { 1.0 };
-            let shape = conv_shape(spec, &stage.layer, [self.height, self.width]);
-            conv::forward(shape, &operand, &stage.weights, &stage.bias, leak, &mut rest[0]);
-        }
-        self.image(network)
+        let stage = &stages[index];
+        let size = [self.height, self.width];
+        let (made, rest) = self.maps.split_at_mut(index);
+        let map = |of: usize| {
+            let [height, width] = frame(spec, &stages[of].layer, size);
+            Image { data: &made[of], channels: stages[of].layer.outputs, height, width }
+        };
+        let operand = match stage.layer.source {
+            Source::Input => Operand::Plain(image(input)),
+            Source::Plain(from) => Operand::Plain(map(from)),
+            Source::Pooled(from) => Operand::Pooled(map(from)),
+            Source::Joined { coarse, skip } => {
+                Operand::Joined { coarse: map(coarse), fine: map(skip), order: Cow::Borrowed(&stage.order) }
+            }
+        };
+        let leak = if stage.layer.activation { spec.leak } else { 1.0 };
+        let shape = conv_shape(spec, &stage.layer, size);
+        conv::forward(shape, &operand, &stage.weights, &stage.bias, leak, &mut rest[0]);
     }
 
     /// What every layer made in the last run, as [`reference::layers`](crate::reference::layers) gives it.
@@ -144,12 +165,7 @@ impl Plan {
             [self.height, self.width].map(|size| size.next_multiple_of(network.spec.alignment()));
         let last = &self.maps[self.maps.len() - 1];
         let mut data = Vec::with_capacity(network.spec.output_channels() * self.height * self.width);
-        for row in last
-            .chunks_exact(width)
-            .enumerate()
-            .filter(|(row, _)| row % height < self.height)
-            .map(|(_, row)| row)
-        {
+        for (_, row) in last.chunks_exact(width).enumerate().filter(|(row, _)| row % height < self.height) {
             data.extend_from_slice(&row[..self.width]);
         }
         Planes::from_data(network.spec.output_channels(), self.height, self.width, data)

@@ -40,4 +40,9 @@ impl Gpu {
             .map_err(|source| GpuError::Device { adapter: info.name.clone(), source })?;
         Ok(Self { device, queue, info })
     }
+
+    /// Whether the adapter is software, which computes on the processor.
+    pub fn is_software(&self) -> bool {
+        self.info.device_type == wgpu::DeviceType::Cpu
+    }
 }

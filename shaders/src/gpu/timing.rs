@@ -13,10 +13,22 @@ const MOST_RUNS: usize = wgpu::QUERY_SET_MAX_QUERIES as usize / 2;
 pub struct Timing {
     /// Median of the timed runs.
     pub milliseconds: f64,
+    /// 95th percentile of the timed runs, milliseconds.
+    pub p95: f64,
     /// Whether timestamps of the GPU measured it. Where the device has none it is the wall clock, from submission
     /// until the device is idle; on the CPU too, because lavapipe takes timestamps when it pleases (seen: 0.05 ms for
     /// 130 ms of work, after a pass that had read a texture).
     pub by_gpu: bool,
+}
+
+impl Timing {
+    /// From the milliseconds of every run.
+    ///
+    /// # Panics
+    /// If there is no run.
+    pub fn new(runs: Vec<f64>, by_gpu: bool) -> Self {
+        Self { milliseconds: lists::median(runs.clone()), p95: lists::quantile(runs, 0.95), by_gpu }
+    }
 }
 
 /// Runs recorded work `warm_up` times unmeasured and then `timed` times (at least 1, at most 2048), each run a
@@ -46,7 +58,7 @@ pub fn time(
     } else {
         by_wall_clock(device, queue, label, timed, record)?
     };
-    Ok(Timing { milliseconds: lists::median(runs), by_gpu })
+    Ok(Timing::new(runs, by_gpu))
 }
 
 fn by_timestamps(

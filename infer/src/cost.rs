@@ -1,0 +1,81 @@
+//! What a network costs, counted and not measured: multiply-adds, and numbers that must move.
+
+use crate::{Layer, NetSpec, Source};
+
+/// What a layer costs on one image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cost {
+    /// Multiplications with additions; two floating-point operations each.
+    pub multiply_adds: u64,
+    /// Numbers that it reads or writes at least once: what the layers that it reads have made, what it makes, pooled
+    /// where the next level reads it so, and its weights.
+    pub numbers: u64,
+}
+
+impl std::iter::Sum for Cost {
+    fn sum<I: Iterator<Item = Self>>(costs: I) -> Self {
+        costs.fold(Self::default(), |sum, cost| Self {
+            multiply_adds: sum.multiply_adds + cost.multiply_adds,
+            numbers: sum.numbers + cost.numbers,
+        })
+    }
+}
+
+impl NetSpec {
+    /// The cost of every layer on an image of a size.
+    pub fn costs(&self, height: usize, width: usize) -> Vec<Cost> {
+        let layers = self.layers();
+        let pixels = |level: usize| {
+            [height, width]
+                .map(|size| size.next_multiple_of(self.alignment()) >> level)
+                .iter()
+                .product::<usize>()
+        };
+        let cost = |layer: &Layer| {
+            let frame = pixels(layer.level);
+            let read = match layer.source {
+                Source::Input => layer.inputs * height * width,
+                Source::Plain(_) | Source::Pooled(_) => layer.inputs * frame,
+                Source::Joined { coarse, skip } => {
+                    layers[coarse].outputs * pixels(layer.level + 1) + layers[skip].outputs * frame
+                }
+            };
+            let is_pooled =
+                layers.iter().any(|other| matches!(other.source, Source::Pooled(of) if layers[of] == *layer));
+            let pooled = if is_pooled { layer.outputs * pixels(layer.level + 1) } else { 0 };
+            let weights = layer.weight_count(self.kernel);
+            Cost {
+                multiply_adds: ((weights - layer.outputs) * frame) as u64,
+                numbers: (read + layer.outputs * frame + pooled + weights) as u64,
+            }
+        };
+        layers.iter().map(cost).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{ChannelOrder, Reach};
+
+    #[test]
+    fn ao_needs_2547_multiply_adds_a_pixel() {
+        let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+        let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
+        let cost: Cost = spec.costs(512, 768).into_iter().sum();
+        assert_eq!(cost.multiply_adds, 2547 * 512 * 768);
+        // Level 0: 6 channels in, 8 out and their means, then 16 of half the size and 8 in, 1 out.
+        let pixels = 512 * 768;
+        let layers = spec.costs(512, 768);
+        assert_eq!(layers[0].numbers, 6 * pixels + 8 * pixels + 2 * pixels + 440);
+        assert_eq!(layers[10].numbers, 4 * pixels + 8 * pixels + pixels + 217);
+    }
+
+    #[test]
+    fn a_cost_grows_with_the_frame_and_not_with_the_image() {
+        let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+        let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
+        let cost = |height| spec.costs(height, 64).into_iter().sum::<Cost>().multiply_adds;
+        assert_eq!((cost(33), cost(65)), (cost(64), cost(96)));
+    }
+}

@@ -1,0 +1,101 @@
+//! PyTorch as a rival, where a Python has it.
+
+use anyhow::{Context, Result, ensure};
+use deepshade_infer::{NetSpec, Source};
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::io::Write;
+use std::process::{Command, Stdio};
+
+/// The program that PyTorch runs.
+const SCRIPT: &str = include_str!("pytorch.py");
+
+/// Command-line arguments of benchmarks beside PyTorch.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// A Python that has PyTorch, to be measured in the same run (`pip install torch`)
+    #[arg(long, value_name = "PROGRAM")]
+    python: Option<String>,
+}
+
+/// What PyTorch measured.
+#[derive(Debug, Deserialize)]
+pub struct Report {
+    /// PyTorch's version.
+    pub version: String,
+    /// What it ran on: a graphics card's name, or `CPU`.
+    pub device: String,
+    /// The measurements.
+    pub made: Vec<Row>,
+}
+
+/// A measurement.
+#[derive(Debug, Deserialize)]
+pub struct Row {
+    /// `pytorch` or `pytorch_compiled`.
+    pub engine: String,
+    /// Columns and rows of the image; none of training steps.
+    pub size: Option<[usize; 2]>,
+    /// Median, milliseconds.
+    pub milliseconds: f64,
+    /// 95th percentile, milliseconds.
+    pub p95: f64,
+}
+
+impl Args {
+    /// Runs a job, where a Python is named: `more` is what [`SCRIPT`] wants to know beside the network.
+    ///
+    /// # Errors
+    /// If that Python does not run, has no PyTorch, or fails.
+    pub fn run(&self, spec: &NetSpec, threads: usize, more: Value) -> Result<Option<Report>> {
+        let Some(python) = &self.python else { return Ok(None) };
+        let mut job = network(spec);
+        for (key, value) in more.as_object().into_iter().flatten() {
+            job[key] = value.clone();
+        }
+        job["threads"] = json!(threads);
+        let mut child = Command::new(python)
+            .args(["-c", SCRIPT])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .with_context(|| format!("--python {python}"))?;
+        let mut stdin = child.stdin.take().context("its input")?;
+        stdin.write_all(job.to_string().as_bytes()).with_context(|| format!("--python {python}"))?;
+        drop(stdin);
+        let output = child.wait_with_output()?;
+        let complaint = String::from_utf8_lossy(&output.stderr);
+        let last = complaint.lines().last().unwrap_or_default();
+        ensure!(output.status.success(), "--python {python}: {last}");
+        Ok(Some(serde_json::from_slice(&output.stdout).with_context(|| format!("--python {python}"))?))
+    }
+}
+
+/// A network, as [`SCRIPT`] reads it.
+fn network(spec: &NetSpec) -> Value {
+    let layers = spec.layers();
+    let layer = |layer: &deepshade_infer::Layer| {
+        let (source, of) = match layer.source {
+            Source::Input => ("input", vec![]),
+            Source::Plain(of) => ("plain", vec![of]),
+            Source::Pooled(of) => ("pooled", vec![of]),
+            Source::Joined { coarse, skip } => ("joined", vec![coarse, skip]),
+        };
+        let order = match layer.source {
+            Source::Joined { coarse, skip } => {
+                json!(spec.joined_order(layers[coarse].outputs, layers[skip].outputs, layer.groups))
+            }
+            Source::Input | Source::Plain(_) | Source::Pooled(_) => Value::Null,
+        };
+        let (inputs, outputs, groups) = (layer.inputs, layer.outputs, layer.groups);
+        json!({
+            "source": source, "of": of, "order": order, "inputs": inputs, "outputs": outputs, "groups": groups,
+            "activation": layer.activation,
+        })
+    };
+    json!({
+        "kernel": spec.kernel, "leak": spec.leak, "alignment": spec.alignment(),
+        "layers": layers.iter().map(layer).collect::<Vec<_>>(),
+    })
+}
