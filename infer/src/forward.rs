@@ -17,6 +17,7 @@ mod arena;
 mod convenience;
 mod io;
 mod maps;
+pub mod naive;
 mod network;
 pub mod packing;
 mod plan;
@@ -25,6 +26,8 @@ mod room;
 mod stage;
 mod storage;
 mod tiles;
+mod tuning;
+mod tuning_file;
 mod variant;
 
 pub use convenience::{run, run_layers, run_layers_of};
@@ -33,6 +36,7 @@ pub use io::{Input, InputKind, Output, OutputKind};
 pub use network::{Network, Options};
 pub use plan::{Bytes, Plan};
 pub use recording::Recording;
+pub use tuning::Tuning;
 pub use variant::{Precision, Variant};
 
 use deepshade_shaders::gpu::GpuError;

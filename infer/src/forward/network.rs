@@ -28,10 +28,18 @@ pub struct Options<'a> {
     pub output: OutputKind,
     /// How feature maps are kept.
     pub precision: Precision,
-    /// Which kernels; without, [`Variant::default_for`] the device.
+    /// Which kernels, such as [`Tuning::variant`](super::Tuning::variant) says; without, [`Variant::default_for`] the
+    /// device.
     pub variant: Option<Variant>,
     /// Remembers compiled kernels for the next start of the program.
     pub cache: Option<&'a PipelineCache>,
+}
+
+impl Options<'_> {
+    /// Whether it goes from a buffer to a buffer.
+    pub(super) fn buffers(&self) -> bool {
+        self.input == InputKind::Buffer && self.output == OutputKind::Buffer
+    }
 }
 
 impl Network {
@@ -57,13 +65,8 @@ impl Network {
         if spec.validate().is_err() || !weights.fit(spec) {
             return Err(ForwardError::Unfit);
         }
-        let Options { input, output, precision, .. } = *options;
-        let buffers = input == InputKind::Buffer && output == OutputKind::Buffer;
-        let variant = options
-            .variant
-            .clone()
-            .unwrap_or_else(|| Variant::default_for(device, spec, precision, buffers, output));
-        check(device, spec, &variant, precision, buffers)?;
+        let variant = options.variant.clone().unwrap_or_else(|| Variant::default_for(device, spec, options));
+        check(device, spec, &variant, options)?;
         let layers = spec.layers();
         let mut stages = Stages { device, spec, weights, options, compiled: HashMap::new() };
         let stage = |(index, layer)| match &variant {
@@ -72,6 +75,7 @@ impl Network {
         };
         let stages = layers.iter().enumerate().map(stage).collect::<Result<_, _>>()?;
         let (device, spec) = (device.clone(), spec.clone());
+        let Options { input, output, precision, .. } = *options;
         Ok(Self { device, spec, layers, stages, variant, precision, input, output })
     }
 
@@ -108,16 +112,15 @@ fn check(
     device: &wgpu::Device,
     spec: &NetSpec,
     variant: &Variant,
-    precision: Precision,
-    buffers: bool,
+    options: &Options<'_>,
 ) -> Result<(), ForwardError> {
-    let half = precision == Precision::F16;
+    let half = options.precision == Precision::F16;
     let refused = match variant {
         _ if half && !device.features().contains(wgpu::Features::SHADER_F16) => {
             "the device has no half floats"
         }
         Variant::Software if half => "the software kernels have no half floats",
-        Variant::Software if !buffers => "the software kernels read and write buffers only",
+        Variant::Software if !options.buffers() => "the software kernels read and write buffers only",
         Variant::Staged(shapes) if shapes.len() != spec.layers().len() => "a shape is needed for every layer",
         _ => return Ok(()),
     };

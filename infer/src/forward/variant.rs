@@ -1,7 +1,7 @@
 //! Ways of running a network on a device, of which one is the fastest there.
 
-use super::OutputKind;
 use super::maps::has_means;
+use super::{Options, OutputKind};
 use crate::{Layer, NetSpec};
 use deepshade_shaders::wgsl::convolution::{Convolution, Reading, Shape, Writing};
 
@@ -28,26 +28,31 @@ pub enum Variant {
 
 impl Variant {
     /// A good guess for a device: the software kernels where they can and the adapter is software, else the others.
-    pub fn default_for(
-        device: &wgpu::Device,
-        spec: &NetSpec,
-        precision: Precision,
-        buffers: bool,
-        output: OutputKind,
-    ) -> Self {
+    pub fn default_for(device: &wgpu::Device, spec: &NetSpec, options: &Options<'_>) -> Self {
         let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
-        if software && buffers && precision == Precision::F32 {
-            return Self::Software;
+        match software && options.buffers() && options.precision == Precision::F32 {
+            true => Self::Software,
+            false => Self::staged(device, spec, options.output),
         }
-        Self::staged(device, spec, output)
     }
 
     /// The kernels for GPUs, of the shapes that are guessed to be best.
     pub fn staged(device: &wgpu::Device, spec: &NetSpec, output: OutputKind) -> Self {
-        let room = device.limits().max_compute_workgroup_storage_size;
-        let shapes = (0..spec.layers().len()).map(|index| shapes(spec, index, output, room)[0]);
-        Self::Staged(shapes.collect())
+        Self::Staged(shapes_of_layers(device, spec, output).into_iter().map(|shapes| shapes[0]).collect())
     }
+
+    /// Kernels for GPUs such that every shape that a layer's kernel may have is in one of them, the best guess first.
+    pub fn candidates(device: &wgpu::Device, spec: &NetSpec, output: OutputKind) -> Vec<Self> {
+        let shapes = shapes_of_layers(device, spec, output);
+        let most = shapes.iter().map(Vec::len).max().unwrap_or(0);
+        let round = |round: usize| shapes.iter().map(|all| all[round % all.len()]).collect();
+        (0..most).map(|index| Self::Staged(round(index))).collect()
+    }
+}
+
+fn shapes_of_layers(device: &wgpu::Device, spec: &NetSpec, output: OutputKind) -> Vec<Vec<Shape>> {
+    let room = device.limits().max_compute_workgroup_storage_size;
+    (0..spec.layers().len()).map(|index| shapes(spec, index, output, room)).collect()
 }
 
 /// The shapes that a layer's kernel may have within that many bytes of workgroup memory, the best guess first.

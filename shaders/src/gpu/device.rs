@@ -44,3 +44,9 @@ impl Gpu {
         Ok(Self { device, queue, info })
     }
 }
+
+/// An adapter with its driver, in one line: whose measurements and compiled shaders something is.
+pub fn adapter_key(info: &wgpu::AdapterInfo) -> String {
+    let wgpu::AdapterInfo { name, vendor, device, driver, driver_info, backend, .. } = info;
+    format!("{name} {vendor:x}:{device:x} {backend:?} {driver} {driver_info}").replace('\n', " ")
+}

@@ -2,6 +2,7 @@
 //!
 //! The one place of the project with unsafe code: wgpu hands what the file holds to the driver, which trusts it.
 
+use super::adapter_key;
 use crate::atomic_file;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -78,17 +79,7 @@ enum Unusable {
 
 /// Whose pipelines a file holds: one line.
 fn key(info: &wgpu::AdapterInfo) -> String {
-    let key = format!(
-        "{} {} {:?} {:x}:{:x} {} {}",
-        env!("CARGO_PKG_VERSION"),
-        info.name,
-        info.backend,
-        info.vendor,
-        info.device,
-        info.driver,
-        info.driver_info,
-    );
-    key.replace('\n', " ")
+    format!("{} {}", env!("CARGO_PKG_VERSION"), adapter_key(info))
 }
 
 /// A file: three lines, magic, key and checksum, then the data.
