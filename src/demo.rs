@@ -101,7 +101,7 @@ mod short_training {
     use deepshade_dataset::{Dataset, Origin, Radius, Recipe, generate};
     use deepshade_infer::ChannelOrder;
     use deepshade_infer::parity::Comparison as Agreement;
-    use deepshade_infer::reference;
+    use deepshade_infer::{forward, reference};
     use deepshade_render::method::{Frame, Method};
     use deepshade_render::metrics::ssim;
     use deepshade_shaders::Planes;

@@ -1,7 +1,8 @@
 //! What runs a network: WGSL on a graphics card, vector instructions on the processor where there is none.
 
 use crate::figures::machine;
-use deepshade_infer::forward::{self, ForwardError};
+use crate::kernels;
+use deepshade_infer::forward::{self, ForwardError, Precision};
 use deepshade_infer::{Model, NetSpec, cpu};
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::{Gpu, Timing};
@@ -29,8 +30,7 @@ impl Engine {
     pub fn new(gpu: Option<&Gpu>, model: &Model) -> Result<Self, ForwardError> {
         Ok(match gpu {
             Some(gpu) if !gpu.is_software() => {
-                let network = forward::Network::new(&gpu.device, &model.spec, &model.weights)?;
-                Self::Wgsl { gpu: gpu.clone(), network }
+                Self::Wgsl { gpu: gpu.clone(), network: kernels::fastest(gpu, model, Precision::F32)? }
             }
             _ => Self::Cpu(cpu::Network::new(&model.spec, &model.weights)),
         })

@@ -20,6 +20,7 @@ mod export;
 mod exposure_time;
 mod figures;
 mod infer;
+mod kernels;
 mod learned;
 mod methods;
 mod onnxruntime;

@@ -1,23 +1,52 @@
-//! The forward pass in WGSL, on the caller's device: `shaders/wgsl/net`.
+//! The forward pass in WGSL, on the caller's device.
 //!
 //! Every layer is one pass: what comes before the convolution (padding, doubling, concatenation) happens as it reads,
-//! what comes after (bias, leaky ReLU, pooling) before it writes. Feature maps are texture arrays of four channels a
-//! layer: a fetch then brings four numbers, in half the time that software Vulkan (lavapipe) takes to read as many from
-//! a storage buffer, and no feature map meets a storage buffer's limit of 128 MiB. Weights are in uniform buffers,
-//! which lavapipe reads about ten times as fast as storage buffers.
+//! what comes after (bias, leaky ReLU, pooling) before it writes. There are two sets of kernels:
+//!
+//! - for GPUs (`shaders/wgsl/convolution`): feature maps in regions of a storage buffer that are used again as soon as a
+//!   map is not needed any more, a tile of what a workgroup reads in its own memory, 16 to 64 sums an invocation, feature
+//!   maps in half floats if wanted;
+//! - for software adapters (`shaders/wgsl/net`): feature maps in texture arrays, weights in uniform buffers, which
+//!   lavapipe reads many times as fast as storage buffers.
+//!
+//! [`Variant`] is the choice between them and between the shapes of the first set's kernels; [`Tuning`] makes it by
+//! measuring. [`Network`] is what depends on the device, [`Plan`] what depends on the image's size, [`Recording`] what
+//! depends on the caller's buffers or textures; recording that again makes nothing anew.
 
+mod arena;
 mod convenience;
-mod packing;
+mod io;
+mod maps;
+pub mod naive;
+mod network;
+pub mod packing;
 mod plan;
+mod recording;
+mod room;
+mod stage;
+mod storage;
+mod tiles;
+mod tuning;
+mod tuning_file;
+mod variant;
 
-pub use convenience::{run, run_layers};
-pub use plan::Plan;
+pub use convenience::{run, run_layers, run_layers_of};
+pub use deepshade_shaders::wgsl::convolution::Shape;
+pub use io::{Input, InputKind, Output, OutputKind};
+pub use network::{Network, Options};
+pub use plan::{Bytes, Plan};
+pub use recording::Recording;
+pub use tuning::Tuning;
+pub use variant::{Precision, Variant};
 
-use crate::{Layer, NetSpec, Source, Weights};
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{self, Shader};
-use packing::{Packed, Part};
+use deepshade_shaders::gpu::GpuError;
 use thiserror::Error;
+
+/// Largest difference of an image that was made with feature maps in half floats, as a share of max(1, rms of the
+/// reference): a half float has 11 bits, so a map's elements are off by at most 2^-12 of themselves, 2.4e-4. A layer
+/// averages its inputs' errors, which have either sign, and adds its own; of the eleven layers of a network for ambient
+/// occlusion each adds about 1e-4 rms, and the largest of a million normally distributed errors is five times the rms.
+pub const HALF_TOLERANCE: f32 = 5e-3;
 
 /// Why a network does not run on a device.
 #[derive(Debug, Error)]
@@ -57,6 +86,18 @@ pub enum ForwardError {
         /// Which limit is in the way.
         reason: String,
     },
+    /// Not even the smallest tile has room.
+    #[error(
+        "an image of {width}x{height}: no tile of it has feature maps of at most {limit} bytes within the device's limits"
+    )]
+    Memory {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// Bytes that the feature maps may take.
+        limit: u64,
+    },
     /// An input with another number of channels.
     #[error("the input has {found} channels; the network reads {expected}")]
     Input {
@@ -65,112 +106,10 @@ pub enum ForwardError {
         /// Channels of the input.
         found: usize,
     },
+    /// A set of kernels that cannot do what is asked for.
+    #[error("{0}")]
+    Variant(&'static str),
     /// The GPU refuses.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-}
-
-/// A network on a device: its compiled passes and its weights. A [`Plan`] adds what depends on the image's size.
-#[derive(Debug)]
-pub struct Network {
-    device: wgpu::Device,
-    spec: NetSpec,
-    stages: Vec<Stage>,
-}
-
-/// One layer on a device.
-#[derive(Debug)]
-struct Stage {
-    layer: Layer,
-    pass: Pass,
-    parts: Vec<StagePart>,
-    /// Weights between the first ones of two groups of outputs.
-    stride: usize,
-}
-
-/// Groups of outputs whose weights fit into one uniform buffer.
-#[derive(Debug)]
-struct StagePart {
-    first: usize,
-    count: usize,
-    reads: wgpu::Buffer,
-    weights: wgpu::Buffer,
-}
-
-impl Network {
-    /// Compiles the passes and uploads the weights.
-    ///
-    /// # Errors
-    /// If the weights are not the spec's, a layer is beyond the device's limits, or the device refuses.
-    pub fn new(device: &wgpu::Device, spec: &NetSpec, weights: &Weights) -> Result<Self, ForwardError> {
-        if spec.validate().is_err() || !weights.fit(spec) {
-            return Err(ForwardError::Unfit);
-        }
-        let layers = spec.layers();
-        let mut passes: Vec<(&str, Pass)> = Vec::new();
-        let mut stages = Vec::new();
-        for (index, layer) in layers.iter().enumerate() {
-            check_channels(device, layer)?;
-            let packed = packing::pack(spec, &layers, index, &weights.0[index])?;
-            let shader = shader(spec, layer);
-            if !passes.iter().any(|(name, _)| *name == shader.name) {
-                let source = shader.specialised(&[("KERNEL", spec.kernel as u32)]);
-                passes.push((shader.name, Pass::new(device, shader.name, &source)?));
-            }
-            let pass = passes.iter().find(|(name, _)| *name == shader.name).map(|(_, pass)| pass.clone());
-            let pass = pass.expect("compiled above");
-            stages.push(Stage::new(device, layer.clone(), pass, &packed)?);
-        }
-        Ok(Self { device: device.clone(), spec: spec.clone(), stages })
-    }
-
-    /// The network's spec.
-    pub const fn spec(&self) -> &NetSpec {
-        &self.spec
-    }
-
-    /// Prepares runs on images of a size: the feature maps between the layers.
-    ///
-    /// # Errors
-    /// If the size is beyond the device's limits or its memory.
-    pub fn plan(&self, height: usize, width: usize) -> Result<Plan, ForwardError> {
-        Plan::new(self, height, width)
-    }
-}
-
-impl Stage {
-    fn new(device: &wgpu::Device, layer: Layer, pass: Pass, packed: &Packed) -> Result<Self, ForwardError> {
-        let upload = |part: &Part| {
-            let label = |what: &str| format!("net.{}.{what}", layer.name);
-            Ok(StagePart {
-                first: part.first,
-                count: part.reads.len(),
-                reads: gpu::storage(device, &label("reads"), &part.reads)?,
-                weights: gpu::uniforms(device, &label("weights"), &part.weights)?,
-            })
-        };
-        let parts = packed.parts.iter().map(upload).collect::<Result<_, GpuError>>()?;
-        Ok(Self { layer, pass, parts, stride: packed.stride })
-    }
-}
-
-/// The pass of a layer.
-fn shader(spec: &NetSpec, layer: &Layer) -> &'static Shader {
-    match (layer.source, layer.activation) {
-        (Source::Input, _) if spec.levels == 1 => &wgsl::NET_ONLY,
-        (Source::Input, _) => &wgsl::NET_FIRST,
-        (Source::Plain(_), _) => &wgsl::NET_PLAIN,
-        (Source::Pooled(_), _) if layer.level + 1 == spec.levels => &wgsl::NET_BOTTOM,
-        (Source::Pooled(_), _) => &wgsl::NET_DOWN,
-        (Source::Joined { .. }, true) => &wgsl::NET_UP,
-        (Source::Joined { .. }, false) => &wgsl::NET_IMAGE,
-    }
-}
-
-fn check_channels(device: &wgpu::Device, layer: &Layer) -> Result<(), ForwardError> {
-    let limit = 4 * device.limits().max_texture_array_layers as usize;
-    match layer.outputs.next_multiple_of(packing::FEATURES) <= limit {
-        true => Ok(()),
-        false => Err(ForwardError::Channels { layer: layer.name.clone(), channels: layer.outputs, limit }),
-    }
 }

@@ -68,7 +68,7 @@ impl NetSpec {
 }
 
 /// Whether an attribute is in metres.
-const fn is_length(attribute: Attribute) -> bool {
+pub(crate) const fn is_length(attribute: Attribute) -> bool {
     use Attribute::{Depth, FocalDistance, MeanFreePath, Position};
     matches!(attribute, Position | Depth | FocalDistance | MeanFreePath)
 }

@@ -8,12 +8,13 @@ pub mod input;
 pub mod model;
 pub mod parity;
 pub mod reach;
+mod receptive;
 pub mod reference;
 pub mod spec;
 pub mod weights;
 
 pub use cost::Cost;
-pub use forward::{ForwardError, Network, Plan};
+pub use forward::{ForwardError, Network, Plan, Recording};
 pub use model::{Model, ModelError};
 pub use parity::{Activation, Comparison, Parity};
 pub use reach::Reach;

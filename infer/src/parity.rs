@@ -23,13 +23,18 @@ pub struct Activation {
 pub struct Comparison {
     /// Largest absolute difference of two elements; infinite where the shapes differ or a number is not finite.
     pub max_abs: f32,
-    /// Largest difference allowed: [`TOLERANCE`] * max(1, rms of the reference).
+    /// Largest difference allowed: a share, [`TOLERANCE`] where none is stated, of max(1, rms of the reference).
     pub tolerance: f32,
 }
 
 impl Comparison {
     /// Compares `image` with `reference` element by element.
     pub fn new(reference: &Planes, image: &Planes) -> Self {
+        Self::within(reference, image, TOLERANCE)
+    }
+
+    /// As [`Comparison::new`], with another share allowed.
+    pub fn within(reference: &Planes, image: &Planes, share: f32) -> Self {
         let difference =
             |(a, b): (&f32, &f32)| if (a - b).is_finite() { (a - b).abs() } else { f32::INFINITY };
         let max_abs = if reference.same_shape(image) {
@@ -37,7 +42,7 @@ impl Comparison {
         } else {
             f32::INFINITY
         };
-        Self { max_abs, tolerance: TOLERANCE * rms(reference).max(1.0) }
+        Self { max_abs, tolerance: share * rms(reference).max(1.0) }
     }
 
     /// Whether the difference is within the tolerance.
@@ -49,10 +54,19 @@ impl Comparison {
 /// The first layer whose image is not within the tolerance of the reference's, with how far it is off. Layers are
 /// matched by their position and their name.
 pub fn first_difference(reference: &[Activation], made: &[Activation]) -> Option<(String, Comparison)> {
+    first_difference_within(reference, made, TOLERANCE)
+}
+
+/// As [`first_difference`], with another share than [`TOLERANCE`] allowed.
+pub fn first_difference_within(
+    reference: &[Activation],
+    made: &[Activation],
+    share: f32,
+) -> Option<(String, Comparison)> {
     let missing = Activation { layer: String::new(), planes: Planes::filled(0, 0, 0, 0.0) };
     reference.iter().enumerate().find_map(|(index, reference)| {
         let made = made.get(index).filter(|made| made.layer == reference.layer).unwrap_or(&missing);
-        let comparison = Comparison::new(&reference.planes, &made.planes);
+        let comparison = Comparison::within(&reference.planes, &made.planes, share);
         (!comparison.agrees()).then(|| (reference.layer.clone(), comparison))
     })
 }

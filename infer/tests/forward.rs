@@ -1,9 +1,10 @@
 //! The WGSL forward pass equals the reference, layer by layer and element by element, on random asymmetric weights.
 
+use deepshade_infer::forward::{self, Options, OutputKind, Variant};
 use deepshade_infer::parity::{first_difference, noise, rms};
-use deepshade_infer::{ChannelOrder, Model, NetSpec, Network, Reach, Weights, forward, reference};
-use deepshade_shaders::Planes;
+use deepshade_infer::{ChannelOrder, Model, NetSpec, Network, Reach, Weights, reference};
 use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{Effect, Planes};
 
 const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
 
@@ -19,26 +20,41 @@ fn random_model(spec: NetSpec) -> Model {
     Model { weights: Weights::random(&spec, 11), spec }
 }
 
+/// The kernels for GPUs, of the shapes that are guessed to be best.
+fn guess(gpu: &Gpu, spec: &NetSpec) -> Variant {
+    Variant::staged(&gpu.device, spec, OutputKind::Buffer)
+}
+
 fn assert_agrees(gpu: &Gpu, spec: NetSpec, sizes: &[(usize, usize)]) {
     let model = random_model(spec);
     for (height, width) in sizes {
         let input = noise(model.spec.input_channels(), *height, *width, 7);
         let expected = reference::layers(&model.spec, &model.weights, &input);
-        let made = forward::run_layers(gpu, &model, &input).expect("runs");
-        assert_eq!(made.len(), expected.len());
-        let what = format!("{:?} at {height}x{width}", model.spec);
-        assert_eq!(first_difference(&expected, &made), None, "{what}");
+        for variant in [Variant::Software, guess(gpu, &model.spec)] {
+            let what = format!("{:?} at {height}x{width} by {variant:?}", model.spec);
+            let options = Options { variant: Some(variant), ..Options::default() };
+            let network =
+                Network::with(&gpu.device, &model.spec, &model.weights, &options).expect("compiles");
+            let made = forward::run_layers_of(&network, &gpu.queue, &input).expect("runs");
+            assert_eq!(made.len(), expected.len());
+            assert_eq!(first_difference(&expected, &made), None, "{what}");
+        }
         let last = &expected[expected.len() - 1].planes;
-        assert!((0.3..3.0).contains(&rms(last)), "{what}: an image of rms {} proves little", rms(last));
+        let what = format!("{:?} at {height}x{width}", model.spec);
+        let proves = last.pixels() < 100 || (0.3..3.0).contains(&rms(last));
+        assert!(proves, "{what}: an image of rms {} proves little", rms(last));
     }
 }
 
 #[test]
-fn the_papers_network_at_whole_and_odd_sizes() {
+fn every_published_network_at_whole_and_odd_sizes() {
     let gpu = gpu();
-    let contiguous = NetSpec::ao(ChannelOrder::Contiguous, REACH);
-    for spec in [contiguous, ao()] {
-        assert_agrees(&gpu, spec, &[(64, 96), (37, 53), (16, 16)]);
+    for effect in Effect::ALL {
+        for order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
+            let Some(spec) = NetSpec::published(effect, order, REACH) else { continue };
+            let small = matches!(effect, Effect::Ibl | Effect::Real);
+            assert_agrees(&gpu, spec, if small { &[(9, 20)] } else { &[(16, 32), (37, 53)] });
+        }
     }
 }
 
@@ -122,7 +138,6 @@ fn what_cannot_run_is_named() {
     let network = Network::new(&gpu.device, &model.spec, &model.weights).expect("compiles");
     let message = |height, width| network.plan(height, width).expect_err("cannot be").to_string();
     assert!(message(0, 16).contains("layer `down0` has no pixel"), "{}", message(0, 16));
-    assert!(message(16, 1 << 20).contains("rows and columns"), "{}", message(16, 1 << 20));
     assert!(message(8192, 8192).contains("layer `down0` binds a buffer of"), "{}", message(8192, 8192));
     let spec = NetSpec { u0: 128, levels: 3, ..ao() };
     let error = Network::new(&gpu.device, &spec, &random_model(spec.clone()).weights).expect_err("too wide");

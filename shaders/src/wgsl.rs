@@ -2,8 +2,9 @@
 //!
 //! A shader is a prelude of constants and uniform structs, both derived from Rust, the shared files that it lists,
 //! and the pass, joined as text. Adding a shader is one entry in the table at the end of this file, and one in
-//! [`uniforms`] if it needs a new struct.
+//! [`uniforms`] if it needs a new struct. The kernels of a network's layers on GPUs are put together in [`convolution`].
 
+pub mod convolution;
 pub mod uniforms;
 
 use std::fmt::Write;
@@ -85,7 +86,7 @@ table! {
     HBAO_BLUR: "hbao.blur", file "methods/hbao/blur", constants [], uniforms [HbaoBlur], shared ["surface"];
     /// A network's first layer.
     NET_FIRST: "net.first", file "net/feature_map_pooled", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_features", "net_layer", "net_input", "net_single", "net_pool"];
+        shared ["net_features", "net_layer", "net_window", "net_planes", "net_input", "net_single", "net_pool"];
     /// A network's further layers on the way down.
     NET_DOWN: "net.down", file "net/feature_map_pooled", constants [KERNEL = 3], uniforms [NetLayer],
         shared ["net_features", "net_layer", "net_pooled", "net_single", "net_pool"];
@@ -97,13 +98,27 @@ table! {
         shared ["net_features", "net_layer", "net_joined"];
     /// A network's last layer.
     NET_IMAGE: "net.image", file "net/image", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_image", "net_layer", "net_joined"];
+        shared ["net_image", "net_layer", "net_window", "net_joined"];
     /// The first layer of a network of one level.
     NET_ONLY: "net.only", file "net/feature_map", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_features", "net_layer", "net_input", "net_single"];
+        shared ["net_features", "net_layer", "net_window", "net_planes", "net_input", "net_single"];
     /// The last layer of a network of one level.
     NET_PLAIN: "net.plain", file "net/image", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_image", "net_layer", "net_pooled", "net_single"];
+        shared ["net_image", "net_layer", "net_window", "net_pooled", "net_single"];
+    /// Memory's speed: a copy.
+    COPY: "ceilings.copy", file "ceilings/copy", constants [], uniforms [], shared [];
+    /// Arithmetic's speed: multiplications with additions.
+    FMA: "ceilings.fma", file "ceilings/fma", constants [TURNS = 256], uniforms [], shared [];
+    /// The yardstick's convolution.
+    NAIVE_CONVOLUTION: "naive.convolution", file "naive/convolution", constants [], uniforms [NaiveLayer], shared [];
+    /// The yardstick's leaky ReLU.
+    NAIVE_ACTIVATION: "naive.activation", file "naive/activation", constants [], uniforms [NaiveLayer], shared [];
+    /// The yardstick's means of 2x2 pixels.
+    NAIVE_POOLING: "naive.pooling", file "naive/pooling", constants [], uniforms [NaiveLayer], shared [];
+    /// The yardstick's bilinear doubling.
+    NAIVE_DOUBLING: "naive.doubling", file "naive/doubling", constants [], uniforms [NaiveLayer], shared [];
+    /// The yardstick's concatenation.
+    NAIVE_CONCATENATION: "naive.concatenation", file "naive/concatenation", constants [], uniforms [NaiveLayer], shared [];
 }
 
 #[cfg(test)]
@@ -112,16 +127,16 @@ mod tests {
     use naga::valid::{Capabilities, ValidationFlags, Validator};
     use uniforms::Field;
 
-    fn parse(source: &str) -> Result<naga::Module, String> {
+    pub(super) fn parse(source: &str) -> Result<naga::Module, String> {
         let module = naga::front::wgsl::parse_str(source).map_err(|e| e.emit_to_string(source))?;
-        Validator::new(ValidationFlags::all(), Capabilities::empty())
+        Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16)
             .validate(&module)
             .map_err(|e| e.emit_to_string(source))?;
         Ok(module)
     }
 
     /// Whether naga lays a struct out as Rust does.
-    fn agrees(layout: &Layout, module: &naga::Module) -> Result<(), String> {
+    pub(super) fn agrees(layout: &Layout, module: &naga::Module) -> Result<(), String> {
         let mut layouter = naga::proc::Layouter::default();
         layouter.update(module.to_ctx()).map_err(|e| e.to_string())?;
         let (handle, found) = module

@@ -90,11 +90,11 @@ def infer(job, cuda):
     if job["compile"]:
         engines["pytorch_compiled"] = torch.compile(net)
     made = []
-    for width, height in job["sizes"]:
-        x = torch.randn(1, job["layers"][0]["inputs"], height, width, device=device, dtype=dtype)
-        for name, engine in engines.items():
-            with torch.inference_mode():
-                made.append({"engine": name, "size": [width, height], **times(lambda: engine(x), job, cuda)})
+    width, height = job["size"]
+    x = torch.randn(1, job["layers"][0]["inputs"], height, width, device=device, dtype=dtype)
+    for name, engine in engines.items():
+        with torch.inference_mode():
+            made.append({"engine": name, **times(lambda: engine(x), job, cuda)})
     return made
 
 

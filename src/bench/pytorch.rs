@@ -34,8 +34,6 @@ pub struct Report {
 pub struct Row {
     /// `pytorch` or `pytorch_compiled`.
     pub engine: String,
-    /// Columns and rows of the image; none of training steps.
-    pub size: Option<[usize; 2]>,
     /// Median, milliseconds.
     pub milliseconds: f64,
     /// 95th percentile, milliseconds.

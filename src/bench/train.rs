@@ -1,5 +1,6 @@
 //! `deepshade bench train`: images a second through forward pass, loss, backward pass and optimiser.
 
+use super::pytorch;
 use crate::figures::Figures;
 use anyhow::Result;
 use clap::builder::RangedU64ValueParser;
@@ -10,7 +11,9 @@ use std::path::PathBuf;
 
 /// Images a second that training takes.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  deepshade bench train --json train.json")]
+#[command(
+    after_help = "Examples:\n  deepshade bench train --json train.json\n  deepshade bench train --python python3    # beside PyTorch"
+)]
 pub struct Args {
     /// Height and width of the images; a multiple of 8.
     #[arg(long, default_value_t = 256, value_parser = RangedU64ValueParser::<usize>::new().range(8..=8192))]
@@ -21,6 +24,8 @@ pub struct Args {
     /// Timed steps; the median counts.
     #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u16).range(1..=10_000))]
     steps: u16,
+    #[command(flatten)]
+    pytorch: pytorch::Args,
     /// Writes the figures here as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
@@ -41,15 +46,29 @@ pub fn run(args: &Args) -> Result<()> {
     let (threads, weights) = (rayon::current_num_threads(), config.spec.weight_count());
     let parts = [("forward", times.forward), ("backward", times.backward), ("update", times.update)]
         .map(|(part, time)| (part, time.as_secs_f64() * 1e3));
+    let seconds = batch as f64 / times.images_per_second;
     let mut figures = Figures::new("bench train");
     figures.set("images_per_second", times.images_per_second);
+    figures.set("seconds_step_ao", seconds);
     for (part, milliseconds) in parts {
         figures.set(&format!("ms_{part}"), milliseconds);
     }
     figures.detail("size", json!({ "batch": batch, "crop": crop, "steps": steps, "weights": weights }));
+    let more = json!({ "mode": "train", "batch": batch, "crop": crop, "runs": steps, "seconds": 1e3 });
+    let rival = args.pytorch.run(&config.spec, threads, more)?;
+    let rival = rival.and_then(|report| Some((report.made.first()?.milliseconds * 1e-3, report)));
+    if let Some((theirs, report)) = &rival {
+        figures.set("seconds_step_pytorch", *theirs);
+        figures.set("ratio_step_pytorch", seconds / theirs);
+        figures.detail("pytorch", json!({ "version": report.version, "device": report.device }));
+    }
     figures.write(args.json.as_deref())?;
     let effect = config.spec.effect;
     say!("network   {effect}, {weights} weights, batches of {batch} images of {crop} x {crop}")?;
     say!("training  {:.2} images a second, {threads} threads, median of {steps}", times.images_per_second)?;
-    parts.iter().try_for_each(|(part, milliseconds)| say!("{part:<9} {milliseconds:.1} ms a batch"))
+    parts.iter().try_for_each(|(part, milliseconds)| say!("{part:<9} {milliseconds:.1} ms a batch"))?;
+    let Some((theirs, report)) = &rival else { return Ok(()) };
+    let (version, device) = (&report.version, &report.device);
+    say!("PyTorch   {:.2} images a second ({version}, {device})", batch as f64 / theirs)?;
+    say!("a step takes {:.2} of PyTorch's", seconds / theirs)
 }

@@ -1,6 +1,7 @@
 //! Running a network on an image in main memory: for tools and tests. A renderer has a [`Plan`] instead.
 
-use super::{ForwardError, Network, Plan};
+use super::maps::MapId;
+use super::{ForwardError, Input, Network, Output, Plan, Recording};
 use crate::{Activation, Model};
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::{self, Gpu, Timing};
@@ -8,7 +9,7 @@ use deepshade_shaders::gpu::{self, Gpu, Timing};
 /// A plan with buffers of its own for input and output.
 struct Run {
     plan: Plan,
-    input: wgpu::Buffer,
+    recording: Recording,
     output: wgpu::Buffer,
 }
 
@@ -18,18 +19,43 @@ struct Run {
 /// If the input is not the network's or the GPU refuses.
 pub fn run(gpu: &Gpu, model: &Model, input: &Planes) -> Result<Planes, ForwardError> {
     let run = Run::new(&Network::new(&gpu.device, &model.spec, &model.weights)?, input)?;
-    run.once(gpu)?;
+    gpu::submit(&gpu.device, &gpu.queue, "net", |encoder| run.recording.encode(encoder))?;
     run.plan.image(&gpu.queue, &run.output)
 }
 
 /// What every layer makes on the way to the network's image, as [`crate::reference::layers`] gives it.
 ///
 /// # Errors
-/// If the input is not the network's or the GPU refuses.
+/// If the input is not the network's, too large to be run as a whole, or the GPU refuses.
 pub fn run_layers(gpu: &Gpu, model: &Model, input: &Planes) -> Result<Vec<Activation>, ForwardError> {
-    let run = Run::new(&Network::new(&gpu.device, &model.spec, &model.weights)?, input)?;
-    run.once(gpu)?;
-    run.plan.layers(&gpu.queue, &run.output)
+    run_layers_of(&Network::new(&gpu.device, &model.spec, &model.weights)?, &gpu.queue, input)
+}
+
+/// As [`run_layers`], of a network from buffers to buffers.
+///
+/// # Errors
+/// If the input is not the network's, too large to be run as a whole, or the GPU refuses.
+pub fn run_layers_of(
+    network: &Network,
+    queue: &wgpu::Queue,
+    input: &Planes,
+) -> Result<Vec<Activation>, ForwardError> {
+    let run = Run::new(network, input)?;
+    if run.plan.tiles() > 1 {
+        let (height, width) = (input.height(), input.width());
+        return Err(ForwardError::Memory { width, height, limit: u64::MAX });
+    }
+    let mut made = Vec::new();
+    for (index, layer) in network.layers.iter().enumerate() {
+        // One by one: a later layer may write where an earlier one's map was.
+        gpu::submit(&network.device, queue, "net", |encoder| run.recording.encode_layer(index, encoder))?;
+        let planes = match layer.activation {
+            true => run.plan.storage.read(&network.device, queue, MapId::Made(index))?,
+            false => run.plan.image(queue, &run.output)?,
+        };
+        made.push(Activation { layer: layer.name.clone(), planes });
+    }
+    Ok(made)
 }
 
 impl Network {
@@ -46,14 +72,30 @@ impl Network {
         timed: usize,
     ) -> Result<(Planes, Timing), ForwardError> {
         let run = Run::new(self, input)?;
-        let mut recorded = Ok(());
-        let timing = gpu::time(&self.device, queue, "net", warm_up, timed, |encoder| {
-            if recorded.is_ok() {
-                recorded = run.plan.encode(encoder, &run.input, &run.output);
-            }
-        })?;
-        recorded?;
+        let record = |encoder: &mut wgpu::CommandEncoder| run.recording.encode(encoder);
+        let timing = gpu::time(&self.device, queue, "net", warm_up, timed, record)?;
         Ok((run.plan.image(queue, &run.output)?, timing))
+    }
+
+    /// How long each layer takes on images of a size, by name: each by itself, the median of `timed` runs after
+    /// `warm_up` others.
+    ///
+    /// # Errors
+    /// If the size is beyond the device's limits or the GPU refuses.
+    pub fn layer_times(
+        &self,
+        queue: &wgpu::Queue,
+        [height, width]: [usize; 2],
+        warm_up: usize,
+        timed: usize,
+    ) -> Result<Vec<(String, Timing)>, ForwardError> {
+        let run = Run::new(self, &Planes::filled(self.spec.input_channels(), height, width, 0.5))?;
+        let time = |(index, layer): (usize, &crate::Layer)| {
+            let record = |encoder: &mut wgpu::CommandEncoder| run.recording.encode_layer(index, encoder);
+            let timing = gpu::time(&self.device, queue, &layer.name, warm_up, timed, record)?;
+            Ok((layer.name.clone(), timing))
+        };
+        self.layers.iter().enumerate().map(time).collect()
     }
 }
 
@@ -64,19 +106,11 @@ impl Run {
         if expected != found {
             return Err(ForwardError::Input { expected, found });
         }
+        let plan = network.plan(input.height(), input.width())?;
         let elements = spec.output_channels() * input.pixels();
-        Ok(Self {
-            plan: network.plan(input.height(), input.width())?,
-            input: gpu::storage(device, "net.input", input.data())?,
-            output: gpu::empty::<f32>(device, "net.output", elements)?,
-        })
-    }
-
-    fn once(&self, gpu: &Gpu) -> Result<(), ForwardError> {
-        let mut recorded = Ok(());
-        gpu::submit(&gpu.device, &gpu.queue, "net", |encoder| {
-            recorded = self.plan.encode(encoder, &self.input, &self.output);
-        })?;
-        recorded
+        let input = gpu::storage(device, "net.input", input.data())?;
+        let output = gpu::empty::<f32>(device, "net.output", elements)?;
+        let recording = plan.bind(Input::Buffer(&input), Output::Buffer(&output))?;
+        Ok(Self { plan, recording, output })
     }
 }

@@ -1,48 +1,66 @@
-//! Weights in the order in which `shaders/wgsl/shared/net_layer.wgsl` reads them.
+//! Weights in the order in which kernels read them.
 //!
-//! The shader knows blocks of four inputs and groups of eight outputs (of one, where the layer makes the image), so a
-//! layer's own groups become a range of blocks for each group of outputs. Where they do not fall on whole blocks,
-//! zeros fill up.
+//! A kernel knows blocks of four inputs and blocks of one, four, eight or sixteen outputs, so a layer's own groups
+//! become a range of blocks of inputs for each block of outputs. Where they do not fall on whole blocks, zeros fill up.
 
-use super::ForwardError;
 use crate::{Layer, LayerWeights, NetSpec, Source};
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 
-/// Channels of a texel.
-const BLOCK: usize = 4;
-/// Outputs that an invocation makes of a feature map.
-pub const FEATURES: usize = 8;
-/// Floats of a uniform buffer: 64 KiB, what every device offers. `WEIGHTS` of the shaders is as many.
-const ROOM: usize = 16_384;
+/// Channels that lie side by side.
+pub const BLOCK: usize = 4;
+/// Most outputs that an invocation makes.
+pub const MOST_OUTPUTS: usize = 16;
 
-/// What a group of outputs reads; the same in the shader.
+/// What a block of outputs reads; the same in the kernels.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Reads {
-    first: u32,
-    count: u32,
-    skip_first: u32,
-    skip_count: u32,
-    bias: [f32; FEATURES],
+    /// First block of four channels of the image that the layer reads, of the coarser one where it joins two.
+    pub first: u32,
+    /// Number of such blocks.
+    pub count: u32,
+    /// First block of four channels of the skip connection.
+    pub skip_first: u32,
+    /// Number of such blocks.
+    pub skip_count: u32,
+    /// What the sums begin with.
+    pub bias: [f32; MOST_OUTPUTS],
 }
 
-/// A layer's weights.
+/// A layer's weights, packed.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Packed {
-    /// In portions that fit into a uniform buffer.
-    pub parts: Vec<Part>,
-    /// Weights of the shader between the first ones of two groups of outputs.
+    /// Outputs of a block.
+    pub outputs: usize,
+    /// What each block of outputs reads.
+    pub reads: Vec<Reads>,
+    /// Weights of a block of outputs, with what fills it up.
     pub stride: usize,
+    /// `[blocks of outputs, stride]`; of a block `[blocks of four inputs, kernel, kernel, blocks of four outputs, 4
+    /// inputs, 4 outputs]`, the blocks of the skip connection after the others. A single output has one output where
+    /// the others have four.
+    pub weights: Vec<f32>,
 }
 
-/// Some groups of outputs.
-pub struct Part {
-    /// Index of the first group.
-    pub first: usize,
-    /// What each reads.
-    pub reads: Vec<Reads>,
-    /// Their weights, [`ROOM`] floats.
-    pub weights: Vec<f32>,
+impl Packed {
+    /// Packs the weights of the layer of that index for a kernel that makes `outputs` outputs at a time.
+    pub fn new(spec: &NetSpec, index: usize, weights: &LayerWeights, outputs: usize) -> Self {
+        let layers = spec.layers();
+        let layer = &layers[index];
+        let (order, split) = match layer.source {
+            Source::Input | Source::Plain(_) | Source::Pooled(_) => {
+                ((0..layer.inputs).collect(), layer.inputs)
+            }
+            Source::Joined { coarse, skip } => {
+                let (coarse, skip) = (layers[coarse].outputs, layers[skip].outputs);
+                (spec.joined_order(coarse, skip, layer.groups), coarse)
+            }
+        };
+        let mut positions = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(position, channel)| positions[*channel] = position);
+        Packing { layer, weights, kernel: spec.kernel, group: outputs, order, positions, split }.packed()
+    }
 }
 
 /// One layer, seen from the shader.
@@ -60,59 +78,27 @@ struct Packing<'a> {
     split: usize,
 }
 
-/// Packs the weights of the layer of that index.
-pub fn pack(
-    spec: &NetSpec,
-    layers: &[Layer],
-    index: usize,
-    weights: &LayerWeights,
-) -> Result<Packed, ForwardError> {
-    let layer = &layers[index];
-    let (order, split) = match layer.source {
-        Source::Input | Source::Plain(_) | Source::Pooled(_) => ((0..layer.inputs).collect(), layer.inputs),
-        Source::Joined { coarse, skip } => {
-            let (coarse, skip) = (layers[coarse].outputs, layers[skip].outputs);
-            (spec.joined_order(coarse, skip, layer.groups), coarse)
-        }
-    };
-    let group = if layer.activation { FEATURES } else { 1 };
-    let mut positions = vec![0; order.len()];
-    order.iter().enumerate().for_each(|(position, channel)| positions[*channel] = position);
-    let packing = Packing { layer, weights, kernel: spec.kernel, group, order, positions, split };
-    packing.packed()
-}
-
 impl Packing<'_> {
-    fn packed(&self) -> Result<Packed, ForwardError> {
-        let groups = self.layer.outputs.div_ceil(self.group);
-        let taps = self.kernel * self.kernel;
-        let blocks = (0..groups).map(|group| self.blocks(group)).map(|(a, b)| a.len() + b.len());
-        let stride = blocks.max().unwrap_or(0) * taps;
-        let floats = stride * self.group * BLOCK;
-        if floats > ROOM {
-            let [bytes, limit] = [floats, ROOM].map(|floats| floats * size_of::<f32>());
-            return Err(ForwardError::Weights { layer: self.layer.name.clone(), bytes, limit });
-        }
-        let at_once = ROOM / floats;
-        let parts = (0..groups).step_by(at_once).map(|first| {
-            let groups = first..groups.min(first + at_once);
-            let mut weights: Vec<f32> = groups
-                .clone()
-                .flat_map(|group| {
-                    let mut weights = self.group_weights(group);
-                    weights.resize(floats, 0.0);
-                    weights
-                })
-                .collect();
-            weights.resize(ROOM, 0.0);
-            Part { first, reads: groups.map(|group| self.reads(group)).collect(), weights }
+    fn packed(&self) -> Packed {
+        let groups = 0..self.layer.outputs.div_ceil(self.group);
+        let blocks = groups.clone().map(|group| self.blocks(group)).map(|(a, b)| a.len() + b.len());
+        let stride = blocks.max().unwrap_or(0) * self.kernel * self.kernel * self.group * BLOCK;
+        let weights = groups.clone().flat_map(|group| {
+            let mut weights = self.group_weights(group);
+            weights.resize(stride, 0.0);
+            weights
         });
-        Ok(Packed { parts: parts.collect(), stride })
+        Packed {
+            outputs: self.group,
+            weights: weights.collect(),
+            reads: groups.map(|group| self.reads(group)).collect(),
+            stride,
+        }
     }
 
     fn reads(&self, group: usize) -> Reads {
         let (blocks, skip) = self.blocks(group);
-        let mut bias = [0.0; FEATURES];
+        let mut bias = [0.0; MOST_OUTPUTS];
         let outputs = self.outputs(group);
         bias[..outputs.len()].copy_from_slice(&self.weights.bias[outputs]);
         Reads {

@@ -53,12 +53,26 @@ pub fn read<T: Pod>(
     queue: &wgpu::Queue,
     buffer: &wgpu::Buffer,
 ) -> Result<Vec<T>, GpuError> {
+    read_part(device, queue, buffer, 0, buffer.size())
+}
+
+/// As [`read`], `bytes` from `offset` on, both multiples of four.
+///
+/// # Errors
+/// If the buffer is smaller, the device is lost or its memory exhausted.
+pub fn read_part<T: Pod>(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    buffer: &wgpu::Buffer,
+    offset: u64,
+    bytes: u64,
+) -> Result<Vec<T>, GpuError> {
     let failed = |what: String| GpuError::Readback { label: "deepshade.readback".to_owned(), what };
     let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
-    let staging = create(device, "readback", buffer.size(), usage, false)?;
+    let staging = create(device, "readback", bytes, usage, false)?;
     catch(device, || {
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
+        encoder.copy_buffer_to_buffer(buffer, offset, &staging, 0, bytes);
         queue.submit([encoder.finish()]);
     })
     .map_err(failed)?;
@@ -86,6 +100,15 @@ fn filled(
     Ok(buffer)
 }
 
+/// A storage buffer `deepshade.<label>` of that many bytes, all zero, of which parts are bound: each, not the whole, has
+/// to meet the device's limit of a binding.
+///
+/// # Errors
+/// If the device has no room for it.
+pub fn arena(device: &wgpu::Device, label: &str, bytes: u64) -> Result<wgpu::Buffer, GpuError> {
+    create_within(device, label, bytes, STORAGE, false, device.limits().max_buffer_size)
+}
+
 /// A buffer of at least one word, since bindings may not be empty.
 fn create(
     device: &wgpu::Device,
@@ -94,8 +117,6 @@ fn create(
     usage: BufferUsages,
     mapped_at_creation: bool,
 ) -> Result<wgpu::Buffer, GpuError> {
-    let label = format!("deepshade.{label}");
-    let size = bytes.next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT).max(wgpu::COPY_BUFFER_ALIGNMENT);
     let limits = device.limits();
     let mut limit = limits.max_buffer_size;
     if usage.contains(BufferUsages::STORAGE) {
@@ -104,6 +125,19 @@ fn create(
     if usage.contains(BufferUsages::UNIFORM) {
         limit = limit.min(limits.max_uniform_buffer_binding_size);
     }
+    create_within(device, label, bytes, usage, mapped_at_creation, limit)
+}
+
+fn create_within(
+    device: &wgpu::Device,
+    label: &str,
+    bytes: u64,
+    usage: BufferUsages,
+    mapped_at_creation: bool,
+    limit: u64,
+) -> Result<wgpu::Buffer, GpuError> {
+    let label = format!("deepshade.{label}");
+    let size = bytes.next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT).max(wgpu::COPY_BUFFER_ALIGNMENT);
     if size > limit {
         return Err(GpuError::TooLarge { label, bytes: size, limit });
     }

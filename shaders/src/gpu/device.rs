@@ -17,8 +17,8 @@ pub struct Gpu {
 impl Gpu {
     /// Opens the fastest adapter there is; a software one will do.
     ///
-    /// The limits are those that WebGPU guarantees. The only optional features are timestamps, requested where they
-    /// are offered ([`super::time`]).
+    /// The limits are those that WebGPU guarantees. The only optional features are timestamps ([`super::time`]), half
+    /// floats and pipeline caches ([`super::PipelineCache`]), each requested where it is offered.
     ///
     /// # Errors
     /// If there is no adapter, or it offers less than WebGPU's limits.
@@ -30,10 +30,13 @@ impl Gpu {
         };
         let adapter = pollster::block_on(instance.request_adapter(&options)).map_err(GpuError::NoAdapter)?;
         let info = adapter.get_info();
-        let timestamps = Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
+        let optional = Features::TIMESTAMP_QUERY
+            | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
+            | Features::SHADER_F16
+            | Features::PIPELINE_CACHE;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("deepshade"),
-            required_features: adapter.features() & timestamps,
+            required_features: adapter.features() & optional,
             ..Default::default()
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
@@ -45,4 +48,10 @@ impl Gpu {
     pub fn is_software(&self) -> bool {
         self.info.device_type == wgpu::DeviceType::Cpu
     }
+}
+
+/// An adapter with its driver, in one line: whose measurements and compiled shaders something is.
+pub fn adapter_key(info: &wgpu::AdapterInfo) -> String {
+    let wgpu::AdapterInfo { name, vendor, device, driver, driver_info, backend, .. } = info;
+    format!("{name} {vendor:x}:{device:x} {backend:?} {driver} {driver_info}").replace('\n', " ")
 }

@@ -5,14 +5,18 @@
 //! [`GpuError`] that names the buffer or pass.
 
 mod buffer;
+mod ceilings;
 mod device;
 mod pass;
+mod pipeline_cache;
 mod texture;
 mod timing;
 
-pub use buffer::{empty, read, storage, uniform, uniforms};
-pub use device::Gpu;
+pub use buffer::{arena, empty, read, read_part, storage, uniform, uniforms};
+pub use ceilings::{Ceilings, ceilings};
+pub use device::{Gpu, adapter_key};
 pub use pass::{BoundPass, Pass, groups, submit};
+pub use pipeline_cache::PipelineCache;
 pub use texture::{array_view, read_texture_array, texture_array};
 pub use timing::{Timing, time};
 

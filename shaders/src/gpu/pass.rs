@@ -1,6 +1,6 @@
 //! A compute pass: a shader, what is bound to it, and how many workgroups run.
 
-use super::{GpuError, catch};
+use super::{GpuError, PipelineCache, catch};
 
 /// A compiled compute shader with one entry point and one bind group.
 #[derive(Clone, Debug)]
@@ -25,6 +25,19 @@ impl Pass {
     /// # Errors
     /// If the source or the pipeline is not valid.
     pub fn new(device: &wgpu::Device, label: &str, wgsl: &str) -> Result<Self, GpuError> {
+        Self::cached(device, label, wgsl, None)
+    }
+
+    /// As [`Pass::new`], with what a cache remembers of the same source.
+    ///
+    /// # Errors
+    /// If the source or the pipeline is not valid.
+    pub fn cached(
+        device: &wgpu::Device,
+        label: &str,
+        wgsl: &str,
+        cache: Option<&PipelineCache>,
+    ) -> Result<Self, GpuError> {
         let label = format!("deepshade.{label}");
         let pipeline = catch(device, || {
             let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -40,7 +53,7 @@ impl Pass {
                     zero_initialize_workgroup_memory: false,
                     ..Default::default()
                 },
-                cache: None,
+                cache: cache.and_then(PipelineCache::get),
             })
         })
         .map_err(|what| GpuError::Shader { label: label.clone(), what })?;
@@ -56,9 +69,21 @@ impl Pass {
         device: &wgpu::Device,
         resources: &[wgpu::BindingResource<'_>],
     ) -> Result<BoundPass, GpuError> {
-        let entries: Vec<_> = (0..)
-            .zip(resources)
-            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
+        self.bind_at(device, (0..).zip(resources.iter().cloned()))
+    }
+
+    /// Binds resources to bindings of group 0 by their numbers.
+    ///
+    /// # Errors
+    /// If they are not what the shader declares and uses.
+    pub fn bind_at<'a>(
+        &self,
+        device: &wgpu::Device,
+        resources: impl IntoIterator<Item = (u32, wgpu::BindingResource<'a>)>,
+    ) -> Result<BoundPass, GpuError> {
+        let entries: Vec<_> = resources
+            .into_iter()
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
             .collect();
         let group = catch(device, || {
             device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -79,6 +104,11 @@ impl BoundPass {
             label: Some(&self.label),
             timestamp_writes: None,
         });
+        self.dispatch_in(&mut pass, workgroups);
+    }
+
+    /// Records the pass within a compute pass of wgpu's, which holds as many as wanted one after the other.
+    pub fn dispatch_in(&self, pass: &mut wgpu::ComputePass<'_>, workgroups: [u32; 3]) {
         let [x, y, z] = workgroups;
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.group, &[]);

@@ -15,7 +15,7 @@ fn weighted(weight: Weight, value: vec4<f32>) -> Sum {
     return Sum(weight.low * value, weight.high * value);
 }
 
-fn bias_sum(bias: array<vec4<f32>, 2>) -> Sum {
+fn bias_sum(bias: array<vec4<f32>, 4>) -> Sum {
     return Sum(bias[0], bias[1]);
 }
 

@@ -12,16 +12,17 @@ fn weighted(weight: Weight, value: vec4<f32>) -> Sum {
     return dot(weight, value);
 }
 
-fn bias_sum(bias: array<vec4<f32>, 2>) -> Sum {
+fn bias_sum(bias: array<vec4<f32>, 4>) -> Sum {
     return bias[0].x;
 }
 
 @group(0) @binding(3) var<storage, read_write> made: array<f32>;
 
 fn store_pixel(at: vec2<i32>, output: u32, sum: Sum) {
-    let pixel = vec2<u32>(at);
-    if (pixel.x < layer.image_width && pixel.y < layer.image_height) {
-        made[(output * layer.image_height + pixel.y) * layer.image_width + pixel.x] = sum;
+    let pixel = image_pixel(at);
+    if (kept(pixel)) {
+        let row = output * layer.image_height + u32(pixel.y);
+        made[row * layer.image_width + u32(pixel.x)] = sum;
     }
 }
 

@@ -22,7 +22,7 @@ struct Reads {
     count: u32,
     skip_first: u32,
     skip_count: u32,
-    bias: array<vec4<f32>, 2>,
+    bias: array<vec4<f32>, 4>,
 }
 
 @group(0) @binding(0) var<uniform> layer: NetLayer;

@@ -1,8 +1,10 @@
 //! How long each layer of a network takes, in WGSL and on the CPU.
 
 use super::subjects::Subject;
+use crate::kernels;
 use anyhow::Result;
-use deepshade_infer::{Model, cpu, forward, parity};
+use deepshade_infer::forward::{ForwardError, Network, Precision};
+use deepshade_infer::{Model, cpu, parity};
 use deepshade_shaders::{gpu::Gpu, lists};
 
 /// Runs that are timed, after others that are not.
@@ -28,12 +30,29 @@ pub fn print(gpu: &Gpu, subject: &Subject, size: [usize; 2]) -> Result<()> {
     Ok(())
 }
 
+/// Half floats, where the device has them.
+pub fn half_where_there_is(gpu: &Gpu) -> Precision {
+    let has_half = gpu.device.features().contains(wgpu::Features::SHADER_F16);
+    if has_half { Precision::F16 } else { Precision::F32 }
+}
+
+/// A network with the kernels that the program uses on a device.
+///
+/// # Errors
+/// If the device refuses it.
+pub fn network(gpu: &Gpu, model: &Model, precision: Precision) -> Result<Network, ForwardError> {
+    match gpu.is_software() {
+        true => Network::new(&gpu.device, &model.spec, &model.weights),
+        false => kernels::fastest(gpu, model, precision),
+    }
+}
+
 /// Milliseconds of every layer in WGSL, by name.
 ///
 /// # Errors
 /// If the GPU does not run it.
 pub fn wgsl(gpu: &Gpu, model: &Model, [width, height]: [usize; 2]) -> Result<Vec<(String, f64)>> {
-    let network = forward::Network::new(&gpu.device, &model.spec, &model.weights)?;
+    let network = network(gpu, model, Precision::F32)?;
     let times = network.layer_times(&gpu.queue, [height, width], 1, RUNS)?;
     Ok(times.into_iter().map(|(name, timing)| (name, timing.milliseconds)).collect())
 }

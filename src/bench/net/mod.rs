@@ -14,7 +14,8 @@ use crate::arguments::Size;
 use crate::figures::{Figures, write_atomically};
 use crate::onnxruntime;
 use anyhow::Result;
-use deepshade_infer::{cpu, forward};
+use deepshade_infer::forward::{Network, Options, OutputKind, Variant};
+use deepshade_infer::{Model, cpu};
 use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::{Gpu, ceilings};
 use rivals::{Devices, Effort, Measurement};
@@ -150,7 +151,7 @@ impl Bench<'_> {
         if (size, subject.model.spec.effect) == NAIVE {
             made.push(rivals::naive(subject, size, self.gpu)?);
         }
-        let more = json!({ "mode": "infer", "sizes": [size], "compile": true, "runs": self.args.runs, "seconds": self.args.seconds });
+        let more = json!({ "mode": "infer", "size": size, "compile": true, "runs": self.args.runs, "seconds": self.args.seconds });
         if let Some(report) = self.args.pytorch.run(&subject.model.spec, self.args.threads(), more)? {
             self.figures.detail("pytorch", json!({ "version": report.version, "device": report.device }));
             made.extend(report.made.iter().map(|row| rivals::of_pytorch(subject, size, row)));
@@ -214,12 +215,18 @@ impl Bench<'_> {
     }
 }
 
-/// Bytes of the feature maps of ao at 1920x1080 on a graphics card, in half floats where the device has them.
+/// Bytes of the feature maps of ao at 1920x1080 in the kernels for graphics cards, in half floats where the device has
+/// them.
 fn ao_bytes(gpu: &Gpu, subjects: &[Subject]) -> Result<Option<u64>> {
     let Some(subject) = subjects.iter().find(|subject| subject.model.spec.effect == Effect::Ao) else {
         return Ok(None);
     };
-    let spec = &subject.model.spec;
-    let precision = forward::Precision::best(&gpu.device);
-    Ok(Some(forward::plan_bytes(&gpu.device, spec, precision, 1080, 1920)?.activations))
+    let Model { spec, weights } = &subject.model;
+    let options = Options {
+        precision: layers::half_where_there_is(gpu),
+        variant: Some(Variant::staged(&gpu.device, spec, OutputKind::Buffer)),
+        ..Options::default()
+    };
+    let network = Network::with(&gpu.device, spec, weights, &options)?;
+    Ok(Some(network.plan(1080, 1920)?.bytes().activations))
 }

@@ -1,9 +1,11 @@
 //! One network in all engines at one size, taking turns: what disturbs the machine disturbs all of them.
 
 use super::super::pytorch;
+use super::layers;
 use super::subjects::Subject;
 use crate::onnxruntime;
 use anyhow::Result;
+use deepshade_infer::forward::Precision;
 use deepshade_infer::{Cost, cpu, forward, parity};
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::{Gpu, Timing};
@@ -65,7 +67,11 @@ pub fn measure(
 ) -> Result<Vec<Measurement>> {
     let [width, height] = size;
     let input = parity::noise(subject.model.spec.input_channels(), height, width, 1);
-    let mut made = vec![measurement(subject, size, "wgsl", &wgsl(subject, &input, devices.gpu, effort)?)];
+    let mut made = Vec::new();
+    for (engine, precision) in precisions(devices.gpu) {
+        let timing = wgsl(subject, &input, devices.gpu, precision, effort)?;
+        made.push(measurement(subject, size, engine, &timing));
+    }
     let network = cpu::Network::new(&subject.model.spec, &subject.model.weights);
     let mut plan = network.plan(height, width);
     let mut session = devices.onnxruntime.session(&subject.onnx, devices.threads)?;
@@ -112,8 +118,23 @@ pub fn of_pytorch(subject: &Subject, size: [usize; 2], row: &pytorch::Row) -> Me
     measurement(subject, size, &row.engine, &timing)
 }
 
-fn wgsl(subject: &Subject, input: &Planes, gpu: &Gpu, effort: Effort) -> Result<Timing> {
-    let network = forward::Network::new(&gpu.device, &subject.model.spec, &subject.model.weights)?;
+/// The ways of keeping feature maps that are measured on a device: half floats bring nothing on the processor.
+fn precisions(gpu: &Gpu) -> Vec<(&'static str, Precision)> {
+    let single = ("wgsl", Precision::F32);
+    match layers::half_where_there_is(gpu) {
+        Precision::F16 if !gpu.is_software() => vec![single, ("wgsl_half", Precision::F16)],
+        _ => vec![single],
+    }
+}
+
+fn wgsl(
+    subject: &Subject,
+    input: &Planes,
+    gpu: &Gpu,
+    precision: Precision,
+    effort: Effort,
+) -> Result<Timing> {
+    let network = layers::network(gpu, &subject.model, precision)?;
     let (_, once) = network.run_timed(&gpu.queue, input, 1, 1)?;
     let fitting = effort.time.as_secs_f64() * 1e3 / once.milliseconds;
     let runs = (fitting as usize).clamp(FEWEST, effort.most);

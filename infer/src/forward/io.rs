@@ -1,0 +1,157 @@
+//! What a network reads from the caller and writes for the caller.
+
+use super::ForwardError;
+use crate::{Colour, NetSpec};
+use deepshade_shaders::AttributeKind;
+use deepshade_shaders::gpu::GpuError;
+use deepshade_shaders::wgsl::convolution::TextureChannels;
+
+/// Where a network's input is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum InputKind {
+    /// In a buffer.
+    #[default]
+    Buffer,
+    /// In textures.
+    Textures,
+}
+
+/// Where a network's image goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OutputKind {
+    /// Into a buffer.
+    #[default]
+    Buffer,
+    /// Into a texture of that format: `R32Float` for one channel, `Rgba16Float` or `Rgba32Float` for up to four.
+    Texture(wgpu::TextureFormat),
+}
+
+/// A network's input.
+#[derive(Clone, Copy, Debug)]
+pub enum Input<'a> {
+    /// A storage buffer, planar `[input channels, height, width]` f32: what [`NetSpec::input`] makes of a g-buffer, or
+    /// a pass of the caller's that does the same: lengths multiplied by
+    /// [`Reach::position_scale`](crate::Reach::position_scale), and 0 in every channel where no surface is seen.
+    Buffer(&'a wgpu::Buffer),
+    /// The g-buffer itself.
+    Textures {
+        /// A texture for each of [`NetSpec::inputs`], in their order, with at least the image's rows and columns: its
+        /// channels are the first components, 0 where no surface is seen. Any float format that can be sampled, such as
+        /// `Rgba16Float` or `Rgba32Float`; no filtering is needed.
+        views: &'a [wgpu::TextureView],
+        /// [`Reach::position_scale`](crate::Reach::position_scale) of the effect's radius.
+        length_scale: f32,
+        /// Which of [`NetSpec::runs`], and so which colour channel a mono network reads.
+        run: usize,
+    },
+}
+
+/// A network's image. What it makes where no surface is seen means nothing;
+/// [`NetSpec::set_background`], or the caller's own pass, puts the effect's
+/// [`background`](deepshade_shaders::Effect::background) there.
+#[derive(Clone, Copy, Debug)]
+pub enum Output<'a> {
+    /// A storage buffer, planar `[output channels, height, width]` f32.
+    Buffer(&'a wgpu::Buffer),
+    /// A storage texture with at least the image's rows and columns. Components that the image has not are 0, alpha 1.
+    Texture(&'a wgpu::TextureView),
+}
+
+impl OutputKind {
+    /// The format's name in WGSL.
+    ///
+    /// # Errors
+    /// If the network's image does not go into such a texture.
+    pub(super) fn format(self, spec: &NetSpec) -> Result<Option<&'static str>, ForwardError> {
+        use wgpu::TextureFormat::{R32Float, Rgba16Float, Rgba32Float};
+        match self {
+            Self::Buffer => Ok(None),
+            Self::Texture(R32Float) if spec.output_channels() == 1 => Ok(Some("r32float")),
+            Self::Texture(Rgba16Float) => Ok(Some("rgba16float")),
+            Self::Texture(Rgba32Float) => Ok(Some("rgba32float")),
+            Self::Texture(format) => Err(refused(
+                "output",
+                format!("an image of {} channels does not go into {format:?}", spec.output_channels()),
+            )),
+        }
+    }
+}
+
+impl Input<'_> {
+    /// Checks that it is what a network of that kind reads.
+    pub(super) fn check(
+        &self,
+        spec: &NetSpec,
+        kind: InputKind,
+        size: [usize; 2],
+    ) -> Result<(), ForwardError> {
+        match (self, kind) {
+            (Self::Buffer(buffer), InputKind::Buffer) => {
+                check_buffer("input", buffer, spec.input_channels(), size)
+            }
+            (Self::Textures { views, .. }, InputKind::Textures) => {
+                if views.len() != spec.inputs.len() {
+                    let what = format!("{} textures; the network reads {}", views.len(), spec.inputs.len());
+                    return Err(refused("input", what));
+                }
+                views.iter().try_for_each(|view| check_texture("input", view, size))
+            }
+            _ => Err(refused("input", format!("the network was made for {kind:?}"))),
+        }
+    }
+}
+
+impl Output<'_> {
+    /// Checks that it is what a network of that kind writes.
+    pub(super) fn check(
+        &self,
+        spec: &NetSpec,
+        kind: OutputKind,
+        size: [usize; 2],
+    ) -> Result<(), ForwardError> {
+        match (self, kind) {
+            (Self::Buffer(buffer), OutputKind::Buffer) => {
+                check_buffer("output", buffer, spec.output_channels(), size)
+            }
+            (Self::Texture(view), OutputKind::Texture(format)) if view.texture().format() == format => {
+                check_texture("output", view, size)
+            }
+            _ => Err(refused("output", format!("the network was made for {kind:?}"))),
+        }
+    }
+}
+
+/// What a network reads of each of its textures.
+pub(super) fn texture_channels(spec: &NetSpec) -> Vec<TextureChannels> {
+    let channels = |attribute: &deepshade_shaders::Attribute| match (spec.colour, attribute.kind()) {
+        (Colour::Mono, AttributeKind::Colour) => TextureChannels::OfRun,
+        _ if crate::input::is_length(*attribute) => TextureChannels::Lengths(attribute.width()),
+        _ => TextureChannels::First(attribute.width()),
+    };
+    spec.inputs.iter().map(channels).collect()
+}
+
+fn check_buffer(
+    label: &str,
+    buffer: &wgpu::Buffer,
+    channels: usize,
+    [height, width]: [usize; 2],
+) -> Result<(), ForwardError> {
+    let needed = (channels * height * width * size_of::<f32>()) as u64;
+    match buffer.size() < needed {
+        true => Err(refused(label, format!("a buffer of {} bytes; {needed} are needed", buffer.size()))),
+        false => Ok(()),
+    }
+}
+
+fn check_texture(label: &str, view: &wgpu::TextureView, size: [usize; 2]) -> Result<(), ForwardError> {
+    let found = [view.texture().height() as usize, view.texture().width() as usize];
+    match found[0] < size[0] || found[1] < size[1] {
+        true => Err(refused(label, format!("a texture of {found:?} rows and columns; {size:?} are needed"))),
+        false => Ok(()),
+    }
+}
+
+fn refused(label: &str, what: String) -> ForwardError {
+    GpuError::Refused { label: format!("deepshade.net.{label}"), what }.into()
+}

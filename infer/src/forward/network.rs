@@ -1,0 +1,128 @@
+//! A network on a device.
+
+use super::stage::{Stage, Stages};
+use super::{ForwardError, InputKind, OutputKind, Plan, Precision, Variant};
+use crate::{Layer, NetSpec, Weights};
+use deepshade_shaders::gpu::PipelineCache;
+use std::collections::HashMap;
+
+/// A network on a device: its compiled kernels and its weights. A [`Plan`] adds what depends on the image's size.
+#[derive(Debug)]
+pub struct Network {
+    pub(super) device: wgpu::Device,
+    pub(super) spec: NetSpec,
+    pub(super) layers: Vec<Layer>,
+    pub(super) stages: Vec<Stage>,
+    pub(super) variant: Variant,
+    pub(super) precision: Precision,
+    pub(super) input: InputKind,
+    pub(super) output: OutputKind,
+}
+
+/// How a network is to run.
+#[derive(Clone, Debug, Default)]
+pub struct Options<'a> {
+    /// Where the input is.
+    pub input: InputKind,
+    /// Where the image goes.
+    pub output: OutputKind,
+    /// How feature maps are kept.
+    pub precision: Precision,
+    /// Which kernels, such as [`Tuning::variant`](super::Tuning::variant) says; without, [`Variant::default_for`] the
+    /// device.
+    pub variant: Option<Variant>,
+    /// Remembers compiled kernels for the next start of the program.
+    pub cache: Option<&'a PipelineCache>,
+}
+
+impl Options<'_> {
+    /// Whether it goes from a buffer to a buffer.
+    pub(super) fn buffers(&self) -> bool {
+        self.input == InputKind::Buffer && self.output == OutputKind::Buffer
+    }
+}
+
+impl Network {
+    /// A network from buffers to buffers, in 32-bit floats, with the kernels that suit the device by default.
+    ///
+    /// # Errors
+    /// If the weights are not the spec's, a layer is beyond the device's limits, or the device refuses.
+    pub fn new(device: &wgpu::Device, spec: &NetSpec, weights: &Weights) -> Result<Self, ForwardError> {
+        Self::with(device, spec, weights, &Options::default())
+    }
+
+    /// Compiles the kernels and uploads the weights.
+    ///
+    /// # Errors
+    /// If the weights are not the spec's, a layer is beyond the device's limits, the options ask for what the device or
+    /// the kernels cannot do, or the device refuses.
+    pub fn with(
+        device: &wgpu::Device,
+        spec: &NetSpec,
+        weights: &Weights,
+        options: &Options<'_>,
+    ) -> Result<Self, ForwardError> {
+        if spec.validate().is_err() || !weights.fit(spec) {
+            return Err(ForwardError::Unfit);
+        }
+        let variant = options.variant.clone().unwrap_or_else(|| Variant::default_for(device, spec, options));
+        check(device, spec, &variant, options)?;
+        let layers = spec.layers();
+        let mut stages = Stages { device, spec, weights, options, compiled: HashMap::new() };
+        let stage = |(index, layer)| match &variant {
+            Variant::Software => stages.software(index, layer),
+            Variant::Staged(shapes) => stages.staged(index, layer, shapes[index]),
+        };
+        let stages = layers.iter().enumerate().map(stage).collect::<Result<_, _>>()?;
+        let (device, spec) = (device.clone(), spec.clone());
+        let Options { input, output, precision, .. } = *options;
+        Ok(Self { device, spec, layers, stages, variant, precision, input, output })
+    }
+
+    /// The network's spec.
+    pub const fn spec(&self) -> &NetSpec {
+        &self.spec
+    }
+
+    /// Its kernels.
+    pub const fn variant(&self) -> &Variant {
+        &self.variant
+    }
+
+    /// Prepares runs on images of a size: the feature maps between the layers. Where the whole image's would be beyond
+    /// the device's limits, the image is run in tiles, which make the same.
+    ///
+    /// # Errors
+    /// If the size is beyond the device's limits or its memory.
+    pub fn plan(&self, height: usize, width: usize) -> Result<Plan, ForwardError> {
+        self.plan_within(height, width, u64::MAX)
+    }
+
+    /// As [`Network::plan`], with feature maps of at most so many bytes: in tiles, where the whole image's take more.
+    ///
+    /// # Errors
+    /// If the size is beyond the device's limits or its memory, or no tile is small enough.
+    pub fn plan_within(&self, height: usize, width: usize, bytes: u64) -> Result<Plan, ForwardError> {
+        Plan::new(self, height, width, bytes)
+    }
+}
+
+/// Whether the kernels can do what is asked for.
+fn check(
+    device: &wgpu::Device,
+    spec: &NetSpec,
+    variant: &Variant,
+    options: &Options<'_>,
+) -> Result<(), ForwardError> {
+    let half = options.precision == Precision::F16;
+    let refused = match variant {
+        _ if half && !device.features().contains(wgpu::Features::SHADER_F16) => {
+            "the device has no half floats"
+        }
+        Variant::Software if half => "the software kernels have no half floats",
+        Variant::Software if !options.buffers() => "the software kernels read and write buffers only",
+        Variant::Staged(shapes) if shapes.len() != spec.layers().len() => "a shape is needed for every layer",
+        _ => return Ok(()),
+    };
+    Err(ForwardError::Variant(refused))
+}

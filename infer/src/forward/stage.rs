@@ -1,0 +1,173 @@
+//! A layer on a device: its kernel and its weights.
+
+use super::io::{self, InputKind};
+use super::maps::has_means;
+use super::packing::Packed;
+use super::{ForwardError, Options, Precision};
+use crate::{Layer, NetSpec, Source, Weights};
+use deepshade_shaders::gpu::{self, GpuError, Pass};
+use deepshade_shaders::wgsl::convolution::{Convolution, Reading, Shape, WORKGROUP, Writing};
+use deepshade_shaders::wgsl::{self, Shader, TILE};
+use std::collections::HashMap;
+
+/// Outputs that a software kernel makes of a feature map at a time.
+const SOFTWARE_OUTPUTS: usize = 8;
+/// Floats of a software kernel's uniform buffer: 64 KiB, what every device offers. `WEIGHTS` of the shaders is as many.
+const SOFTWARE_ROOM: usize = 16_384;
+
+/// One layer on a device.
+#[derive(Debug)]
+pub struct Stage {
+    /// The layer.
+    pub layer: Layer,
+    /// Its kernel.
+    pub pass: Pass,
+    /// Outputs that an invocation makes.
+    pub outputs: usize,
+    /// Columns and rows of pixels that a workgroup makes.
+    pub tile: [u32; 2],
+    /// Its dispatches: blocks of outputs whose weights are in one buffer.
+    pub parts: Vec<StagePart>,
+    /// Weights between the first ones of two blocks of outputs, in the kernel's unit.
+    pub stride: usize,
+    /// Bytes of all weights.
+    pub bytes: u64,
+}
+
+/// Some blocks of outputs.
+#[derive(Debug)]
+pub struct StagePart {
+    /// Index of the first block.
+    pub first: usize,
+    /// How many.
+    pub count: usize,
+    /// What each reads.
+    pub reads: wgpu::Buffer,
+    /// Their weights.
+    pub weights: wgpu::Buffer,
+}
+
+/// Makes the stages of a network, each source compiled once.
+pub struct Stages<'a> {
+    /// The device.
+    pub device: &'a wgpu::Device,
+    /// The network.
+    pub spec: &'a NetSpec,
+    /// Its weights.
+    pub weights: &'a Weights,
+    /// What the caller wants.
+    pub options: &'a Options<'a>,
+    /// What is compiled by now.
+    pub compiled: HashMap<String, Pass>,
+}
+
+impl Stages<'_> {
+    /// A layer for software adapters.
+    pub fn software(&mut self, index: usize, layer: &Layer) -> Result<Stage, ForwardError> {
+        check_channels(self.device, layer)?;
+        let outputs = if layer.activation { SOFTWARE_OUTPUTS } else { 1 };
+        let packed = Packed::new(self.spec, index, &self.weights.0[index], outputs);
+        if packed.stride > SOFTWARE_ROOM {
+            let [bytes, limit] = [packed.stride, SOFTWARE_ROOM].map(|floats| floats * size_of::<f32>());
+            return Err(ForwardError::Weights { layer: layer.name.clone(), bytes, limit });
+        }
+        let shader = software_shader(self.spec, layer);
+        let pass = self.pass(shader.name, shader.specialised(&[("KERNEL", self.spec.kernel as u32)]))?;
+        let at_once = SOFTWARE_ROOM / packed.stride;
+        let parts = (0..packed.reads.len()).step_by(at_once).map(|first| {
+            let end = packed.reads.len().min(first + at_once);
+            let mut weights = packed.weights[first * packed.stride..end * packed.stride].to_vec();
+            weights.resize(SOFTWARE_ROOM, 0.0);
+            Ok(StagePart {
+                first,
+                count: end - first,
+                reads: gpu::storage(
+                    self.device,
+                    &format!("net.{}.reads", layer.name),
+                    &packed.reads[first..end],
+                )?,
+                weights: gpu::uniforms(self.device, &format!("net.{}.weights", layer.name), &weights)?,
+            })
+        });
+        let parts = parts.collect::<Result<Vec<_>, GpuError>>()?;
+        let bytes = parts.iter().map(|part| part.weights.size()).sum();
+        let stride = packed.stride / (4 * outputs);
+        Ok(Stage { layer: layer.clone(), pass, outputs, tile: [2 * TILE; 2], parts, stride, bytes })
+    }
+
+    /// A layer for GPUs, its kernel of that shape.
+    pub fn staged(&mut self, index: usize, layer: &Layer, shape: Shape) -> Result<Stage, ForwardError> {
+        let convolution = Convolution {
+            kernel: self.spec.kernel as u32,
+            shape,
+            half: self.options.precision == Precision::F16,
+            reading: self.reading(layer),
+            writing: self.writing(index, layer)?,
+        };
+        let pass = self.pass(&format!("net.{}", layer.name), convolution.source())?;
+        let packed = Packed::new(self.spec, index, &self.weights.0[index], shape.outputs as usize);
+        let part = StagePart {
+            first: 0,
+            count: packed.reads.len(),
+            reads: gpu::storage(self.device, &format!("net.{}.reads", layer.name), &packed.reads)?,
+            weights: gpu::storage(self.device, &format!("net.{}.weights", layer.name), &packed.weights)?,
+        };
+        Ok(Stage {
+            layer: layer.clone(),
+            pass,
+            outputs: packed.outputs,
+            tile: shape.pixels.map(|pixels| WORKGROUP * pixels),
+            bytes: part.weights.size(),
+            parts: vec![part],
+            stride: packed.stride / 4,
+        })
+    }
+
+    fn reading(&self, layer: &Layer) -> Reading {
+        match (layer.source, self.options.input) {
+            (Source::Input, InputKind::Buffer) => Reading::Planes,
+            (Source::Input, InputKind::Textures) => Reading::Textures(io::texture_channels(self.spec)),
+            (Source::Plain(_) | Source::Pooled(_), _) => Reading::Map,
+            (Source::Joined { .. }, _) => Reading::Joined,
+        }
+    }
+
+    fn writing(&self, index: usize, layer: &Layer) -> Result<Writing, ForwardError> {
+        Ok(match (layer.activation, self.options.output.format(self.spec)?) {
+            (true, _) if has_means(&self.spec.layers(), index) => Writing::MapAndMeans,
+            (true, _) => Writing::Map,
+            (false, None) => Writing::Planes,
+            (false, Some(format)) => Writing::Texture(format),
+        })
+    }
+
+    fn pass(&mut self, label: &str, source: String) -> Result<Pass, GpuError> {
+        if let Some(pass) = self.compiled.get(&source) {
+            return Ok(pass.clone());
+        }
+        let pass = Pass::cached(self.device, label, &source, self.options.cache)?;
+        self.compiled.insert(source, pass.clone());
+        Ok(pass)
+    }
+}
+
+/// The software kernel of a layer.
+fn software_shader(spec: &NetSpec, layer: &Layer) -> &'static Shader {
+    match (layer.source, layer.activation) {
+        (Source::Input, _) if spec.levels == 1 => &wgsl::NET_ONLY,
+        (Source::Input, _) => &wgsl::NET_FIRST,
+        (Source::Plain(_), _) => &wgsl::NET_PLAIN,
+        (Source::Pooled(_), _) if layer.level + 1 == spec.levels => &wgsl::NET_BOTTOM,
+        (Source::Pooled(_), _) => &wgsl::NET_DOWN,
+        (Source::Joined { .. }, true) => &wgsl::NET_UP,
+        (Source::Joined { .. }, false) => &wgsl::NET_IMAGE,
+    }
+}
+
+fn check_channels(device: &wgpu::Device, layer: &Layer) -> Result<(), ForwardError> {
+    let limit = 4 * device.limits().max_texture_array_layers as usize;
+    match layer.outputs.next_multiple_of(SOFTWARE_OUTPUTS) <= limit {
+        true => Ok(()),
+        false => Err(ForwardError::Channels { layer: layer.name.clone(), channels: layer.outputs, limit }),
+    }
+}

@@ -1,0 +1,88 @@
+//! What was measured on devices, in a file.
+
+use deepshade_shaders::atomic_file;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::io;
+use std::path::Path;
+
+/// Largest file that is read, bytes.
+const MOST_BYTES: u64 = 1 << 24;
+
+/// A kernel's shape with its time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Timed {
+    /// Outputs an invocation.
+    pub outputs: u32,
+    /// Columns and rows of pixels an invocation.
+    pub pixels: [u32; 2],
+    /// Whether it stages.
+    pub staged: bool,
+    /// How long it takes.
+    pub milliseconds: f64,
+}
+
+/// What was measured of a layer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measured {
+    /// Milliseconds of the software kernel; none where there is none or it was wrong.
+    pub software: Option<f64>,
+    /// The fastest of the kernels for GPUs; none if all were wrong.
+    pub fastest: Option<Timed>,
+}
+
+/// Layers in words, with what was measured of them.
+pub type Layers = BTreeMap<String, Measured>;
+
+/// The whole file.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TuningFile {
+    /// Version of the program whose kernels were measured.
+    version: String,
+    /// Adapters with their drivers.
+    pub devices: BTreeMap<String, Layers>,
+}
+
+impl Default for TuningFile {
+    fn default() -> Self {
+        Self { version: env!("CARGO_PKG_VERSION").to_owned(), devices: BTreeMap::new() }
+    }
+}
+
+impl TuningFile {
+    /// Reads a file; one that is missing is empty, and so is one that is of no use, with a note in words.
+    pub fn load(path: &Path) -> (Self, Option<String>) {
+        let read = match std::fs::metadata(path) {
+            Ok(found) if found.len() > MOST_BYTES => Err("is no tuning file".to_owned()),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return (Self::default(), None),
+            _ => std::fs::read(path).map_err(|error| error.to_string()),
+        };
+        let file = read.and_then(|bytes| {
+            let file: Self = serde_json::from_slice(&bytes).map_err(|error| error.to_string())?;
+            match file.version == Self::default().version {
+                true => Ok(file),
+                false => Err(format!("is of version {}", file.version)),
+            }
+        });
+        match file {
+            Ok(file) => (file, None),
+            Err(what) => (Self::default(), Some(format!("{}: {what}; it will be made anew", path.display()))),
+        }
+    }
+
+    /// Writes a file, whose folder is made where there is none.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn save(&self, path: &Path) -> io::Result<()> {
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder)?;
+        }
+        let mut json = serde_json::to_vec_pretty(self)?;
+        json.push(b'\n');
+        atomic_file::write(path, &json)
+    }
+}

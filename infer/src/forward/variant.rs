@@ -1,0 +1,100 @@
+//! Ways of running a network on a device, of which one is the fastest there.
+
+use super::maps::has_means;
+use super::{Options, OutputKind};
+use crate::{Layer, NetSpec};
+use deepshade_shaders::wgsl::convolution::{Convolution, Reading, Shape, Writing};
+
+/// How feature maps are kept between layers. Sums and weights are 32-bit floats in either case.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// In 32-bit floats.
+    #[default]
+    F32,
+    /// In half floats, where the device has `SHADER_F16`: half the memory. A value above 65504 becomes infinite; other
+    /// errors are bounded by [`HALF_TOLERANCE`](super::HALF_TOLERANCE).
+    F16,
+}
+
+/// A set of kernels.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Variant {
+    /// Kernels for software adapters: feature maps in textures, weights in uniform buffers, eight outputs of 2x2 pixels
+    /// an invocation. From buffers to buffers, in 32-bit floats.
+    Software,
+    /// Kernels for GPUs: feature maps in a storage buffer; the shape of each layer's kernel.
+    Staged(Vec<Shape>),
+}
+
+impl Variant {
+    /// A good guess for a device: the software kernels where they can and the adapter is software, else the others.
+    pub fn default_for(device: &wgpu::Device, spec: &NetSpec, options: &Options<'_>) -> Self {
+        let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+        match software && options.buffers() && options.precision == Precision::F32 {
+            true => Self::Software,
+            false => Self::staged(device, spec, options.output),
+        }
+    }
+
+    /// The kernels for GPUs, of the shapes that are guessed to be best.
+    pub fn staged(device: &wgpu::Device, spec: &NetSpec, output: OutputKind) -> Self {
+        Self::Staged(shapes_of_layers(device, spec, output).into_iter().map(|shapes| shapes[0]).collect())
+    }
+
+    /// Kernels for GPUs such that every shape that a layer's kernel may have is in one of them, the best guess first.
+    pub fn candidates(device: &wgpu::Device, spec: &NetSpec, output: OutputKind) -> Vec<Self> {
+        let shapes = shapes_of_layers(device, spec, output);
+        let most = shapes.iter().map(Vec::len).max().unwrap_or(0);
+        let round = |round: usize| shapes.iter().map(|all| all[round % all.len()]).collect();
+        (0..most).map(|index| Self::Staged(round(index))).collect()
+    }
+}
+
+fn shapes_of_layers(device: &wgpu::Device, spec: &NetSpec, output: OutputKind) -> Vec<Vec<Shape>> {
+    let room = device.limits().max_compute_workgroup_storage_size;
+    (0..spec.layers().len()).map(|index| shapes(spec, index, output, room)).collect()
+}
+
+/// The shapes that a layer's kernel may have within that many bytes of workgroup memory, the best guess first.
+///
+/// A larger shape reads inputs and weights less often and keeps more sums in registers, of which an invocation has a
+/// limited number: 16 to 64 sums.
+pub fn shapes(spec: &NetSpec, index: usize, output: OutputKind, room: u32) -> Vec<Shape> {
+    let layers = spec.layers();
+    let pools = has_means(&layers, index);
+    let outputs = outputs_at_once(spec, &layers[index], output);
+    let pixels: &[[u32; 2]] = if pools { &[[2, 2], [4, 2]] } else { &[[2, 1], [2, 2], [4, 2]] };
+    let all = outputs.iter().flat_map(|outputs| {
+        pixels.iter().flat_map(|pixels| {
+            [true, false].map(|staged| Shape { outputs: *outputs, pixels: *pixels, staged })
+        })
+    });
+    let sums = |shape: &Shape| shape.outputs * shape.pixels[0] * shape.pixels[1];
+    // An image has few outputs, so that its sums are few in any case.
+    let sensible = |shape: &Shape| !layers[index].activation || (16..=64).contains(&sums(shape));
+    let mut shapes: Vec<Shape> =
+        all.filter(sensible).filter(|shape| workgroup_bytes(spec, *shape) <= room).collect();
+    // Staged before direct, 32 sums before more or fewer, many outputs before few: they share what is staged.
+    shapes.sort_by_key(|shape| (!shape.staged, sums(shape).abs_diff(32), std::cmp::Reverse(shape.outputs)));
+    shapes
+}
+
+/// Outputs that an invocation may make of a layer.
+fn outputs_at_once(spec: &NetSpec, layer: &Layer, output: OutputKind) -> Vec<u32> {
+    let channels = spec.output_channels();
+    match (layer.activation, output) {
+        (true, _) => {
+            let of_group = (layer.outputs / layer.groups) as u32;
+            [4, 8, 16].into_iter().filter(|outputs| *outputs <= of_group.max(4)).collect()
+        }
+        // A texel is written as a whole.
+        (false, OutputKind::Texture(_)) if channels > 1 => vec![4],
+        (false, _) if channels > 1 => vec![1, 4],
+        (false, _) => vec![1],
+    }
+}
+
+fn workgroup_bytes(spec: &NetSpec, shape: Shape) -> u32 {
+    let kernel = spec.kernel as u32;
+    Convolution { kernel, shape, half: false, reading: Reading::Map, writing: Writing::Map }.workgroup_bytes()
+}

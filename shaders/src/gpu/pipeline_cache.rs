@@ -1,0 +1,166 @@
+//! Compiled pipelines, kept in a file for the next start of the program.
+//!
+//! The one place of the project with unsafe code: wgpu hands what the file holds to the driver, which trusts it.
+
+use super::adapter_key;
+use crate::atomic_file;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// What every file begins with.
+const MAGIC: &str = "deepshade pipeline cache 1";
+/// Largest file that is read, bytes.
+const MOST_BYTES: u64 = 1 << 28;
+
+/// A device's memory of compiled pipelines, and the file that keeps it.
+#[derive(Clone, Debug)]
+pub struct PipelineCache {
+    cache: Option<wgpu::PipelineCache>,
+    path: PathBuf,
+    key: String,
+}
+
+impl PipelineCache {
+    /// Opens a cache with what its file holds, and says in words why a file was of no use. Where the device has no such
+    /// caches (the feature `PIPELINE_CACHE` is Vulkan's) nothing is remembered.
+    pub fn open(device: &wgpu::Device, path: &Path) -> (Self, Option<String>) {
+        let key = key(&device.adapter_info());
+        let (data, note) = match read(path, &key) {
+            Ok(data) => (Some(data), None),
+            Err(Unusable::Missing) => (None, None),
+            Err(unusable) => (None, Some(format!("{}: {unusable}; it will be made anew", path.display()))),
+        };
+        let offered = device.features().contains(wgpu::Features::PIPELINE_CACHE);
+        let cache = offered.then(|| create(device, data.as_deref()));
+        (Self { cache, path: path.to_owned(), key }, note)
+    }
+
+    /// Writes what is remembered by now into the file, whose folder is made where there is none.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn save(&self) -> io::Result<()> {
+        let Some(data) = self.cache.as_ref().and_then(wgpu::PipelineCache::get_data) else { return Ok(()) };
+        std::fs::create_dir_all(self.path.parent().unwrap_or(Path::new(".")))?;
+        atomic_file::write(&self.path, &file(&self.key, &data))
+    }
+
+    /// wgpu's cache, where the device has such.
+    pub(super) const fn get(&self) -> Option<&wgpu::PipelineCache> {
+        self.cache.as_ref()
+    }
+}
+
+/// A cache that begins with `data`, which [`read`] has accepted.
+#[allow(unsafe_code, reason = "there is no other way to give a driver what it compiled before")]
+fn create(device: &wgpu::Device, data: Option<&[u8]>) -> wgpu::PipelineCache {
+    let descriptor =
+        wgpu::PipelineCacheDescriptor { label: Some("deepshade.pipelines"), data, fallback: true };
+    // SAFETY: `data` must come from `get_data` of a cache of the same adapter. `read` accepts only files that name this
+    // adapter, its driver and this version of the program, and whose data have the checksum that `save` wrote beside
+    // them when it had them from `get_data`. wgpu checks its own header, and the driver its own, once more.
+    unsafe { device.create_pipeline_cache(&descriptor) }
+}
+
+/// Why a file is of no use.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+enum Unusable {
+    #[error("no such file")]
+    Missing,
+    #[error("cannot be read")]
+    Unreadable,
+    #[error("is no pipeline cache")]
+    Strange,
+    #[error("is of another adapter, driver or version")]
+    Foreign,
+    #[error("is damaged")]
+    Damaged,
+}
+
+/// Whose pipelines a file holds: one line.
+fn key(info: &wgpu::AdapterInfo) -> String {
+    format!("{} {}", env!("CARGO_PKG_VERSION"), adapter_key(info))
+}
+
+/// A file: three lines, magic, key and checksum, then the data.
+fn file(key: &str, data: &[u8]) -> Vec<u8> {
+    let head = format!("{MAGIC}\n{key}\n{}\n", blake3::hash(data).to_hex());
+    [head.as_bytes(), data].concat()
+}
+
+/// The data of a file of that key.
+fn read(path: &Path, key: &str) -> Result<Vec<u8>, Unusable> {
+    let bytes = match std::fs::metadata(path) {
+        Ok(found) if found.len() > MOST_BYTES => return Err(Unusable::Strange),
+        _ => std::fs::read(path),
+    };
+    let bytes = bytes.map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => Unusable::Missing,
+        _ => Unusable::Unreadable,
+    })?;
+    let mut parts = bytes.splitn(4, |byte| *byte == b'\n');
+    if parts.next() != Some(MAGIC.as_bytes()) {
+        return Err(Unusable::Strange);
+    }
+    if parts.next() != Some(key.as_bytes()) {
+        return Err(Unusable::Foreign);
+    }
+    match (parts.next(), parts.next()) {
+        (Some(sum), Some(data)) if sum == blake3::hash(data).to_hex().as_bytes() => Ok(data.to_vec()),
+        _ => Err(Unusable::Damaged),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::{Gpu, Pass};
+
+    #[test]
+    fn only_whole_files_of_the_same_key_are_read() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("pipelines");
+        assert_eq!(read(&path, "a"), Err(Unusable::Missing));
+        assert_eq!(read(folder.path(), "a"), Err(Unusable::Unreadable));
+        let data = b"one\ntwo\n\nthree".to_vec();
+        let whole = file("a", &data);
+        std::fs::write(&path, &whole).expect("written");
+        assert_eq!(read(&path, "a"), Ok(data));
+        assert_eq!(read(&path, "b"), Err(Unusable::Foreign));
+        for length in 0..whole.len() {
+            std::fs::write(&path, &whole[..length]).expect("written");
+            assert!(read(&path, "a").is_err(), "cut off after {length} bytes");
+        }
+        for at in 0..whole.len() {
+            let mut changed = whole.clone();
+            changed[at] ^= 1;
+            std::fs::write(&path, &changed).expect("written");
+            assert!(read(&path, "a").is_err(), "byte {at} changed");
+        }
+    }
+
+    #[test]
+    fn a_useless_file_is_noted_and_made_anew() {
+        let device = Gpu::new().expect("an adapter; lavapipe will do").device;
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("new").join("pipelines");
+        let (cache, note) = PipelineCache::open(&device, &path);
+        assert_eq!(note, None);
+        let compile =
+            |cache| Pass::cached(&device, "one", "@compute @workgroup_size(1) fn main() {}", Some(cache));
+        compile(&cache).expect("valid");
+        cache.save().expect("written");
+        let offered = device.features().contains(wgpu::Features::PIPELINE_CACHE);
+        assert_eq!(path.exists(), offered);
+        if !offered {
+            return;
+        }
+        assert_eq!(PipelineCache::open(&device, &path).1, None);
+        std::fs::write(&path, "nonsense").expect("written");
+        let (cache, note) = PipelineCache::open(&device, &path);
+        assert!(note.expect("a note").contains("is no pipeline cache; it will be made anew"));
+        compile(&cache).expect("valid");
+        cache.save().expect("written");
+        assert_eq!(PipelineCache::open(&device, &path).1, None);
+    }
+}

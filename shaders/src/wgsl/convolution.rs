@@ -1,0 +1,261 @@
+//! The kernels of a network's layers on GPUs: one template, `shaders/wgsl/convolution`, and what a layer's shape and a
+//! device's taste make of it.
+//!
+//! A kernel is a prelude of constants, how it stages, how it reads, how many outputs it makes at a time and where it
+//! writes them, joined as text.
+
+use super::uniforms::NetLayer;
+use std::fmt::Write;
+
+/// Width and height of the workgroups, invocations.
+pub const WORKGROUP: u32 = 8;
+
+/// A layer's kernel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Convolution {
+    /// Width and height of the convolution's kernel: 1, 3, 5 or 7.
+    pub kernel: u32,
+    /// How an invocation works.
+    pub shape: Shape,
+    /// Whether feature maps are kept in half floats; sums and weights are not.
+    pub half: bool,
+    /// Where it reads from.
+    pub reading: Reading,
+    /// Where it writes to.
+    pub writing: Writing,
+}
+
+/// What an invocation makes, and how it comes by what it needs for that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Shape {
+    /// Outputs: 1 (images only), 4, 8 or 16.
+    pub outputs: u32,
+    /// Columns and rows of pixels, 2x1, 2x2 or 4x2; 2x1 where no means are kept.
+    pub pixels: [u32; 2],
+    /// Whether the workgroup brings its inputs and weights into its own memory first.
+    pub staged: bool,
+}
+
+/// Where a layer reads from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Reading {
+    /// The network's input, a planar buffer.
+    Planes,
+    /// The network's input, textures in this order: channel after channel, those of the first texture first.
+    Textures(Vec<TextureChannels>),
+    /// A feature map.
+    Map,
+    /// A coarser map, doubled, beside one of the same frame.
+    Joined,
+}
+
+/// What the network's input has of a texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TextureChannels {
+    /// Its first components, that many.
+    First(usize),
+    /// Its first components, that many, which are lengths and are scaled.
+    Lengths(usize),
+    /// The component of the colour channel that the run makes.
+    OfRun,
+}
+
+/// Where a layer writes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Writing {
+    /// A feature map.
+    Map,
+    /// A feature map, and the means of its 2x2 pixels; not where two maps are joined.
+    MapAndMeans,
+    /// The network's image, a planar buffer.
+    Planes,
+    /// The network's image, a texture of that format in WGSL's words.
+    Texture(&'static str),
+}
+
+/// The file of `shaders/wgsl` of that name.
+macro_rules! file {
+    ($name:literal) => {
+        include_str!(concat!("../../wgsl/", $name, ".wgsl"))
+    };
+}
+
+impl Convolution {
+    /// The whole source.
+    pub fn source(&self) -> String {
+        let parts = [
+            self.prelude(),
+            file!("convolution/layer").to_owned(),
+            file!("shared/net_window").to_owned(),
+            if self.shape.staged { file!("convolution/staged") } else { file!("convolution/direct") }
+                .to_owned(),
+            self.reading.source(),
+            self.outputs(),
+            self.writing.source().to_owned(),
+            file!("convolution/main").to_owned(),
+        ];
+        parts.join("\n")
+    }
+
+    /// Bytes of memory that a workgroup shares.
+    pub const fn workgroup_bytes(&self) -> u32 {
+        if !self.shape.staged {
+            return 0;
+        }
+        let [x, y] = self.shape.pixels;
+        let columns = (WORKGROUP * x + self.kernel - 1).next_multiple_of(x);
+        let rows = WORKGROUP * y + self.kernel - 1;
+        let weights = self.kernel * self.kernel * self.shape.outputs;
+        (columns * rows + weights) * size_of::<[f32; 4]>() as u32
+    }
+
+    fn prelude(&self) -> String {
+        let Shape { outputs, pixels: [x, y], .. } = self.shape;
+        let mut prelude = if self.half { "enable f16;\n" } else { "" }.to_owned();
+        let constants = [
+            ("WORKGROUP", WORKGROUP),
+            ("KERNEL", self.kernel),
+            ("OUTPUTS", outputs),
+            ("PIXELS_X", x),
+            ("PIXELS_Y", y),
+            ("PIXELS", x * y),
+        ];
+        for (name, value) in constants {
+            writeln!(prelude, "const {name} = {value}u;").expect("writing to a string");
+        }
+        let scalar = if self.half { "f16" } else { "f32" };
+        writeln!(prelude, "alias Texel = vec4<{scalar}>;").expect("writing to a string");
+        if let Writing::Texture(format) = self.writing {
+            writeln!(prelude, "alias Target = texture_storage_2d<{format}, write>;")
+                .expect("writing to a string");
+        }
+        prelude + &NetLayer::LAYOUT.declaration()
+    }
+
+    fn outputs(&self) -> String {
+        match self.shape.outputs {
+            1 => file!("convolution/outputs_1").to_owned(),
+            4 => [file!("convolution/four_outputs"), file!("convolution/outputs_4")].join("\n"),
+            8 => [file!("convolution/four_outputs"), file!("convolution/outputs_8")].join("\n"),
+            _ => [file!("convolution/four_outputs"), file!("convolution/outputs_16")].join("\n"),
+        }
+    }
+}
+
+impl Reading {
+    fn source(&self) -> String {
+        let parts = match self {
+            Self::Planes => vec![file!("shared/net_planes").to_owned(), file!("shared/net_input").to_owned()],
+            Self::Textures(textures) => {
+                vec![texture_channels(textures), file!("shared/net_input").to_owned()]
+            }
+            Self::Map => vec![file!("convolution/read_map").to_owned()],
+            Self::Joined => return file!("convolution/read_joined").to_owned(),
+        };
+        [parts, vec![file!("convolution/single").to_owned()]].concat().join("\n")
+    }
+}
+
+impl Writing {
+    fn source(self) -> String {
+        let parts: &[&str] = match self {
+            Self::Map => &[file!("convolution/write_map"), file!("convolution/write_no_means")],
+            Self::MapAndMeans => &[file!("convolution/write_map"), file!("convolution/write_means")],
+            Self::Planes => &[file!("convolution/write_planes"), file!("convolution/write_no_means")],
+            Self::Texture(_) => &[file!("convolution/write_texture"), file!("convolution/write_no_means")],
+        };
+        parts.join("\n")
+    }
+}
+
+/// Binding of the first texture that is read.
+pub const FIRST_TEXTURE: u32 = 6;
+
+/// `input_channels`, as `shaders/wgsl/shared/net_planes.wgsl` has it for a buffer: four channels of a pixel.
+fn texture_channels(textures: &[TextureChannels]) -> String {
+    let mut source = "// The network's input as textures.\n\n".to_owned();
+    let mut channels = Vec::new();
+    for (binding, texture) in (FIRST_TEXTURE..).zip(textures) {
+        writeln!(source, "@group(0) @binding({binding}) var input{binding}: texture_2d<f32>;")
+            .expect("writing to a string");
+        let load = format!("textureLoad(input{binding}, pixel, 0)");
+        let component = |at: usize| ["x", "y", "z", "w"][at];
+        match *texture {
+            TextureChannels::First(count) => {
+                channels.extend((0..count).map(|c| format!("{load}.{}", component(c))))
+            }
+            TextureChannels::Lengths(count) => {
+                channels.extend((0..count).map(|c| format!("layer.length_scale * {load}.{}", component(c))));
+            }
+            TextureChannels::OfRun => channels.push(format!("{load}[layer.run]")),
+        }
+    }
+    channels.resize(channels.len().next_multiple_of(4), "0.0".to_owned());
+    source += "\nfn input_channels(block: u32, pixel: vec2<u32>) -> vec4<f32> {\n    switch block {\n";
+    for (block, four) in channels.chunks(4).enumerate() {
+        writeln!(source, "        case {block}u: {{\n            return vec4(\n                {},\n            );\n        }}",
+            four.join(",\n                ")).expect("writing to a string");
+    }
+    source + "        default: {\n            return vec4(0.0);\n        }\n    }\n}\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wgsl::tests::{agrees, parse};
+
+    /// Every kernel that a network may ask for.
+    fn all() -> Vec<Convolution> {
+        let textures = vec![TextureChannels::Lengths(3), TextureChannels::OfRun, TextureChannels::First(3)];
+        let readings = [Reading::Planes, Reading::Textures(textures), Reading::Map, Reading::Joined];
+        let writings = [
+            Writing::Map,
+            Writing::MapAndMeans,
+            Writing::Planes,
+            Writing::Texture("r32float"),
+            Writing::Texture("rgba16float"),
+        ];
+        let mut all = Vec::new();
+        for (reading, writing) in readings.iter().flat_map(|r| writings.iter().map(move |w| (r, w))) {
+            let outputs: &[u32] = match writing {
+                Writing::Map | Writing::MapAndMeans => &[4, 8, 16],
+                Writing::Planes | Writing::Texture(_) => &[1, 4],
+            };
+            for (outputs, pixels) in outputs.iter().flat_map(|o| [[2, 1], [2, 2], [4, 2]].map(|p| (*o, p))) {
+                for (staged, half, kernel) in
+                    [(true, false, 3), (false, true, 5), (true, true, 1), (false, false, 7)]
+                {
+                    let shape = Shape { outputs, pixels, staged };
+                    let (reading, writing) = (reading.clone(), *writing);
+                    let pools = writing == Writing::MapAndMeans;
+                    if !pools || (pixels[1] == 2 && reading != Reading::Joined) {
+                        all.push(Convolution { kernel, shape, half, reading, writing });
+                    }
+                }
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn every_kernel_is_valid_and_reads_the_layer_as_rust_wrote_it() {
+        for kernel in all() {
+            let module = parse(&kernel.source()).map_err(|e| format!("{kernel:?}: {e}")).expect("valid");
+            assert_eq!(module.entry_points.len(), 1, "{kernel:?}");
+            assert_eq!(agrees(&NetLayer::LAYOUT, &module), Ok(()), "{kernel:?}");
+        }
+    }
+
+    #[test]
+    fn workgroup_memory_is_what_the_kernel_declares() {
+        for kernel in all() {
+            let module = parse(&kernel.source()).expect("valid");
+            let mut layouter = naga::proc::Layouter::default();
+            layouter.update(module.to_ctx()).expect("types have a size");
+            let shared = |v: &naga::GlobalVariable| v.space == naga::AddressSpace::WorkGroup;
+            let variables = module.global_variables.iter().filter(|(_, v)| shared(v));
+            let bytes: u32 = variables.map(|(_, v)| layouter[v.ty].size).sum();
+            assert_eq!(bytes, kernel.workgroup_bytes(), "{kernel:?}");
+        }
+    }
+}

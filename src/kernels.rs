@@ -1,0 +1,50 @@
+//! The fastest kernels for a network on a graphics card: measured when a network first runs there, then remembered with
+//! the compiled kernels in the user's cache folder.
+
+use deepshade_infer::Model;
+use deepshade_infer::forward::{ForwardError, Network, Options, OutputKind, Precision, Tuning};
+use deepshade_shaders::gpu::{Gpu, PipelineCache};
+use etcetera::BaseStrategy;
+use std::path::PathBuf;
+
+/// Size of the image on which kernels are measured.
+const SIZE: [usize; 2] = [512, 768];
+
+/// A network from buffers to buffers with its fastest kernels. What cannot be remembered is measured again next time.
+///
+/// # Errors
+/// If the device refuses the network.
+pub fn fastest(gpu: &Gpu, model: &Model, precision: Precision) -> Result<Network, ForwardError> {
+    let Model { spec, weights } = model;
+    let Some(folder) = folder() else {
+        return Network::with(&gpu.device, spec, weights, &Options { precision, ..Options::default() });
+    };
+    let (cache, note) = PipelineCache::open(&gpu.device, &folder.join("pipelines.bin"));
+    let path = folder.join("kernels.json");
+    let (mut tuning, other) = Tuning::load(&gpu.device, &path);
+    for note in note.into_iter().chain(other) {
+        eprintln!("{note}");
+    }
+    if tuning.variant(spec, precision, true, OutputKind::Buffer).is_none() {
+        eprintln!("measuring which kernels are fastest on {}, once", gpu.info.name);
+        for note in tuning.measure(gpu, spec, SIZE, precision)? {
+            eprintln!("{note}");
+        }
+        remember(&path, tuning.save(&path));
+    }
+    let variant = tuning.variant(spec, precision, true, OutputKind::Buffer);
+    let options = Options { precision, variant, cache: Some(&cache), ..Options::default() };
+    let network = Network::with(&gpu.device, spec, weights, &options)?;
+    remember(&folder, cache.save());
+    Ok(network)
+}
+
+fn remember(path: &std::path::Path, saved: std::io::Result<()>) {
+    if let Err(error) = saved {
+        eprintln!("not remembered for the next time: {}: {error}", path.display());
+    }
+}
+
+fn folder() -> Option<PathBuf> {
+    Some(etcetera::choose_base_strategy().ok()?.cache_dir().join("deepshade"))
+}
