@@ -134,9 +134,22 @@ fn from_a_recipe_to_a_network_that_is_compared() {
     let ssim = |name: &str| tuned[name].as_f64().expect("a number");
     assert!(ssim("ssim_tuned") >= ssim("ssim_default"));
 
-    let net = "bench net --model model --height 64 --width 64 --runs 1";
-    chain.figures(net, &["ms_wgsl_ao", "ms_onnxruntime_ao"]);
-    chain.figures("bench train --crop 64 --batch 1 --steps 1", &["images_per_second"]);
+    let net = "bench net --models . --networks ao --sizes 768x512 --seconds 0.1 --runs 3 --page net.html";
+    let measured = chain.figures(
+        net,
+        &["ms_wgsl_ao", "ms_cpu_ao", "ms_onnxruntime_ao", "ratio_cpu_onnxruntime_ao", "bytes_ao_1080p"],
+    );
+    let figure = |name: &str| measured[name].as_f64().expect("a number");
+    assert!(
+        (figure("ms_cpu_ao") / figure("ms_onnxruntime_ao") / figure("ratio_cpu_onnxruntime_ao") - 1.0).abs()
+            < 1e-9
+    );
+    assert!(figure("bytes_ao_1080p") <= 120e6, "{}", figure("bytes_ao_1080p"));
+    assert!(chain.path("net.html").is_file());
+    let fitting =
+        chain.figures("bench net --networks ao --sizes 256x256 --budget 10000", &["predicted", "actual"]);
+    assert!(fitting["predicted"].as_f64().expect("a number") <= 10_000.0);
+    chain.figures("bench train --crop 64 --batch 1 --steps 1", &["images_per_second", "seconds_step_ao"]);
     chain.figures(
         "bench rays --size 64 --runs 1",
         &[

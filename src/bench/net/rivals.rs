@@ -23,6 +23,9 @@ pub struct Effort {
 
 /// Fewest runs that count.
 const FEWEST: usize = 3;
+/// Turns that engines take, and the pause before each.
+const TURNS: usize = 3;
+const PAUSE: Duration = Duration::from_millis(100);
 
 /// What an engine took for a network.
 #[derive(Clone, Debug, Serialize)]
@@ -143,17 +146,24 @@ fn wgsl(
 
 type Work<'a> = Box<dyn FnMut() -> Result<()> + 'a>;
 
+/// Runs the engines in turns. Each turn begins with a pause, since onnxruntime's threads wait for more work by
+/// spinning, and with a run that does not count.
 fn in_turns<const N: usize>(mut engines: [Work<'_>; N], effort: Effort) -> Result<[Timing; N]> {
     let mut times: [Vec<f64>; N] = [const { Vec::new() }; N];
-    engines.iter_mut().try_for_each(|engine| engine())?;
-    let start = Instant::now();
-    while times[0].len() < FEWEST
-        || (times[0].len() < effort.most && start.elapsed() < effort.time * N as u32)
-    {
+    for _ in 0..TURNS {
         for (engine, times) in engines.iter_mut().zip(&mut times) {
-            let start = Instant::now();
+            std::thread::sleep(PAUSE);
             engine()?;
-            times.push(start.elapsed().as_secs_f64() * 1e3);
+            let turn = Instant::now();
+            let (fewest, most) = (FEWEST.div_ceil(TURNS), effort.most.div_ceil(TURNS));
+            for run in 0..most {
+                if run >= fewest && turn.elapsed() > effort.time / TURNS as u32 {
+                    break;
+                }
+                let start = Instant::now();
+                engine()?;
+                times.push(start.elapsed().as_secs_f64() * 1e3);
+            }
         }
     }
     Ok(times.map(|times| Timing::new(times, false)))
