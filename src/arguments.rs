@@ -1,6 +1,7 @@
 //! What command lines hold, read and checked.
 
 use anyhow::{Result, ensure};
+use std::path::PathBuf;
 
 /// Reads a number that must be positive, such as a radius.
 pub fn positive(text: &str) -> Result<f32, String> {
@@ -15,6 +16,27 @@ pub fn positive(text: &str) -> Result<f32, String> {
 /// Reads a radius, which may be `inf`.
 pub fn reach(text: &str) -> Result<f32, String> {
     if text == "inf" { Ok(f32::INFINITY) } else { positive(text) }
+}
+
+/// Reads the name of a PNG file to be written.
+pub fn png_file(text: &str) -> Result<PathBuf, String> {
+    file_of_kind(text, "png")
+}
+
+/// Reads the name of an EXR file to be written.
+pub fn exr_file(text: &str) -> Result<PathBuf, String> {
+    file_of_kind(text, "exr")
+}
+
+/// A name without an extension is a device's or the user's own business; another one would say what is not true.
+fn file_of_kind(text: &str, kind: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match path.extension() {
+        Some(found) if !found.eq_ignore_ascii_case(kind) => {
+            Err(format!("what is written is of the kind .{kind}"))
+        }
+        _ => Ok(path),
+    }
 }
 
 /// Refuses images whose truth would not fit into memory.
@@ -70,5 +92,13 @@ mod tests {
         for wrong in ["768", "768x", "15x16", "x512", "9000x16", "16x-16"] {
             assert!(wrong.parse::<Size>().is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn files_are_named_for_what_they_hold() {
+        assert_eq!(png_file("a/b.PNG"), Ok(PathBuf::from("a/b.PNG")));
+        assert_eq!(exr_file("/dev/stdout"), Ok(PathBuf::from("/dev/stdout")));
+        assert_eq!(exr_file("out.png"), Err("what is written is of the kind .exr".to_owned()));
+        assert!(png_file("sheet.jpg").is_err());
     }
 }

@@ -78,7 +78,7 @@ pub struct Show {
     #[arg(long)]
     scenes: Option<PathBuf>,
     /// The picture, a PNG file.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::png_file)]
     out: PathBuf,
     /// How many pairs or frames, spread over all.
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=64))]

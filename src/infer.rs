@@ -27,7 +27,7 @@ pub struct Args {
     #[arg(long)]
     gbuffer: PathBuf,
     /// Image to write, an EXR file with one layer, the effect's name.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::exr_file)]
     out: PathBuf,
     /// How far the effect reaches, metres; by default what the file's attribute `radius_metres` says, else a share of the
     /// diagonal of what is seen: the one that the network was trained with, divided by N in images N times as high as

@@ -41,7 +41,9 @@ pub fn run(args: &Args) -> Result<()> {
         }
         _ => {
             figures.set("families", Family::ALL.len() as f64);
-            Family::ALL.map(|family| format!("{:<14} {}", family.name(), purpose(family))).join("\n")
+            let line =
+                |family: Family| format!("{:<11} {:<9} {}", family.name(), purpose(family), family.about());
+            Family::ALL.map(line).join("\n")
         }
     };
     figures.write(args.json.as_deref())?;

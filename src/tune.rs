@@ -100,7 +100,11 @@ pub fn run(args: &Args) -> Result<()> {
     let effect = dataset.recipe().effect;
     ensure!(effect == Effect::Ao, "{} is for {effect}; hbao computes {}", args.dataset.display(), Effect::Ao);
     let held_apart = dataset.validation();
-    ensure!(!held_apart.is_empty(), "{} has no validation views", args.dataset.display());
+    ensure!(
+        !held_apart.is_empty(),
+        "{} has no validation views; its recipe's `validation_share` says how many are held apart",
+        args.dataset.display()
+    );
     let chosen = lists::spread(held_apart.len(), args.frames.into());
     let chosen: Vec<usize> = chosen.into_iter().map(|index| held_apart[index]).collect();
     let props = dataset.props().context("--scenes says where files are")?;

@@ -83,8 +83,11 @@ impl Split {
     fn new(source: &dyn PairSource, most: usize) -> Result<Self, TrainError> {
         let (training, held) = (source.training(), source.validation());
         if training.is_empty() || held.is_empty() {
-            let problem =
-                format!("has {} pairs to train on and {} for validation", training.len(), held.len());
+            let problem = format!(
+                "has {} pairs to train on and {} for validation; the recipe's `validation_share` says how many views are held apart",
+                training.len(),
+                held.len()
+            );
             return Err(TrainError::Config { field: "dataset", problem });
         }
         let validation = lists::spread(held.len(), most).into_iter().map(|index| held[index]).collect();

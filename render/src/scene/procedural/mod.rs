@@ -110,6 +110,26 @@ impl Family {
         self.entry().0
     }
 
+    /// What its scenes show, in a few words.
+    pub const fn about(self) -> &'static str {
+        match self {
+            Self::Room => "rooms with furniture",
+            Self::Colonnade => "columns, arches and groin vaults",
+            Self::City => "streets between houses with windows and balconies",
+            Self::Grove => "trees, bushes and grass",
+            Self::Terrain => "eroded mountains with rocks",
+            Self::StillLife => "vessels, fruit and books on a table",
+            Self::Machinery => "gears, pipes, flanges and bolts",
+            Self::Shelves => "shelves full of clutter",
+            Self::Blobs => "soft organic forms",
+            Self::Stairs => "platforms, stairs and galleries",
+            Self::Drapery => "cloth draped over things",
+            Self::Cave => "caves with dripstones and crystals",
+            Self::Playground => "slides, climbing frames and vehicles",
+            Self::Bridge => "truss, trestle and suspension bridges",
+        }
+    }
+
     /// What the family may be used for.
     pub fn split(self) -> Split {
         self.entry().1
