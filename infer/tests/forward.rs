@@ -22,7 +22,7 @@ fn random_model(spec: NetSpec) -> Model {
 
 /// The kernels for GPUs, of the shapes that are guessed to be best.
 fn guess(gpu: &Gpu, spec: &NetSpec) -> Variant {
-    Variant::staged(&gpu.device, spec, OutputKind::Buffer)
+    Variant::staged(&gpu.device.limits(), spec, OutputKind::Buffer)
 }
 
 /// What every layer makes.
@@ -131,7 +131,7 @@ fn every_shape_of_kernels() {
         let model = random_model(NetSpec { u0, kernel, levels: 2, ..ao() });
         let input = noise(6, 21, 39, 7);
         let expected = reference::layers(&model.spec, &model.weights, &input);
-        let candidates = Variant::candidates(&gpu.device, &model.spec, OutputKind::Buffer);
+        let candidates = Variant::candidates(&gpu.device.limits(), &model.spec, OutputKind::Buffer);
         assert!(candidates.len() > 5);
         for variant in candidates {
             let made = layers(&gpu, &model, &variant, Precision::F32, &input);
@@ -219,6 +219,8 @@ fn what_cannot_run_is_named() {
     let software = Options { variant: Some(Variant::Software), ..Options::default() };
     let error = Network::with(&gpu.device, &spec, &weights, &software).expect_err("too wide");
     assert!(error.to_string().contains("layer `up1`: eight of its outputs have"), "{error}");
+    let network = Network::new(&gpu.device, &spec, &weights).expect("the others can");
+    assert!(matches!(network.variant(), Variant::Staged(_)));
     let half = Options { precision: Precision::F16, ..software };
     let error = Network::with(&gpu.device, &spec, &weights, &half).expect_err("it has none");
     assert_eq!(error.to_string(), "the software kernels have no half floats");

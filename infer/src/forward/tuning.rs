@@ -116,7 +116,7 @@ impl Trial<'_> {
                 layer.software = milliseconds;
             }
         }
-        for variant in Variant::candidates(&self.gpu.device, self.spec, OutputKind::Buffer) {
+        for variant in Variant::candidates(&self.gpu.device.limits(), self.spec, OutputKind::Buffer) {
             let times = self.times(&variant, &mut notes)?;
             let Variant::Staged(these) = variant else { continue };
             for ((layer, shape), time) in measured.iter_mut().zip(these).zip(times) {

@@ -67,7 +67,7 @@ fn shapes_that_no_kernel_has_are_not_taken_from_a_file() {
     });
     let layers: Layers = layers.collect();
     tuning.file.devices.insert(tuning.device.clone(), layers);
-    assert_eq!(chosen(&tuning), Some(Variant::staged(&device, &spec(), OutputKind::Buffer)));
+    assert_eq!(chosen(&tuning), Some(Variant::staged(&device.limits(), &spec(), OutputKind::Buffer)));
     let buffers = tuning.variant(&spec(), &Options::default());
     assert_eq!(buffers, Some(Variant::Software), "which is faster");
 }
