@@ -30,14 +30,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     cache_note.iter().chain(&tuning_note).for_each(|note| eprintln!("{note}"));
 
     // Once a model: compile its kernels and upload its weights.
-    let output = OutputKind::Texture(TextureFormat::Rgba16Float);
-    let options = Options {
+    let mut options = Options {
         input: InputKind::Textures,
-        output,
+        output: OutputKind::Texture(TextureFormat::Rgba16Float),
         precision,
-        variant: tuning.variant(&model.spec, precision, false, output),
         cache: Some(&cache),
+        ..Options::default()
     };
+    options.variant = tuning.variant(&model.spec, &options);
     let network = Network::with(&device, &model.spec, &model.weights, &options)?;
     cache.save()?;
 

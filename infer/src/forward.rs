@@ -15,7 +15,9 @@
 
 mod arena;
 mod convenience;
+mod fit;
 mod io;
+pub mod kernel;
 mod maps;
 pub mod naive;
 mod network;

@@ -206,7 +206,8 @@ impl NetSpec {
         range("reach.diagonal_share", positive(reach.diagonal_share), &reach.diagonal_share, "positive")?;
         range("reach.height", (1..=MOST_ROWS).contains(&reach.height), &reach.height, "1 to 8192")?;
         for Layer { name: layer, level, groups, inputs, outputs, source, .. } in self.layers() {
-            let joins_evenly = !matches!(source, Source::Joined { .. }) || (self.u0 << level) % groups == 0;
+            let joins_evenly =
+                !matches!(source, Source::Joined { .. }) || (self.u0 << level).is_multiple_of(groups);
             if inputs % groups != 0 || outputs % groups != 0 || !joins_evenly {
                 return Err(SpecError::Groups { layer, groups, inputs, outputs });
             }

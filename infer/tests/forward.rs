@@ -1,8 +1,8 @@
 //! The WGSL forward pass equals the reference, layer by layer and element by element, on random asymmetric weights.
 
-use deepshade_infer::forward::{self, Options, OutputKind, Variant};
-use deepshade_infer::parity::{first_difference, noise, rms};
-use deepshade_infer::{ChannelOrder, Model, NetSpec, Network, Reach, Weights, reference};
+use deepshade_infer::forward::{self, HALF_TOLERANCE, Options, OutputKind, Precision, Variant};
+use deepshade_infer::parity::{TOLERANCE, first_difference, first_difference_within, noise, rms};
+use deepshade_infer::{Activation, ChannelOrder, Model, NetSpec, Network, Reach, Weights, reference};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, Planes};
 
@@ -22,7 +22,20 @@ fn random_model(spec: NetSpec) -> Model {
 
 /// The kernels for GPUs, of the shapes that are guessed to be best.
 fn guess(gpu: &Gpu, spec: &NetSpec) -> Variant {
-    Variant::staged(&gpu.device, spec, OutputKind::Buffer)
+    Variant::staged(&gpu.device.limits(), spec, OutputKind::Buffer)
+}
+
+/// What every layer makes.
+fn layers(
+    gpu: &Gpu,
+    model: &Model,
+    variant: &Variant,
+    precision: Precision,
+    input: &Planes,
+) -> Vec<Activation> {
+    let options = Options { variant: Some(variant.clone()), precision, ..Options::default() };
+    let network = Network::with(&gpu.device, &model.spec, &model.weights, &options).expect("compiles");
+    forward::run_layers_of(&network, &gpu.queue, input).expect("runs")
 }
 
 fn assert_agrees(gpu: &Gpu, spec: NetSpec, sizes: &[(usize, usize)]) {
@@ -32,10 +45,7 @@ fn assert_agrees(gpu: &Gpu, spec: NetSpec, sizes: &[(usize, usize)]) {
         let expected = reference::layers(&model.spec, &model.weights, &input);
         for variant in [Variant::Software, guess(gpu, &model.spec)] {
             let what = format!("{:?} at {height}x{width} by {variant:?}", model.spec);
-            let options = Options { variant: Some(variant), ..Options::default() };
-            let network =
-                Network::with(&gpu.device, &model.spec, &model.weights, &options).expect("compiles");
-            let made = forward::run_layers_of(&network, &gpu.queue, &input).expect("runs");
+            let made = layers(gpu, &model, &variant, Precision::F32, &input);
             assert_eq!(made.len(), expected.len());
             assert_eq!(first_difference(&expected, &made), None, "{what}");
         }
@@ -115,18 +125,83 @@ fn a_plan_runs_again_and_again_with_other_buffers() {
 }
 
 #[test]
+fn every_shape_of_kernels() {
+    let gpu = gpu();
+    for (kernel, u0) in [(3, 16), (5, 8)] {
+        let model = random_model(NetSpec { u0, kernel, levels: 2, ..ao() });
+        let input = noise(6, 21, 39, 7);
+        let expected = reference::layers(&model.spec, &model.weights, &input);
+        let candidates = Variant::candidates(&gpu.device.limits(), &model.spec, OutputKind::Buffer);
+        assert!(candidates.len() > 5);
+        for variant in candidates {
+            let made = layers(&gpu, &model, &variant, Precision::F32, &input);
+            assert_eq!(first_difference(&expected, &made), None, "{variant:?}");
+        }
+    }
+}
+
+#[test]
+fn half_floats_stay_within_their_bound() {
+    let gpu = gpu();
+    let half = gpu.device.features().contains(wgpu::Features::SHADER_F16);
+    assert!(half, "lavapipe and GPUs of today have them");
+    let contiguous = NetSpec::ao(ChannelOrder::Contiguous, REACH);
+    let gi = NetSpec::published(Effect::Gi, ChannelOrder::Interleaved, REACH).expect("it has one");
+    for spec in [contiguous, ao(), gi] {
+        let model = random_model(spec);
+        let input = noise(model.spec.input_channels(), 75, 129, 7);
+        let expected = reference::layers(&model.spec, &model.weights, &input);
+        let made = layers(&gpu, &model, &guess(&gpu, &model.spec), Precision::F16, &input);
+        assert_eq!(first_difference_within(&expected, &made, HALF_TOLERANCE), None);
+        assert!(first_difference(&expected, &made).is_some(), "they are not 32-bit floats");
+    }
+}
+
+#[test]
 fn a_wrong_layer_is_found_where_it_is() {
     let gpu = gpu();
     let model = random_model(NetSpec { levels: 3, ..ao() });
     let input = noise(6, 24, 24, 1);
     let expected = reference::layers(&model.spec, &model.weights, &input);
-    for (index, layer) in model.spec.layers().iter().enumerate() {
-        let mut wrong = model.clone();
-        wrong.weights.0[index].weight.reverse();
-        let made = forward::run_layers(&gpu, &wrong, &input).expect("runs");
-        let (found, _) = first_difference(&expected, &made).expect("the weights are reversed");
-        assert_eq!(found, layer.name);
+    let guess = guess(&gpu, &model.spec);
+    for (variant, precision, share) in [
+        (Variant::Software, Precision::F32, TOLERANCE),
+        (guess.clone(), Precision::F32, TOLERANCE),
+        (guess, Precision::F16, HALF_TOLERANCE),
+    ] {
+        for (index, layer) in model.spec.layers().iter().enumerate() {
+            let mut wrong = model.clone();
+            wrong.weights.0[index].weight.reverse();
+            let made = layers(&gpu, &wrong, &variant, precision, &input);
+            let (found, _) =
+                first_difference_within(&expected, &made, share).expect("the weights are reversed");
+            assert_eq!(found, layer.name);
+        }
     }
+}
+
+#[test]
+fn the_yardstick_is_right_too() {
+    let gpu = gpu();
+    for channel_order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
+        let model = random_model(NetSpec { levels: 3, channel_order, ..ao() });
+        let input = noise(6, 21, 34, 1);
+        let expected = reference::forward(&model.spec, &model.weights, &input);
+        let (image, timing) = forward::naive::run_timed(&gpu, &model, &input, 0, 1).expect("runs");
+        let comparison = deepshade_infer::Comparison::new(&expected, &image);
+        assert!(comparison.agrees() && timing.milliseconds > 0.0, "{comparison:?}");
+    }
+}
+
+#[test]
+fn every_layer_is_timed() {
+    let gpu = gpu();
+    let model = random_model(NetSpec { levels: 3, ..ao() });
+    let network = Network::new(&gpu.device, &model.spec, &model.weights).expect("compiles");
+    let times = network.layer_times(&gpu.queue, [40, 56], 1, 3).expect("runs");
+    let names: Vec<&str> = times.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["down0", "down1", "down2", "up1", "up0"]);
+    assert!(times.iter().all(|(_, timing)| timing.milliseconds > 0.0));
 }
 
 #[test]
@@ -140,8 +215,17 @@ fn what_cannot_run_is_named() {
     assert!(message(0, 16).contains("layer `down0` has no pixel"), "{}", message(0, 16));
     assert!(message(8192, 8192).contains("layer `down0` binds a buffer of"), "{}", message(8192, 8192));
     let spec = NetSpec { u0: 128, levels: 3, ..ao() };
-    let error = Network::new(&gpu.device, &spec, &random_model(spec.clone()).weights).expect_err("too wide");
+    let weights = random_model(spec.clone()).weights;
+    let software = Options { variant: Some(Variant::Software), ..Options::default() };
+    let error = Network::with(&gpu.device, &spec, &weights, &software).expect_err("too wide");
     assert!(error.to_string().contains("layer `up1`: eight of its outputs have"), "{error}");
+    let network = Network::new(&gpu.device, &spec, &weights).expect("the others can");
+    assert!(matches!(network.variant(), Variant::Staged(_)));
+    let half = Options { precision: Precision::F16, ..software };
+    let error = Network::with(&gpu.device, &spec, &weights, &half).expect_err("it has none");
+    assert_eq!(error.to_string(), "the software kernels have no half floats");
+    let error = network.plan_within(300, 300, 1000).expect_err("too little");
+    assert!(error.to_string().contains("no tile of it has feature maps of at most 1000 bytes"), "{error}");
     let plan = network.plan(16, 16).expect("fits");
     let small = deepshade_shaders::gpu::empty::<f32>(&gpu.device, "small", 16 * 16).expect("fits");
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

@@ -89,6 +89,9 @@ impl Input<'_> {
             (Self::Buffer(buffer), InputKind::Buffer) => {
                 check_buffer("input", buffer, spec.input_channels(), size)
             }
+            (Self::Textures { run, .. }, InputKind::Textures) if *run >= spec.runs() => {
+                Err(refused("input", format!("run {run} of {}", spec.runs())))
+            }
             (Self::Textures { views, .. }, InputKind::Textures) => {
                 if views.len() != spec.inputs.len() {
                     let what = format!("{} textures; the network reads {}", views.len(), spec.inputs.len());

@@ -51,7 +51,8 @@ impl Network {
         Self::with(device, spec, weights, &Options::default())
     }
 
-    /// Compiles the kernels and uploads the weights.
+    /// Compiles the kernels and uploads the weights. Where nothing says which kernels, and a layer is too wide for those
+    /// for software adapters, it has the others.
     ///
     /// # Errors
     /// If the weights are not the spec's, a layer is beyond the device's limits, the options ask for what the device or
@@ -65,16 +66,34 @@ impl Network {
         if spec.validate().is_err() || !weights.fit(spec) {
             return Err(ForwardError::Unfit);
         }
-        let variant = options.variant.clone().unwrap_or_else(|| Variant::default_for(device, spec, options));
-        check(device, spec, &variant, options)?;
+        if let Some(variant) = &options.variant {
+            return Self::of(device, spec, weights, options, variant);
+        }
+        match Self::of(device, spec, weights, options, &Variant::default_for(device, spec, options)) {
+            Err(ForwardError::Weights { .. } | ForwardError::Channels { .. }) => {
+                let variant = Variant::staged(&device.limits(), spec, options.output);
+                Self::of(device, spec, weights, options, &variant)
+            }
+            made => made,
+        }
+    }
+
+    fn of(
+        device: &wgpu::Device,
+        spec: &NetSpec,
+        weights: &Weights,
+        options: &Options<'_>,
+        variant: &Variant,
+    ) -> Result<Self, ForwardError> {
+        check(device, spec, variant, options)?;
         let layers = spec.layers();
         let mut stages = Stages { device, spec, weights, options, compiled: HashMap::new() };
-        let stage = |(index, layer)| match &variant {
+        let stage = |(index, layer)| match variant {
             Variant::Software => stages.software(index, layer),
             Variant::Staged(shapes) => stages.staged(index, layer, shapes[index]),
         };
         let stages = layers.iter().enumerate().map(stage).collect::<Result<_, _>>()?;
-        let (device, spec) = (device.clone(), spec.clone());
+        let (device, spec, variant) = (device.clone(), spec.clone(), variant.clone());
         let Options { input, output, precision, .. } = *options;
         Ok(Self { device, spec, layers, stages, variant, precision, input, output })
     }

@@ -1,12 +1,10 @@
 //! A layer on a device: its kernel and its weights.
 
-use super::io::{self, InputKind};
-use super::maps::has_means;
 use super::packing::Packed;
-use super::{ForwardError, Options, Precision};
+use super::{ForwardError, Options, kernel};
 use crate::{Layer, NetSpec, Source, Weights};
 use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::convolution::{Convolution, Reading, Shape, WORKGROUP, Writing};
+use deepshade_shaders::wgsl::convolution::{Shape, WORKGROUP};
 use deepshade_shaders::wgsl::{self, Shader, TILE};
 use std::collections::HashMap;
 
@@ -97,13 +95,7 @@ impl Stages<'_> {
 
     /// A layer for GPUs, its kernel of that shape.
     pub fn staged(&mut self, index: usize, layer: &Layer, shape: Shape) -> Result<Stage, ForwardError> {
-        let convolution = Convolution {
-            kernel: self.spec.kernel as u32,
-            shape,
-            half: self.options.precision == Precision::F16,
-            reading: self.reading(layer),
-            writing: self.writing(index, layer)?,
-        };
+        let convolution = kernel::convolution(self.spec, index, shape, self.options)?;
         let pass = self.pass(&format!("net.{}", layer.name), convolution.source())?;
         let packed = Packed::new(self.spec, index, &self.weights.0[index], shape.outputs as usize);
         let part = StagePart {
@@ -120,24 +112,6 @@ impl Stages<'_> {
             bytes: part.weights.size(),
             parts: vec![part],
             stride: packed.stride / 4,
-        })
-    }
-
-    fn reading(&self, layer: &Layer) -> Reading {
-        match (layer.source, self.options.input) {
-            (Source::Input, InputKind::Buffer) => Reading::Planes,
-            (Source::Input, InputKind::Textures) => Reading::Textures(io::texture_channels(self.spec)),
-            (Source::Plain(_) | Source::Pooled(_), _) => Reading::Map,
-            (Source::Joined { .. }, _) => Reading::Joined,
-        }
-    }
-
-    fn writing(&self, index: usize, layer: &Layer) -> Result<Writing, ForwardError> {
-        Ok(match (layer.activation, self.options.output.format(self.spec)?) {
-            (true, _) if has_means(&self.spec.layers(), index) => Writing::MapAndMeans,
-            (true, _) => Writing::Map,
-            (false, None) => Writing::Planes,
-            (false, Some(format)) => Writing::Texture(format),
         })
     }
 

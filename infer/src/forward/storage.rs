@@ -77,7 +77,7 @@ impl Storage {
         let index = position(&self.maps, id);
         let elements = match &self.room {
             Room::Textures { of_map, .. } => {
-                gpu::read_texture_array(device, queue, &self.textures[of_map[index]])?
+                gpu::read_texture_array::<f32>(device, queue, &self.textures[of_map[index]])?
             }
             Room::Arena { regions, .. } => {
                 let region = regions[index];

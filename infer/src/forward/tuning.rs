@@ -44,30 +44,24 @@ impl Tuning {
         self.file.save(path)
     }
 
-    /// The fastest kernels for a network, if all of its layers were measured; for `buffers` to buffers the software ones
-    /// count too.
-    pub fn variant(
-        &self,
-        spec: &NetSpec,
-        precision: Precision,
-        buffers: bool,
-        output: OutputKind,
-    ) -> Option<Variant> {
+    /// The fastest kernels for a network that is to run with these options, if all of its layers were measured.
+    pub fn variant(&self, spec: &NetSpec, options: &Options<'_>) -> Option<Variant> {
         let measured = self.file.devices.get(&self.device)?;
-        let layers: Option<Vec<&Measured>> =
-            (0..spec.layers().len()).map(|index| measured.get(&key(spec, index, precision))).collect();
+        let layers: Option<Vec<&Measured>> = (0..spec.layers().len())
+            .map(|index| measured.get(&key(spec, index, options.precision)))
+            .collect();
         let layers = layers?;
         let fastest: Option<Vec<Timed>> = layers.iter().map(|layer| layer.fastest).collect();
         let software: Option<f64> = layers.iter().map(|layer| layer.software).sum();
         let staged: Option<f64> = fastest.as_ref().map(|all| all.iter().map(|one| one.milliseconds).sum());
-        if let Some(software) = software.filter(|_| buffers)
+        if let Some(software) = software.filter(|_| options.buffers())
             && staged.is_none_or(|staged| software < staged)
         {
             return Some(Variant::Software);
         }
         let shape = |(index, timed): (usize, Timed)| {
             let shape = Shape { outputs: timed.outputs, pixels: timed.pixels, staged: timed.staged };
-            let known = shapes(spec, index, output, self.workgroup_bytes);
+            let known = shapes(spec, index, options.output, self.workgroup_bytes);
             // Where the image goes decides what its layer may have, and a file may hold nonsense.
             if known.contains(&shape) { Some(shape) } else { known.first().copied() }
         };
@@ -90,7 +84,7 @@ impl Tuning {
         let expected =
             reference::layers(spec, &weights, &noise(spec.input_channels(), PROOF[0], PROOF[1], 1));
         let trial = Trial { gpu, spec, weights, expected, size, precision };
-        let (layers, notes) = trial.layers(self.workgroup_bytes)?;
+        let (layers, notes) = trial.layers()?;
         self.file.devices.entry(self.device.clone()).or_default().extend(layers);
         Ok(notes)
     }
@@ -112,21 +106,19 @@ struct Trial<'a> {
 }
 
 impl Trial<'_> {
-    /// What is measured of every layer, and which kernels were wrong. Each round gives every layer its next shape, so
-    /// that a few networks measure all of them.
-    fn layers(&self, workgroup_bytes: u32) -> Result<(Layers, Vec<String>), ForwardError> {
+    /// What is measured of every layer, and which kernels were wrong.
+    fn layers(&self) -> Result<(Layers, Vec<String>), ForwardError> {
         let count = self.spec.layers().len();
         let (mut measured, mut notes) = (vec![Measured::default(); count], Vec::new());
         if self.precision == Precision::F32 {
-            for (layer, milliseconds) in measured.iter_mut().zip(self.times(Variant::Software, &mut notes)?) {
+            for (layer, milliseconds) in measured.iter_mut().zip(self.times(&Variant::Software, &mut notes)?)
+            {
                 layer.software = milliseconds;
             }
         }
-        let shapes: Vec<Vec<Shape>> =
-            (0..count).map(|index| shapes(self.spec, index, OutputKind::Buffer, workgroup_bytes)).collect();
-        for round in 0..shapes.iter().map(Vec::len).max().unwrap_or(0) {
-            let these: Vec<Shape> = shapes.iter().map(|all| all[round.min(all.len() - 1)]).collect();
-            let times = self.times(Variant::Staged(these.clone()), &mut notes)?;
+        for variant in Variant::candidates(&self.gpu.device.limits(), self.spec, OutputKind::Buffer) {
+            let times = self.times(&variant, &mut notes)?;
+            let Variant::Staged(these) = variant else { continue };
             for ((layer, shape), time) in measured.iter_mut().zip(these).zip(times) {
                 let Some(milliseconds) = time else { continue };
                 if layer.fastest.is_none_or(|fastest| milliseconds < fastest.milliseconds) {
@@ -140,13 +132,13 @@ impl Trial<'_> {
     }
 
     /// Milliseconds of each layer of a network; none of one that is wrong, nor of those after it.
-    fn times(&self, variant: Variant, notes: &mut Vec<String>) -> Result<Vec<Option<f64>>, ForwardError> {
+    fn times(&self, variant: &Variant, notes: &mut Vec<String>) -> Result<Vec<Option<f64>>, ForwardError> {
         let options =
             Options { precision: self.precision, variant: Some(variant.clone()), ..Options::default() };
         let network = match Network::with(&self.gpu.device, self.spec, &self.weights, &options) {
             Ok(network) => network,
             // The software kernels have limits of their own.
-            Err(error) if variant == Variant::Software => {
+            Err(error) if *variant == Variant::Software => {
                 notes.push(error.to_string());
                 return Ok(vec![None; self.expected.len()]);
             }

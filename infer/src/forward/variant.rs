@@ -32,26 +32,26 @@ impl Variant {
         let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         match software && options.buffers() && options.precision == Precision::F32 {
             true => Self::Software,
-            false => Self::staged(device, spec, options.output),
+            false => Self::staged(&device.limits(), spec, options.output),
         }
     }
 
-    /// The kernels for GPUs, of the shapes that are guessed to be best.
-    pub fn staged(device: &wgpu::Device, spec: &NetSpec, output: OutputKind) -> Self {
-        Self::Staged(shapes_of_layers(device, spec, output).into_iter().map(|shapes| shapes[0]).collect())
+    /// The kernels for GPUs, of the shapes that are guessed to be best within a device's limits.
+    pub fn staged(limits: &wgpu::Limits, spec: &NetSpec, output: OutputKind) -> Self {
+        Self::Staged(shapes_of_layers(limits, spec, output).into_iter().map(|shapes| shapes[0]).collect())
     }
 
     /// Kernels for GPUs such that every shape that a layer's kernel may have is in one of them, the best guess first.
-    pub fn candidates(device: &wgpu::Device, spec: &NetSpec, output: OutputKind) -> Vec<Self> {
-        let shapes = shapes_of_layers(device, spec, output);
+    pub fn candidates(limits: &wgpu::Limits, spec: &NetSpec, output: OutputKind) -> Vec<Self> {
+        let shapes = shapes_of_layers(limits, spec, output);
         let most = shapes.iter().map(Vec::len).max().unwrap_or(0);
         let round = |round: usize| shapes.iter().map(|all| all[round % all.len()]).collect();
         (0..most).map(|index| Self::Staged(round(index))).collect()
     }
 }
 
-fn shapes_of_layers(device: &wgpu::Device, spec: &NetSpec, output: OutputKind) -> Vec<Vec<Shape>> {
-    let room = device.limits().max_compute_workgroup_storage_size;
+fn shapes_of_layers(limits: &wgpu::Limits, spec: &NetSpec, output: OutputKind) -> Vec<Vec<Shape>> {
+    let room = limits.max_compute_workgroup_storage_size;
     (0..spec.layers().len()).map(|index| shapes(spec, index, output, room)).collect()
 }
 

@@ -1,6 +1,7 @@
 //! Textures that passes write and later passes read: array layers of four 32-bit floats a texel.
 
 use super::{GpuError, catch, read};
+use bytemuck::Pod;
 use wgpu::{BufferUsages, TextureUsages};
 
 /// A texture array `deepshade.<label>` of `layers` x `height` x `width` texels of `rgba32float`.
@@ -41,18 +42,19 @@ pub fn array_view(texture: &wgpu::Texture) -> wgpu::TextureView {
     })
 }
 
-/// What a texture that [`texture_array`] made holds once all submitted work is done, `[layers, height, width, 4]`.
+/// What a texture holds once all submitted work is done, `[layers, height, width, components]` of its format.
 ///
 /// # Errors
 /// If the device is lost or its memory exhausted.
-pub fn read_texture_array(
+pub fn read_texture_array<T: Pod>(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     texture: &wgpu::Texture,
-) -> Result<Vec<f32>, GpuError> {
+) -> Result<Vec<T>, GpuError> {
     let failed = |what| GpuError::Readback { label: "deepshade.texture".to_owned(), what };
     let size = texture.size();
-    let row = size.width as usize * size_of::<[f32; 4]>();
+    let texel = texture.format().block_copy_size(None).unwrap_or(0);
+    let row = (size.width * texel) as usize;
     let pitch = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT as usize);
     let rows = (size.height * size.depth_or_array_layers) as usize;
     let buffer = catch(device, || {
@@ -77,7 +79,7 @@ pub fn read_texture_array(
         buffer
     })
     .map_err(failed)?;
-    let padded: Vec<f32> = read(device, queue, &buffer)?;
-    let floats = size_of::<f32>();
-    Ok(padded.chunks_exact(pitch / floats).flat_map(|padded| &padded[..row / floats]).copied().collect())
+    let padded: Vec<u8> = read(device, queue, &buffer)?;
+    let rows: Vec<u8> = padded.chunks_exact(pitch).flat_map(|padded| &padded[..row]).copied().collect();
+    Ok(bytemuck::pod_collect_to_vec(&rows))
 }

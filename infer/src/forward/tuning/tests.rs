@@ -1,6 +1,7 @@
 //! Measuring picks what is fast and right, and a file keeps it.
 
 use super::*;
+use crate::forward::InputKind;
 use crate::{ChannelOrder, Reach};
 
 const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
@@ -14,7 +15,7 @@ fn spec() -> NetSpec {
 }
 
 fn chosen(tuning: &Tuning) -> Option<Variant> {
-    tuning.variant(&spec(), Precision::F32, false, OutputKind::Buffer)
+    tuning.variant(&spec(), &Options { input: InputKind::Textures, ..Options::default() })
 }
 
 #[test]
@@ -66,8 +67,8 @@ fn shapes_that_no_kernel_has_are_not_taken_from_a_file() {
     });
     let layers: Layers = layers.collect();
     tuning.file.devices.insert(tuning.device.clone(), layers);
-    assert_eq!(chosen(&tuning), Some(Variant::staged(&device, &spec(), OutputKind::Buffer)));
-    let buffers = tuning.variant(&spec(), Precision::F32, true, OutputKind::Buffer);
+    assert_eq!(chosen(&tuning), Some(Variant::staged(&device.limits(), &spec(), OutputKind::Buffer)));
+    let buffers = tuning.variant(&spec(), &Options::default());
     assert_eq!(buffers, Some(Variant::Software), "which is faster");
 }
 
@@ -82,7 +83,7 @@ fn a_wrong_kernel_is_never_chosen() {
     let expected = reference::layers(&spec, &weights, &input);
     let precision = Precision::F32;
     let trial = Trial { gpu: &gpu, spec: &spec, weights: wrong, expected, size: [16, 16], precision };
-    let (layers, notes) = trial.layers(16 << 10).expect("runs");
+    let (layers, notes) = trial.layers().expect("runs");
     let usable = |index| layers[&key(&spec, index, precision)].fastest.is_some();
     assert_eq!([0, 1, 2].map(usable), [true, false, false]);
     assert!(notes.iter().all(|note| note.contains("layer `down1` is wrong")), "{notes:?}");

@@ -1,0 +1,51 @@
+//! Which kernel a layer has on a GPU: a function of the spec and of what the caller wants, without a device.
+
+use super::io::{self, InputKind};
+use super::maps::has_means;
+use super::{ForwardError, Options, Precision};
+use crate::{Layer, NetSpec, Source};
+use deepshade_shaders::wgsl::convolution::{Convolution, Reading, Shape, Writing};
+
+/// The kernel of the layer of that index, of that shape; its weights are
+/// [`Packed`](super::packing::Packed) for as many outputs at a time.
+///
+/// # Errors
+/// If the network's image does not go into such a texture.
+pub fn convolution(
+    spec: &NetSpec,
+    index: usize,
+    shape: Shape,
+    options: &Options<'_>,
+) -> Result<Convolution, ForwardError> {
+    let layers = spec.layers();
+    Ok(Convolution {
+        kernel: spec.kernel as u32,
+        shape,
+        half: options.precision == Precision::F16,
+        reading: reading(spec, &layers[index], options),
+        writing: writing(spec, &layers, index, options)?,
+    })
+}
+
+fn reading(spec: &NetSpec, layer: &Layer, options: &Options<'_>) -> Reading {
+    match (layer.source, options.input) {
+        (Source::Input, InputKind::Buffer) => Reading::Planes,
+        (Source::Input, InputKind::Textures) => Reading::Textures(io::texture_channels(spec)),
+        (Source::Plain(_) | Source::Pooled(_), _) => Reading::Map,
+        (Source::Joined { .. }, _) => Reading::Joined,
+    }
+}
+
+fn writing(
+    spec: &NetSpec,
+    layers: &[Layer],
+    index: usize,
+    options: &Options<'_>,
+) -> Result<Writing, ForwardError> {
+    Ok(match (layers[index].activation, options.output.format(spec)?) {
+        (true, _) if has_means(layers, index) => Writing::MapAndMeans,
+        (true, _) => Writing::Map,
+        (false, None) => Writing::Planes,
+        (false, Some(format)) => Writing::Texture(format),
+    })
+}

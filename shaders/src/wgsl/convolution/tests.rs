@@ -1,0 +1,59 @@
+//! naga accepts every kernel, and lays its memory out as Rust counts it.
+
+use super::*;
+use crate::wgsl::tests::{agrees, parse};
+
+/// Every kernel that a network may ask for.
+fn all() -> Vec<Convolution> {
+    let textures = vec![TextureChannels::Lengths(3), TextureChannels::OfRun, TextureChannels::First(3)];
+    let readings = [Reading::Planes, Reading::Textures(textures), Reading::Map, Reading::Joined];
+    let writings = [
+        Writing::Map,
+        Writing::MapAndMeans,
+        Writing::Planes,
+        Writing::Texture("r32float"),
+        Writing::Texture("rgba16float"),
+    ];
+    let mut all = Vec::new();
+    for (reading, writing) in readings.iter().flat_map(|r| writings.iter().map(move |w| (r, w))) {
+        let outputs: &[u32] = match writing {
+            Writing::Map | Writing::MapAndMeans => &[4, 8, 16],
+            Writing::Planes | Writing::Texture(_) => &[1, 4],
+        };
+        for (outputs, pixels) in outputs.iter().flat_map(|o| [[2, 1], [2, 2], [4, 2]].map(|p| (*o, p))) {
+            for (staged, half, kernel) in
+                [(true, false, 3), (false, true, 5), (true, true, 1), (false, false, 7)]
+            {
+                let shape = Shape { outputs, pixels, staged };
+                let (reading, writing) = (reading.clone(), *writing);
+                let pools = writing == Writing::MapAndMeans;
+                if !pools || (pixels[1] == 2 && reading != Reading::Joined) {
+                    all.push(Convolution { kernel, shape, half, reading, writing });
+                }
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn every_kernel_is_valid_and_reads_the_layer_as_rust_wrote_it() {
+    for kernel in all() {
+        let module = parse(&kernel.source()).map_err(|e| format!("{kernel:?}: {e}")).expect("valid");
+        assert_eq!(module.entry_points.len(), 1, "{kernel:?}");
+        assert_eq!(agrees(&NetLayer::LAYOUT, &module), Ok(()), "{kernel:?}");
+    }
+}
+
+#[test]
+fn workgroup_memory_is_what_the_kernel_declares() {
+    for kernel in all() {
+        let module = parse(&kernel.source()).expect("valid");
+        let mut layouter = naga::proc::Layouter::default();
+        layouter.update(module.to_ctx()).expect("types have a size");
+        let shared = |v: &naga::GlobalVariable| v.space == naga::AddressSpace::WorkGroup;
+        let variables = module.global_variables.iter().filter(|(_, v)| shared(v));
+        let bytes: u32 = variables.map(|(_, v)| layouter[v.ty].size).sum();
+        assert_eq!(bytes, kernel.workgroup_bytes(), "{kernel:?}");
+    }
+}
