@@ -1,8 +1,10 @@
 //! `deepshade export`: from a training run to a model folder.
 
-use crate::figures::Figures;
+use crate::figures::{Figures, write_atomically};
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::Manifest;
+use deepshade_infer::Model;
+use deepshade_infer::forward::{Precision, wgsl_files};
 use deepshade_train::TrainConfig;
 use deepshade_train::export::{Facts, export};
 use serde_json::Value;
@@ -11,16 +13,30 @@ use std::path::{Path, PathBuf};
 /// Licence of exported weights, the program's own.
 const LICENCE: &str = "MIT OR Apache-2.0";
 
-/// Turns a training run into a model folder: weights, spec, ONNX file, card, and an image to check runtimes with.
+/// Turns a training run into a model folder: weights, spec, ONNX file, card, and an image to check runtimes with; or a
+/// model folder into WGSL files for any engine.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  deepshade export --run runs/ao --out models/ao --metrics eval.json")]
+#[command(after_help = "Examples:\n  \
+    deepshade export --run runs/ao --out models/ao --metrics eval.json\n  \
+    deepshade export --model models/ao --wgsl shaders/ao\n\n\
+    --wgsl writes a commented compute shader and packed weights for every layer, network.json with the passes and what \
+    they bind, and HOST.md, which says what a host must do.")]
 pub struct Args {
     /// Folder of the training run.
+    #[arg(long, required_unless_present = "model", requires = "out")]
+    run: Option<PathBuf>,
+    /// Folder of the model to be written.
+    #[arg(long, requires = "run")]
+    out: Option<PathBuf>,
+    /// Folder of a model that is there.
+    #[arg(long, conflicts_with = "run", requires = "wgsl")]
+    model: Option<PathBuf>,
+    /// Folder for WGSL files, which are replaced.
     #[arg(long)]
-    run: PathBuf,
-    /// Folder of the model.
-    #[arg(long)]
-    out: PathBuf,
+    wgsl: Option<PathBuf>,
+    /// Feature maps of the WGSL files in half floats.
+    #[arg(long, requires = "wgsl")]
+    half: bool,
     /// Folder of the dataset that the run was trained on, where it has moved since.
     #[arg(long)]
     dataset: Option<PathBuf>,
@@ -38,7 +54,28 @@ pub struct Args {
 /// If the run or its dataset's manifest cannot be read, that manifest is not the one that the run was trained with,
 /// the run has no network to export, or the folder cannot be written.
 pub fn run(args: &Args) -> Result<()> {
-    let config = TrainConfig::load(&args.run)?;
+    let (name, model) = match (&args.run, &args.out, &args.model) {
+        (Some(run), Some(out), _) => (out, exported(args, run, out)?),
+        (_, _, Some(model)) => (model, Model::load(model)?),
+        _ => anyhow::bail!("--run with --out, or --model with --wgsl"),
+    };
+    if let Some(folder) = &args.wgsl {
+        let precision = if args.half { Precision::F16 } else { Precision::F32 };
+        for (file, bytes) in wgsl_files(&model, precision)? {
+            write_atomically(&folder.join(file), &bytes)?;
+        }
+    }
+    let weights = model.spec.weight_count();
+    let mut figures = Figures::new("export");
+    figures.set("weights", weights as f64);
+    figures.write(args.json.as_deref())?;
+    say!("{}: {}, {weights} weights", name.display(), model.spec.effect)?;
+    args.wgsl.as_ref().map_or(Ok(()), |folder| say!("{}: see HOST.md there", folder.display()))
+}
+
+/// The model of a training run, written to its folder.
+fn exported(args: &Args, run: &Path, out: &Path) -> Result<Model> {
+    let config = TrainConfig::load(run)?;
     let dataset = args.dataset.as_ref().unwrap_or(&config.dataset);
     let manifest = Manifest::load(dataset)
         .context("the card names the training data; --dataset says where they are now")?;
@@ -46,16 +83,11 @@ pub fn run(args: &Args) -> Result<()> {
         Manifest::file_hash(dataset)? == config.data_hash,
         "{}: not the data that {} was trained on",
         dataset.display(),
-        args.run.display()
+        run.display()
     );
     let metrics = args.metrics.as_deref().map(metrics).transpose()?.unwrap_or_default();
     let facts = facts(&manifest, metrics);
-    let model = export(&args.run, &args.out, &facts)?;
-    let weights = model.spec.weight_count();
-    let mut figures = Figures::new("export");
-    figures.set("weights", weights as f64);
-    figures.write(args.json.as_deref())?;
-    say!("{}: {}, {weights} weights", args.out.display(), model.spec.effect)
+    Ok(export(run, out, &facts)?)
 }
 
 /// What the card says about the data, and about what the network cannot do.

@@ -2,7 +2,7 @@
 //! the compiled kernels in the user's cache folder.
 
 use deepshade_infer::Model;
-use deepshade_infer::forward::{ForwardError, Network, Options, OutputKind, Precision, Tuning};
+use deepshade_infer::forward::{ForwardError, Network, Options, Precision, Tuning};
 use deepshade_shaders::gpu::{Gpu, PipelineCache};
 use etcetera::BaseStrategy;
 use std::path::PathBuf;
@@ -25,15 +25,15 @@ pub fn fastest(gpu: &Gpu, model: &Model, precision: Precision) -> Result<Network
     for note in note.into_iter().chain(other) {
         eprintln!("{note}");
     }
-    if tuning.variant(spec, precision, true, OutputKind::Buffer).is_none() {
+    let mut options = Options { precision, cache: Some(&cache), ..Options::default() };
+    if tuning.variant(spec, &options).is_none() {
         eprintln!("measuring which kernels are fastest on {}, once", gpu.info.name);
         for note in tuning.measure(gpu, spec, SIZE, precision)? {
             eprintln!("{note}");
         }
         remember(&path, tuning.save(&path));
     }
-    let variant = tuning.variant(spec, precision, true, OutputKind::Buffer);
-    let options = Options { precision, variant, cache: Some(&cache), ..Options::default() };
+    options.variant = tuning.variant(spec, &options);
     let network = Network::with(&gpu.device, spec, weights, &options)?;
     remember(&folder, cache.save());
     Ok(network)

@@ -15,6 +15,7 @@
 
 mod arena;
 mod convenience;
+mod files;
 mod fit;
 mod io;
 pub mod kernel;
@@ -34,6 +35,7 @@ mod variant;
 
 pub use convenience::{run, run_layers, run_layers_of};
 pub use deepshade_shaders::wgsl::convolution::Shape;
+pub use files::{File, wgsl_files};
 pub use io::{Input, InputKind, Output, OutputKind};
 pub use network::{Network, Options};
 pub use plan::{Bytes, Plan};

@@ -1,0 +1,125 @@
+//! A network as files for any engine that has compute shaders: its kernels, its packed weights, and what a host must do.
+//!
+//! The kernels are those that [`Network`](super::Network) runs on GPUs, from a planar buffer to a planar buffer, of the
+//! shapes that are guessed to be best within WebGPU's limits.
+
+use super::kernel;
+use super::maps::{self, MapId};
+use super::packing::Packed;
+use super::{ForwardError, Options, Precision, Shape, Variant};
+use crate::{Layer, Model, Source};
+use deepshade_shaders::wgsl::convolution::WORKGROUP;
+use deepshade_shaders::wgsl::uniforms::NetLayer;
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// A file's name and what it holds.
+pub type File = (String, Vec<u8>);
+
+/// What a host must do, in words.
+const HOST: &str = include_str!("host.md");
+
+/// The files of a network: a kernel, weights and a table of what is read for each layer, `network.json` with the passes
+/// and what they bind, and `HOST.md` with the same in words.
+///
+/// # Errors
+/// If the weights are not the spec's.
+pub fn wgsl_files(model: &Model, precision: Precision) -> Result<Vec<File>, ForwardError> {
+    let Model { spec, weights } = model;
+    if spec.validate().is_err() || !weights.fit(spec) {
+        return Err(ForwardError::Unfit);
+    }
+    let options = Options { precision, ..Options::default() };
+    let layers = spec.layers();
+    let Variant::Staged(shapes) = Variant::staged(&wgpu::Limits::default(), spec, options.output) else {
+        unreachable!("the kernels for GPUs have shapes");
+    };
+    let (mut files, mut passes) = (Vec::new(), Vec::new());
+    for (index, (layer, shape)) in layers.iter().zip(&shapes).enumerate() {
+        let packed = Packed::new(spec, index, &weights.0[index], shape.outputs as usize);
+        let stem = format!("{index:02}_{}", layer.name);
+        let source = kernel::convolution(spec, index, *shape, &options)?.source();
+        passes.push(pass(&layers, index, *shape, &packed, &stem));
+        files.push((format!("{stem}.wgsl"), (heading(&layers, index) + &source).into_bytes()));
+        files.push((format!("{stem}.reads.bin"), bytemuck::cast_slice(&packed.reads).to_vec()));
+        files.push((format!("{stem}.weights.bin"), bytemuck::cast_slice(&packed.weights).to_vec()));
+    }
+    let maps: Vec<Value> = maps::maps(&layers).iter().map(|map| map_json(&layers, map)).collect();
+    let inputs: Vec<&str> = spec.inputs.iter().map(|attribute| attribute.name()).collect();
+    let network = json!({
+        "effect": spec.effect, "inputs": inputs, "runs": spec.runs(), "reach": spec.reach,
+        "input_channels": spec.input_channels(), "output_channels": spec.output_channels(),
+        "alignment": spec.alignment(), "leak": spec.leak, "half": precision == Precision::F16,
+        "uniform": uniform_fields(), "maps": maps, "passes": passes,
+    });
+    files.push(("network.json".to_owned(), format!("{network:#}\n").into_bytes()));
+    files.push(("HOST.md".to_owned(), HOST.as_bytes().to_vec()));
+    Ok(files)
+}
+
+/// The name of a map in `network.json`.
+fn map_name(layers: &[Layer], id: MapId) -> String {
+    match id {
+        MapId::Made(layer) => layers[layer].name.clone(),
+        MapId::Means(layer) => format!("{}.means", layers[layer].name),
+    }
+}
+
+fn map_json(layers: &[Layer], map: &maps::Map) -> Value {
+    let (first, last) = (&layers[map.born].name, &layers[map.dies].name);
+    json!({
+        "name": map_name(layers, map.id), "level": map.level, "blocks": map.channels.div_ceil(4),
+        "written_by": first, "last_read_by": last,
+    })
+}
+
+/// The uniform buffer's fields, in order.
+fn uniform_fields() -> Vec<Value> {
+    let field = |field: &deepshade_shaders::wgsl::uniforms::Field| json!({ "name": field.name, "kind": field.kind, "offset": field.offset });
+    NetLayer::LAYOUT.fields.iter().map(field).collect()
+}
+
+fn pass(layers: &[Layer], index: usize, shape: Shape, packed: &Packed, stem: &str) -> Value {
+    let layer = &layers[index];
+    let mut bindings = json!({ "0": "uniform", "1": "reads", "2": "weights" });
+    bindings["3"] =
+        if layer.activation { json!(map_name(layers, MapId::Made(index))) } else { json!("output") };
+    let sources = maps::read_by(layer);
+    for (binding, id) in (4..).zip(&sources) {
+        bindings[binding.to_string()] = json!(map_name(layers, *id));
+    }
+    if layer.source == Source::Input {
+        bindings["4"] = json!("input");
+    }
+    if maps::has_means(layers, index) {
+        bindings["5"] = json!(map_name(layers, MapId::Means(index)));
+    }
+    json!({
+        "layer": layer.name, "file": format!("{stem}.wgsl"), "level": layer.level,
+        "reads": format!("{stem}.reads.bin"), "weights": format!("{stem}.weights.bin"),
+        "tile": shape.pixels.map(|pixels| WORKGROUP * pixels), "workgroups_z": packed.reads.len(),
+        "stride": packed.stride / 4, "bindings": bindings,
+    })
+}
+
+/// What stands at the head of a layer's kernel.
+fn heading(layers: &[Layer], index: usize) -> String {
+    let layer = &layers[index];
+    let reads = match layer.source {
+        Source::Input => "the network's input".to_owned(),
+        Source::Plain(of) => format!("what `{}` makes", layers[of].name),
+        Source::Pooled(of) => format!("the 2x2 means of what `{}` makes", layers[of].name),
+        Source::Joined { coarse, skip } => format!(
+            "what `{}` makes, doubled bilinearly, and what `{}` makes",
+            layers[coarse].name, layers[skip].name
+        ),
+    };
+    let mut text = format!("// Layer `{}`, written by deepshade; HOST.md says how it is run.\n", layer.name);
+    let Layer { inputs, outputs, groups, level, .. } = layer;
+    writeln!(
+        text,
+        "// Reads {reads}: {inputs} channels in {groups} group(s), to {outputs} channels on level {level}.\n"
+    )
+    .expect("writing to a string");
+    text
+}
