@@ -9,7 +9,7 @@ use crate::{figures::Figures, onnxruntime};
 use anyhow::{Context, Result, bail};
 use deepshade_infer::parity::{self, Activation, Comparison, Parity};
 use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, Weights, cpu, forward, reference};
-use deepshade_shaders::{Planes, gpu::Gpu};
+use deepshade_shaders::{Effect, Planes, gpu::Gpu};
 use deepshade_train::export::{ONNX_FILE, onnx};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -26,6 +26,9 @@ pub struct Args {
     /// Folder of a network; without it, random weights only.
     #[arg(long)]
     model: Option<PathBuf>,
+    /// Effects whose networks of the paper's Table 7.1 are checked with random weights, beside the model's own.
+    #[arg(long, value_delimiter = ',')]
+    networks: Vec<Effect>,
     /// Sizes of the images, columns x rows.
     #[arg(long, value_delimiter = ',', default_value = "256x256,768x512,203x117")]
     sizes: Vec<Size>,
@@ -52,11 +55,13 @@ pub fn run(args: &Args) -> Result<()> {
         lines: vec![adapter],
         faults: Vec::new(),
     };
-    for order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
-        let model = random(model.as_ref(), order);
-        let file = folder.path().join(ONNX_FILE);
-        std::fs::write(&file, onnx::encode(&model)).with_context(|| file.display().to_string())?;
-        check.sizes(&format!("random, {order:?}"), &model, &file, &args.sizes)?;
+    for spec in specs(args, model.as_ref())? {
+        for order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
+            let model = random(NetSpec { channel_order: order, ..spec.clone() });
+            let file = folder.path().join(ONNX_FILE);
+            std::fs::write(&file, onnx::encode(&model)).with_context(|| file.display().to_string())?;
+            check.sizes(&format!("random {}, {order:?}", spec.effect), &model, &file, &args.sizes)?;
+        }
     }
     if let (Some(model), Some(folder)) = (&model, &args.model) {
         let name = folder.display().to_string();
@@ -80,11 +85,24 @@ pub fn run(args: &Args) -> Result<()> {
     }
 }
 
-/// Random weights for the model's network, or for the paper's where there is none.
-fn random(model: Option<&Model>, channel_order: ChannelOrder) -> Model {
+/// The networks that are checked with random weights: those asked for, and the model's, or the paper's for ambient
+/// occlusion where there is none.
+fn specs(args: &Args, model: Option<&Model>) -> Result<Vec<NetSpec>> {
     let reach = Reach { radius: 1.0, diagonal_share: 0.1, height: 512 };
-    let spec = model.map_or_else(|| NetSpec::ao(channel_order, reach), |model| model.spec.clone());
-    let spec = NetSpec { channel_order, ..spec };
+    let published = |effect: &Effect| {
+        NetSpec::published(*effect, ChannelOrder::Interleaved, reach)
+            .with_context(|| format!("the paper has no network for `{effect}`"))
+    };
+    let mut specs = args.networks.iter().map(published).collect::<Result<Vec<_>>>()?;
+    match model {
+        Some(model) => specs.push(model.spec.clone()),
+        None if specs.is_empty() => specs.push(published(&Effect::Ao)?),
+        None => {}
+    }
+    Ok(specs)
+}
+
+fn random(spec: NetSpec) -> Model {
     Model { weights: Weights::random(&spec, 1), spec }
 }
 
