@@ -25,6 +25,11 @@ fn guess(gpu: &Gpu, spec: &NetSpec) -> Variant {
     Variant::staged(&gpu.device.limits(), spec, OutputKind::Buffer)
 }
 
+fn network(gpu: &Gpu, model: &Model, variant: &Variant, precision: Precision) -> Network {
+    let options = Options { variant: Some(variant.clone()), precision, ..Options::default() };
+    Network::with(&gpu.device, &model.spec, &model.weights, &options).expect("compiles")
+}
+
 /// What every layer makes.
 fn layers(
     gpu: &Gpu,
@@ -33,24 +38,24 @@ fn layers(
     precision: Precision,
     input: &Planes,
 ) -> Vec<Activation> {
-    let options = Options { variant: Some(variant.clone()), precision, ..Options::default() };
-    let network = Network::with(&gpu.device, &model.spec, &model.weights, &options).expect("compiles");
+    let network = network(gpu, model, variant, precision);
     forward::run_layers_of(&network, &gpu.queue, input).expect("runs")
 }
 
 fn assert_agrees(gpu: &Gpu, spec: NetSpec, sizes: &[(usize, usize)]) {
     let model = random_model(spec);
+    let networks = [Variant::Software, guess(gpu, &model.spec)]
+        .map(|variant| network(gpu, &model, &variant, Precision::F32));
     for (height, width) in sizes {
         let input = noise(model.spec.input_channels(), *height, *width, 7);
         let expected = reference::layers(&model.spec, &model.weights, &input);
-        for variant in [Variant::Software, guess(gpu, &model.spec)] {
-            let what = format!("{:?} at {height}x{width} by {variant:?}", model.spec);
-            let made = layers(gpu, &model, &variant, Precision::F32, &input);
+        let what = format!("{:?} at {height}x{width}", model.spec);
+        for network in &networks {
+            let made = forward::run_layers_of(network, &gpu.queue, &input).expect("runs");
             assert_eq!(made.len(), expected.len());
-            assert_eq!(first_difference(&expected, &made), None, "{what}");
+            assert_eq!(first_difference(&expected, &made), None, "{what} by {:?}", network.variant());
         }
         let last = &expected[expected.len() - 1].planes;
-        let what = format!("{:?} at {height}x{width}", model.spec);
         let proves = last.pixels() < 100 || (0.3..3.0).contains(&rms(last));
         assert!(proves, "{what}: an image of rms {} proves little", rms(last));
     }

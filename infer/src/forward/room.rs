@@ -92,3 +92,63 @@ impl Room {
 pub fn position(maps: &[SizedMap], id: MapId) -> usize {
     maps.iter().position(|sized| sized.map.id == id).expect("every layer that a layer reads has a map")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::forward::maps::maps;
+    use crate::{ChannelOrder, NetSpec, Reach};
+    use proptest::prelude::*;
+
+    const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+
+    /// The maps of a random network on a random image.
+    fn sized() -> impl Strategy<Value = Vec<SizedMap>> {
+        (1usize..7, 1usize..5, 1usize..5, 1usize..5).prop_map(|(levels, u0, rows, columns)| {
+            let spec = NetSpec { levels, u0: 4 * u0, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) };
+            let whole = [rows, columns].map(|size| size * spec.alignment());
+            let sized = |map: Map| SizedMap {
+                blocks: map.channels.div_ceil(BLOCK),
+                frame: whole.map(|size| size >> map.level),
+                map,
+            };
+            maps(&spec.layers()).into_iter().map(sized).collect()
+        })
+    }
+
+    /// Whether two maps are needed at the same time.
+    fn meet(a: &SizedMap, b: &SizedMap) -> bool {
+        a.map.born <= b.map.dies && b.map.born <= a.map.dies
+    }
+
+    proptest! {
+        #[test]
+        fn maps_that_are_needed_at_the_same_time_lie_apart(maps in sized()) {
+            let arena = Room::in_arena(&maps, 4, &wgpu::Limits::default()).expect("small enough");
+            let textures = Room::in_textures(&maps);
+            let Room::Arena { regions, .. } = &arena else { panic!("it is an arena") };
+            let Room::Textures { of_map, sizes } = &textures else { panic!("they are textures") };
+            let alone: u64 = maps.iter().map(|sized| 4 * sized.elements() as u64 + 256).sum();
+            prop_assert!(arena.bytes() <= alone);
+            for (i, a) in maps.iter().enumerate() {
+                prop_assert_eq!(sizes[of_map[i]][1..].to_vec(), a.frame.to_vec());
+                prop_assert!(sizes[of_map[i]][0] >= a.blocks);
+                for (j, b) in maps.iter().enumerate().skip(i + 1).filter(|(_, b)| meet(a, b)) {
+                    let apart = regions[i].offset + regions[i].bytes <= regions[j].offset
+                        || regions[j].offset + regions[j].bytes <= regions[i].offset;
+                    prop_assert!(apart && of_map[i] != of_map[j], "{:?} and {:?}", a.map.id, b.map.id);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_map_beyond_a_binding_has_no_room() {
+        let limits = wgpu::Limits::default();
+        let map = maps(&NetSpec::ao(ChannelOrder::Interleaved, REACH).layers()).remove(0);
+        let sized = |rows| vec![SizedMap { blocks: 2, frame: [rows, 4096], map: map.clone() }];
+        assert!(Room::in_arena(&sized(1024), 4, &limits).is_some(), "128 MiB");
+        assert_eq!(Room::in_arena(&sized(1025), 4, &limits), None);
+        assert!(Room::in_arena(&sized(1025), 2, &limits).is_some());
+    }
+}

@@ -70,8 +70,11 @@ pub fn shapes(spec: &NetSpec, index: usize, output: OutputKind, room: u32) -> Ve
         })
     });
     let sums = |shape: &Shape| shape.outputs * shape.pixels[0] * shape.pixels[1];
-    // An image has few outputs, so that its sums are few in any case.
-    let sensible = |shape: &Shape| !layers[index].activation || (16..=64).contains(&sums(shape));
+    // An image has few outputs, so that its sums are few in any case. Without staging a few shapes show what it is worth.
+    let sensible = |shape: &Shape| {
+        let few = if shape.staged { 16..=64 } else { 32..=32 };
+        !layers[index].activation || few.contains(&sums(shape))
+    };
     let mut shapes: Vec<Shape> =
         all.filter(sensible).filter(|shape| workgroup_bytes(spec, *shape) <= room).collect();
     // Staged before direct, 32 sums before more or fewer, many outputs before few: they share what is staged.

@@ -1,6 +1,6 @@
 //! Compiled pipelines, kept in a file for the next start of the program.
 //!
-//! The one place of the project with unsafe code: wgpu hands what the file holds to the driver, which trusts it.
+//! All unsafe code of the library crates is here: wgpu hands what the file holds to the driver, which trusts it.
 
 use super::adapter_key;
 use crate::atomic_file;
@@ -52,7 +52,7 @@ impl PipelineCache {
 }
 
 /// A cache that begins with `data`, which [`read`] has accepted.
-#[allow(unsafe_code, reason = "there is no other way to give a driver what it compiled before")]
+#[expect(unsafe_code, reason = "there is no other way to give a driver what it compiled before")]
 fn create(device: &wgpu::Device, data: Option<&[u8]>) -> wgpu::PipelineCache {
     let descriptor =
         wgpu::PipelineCacheDescriptor { label: Some("deepshade.pipelines"), data, fallback: true };

@@ -1,9 +1,9 @@
 // Of four inputs in four outputs: a column an input.
-fn four(inputs: Inputs, first: u32) -> mat4x4<f32> {
+fn four(inputs: Inputs, tap: u32, first: u32) -> mat4x4<f32> {
     return mat4x4(
-        weight_vector(inputs, first),
-        weight_vector(inputs, first + 1u),
-        weight_vector(inputs, first + 2u),
-        weight_vector(inputs, first + 3u),
+        weight_vector(inputs, tap, first),
+        weight_vector(inputs, tap, first + 1u),
+        weight_vector(inputs, tap, first + 2u),
+        weight_vector(inputs, tap, first + 3u),
     );
 }

@@ -3,8 +3,8 @@
 alias Sum = f32;
 alias Weight = vec4<f32>;
 
-fn weight_at(inputs: Inputs, first: u32) -> Weight {
-    return weight_vector(inputs, first);
+fn weight_at(inputs: Inputs, tap: u32) -> Weight {
+    return weight_vector(inputs, tap, 0u);
 }
 
 fn weighted(weight: Weight, value: vec4<f32>) -> Sum {

@@ -9,9 +9,9 @@ struct Weight {
     d: mat4x4<f32>,
 }
 
-fn weight_at(inputs: Inputs, first: u32) -> Weight {
+fn weight_at(inputs: Inputs, tap: u32) -> Weight {
     return Weight(
-        four(inputs, first), four(inputs, first + 4u), four(inputs, first + 8u), four(inputs, first + 12u),
+        four(inputs, tap, 0u), four(inputs, tap, 4u), four(inputs, tap, 8u), four(inputs, tap, 12u),
     );
 }
 

@@ -3,8 +3,8 @@
 alias Sum = vec4<f32>;
 alias Weight = mat4x4<f32>;
 
-fn weight_at(inputs: Inputs, first: u32) -> Weight {
-    return four(inputs, first);
+fn weight_at(inputs: Inputs, tap: u32) -> Weight {
+    return four(inputs, tap, 0u);
 }
 
 fn weighted(weight: Weight, value: vec4<f32>) -> Sum {

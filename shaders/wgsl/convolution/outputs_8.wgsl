@@ -7,8 +7,8 @@ struct Weight {
     high: mat4x4<f32>,
 }
 
-fn weight_at(inputs: Inputs, first: u32) -> Weight {
-    return Weight(four(inputs, first), four(inputs, first + 4u));
+fn weight_at(inputs: Inputs, tap: u32) -> Weight {
+    return Weight(four(inputs, tap, 0u), four(inputs, tap, 4u));
 }
 
 fn weighted(weight: Weight, value: vec4<f32>) -> Sum {
