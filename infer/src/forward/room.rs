@@ -126,8 +126,9 @@ mod tests {
         fn maps_that_are_needed_at_the_same_time_lie_apart(maps in sized()) {
             let arena = Room::in_arena(&maps, 4, &wgpu::Limits::default()).expect("small enough");
             let textures = Room::in_textures(&maps);
-            let Room::Arena { regions, .. } = &arena else { panic!("it is an arena") };
-            let Room::Textures { of_map, sizes } = &textures else { panic!("they are textures") };
+            let (Room::Arena { regions, .. }, Room::Textures { of_map, sizes }) = (&arena, &textures) else {
+                return Err(TestCaseError::fail("one is an arena, the other textures"));
+            };
             let alone: u64 = maps.iter().map(|sized| 4 * sized.elements() as u64 + 256).sum();
             prop_assert!(arena.bytes() <= alone);
             for (i, a) in maps.iter().enumerate() {
