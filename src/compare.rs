@@ -43,7 +43,7 @@ pub struct Args {
     /// What is computed.
     #[arg(long, default_value = "ao")]
     effect: Effect,
-    /// Which methods, all that compute the effect by default; truth is always rendered, since the others are measured
+    /// Which methods, by default all that compute the effect, `learned` only where there is a network; truth is always rendered, since the others are measured
     /// against it.
     #[arg(long, value_delimiter = ',')]
     methods: Vec<String>,
@@ -96,10 +96,21 @@ pub struct Settings {
     pub repeats: Repeats,
 }
 
+/// All methods of the effect, but for `learned` where nobody names a network and none lies where it would.
+fn default_methods(args: &Args) -> Vec<&'static str> {
+    let mut names = methods::names_of(args.effect);
+    let folder = model_folder(args);
+    if names.contains(&methods::LEARNED) && args.model.is_none() && !folder.exists() {
+        note!("no network in {}: without the method `{}`", folder.display(), methods::LEARNED);
+        names.retain(|name| *name != methods::LEARNED);
+    }
+    names
+}
+
 /// Compares, writes the page, prints the table.
 pub fn run(args: &Args) -> Result<()> {
     check_pixels(args.height, args.width)?;
-    let names = if args.methods.is_empty() { methods::names_of(args.effect) } else { names(&args.methods) };
+    let names = if args.methods.is_empty() { default_methods(args) } else { names(&args.methods) };
     methods::check(args.effect, &names)?;
     let model = names.contains(&methods::LEARNED).then(|| Model::load(&model_folder(args))).transpose()?;
     let gpu = Gpu::new()?;

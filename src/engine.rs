@@ -7,12 +7,18 @@ use deepshade_infer::{Model, NetSpec, cpu};
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::{Gpu, Timing};
 use serde_json::Value;
+use std::cell::RefCell;
 use std::time::Instant;
 
 /// A network on the fastest device there is.
 pub enum Engine {
     /// On the processor.
-    Cpu(cpu::Network),
+    Cpu {
+        /// Its packed weights.
+        network: cpu::Network,
+        /// Room for images of the size of the last one, with that size.
+        plan: RefCell<Option<([usize; 2], cpu::Plan)>>,
+    },
     /// On a graphics card.
     Wgsl {
         /// The device.
@@ -32,14 +38,23 @@ impl Engine {
             Some(gpu) if !gpu.is_software() => {
                 Self::Wgsl { gpu: gpu.clone(), network: kernels::fastest(gpu, model, Precision::F32)? }
             }
-            _ => Self::Cpu(cpu::Network::new(&model.spec, &model.weights)),
+            _ => Self::cpu(model)?,
         })
+    }
+
+    /// Prepares a network on the processor.
+    ///
+    /// # Errors
+    /// If the weights are not the spec's.
+    pub fn cpu(model: &Model) -> Result<Self, ForwardError> {
+        let network = cpu::Network::new(&model.spec, &model.weights)?;
+        Ok(Self::Cpu { network, plan: RefCell::new(None) })
     }
 
     /// The network's spec.
     pub const fn spec(&self) -> &NetSpec {
         match self {
-            Self::Cpu(network) => network.spec(),
+            Self::Cpu { network, .. } => network.spec(),
             Self::Wgsl { network, .. } => network.spec(),
         }
     }
@@ -47,13 +62,14 @@ impl Engine {
     /// What runs it, for figures.
     pub fn device(&self) -> Value {
         match self {
-            Self::Cpu(_) => machine()["processor"].clone(),
+            Self::Cpu { .. } => machine()["processor"].clone(),
             Self::Wgsl { gpu, .. } => Value::from(gpu.info.name.clone()),
         }
     }
 
     /// One run's image, `[output channels, height, width]`, of its input, `[input channels, height, width]`, and how
-    /// long it took: the median of `timed` runs after `warm_up` others, without the way to a graphics card and back.
+    /// long it took: the median of `timed` runs, at least one, after `warm_up` others, without the way to a graphics
+    /// card and back.
     ///
     /// # Errors
     /// If the input is not the network's, or the device fails.
@@ -65,22 +81,33 @@ impl Engine {
     ) -> Result<(Planes, Timing), ForwardError> {
         match self {
             Self::Wgsl { gpu, network } => network.run_timed(&gpu.queue, input, warm_up, timed),
-            Self::Cpu(network) => {
-                let (expected, found) = (network.spec().input_channels(), input.channels());
-                if expected != found {
-                    return Err(ForwardError::Input { expected, found });
-                }
-                let mut plan = network.plan(input.height(), input.width());
-                let mut timed_run = || {
-                    let start = Instant::now();
-                    let image = plan.run(network, input);
-                    (image, start.elapsed().as_secs_f64() * 1e3)
+            Self::Cpu { network, plan } => {
+                let size = [input.height(), input.width()];
+                let mut slot = plan.borrow_mut();
+                let (_, plan) = match slot.take().filter(|(planned, _)| *planned == size) {
+                    Some(fitting) => slot.insert(fitting),
+                    None => slot.insert((size, network.plan(size[0], size[1])?)),
                 };
-                (0..warm_up).for_each(|_| drop(timed_run()));
-                let (image, first) = timed_run();
-                let further = (1..timed).map(|_| timed_run().1);
-                Ok((image, Timing::new(std::iter::once(first).chain(further).collect(), false)))
+                run_on_cpu(plan, input, warm_up, timed)
             }
+        }
+    }
+}
+
+fn run_on_cpu(
+    plan: &mut cpu::Plan,
+    input: &Planes,
+    warm_up: usize,
+    timed: usize,
+) -> Result<(Planes, Timing), ForwardError> {
+    (0..warm_up).try_for_each(|_| plan.run(input).map(drop))?;
+    let mut times = Vec::with_capacity(timed);
+    loop {
+        let start = Instant::now();
+        let image = plan.run(input)?;
+        times.push(start.elapsed().as_secs_f64() * 1e3);
+        if times.len() >= timed {
+            return Ok((image, Timing::new(times, false)));
         }
     }
 }

@@ -25,6 +25,12 @@ impl Figures {
         self.figures.insert(name.to_owned(), json!(value));
     }
 
+    /// A figure that was set.
+    #[cfg(feature = "train")]
+    pub fn get(&self, name: &str) -> Option<f64> {
+        self.figures.get(name)?.as_f64()
+    }
+
     /// Sets something that explains the figures.
     pub fn detail(&mut self, name: &str, value: Value) {
         self.details.insert(name.to_owned(), value);

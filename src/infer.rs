@@ -54,8 +54,8 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let scale = model.spec.reach.position_scale(radius);
     ensure!(scale.is_finite(), "radius {radius} m is too small: positions cannot be multiplied by {scale}");
-    // Without any adapter the processor does it.
-    let engine = Engine::new(Gpu::new().ok().as_ref(), &model)?;
+    let gpu = Gpu::new().inspect_err(|error| note!("{error}; the processor runs the network")).ok();
+    let engine = Engine::new(gpu.as_ref(), &model)?;
     let run = |run| Ok(engine.run(&model.spec.input(&gbuffer, radius, run)?, 0, 1)?.0);
     let runs = (0..model.spec.runs()).map(run).collect::<Result<Vec<_>>>()?;
     let mut image = model.spec.image(&runs);

@@ -23,13 +23,13 @@ pub fn fastest(gpu: &Gpu, model: &Model, precision: Precision) -> Result<Network
     let path = folder.join("kernels.json");
     let (mut tuning, other) = Tuning::load(&gpu.device, &path);
     for note in note.into_iter().chain(other) {
-        eprintln!("{note}");
+        note!("{note}");
     }
     let mut options = Options { precision, cache: Some(&cache), ..Options::default() };
     if tuning.variant(spec, &options).is_none() {
-        eprintln!("measuring which kernels are fastest on {}, once", gpu.info.name);
+        note!("measuring which kernels are fastest on {}, once", gpu.info.name);
         for note in tuning.measure(gpu, spec, SIZE, precision)? {
-            eprintln!("{note}");
+            note!("{note}");
         }
         remember(&path, tuning.save(&path));
     }
@@ -41,7 +41,7 @@ pub fn fastest(gpu: &Gpu, model: &Model, precision: Precision) -> Result<Network
 
 fn remember(path: &std::path::Path, saved: std::io::Result<()>) {
     if let Err(error) = saved {
-        eprintln!("not remembered for the next time: {}: {error}", path.display());
+        note!("not remembered for the next time: {}: {error}", path.display());
     }
 }
 

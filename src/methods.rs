@@ -39,14 +39,28 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 2] = [
-    Entry { name: LEARNED, effect: Effect::Ao, open: open_learned },
+const ALL: [Entry; 11] = [
+    learned(Effect::Ao),
+    learned(Effect::Do),
+    learned(Effect::Gi),
+    learned(Effect::Ibl),
+    learned(Effect::Sss),
+    learned(Effect::Dof),
+    learned(Effect::MotionBlur),
+    learned(Effect::Aa),
+    learned(Effect::Multi),
+    learned(Effect::Real),
     Entry {
         name: "hbao",
         effect: Effect::Ao,
         open: |setup| Ok(Box::new(Hbao::new(setup.gpu, hbao::Parameters::default())?)),
     },
 ];
+
+/// A trained network for an effect.
+const fn learned(effect: Effect) -> Entry {
+    Entry { name: LEARNED, effect, open: open_learned }
+}
 
 /// Opens an effect's methods by name, in the order asked for; [`TRUTH`] is passed over.
 ///
@@ -165,6 +179,15 @@ mod tests {
         let setup = Setup { gpu: &gpu, model: None };
         let error = open(Effect::Ao, &["learned"], setup).err().expect("no model");
         assert_eq!(format!("{error:#}"), "method `learned`: no model is given");
+    }
+
+    #[test]
+    fn every_published_network_can_be_asked_for() {
+        let reach = Reach { radius: 1.0, diagonal_share: 0.1, height: 24 };
+        for effect in Effect::ALL {
+            let published = NetSpec::published(effect, ChannelOrder::Interleaved, reach).is_some();
+            assert_eq!(names_of(effect).contains(&LEARNED), published, "{effect}");
+        }
     }
 
     #[test]

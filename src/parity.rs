@@ -2,20 +2,19 @@
 //! exported file in onnxruntime.
 //!
 //! Each is compared element by element with onnxruntime's CPU provider, and that one with the reference, on random
-//! images; first with random weights, in both orders of channels, then with a model's own.
+//! images; WGSL in every kind of kernels that the device runs; first with random weights, in both orders of channels, then with a model's own.
 
 use crate::arguments::Size;
 use crate::{figures::Figures, onnxruntime};
 use anyhow::{Context, Result, bail};
-use deepshade_infer::parity::{self, Activation, Comparison, Parity};
+use deepshade_infer::forward::{HALF_TOLERANCE, Network, Options, OutputKind, Precision, Variant};
+use deepshade_infer::parity::{self, Activation, Comparison, Parity, TOLERANCE};
 use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, Weights, cpu, forward, reference};
 use deepshade_shaders::{Effect, Planes, gpu::Gpu};
 use deepshade_train::export::{ONNX_FILE, onnx};
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-/// The forms, as figures name them.
-const FORMS: [&str; 5] = ["reference", "wgsl", "cpu", "burn", "onnxruntime"];
 
 /// Checks that burn, the reference, WGSL, the CPU engine and onnxruntime agree.
 #[derive(clap::Args)]
@@ -51,7 +50,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut check = Check {
         gpu,
         onnxruntime: &args.onnxruntime,
-        max_abs: [0.0; FORMS.len()],
+        max_abs: BTreeMap::new(),
         lines: vec![adapter],
         faults: Vec::new(),
     };
@@ -70,8 +69,8 @@ pub fn run(args: &Args) -> Result<()> {
     }
 
     let mut figures = Figures::new("parity");
-    for (form, max_abs) in FORMS.iter().zip(check.max_abs) {
-        figures.set(&format!("max_abs_{form}"), f64::from(max_abs));
+    for (form, max_abs) in &check.max_abs {
+        figures.set(&format!("max_abs_{form}"), f64::from(*max_abs));
     }
     figures.detail("adapter", json!(check.gpu.info.name));
     figures.detail("driver", json!(check.gpu.info.driver_info));
@@ -110,55 +109,77 @@ fn random(spec: NetSpec) -> Model {
 struct Check<'a> {
     gpu: Gpu,
     onnxruntime: &'a onnxruntime::Args,
-    max_abs: [f32; FORMS.len()],
+    /// By form.
+    max_abs: BTreeMap<&'static str, f32>,
     /// What every comparison came to.
     lines: Vec<String>,
     faults: Vec<String>,
+}
+
+/// A network in WGSL.
+struct Wgsl {
+    form: &'static str,
+    network: Network,
+    /// The share of its rms by which the image may differ.
+    share: f32,
 }
 
 impl Check<'_> {
     /// Compares all forms of a network on a random image of each size.
     fn sizes(&mut self, name: &str, model: &Model, file: &Path, sizes: &[Size]) -> Result<()> {
         let mut session = self.onnxruntime.session(file, rayon::current_num_threads())?;
+        let kernels = kernels(&self.gpu, model)?;
         for Size { width, height } in sizes {
             let input = parity::noise(model.spec.input_channels(), *height, *width, 2);
             let oracle = session.image(&input)?;
             let plain = reference::forward(&model.spec, &model.weights, &input);
-            let wgsl = forward::run(&self.gpu, model, &input)?;
-            let cpu = cpu::Network::new(&model.spec, &model.weights).run(&input);
+            let cpu = cpu::Network::new(&model.spec, &model.weights)?.run(&input)?;
             let burn = deepshade_train::forward_burn(&model.spec, &model.weights, &input);
-            let comparisons = [
-                Comparison::new(&oracle, &plain),
-                Comparison::new(&oracle, &wgsl),
-                Comparison::new(&oracle, &cpu),
-                Comparison::new(&oracle, &burn),
-                Comparison::new(&plain, &oracle),
+            let mut comparisons = vec![
+                ("reference", Comparison::new(&oracle, &plain)),
+                ("onnxruntime", Comparison::new(&plain, &oracle)),
+                ("cpu", Comparison::new(&oracle, &cpu)),
+                ("burn", Comparison::new(&oracle, &burn)),
             ];
+            for Wgsl { form, network, share } in &kernels {
+                let (made, _) = network.run_timed(&self.gpu.queue, &input, 0, 1)?;
+                comparisons.push((form, Comparison::within(&oracle, &made, *share)));
+            }
             let what = format!("{name}, {width}x{height}");
-            let line = FORMS.iter().zip(comparisons).map(|(form, c)| format!("{form} {:.1e}", c.max_abs));
+            let line = comparisons.iter().map(|(form, c)| format!("{form} {:.1e}", c.max_abs));
             self.lines.push(format!("{what}: {}", line.collect::<Vec<_>>().join(", ")));
-            for (max_abs, comparison) in self.max_abs.iter_mut().zip(comparisons) {
+            for (form, comparison) in &comparisons {
+                let max_abs = self.max_abs.entry(form).or_default();
                 *max_abs = max_abs.max(comparison.max_abs);
             }
-            if !comparisons.iter().all(Comparison::agrees) {
-                self.explain(&what, model, file, &input)?;
+            if !comparisons.iter().all(|(_, comparison)| comparison.agrees()) {
+                self.explain(&what, model, file, &kernels, &input)?;
             }
         }
         Ok(())
     }
 
     /// Names the first layer in which each form differs from the reference.
-    fn explain(&mut self, what: &str, model: &Model, file: &Path, input: &Planes) -> Result<()> {
+    fn explain(
+        &mut self,
+        what: &str,
+        model: &Model,
+        file: &Path,
+        kernels: &[Wgsl],
+        input: &Planes,
+    ) -> Result<()> {
         let known = self.faults.len();
         let plain = reference::layers(&model.spec, &model.weights, input);
-        let forms = [
-            ("wgsl", forward::run_layers(&self.gpu, model, input)?),
-            ("cpu", cpu_layers(model, input)),
-            ("burn", deepshade_train::layers_burn(&model.spec, &model.weights, input)),
-            ("onnxruntime", self.onnxruntime_layers(model, file, input)?),
+        let mut forms = vec![
+            ("cpu", cpu_layers(model, input)?, TOLERANCE),
+            ("burn", deepshade_train::layers_burn(&model.spec, &model.weights, input), TOLERANCE),
+            ("onnxruntime", self.onnxruntime_layers(model, file, input)?, TOLERANCE),
         ];
-        for (form, layers) in forms {
-            if let Some((layer, difference)) = parity::first_difference(&plain, &layers) {
+        for Wgsl { form, network, share } in kernels {
+            forms.push((form, forward::run_layers_of(network, &self.gpu.queue, input)?, *share));
+        }
+        for (form, layers, share) in forms {
+            if let Some((layer, difference)) = parity::first_difference_within(&plain, &layers, share) {
                 let Comparison { max_abs, tolerance } = difference;
                 self.faults.push(format!(
                     "{what}: {form} differs from the reference first in layer `{layer}`: {max_abs:e} > {tolerance:e}"
@@ -194,10 +215,27 @@ impl Check<'_> {
     }
 }
 
-/// What every layer makes on the CPU.
-fn cpu_layers(model: &Model, input: &Planes) -> Vec<Activation> {
-    let network = cpu::Network::new(&model.spec, &model.weights);
-    let mut plan = network.plan(input.height(), input.width());
-    plan.run(&network, input);
-    plan.layers(&network)
+/// A network in all kinds of kernels that run on a device: `wgsl`, those for software adapters, `wgsl_gpu`, those for
+/// graphics cards, and `wgsl_half`, those with feature maps in half floats.
+fn kernels(gpu: &Gpu, model: &Model) -> Result<Vec<Wgsl>> {
+    let Model { spec, weights } = model;
+    let for_cards = || Variant::staged(&gpu.device.limits(), spec, OutputKind::Buffer);
+    let mut kinds = vec![
+        ("wgsl", Variant::Software, Precision::F32, TOLERANCE),
+        ("wgsl_gpu", for_cards(), Precision::F32, TOLERANCE),
+    ];
+    if gpu.device.features().contains(wgpu::Features::SHADER_F16) {
+        kinds.push(("wgsl_half", for_cards(), Precision::F16, HALF_TOLERANCE));
+    }
+    let made = |(form, variant, precision, share)| {
+        let options = Options { variant: Some(variant), precision, ..Options::default() };
+        Ok(Wgsl { form, network: Network::with(&gpu.device, spec, weights, &options)?, share })
+    };
+    kinds.into_iter().map(made).collect()
+}
+
+/// What every layer makes on the CPU; nothing where the image is too large to be run as a whole.
+fn cpu_layers(model: &Model, input: &Planes) -> Result<Vec<Activation>> {
+    let network = cpu::Network::new(&model.spec, &model.weights)?;
+    Ok(network.plan(input.height(), input.width())?.run_layers(input)?.unwrap_or_default())
 }

@@ -2,12 +2,11 @@
 
 use crate::arguments::positive;
 use crate::figures::Figures;
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use deepshade_dataset::recipe::Resolution;
 use deepshade_dataset::{Manifest, Radius};
 use deepshade_infer::{ChannelOrder, NetSpec, Reach};
-use deepshade_shaders::Effect;
 use deepshade_train::config::MOST_MINUTES;
 use deepshade_train::{Ending, Optimiser, Outcome, TrainConfig};
 use serde_json::json;
@@ -204,9 +203,8 @@ pub fn default_config(
 ) -> Result<TrainConfig> {
     let recipe = &manifest.origin.recipe;
     let reach = Reach { radius: INPUT_RADIUS, diagonal_share, height: recipe.resolution.height };
-    let spec = match recipe.effect {
-        Effect::Ao => NetSpec::ao(order, reach),
-        effect => bail!("no network is laid out for effect `{effect}` yet; there is one for `ao`"),
-    };
+    let effect = recipe.effect;
+    let spec = NetSpec::published(effect, order, reach)
+        .with_context(|| format!("no network is laid out for effect `{effect}`"))?;
     Ok(TrainConfig::new(spec, dataset.to_owned()))
 }

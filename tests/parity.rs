@@ -30,11 +30,22 @@ fn random_weights_agree_at_even_and_odd_sizes() {
     let output = parity_of(None, "16x16,64x48,67x45,33x102", &json);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let figures = figures(&json);
-    for form in ["reference", "wgsl", "burn", "onnxruntime"] {
+    for form in ["reference", "wgsl", "wgsl_gpu", "cpu", "burn", "onnxruntime"] {
         let max_abs = figures[format!("max_abs_{form}")].as_f64().expect("a number");
         assert!(max_abs <= 1e-4 * 1.5, "{form}: {max_abs}");
         assert!(max_abs > 0.0, "{form} is compared with itself");
     }
+}
+
+#[test]
+fn networks_of_other_kinds_agree() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let json = folder.path().join("parity.json");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_deepshade"));
+    command.args(["parity", "--sizes", "33x22", "--networks", "aa,ibl,multi,real", "--json"]).arg(&json);
+    let output = command.output().expect("the program starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(figures(&json)["max_abs_onnxruntime"].as_f64().expect("a number") > 0.0);
 }
 
 #[test]

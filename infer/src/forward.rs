@@ -40,6 +40,7 @@ pub use io::{Input, InputKind, Output, OutputKind};
 pub use network::{Network, Options};
 pub use plan::{Bytes, Plan};
 pub use recording::Recording;
+pub(crate) use tiles::{Tile, Tiling};
 pub use tuning::Tuning;
 pub use variant::{Precision, Variant};
 

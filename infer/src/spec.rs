@@ -23,14 +23,20 @@ pub enum ChannelOrder {
 }
 
 /// Which colour channels one run of a network makes (thesis 7.3.1).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Colour {
     /// One: the network is trained on single channels, and runs once for each that the effect has. Of colours it
     /// reads the same channel.
+    #[default]
     Mono,
     /// All of the effect's at once.
     Rgb,
+}
+
+/// Groups of the last convolution where a file of earlier versions does not say.
+const fn one() -> usize {
+    1
 }
 
 /// Most rows of the frames that a network is trained on.
@@ -53,8 +59,10 @@ pub struct NetSpec {
     /// Factor of negative values in the leaky ReLU.
     pub leak: f32,
     /// Which colour channels a run makes.
+    #[serde(default)]
     pub colour: Colour,
     /// Groups of the convolution that makes the image.
+    #[serde(default = "one")]
     pub image_groups: usize,
     /// Order of the channels after a concatenation.
     pub channel_order: ChannelOrder,

@@ -1,5 +1,6 @@
 //! The CPU's forward pass equals the reference, layer by layer and element by element, on random asymmetric weights.
 
+use deepshade_infer::forward::ForwardError;
 use deepshade_infer::parity::{first_difference, noise, rms};
 use deepshade_infer::{ChannelOrder, NetSpec, Reach, Weights, cpu, reference};
 use deepshade_shaders::Effect;
@@ -9,20 +10,22 @@ const ORDERS: [ChannelOrder; 2] = [ChannelOrder::Contiguous, ChannelOrder::Inter
 
 fn assert_agrees(spec: &NetSpec, sizes: &[(usize, usize)]) {
     let weights = Weights::random(spec, 11);
-    let network = cpu::Network::new(spec, &weights);
+    let network = network(spec, &weights);
     for (height, width) in sizes {
         let input = noise(spec.input_channels(), *height, *width, 7);
         let expected = reference::layers(spec, &weights, &input);
-        let mut plan = network.plan(*height, *width);
-        let image = plan.run(&network, &input);
-        let made = plan.layers(&network);
+        let mut plan = network.plan(*height, *width).expect("room");
+        let made = plan.run_layers(&input).expect("runs").expect("as a whole");
         let what = format!("{spec:?} at {height}x{width}");
         assert_eq!(first_difference(&expected, &made), None, "{what}");
         let last = &expected[expected.len() - 1].planes;
-        assert_eq!(image, made[made.len() - 1].planes);
         let proves = last.pixels() < 100 || (0.3..3.0).contains(&rms(last));
         assert!(proves, "{what}: an image of rms {} proves little", rms(last));
     }
+}
+
+fn network(spec: &NetSpec, weights: &Weights) -> cpu::Network {
+    cpu::Network::new(spec, weights).expect("they fit")
 }
 
 #[test]
@@ -57,23 +60,39 @@ fn numbers_of_channels_that_fill_no_block() {
 #[test]
 fn a_plan_runs_again_and_again() {
     let spec = NetSpec { levels: 3, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) };
-    let weights = Weights::random(&spec, 3);
-    let network = cpu::Network::new(&spec, &weights);
-    let mut plan = network.plan(21, 34);
+    let network = network(&spec, &Weights::random(&spec, 3));
+    let mut plan = network.plan(21, 34).expect("room");
     for seed in 0..3 {
         let input = noise(spec.input_channels(), 21, 34, seed);
-        assert_eq!(plan.run(&network, &input), network.run(&input), "what was there before leaves no trace");
+        let (again, anew) = (plan.run(&input).expect("runs"), network.run(&input).expect("runs"));
+        assert_eq!(again, anew, "what was there before leaves no trace");
+    }
+}
+
+#[test]
+fn tiles_make_the_same_as_the_whole() {
+    for (effect, levels, bytes) in
+        [(Effect::Ao, 3, 1_000_000), (Effect::Do, 2, 1_500_000), (Effect::Aa, 1, 300_000)]
+    {
+        let published = NetSpec::published(effect, ChannelOrder::Interleaved, REACH).expect("it has one");
+        let spec = NetSpec { levels, ..published };
+        let network = network(&spec, &Weights::random(&spec, 3));
+        let input = noise(spec.input_channels(), 133, 187, 1);
+        let mut plan = network.plan_within(133, 187, bytes).expect("tiles are small enough");
+        assert!(plan.tiles() > 1, "{effect}");
+        assert_eq!(plan.run(&input).expect("runs"), network.run(&input).expect("runs"), "{effect}");
+        assert_eq!(plan.run_layers(&input).expect("runs"), None);
     }
 }
 
 #[test]
 fn the_bits_do_not_depend_on_threads() {
     let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH);
-    let network = cpu::Network::new(&spec, &Weights::random(&spec, 3));
+    let network = network(&spec, &Weights::random(&spec, 3));
     let input = noise(spec.input_channels(), 75, 130, 1);
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| network.run(&input))
+        pool.install(|| network.run(&input).expect("runs"))
     };
     assert_eq!(run(1), run(3));
 }
@@ -87,11 +106,27 @@ fn a_wrong_layer_is_found_where_it_is() {
     for (index, layer) in spec.layers().iter().enumerate() {
         let mut wrong = weights.clone();
         wrong.0[index].weight.reverse();
-        let network = cpu::Network::new(&spec, &wrong);
-        let mut plan = network.plan(24, 24);
-        plan.run(&network, &input);
-        let (found, _) =
-            first_difference(&expected, &plan.layers(&network)).expect("the weights are reversed");
+        let mut plan = network(&spec, &wrong).plan(24, 24).expect("room");
+        let made = plan.run_layers(&input).expect("runs").expect("as a whole");
+        let (found, _) = first_difference(&expected, &made).expect("the weights are reversed");
         assert_eq!(found, layer.name);
     }
+}
+
+#[test]
+fn what_cannot_run_is_an_error() {
+    let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH);
+    let weights = Weights::random(&spec, 3);
+    let network = network(&spec, &weights);
+    let message = |result: Result<(), ForwardError>| result.expect_err("refused").to_string();
+    assert_eq!(
+        message(network.run(&noise(5, 8, 8, 1)).map(drop)),
+        "the input has 5 channels; the network reads 6"
+    );
+    assert!(message(network.plan(0, 8).map(drop)).contains("8x0"));
+    assert!(message(network.plan_within(512, 512, 1000).map(drop)).contains("1000"));
+    let other = NetSpec { u0: 16, ..spec.clone() };
+    assert!(message(cpu::Network::new(&other, &weights).map(drop)).contains("do not fit"));
+    let invalid = NetSpec { levels: 0, ..spec };
+    assert!(cpu::Network::new(&invalid, &weights).is_err());
 }

@@ -5,6 +5,7 @@ same layers with random weights. On a CUDA device they run in half precision and
 """
 
 import json
+import math
 import statistics
 import sys
 import time
@@ -70,7 +71,20 @@ def times(work, job, cuda):
             work()
             runs.append((time.perf_counter() - began) * 1e3)
     runs.sort()
-    return {"milliseconds": statistics.median(runs), "p95": runs[min(len(runs) - 1, int(0.95 * len(runs)))]}
+    return {"milliseconds": statistics.median(runs), "p95": runs[max(math.ceil(0.95 * len(runs)), 1) - 1]}
+
+
+def check(net, job):
+    """Ends the program if the network is not the one that was meant."""
+    with torch.no_grad():
+        for conv, (weight, bias) in zip(net.convs, job["weights"]):
+            conv.weight.copy_(torch.tensor(weight).reshape(conv.weight.shape))
+            conv.bias.copy_(torch.tensor(bias))
+        width, height = job["check"]["size"]
+        made = net(torch.tensor(job["check"]["input"]).reshape(1, -1, height, width))
+        difference = (made.flatten() - torch.tensor(job["check"]["output"])).abs().max().item()
+    if not difference < 1e-3:
+        sys.exit(f"PyTorch makes another image, which differs by {difference}")
 
 
 def dssim(a, b):
@@ -85,10 +99,11 @@ def dssim(a, b):
 
 def infer(job, cuda):
     device, dtype = ("cuda", torch.float16) if cuda else ("cpu", torch.float32)
-    net = Net(job).to(device, dtype).eval()
-    engines = {"pytorch": net}
-    if job["compile"]:
-        engines["pytorch_compiled"] = torch.compile(net)
+    net = Net(job).eval()
+    check(net, job)
+    net = net.to(device, dtype)
+    half = "_half" if cuda else ""
+    engines = {f"pytorch{half}": net, f"pytorch_compiled{half}": torch.compile(net)}
     made = []
     width, height = job["size"]
     x = torch.randn(1, job["layers"][0]["inputs"], height, width, device=device, dtype=dtype)
@@ -100,7 +115,9 @@ def infer(job, cuda):
 
 def train(job, cuda):
     device = "cuda" if cuda else "cpu"
-    net = Net(job).to(device)
+    net = Net(job)
+    check(net, job)
+    net = net.to(device)
     optimiser = torch.optim.AdamW(net.parameters(), lr=1e-4)
     shape = (job["batch"], job["layers"][0]["inputs"], job["crop"], job["crop"])
     x = torch.randn(shape, device=device)

@@ -1,7 +1,7 @@
 //! PyTorch as a rival, where a Python has it.
 
 use anyhow::{Context, Result, ensure};
-use deepshade_infer::{NetSpec, Source};
+use deepshade_infer::{Model, NetSpec, Source, parity, reference};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -9,6 +9,11 @@ use std::process::{Command, Stdio};
 
 /// The program that PyTorch runs.
 const SCRIPT: &str = include_str!("pytorch.py");
+
+/// Columns and rows of the image on which it is checked; odd, so that padding is too.
+const CHECKED: [usize; 2] = [53, 37];
+/// What a report calls the processor.
+pub const PROCESSOR: &str = "CPU";
 
 /// Command-line arguments of benchmarks beside PyTorch.
 #[derive(Debug, clap::Args)]
@@ -32,7 +37,7 @@ pub struct Report {
 /// A measurement.
 #[derive(Debug, Deserialize)]
 pub struct Row {
-    /// `pytorch` or `pytorch_compiled`.
+    /// `pytorch` or `pytorch_compiled`, with `_half` in half floats.
     pub engine: String,
     /// Median, milliseconds.
     pub milliseconds: f64,
@@ -41,13 +46,20 @@ pub struct Row {
 }
 
 impl Args {
-    /// Runs a job, where a Python is named: `more` is what [`SCRIPT`] wants to know beside the network.
+    /// Runs a job, where a Python is named: `more` is what [`SCRIPT`] wants to know beside the network. It refuses to
+    /// measure a network that does not make the image that the reference makes.
     ///
     /// # Errors
     /// If that Python does not run, has no PyTorch, or fails.
-    pub fn run(&self, spec: &NetSpec, threads: usize, more: Value) -> Result<Option<Report>> {
+    pub fn run(&self, model: &Model, threads: usize, more: Value) -> Result<Option<Report>> {
         let Some(python) = &self.python else { return Ok(None) };
+        let Model { spec, weights } = model;
         let mut job = network(spec);
+        let [width, height] = CHECKED;
+        let input = parity::noise(spec.input_channels(), height, width, 1);
+        let output = reference::forward(spec, weights, &input);
+        job["weights"] = weights.0.iter().map(|layer| json!([layer.weight, layer.bias])).collect();
+        job["check"] = json!({ "size": CHECKED, "input": input.data(), "output": output.data() });
         for (key, value) in more.as_object().into_iter().flatten() {
             job[key] = value.clone();
         }

@@ -4,7 +4,7 @@ use super::pytorch;
 use crate::figures::Figures;
 use anyhow::Result;
 use clap::builder::RangedU64ValueParser;
-use deepshade_infer::{ChannelOrder, NetSpec, Reach};
+use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, Weights};
 use deepshade_train::{TrainConfig, bench};
 use serde_json::json;
 use std::path::PathBuf;
@@ -55,7 +55,8 @@ pub fn run(args: &Args) -> Result<()> {
     }
     figures.detail("size", json!({ "batch": batch, "crop": crop, "steps": steps, "weights": weights }));
     let more = json!({ "mode": "train", "batch": batch, "crop": crop, "runs": steps, "seconds": 1e3 });
-    let rival = args.pytorch.run(&config.spec, threads, more)?;
+    let model = Model { weights: Weights::random(&config.spec, 1), spec: config.spec.clone() };
+    let rival = args.pytorch.run(&model, threads, more)?;
     let rival = rival.and_then(|report| Some((report.made.first()?.milliseconds * 1e-3, report)));
     if let Some((theirs, report)) = &rival {
         figures.set("seconds_step_pytorch", *theirs);

@@ -155,7 +155,7 @@ fn work(
 mod tests {
     use super::*;
     use deepshade_infer::{ChannelOrder, Reach};
-    use deepshade_shaders::{Attribute, GBuffer, Planes};
+    use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
 
     #[test]
     fn a_batch_holds_what_the_network_reads_its_targets_and_where_they_count() {
@@ -181,5 +181,21 @@ mod tests {
         assert_eq!(batch.target, [0.25; 4]);
         let shapes = batch.into_tensors(&crate::device()).map(|tensor| tensor.dims());
         assert_eq!(shapes, [[2, 6, 1, 2], [2, 1, 1, 2], [2, 1, 1, 2]]);
+    }
+
+    #[test]
+    fn a_run_of_a_mono_network_gets_its_own_colour_channel() {
+        let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+        let spec = NetSpec::published(Effect::Aa, ChannelOrder::Interleaved, reach).expect("it has one");
+        let attributes = vec![Attribute::Depth, Attribute::Light, Attribute::Valid];
+        let pair = Pair {
+            gbuffer: GBuffer::new(attributes, Planes::from_fn(5, 1, 1, |c, _, _| (c + 1) as f32)),
+            target: Planes::from_fn(3, 1, 1, |c, _, _| 0.1 * c as f32),
+            radius: 1.0,
+        };
+        let mut batch = Batch::default();
+        batch.push(&pair, &spec, 2);
+        batch.push(&pair, &spec, 0);
+        assert_eq!((batch.input, batch.target), (vec![1.0, 4.0, 1.0, 2.0], vec![0.2, 0.0]));
     }
 }

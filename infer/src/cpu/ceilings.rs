@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Numbers that a thread copies at a time: far more than caches hold.
-const COPIED: usize = 1 << 24;
+/// Numbers that all threads together copy: far more than caches hold.
+const COPIED: usize = 1 << 26;
 /// Turns of the loop of multiplications with additions.
 const TURNS: usize = 1 << 20;
 /// Sums side by side: more than an addition takes turns.
@@ -16,12 +16,12 @@ const RUNS: usize = 3;
 
 /// Bytes a second that a copy on all threads reads and writes, both counted.
 pub fn copy() -> f64 {
-    let threads = rayon::current_num_threads();
-    let source = vec![1.0f32; COPIED * threads];
-    let mut made = vec![0.0f32; source.len()];
+    let share = COPIED.div_ceil(rayon::current_num_threads());
+    let source = vec![1.0f32; COPIED];
+    let mut made = vec![0.0f32; COPIED];
     let seconds = fastest(|| {
-        made.par_chunks_mut(COPIED)
-            .zip(source.par_chunks(COPIED))
+        made.par_chunks_mut(share)
+            .zip(source.par_chunks(share))
             .for_each(|(made, source)| made.copy_from_slice(source));
         black_box(&made);
     });
@@ -58,6 +58,9 @@ impl WithSimd for Sums {
         let factor = simd.splat_f32s(black_box(0.999));
         let term = simd.splat_f32s(black_box(0.001));
         let mut sums = [term; SUMS];
+        for (start, sum) in sums.iter_mut().enumerate() {
+            *sum = simd.splat_f32s(start as f32);
+        }
         for _ in 0..TURNS {
             for sum in &mut sums {
                 *sum = simd.mul_add_e_f32s(*sum, factor, term);
@@ -67,5 +70,17 @@ impl WithSimd for Sums {
             black_box(simd.reduce_sum_f32s(sum));
         }
         S::F32_LANES
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_processor_computes_faster_than_it_copies() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+        let (operations, bytes) = pool.install(|| (multiply_add(), copy()));
+        assert!(operations > bytes && bytes > 0.0, "{operations} operations and {bytes} bytes a second");
     }
 }

@@ -4,18 +4,19 @@ use super::subjects::{self, random};
 use super::{Args, PAPER, layers};
 use crate::engine::Engine;
 use crate::figures::Figures;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use deepshade_infer::{Cost, Model, NetSpec, parity};
-use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{gpu::Gpu, lists};
 use glam::{DMat3, DVec3};
-use serde_json::json;
 
 /// Kernels on level 0 of networks that are considered.
-const WIDTHS: [usize; 9] = [2, 4, 6, 8, 12, 16, 24, 32, 48];
+const WIDTHS: [usize; 13] = [2, 4, 6, 8, 12, 16, 24, 32, 48, 75, 150, 300, 450];
 /// Most levels.
 const MOST_LEVELS: usize = 6;
-/// Widths whose layers are measured.
-const MEASURED: [usize; 3] = [4, 8, 16];
+/// Most multiply-adds a pixel of a network that is considered: four times the paper's largest.
+const MOST_WORK: u64 = 60_000;
+/// Networks whose layers are measured.
+const MEASURED: usize = 4;
 
 /// Finds the largest network of an effect's kind that fits, and runs it.
 ///
@@ -28,35 +29,46 @@ pub fn run(args: &Args, gpu: &Gpu, budget: f64) -> Result<()> {
     let size = [size.width, size.height];
     let published =
         subjects::spec(*effect).with_context(|| format!("the paper has no network for `{effect}`"))?;
-    let model = CostModel::measured(gpu, &published)?;
-    let mut candidates: Vec<(f64, NetSpec)> =
-        kin(&published).into_iter().map(|spec| (model.milliseconds(&spec, size), spec)).collect();
+    let kin = kin(&published);
+    let model = CostModel::measured(gpu, &kin)?;
+    let runs = published.runs() as f64;
+    let predicted = |spec: NetSpec| (runs * model.milliseconds(&spec, size), spec);
+    let mut candidates: Vec<(f64, NetSpec)> = kin.into_iter().map(predicted).collect();
     candidates.retain(|(milliseconds, _)| *milliseconds <= budget);
     candidates.sort_by_key(|(_, spec)| multiply_adds(spec, size));
-    let smallest = "even the smallest network is predicted to take longer";
-    let (predicted, spec) = candidates.pop().with_context(|| format!("{budget} ms: {smallest}"))?;
-    let actual = actual(gpu, &spec, size)?;
+    // The largest first; what takes longer than predicted makes room for the next smaller one.
+    let (predicted, actual, spec) = loop {
+        let none = || format!("no network of this kind takes at most {budget} ms");
+        let (predicted, spec) = candidates.pop().with_context(none)?;
+        let actual = runs * actual(gpu, &spec, size)?;
+        note!("u0 {}, {} levels: predicted {predicted:.2} ms, run {actual:.2} ms", spec.u0, spec.levels);
+        if actual <= budget {
+            break (predicted, actual, spec);
+        }
+    };
 
     let mut figures = Figures::new("bench net --budget");
     figures.set("budget", budget);
     figures.set("predicted", predicted);
     figures.set("actual", actual);
-    figures
-        .detail("network", json!({ "u0": spec.u0, "levels": spec.levels, "weights": spec.weight_count() }));
+    figures.set("u0", spec.u0 as f64);
+    figures.set("levels", spec.levels as f64);
+    figures.set("weights", spec.weight_count() as f64);
     figures.write(args.json.as_deref())?;
     let [width, height] = size;
     let (u0, levels, weights) = (spec.u0, spec.levels, spec.weight_count());
     say!("{effect} at {width}x{height} within {budget} ms: u0 {u0}, {levels} levels, {weights} weights")?;
-    say!("predicted {predicted:.2} ms, run {actual:.2} ms")?;
-    ensure!(actual <= 1.5 * budget, "the prediction is wrong by {:.0} %", 100.0 * (actual / predicted - 1.0));
-    Ok(())
+    say!("predicted {predicted:.2} ms, run {actual:.2} ms, all colour channels together")
 }
 
 /// Networks like one, of other widths and depths.
 fn kin(spec: &NetSpec) -> Vec<NetSpec> {
     let of = |levels: usize| WIDTHS.map(|u0| NetSpec { u0, levels, ..spec.clone() });
     let most = if spec.levels == 1 { 1 } else { MOST_LEVELS };
-    (1..=most).flat_map(of).filter(|spec| spec.validate().is_ok()).collect()
+    let sensible = |spec: &NetSpec| {
+        spec.validate().is_ok() && multiply_adds(spec, [1024, 1024]) <= MOST_WORK * 1024 * 1024
+    };
+    (1..=most).flat_map(of).filter(sensible).collect()
 }
 
 fn multiply_adds(spec: &NetSpec, [width, height]: [usize; 2]) -> u64 {
@@ -75,11 +87,11 @@ fn actual(gpu: &Gpu, spec: &NetSpec, [width, height]: [usize; 2]) -> Result<f64>
 struct CostModel(DVec3);
 
 impl CostModel {
-    /// Fitted to the layers of a few networks like one.
-    fn measured(gpu: &Gpu, spec: &NetSpec) -> Result<Self> {
+    /// Fitted to the layers of a few of some networks.
+    fn measured(gpu: &Gpu, kin: &[NetSpec]) -> Result<Self> {
         let mut layers = Vec::new();
-        for u0 in MEASURED {
-            let model = random(NetSpec { u0, ..spec.clone() });
+        for index in lists::spread(kin.len(), MEASURED) {
+            let model = random(kin[index].clone());
             let [width, height] = PAPER;
             let costs = model.spec.costs(height, width);
             layers.extend(costs.into_iter().zip(times(gpu, &model)?).map(|(cost, (_, time))| (cost, time)));
@@ -111,7 +123,7 @@ fn features(cost: Cost) -> DVec3 {
 
 /// Milliseconds of the layers on the engine that runs networks here.
 fn times(gpu: &Gpu, model: &Model) -> Result<Vec<(String, f64)>> {
-    if gpu.is_software() { Ok(layers::cpu_times(model, PAPER)) } else { layers::wgsl(gpu, model, PAPER) }
+    if gpu.is_software() { layers::cpu_times(model, PAPER) } else { layers::wgsl(gpu, model, PAPER) }
 }
 
 #[cfg(test)]
@@ -137,7 +149,10 @@ mod tests {
         let spec = subjects::spec(Effect::Ao).expect("it has one");
         let kin = kin(&spec);
         assert!(kin.contains(&spec) && kin.len() > 30, "{}", kin.len());
-        let aa = subjects::spec(Effect::Aa).expect("it has one");
-        assert!(super::kin(&aa).iter().all(|spec| spec.levels == 1));
+        for effect in [Effect::Aa, Effect::Ibl] {
+            let spec = subjects::spec(effect).expect("it has one");
+            let kin = super::kin(&spec);
+            assert!(kin.contains(&spec) && kin.iter().all(|spec| spec.levels == 1), "{effect}");
+        }
     }
 }

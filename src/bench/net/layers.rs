@@ -4,30 +4,61 @@ use super::subjects::Subject;
 use crate::kernels;
 use anyhow::Result;
 use deepshade_infer::forward::{ForwardError, Network, Precision};
-use deepshade_infer::{Model, cpu, parity};
+use deepshade_infer::{Cost, Model, cpu, parity};
 use deepshade_shaders::{gpu::Gpu, lists};
+use serde::Serialize;
 
 /// Runs that are timed, after others that are not.
 const RUNS: usize = 5;
 
-/// Prints the times of a network's layers.
+/// What a layer took.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// The network.
+    pub network: String,
+    /// Columns and rows of the image.
+    pub size: [usize; 2],
+    /// The layer.
+    pub layer: String,
+    /// The engine.
+    pub engine: &'static str,
+    /// Median, milliseconds.
+    pub milliseconds: f64,
+    /// Billions of floating-point operations a second.
+    pub gflops: f64,
+    /// Billions of bytes a second, of those that must move at least.
+    pub gigabytes: f64,
+}
+
+/// What every layer of a network takes.
 ///
 /// # Errors
-/// If the GPU does not run it.
-pub fn print(gpu: &Gpu, subject: &Subject, size: [usize; 2]) -> Result<()> {
+/// If an engine does not run it.
+pub fn rows(gpu: &Gpu, subject: &Subject, size: [usize; 2]) -> Result<Vec<Row>> {
     let [width, height] = size;
-    say!("layers of {} at {width}x{height}", subject.name)?;
-    let wgsl = wgsl(gpu, &subject.model, size)?;
     let costs = subject.model.spec.costs(height, width);
-    for (((name, cpu), (_, wgsl)), cost) in cpu_times(&subject.model, size).iter().zip(&wgsl).zip(costs) {
-        let gflops = |milliseconds: f64| 2.0 * cost.multiply_adds as f64 / milliseconds * 1e-6;
-        say!(
-            "  {name:<6} wgsl {wgsl:>8.3} ms {:>7.1} GFLOP/s   cpu {cpu:>8.3} ms {:>7.1} GFLOP/s",
-            gflops(*wgsl),
-            gflops(*cpu)
-        )?;
+    let row = |engine, (layer, milliseconds): (String, f64), cost: &Cost| Row {
+        network: subject.name.clone(),
+        size,
+        layer,
+        engine,
+        milliseconds,
+        gflops: 2.0 * cost.multiply_adds as f64 / milliseconds * 1e-6,
+        gigabytes: 4.0 * cost.numbers as f64 / milliseconds * 1e-6,
+    };
+    let times = [("wgsl", wgsl(gpu, &subject.model, size)?), ("cpu", cpu_times(&subject.model, size)?)];
+    let rows = times.into_iter().flat_map(|(engine, times)| {
+        times.into_iter().zip(&costs).map(move |(time, cost)| row(engine, time, cost)).collect::<Vec<_>>()
+    });
+    Ok(rows.collect())
+}
+
+impl std::fmt::Display for Row {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { network, size: [width, height], layer, engine, milliseconds, gflops, gigabytes } = self;
+        let (size, layer) = (format!("{width}x{height}"), format!("{engine} {layer}"));
+        write!(f, "{network:<12} {size:<10} {layer:<18} {milliseconds:>8.3} {gflops:>17.1} {gigabytes:>16.1}")
     }
-    Ok(())
 }
 
 /// Half floats, where the device has them.
@@ -58,11 +89,14 @@ pub fn wgsl(gpu: &Gpu, model: &Model, [width, height]: [usize; 2]) -> Result<Vec
 }
 
 /// Milliseconds of every layer on the CPU, by name.
-pub fn cpu_times(model: &Model, [width, height]: [usize; 2]) -> Vec<(String, f64)> {
-    let network = cpu::Network::new(&model.spec, &model.weights);
+///
+/// # Errors
+/// If there is no room for its feature maps.
+pub fn cpu_times(model: &Model, [width, height]: [usize; 2]) -> Result<Vec<(String, f64)>> {
+    let mut plan = cpu::Network::new(&model.spec, &model.weights)?.plan(height, width)?;
     let input = parity::noise(model.spec.input_channels(), height, width, 1);
-    let mut plan = network.plan(height, width);
-    let runs: Vec<Vec<(String, f64)>> = (0..=RUNS).map(|_| plan.layer_times(&network, &input)).collect();
-    let median = |layer: usize| lists::median(runs[1..].iter().map(|run| run[layer].1).collect());
-    runs[0].iter().enumerate().map(|(layer, (name, _))| (name.clone(), median(layer))).collect()
+    let first = plan.layer_times(&input)?;
+    let runs = (0..RUNS).map(|_| plan.layer_times(&input)).collect::<Result<Vec<_>, _>>()?;
+    let median = |layer: usize| lists::median(runs.iter().map(|run| run[layer].1).collect());
+    Ok(first.into_iter().enumerate().map(|(layer, (name, _))| (name, median(layer))).collect())
 }

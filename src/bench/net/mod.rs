@@ -1,7 +1,7 @@
 //! `deepshade bench net`: the paper's networks in WGSL and on the CPU beside onnxruntime and PyTorch.
 //!
-//! All work on the same random image in memory of their own; what is not measured is the way there and back. On a
-//! machine whose adapter is software, all use the same processor.
+//! All work on random images in memory of their own; what is not measured is the way there and back. On a machine
+//! whose adapter is software, all use the same processor. PyTorch's form of a network is held against ours first.
 
 mod budget;
 mod layers;
@@ -17,8 +17,8 @@ use anyhow::Result;
 use deepshade_infer::forward::{Network, Options, OutputKind, Variant};
 use deepshade_infer::{Model, cpu};
 use deepshade_shaders::Effect;
-use deepshade_shaders::gpu::{Gpu, ceilings};
-use rivals::{Devices, Effort, Measurement};
+use deepshade_shaders::gpu::{self, Ceilings, Gpu};
+use rivals::{Devices, Effort, Measurement, Race};
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -57,10 +57,10 @@ pub struct Args {
     /// Most timed runs of each.
     #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u16).range(3..=2000))]
     runs: u16,
-    /// Threads of onnxruntime and PyTorch; by default as many as the machine has.
+    /// Threads of everything on the processor; by default as many as the machine has.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Times of every layer too.
+    /// Times of every layer too, in WGSL and on the CPU.
     #[arg(long)]
     layers: bool,
     /// Which network of the effect's kind takes so many milliseconds, by what its layers should take; then runs it.
@@ -84,23 +84,39 @@ pub struct Args {
 /// If a model cannot be read, there is no onnxruntime, or the GPU fails.
 pub fn run(args: &Args) -> Result<()> {
     let gpu = Gpu::new()?;
-    if let Some(budget) = args.budget {
-        return budget::run(args, &gpu, budget.into());
-    }
+    // Everything on the processor has as many threads as its rivals.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads()).build()?;
+    pool.install(|| match args.budget {
+        Some(budget) => budget::run(args, &gpu, budget.into()),
+        None => measure(args, &gpu),
+    })
+}
+
+fn measure(args: &Args, gpu: &Gpu) -> Result<()> {
     let scratch = tempfile::tempdir()?;
     let subjects = subjects::subjects(&args.networks, &args.models, scratch.path())?;
-    let sizes = sizes(args, &gpu);
-    let mut bench = Bench { args, gpu: &gpu, figures: Figures::new("bench net"), made: Vec::new() };
-    bench.ceilings()?;
+    let devices = Devices {
+        gpu: (gpu, gpu::ceilings(&gpu.device, &gpu.queue)?),
+        cpu: Ceilings { multiply_add: cpu::ceilings::multiply_add(), copy: cpu::ceilings::copy() },
+        onnxruntime: &args.onnxruntime,
+        pytorch: &args.pytorch,
+        threads: args.threads(),
+    };
+    let mut bench = Bench { figures: Figures::new("bench net"), made: Vec::new(), layers: Vec::new() };
     for subject in &subjects {
-        for size in &sizes {
-            bench.measure(subject, *size)?;
-        }
-        if args.layers {
-            layers::print(&gpu, subject, sizes[0])?;
+        for size in sizes(args, gpu) {
+            note!("{} at {}x{}", subject.name, size[0], size[1]);
+            bench.add(&Race { subject, size, effort: args.effort(), devices: &devices });
+            if args.layers {
+                bench.layers.extend(layers::rows(gpu, subject, size)?);
+            }
         }
     }
-    bench.finish(&subjects)
+    bench.figures.detail("shipped", json!(subjects::shipped(&subjects)));
+    if let Some(bytes) = ao_bytes(gpu, &subjects)? {
+        bench.figures.set("bytes_ao_1080p", bytes as f64);
+    }
+    bench.finish(args, &devices)
 }
 
 fn sizes(args: &Args, gpu: &Gpu) -> Vec<[usize; 2]> {
@@ -122,96 +138,79 @@ impl Args {
 }
 
 /// What has been measured so far.
-struct Bench<'a> {
-    args: &'a Args,
-    gpu: &'a Gpu,
+struct Bench {
     figures: Figures,
     made: Vec<Measurement>,
+    layers: Vec<layers::Row>,
 }
 
-impl Bench<'_> {
-    /// What the devices can do at best.
-    fn ceilings(&mut self) -> Result<()> {
-        let card = ceilings(&self.gpu.device, &self.gpu.queue)?;
-        let (cpu_flops, cpu_bytes) = (cpu::ceilings::multiply_add(), cpu::ceilings::copy());
-        let rows = [("wgsl", card.multiply_add, card.copy), ("cpu", cpu_flops, cpu_bytes)];
-        say!("peak         GFLOP/s      GB/s")?;
-        for (engine, flops, bytes) in rows {
-            self.figures.set(&format!("peak_gflops_{engine}"), flops * 1e-9);
-            self.figures.set(&format!("peak_gigabytes_{engine}"), bytes * 1e-9);
-            say!("{engine:<11}{:>9.1} {:>9.1}", flops * 1e-9, bytes * 1e-9)?;
+impl Bench {
+    fn add(&mut self, race: &Race<'_>) {
+        let mut made = race.run();
+        let network = &race.subject.name;
+        if (race.size, race.subject.model.spec.effect) == NAIVE {
+            made.extend(race.naive());
+            self.set_ratio(&format!("ratio_naive_wgsl_{network}"), &made, ["naive", "wgsl"]);
         }
-        say!("\nnetwork      size       engine                  ms     p95   GFLOP/s    GB/s")
-    }
-
-    fn measure(&mut self, subject: &Subject, size: [usize; 2]) -> Result<()> {
-        let devices =
-            Devices { gpu: self.gpu, onnxruntime: &self.args.onnxruntime, threads: self.args.threads() };
-        let mut made = rivals::measure(subject, size, &devices, self.args.effort())?;
-        if (size, subject.model.spec.effect) == NAIVE {
-            made.push(rivals::naive(subject, size, self.gpu)?);
-        }
-        let more = json!({ "mode": "infer", "size": size, "compile": true, "runs": self.args.runs, "seconds": self.args.seconds });
-        if let Some(report) = self.args.pytorch.run(&subject.model.spec, self.args.threads(), more)? {
-            self.figures.detail("pytorch", json!({ "version": report.version, "device": report.device }));
-            made.extend(report.made.iter().map(|row| rivals::of_pytorch(subject, size, row)));
-        }
-        for row in &made {
-            let [width, height] = row.size;
-            say!(
-                "{:<12} {:<10} {:<18} {:>8.2} {:>7.2} {:>9.1} {:>7.1}",
-                row.network,
-                format!("{width}x{height}"),
-                row.engine,
-                row.milliseconds,
-                row.p95,
-                row.gflops,
-                row.gigabytes
-            )?;
-        }
-        if size == PAPER {
-            self.set_figures(subject, &made);
-        }
-        if (size, subject.model.spec.effect) == NAIVE {
-            self.set_ratio("ratio_naive_wgsl", subject, &made, ["naive", "wgsl"]);
+        if race.size == PAPER {
+            for row in &made {
+                self.figures.set(&format!("ms_{}_{network}", row.engine), row.milliseconds);
+            }
+            for engine in ["wgsl", "cpu"] {
+                let name = format!("ratio_{engine}_onnxruntime_{network}");
+                self.set_ratio(&name, &made, [engine, "onnxruntime"]);
+            }
         }
         self.made.extend(made);
-        Ok(())
     }
 
-    fn set_figures(&mut self, subject: &Subject, made: &[Measurement]) {
-        for row in made {
-            self.figures.set(&format!("ms_{}_{}", row.engine, row.network), row.milliseconds);
-        }
-        for engine in ["wgsl", "cpu"] {
-            self.set_ratio(&format!("ratio_{engine}_onnxruntime"), subject, made, [engine, "onnxruntime"]);
-        }
-    }
-
-    fn set_ratio(&mut self, name: &str, subject: &Subject, made: &[Measurement], [ours, theirs]: [&str; 2]) {
+    fn set_ratio(&mut self, name: &str, made: &[Measurement], [ours, theirs]: [&str; 2]) {
         let of = |engine: &str| made.iter().find(|row| row.engine == engine).map(|row| row.milliseconds);
         if let (Some(ours), Some(theirs)) = (of(ours), of(theirs)) {
-            self.figures.set(&format!("{name}_{}", subject.name), ours / theirs);
+            self.figures.set(name, ours / theirs);
         }
     }
 
-    fn finish(mut self, subjects: &[Subject]) -> Result<()> {
-        if let Some(bytes) = ao_bytes(self.gpu, subjects)? {
-            self.figures.set("bytes_ao_1080p", bytes as f64);
-            say!("\nao at 1920x1080: feature maps of {:.1} MB", bytes as f64 * 1e-6)?;
+    fn finish(mut self, args: &Args, devices: &Devices<'_>) -> Result<()> {
+        let (gpu, card) = devices.gpu;
+        for (engine, peak) in [("wgsl", card), ("cpu", devices.cpu)] {
+            self.figures.set(&format!("peak_gflops_{engine}"), peak.multiply_add * 1e-9);
+            self.figures.set(&format!("peak_gigabytes_{engine}"), peak.copy * 1e-9);
         }
-        let info = &self.gpu.info;
+        let info = &gpu.info;
         self.figures.detail("adapter", json!({ "name": info.name, "driver": info.driver_info }));
-        self.figures.detail("threads", json!(self.args.threads()));
+        self.figures.detail("threads", json!(devices.threads));
         self.figures.detail("measurements", json!(self.made));
-        let shipped: Vec<&str> = subjects.iter().filter(|s| s.shipped).map(|s| s.name.as_str()).collect();
-        self.figures.detail("shipped", json!(shipped));
-        self.figures.write(self.args.json.as_deref())?;
-        if let Some(path) = &self.args.page {
-            write_atomically(path, page::render(&self.figures, &self.made, self.gpu)?.as_bytes())?;
-            say!("{}", path.display())?;
+        self.figures.detail("layers", json!(self.layers));
+        self.figures.write(args.json.as_deref())?;
+        if let Some(path) = &args.page {
+            write_atomically(path, page::render(&self.figures, &self.made, &self.layers, gpu)?.as_bytes())?;
         }
-        say!("WGSL on {} ({}); the others on {} threads", info.name, info.driver_info, self.args.threads())
+        say!(
+            "network      size       engine                 ms      p95  GFLOP/s  of peak    GB/s  of peak"
+        )?;
+        self.made.iter().try_for_each(|row| say!("{row}"))?;
+        self.layers.iter().try_for_each(|row| say!("{row}"))?;
+        for (engine, peak) in [("WGSL", card), ("processor", devices.cpu)] {
+            let (flops, bytes) = (peak.multiply_add * 1e-9, peak.copy * 1e-9);
+            say!("{engine} at best {flops:.1} GFLOP/s multiplying and adding, {bytes:.1} GB/s copying")?;
+        }
+        if let Some(bytes) = self.figures.get("bytes_ao_1080p") {
+            say!("ao at 1920x1080: feature maps of {:.1} MB", bytes * 1e-6)?;
+        }
+        say!("WGSL on {} ({}), the rest on {} threads", info.name, info.driver_info, devices.threads)
+    }
+}
+
+impl std::fmt::Display for Measurement {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { network, size: [width, height], engine, milliseconds, p95, gflops, gigabytes, .. } = self;
+        let (flops, bytes) = (self.of_peak_flops(), self.of_peak_bytes());
+        let size = format!("{width}x{height}");
+        write!(
+            f,
+            "{network:<12} {size:<10} {engine:<18} {milliseconds:>8.2} {p95:>8.2} {gflops:>8.1} {flops:>8} {gigabytes:>7.1} {bytes:>8}"
+        )
     }
 }
 

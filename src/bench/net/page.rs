@@ -1,5 +1,6 @@
 //! The table of measurements as a page that needs nothing else.
 
+use super::layers::Row;
 use super::rivals::Measurement;
 use crate::figures::Figures;
 use anyhow::Result;
@@ -10,7 +11,7 @@ use deepshade_shaders::gpu::Gpu;
 ///
 /// # Errors
 /// If the template fails.
-pub fn render(figures: &Figures, made: &[Measurement], gpu: &Gpu) -> Result<String> {
+pub fn render(figures: &Figures, made: &[Measurement], layers: &[Row], gpu: &Gpu) -> Result<String> {
     let mut groups: Vec<Group<'_>> = Vec::new();
     for row in made {
         let name = format!("{}, {} x {}", row.network.replace('_', "-"), row.size[0], row.size[1]);
@@ -21,12 +22,19 @@ pub fn render(figures: &Figures, made: &[Measurement], gpu: &Gpu) -> Result<Stri
     }
     let machine = figures.to_json()["machine"].clone();
     let text = |key: &str| machine[key].as_str().map_or_else(|| machine[key].to_string(), str::to_owned);
+    let peak = |engine: &str| {
+        let figure = |name: &str| figures.get(&format!("peak_{name}_{engine}")).unwrap_or(f64::NAN);
+        format!("{:.1} GFLOP/s, {:.1} GB/s", figure("gflops"), figure("gigabytes"))
+    };
     let page = Page {
         groups,
+        layers,
         facts: [
             ("adapter", gpu.info.name.clone()),
             ("driver", gpu.info.driver_info.clone()),
+            ("its peak", peak("wgsl")),
             ("processor", text("processor")),
+            ("its peak", peak("cpu")),
             ("threads", text("threads")),
             ("deepshade", text("version")),
         ],
@@ -38,7 +46,8 @@ pub fn render(figures: &Figures, made: &[Measurement], gpu: &Gpu) -> Result<Stri
 #[template(path = "bench/net/page.html")]
 struct Page<'a> {
     groups: Vec<Group<'a>>,
-    facts: [(&'static str, String); 5],
+    layers: &'a [Row],
+    facts: [(&'static str, String); 7],
 }
 
 /// One network at one size.

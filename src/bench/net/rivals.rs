@@ -1,4 +1,4 @@
-//! One network in all engines at one size, taking turns: what disturbs the machine disturbs all of them.
+//! One network in all engines at one size.
 
 use super::super::pytorch;
 use super::layers;
@@ -6,10 +6,11 @@ use super::subjects::Subject;
 use crate::onnxruntime;
 use anyhow::Result;
 use deepshade_infer::forward::Precision;
-use deepshade_infer::{Cost, cpu, forward, parity};
+use deepshade_infer::{Cost, Model, cpu, forward, parity};
 use deepshade_shaders::Planes;
-use deepshade_shaders::gpu::{Gpu, Timing};
+use deepshade_shaders::gpu::{Ceilings, Gpu, Timing};
 use serde::Serialize;
+use serde_json::json;
 use std::time::{Duration, Instant};
 
 /// How long and how often an engine is measured.
@@ -44,81 +45,155 @@ pub struct Measurement {
     pub clock: &'static str,
     /// Billions of floating-point operations a second.
     pub gflops: f64,
-    /// Billions of bytes a second that must move at least, counted in 32-bit numbers.
+    /// Billions of bytes a second, of those that must move at least.
     pub gigabytes: f64,
+    /// The first rate as a share of what the device can do at best, where that was measured.
+    pub share_flops: Option<f64>,
+    /// The second rate as such a share.
+    pub share_bytes: Option<f64>,
+}
+
+impl Measurement {
+    /// The share of the peak of operations, in words.
+    pub fn of_peak_flops(&self) -> String {
+        per_cent(self.share_flops)
+    }
+
+    /// The share of the peak of bytes, in words.
+    pub fn of_peak_bytes(&self) -> String {
+        per_cent(self.share_bytes)
+    }
+}
+
+fn per_cent(share: Option<f64>) -> String {
+    share.map_or_else(|| "-".to_owned(), |share| format!("{:.1} %", 100.0 * share))
 }
 
 /// What engines run on.
 pub struct Devices<'a> {
-    /// The device of WGSL.
-    pub gpu: &'a Gpu,
+    /// The device of WGSL, and what it can do at best.
+    pub gpu: (&'a Gpu, Ceilings),
+    /// What the processor can do at best.
+    pub cpu: Ceilings,
     /// The library of the rival.
     pub onnxruntime: &'a onnxruntime::Args,
-    /// Threads of the rival.
+    /// The other rival.
+    pub pytorch: &'a pytorch::Args,
+    /// Threads of all that run on the processor.
     pub threads: usize,
 }
 
-/// Measures a network in WGSL, on the CPU and in onnxruntime.
-///
-/// # Errors
-/// If an engine does not run it.
-pub fn measure(
-    subject: &Subject,
-    size: [usize; 2],
-    devices: &Devices<'_>,
-    effort: Effort,
-) -> Result<Vec<Measurement>> {
-    let [width, height] = size;
-    let input = parity::noise(subject.model.spec.input_channels(), height, width, 1);
-    let mut made = Vec::new();
-    for (engine, precision) in precisions(devices.gpu) {
-        let timing = wgsl(subject, &input, devices.gpu, precision, effort)?;
-        made.push(measurement(subject, size, engine, &timing));
-    }
-    let network = cpu::Network::new(&subject.model.spec, &subject.model.weights);
-    let mut plan = network.plan(height, width);
-    let mut session = devices.onnxruntime.session(&subject.onnx, devices.threads)?;
-    let cpu = || Ok(drop(plan.run(&network, &input)));
-    let onnxruntime = || session.image(&input).map(drop);
-    let timings = in_turns([Box::new(cpu), Box::new(onnxruntime)], effort)?;
-    for (engine, timing) in ["cpu", "onnxruntime"].iter().zip(&timings) {
-        made.push(measurement(subject, size, engine, timing));
-    }
-    Ok(made)
+/// One network at one size.
+pub struct Race<'a> {
+    /// The network.
+    pub subject: &'a Subject,
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// How long.
+    pub effort: Effort,
+    /// On what.
+    pub devices: &'a Devices<'a>,
 }
 
-/// As a measurement.
-pub fn measurement(subject: &Subject, size: [usize; 2], engine: &str, timing: &Timing) -> Measurement {
-    let [width, height] = size;
-    let cost: Cost = subject.model.spec.costs(height, width).into_iter().sum();
-    let seconds = timing.milliseconds * 1e-3;
-    Measurement {
-        network: subject.name.clone(),
-        size,
-        engine: engine.to_owned(),
-        milliseconds: timing.milliseconds,
-        p95: timing.p95,
-        clock: if timing.by_gpu { "timestamps" } else { "wall clock" },
-        gflops: 2.0 * cost.multiply_adds as f64 / seconds * 1e-9,
-        gigabytes: 4.0 * cost.numbers as f64 / seconds * 1e-9,
+impl Race<'_> {
+    /// Measures all engines; what does not run is said and left out.
+    pub fn run(&self) -> Vec<Measurement> {
+        let mut made = Vec::new();
+        for (engine, precision) in precisions(self.devices.gpu.0) {
+            made.extend(self.said(engine, self.wgsl(engine, precision)));
+        }
+        made.extend(self.said("cpu and onnxruntime", self.on_processor()).into_iter().flatten());
+        made.extend(self.said("pytorch", self.pytorch()).into_iter().flatten());
+        made
     }
-}
 
-/// Measures the forward pass as one writes it first.
-///
-/// # Errors
-/// If the GPU does not run it.
-pub fn naive(subject: &Subject, size: [usize; 2], gpu: &Gpu) -> Result<Measurement> {
-    let [width, height] = size;
-    let input = parity::noise(subject.model.spec.input_channels(), height, width, 1);
-    let (_, timing) = forward::naive::run_timed(gpu, &subject.model, &input, 1, FEWEST)?;
-    Ok(measurement(subject, size, "naive", &timing))
-}
+    /// Measures the forward pass as one writes it first.
+    pub fn naive(&self) -> Option<Measurement> {
+        let run = || {
+            let gpu = self.devices.gpu.0;
+            let (_, timing) = forward::naive::run_timed(gpu, &self.subject.model, &self.input(), 1, FEWEST)?;
+            Ok(self.measurement("naive", &timing, Some(self.devices.gpu.1), 4))
+        };
+        self.said("naive", run())
+    }
 
-/// What PyTorch measured.
-pub fn of_pytorch(subject: &Subject, size: [usize; 2], row: &pytorch::Row) -> Measurement {
-    let timing = Timing { milliseconds: row.milliseconds, p95: row.p95, by_gpu: false };
-    measurement(subject, size, &row.engine, &timing)
+    fn said<T>(&self, engine: &str, made: Result<T>) -> Option<T> {
+        let [width, height] = self.size;
+        made.inspect_err(|error| {
+            note!("{} at {width}x{height}: {engine}: {error:#}", self.subject.name);
+        })
+        .ok()
+    }
+
+    fn input(&self) -> Planes {
+        let [width, height] = self.size;
+        parity::noise(self.subject.model.spec.input_channels(), height, width, 1)
+    }
+
+    fn wgsl(&self, engine: &str, precision: Precision) -> Result<Measurement> {
+        let (gpu, ceilings) = self.devices.gpu;
+        let (network, input) = (layers::network(gpu, &self.subject.model, precision)?, self.input());
+        let (_, once) = network.run_timed(&gpu.queue, &input, 1, 1)?;
+        let fitting = self.effort.time.as_secs_f64() * 1e3 / once.milliseconds;
+        let runs = (fitting as usize).clamp(FEWEST, self.effort.most);
+        let (_, timing) = network.run_timed(&gpu.queue, &input, 1, runs)?;
+        let bytes = if precision == Precision::F16 { 2 } else { 4 };
+        Ok(self.measurement(engine, &timing, Some(ceilings), bytes))
+    }
+
+    /// Our engine and onnxruntime, in turns: what disturbs the machine disturbs both.
+    fn on_processor(&self) -> Result<[Measurement; 2]> {
+        let Model { spec, weights } = &self.subject.model;
+        let ([width, height], input) = (self.size, self.input());
+        let mut plan = cpu::Network::new(spec, weights)?.plan(height, width)?;
+        let mut session = self.devices.onnxruntime.session(&self.subject.onnx, self.devices.threads)?;
+        let cpu = || Ok(plan.run(&input).map(drop)?);
+        let onnxruntime = || session.image(&input).map(drop);
+        let [cpu, onnxruntime] = in_turns([Box::new(cpu), Box::new(onnxruntime)], self.effort)?;
+        let made = |engine, timing| self.measurement(engine, timing, Some(self.devices.cpu), 4);
+        Ok([made("cpu", &cpu), made("onnxruntime", &onnxruntime)])
+    }
+
+    fn pytorch(&self) -> Result<Vec<Measurement>> {
+        let Effort { time, most } = self.effort;
+        let more = json!({ "mode": "infer", "size": self.size, "runs": most, "seconds": time.as_secs_f64() });
+        let Some(report) = self.devices.pytorch.run(&self.subject.model, self.devices.threads, more)? else {
+            return Ok(Vec::new());
+        };
+        let made = |row: &pytorch::Row| {
+            let on_processor = report.device == pytorch::PROCESSOR;
+            let timing = Timing { milliseconds: row.milliseconds, p95: row.p95, by_gpu: !on_processor };
+            let ceilings = on_processor.then_some(self.devices.cpu);
+            self.measurement(&row.engine, &timing, ceilings, if on_processor { 4 } else { 2 })
+        };
+        Ok(report.made.iter().map(made).collect())
+    }
+
+    fn measurement(
+        &self,
+        engine: &str,
+        timing: &Timing,
+        ceilings: Option<Ceilings>,
+        bytes: usize,
+    ) -> Measurement {
+        let [width, height] = self.size;
+        let cost: Cost = self.subject.model.spec.costs(height, width).into_iter().sum();
+        let seconds = timing.milliseconds * 1e-3;
+        let operations = 2.0 * cost.multiply_adds as f64 / seconds;
+        let moved = bytes as f64 * cost.numbers as f64 / seconds;
+        Measurement {
+            network: self.subject.name.clone(),
+            size: self.size,
+            engine: engine.to_owned(),
+            milliseconds: timing.milliseconds,
+            p95: timing.p95,
+            clock: if timing.by_gpu { "timestamps" } else { "wall clock" },
+            gflops: operations * 1e-9,
+            gigabytes: moved * 1e-9,
+            share_flops: ceilings.map(|ceilings| operations / ceilings.multiply_add),
+            share_bytes: ceilings.map(|ceilings| moved / ceilings.copy),
+        }
+    }
 }
 
 /// The ways of keeping feature maps that are measured on a device: half floats bring nothing on the processor.
@@ -128,20 +203,6 @@ fn precisions(gpu: &Gpu) -> Vec<(&'static str, Precision)> {
         Precision::F16 if !gpu.is_software() => vec![single, ("wgsl_half", Precision::F16)],
         _ => vec![single],
     }
-}
-
-fn wgsl(
-    subject: &Subject,
-    input: &Planes,
-    gpu: &Gpu,
-    precision: Precision,
-    effort: Effort,
-) -> Result<Timing> {
-    let network = layers::network(gpu, &subject.model, precision)?;
-    let (_, once) = network.run_timed(&gpu.queue, input, 1, 1)?;
-    let fitting = effort.time.as_secs_f64() * 1e3 / once.milliseconds;
-    let runs = (fitting as usize).clamp(FEWEST, effort.most);
-    Ok(network.run_timed(&gpu.queue, input, 0, runs)?.1)
 }
 
 type Work<'a> = Box<dyn FnMut() -> Result<()> + 'a>;

@@ -31,6 +31,11 @@ pub fn subjects(effects: &[Effect], models: &Path, scratch: &Path) -> Result<Vec
     effects.iter().map(|effect| subject(*effect, models, scratch)).collect()
 }
 
+/// Names of those with shipped weights.
+pub fn shipped(subjects: &[Subject]) -> Vec<&str> {
+    subjects.iter().filter(|subject| subject.shipped).map(|subject| subject.name.as_str()).collect()
+}
+
 /// The paper's network for an effect.
 pub fn spec(effect: Effect) -> Option<NetSpec> {
     let reach = Reach { radius: 1.0, diagonal_share: 0.1, height: 512 };

@@ -175,11 +175,14 @@ impl WithSimd for Job<'_, '_> {
             let zeros = vec![0.0; shape.inputs];
             stripe::convolve(simd, &dy, transposed, weights, &zeros, 1.0, &mut planes);
             let inner = (stripe.top - top) * shape.width..(stripe.top - top + stripe.rows) * shape.width;
-            for (out, made) in stripe.planes.iter_mut().zip(&planes) {
-                match (operand, out.len() / stripe.rows / shape.width) {
-                    (Operand::Pooled(_), _) => spread(made, shape.width, out),
-                    (_, 0) => double_backward(made, shape.width, (stripe.top - top).min(1), blend, out),
-                    _ => out.copy_from_slice(&made[inner.clone()]),
+            let first = stripe.part % shape.groups * shape.inputs;
+            for (input, (out, made)) in stripe.planes.iter_mut().zip(&planes).enumerate() {
+                match operand {
+                    Operand::Pooled(_) => spread(made, shape.width, out),
+                    Operand::Joined { coarse, order, .. } if order[first + input] < coarse.channels => {
+                        double_backward(made, shape.width, stripe.top - top, blend, out);
+                    }
+                    Operand::Plain(_) | Operand::Joined { .. } => out.copy_from_slice(&made[inner.clone()]),
                 }
             }
         }

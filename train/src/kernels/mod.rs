@@ -370,34 +370,50 @@ mod tests {
         (moved(STEP) - moved(-STEP)) / f64::from(2.0 * STEP)
     }
 
-    #[test]
-    fn gradients_are_those_of_finite_differences() {
-        let coarse = noise([1, 4, 3, 5], 1);
-        let fine = noise([1, 2, 6, 10], 2);
-        let (weight, bias) = (noise([4, 3, 3, 3], 3), noise([4], 4));
-        // Without a leak the operation is linear, so that differences are exact but for rounding.
-        let made = |coarse: Tensor<4>, fine: Tensor<4>, weight: Tensor<4>| {
-            convolve_joined([coarse, fine], weight, bias.clone(), 2, 1.0)
-        };
-        let gradients = traced([coarse.clone(), fine.clone(), weight.clone()], |[c, f, w]| made(c, f, w));
-        let rest = |c: &Tensor<4>, f: &Tensor<4>, w: &Tensor<4>| (c.clone(), f.clone(), w.clone());
-        for (index, leaf) in [&coarse, &fine, &weight].into_iter().enumerate() {
+    /// Holds the gradients of an operation of some leaves against differences of its output.
+    fn assert_differences<const N: usize>(
+        what: &str,
+        leaves: [Tensor<4>; N],
+        make: impl Fn([Tensor<4>; N]) -> Tensor<4>,
+    ) {
+        let gradients = traced(leaves.clone(), &make);
+        for index in 0..N {
             let gradient = gradients[index + 1].to_data().try_into_vec::<f32>().expect("f32");
             for at in (0..gradient.len()).step_by(7) {
-                let expected = difference(
-                    |moved| {
-                        let (c, f, w) = rest(&coarse, &fine, &weight);
-                        match index {
-                            0 => made(moved, f, w),
-                            1 => made(c, moved, w),
-                            _ => made(c, f, moved),
-                        }
-                    },
-                    leaf,
-                    at,
-                );
+                let moved = |moved: Tensor<4>| {
+                    let mut leaves = leaves.clone();
+                    leaves[index] = moved;
+                    make(leaves)
+                };
+                let expected = difference(moved, &leaves[index], at);
                 let error = (f64::from(gradient[at]) - expected).abs();
-                assert!(error < 1e-3 * expected.abs().max(1.0), "{index}[{at}]: {} {expected}", gradient[at]);
+                let allowed = 1e-3 * expected.abs().max(1.0);
+                assert!(
+                    error < allowed,
+                    "{what}: leaf {index}, element {at}: {} is not {expected}",
+                    gradient[at]
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn gradients_are_those_of_finite_differences() {
+        // Differences are exact but for rounding where no sum changes its sign: without a leak the operation is linear,
+        // and a bias beyond all sums keeps them on one side of the leaky ReLU.
+        let flat = |bias: Tensor<4>| bias.reshape([4]);
+        for (leak, offset) in [(1.0, 0.0), (0.1, 30.0), (0.1, -30.0)] {
+            let bias = noise([4, 1, 1, 1], 4) + offset;
+            let joined =
+                [noise([1, 4, 3, 5], 1), noise([1, 2, 6, 10], 2), noise([4, 3, 3, 3], 3), bias.clone()];
+            assert_differences("joined", joined, |[coarse, fine, weight, bias]| {
+                convolve_joined([coarse, fine], weight, flat(bias), 2, leak)
+            });
+            for pooled in [false, true] {
+                let single = [noise([1, 6, 6, 10], 1), noise([4, 3, 3, 3], 3), bias.clone()];
+                assert_differences("single", single, |[x, weight, bias]| {
+                    convolve(x, weight, flat(bias), pooled, leak)
+                });
             }
         }
     }

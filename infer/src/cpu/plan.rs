@@ -1,0 +1,164 @@
+//! A network on images of one size: its feature maps, used again from image to image.
+
+use super::conv;
+use super::operand::{Image, Operand};
+use super::{Network, Stage, shape};
+use crate::forward::{ForwardError, Tile, Tiling};
+use crate::{Activation, Source};
+use deepshade_shaders::Planes;
+use std::borrow::Cow;
+use std::time::Instant;
+
+/// Most bytes of feature maps, unless the caller wants otherwise.
+pub const MOST_BYTES: u64 = 1 << 30;
+
+/// A network on images of one size.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    network: Network,
+    size: [usize; 2],
+    tiling: Tiling,
+    /// What each layer makes of a tile, `[outputs, height, width]` of its level.
+    maps: Vec<Vec<f32>>,
+}
+
+impl Plan {
+    pub(super) fn new(network: Network, size: [usize; 2], most: u64) -> Result<Self, ForwardError> {
+        let [height, width] = size;
+        let length = |stage: &Stage, frame| shape(&network.spec, &stage.layer, frame).made();
+        let bytes = |frame| network.stages.iter().map(|stage| 4 * length(stage, frame) as u64).sum::<u64>();
+        let memory = ForwardError::Memory { width, height, limit: most };
+        if height == 0 || width == 0 {
+            return Err(memory);
+        }
+        let tiling = Tiling::new(&network.spec, size, |frame| bytes(frame) <= most).ok_or(memory)?;
+        let maps = network.stages.iter().map(|stage| vec![0.0; length(stage, tiling.frame)]).collect();
+        Ok(Self { network, size, tiling, maps })
+    }
+
+    /// As [`Network::run`], in this plan's room.
+    ///
+    /// # Errors
+    /// If the input is not the spec's.
+    ///
+    /// # Panics
+    /// If the input is of another size than the plan.
+    pub fn run(&mut self, input: &Planes) -> Result<Planes, ForwardError> {
+        self.check(input)?;
+        let mut image =
+            Planes::filled(self.network.spec.output_channels(), input.height(), input.width(), 0.0);
+        for tile in 0..self.tiling.tiles.len() {
+            let input = self.window(input, tile);
+            (0..self.maps.len()).for_each(|layer| self.run_layer(layer, &input));
+            self.keep(tile, &mut image);
+        }
+        Ok(image)
+    }
+
+    /// What every layer makes, as [`reference::layers`](crate::reference::layers) gives it; none if in tiles.
+    ///
+    /// # Errors
+    /// If the input is not the spec's.
+    ///
+    /// # Panics
+    /// If the input is of another size than the plan.
+    pub fn run_layers(&mut self, input: &Planes) -> Result<Option<Vec<Activation>>, ForwardError> {
+        let image = self.run(input)?;
+        if self.tiling.tiles.len() > 1 {
+            return Ok(None);
+        }
+        let made = |(stage, map): (&Stage, &Vec<f32>)| {
+            let [height, width] = self.tiling.frame.map(|size| size >> stage.layer.level);
+            let planes = Planes::from_data(stage.layer.outputs, height, width, map.clone());
+            Activation { layer: stage.layer.name.clone(), planes }
+        };
+        let mut made: Vec<Activation> = self.network.stages.iter().zip(&self.maps).map(made).collect();
+        made.iter_mut().next_back().into_iter().for_each(|last| last.planes = image.clone());
+        Ok(Some(made))
+    }
+
+    /// How long each layer takes, by name, milliseconds; of all tiles together.
+    ///
+    /// # Errors
+    /// If the input is not the spec's.
+    ///
+    /// # Panics
+    /// If the input is of another size than the plan.
+    pub fn layer_times(&mut self, input: &Planes) -> Result<Vec<(String, f64)>, ForwardError> {
+        self.check(input)?;
+        let names = self.network.stages.iter().map(|stage| stage.layer.name.clone());
+        let mut times: Vec<(String, f64)> = names.map(|name| (name, 0.0)).collect();
+        for tile in 0..self.tiling.tiles.len() {
+            let input = self.window(input, tile);
+            for (layer, (_, time)) in times.iter_mut().enumerate() {
+                let start = Instant::now();
+                self.run_layer(layer, &input);
+                *time += start.elapsed().as_secs_f64() * 1e3;
+            }
+        }
+        Ok(times)
+    }
+
+    /// Number of tiles in which images are run; 1 if as a whole.
+    pub fn tiles(&self) -> usize {
+        self.tiling.tiles.len()
+    }
+
+    fn check(&self, input: &Planes) -> Result<(), ForwardError> {
+        let (expected, found) = (self.network.spec.input_channels(), input.channels());
+        assert_eq!([input.height(), input.width()], self.size, "size of the input");
+        if expected == found { Ok(()) } else { Err(ForwardError::Input { expected, found }) }
+    }
+
+    /// What a tile sees of the input: all of its frame that lies in the image.
+    fn window<'a>(&self, input: &'a Planes, tile: usize) -> Cow<'a, Planes> {
+        if self.tiling.tiles.len() == 1 {
+            return Cow::Borrowed(input);
+        }
+        let Tile { origin: [top, left], .. } = self.tiling.tiles[tile];
+        let [height, width] = self.tiling.frame;
+        let (rows, columns) = (height.min(self.size[0] - top), width.min(self.size[1] - left));
+        Cow::Owned(input.window(top, left, rows, columns))
+    }
+
+    fn run_layer(&mut self, index: usize, input: &Planes) {
+        let Network { spec, stages } = &self.network;
+        let stage = &stages[index];
+        let frame = self.tiling.frame;
+        let (made, rest) = self.maps.split_at_mut(index);
+        let map = |of: usize| {
+            let [height, width] = frame.map(|size| size >> stages[of].layer.level);
+            Image { data: &made[of], channels: stages[of].layer.outputs, height, width }
+        };
+        let operand = match stage.layer.source {
+            Source::Input => Operand::Plain(Image {
+                data: input.data(),
+                channels: input.channels(),
+                height: input.height(),
+                width: input.width(),
+            }),
+            Source::Plain(from) => Operand::Plain(map(from)),
+            Source::Pooled(from) => Operand::Pooled(map(from)),
+            Source::Joined { coarse, skip } => {
+                Operand::Joined { coarse: map(coarse), fine: map(skip), order: Cow::Borrowed(&stage.order) }
+            }
+        };
+        let leak = if stage.layer.activation { spec.leak } else { 1.0 };
+        let shape = shape(spec, &stage.layer, frame);
+        conv::forward(shape, &operand, &stage.weights, &stage.bias, leak, &mut rest[0]);
+    }
+
+    /// Copies what a tile makes of the image out of the last layer's map.
+    fn keep(&self, tile: usize, image: &mut Planes) {
+        let Tile { origin: [top, left], keep: [rows, columns] } = &self.tiling.tiles[tile];
+        let [height, width] = self.tiling.frame;
+        let image_width = image.width();
+        let map = &self.maps[self.maps.len() - 1];
+        for (channel, plane) in map.chunks_exact(height * width).enumerate() {
+            for row in rows.clone() {
+                let made = &plane[(row - top) * width + columns.start - left..][..columns.len()];
+                image.plane_mut(channel)[row * image_width..][columns.clone()].copy_from_slice(made);
+            }
+        }
+    }
+}
