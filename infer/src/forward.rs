@@ -113,6 +113,14 @@ pub enum ForwardError {
     /// A set of kernels that cannot do what is asked for.
     #[error("{0}")]
     Variant(&'static str),
+    /// A shape that a layer's kernel does not have, or not on this device.
+    #[error("layer `{layer}` has no kernel of {shape:?} here")]
+    Shape {
+        /// Name of the layer.
+        layer: String,
+        /// The shape.
+        shape: Shape,
+    },
     /// The GPU refuses.
     #[error(transparent)]
     Gpu(#[from] GpuError),

@@ -94,7 +94,7 @@ impl Stages<'_> {
     }
 
     /// A layer for GPUs, its kernel of that shape.
-    pub fn staged(&mut self, index: usize, layer: &Layer, shape: Shape) -> Result<Stage, ForwardError> {
+    pub fn gpu(&mut self, index: usize, layer: &Layer, shape: Shape) -> Result<Stage, ForwardError> {
         let convolution = kernel::convolution(self.spec, index, shape, self.options)?;
         let pass = self.pass(&format!("net.{}", layer.name), convolution.source())?;
         let packed = Packed::new(self.spec, index, &self.weights.0[index], shape.outputs as usize);

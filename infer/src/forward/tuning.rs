@@ -65,7 +65,7 @@ impl Tuning {
             // Where the image goes decides what its layer may have, and a file may hold nonsense.
             if known.contains(&shape) { Some(shape) } else { known.first().copied() }
         };
-        Some(Variant::Staged(fastest?.into_iter().enumerate().map(shape).collect::<Option<_>>()?))
+        Some(Variant::Gpu(fastest?.into_iter().enumerate().map(shape).collect::<Option<_>>()?))
     }
 
     /// Measures all kernels that the layers of a network may have on images of a size, from buffers to buffers. A kernel
@@ -118,7 +118,7 @@ impl Trial<'_> {
         }
         for variant in Variant::candidates(&self.gpu.device.limits(), self.spec, OutputKind::Buffer) {
             let times = self.times(&variant, &mut notes)?;
-            let Variant::Staged(these) = variant else { continue };
+            let Variant::Gpu(these) = variant else { continue };
             for ((layer, shape), time) in measured.iter_mut().zip(these).zip(times) {
                 let Some(milliseconds) = time else { continue };
                 if layer.fastest.is_none_or(|fastest| milliseconds < fastest.milliseconds) {

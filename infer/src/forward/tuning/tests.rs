@@ -30,7 +30,7 @@ fn what_is_measured_is_remembered_in_a_file() {
     tuning.save(&path).expect("written");
     let (loaded, note) = Tuning::load(&gpu.device, &path);
     assert_eq!(note, None);
-    assert!(matches!(chosen(&loaded), Some(Variant::Staged(_))));
+    assert!(matches!(chosen(&loaded), Some(Variant::Gpu(_))));
     assert_eq!(chosen(&loaded), chosen(&tuning));
     let options = Options { variant: chosen(&loaded), ..Options::default() };
     Network::with(&gpu.device, &spec(), &Weights::random(&spec(), 2), &options).expect("compiles");
@@ -67,7 +67,7 @@ fn shapes_that_no_kernel_has_are_not_taken_from_a_file() {
     });
     let layers: Layers = layers.collect();
     tuning.file.devices.insert(tuning.device.clone(), layers);
-    assert_eq!(chosen(&tuning), Some(Variant::staged(&device.limits(), &spec(), OutputKind::Buffer)));
+    assert_eq!(chosen(&tuning), Some(Variant::gpu(&device.limits(), &spec(), OutputKind::Buffer)));
     let buffers = tuning.variant(&spec(), &Options::default());
     assert_eq!(buffers, Some(Variant::Software), "which is faster");
 }
