@@ -29,17 +29,21 @@ pub enum Engine {
 }
 
 impl Engine {
-    /// Prepares a network: on the processor where the device is none of its own, as software Vulkan is.
+    /// Prepares a network: on the processor where the device is none of its own, as software Vulkan is, or makes wrong
+    /// images.
     ///
     /// # Errors
     /// If the device refuses the network.
     pub fn new(gpu: Option<&Gpu>, model: &Model) -> Result<Self, ForwardError> {
-        Ok(match gpu {
-            Some(gpu) if !gpu.is_software() => {
-                Self::Wgsl { gpu: gpu.clone(), network: kernels::fastest(gpu, model, Precision::F32)? }
+        let Some(gpu) = gpu.filter(|gpu| !gpu.is_software()) else { return Self::cpu(model) };
+        match kernels::fastest(gpu, model, Precision::F32) {
+            Ok(network) => Ok(Self::Wgsl { gpu: gpu.clone(), network }),
+            Err(error @ ForwardError::NoKernel { .. }) => {
+                note!("{error}; the processor runs the network");
+                Self::cpu(model)
             }
-            _ => Self::cpu(model)?,
-        })
+            Err(error) => Err(error),
+        }
     }
 
     /// Prepares a network on the processor.

@@ -10,10 +10,11 @@ use std::path::PathBuf;
 /// Size of the image on which kernels are measured.
 const SIZE: [usize; 2] = [512, 768];
 
-/// A network from buffers to buffers with its fastest kernels. What cannot be remembered is measured again next time.
+/// A network from buffers to buffers with its fastest kernels, in 32-bit floats where no kernel in half floats works.
+/// What cannot be remembered is measured again next time.
 ///
 /// # Errors
-/// If the device refuses the network.
+/// If the device refuses the network; [`ForwardError::NoKernel`] if no kernel works there.
 pub fn fastest(gpu: &Gpu, model: &Model, precision: Precision) -> Result<Network, ForwardError> {
     let Model { spec, weights } = model;
     let Some(folder) = folder() else {
@@ -26,14 +27,21 @@ pub fn fastest(gpu: &Gpu, model: &Model, precision: Precision) -> Result<Network
         note!("{note}");
     }
     let mut options = Options { precision, cache: Some(&cache), ..Options::default() };
-    if tuning.variant(spec, &options).is_none() {
+    if let Ok(None) = tuning.variant(spec, &options, SIZE) {
         note!("measuring which kernels are fastest on {}, once", gpu.info.name);
-        for note in tuning.measure(gpu, spec, SIZE, precision)? {
+        for note in tuning.measure(gpu, spec, &options, SIZE)? {
             note!("{note}");
         }
         remember(&path, tuning.save(&path));
     }
-    options.variant = tuning.variant(spec, &options);
+    options.variant = match tuning.variant(spec, &options, SIZE) {
+        Err(error @ ForwardError::NoKernel { .. }) if precision == Precision::F16 => {
+            note!("{error}");
+            remember(&folder, cache.save());
+            return fastest(gpu, model, Precision::F32);
+        }
+        found => found?,
+    };
     let network = Network::with(&gpu.device, spec, weights, &options)?;
     remember(&folder, cache.save());
     Ok(network)

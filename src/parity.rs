@@ -219,7 +219,7 @@ impl Check<'_> {
 /// graphics cards, and `wgsl_half`, those with feature maps in half floats.
 fn kernels(gpu: &Gpu, model: &Model) -> Result<Vec<Wgsl>> {
     let Model { spec, weights } = model;
-    let for_cards = || Variant::staged(&gpu.device.limits(), spec, OutputKind::Buffer);
+    let for_cards = || Variant::gpu(&gpu.device.limits(), spec, OutputKind::Buffer);
     let mut kinds = vec![
         ("wgsl", Variant::Software, Precision::F32, TOLERANCE),
         ("wgsl_gpu", for_cards(), Precision::F32, TOLERANCE),

@@ -31,6 +31,7 @@ mod storage;
 mod tiles;
 mod tuning;
 mod tuning_file;
+mod tuning_key;
 mod variant;
 
 pub use convenience::{run, run_layers, run_layers_of};
@@ -114,6 +115,24 @@ pub enum ForwardError {
     /// A set of kernels that cannot do what is asked for.
     #[error("{0}")]
     Variant(&'static str),
+    /// A shape that a layer's kernel does not have, or not on this device.
+    #[error("layer `{layer}` has no kernel of {shape:?} here")]
+    Shape {
+        /// Name of the layer.
+        layer: String,
+        /// The shape.
+        shape: Shape,
+    },
+    /// Measuring found no kernel of a layer that works: [`Tuning::variant`]. Another [`Precision`] may, and the CPU does.
+    #[error("no kernel of layer `{layer}` works in {precision:?} on {device}")]
+    NoKernel {
+        /// Name of the layer.
+        layer: String,
+        /// How feature maps were to be kept.
+        precision: Precision,
+        /// Adapter and driver.
+        device: String,
+    },
     /// The GPU refuses.
     #[error(transparent)]
     Gpu(#[from] GpuError),

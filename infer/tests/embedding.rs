@@ -38,7 +38,7 @@ fn image_within(gpu: &Gpu, network: &Network, input: &Planes, bytes: u64) -> (Pl
 #[test]
 fn tiles_make_what_the_whole_makes_bit_for_bit() {
     let gpu = gpu();
-    let staged = Variant::staged(&gpu.device.limits(), &spec(3), OutputKind::Buffer);
+    let staged = Variant::gpu(&gpu.device.limits(), &spec(3), OutputKind::Buffer);
     for (variant, precision) in
         [(Variant::Software, Precision::F32), (staged.clone(), Precision::F32), (staged, Precision::F16)]
     {
@@ -64,7 +64,7 @@ fn a_device_of_narrow_limits_gets_tiles() {
     let descriptor = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
     let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).expect("a device");
     let gpu = Gpu { device, queue, info: adapter.get_info() };
-    let variant = Variant::staged(&gpu.device.limits(), &spec(2), OutputKind::Buffer);
+    let variant = Variant::gpu(&gpu.device.limits(), &spec(2), OutputKind::Buffer);
     let network = network(&gpu, &spec(2), Some(variant), Precision::F32);
     let input = noise(6, 150, 260, 3);
     let (image, tiles) = image_within(&gpu, &network, &input, u64::MAX);
@@ -80,7 +80,7 @@ fn several_networks_go_into_one_encoder_again_and_again() {
     let source = gpu::storage(&gpu.device, "input", input.data()).expect("room");
     let networks = [
         (spec(2), Some(Variant::Software)),
-        (spec(3), Some(Variant::staged(&gpu.device.limits(), &spec(3), OutputKind::Buffer))),
+        (spec(3), Some(Variant::gpu(&gpu.device.limits(), &spec(3), OutputKind::Buffer))),
     ]
     .map(|(spec, variant)| network(&gpu, &spec, variant, Precision::F32));
     let runs = networks.map(|network| {
@@ -107,7 +107,7 @@ fn several_networks_go_into_one_encoder_again_and_again() {
 fn feature_maps_of_a_full_hd_image_are_small() {
     let gpu = gpu();
     let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH);
-    let variant = Variant::staged(&gpu.device.limits(), &spec, OutputKind::Buffer);
+    let variant = Variant::gpu(&gpu.device.limits(), &spec, OutputKind::Buffer);
     let network = network(&gpu, &spec, Some(variant), Precision::F16);
     let plan = network.plan(1080, 1920).expect("fits");
     let bytes = plan.bytes();

@@ -22,7 +22,7 @@ fn random_model(spec: NetSpec) -> Model {
 
 /// The kernels for GPUs, of the shapes that are guessed to be best.
 fn guess(gpu: &Gpu, spec: &NetSpec) -> Variant {
-    Variant::staged(&gpu.device.limits(), spec, OutputKind::Buffer)
+    Variant::gpu(&gpu.device.limits(), spec, OutputKind::Buffer)
 }
 
 fn network(gpu: &Gpu, model: &Model, variant: &Variant, precision: Precision) -> Network {
@@ -132,9 +132,11 @@ fn a_plan_runs_again_and_again_with_other_buffers() {
 #[test]
 fn every_shape_of_kernels() {
     let gpu = gpu();
-    for (kernel, u0) in [(3, 16), (5, 8)] {
-        let model = random_model(NetSpec { u0, kernel, levels: 2, ..ao() });
-        let input = noise(6, 21, 39, 7);
+    let rgb = NetSpec::published(Effect::Do, ChannelOrder::Contiguous, REACH).expect("it has one");
+    // Of three levels, so that layers join maps and are themselves joined.
+    for spec in [NetSpec { u0: 16, ..ao() }, NetSpec { u0: 8, kernel: 5, ..ao() }, NetSpec { u0: 8, ..rgb }] {
+        let model = random_model(NetSpec { levels: 3, ..spec });
+        let input = noise(model.spec.input_channels(), 21, 39, 7);
         let expected = reference::layers(&model.spec, &model.weights, &input);
         let candidates = Variant::candidates(&gpu.device.limits(), &model.spec, OutputKind::Buffer);
         assert!(candidates.len() > 5);
@@ -225,10 +227,15 @@ fn what_cannot_run_is_named() {
     let error = Network::with(&gpu.device, &spec, &weights, &software).expect_err("too wide");
     assert!(error.to_string().contains("layer `up1`: eight of its outputs have"), "{error}");
     let network = Network::new(&gpu.device, &spec, &weights).expect("the others can");
-    assert!(matches!(network.variant(), Variant::Staged(_)));
+    assert!(matches!(network.variant(), Variant::Gpu(_)));
     let half = Options { precision: Precision::F16, ..software };
     let error = Network::with(&gpu.device, &spec, &weights, &half).expect_err("it has none");
     assert_eq!(error.to_string(), "the software kernels have no half floats");
+    let Variant::Gpu(mut shapes) = guess(&gpu, &spec) else { panic!("shapes") };
+    shapes[1].pixels = [2, 1];
+    let options = Options { variant: Some(Variant::Gpu(shapes)), ..Options::default() };
+    let error = Network::with(&gpu.device, &spec, &weights, &options).expect_err("down1 keeps means");
+    assert!(error.to_string().starts_with("layer `down1` has no kernel of Shape"), "{error}");
     let error = network.plan_within(300, 300, 1000).expect_err("too little");
     assert!(error.to_string().contains("no tile of it has feature maps of at most 1000 bytes"), "{error}");
     let plan = network.plan(16, 16).expect("fits");

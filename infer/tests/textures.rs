@@ -2,7 +2,7 @@
 
 use deepshade_infer::forward::{Input, InputKind, Options, Output, OutputKind};
 use deepshade_infer::parity::{Comparison, TOLERANCE, noise};
-use deepshade_infer::{ChannelOrder, NetSpec, Network, Reach, Weights, reference};
+use deepshade_infer::{ChannelOrder, Colour, NetSpec, Network, Reach, Weights, reference};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, AttributeKind, Effect, GBuffer, Planes};
 use half::f16;
@@ -90,11 +90,17 @@ fn textures_give_what_buffers_give() {
     let gpu = gpu();
     let gi = NetSpec::published(Effect::Gi, ChannelOrder::Contiguous, REACH).expect("it has one");
     let directional = NetSpec::published(Effect::Do, ChannelOrder::Interleaved, REACH).expect("it has one");
-    let [gi, directional] = [gi, directional].map(|spec| NetSpec { levels: 2, ..spec });
+    // Reads a length a colour channel.
+    let sss = NetSpec::published(Effect::Sss, ChannelOrder::Interleaved, REACH).expect("it has one");
+    let coloured_sss = NetSpec { colour: Colour::Rgb, ..sss.clone() };
+    let [gi, directional, sss, coloured_sss] =
+        [gi, directional, sss, coloured_sss].map(|spec| NetSpec { levels: 2, ..spec });
     for (spec, format) in [
         (spec(2), TextureFormat::R32Float),
         (gi, TextureFormat::Rgba32Float),
         (directional, TextureFormat::Rgba16Float),
+        (sss, TextureFormat::R32Float),
+        (coloured_sss, TextureFormat::Rgba32Float),
     ] {
         let (height, width, radius) = (45, 131, 0.7);
         let attributes = [&[Attribute::Valid][..], &spec.inputs].concat();
@@ -123,7 +129,11 @@ fn textures_give_what_buffers_give() {
             assert!(comparison.agrees(), "{spec:?}, run {run}: {comparison:?}");
         }
         let colours = spec.inputs.iter().any(|attribute| attribute.kind() == AttributeKind::Colour);
-        assert_eq!(spec.runs() > 1, colours, "mono networks read colours channel by channel");
+        assert_eq!(
+            spec.runs() > 1,
+            colours && spec.colour == Colour::Mono,
+            "mono networks read colours channel by channel"
+        );
     }
 }
 

@@ -1,16 +1,18 @@
 //! A network's WGSL files run in a host that knows nothing of deepshade but what `HOST.md` says.
 
-use deepshade_infer::forward::{File, Precision, wgsl_files};
-use deepshade_infer::parity::noise;
+use deepshade_infer::forward::{File, HALF_TOLERANCE, Precision, wgsl_files};
+use deepshade_infer::parity::{TOLERANCE, noise};
 use deepshade_infer::{ChannelOrder, Comparison, Model, NetSpec, Reach, Weights, reference};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, Planes};
 use serde_json::Value;
 use std::collections::HashMap;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
-use wgpu::{Buffer, BufferUsages};
+use wgpu::{Buffer, BufferBindingType, BufferUsages};
 
 const STORAGE: BufferUsages = BufferUsages::STORAGE.union(BufferUsages::COPY_SRC);
+
+const READ_ONLY: BufferBindingType = BufferBindingType::Storage { read_only: true };
 
 /// An engine that reads `network.json`.
 struct Host<'a> {
@@ -81,46 +83,75 @@ impl<'a> Host<'a> {
         Planes::from_data(channels, self.size[1] as usize, self.size[0] as usize, data)
     }
 
+    /// Whether a pass writes a map.
+    fn writes(&self, pass: &Value, name: &str) -> bool {
+        let maps = self.network["maps"].as_array().expect("maps");
+        maps.iter().any(|map| map["name"] == name && map["written_by"] == pass["layer"])
+    }
+
+    /// What a pass binds: number, buffer and kind.
+    fn bound(
+        &self,
+        pass: &Value,
+        buffers: &HashMap<String, Buffer>,
+    ) -> Vec<(u32, Buffer, BufferBindingType)> {
+        let file = |key: &str| self.files[pass[key].as_str().expect("a name")];
+        let mut bound = vec![
+            (0, self.buffer(&self.uniform(pass), BufferUsages::UNIFORM), BufferBindingType::Uniform),
+            (1, self.buffer(file("reads"), STORAGE), READ_ONLY),
+            (2, self.buffer(file("weights"), STORAGE), READ_ONLY),
+        ];
+        for (binding, name) in pass["bindings"].as_object().expect("bindings") {
+            let (binding, name) = (binding.parse().expect("a number"), name.as_str().expect("a name"));
+            if binding > 2 {
+                let read_only = name != "output" && !self.writes(pass, name);
+                bound.push((binding, buffers[name].clone(), BufferBindingType::Storage { read_only }));
+            }
+        }
+        bound
+    }
+
     fn dispatch(&self, pass: &Value, buffers: &HashMap<String, Buffer>) {
         let device = &self.gpu.device;
-        let file = |key: &str| self.files[pass[key].as_str().expect("a name")];
-        let source = std::str::from_utf8(file("file")).expect("text").to_owned();
+        let source = self.files[pass["file"].as_str().expect("a name")];
+        let source = std::str::from_utf8(source).expect("text").to_owned();
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: None,
             source: wgpu::ShaderSource::Wgsl(source.into()),
         });
+        let bound = self.bound(pass, buffers);
+        let entry = |(binding, _, ty): &(u32, Buffer, BufferBindingType)| wgpu::BindGroupLayoutEntry {
+            binding: *binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer { ty: *ty, has_dynamic_offset: false, min_binding_size: None },
+            count: None,
+        };
+        let entries: Vec<_> = bound.iter().map(entry).collect();
+        let layout = device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries });
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: None,
-            layout: None,
+            layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: None,
+                bind_group_layouts: &[Some(&layout)],
+                immediate_size: 0,
+            })),
             module: &module,
             entry_point: Some("main"),
             compilation_options: Default::default(),
             cache: None,
         });
-        let own = [
-            self.buffer(&self.uniform(pass), BufferUsages::UNIFORM),
-            self.buffer(file("reads"), STORAGE),
-            self.buffer(file("weights"), STORAGE),
-        ];
-        let mut entries: Vec<(u32, &Buffer)> = (0..).zip(&own).collect();
-        for (binding, name) in pass["bindings"].as_object().expect("bindings") {
-            let binding = binding.parse().expect("a number");
-            if binding > 2 {
-                entries.push((binding, &buffers[name.as_str().expect("a name")]));
-            }
-        }
-        let entries: Vec<_> = entries
+        let resources: Vec<_> = bound
             .iter()
-            .map(|(binding, buffer)| wgpu::BindGroupEntry {
+            .map(|(binding, buffer, _)| wgpu::BindGroupEntry {
                 binding: *binding,
                 resource: buffer.as_entire_binding(),
             })
             .collect();
-        let layout = pipeline.get_bind_group_layout(0);
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
             layout: &layout,
-            entries: &entries,
+            entries: &resources,
         });
         let mut encoder = device.create_command_encoder(&Default::default());
         let mut compute = encoder.begin_compute_pass(&Default::default());
@@ -142,25 +173,64 @@ fn number(value: &Value) -> u32 {
     value.as_u64().and_then(|value| u32::try_from(value).ok()).expect("a number")
 }
 
+fn published(effect: Effect) -> NetSpec {
+    let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+    NetSpec::published(effect, ChannelOrder::Interleaved, reach).expect("it has one")
+}
+
+/// Networks of which some fill no block of outputs.
+fn specs() -> [NetSpec; 5] {
+    [
+        published(Effect::Ao),
+        published(Effect::Aa),
+        published(Effect::Ibl),
+        NetSpec { u0: 12, levels: 3, ..published(Effect::Ao) },
+        NetSpec { channel_order: ChannelOrder::Contiguous, levels: 3, ..published(Effect::Do) },
+    ]
+}
+
 #[test]
 fn a_host_that_knows_the_files_alone_makes_the_networks_image() {
     let gpu = Gpu::new().expect("an adapter");
-    let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
-    let published =
-        |effect| NetSpec::published(effect, ChannelOrder::Interleaved, reach).expect("it has one");
-    let contiguous = NetSpec { channel_order: ChannelOrder::Contiguous, levels: 3, ..published(Effect::Do) };
-    for spec in [published(Effect::Ao), published(Effect::Aa), contiguous] {
+    let half = gpu.device.features().contains(wgpu::Features::SHADER_F16);
+    for spec in specs() {
+        let [width, height] = if spec.effect == Effect::Ibl { [20, 9] } else { [53, 37] };
         let model = Model { weights: Weights::random(&spec, 5), spec };
-        let files = wgsl_files(&model, Precision::F32).expect("files");
-        let input = noise(model.spec.input_channels(), 37, 53, 3);
+        let input = noise(model.spec.input_channels(), height as usize, width as usize, 3);
         let expected = reference::forward(&model.spec, &model.weights, &input);
-        let made = Host::new(&gpu, &files, [53, 37]).run(&input);
-        let comparison = Comparison::new(&expected, &made);
-        assert!(comparison.agrees(), "{:?}: {comparison:?}", model.spec.effect);
-
         let mut wrong = model.clone();
         wrong.weights.0[0].weight.reverse();
-        let files = wgsl_files(&wrong, Precision::F32).expect("files");
-        assert!(!Comparison::new(&expected, &Host::new(&gpu, &files, [53, 37]).run(&input)).agrees());
+        let kinds = [(Precision::F32, TOLERANCE), (Precision::F16, HALF_TOLERANCE)];
+        for (precision, share) in kinds.into_iter().filter(|(kind, _)| half || *kind == Precision::F32) {
+            let compare = |model: &Model| {
+                let files = wgsl_files(model, precision).expect("files");
+                let made = Host::new(&gpu, &files, [width, height]).run(&input);
+                Comparison::within(&expected, &made, share)
+            };
+            let comparison = compare(&model);
+            assert!(comparison.agrees(), "{:?}, {precision:?}: {comparison:?}", model.spec.effect);
+            assert!(!compare(&wrong).agrees(), "{:?}, {precision:?}", model.spec.effect);
+        }
+    }
+}
+
+#[test]
+fn every_map_has_room_for_what_its_kernel_writes() {
+    for spec in specs() {
+        let model = Model { weights: Weights::random(&spec, 5), spec };
+        let files = wgsl_files(&model, Precision::F32).expect("files");
+        let file = |name: &Value| {
+            let (_, bytes) = files.iter().find(|(file, _)| *name == file[..]).expect("it is there");
+            std::str::from_utf8(bytes).expect("text")
+        };
+        let network: Value = serde_json::from_str(file(&Value::from("network.json"))).expect("JSON");
+        for map in network["maps"].as_array().expect("maps") {
+            let mut passes = network["passes"].as_array().expect("passes").iter();
+            let pass = passes.find(|pass| pass["layer"] == map["written_by"]).expect("a pass");
+            let (_, outputs) = file(&pass["file"]).split_once("const OUTPUTS = ").expect("a constant");
+            let (outputs, _) = outputs.split_once("u;").expect("a number");
+            let outputs: u32 = outputs.parse().expect("a number");
+            assert_eq!(4 * number(&map["blocks"]), outputs * number(&pass["workgroups_z"]), "{map}");
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! Writing files so that a name never stands for half a file: a temporary file in the same folder, synced, renamed.
 
+use crate::own_file::folder;
 use std::fs::OpenOptions;
 use std::io::{self, Write};
 use std::path::Path;
@@ -16,12 +17,25 @@ pub const TEMPORARY_PREFIX: &str = ".deepshade-";
 /// the new name last, at the very end, is the new file there in spite of an error. The error does not say which file:
 /// the caller does.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    // What the process's mask leaves of that.
+    write_with(path, bytes, 0o666)
+}
+
+/// As [`write`], a file that on Unix nobody but its owner may read or write.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_private(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    write_with(path, bytes, 0o600)
+}
+
+fn write_with(path: &Path, bytes: &[u8], mode: u32) -> io::Result<()> {
     let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     match path.metadata() {
         Ok(found) if !found.is_file() && !found.is_dir() => {
             OpenOptions::new().write(true).open(path)?.write_all(bytes)
         }
-        _ => replace(&path, bytes),
+        _ => replace(&path, bytes, mode),
     }
 }
 
@@ -43,16 +57,13 @@ pub fn delete_temporaries(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
+#[cfg_attr(not(unix), expect(unused_variables, reason = "only Unix has modes"))]
+fn replace(path: &Path, bytes: &[u8], mode: u32) -> io::Result<()> {
+    let folder = folder(path);
     let mut builder = tempfile::Builder::new();
     builder.prefix(TEMPORARY_PREFIX);
-    // Temporary files are private by default; what is made of them is not. The process's mask still applies.
     #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(mode));
     let mut file = builder.tempfile_in(folder)?;
     file.write_all(bytes)?;
     file.as_file().sync_all()?;

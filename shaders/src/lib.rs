@@ -12,6 +12,7 @@ pub mod effect;
 pub mod gbuffer;
 pub mod gpu;
 pub mod lists;
+pub mod own_file;
 pub mod planes;
 pub mod random;
 pub mod similarity;

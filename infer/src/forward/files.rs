@@ -5,10 +5,10 @@
 
 use super::kernel;
 use super::maps::{self, MapId};
-use super::packing::Packed;
+use super::packing::{BLOCK, Packed};
 use super::{ForwardError, Options, Precision, Shape, Variant};
 use crate::{Layer, Model, Source};
-use deepshade_shaders::wgsl::convolution::WORKGROUP;
+use deepshade_shaders::wgsl::convolution::{Convolution, WORKGROUP};
 use deepshade_shaders::wgsl::uniforms::NetLayer;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -31,20 +31,21 @@ pub fn wgsl_files(model: &Model, precision: Precision) -> Result<Vec<File>, Forw
     }
     let options = Options { precision, ..Options::default() };
     let layers = spec.layers();
-    let Variant::Staged(shapes) = Variant::staged(&wgpu::Limits::default(), spec, options.output) else {
+    let Variant::Gpu(shapes) = Variant::gpu(&wgpu::Limits::default(), spec, options.output) else {
         unreachable!("the kernels for GPUs have shapes");
     };
     let (mut files, mut passes) = (Vec::new(), Vec::new());
     for (index, (layer, shape)) in layers.iter().zip(&shapes).enumerate() {
         let packed = Packed::new(spec, index, &weights.0[index], shape.outputs as usize);
         let stem = format!("{index:02}_{}", layer.name);
-        let source = kernel::convolution(spec, index, *shape, &options)?.source();
+        // A host gives each map a buffer of its own, so that what is read is not written.
+        let convolution = Convolution { arena: false, ..kernel::convolution(spec, index, *shape, &options)? };
         passes.push(pass(&layers, index, *shape, &packed, &stem));
-        files.push((format!("{stem}.wgsl"), (heading(&layers, index) + &source).into_bytes()));
+        files.push((format!("{stem}.wgsl"), (heading(&layers, index) + &convolution.source()).into_bytes()));
         files.push((format!("{stem}.reads.bin"), bytemuck::cast_slice(&packed.reads).to_vec()));
         files.push((format!("{stem}.weights.bin"), bytemuck::cast_slice(&packed.weights).to_vec()));
     }
-    let maps: Vec<Value> = maps::maps(&layers).iter().map(|map| map_json(&layers, map)).collect();
+    let maps: Vec<Value> = maps::maps(&layers).iter().map(|map| map_json(&layers, &shapes, map)).collect();
     let inputs: Vec<&str> = spec.inputs.iter().map(|attribute| attribute.name()).collect();
     let network = json!({
         "effect": spec.effect, "inputs": inputs, "runs": spec.runs(), "reach": spec.reach,
@@ -65,10 +66,12 @@ fn map_name(layers: &[Layer], id: MapId) -> String {
     }
 }
 
-fn map_json(layers: &[Layer], map: &maps::Map) -> Value {
+fn map_json(layers: &[Layer], shapes: &[Shape], map: &maps::Map) -> Value {
+    // A kernel writes whole blocks of outputs.
+    let channels = map.channels.next_multiple_of(shapes[map.born].outputs as usize);
     let (first, last) = (&layers[map.born].name, &layers[map.dies].name);
     json!({
-        "name": map_name(layers, map.id), "level": map.level, "blocks": map.channels.div_ceil(4),
+        "name": map_name(layers, map.id), "level": map.level, "blocks": channels / BLOCK,
         "written_by": first, "last_read_by": last,
     })
 }

@@ -24,7 +24,7 @@ pub fn room(network: &Network, maps: &[SizedMap]) -> Option<Room> {
     };
     match network.variant {
         Variant::Software => Some(Room::in_textures(maps)),
-        Variant::Staged(_) => Room::in_arena(maps, scalar, &network.device.limits()),
+        Variant::Gpu(_) => Room::in_arena(maps, scalar, &network.device.limits()),
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a network reads from the caller and writes for the caller.
 
 use super::ForwardError;
+use crate::input::is_length;
 use crate::{Colour, NetSpec};
 use deepshade_shaders::AttributeKind;
 use deepshade_shaders::gpu::GpuError;
@@ -35,9 +36,12 @@ pub enum Input<'a> {
     Buffer(&'a wgpu::Buffer),
     /// The g-buffer itself.
     Textures {
-        /// A texture for each of [`NetSpec::inputs`], in their order, with at least the image's rows and columns: its
-        /// channels are the first components, 0 where no surface is seen. Any float format that can be sampled, such as
-        /// `Rgba16Float` or `Rgba32Float`; no filtering is needed.
+        /// A texture for each of [`NetSpec::inputs`], in their order: its channels are the first components. Any float
+        /// format that can be sampled, such as `Rgba16Float` or `Rgba32Float`; no filtering is needed. A view shows mip
+        /// 0, which has at least the image's rows and columns; what lies beyond these is not read.
+        ///
+        /// Every channel must be 0 where no surface is seen: lengths are scaled as they are read, but nothing tells the
+        /// network which pixels those are. A g-buffer that holds something else there is cleared by its owner.
         views: &'a [wgpu::TextureView],
         /// [`Reach::position_scale`](crate::Reach::position_scale) of the effect's radius.
         length_scale: f32,
@@ -53,7 +57,7 @@ pub enum Input<'a> {
 pub enum Output<'a> {
     /// A storage buffer, planar `[output channels, height, width]` f32.
     Buffer(&'a wgpu::Buffer),
-    /// A storage texture with at least the image's rows and columns. Components that the image has not are 0, alpha 1.
+    /// A storage texture, of which the view shows mip 0, with at least the image's rows and columns. Components that the image has not are 0, alpha 1.
     Texture(&'a wgpu::TextureView),
 }
 
@@ -127,8 +131,9 @@ impl Output<'_> {
 /// What a network reads of each of its textures.
 pub(super) fn texture_channels(spec: &NetSpec) -> Vec<TextureChannels> {
     let channels = |attribute: &deepshade_shaders::Attribute| match (spec.colour, attribute.kind()) {
+        (Colour::Mono, AttributeKind::Colour) if is_length(*attribute) => TextureChannels::LengthOfRun,
         (Colour::Mono, AttributeKind::Colour) => TextureChannels::OfRun,
-        _ if crate::input::is_length(*attribute) => TextureChannels::Lengths(attribute.width()),
+        _ if is_length(*attribute) => TextureChannels::Lengths(attribute.width()),
         _ => TextureChannels::First(attribute.width()),
     };
     spec.inputs.iter().map(channels).collect()

@@ -22,6 +22,7 @@ pub fn convolution(
         kernel: spec.kernel as u32,
         shape,
         half: options.precision == Precision::F16,
+        arena: true,
         reading: reading(spec, &layers[index], options),
         writing: writing(spec, &layers, index, options)?,
     })

@@ -1,7 +1,7 @@
 //! A network on a device.
 
 use super::stage::{Stage, Stages};
-use super::{ForwardError, InputKind, OutputKind, Plan, Precision, Variant};
+use super::{ForwardError, InputKind, OutputKind, Plan, Precision, Shape, Variant, variant};
 use crate::{Layer, NetSpec, Weights};
 use deepshade_shaders::gpu::PipelineCache;
 use std::collections::HashMap;
@@ -71,7 +71,7 @@ impl Network {
         }
         match Self::of(device, spec, weights, options, &Variant::default_for(device, spec, options)) {
             Err(ForwardError::Weights { .. } | ForwardError::Channels { .. }) => {
-                let variant = Variant::staged(&device.limits(), spec, options.output);
+                let variant = Variant::gpu(&device.limits(), spec, options.output);
                 Self::of(device, spec, weights, options, &variant)
             }
             made => made,
@@ -90,7 +90,7 @@ impl Network {
         let mut stages = Stages { device, spec, weights, options, compiled: HashMap::new() };
         let stage = |(index, layer)| match variant {
             Variant::Software => stages.software(index, layer),
-            Variant::Staged(shapes) => stages.staged(index, layer, shapes[index]),
+            Variant::Gpu(shapes) => stages.gpu(index, layer, shapes[index]),
         };
         let stages = layers.iter().enumerate().map(stage).collect::<Result<_, _>>()?;
         let (device, spec, variant) = (device.clone(), spec.clone(), variant.clone());
@@ -140,8 +140,25 @@ fn check(
         }
         Variant::Software if half => "the software kernels have no half floats",
         Variant::Software if !options.buffers() => "the software kernels read and write buffers only",
-        Variant::Staged(shapes) if shapes.len() != spec.layers().len() => "a shape is needed for every layer",
-        _ => return Ok(()),
+        Variant::Gpu(shapes) if shapes.len() != spec.layers().len() => "a shape is needed for every layer",
+        Variant::Gpu(shapes) => return check_shapes(device, spec, shapes, options),
+        Variant::Software => return Ok(()),
     };
     Err(ForwardError::Variant(refused))
+}
+
+/// Whether every layer's kernel may have its shape on the device.
+fn check_shapes(
+    device: &wgpu::Device,
+    spec: &NetSpec,
+    shapes: &[Shape],
+    options: &Options<'_>,
+) -> Result<(), ForwardError> {
+    let room = device.limits().max_compute_workgroup_storage_size;
+    for (index, (shape, layer)) in shapes.iter().zip(spec.layers()).enumerate() {
+        if !variant::shapes(spec, index, options.output, room).contains(shape) {
+            return Err(ForwardError::Shape { layer: layer.name, shape: *shape });
+        }
+    }
+    Ok(())
 }

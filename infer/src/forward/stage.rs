@@ -69,8 +69,7 @@ impl Stages<'_> {
             let [bytes, limit] = [packed.stride, SOFTWARE_ROOM].map(|floats| floats * size_of::<f32>());
             return Err(ForwardError::Weights { layer: layer.name.clone(), bytes, limit });
         }
-        let shader = software_shader(self.spec, layer);
-        let pass = self.pass(shader.name, shader.specialised(&[("KERNEL", self.spec.kernel as u32)]))?;
+        let pass = self.pass(software_shader(self.spec, layer).name, software_source(self.spec, layer))?;
         let at_once = SOFTWARE_ROOM / packed.stride;
         let parts = (0..packed.reads.len()).step_by(at_once).map(|first| {
             let end = packed.reads.len().min(first + at_once);
@@ -94,7 +93,7 @@ impl Stages<'_> {
     }
 
     /// A layer for GPUs, its kernel of that shape.
-    pub fn staged(&mut self, index: usize, layer: &Layer, shape: Shape) -> Result<Stage, ForwardError> {
+    pub fn gpu(&mut self, index: usize, layer: &Layer, shape: Shape) -> Result<Stage, ForwardError> {
         let convolution = kernel::convolution(self.spec, index, shape, self.options)?;
         let pass = self.pass(&format!("net.{}", layer.name), convolution.source())?;
         let packed = Packed::new(self.spec, index, &self.weights.0[index], shape.outputs as usize);
@@ -123,6 +122,11 @@ impl Stages<'_> {
         self.compiled.insert(source, pass.clone());
         Ok(pass)
     }
+}
+
+/// The source of a layer's software kernel.
+pub fn software_source(spec: &NetSpec, layer: &Layer) -> String {
+    software_shader(spec, layer).specialised(&[("KERNEL", spec.kernel as u32)])
 }
 
 /// The software kernel of a layer.

@@ -1,12 +1,12 @@
 //! Which kernels are the fastest on a device: measured once, remembered in a file.
 
-use super::maps::has_means;
-use super::tuning_file::{Layers, Measured, Timed, TuningFile};
+use super::tuning_file::{Measured, Timed, TuningFile};
+use super::tuning_key::keys;
 use super::variant::shapes;
 use super::{ForwardError, HALF_TOLERANCE, Network, Options, OutputKind, Precision, Shape, Variant};
 use crate::parity::{TOLERANCE, first_difference_within, noise};
-use crate::{Activation, NetSpec, Source, Weights, reference};
-use deepshade_shaders::gpu::{Gpu, adapter_key};
+use crate::{Activation, NetSpec, Weights, reference};
+use deepshade_shaders::gpu::{Gpu, GpuError, PipelineCache, adapter_key};
 use std::io;
 use std::path::Path;
 
@@ -44,48 +44,66 @@ impl Tuning {
         self.file.save(path)
     }
 
-    /// The fastest kernels for a network that is to run with these options, if all of its layers were measured.
-    pub fn variant(&self, spec: &NetSpec, options: &Options<'_>) -> Option<Variant> {
-        let measured = self.file.devices.get(&self.device)?;
-        let layers: Option<Vec<&Measured>> = (0..spec.layers().len())
-            .map(|index| measured.get(&key(spec, index, options.precision)))
-            .collect();
-        let layers = layers?;
+    /// The fastest kernels for a network that is to run with these options on images of about a size, `[height, width]`;
+    /// none before all of its layers were measured, on images whose number of pixels is the same power of two, rounded.
+    ///
+    /// # Errors
+    /// [`ForwardError::NoKernel`] if measuring found none that works.
+    pub fn variant(
+        &self,
+        spec: &NetSpec,
+        options: &Options<'_>,
+        size: [usize; 2],
+    ) -> Result<Option<Variant>, ForwardError> {
+        let keys = keys(spec, options.precision, size, self.workgroup_bytes);
+        let Some(found) = self.file.devices.get(&self.device) else { return Ok(None) };
+        let layers: Option<Vec<&Measured>> = keys.iter().map(|key| found.get(key)).collect();
+        let Some(layers) = layers else { return Ok(None) };
         let fastest: Option<Vec<Timed>> = layers.iter().map(|layer| layer.fastest).collect();
         let software: Option<f64> = layers.iter().map(|layer| layer.software).sum();
-        let staged: Option<f64> = fastest.as_ref().map(|all| all.iter().map(|one| one.milliseconds).sum());
+        let gpu: Option<f64> = fastest.as_ref().map(|all| all.iter().map(|one| one.milliseconds).sum());
         if let Some(software) = software.filter(|_| options.buffers())
-            && staged.is_none_or(|staged| software < staged)
+            && gpu.is_none_or(|gpu| software < gpu)
         {
-            return Some(Variant::Software);
+            return Ok(Some(Variant::Software));
         }
+        let Some(fastest) = fastest else {
+            let index = layers.iter().position(|layer| layer.fastest.is_none()).unwrap_or(0);
+            let (layer, device) = (spec.layers().swap_remove(index).name, self.device.clone());
+            return Err(ForwardError::NoKernel { layer, precision: options.precision, device });
+        };
         let shape = |(index, timed): (usize, Timed)| {
             let shape = Shape { outputs: timed.outputs, pixels: timed.pixels, staged: timed.staged };
             let known = shapes(spec, index, options.output, self.workgroup_bytes);
             // Where the image goes decides what its layer may have, and a file may hold nonsense.
             if known.contains(&shape) { Some(shape) } else { known.first().copied() }
         };
-        Some(Variant::Staged(fastest?.into_iter().enumerate().map(shape).collect::<Option<_>>()?))
+        let shapes: Option<Vec<Shape>> = fastest.into_iter().enumerate().map(shape).collect();
+        Ok(shapes.map(Variant::Gpu))
     }
 
-    /// Measures all kernels that the layers of a network may have on images of a size, from buffers to buffers. A kernel
-    /// counts only if what it makes of a small image is what the reference makes of it; the note says which do not.
+    /// Measures all kernels that the layers of a network may have on images of a size, `[height, width]`, in the options'
+    /// precision and through their cache, from buffers to buffers. A kernel counts only if the driver accepts it and what
+    /// it makes of a small image is what the reference makes of it; the notes say which do not. That none of a layer's
+    /// counts is remembered too.
     ///
     /// # Errors
-    /// If the GPU refuses.
+    /// If the device has no such precision, or fails.
     pub fn measure(
         &mut self,
         gpu: &Gpu,
         spec: &NetSpec,
+        options: &Options<'_>,
         size: [usize; 2],
-        precision: Precision,
     ) -> Result<Vec<String>, ForwardError> {
         let weights = Weights::random(spec, 1);
         let expected =
             reference::layers(spec, &weights, &noise(spec.input_channels(), PROOF[0], PROOF[1], 1));
-        let trial = Trial { gpu, spec, weights, expected, size, precision };
+        let Options { precision, cache, .. } = *options;
+        let trial = Trial { gpu, spec, weights, expected, size, precision, cache };
         let (layers, notes) = trial.layers()?;
-        self.file.devices.entry(self.device.clone()).or_default().extend(layers);
+        let keys = keys(spec, precision, size, self.workgroup_bytes);
+        self.file.devices.entry(self.device.clone()).or_default().extend(keys.into_iter().zip(layers));
         Ok(notes)
     }
 
@@ -103,11 +121,12 @@ struct Trial<'a> {
     expected: Vec<Activation>,
     size: [usize; 2],
     precision: Precision,
+    cache: Option<&'a PipelineCache>,
 }
 
 impl Trial<'_> {
-    /// What is measured of every layer, and which kernels were wrong.
-    fn layers(&self) -> Result<(Layers, Vec<String>), ForwardError> {
+    /// What is measured of every layer, and which kernels were refused or wrong.
+    fn layers(&self) -> Result<(Vec<Measured>, Vec<String>), ForwardError> {
         let count = self.spec.layers().len();
         let (mut measured, mut notes) = (vec![Measured::default(); count], Vec::new());
         if self.precision == Precision::F32 {
@@ -118,7 +137,7 @@ impl Trial<'_> {
         }
         for variant in Variant::candidates(&self.gpu.device.limits(), self.spec, OutputKind::Buffer) {
             let times = self.times(&variant, &mut notes)?;
-            let Variant::Staged(these) = variant else { continue };
+            let Variant::Gpu(these) = variant else { continue };
             for ((layer, shape), time) in measured.iter_mut().zip(these).zip(times) {
                 let Some(milliseconds) = time else { continue };
                 if layer.fastest.is_none_or(|fastest| milliseconds < fastest.milliseconds) {
@@ -127,19 +146,27 @@ impl Trial<'_> {
                 }
             }
         }
-        let keys = (0..count).map(|index| key(self.spec, index, self.precision));
-        Ok((keys.zip(measured).collect(), notes))
+        Ok((measured, notes))
     }
 
-    /// Milliseconds of each layer of a network; none of one that is wrong, nor of those after it.
+    /// Milliseconds of each layer of a network; none of one that is wrong, nor of those after it; none of any if the
+    /// driver refuses a kernel.
     fn times(&self, variant: &Variant, notes: &mut Vec<String>) -> Result<Vec<Option<f64>>, ForwardError> {
-        let options =
-            Options { precision: self.precision, variant: Some(variant.clone()), ..Options::default() };
+        let options = Options {
+            precision: self.precision,
+            variant: Some(variant.clone()),
+            cache: self.cache,
+            ..Options::default()
+        };
         let network = match Network::with(&self.gpu.device, self.spec, &self.weights, &options) {
             Ok(network) => network,
-            // The software kernels have limits of their own.
-            Err(error) if *variant == Variant::Software => {
-                notes.push(error.to_string());
+            // The software kernels have limits of their own, and every driver has a taste and faults of its own.
+            Err(
+                error @ (ForwardError::Weights { .. }
+                | ForwardError::Channels { .. }
+                | ForwardError::Gpu(GpuError::Shader { .. })),
+            ) => {
+                notes.push(format!("refused with {variant:?}: {error}"));
                 return Ok(vec![None; self.expected.len()]);
             }
             Err(error) => return Err(error),
@@ -164,27 +191,6 @@ impl Trial<'_> {
             })
             .collect())
     }
-}
-
-/// A layer in words: all that a kernel's time depends on, but for the size.
-fn key(spec: &NetSpec, index: usize, precision: Precision) -> String {
-    let layers = spec.layers();
-    let layer = &layers[index];
-    let source = match layer.source {
-        Source::Input => "input",
-        Source::Plain(_) => "map",
-        Source::Pooled(_) => "means",
-        Source::Joined { .. } => "joined",
-    };
-    let kept = match layer.activation {
-        true if has_means(&layers, index) => "map and means",
-        true => "map",
-        false => "image",
-    };
-    format!(
-        "{source} {} to {kept} {}, {} groups {:?}, kernel {}, {precision:?}",
-        layer.inputs, layer.outputs, layer.groups, spec.channel_order, spec.kernel
-    )
 }
 
 #[cfg(test)]

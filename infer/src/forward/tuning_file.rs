@@ -27,9 +27,9 @@ pub struct Timed {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measured {
-    /// Milliseconds of the software kernel; none where there is none or it was wrong.
+    /// Milliseconds of the software kernel; none where there is none, or it does not work.
     pub software: Option<f64>,
-    /// The fastest of the kernels for GPUs; none if all were wrong.
+    /// The fastest of the kernels for GPUs; none if none works, or none of a layer before.
     pub fastest: Option<Timed>,
 }
 

@@ -22,8 +22,9 @@ pub enum Variant {
     /// Kernels for software adapters: feature maps in textures, weights in uniform buffers, eight outputs of 2x2 pixels
     /// an invocation. From buffers to buffers, in 32-bit floats.
     Software,
-    /// Kernels for GPUs: feature maps in a storage buffer; the shape of each layer's kernel.
-    Staged(Vec<Shape>),
+    /// Kernels for GPUs: feature maps in a storage buffer; the shape of each layer's kernel, one of those that
+    /// [`Variant::candidates`] have for it.
+    Gpu(Vec<Shape>),
 }
 
 impl Variant {
@@ -32,13 +33,13 @@ impl Variant {
         let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         match software && options.buffers() && options.precision == Precision::F32 {
             true => Self::Software,
-            false => Self::staged(&device.limits(), spec, options.output),
+            false => Self::gpu(&device.limits(), spec, options.output),
         }
     }
 
     /// The kernels for GPUs, of the shapes that are guessed to be best within a device's limits.
-    pub fn staged(limits: &wgpu::Limits, spec: &NetSpec, output: OutputKind) -> Self {
-        Self::Staged(shapes_of_layers(limits, spec, output).into_iter().map(|shapes| shapes[0]).collect())
+    pub fn gpu(limits: &wgpu::Limits, spec: &NetSpec, output: OutputKind) -> Self {
+        Self::Gpu(shapes_of_layers(limits, spec, output).into_iter().map(|shapes| shapes[0]).collect())
     }
 
     /// Kernels for GPUs such that every shape that a layer's kernel may have is in one of them, the best guess first.
@@ -46,7 +47,7 @@ impl Variant {
         let shapes = shapes_of_layers(limits, spec, output);
         let most = shapes.iter().map(Vec::len).max().unwrap_or(0);
         let round = |round: usize| shapes.iter().map(|all| all[round % all.len()]).collect();
-        (0..most).map(|index| Self::Staged(round(index))).collect()
+        (0..most).map(|index| Self::Gpu(round(index))).collect()
     }
 }
 
@@ -99,5 +100,6 @@ fn outputs_at_once(spec: &NetSpec, layer: &Layer, output: OutputKind) -> Vec<u32
 
 fn workgroup_bytes(spec: &NetSpec, shape: Shape) -> u32 {
     let kernel = spec.kernel as u32;
-    Convolution { kernel, shape, half: false, reading: Reading::Map, writing: Writing::Map }.workgroup_bytes()
+    let (reading, writing) = (Reading::Map, Writing::Map);
+    Convolution { kernel, shape, half: false, arena: true, reading, writing }.workgroup_bytes()
 }

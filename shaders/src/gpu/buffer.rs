@@ -1,6 +1,6 @@
 //! Buffers that are filled once, written by passes, and read back.
 
-use super::{GpuError, catch};
+use super::{GpuError, allocate, catch};
 use bytemuck::Pod;
 use wgpu::BufferUsages;
 
@@ -142,6 +142,5 @@ fn create_within(
         return Err(GpuError::TooLarge { label, bytes: size, limit });
     }
     let descriptor = wgpu::BufferDescriptor { label: Some(&label), size, usage, mapped_at_creation };
-    catch(device, || device.create_buffer(&descriptor))
-        .map_err(|what| GpuError::Refused { label: label.clone(), what })
+    allocate(device, &label, size, || device.create_buffer(&descriptor))
 }

@@ -17,7 +17,8 @@ pub struct Gpu {
 impl Gpu {
     /// Opens the fastest adapter there is; a software one will do.
     ///
-    /// The limits are those that WebGPU guarantees. The only optional features are timestamps ([`super::time`]), half
+    /// The limits are those that WebGPU guarantees, but for memory, of which the device may use as much as the adapter
+    /// offers: of a buffer, of a binding, and of what a workgroup shares. The only optional features are timestamps ([`super::time`]), half
     /// floats and pipeline caches ([`super::PipelineCache`]), each requested where it is offered.
     ///
     /// # Errors
@@ -34,8 +35,16 @@ impl Gpu {
             | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
             | Features::SHADER_F16
             | Features::PIPELINE_CACHE;
+        let offered = adapter.limits();
+        let required_limits = wgpu::Limits {
+            max_buffer_size: offered.max_buffer_size,
+            max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
+            max_compute_workgroup_storage_size: offered.max_compute_workgroup_storage_size,
+            ..wgpu::Limits::default()
+        };
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("deepshade"),
+            required_limits,
             required_features: adapter.features() & optional,
             ..Default::default()
         };

@@ -57,6 +57,14 @@ pub enum GpuError {
         /// Largest size allowed.
         limit: u64,
     },
+    /// The device has no memory left for a buffer or a texture.
+    #[error("`{label}`: the device has no room for {bytes} bytes more")]
+    Memory {
+        /// Label of the buffer or texture.
+        label: String,
+        /// Size asked for.
+        bytes: u64,
+    },
     /// The device refused a buffer, a binding or a submission.
     #[error("`{label}`: {what}")]
     Refused {
@@ -77,15 +85,32 @@ pub enum GpuError {
 
 /// Runs `work`; whatever the device finds wrong with it is the error, in words.
 fn catch<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> Result<T, String> {
+    caught(device, work).map_err(|error| error.to_string())
+}
+
+/// Makes something that takes that many bytes of the device's memory.
+fn allocate<T>(
+    device: &wgpu::Device,
+    label: &str,
+    bytes: u64,
+    make: impl FnOnce() -> T,
+) -> Result<T, GpuError> {
+    caught(device, make).map_err(|error| match error {
+        wgpu::Error::OutOfMemory { .. } => GpuError::Memory { label: label.to_owned(), bytes },
+        error => GpuError::Refused { label: label.to_owned(), what: error.to_string() },
+    })
+}
+
+/// Runs `work`; whatever the device finds wrong with it is the error. What a driver's compiler refuses is internal to it.
+fn caught<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> Result<T, wgpu::Error> {
+    let internal = device.push_error_scope(wgpu::ErrorFilter::Internal);
     let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let validation = device.push_error_scope(wgpu::ErrorFilter::Validation);
     let done = work();
     let invalid = pollster::block_on(validation.pop());
     let exhausted = pollster::block_on(memory.pop());
-    match invalid.or(exhausted) {
-        None => Ok(done),
-        Some(error) => Err(error.to_string()),
-    }
+    let failed = pollster::block_on(internal.pop());
+    invalid.or(exhausted).or(failed).map_or(Ok(done), Err)
 }
 
 #[cfg(test)]

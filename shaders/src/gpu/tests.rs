@@ -79,6 +79,21 @@ fn a_time_is_plausible_whatever_ran_before() {
 }
 
 #[test]
+fn the_device_has_the_adapters_memory() {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let options = wgpu::RequestAdapterOptions {
+        power_preference: wgpu::PowerPreference::HighPerformance,
+        ..Default::default()
+    };
+    let adapter = pollster::block_on(instance.request_adapter(&options)).expect("an adapter");
+    let memory = |limits: wgpu::Limits| {
+        let binding = limits.max_storage_buffer_binding_size;
+        (limits.max_buffer_size, binding, limits.max_compute_workgroup_storage_size)
+    };
+    assert_eq!(memory(gpu().device.limits()), memory(adapter.limits()));
+}
+
+#[test]
 fn a_broken_shader_is_an_error_with_its_name() {
     let device = gpu().device;
     let error = Pass::new(&device, "broken", "fn main() { nonsense; }").expect_err("not WGSL");

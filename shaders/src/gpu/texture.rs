@@ -1,6 +1,6 @@
 //! Textures that passes write and later passes read: array layers of four 32-bit floats a texel.
 
-use super::{GpuError, catch, read};
+use super::{GpuError, allocate, catch, read};
 use bytemuck::Pod;
 use wgpu::{BufferUsages, TextureUsages};
 
@@ -30,8 +30,8 @@ pub fn texture_array(
         usage: TextureUsages::TEXTURE_BINDING | TextureUsages::STORAGE_BINDING | TextureUsages::COPY_SRC,
         view_formats: &[],
     };
-    catch(device, || device.create_texture(&descriptor))
-        .map_err(|what| GpuError::Refused { label: label.clone(), what })
+    let bytes = (layers * height * width * size_of::<[f32; 4]>()) as u64;
+    allocate(device, &label, bytes, || device.create_texture(&descriptor))
 }
 
 /// All of a texture array, to be bound.

@@ -19,6 +19,8 @@ pub struct Convolution {
     pub shape: Shape,
     /// Whether feature maps are kept in half floats; sums and weights are not.
     pub half: bool,
+    /// Whether maps share buffers: a buffer that is written is then declared as such wherever it is read too.
+    pub arena: bool,
     /// Where it reads from.
     pub reading: Reading,
     /// Where it writes to.
@@ -58,6 +60,8 @@ pub enum TextureChannels {
     Lengths(usize),
     /// The component of the colour channel that the run makes.
     OfRun,
+    /// As `OfRun`, of a colour of lengths: it is scaled.
+    LengthOfRun,
 }
 
 /// Where a layer writes to.
@@ -89,7 +93,7 @@ impl Convolution {
             file!("shared/net_window").to_owned(),
             if self.shape.staged { file!("convolution/staged") } else { file!("convolution/direct") }
                 .to_owned(),
-            self.reading.source(),
+            self.reading_source(),
             self.outputs(),
             self.writing.source().to_owned(),
             file!("convolution/main").to_owned(),
@@ -130,6 +134,11 @@ impl Convolution {
                 .expect("writing to a string");
         }
         prelude + &NetLayer::LAYOUT.declaration()
+    }
+
+    fn reading_source(&self) -> String {
+        let source = self.reading.source();
+        if self.arena { source } else { source.replace("var<storage, read_write>", "var<storage, read>") }
     }
 
     fn outputs(&self) -> String {
@@ -188,6 +197,7 @@ fn texture_channels(textures: &[TextureChannels]) -> String {
                 channels.extend((0..count).map(|c| format!("layer.length_scale * {load}.{}", component(c))));
             }
             TextureChannels::OfRun => channels.push(format!("{load}[layer.run]")),
+            TextureChannels::LengthOfRun => channels.push(format!("layer.length_scale * {load}[layer.run]")),
         }
     }
     channels.resize(channels.len().next_multiple_of(4), "0.0".to_owned());

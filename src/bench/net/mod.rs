@@ -223,7 +223,7 @@ fn ao_bytes(gpu: &Gpu, subjects: &[Subject]) -> Result<Option<u64>> {
     let Model { spec, weights } = &subject.model;
     let options = Options {
         precision: layers::half_where_there_is(gpu),
-        variant: Some(Variant::staged(&gpu.device.limits(), spec, OutputKind::Buffer)),
+        variant: Some(Variant::gpu(&gpu.device.limits(), spec, OutputKind::Buffer)),
         ..Options::default()
     };
     let network = Network::with(&gpu.device, spec, weights, &options)?;

@@ -14,8 +14,11 @@ fn spec() -> NetSpec {
     NetSpec { levels: 2, u0: 4, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) }
 }
 
+const SIZE: [usize; 2] = [32, 48];
+
 fn chosen(tuning: &Tuning) -> Option<Variant> {
-    tuning.variant(&spec(), &Options { input: InputKind::Textures, ..Options::default() })
+    let options = Options { input: InputKind::Textures, ..Options::default() };
+    tuning.variant(&spec(), &options, SIZE).expect("there are kernels that work")
 }
 
 #[test]
@@ -25,16 +28,18 @@ fn what_is_measured_is_remembered_in_a_file() {
     let path = folder.path().join("new").join("tuning.json");
     let (mut tuning, note) = Tuning::load(&gpu.device, &path);
     assert_eq!((note, chosen(&tuning)), (None, None));
-    let notes = tuning.measure(&gpu, &spec(), [32, 48], Precision::F32).expect("runs");
+    let notes = tuning.measure(&gpu, &spec(), &Options::default(), SIZE).expect("runs");
     assert_eq!(notes, Vec::<String>::new(), "every kernel is right");
     tuning.save(&path).expect("written");
     let (loaded, note) = Tuning::load(&gpu.device, &path);
     assert_eq!(note, None);
-    assert!(matches!(chosen(&loaded), Some(Variant::Staged(_))));
+    assert!(matches!(chosen(&loaded), Some(Variant::Gpu(_))));
     assert_eq!(chosen(&loaded), chosen(&tuning));
     let options = Options { variant: chosen(&loaded), ..Options::default() };
     Network::with(&gpu.device, &spec(), &Weights::random(&spec(), 2), &options).expect("compiles");
 
+    let large = loaded.variant(&spec(), &Options::default(), [2160, 3840]).expect("nothing is known");
+    assert_eq!(large, None, "small images' times mean nothing for large ones");
     let other = Tuning { device: "another adapter".to_owned(), ..loaded };
     assert_eq!(chosen(&other), None, "another device's times mean nothing");
 }
@@ -62,14 +67,13 @@ fn shapes_that_no_kernel_has_are_not_taken_from_a_file() {
     let device = gpu().device;
     let mut tuning = Tuning::new(&device);
     let nonsense = Timed { outputs: 5, pixels: [7, 0], staged: true, milliseconds: 1.0 };
-    let layers = (0..spec().layers().len()).map(|index| {
-        (key(&spec(), index, Precision::F32), Measured { software: Some(0.5), fastest: Some(nonsense) })
-    });
-    let layers: Layers = layers.collect();
+    let measured = Measured { software: Some(0.5), fastest: Some(nonsense) };
+    let keys = keys(&spec(), Precision::F32, SIZE, tuning.workgroup_bytes);
+    let layers = keys.into_iter().map(|key| (key, measured)).collect();
     tuning.file.devices.insert(tuning.device.clone(), layers);
-    assert_eq!(chosen(&tuning), Some(Variant::staged(&device.limits(), &spec(), OutputKind::Buffer)));
-    let buffers = tuning.variant(&spec(), &Options::default());
-    assert_eq!(buffers, Some(Variant::Software), "which is faster");
+    assert_eq!(chosen(&tuning), Some(Variant::gpu(&device.limits(), &spec(), OutputKind::Buffer)));
+    let buffers = tuning.variant(&spec(), &Options::default(), SIZE);
+    assert_eq!(buffers.expect("works"), Some(Variant::Software), "which is faster");
 }
 
 #[test]
@@ -82,10 +86,48 @@ fn a_wrong_kernel_is_never_chosen() {
     let input = noise(spec.input_channels(), PROOF[0], PROOF[1], 1);
     let expected = reference::layers(&spec, &weights, &input);
     let precision = Precision::F32;
-    let trial = Trial { gpu: &gpu, spec: &spec, weights: wrong, expected, size: [16, 16], precision };
+    let trial =
+        Trial { gpu: &gpu, spec: &spec, weights: wrong, expected, size: [16, 16], precision, cache: None };
     let (layers, notes) = trial.layers().expect("runs");
-    let usable = |index| layers[&key(&spec, index, precision)].fastest.is_some();
-    assert_eq!([0, 1, 2].map(usable), [true, false, false]);
+    assert_eq!([0, 1, 2].map(|index: usize| layers[index].fastest.is_some()), [true, false, false]);
     assert!(notes.iter().all(|note| note.contains("layer `down1` is wrong")), "{notes:?}");
     assert!(!notes.is_empty());
+}
+
+#[test]
+fn that_no_kernel_works_is_remembered_and_an_error() {
+    // A device on which no workgroup of ours has room.
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
+    let adapter = adapter.expect("an adapter");
+    let required_limits =
+        wgpu::Limits { max_compute_invocations_per_workgroup: 32, ..wgpu::Limits::default() };
+    let descriptor = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).expect("a device");
+    let gpu = Gpu { device, queue, info: adapter.get_info() };
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("tuning.json");
+    let mut tuning = Tuning::new(&gpu.device);
+    let notes = tuning.measure(&gpu, &spec(), &Options::default(), SIZE).expect("a refusal is no failure");
+    let candidates = Variant::candidates(&gpu.device.limits(), &spec(), OutputKind::Buffer).len();
+    assert_eq!(notes.len(), 1 + candidates, "every one is tried and noted: {notes:?}");
+    assert!(notes.iter().all(|note| note.starts_with("refused with")), "{notes:?}");
+    tuning.save(&path).expect("written");
+    let (loaded, _) = Tuning::load(&gpu.device, &path);
+    let error = loaded.variant(&spec(), &Options::default(), SIZE).expect_err("none works");
+    assert!(matches!(&error, ForwardError::NoKernel { layer, .. } if layer == "down0"), "{error}");
+}
+
+#[test]
+fn a_refused_candidate_does_not_end_the_trial() {
+    let gpu = gpu();
+    // Too wide for the software kernels' uniform buffers.
+    let spec = NetSpec { levels: 3, u0: 128, ..spec() };
+    let weights = Weights::random(&spec, 1);
+    let expected = reference::layers(&spec, &weights, &noise(spec.input_channels(), PROOF[0], PROOF[1], 1));
+    let precision = Precision::F32;
+    let trial = Trial { gpu: &gpu, spec: &spec, weights, expected, size: [4, 4], precision, cache: None };
+    let mut notes = Vec::new();
+    assert_eq!(trial.times(&Variant::Software, &mut notes).expect("noted"), [None; 5]);
+    assert!(notes[0].contains("layer `up1`: eight of its outputs"), "{notes:?}");
 }

@@ -5,7 +5,8 @@ use crate::wgsl::tests::{agrees, parse};
 
 /// Every kernel that a network may ask for.
 fn all() -> Vec<Convolution> {
-    let textures = vec![TextureChannels::Lengths(3), TextureChannels::OfRun, TextureChannels::First(3)];
+    use TextureChannels::{First, LengthOfRun, Lengths, OfRun};
+    let textures = vec![Lengths(3), OfRun, LengthOfRun, First(3)];
     let readings = [Reading::Planes, Reading::Textures(textures), Reading::Map, Reading::Joined];
     let writings = [
         Writing::Map,
@@ -26,9 +27,9 @@ fn all() -> Vec<Convolution> {
             {
                 let shape = Shape { outputs, pixels, staged };
                 let (reading, writing) = (reading.clone(), *writing);
-                let pools = writing == Writing::MapAndMeans;
+                let (pools, arena) = (writing == Writing::MapAndMeans, half != staged);
                 if !pools || (pixels[1] == 2 && reading != Reading::Joined) {
-                    all.push(Convolution { kernel, shape, half, reading, writing });
+                    all.push(Convolution { kernel, shape, half, arena, reading, writing });
                 }
             }
         }
@@ -42,6 +43,19 @@ fn every_kernel_is_valid_and_reads_the_layer_as_rust_wrote_it() {
         let module = parse(&kernel.source()).map_err(|e| format!("{kernel:?}: {e}")).expect("valid");
         assert_eq!(module.entry_points.len(), 1, "{kernel:?}");
         assert_eq!(agrees(&NetLayer::LAYOUT, &module), Ok(()), "{kernel:?}");
+    }
+}
+
+#[test]
+fn only_maps_in_one_buffer_are_read_from_a_buffer_that_is_written() {
+    let shape = Shape { outputs: 4, pixels: [2, 2], staged: true };
+    for (reading, maps) in [(Reading::Map, 1), (Reading::Joined, 2)] {
+        for arena in [true, false] {
+            let (reading, writing) = (reading.clone(), Writing::Map);
+            let source = Convolution { kernel: 3, shape, half: false, arena, reading, writing }.source();
+            let written = if arena { maps + 1 } else { 1 };
+            assert_eq!(source.matches("var<storage, read_write>").count(), written, "{source}");
+        }
     }
 }
 
