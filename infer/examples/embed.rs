@@ -1,81 +1,99 @@
-//! A network inside a renderer: the g-buffer stays in the renderer's textures, the image goes into one, all on the
+//! Networks inside a renderer: the g-buffer stays in the renderer's textures, images go into others, all on the
 //! renderer's own device, in the renderer's own encoder, without a way to main memory and back.
 //!
-//! `cargo run --release -p deepshade-infer --example embed -- models/ao`
+//! `cargo run --release -p deepshade-infer --example embed -- models/ao models/ao`
 
 use deepshade_infer::forward::{Input, InputKind, Options, Output, OutputKind, Precision, Tuning};
 use deepshade_infer::{Model, Network};
 use deepshade_shaders::gpu::{Gpu, PipelineCache};
+use etcetera::BaseStrategy;
+use half::f16;
 use std::error::Error;
 use std::path::Path;
-use wgpu::{TextureFormat, TextureUsages, TextureViewDescriptor};
+use wgpu::{Extent3d, TextureFormat, TextureUsages, TextureView};
 
-const WIDTH: u32 = 321;
-const HEIGHT: u32 = 203;
+const SIZE: Extent3d = Extent3d { width: 321, height: 203, depth_or_array_layers: 1 };
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let folder = std::env::args().nth(1).unwrap_or_else(|| "models/ao".to_owned());
-    let model = Model::load(Path::new(&folder))?;
+    let size = [SIZE.height as usize, SIZE.width as usize];
 
-    // A renderer has a device and a queue of its own. Of its features deepshade uses SHADER_F16, which halves the memory
-    // of feature maps, and PIPELINE_CACHE, which makes later starts faster; it runs without either.
-    let Gpu { device, queue, .. } = Gpu::new()?;
+    // A renderer has a device and a queue of its own. Of its features SHADER_F16 halves the memory of feature maps, and
+    // PIPELINE_CACHE makes later starts faster; deepshade runs without either.
+    let gpu = Gpu::new()?;
+    let Gpu { device, queue, .. } = &gpu;
     let half = device.features().contains(wgpu::Features::SHADER_F16);
-    let precision = if half { Precision::F16 } else { Precision::F32 };
 
-    // What was found out about this device before: compiled kernels, and which are the fastest (`Tuning::measure`).
-    let cache_folder = std::env::temp_dir().join("deepshade-embed");
-    let (cache, cache_note) = PipelineCache::open(&device, &cache_folder.join("pipelines"));
-    let (tuning, tuning_note) = Tuning::load(&device, &cache_folder.join("tuning.json"));
+    // What was found out about this device before: compiled kernels, and which are the fastest. The driver trusts what
+    // the cache holds, so it is in a folder that is the user's own.
+    let cache_folder = etcetera::choose_base_strategy()?.cache_dir().join("deepshade-embed");
+    let (cache, cache_note) = PipelineCache::open(device, &cache_folder.join("pipelines"));
+    let (mut tuning, tuning_note) = Tuning::load(device, &cache_folder.join("tuning.json"));
     cache_note.iter().chain(&tuning_note).for_each(|note| eprintln!("{note}"));
 
-    // Once a model: compile its kernels and upload its weights.
-    let mut options = Options {
-        input: InputKind::Textures,
-        output: OutputKind::Texture(TextureFormat::Rgba16Float),
-        precision,
-        cache: Some(&cache),
-        ..Options::default()
-    };
-    options.variant = tuning.variant(&model.spec, &options);
-    let network = Network::with(&device, &model.spec, &model.weights, &options)?;
+    let mut recordings = Vec::new();
+    for folder in std::env::args().skip(1) {
+        // Once a model: compile its kernels and upload its weights.
+        let model = Model::load(Path::new(&folder))?;
+        let mut options = Options {
+            input: InputKind::Textures,
+            output: OutputKind::Texture(TextureFormat::Rgba16Float),
+            precision: if half { Precision::F16 } else { Precision::F32 },
+            cache: Some(&cache),
+            ..Options::default()
+        };
+        if let Ok(None) = tuning.variant(&model.spec, &options, size) {
+            tuning.measure(&gpu, &model.spec, &options, size)?.iter().for_each(|note| eprintln!("{note}"));
+            tuning.save(&cache_folder.join("tuning.json"))?;
+        }
+        // An error where no kernel works on a device: then in 32-bit floats, or on the CPU (`cpu::Network`).
+        options.variant = tuning.variant(&model.spec, &options, size)?;
+        let network = Network::with(device, &model.spec, &model.weights, &options)?;
+
+        // Once a size: feature maps. A limit on them would cut the image into tiles (`Network::plan_within`).
+        let plan = network.plan(size[0], size[1])?;
+        println!("{folder}: feature maps take {} bytes", plan.bytes().activations);
+
+        // Once for these textures: one of the g-buffer for each of the network's inputs, in its order, and the image.
+        // Lengths are scaled by how far the effect is to reach here, in metres.
+        let inputs = model.spec.inputs.iter();
+        let gbuffer: Vec<TextureView> = inputs.map(|input| filled(&gpu, &format!("{input:?}"))).collect();
+        let image = texture(&gpu, "image", TextureUsages::STORAGE_BINDING | TextureUsages::COPY_SRC);
+        let length_scale = model.spec.reach.position_scale(0.5);
+        let input = Input::Textures { views: &gbuffer, length_scale, run: 0 };
+        recordings.push(plan.bind(input, Output::Texture(&image.create_view(&Default::default())))?);
+    }
     cache.save()?;
 
-    // Once a size: feature maps. A limit on them would cut the image into tiles (`Network::plan_within`).
-    let plan = network.plan(HEIGHT as usize, WIDTH as usize)?;
-    println!("feature maps take {} bytes, weights {}", plan.bytes().activations, plan.bytes().weights);
-
-    // Once for these textures: one of the g-buffer for each of the network's inputs, in its order, and the image. Lengths
-    // are scaled by how far the effect is to reach here, in metres.
-    let texture = |label: &str, usage| {
-        device.create_texture(&wgpu::TextureDescriptor {
-            label: Some(label),
-            size: wgpu::Extent3d { width: WIDTH, height: HEIGHT, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: TextureFormat::Rgba16Float,
-            usage,
-            view_formats: &[],
-        })
-    };
-    let view = |texture: &wgpu::Texture| texture.create_view(&TextureViewDescriptor::default());
-    let inputs: Vec<_> = model.spec.inputs.iter().map(|a| format!("{a:?}")).collect();
-    let gbuffer: Vec<_> =
-        inputs.iter().map(|name| view(&texture(name, TextureUsages::TEXTURE_BINDING))).collect();
-    let image = texture("image", TextureUsages::STORAGE_BINDING | TextureUsages::COPY_SRC);
-    let length_scale = model.spec.reach.position_scale(0.5);
-    let input = Input::Textures { views: &gbuffer, length_scale, run: 0 };
-    let recording = plan.bind(input, Output::Texture(&view(&image)))?;
-
-    // Every frame: fill the g-buffer, record the network, use the image. Nothing is allocated here, and more networks
-    // may be recorded into the same encoder.
+    // Every frame: render the g-buffer, record the networks, use the images. Nothing is allocated here.
     for _frame in 0..3 {
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        recording.encode(&mut encoder);
+        let mut encoder = device.create_command_encoder(&Default::default());
+        recordings.iter().for_each(|recording| recording.encode(&mut encoder));
         queue.submit([encoder.finish()]);
     }
     device.poll(wgpu::PollType::wait_indefinitely())?;
-    println!("{WIDTH} x {HEIGHT}, reading {}", inputs.join(" and "));
+    println!("{} networks on {} x {} pixels", recordings.len(), SIZE.width, SIZE.height);
     Ok(())
+}
+
+fn texture(gpu: &Gpu, label: &str, usage: TextureUsages) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: SIZE,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: TextureFormat::Rgba16Float,
+        usage,
+        view_formats: &[],
+    })
+}
+
+/// Stands for a renderer's texture: a ramp.
+fn filled(gpu: &Gpu, label: &str) -> TextureView {
+    let texture = texture(gpu, label, TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST);
+    let texel = |at: u32| [f16::from_f32((at % SIZE.width) as f32 / SIZE.width as f32); 4];
+    let texels: Vec<[f16; 4]> = (0..SIZE.width * SIZE.height).map(texel).collect();
+    let layout = wgpu::TexelCopyBufferLayout { bytes_per_row: Some(8 * SIZE.width), ..Default::default() };
+    gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(&texels), layout, SIZE);
+    texture.create_view(&Default::default())
 }

@@ -220,7 +220,11 @@ fn what_cannot_run_is_named() {
     let network = Network::new(&gpu.device, &model.spec, &model.weights).expect("compiles");
     let message = |height, width| network.plan(height, width).expect_err("cannot be").to_string();
     assert!(message(0, 16).contains("layer `down0` has no pixel"), "{}", message(0, 16));
-    assert!(message(8192, 8192).contains("layer `down0` binds a buffer of"), "{}", message(8192, 8192));
+    assert!(
+        message(1 << 16, 1 << 16).contains("layer `down0` binds a buffer of"),
+        "{}",
+        message(1 << 16, 1 << 16)
+    );
     let spec = NetSpec { u0: 128, levels: 3, ..ao() };
     let weights = random_model(spec.clone()).weights;
     let software = Options { variant: Some(Variant::Software), ..Options::default() };
@@ -231,7 +235,7 @@ fn what_cannot_run_is_named() {
     let half = Options { precision: Precision::F16, ..software };
     let error = Network::with(&gpu.device, &spec, &weights, &half).expect_err("it has none");
     assert_eq!(error.to_string(), "the software kernels have no half floats");
-    let Variant::Gpu(mut shapes) = guess(&gpu, &spec) else { panic!("shapes") };
+    let Variant::Gpu(mut shapes) = guess(&gpu, &spec) else { unreachable!("kernels for GPUs") };
     shapes[1].pixels = [2, 1];
     let options = Options { variant: Some(Variant::Gpu(shapes)), ..Options::default() };
     let error = Network::with(&gpu.device, &spec, &weights, &options).expect_err("down1 keeps means");

@@ -3,8 +3,40 @@
 use super::maps;
 use super::packing::BLOCK;
 use super::room::{Room, SizedMap};
+use super::tiles::Tiling;
 use super::{ForwardError, InputKind, Network, OutputKind, Precision, Variant};
 use crate::Layer;
+use deepshade_shaders::gpu::GpuError;
+
+/// Bytes of feature maps with which it is no use to go on where a device has no memory left.
+const LEAST: u64 = 1 << 20;
+
+/// The largest tiles of an image of `[height, width]` whose feature maps take at most that many bytes and for which
+/// `make` gets memory, and what it makes. Where the device has too little left, half as much is tried.
+///
+/// # Errors
+/// If no tile is small enough, the device has not even memory for a mebibyte, or it refuses for another reason.
+pub fn largest<T>(
+    network: &Network,
+    size: [usize; 2],
+    mut limit: u64,
+    mut make: impl FnMut(Vec<SizedMap>, Room) -> Result<T, GpuError>,
+) -> Result<(Tiling, T), ForwardError> {
+    loop {
+        let [height, width] = size;
+        let too_little = ForwardError::Memory { width, height, limit };
+        let Some(tiling) = Tiling::new(&network.spec, size, |frame| fits(network, frame, limit)) else {
+            return Err(too_little);
+        };
+        let maps = sized_maps(network, tiling.frame);
+        let room = room(network, &maps).ok_or(too_little)?;
+        let half = room.bytes() / 2;
+        match make(maps, room) {
+            Err(GpuError::Memory { .. }) if half >= LEAST => limit = half,
+            made => return Ok((tiling, made?)),
+        }
+    }
+}
 
 /// The maps of a network whose frame on level 0 has that size.
 pub fn sized_maps(network: &Network, frame: [usize; 2]) -> Vec<SizedMap> {
@@ -56,4 +88,63 @@ pub fn check_size(network: &Network, height: usize, width: usize) -> Result<(), 
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{ChannelOrder, NetSpec, Reach, Weights};
+    use deepshade_shaders::gpu::Gpu;
+
+    fn network(variant: Option<Variant>) -> Network {
+        let gpu = Gpu::new().expect("an adapter; a software one will do");
+        let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+        let spec = NetSpec { levels: 2, ..NetSpec::ao(ChannelOrder::Interleaved, reach) };
+        let variant =
+            variant.unwrap_or_else(|| Variant::gpu(&gpu.device.limits(), &spec, OutputKind::Buffer));
+        let options = crate::forward::Options { variant: Some(variant), ..Default::default() };
+        Network::with(&gpu.device, &spec, &Weights::random(&spec, 1), &options).expect("compiles")
+    }
+
+    /// What a device gives that has so many bytes left.
+    fn with_left(
+        left: u64,
+        tried: &mut Vec<u64>,
+    ) -> impl FnMut(Vec<SizedMap>, Room) -> Result<u64, GpuError> {
+        move |_, room| {
+            let bytes = room.bytes();
+            tried.push(bytes);
+            let label = "maps".to_owned();
+            if bytes <= left { Ok(bytes) } else { Err(GpuError::Memory { label, bytes }) }
+        }
+    }
+
+    #[test]
+    fn less_is_tried_until_the_device_has_it() {
+        for network in [network(Some(Variant::Software)), network(None)] {
+            let mut tried = Vec::new();
+            let (whole, bytes) =
+                largest(&network, [600, 900], u64::MAX, with_left(1 << 40, &mut tried)).expect("fits");
+            assert_eq!((whole.tiles.len(), &tried[..]), (1, &[bytes][..]));
+            let mut tried = Vec::new();
+            let (tiling, taken) =
+                largest(&network, [600, 900], u64::MAX, with_left(bytes / 3, &mut tried)).expect("in tiles");
+            assert!(tiling.tiles.len() > 1 && taken <= bytes / 3);
+            assert!(tried[0] == bytes && tried.windows(2).all(|two| two[1] <= two[0] / 2), "{tried:?}");
+        }
+    }
+
+    #[test]
+    fn a_device_without_memory_is_an_error_before_long() {
+        let network = network(None);
+        let mut tried = Vec::new();
+        let error = largest(&network, [600, 900], u64::MAX, with_left(0, &mut tried)).expect_err("no memory");
+        assert!(matches!(error, ForwardError::Gpu(GpuError::Memory { .. })), "{error}");
+        assert!((2..8).contains(&tried.len()) && tried.last() < Some(&(2 * LEAST)), "{tried:?}");
+        let refuse = |_, _| -> Result<(), GpuError> {
+            Err(GpuError::Refused { label: "maps".to_owned(), what: "for another reason".to_owned() })
+        };
+        let error = largest(&network, [600, 900], u64::MAX, refuse).expect_err("not memory");
+        assert!(error.to_string().contains("for another reason"), "{error}");
+    }
 }

@@ -109,7 +109,7 @@ impl Network {
     }
 
     /// Prepares runs on images of a size: the feature maps between the layers. Where the whole image's would be beyond
-    /// the device's limits, the image is run in tiles, which make the same.
+    /// the device's limits, or the device has no memory left for them, the image is run in tiles, which make the same.
     ///
     /// # Errors
     /// If the size is beyond the device's limits or its memory.

@@ -1,10 +1,10 @@
 //! A network on images of one size.
 
-use super::fit::{check_size, fits, room, sized_maps};
+use super::fit::{check_size, largest};
 use super::maps::{self, MapId};
 use super::stage::{Stage, StagePart};
 use super::storage::Storage;
-use super::tiles::{Tile, Tiling};
+use super::tiles::Tile;
 use super::{ForwardError, Input, InputKind, Network, Output, OutputKind, Recording};
 use crate::{Layer, NetSpec, Source};
 use deepshade_shaders::Planes;
@@ -73,16 +73,15 @@ impl Plan {
         limit: u64,
     ) -> Result<Self, ForwardError> {
         check_size(network, height, width)?;
-        let tiling = Tiling::new(&network.spec, [height, width], |frame| fits(network, frame, limit))
-            .ok_or(ForwardError::Memory { width, height, limit })?;
-        let maps = sized_maps(network, tiling.frame);
-        let room = room(network, &maps).ok_or(ForwardError::Memory { width, height, limit })?;
+        let (tiling, storage) = largest(network, [height, width], limit, |maps, room| {
+            Storage::new(&network.device, maps, room, network.precision)
+        })?;
         let mut plan = Self {
             device: network.device.clone(),
             spec: network.spec.clone(),
             kinds: (network.input, network.output),
             size: [height, width],
-            storage: Storage::new(&network.device, maps, room, network.precision)?,
+            storage,
             tiles: tiling.tiles,
             steps: Vec::new(),
             weights: network.stages.iter().map(|stage| stage.bytes).sum(),

@@ -1,6 +1,6 @@
 //! What was measured on devices, in a file.
 
-use deepshade_shaders::atomic_file;
+use deepshade_shaders::{atomic_file, own_file};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io;
@@ -73,14 +73,12 @@ impl TuningFile {
         }
     }
 
-    /// Writes a file, whose folder is made where there is none.
+    /// Writes a file. Its folder is made where there is none, for nobody but the user: pipeline caches may lie there too.
     ///
     /// # Errors
     /// If the file cannot be written.
     pub fn save(&self, path: &Path) -> io::Result<()> {
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder)?;
-        }
+        own_file::create_folder(own_file::folder(path))?;
         let mut json = serde_json::to_vec_pretty(self)?;
         json.push(b'\n');
         atomic_file::write(path, &json)
