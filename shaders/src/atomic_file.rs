@@ -21,10 +21,10 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_with(path, bytes, 0o666)
 }
 
-/// As [`write`], a file that on Unix nobody but its owner may read or write.
+/// As [`write()`], a file that on Unix nobody but its owner may read or write.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_private(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_with(path, bytes, 0o600)
 }
