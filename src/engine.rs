@@ -24,7 +24,7 @@ pub enum Engine {
         /// The device.
         gpu: Gpu,
         /// Its passes.
-        network: forward::Network,
+        network: Box<forward::Network>,
     },
 }
 
@@ -37,7 +37,7 @@ impl Engine {
     pub fn new(gpu: Option<&Gpu>, model: &Model) -> Result<Self, ForwardError> {
         let Some(gpu) = gpu.filter(|gpu| !gpu.is_software()) else { return Self::cpu(model) };
         match kernels::fastest(gpu, model, Precision::F32) {
-            Ok(network) => Ok(Self::Wgsl { gpu: gpu.clone(), network }),
+            Ok(network) => Ok(Self::Wgsl { gpu: gpu.clone(), network: Box::new(network) }),
             Err(error @ ForwardError::NoKernel { .. }) => {
                 note!("{error}; the processor runs the network");
                 Self::cpu(model)
