@@ -10,6 +10,9 @@ use serde_json::Value;
 use std::cell::RefCell;
 use std::time::Instant;
 
+/// Rows and columns of the images for which the fastest kernels are looked for: the size of the thesis' Table 7.1.
+const USUAL_SIZE: [usize; 2] = [512, 768];
+
 /// A network on the fastest device there is.
 pub enum Engine {
     /// On the processor.
@@ -36,7 +39,7 @@ impl Engine {
     /// If the device refuses the network.
     pub fn new(gpu: Option<&Gpu>, model: &Model) -> Result<Self, ForwardError> {
         let Some(gpu) = gpu.filter(|gpu| !gpu.is_software()) else { return Self::cpu(model) };
-        match kernels::fastest(gpu, model, Precision::F32) {
+        match kernels::fastest(gpu, model, Precision::F32, USUAL_SIZE) {
             Ok(network) => Ok(Self::Wgsl { gpu: gpu.clone(), network: Box::new(network) }),
             Err(error @ ForwardError::NoKernel { .. }) => {
                 note!("{error}; the processor runs the network");

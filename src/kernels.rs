@@ -7,15 +7,17 @@ use deepshade_shaders::gpu::{Gpu, PipelineCache};
 use etcetera::BaseStrategy;
 use std::path::PathBuf;
 
-/// Size of the image on which kernels are measured.
-const SIZE: [usize; 2] = [512, 768];
-
-/// A network from buffers to buffers with its fastest kernels, in 32-bit floats where no kernel in half floats works.
+/// A network from buffers to buffers with its fastest kernels for images of about `[height, width]`, in 32-bit floats where no kernel in half floats works.
 /// What cannot be remembered is measured again next time.
 ///
 /// # Errors
 /// If the device refuses the network; [`ForwardError::NoKernel`] if no kernel works there.
-pub fn fastest(gpu: &Gpu, model: &Model, precision: Precision) -> Result<Network, ForwardError> {
+pub fn fastest(
+    gpu: &Gpu,
+    model: &Model,
+    precision: Precision,
+    size: [usize; 2],
+) -> Result<Network, ForwardError> {
     let Model { spec, weights } = model;
     let Some(folder) = folder() else {
         return Network::with(&gpu.device, spec, weights, &Options { precision, ..Options::default() });
@@ -27,18 +29,18 @@ pub fn fastest(gpu: &Gpu, model: &Model, precision: Precision) -> Result<Network
         note!("{note}");
     }
     let mut options = Options { precision, cache: Some(&cache), ..Options::default() };
-    if let Ok(None) = tuning.variant(spec, &options, SIZE) {
+    if let Ok(None) = tuning.variant(spec, &options, size) {
         note!("measuring which kernels are fastest on {}, once", gpu.info.name);
-        for note in tuning.measure(gpu, spec, &options, SIZE)? {
+        for note in tuning.measure(gpu, spec, &options, size)? {
             note!("{note}");
         }
         remember(&path, tuning.save(&path));
     }
-    options.variant = match tuning.variant(spec, &options, SIZE) {
+    options.variant = match tuning.variant(spec, &options, size) {
         Err(error @ ForwardError::NoKernel { .. }) if precision == Precision::F16 => {
             note!("{error}");
             remember(&folder, cache.save());
-            return fastest(gpu, model, Precision::F32);
+            return fastest(gpu, model, Precision::F32, size);
         }
         found => found?,
     };

@@ -23,6 +23,7 @@ mod infer;
 mod kernels;
 mod learned;
 mod methods;
+#[cfg(feature = "train")]
 mod onnxruntime;
 #[cfg(feature = "train")]
 mod parity;

@@ -10,14 +10,15 @@ pub mod ceilings;
 pub mod conv;
 pub mod operand;
 mod plan;
+pub mod shape;
 pub mod stripe;
 
 pub use plan::Plan;
 
 use crate::forward::ForwardError;
 use crate::{Layer, NetSpec, Source, Weights};
-use conv::ConvShape;
 use deepshade_shaders::Planes;
+use shape::ConvShape;
 use std::sync::Arc;
 use stripe::Packed;
 
@@ -55,7 +56,7 @@ impl Network {
             Source::Input | Source::Plain(_) | Source::Pooled(_) => Vec::new(),
         };
         let stage = |(layer, weights): (&Layer, &crate::LayerWeights)| Stage {
-            weights: Packed::new(shape(spec, layer, [spec.alignment(); 2]), &weights.weight),
+            weights: Packed::new(conv_shape(spec, layer, [spec.alignment(); 2]), &weights.weight),
             bias: weights.bias.clone(),
             order: order(layer),
             layer: layer.clone(),
@@ -95,7 +96,7 @@ impl Network {
 }
 
 /// The convolution of a layer in a whole frame of `[height, width]`.
-fn shape(spec: &NetSpec, layer: &Layer, frame: [usize; 2]) -> ConvShape {
+fn conv_shape(spec: &NetSpec, layer: &Layer, frame: [usize; 2]) -> ConvShape {
     let [height, width] = frame.map(|size| size >> layer.level);
     ConvShape {
         batch: 1,

@@ -4,11 +4,9 @@
 //! Loops, not iterators with closures, and these marked: else the compiler would not make them of the instructions that
 //! `pulp` chooses.
 
-use super::conv::ConvShape;
+use super::shape::ConvShape;
 use std::borrow::Cow;
 
-/// Rows are padded to a multiple of this, so that no vector reaches beyond them.
-const TILE: usize = 16;
 /// Pixels of a row that are doubled together.
 const BLOCK: usize = 16;
 
@@ -147,11 +145,6 @@ pub struct Padded<'a> {
 }
 
 impl<'a> Padded<'a> {
-    /// Length of a row of [`Padded`] for rows of `width`.
-    pub const fn stride(width: usize, kernel: usize) -> usize {
-        width.next_multiple_of(TILE) + 2 * (kernel / 2)
-    }
-
     /// The rows of an operand that a stripe of `rows` rows from `top` on of the group of the image `part`
     /// (`image * groups + group`) reads.
     #[inline(always)]
@@ -187,7 +180,7 @@ impl<'a> Padded<'a> {
         mut fill: impl FnMut(usize, usize, &mut [f32]),
     ) -> Self {
         let half = shape.kernel / 2;
-        let stride = Self::stride(shape.width, shape.kernel);
+        let stride = shape.stride();
         let height = rows + 2 * half;
         let length = channels * height * stride;
         if buffer.len() < length {

@@ -2,7 +2,7 @@
 
 use super::conv;
 use super::operand::{Image, Operand};
-use super::{Network, Stage, shape};
+use super::{Network, Stage, conv_shape};
 use crate::forward::{ForwardError, Tile, Tiling};
 use crate::{Activation, Source};
 use deepshade_shaders::Planes;
@@ -25,7 +25,7 @@ pub struct Plan {
 impl Plan {
     pub(super) fn new(network: Network, size: [usize; 2], most: u64) -> Result<Self, ForwardError> {
         let [height, width] = size;
-        let length = |stage: &Stage, frame| shape(&network.spec, &stage.layer, frame).made();
+        let length = |stage: &Stage, frame| conv_shape(&network.spec, &stage.layer, frame).made();
         let bytes = |frame| network.stages.iter().map(|stage| 4 * length(stage, frame) as u64).sum::<u64>();
         let memory = ForwardError::Memory { width, height, limit: most };
         if height == 0 || width == 0 {
@@ -144,7 +144,7 @@ impl Plan {
             }
         };
         let leak = if stage.layer.activation { spec.leak } else { 1.0 };
-        let shape = shape(spec, &stage.layer, frame);
+        let shape = conv_shape(spec, &stage.layer, frame);
         conv::forward(shape, &operand, &stage.weights, &stage.bias, leak, &mut rest[0]);
     }
 

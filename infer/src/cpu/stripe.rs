@@ -4,8 +4,8 @@
 //! instructions when the program runs. Loops, not `array::from_fn`: its closures would not be compiled for those
 //! instructions.
 
-use super::conv::ConvShape;
 use super::operand::Padded;
+use super::shape::ConvShape;
 use pulp::Simd;
 
 /// Output channels that are computed together, the largest first.

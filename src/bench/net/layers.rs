@@ -67,14 +67,19 @@ pub fn half_where_there_is(gpu: &Gpu) -> Precision {
     if has_half { Precision::F16 } else { Precision::F32 }
 }
 
-/// A network with the kernels that the program uses on a device.
+/// A network with the kernels that the program uses on a device for images of that many columns and rows.
 ///
 /// # Errors
 /// If the device refuses it.
-pub fn network(gpu: &Gpu, model: &Model, precision: Precision) -> Result<Network, ForwardError> {
+pub fn network(
+    gpu: &Gpu,
+    model: &Model,
+    precision: Precision,
+    [width, height]: [usize; 2],
+) -> Result<Network, ForwardError> {
     match gpu.is_software() {
         true => Network::new(&gpu.device, &model.spec, &model.weights),
-        false => kernels::fastest(gpu, model, precision),
+        false => kernels::fastest(gpu, model, precision, [height, width]),
     }
 }
 
@@ -83,7 +88,7 @@ pub fn network(gpu: &Gpu, model: &Model, precision: Precision) -> Result<Network
 /// # Errors
 /// If the GPU does not run it.
 pub fn wgsl(gpu: &Gpu, model: &Model, [width, height]: [usize; 2]) -> Result<Vec<(String, f64)>> {
-    let network = network(gpu, model, Precision::F32)?;
+    let network = network(gpu, model, Precision::F32, [width, height])?;
     let times = network.layer_times(&gpu.queue, [height, width], 1, RUNS)?;
     Ok(times.into_iter().map(|(name, timing)| (name, timing.milliseconds)).collect())
 }

@@ -132,7 +132,8 @@ impl Race<'_> {
 
     fn wgsl(&self, engine: &str, precision: Precision) -> Result<Measurement> {
         let (gpu, ceilings) = self.devices.gpu;
-        let (network, input) = (layers::network(gpu, &self.subject.model, precision)?, self.input());
+        let (network, input) =
+            (layers::network(gpu, &self.subject.model, precision, self.size)?, self.input());
         let (_, once) = network.run_timed(&gpu.queue, &input, 1, 1)?;
         let fitting = self.effort.time.as_secs_f64() * 1e3 / once.milliseconds;
         let runs = (fitting as usize).clamp(FEWEST, self.effort.most);

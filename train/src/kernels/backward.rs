@@ -5,8 +5,8 @@
 //! the work is cut and in which order shares are added depends on the shapes only, never on the number of threads.
 
 use super::correlate;
-use deepshade_infer::cpu::conv::{ConvShape, Scale, Stripe};
 use deepshade_infer::cpu::operand::{Buffer, Image, Operand, Padded};
+use deepshade_infer::cpu::shape::{ConvShape, Scale, Stripe};
 use deepshade_infer::cpu::stripe::{self, Packed};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;

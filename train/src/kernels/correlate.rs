@@ -3,8 +3,8 @@
 //! A block of sums stays in registers, of some output channels and some weights. Loops, not `array::from_fn`: its
 //! closures would not be compiled for the instructions that `pulp` chooses.
 
-use deepshade_infer::cpu::conv::ConvShape;
 use deepshade_infer::cpu::operand::Padded;
+use deepshade_infer::cpu::shape::ConvShape;
 use pulp::Simd;
 
 /// What a stripe adds to the gradients of its group.
