@@ -4,7 +4,7 @@
 /// Rows in memory are padded to a multiple of this, so that no vector reaches beyond them.
 const VECTOR: usize = 16;
 /// Numbers that a stripe may read: they stay in the second-level cache.
-const ROOM: usize = 160 * 1024;
+const ROOM: usize = 256 * 1024;
 /// Fewest and most rows of a stripe; even, as doubling and pooling are.
 const ROWS: [usize; 2] = [4, 32];
 
