@@ -191,6 +191,7 @@ mod tests {
         let path = folder.path().join("new").join("pipelines");
         let (cache, _) = PipelineCache::open(&device, &path);
         if cache.get().is_none() {
+            eprintln!("this device has no pipeline cache: whose files are used is not tested");
             return;
         }
         let save = || {
@@ -223,6 +224,7 @@ mod tests {
         let offered = device.features().contains(wgpu::Features::PIPELINE_CACHE);
         assert_eq!(path.exists(), offered);
         if !offered {
+            eprintln!("this device has no pipeline cache: what files are used for is not tested");
             return;
         }
         assert_eq!(PipelineCache::open(&device, &path).1, None);
