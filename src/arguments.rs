@@ -50,7 +50,6 @@ pub fn check_pixels(height: usize, width: usize) -> Result<()> {
 }
 
 /// Size of an image, written like 768x512.
-#[cfg(feature = "train")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
     /// Columns.
@@ -59,7 +58,12 @@ pub struct Size {
     pub height: usize,
 }
 
-#[cfg(feature = "train")]
+impl std::fmt::Display for Size {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}x{}", self.width, self.height)
+    }
+}
+
 impl std::str::FromStr for Size {
     type Err = String;
 
@@ -88,7 +92,6 @@ mod tests {
         assert!(reach("0").is_err() && reach("-inf").is_err() && reach("nan").is_err());
     }
 
-    #[cfg(feature = "train")]
     #[test]
     fn sizes_are_columns_by_rows() {
         assert_eq!("768x512".parse(), Ok(Size { width: 768, height: 512 }));

@@ -1,7 +1,7 @@
 //! `deepshade compare`: methods against truth on the views of a scene.
 
 use crate::arguments::{check_pixels, positive};
-use crate::complete::{Additions, Wants, complete};
+use crate::complete::{Additions, Wants, complete, listeners};
 use crate::exposure_time;
 use crate::figures::{self, Figures};
 use crate::methods::{self, Setup};
@@ -16,6 +16,7 @@ use deepshade_infer::{Model, Reach};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Method, Repeats};
+use deepshade_render::methods::Quality;
 use deepshade_render::path::{Estimate, Goal, Shot, Truth};
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
@@ -47,6 +48,9 @@ pub struct Args {
     /// against it.
     #[arg(long, value_delimiter = ',')]
     methods: Vec<String>,
+    /// How much time analytic methods may take for a better image: low, medium, high or ultra.
+    #[arg(long, default_value = "high")]
+    quality: Quality,
     /// Folder of the page and its images.
     #[arg(long)]
     out: PathBuf,
@@ -110,11 +114,16 @@ fn default_methods(args: &Args) -> Vec<&'static str> {
 /// Compares, writes the page, prints the table.
 pub fn run(args: &Args) -> Result<()> {
     check_pixels(args.height, args.width)?;
+    listeners::check(args.effect, listeners::RADIUS, &[("--radius", args.radius.is_some())])?;
     let names = if args.methods.is_empty() { default_methods(args) } else { names(&args.methods) };
     methods::check(args.effect, &names)?;
     let model = names.contains(&methods::LEARNED).then(|| Model::load(&model_folder(args))).transpose()?;
     let gpu = Gpu::new()?;
-    let methods = methods::open(args.effect, &names, Setup { gpu: &gpu, model: model.as_ref() })?;
+    let methods = methods::open(
+        args.effect,
+        &names,
+        Setup { gpu: &gpu, model: model.as_ref(), quality: args.quality },
+    )?;
     let scene = TracedScene::new(args.time.scene(&args.scene, args.effect)?)
         .with_context(|| format!("scene {}", args.scene))?;
     let settings = Settings {
@@ -132,6 +141,7 @@ pub fn run(args: &Args) -> Result<()> {
         size: [args.height, args.width],
         additions: &args.additions,
         seed: args.views.seed,
+        animated: false,
     };
     let mut frames = Vec::new();
     let bar = progress::bar("frames", views.len(), 0);

@@ -1,6 +1,7 @@
 //! What an effect needs and a scene may not bring: light, a lens, fog, a mean free path.
 
 mod additions;
+pub mod listeners;
 
 pub use additions::Additions;
 
@@ -34,6 +35,8 @@ pub struct Wants<'a> {
     pub additions: &'a Additions,
     /// Chooses the lamp and the sky.
     pub seed: u32,
+    /// Whether something moves beside what the scene's displacements say.
+    pub animated: bool,
 }
 
 /// Radius in pixels, at 512 rows, of the circle of confusion at infinity of the lens that is added.
@@ -44,9 +47,11 @@ const MEAN_FREE_PATH: Vec3 = Vec3::new(0.01, 0.006, 0.004);
 /// Adds to a scene and a camera what is wanted and what is missing.
 ///
 /// # Errors
-/// If the environment or the medium cannot be read, or the lens or the medium is none.
+/// If something is given that the effect does not listen to, the environment or the medium cannot be read, or the lens
+/// or the medium is none.
 pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Result<Completed> {
     let Wants { effect, additions, .. } = *wants;
+    additions.check(effect)?;
     let (mut camera, mut added) = (*camera, Vec::new());
     let mut look = scene.scene().look();
     if let Some(path) = &additions.environment {
@@ -66,9 +71,13 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
     } else if foggy && look.medium.is_none() {
         look.medium = Some(Arc::new(additions.fog(scene)?));
         added.push("the scene brings no medium: grey fog, of optical depth 1 along its diagonal".to_owned());
+    } else {
+        for (option, given) in additions.of_a_medium() {
+            ensure!(!given, "{option} means nothing without --extinction");
+        }
     }
     let still = scene.scene().meshes.iter().all(|mesh| mesh.displacements.is_empty());
-    if effect == Effect::MotionBlur && still {
+    if effect == Effect::MotionBlur && still && !wants.animated {
         added.push("nothing in the scene moves: the picture is of a still scene".to_owned());
     }
     if additions.aperture.is_some() || matches!(effect, Effect::Dof | Effect::Multi) {
@@ -156,7 +165,8 @@ mod tests {
     fn what_an_effect_needs_is_added_and_said() {
         let (scene, camera) = (wall(), Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO));
         for effect in Effect::ALL {
-            let wants = Wants { effect, size: [16, 16], additions: &additions(&[]), seed: 1 };
+            let wants =
+                Wants { effect, size: [16, 16], additions: &additions(&[]), seed: 1, animated: false };
             let Completed { scene, camera, added } = complete(&scene, &camera, &wants).expect("completed");
             let scene = scene.scene();
             let sky = matches!(effect, Effect::Do | Effect::Ibl);
@@ -176,7 +186,8 @@ mod tests {
         let scene = TracedScene::new(scene).expect("a wall");
         let camera = Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO);
         for effect in Effect::ALL {
-            let wants = Wants { effect, size: [16, 16], additions: &additions(&[]), seed: 1 };
+            let wants =
+                Wants { effect, size: [16, 16], additions: &additions(&[]), seed: 1, animated: false };
             let completed = complete(&scene, &camera, &wants).expect("completed");
             let lamps = completed.scene.scene().lights.len();
             assert_eq!(lamps, usize::from(effect.lit_by_lamps_alone()), "{effect}");
@@ -187,7 +198,8 @@ mod tests {
     fn what_is_asked_for_is_taken() {
         let camera = Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO);
         let completed = |effect, arguments: &[&str]| {
-            let wants = Wants { effect, size: [16, 16], additions: &additions(arguments), seed: 1 };
+            let wants =
+                Wants { effect, size: [16, 16], additions: &additions(arguments), seed: 1, animated: false };
             complete(&wall(), &camera, &wants)
         };
         let sharp = completed(Effect::Path, &["--aperture", "0.1", "--focus", "2"]).expect("completed");
@@ -198,12 +210,35 @@ mod tests {
         for (arguments, named) in [
             (["--environment", "missing.hdr"].as_slice(), "missing.hdr"),
             (&["--focus", "2"], "--focus"),
+            (&["--scattering-albedo", "0.5"], "--scattering-albedo means nothing without --extinction"),
+            (&["--anisotropy=-0.5"], "--anisotropy means nothing without --extinction"),
             (&["--medium", "missing.vol"], "missing.vol"),
             (&["--extinction", "1", "--scattering-albedo", "1.5"], "--scattering-albedo"),
             (&["--extinction", "1", "--anisotropy", "2"], "anisotropy"),
         ] {
             let error = format!("{:#}", completed(Effect::Path, arguments).err().expect("an error"));
             assert!(error.contains(named), "{error}");
+        }
+        completed(Effect::FogDirect, &["--anisotropy=-0.5"]).expect("of the fog that is added");
+    }
+
+    #[test]
+    fn what_an_effect_does_not_listen_to_is_refused_by_name() {
+        let camera = Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO);
+        for (effect, arguments) in [
+            (Effect::Ao, ["--aperture", "0.1"]),
+            (Effect::MotionBlur, ["--focus", "2"]),
+            (Effect::Gi, ["--extinction", "1"]),
+            (Effect::Dof, ["--medium", "missing.vol"]),
+            (Effect::Ibl, ["--anisotropy", "0.5"]),
+            (Effect::Aa, ["--scattering-albedo", "0.5"]),
+            (Effect::Sss, ["--environment", "missing.hdr"]),
+        ] {
+            let wants =
+                Wants { effect, size: [16, 16], additions: &additions(&arguments), seed: 1, animated: false };
+            let error = complete(&wall(), &camera, &wants).err().expect("an error").to_string();
+            let expected = format!("{} means nothing to the effect {effect}, only to ", arguments[0]);
+            assert!(error.starts_with(&expected), "{error}");
         }
     }
 }

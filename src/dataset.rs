@@ -1,11 +1,20 @@
 //! `deepshade dataset`: makes, checks and shows training pairs, and makes test sets.
 
 use crate::figures::Figures;
+use crate::learned::Learned;
+use crate::methods::{self, LEARNED};
 use anyhow::{Context, Result, bail};
-use deepshade_dataset::{Dataset, Recipe, TestSet, contact_sheet, generate, test_sheet, verify};
-use deepshade_shaders::lists;
+use deepshade_dataset::target;
+use deepshade_dataset::{
+    Dataset, Recipe, TargetMethod, TestSet, contact_sheet, generate_by, test_sheet, verify,
+};
+use deepshade_infer::Model;
+use deepshade_render::method::{Frame, Method, MethodError, Repeats, Shaded};
+use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{Effect, lists};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 /// What to do with a dataset.
@@ -119,10 +128,43 @@ pub fn run(verb: &Verb) -> Result<()> {
     }
 }
 
+/// The method whose images a recipe aims at, as good as it gets; `None` where that is truth.
+fn target_method(recipe: &Recipe) -> Result<Option<Box<dyn Method + Sync>>> {
+    let Some(name) = &recipe.target else { return Ok(None) };
+    let open = || -> Result<Box<dyn Method + Sync>> {
+        let gpu = Gpu::new()?;
+        if name == LEARNED {
+            let folder = Path::new("models").join(recipe.effect.name());
+            return Ok(Box::new(OneAtATime(Mutex::new(Learned::new(&gpu, &Model::load(&folder)?)?))));
+        }
+        Ok(Box::new(methods::open_screen(recipe.effect, name, &gpu, target::QUALITY)?))
+    };
+    open().with_context(|| format!("`target` of recipe {}", recipe.path.display())).map(Some)
+}
+
+/// A network for several threads, of which one at a time runs it.
+struct OneAtATime(Mutex<Learned>);
+
+impl Method for OneAtATime {
+    fn name(&self) -> &'static str {
+        LEARNED
+    }
+
+    fn effect(&self) -> Effect {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).effect()
+    }
+
+    fn shade(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Shaded, MethodError> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).shade(frame, repeats)
+    }
+}
+
 fn generate_pairs(args: &Generate) -> Result<()> {
     let recipe = args.recipe.load()?;
     let start = Instant::now();
-    let summary = generate(&recipe, &args.out)?;
+    let method = target_method(&recipe)?;
+    let summary =
+        generate_by(&recipe, &args.out, method.as_deref().map(|method| method as TargetMethod<'_>))?;
     let seconds = start.elapsed().as_secs_f64();
     let mut figures = Figures::new("dataset generate");
     figures.set("pairs", summary.pairs as f64);
@@ -181,10 +223,16 @@ const HOUR: f64 = 3600.0;
 
 fn make_testset(args: &Testset) -> Result<()> {
     let recipe = args.recipe.load()?;
-    let expected = TestSet::estimate(&recipe)?.as_secs_f64() / HOUR;
+    // A method's images take next to no time.
+    let expected = match recipe.target {
+        Some(_) => 0.0,
+        None => TestSet::estimate(&recipe)?.as_secs_f64() / HOUR,
+    };
     note!("{} will take about {expected:.2} hours from nothing", args.out.display());
     let start = Instant::now();
-    let set = TestSet::generate(&recipe, &args.out)?;
+    let method = target_method(&recipe)?;
+    let set =
+        TestSet::generate_by(&recipe, &args.out, method.as_deref().map(|method| method as TargetMethod<'_>))?;
     let hours = start.elapsed().as_secs_f64() / HOUR;
     let mut figures = Figures::new("dataset testset");
     figures.set("frames", set.frames().len() as f64);

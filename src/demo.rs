@@ -11,6 +11,7 @@ use deepshade_dataset::views::sample_view;
 use deepshade_infer::Model;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::method::Repeats;
+use deepshade_render::methods::Quality;
 use deepshade_render::path::Goal;
 use deepshade_render::scene::procedural::{Family, Split};
 use deepshade_shaders::gpu::Gpu;
@@ -75,7 +76,7 @@ pub fn run(args: &Args) -> Result<()> {
 fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model) -> Result<Comparison> {
     let effect = model.spec.effect;
     let (height, width) = (model.spec.reach.height, model.spec.reach.height);
-    let methods = methods::open_all(effect, Setup { gpu, model: Some(model) })?;
+    let methods = methods::open_all(effect, Setup { gpu, model: Some(model), quality: Quality::High })?;
     let mut frames = Vec::new();
     for family in Family::ALL.into_iter().filter(|family| family.split() == Split::Test) {
         let scene = TracedScene::new(family.scene(u64::from(SEED)))?;

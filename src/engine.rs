@@ -10,25 +10,20 @@ use serde_json::Value;
 use std::cell::RefCell;
 use std::time::Instant;
 
-/// Rows and columns of the images for which the fastest kernels are looked for: the size of the thesis' Table 7.1.
-const USUAL_SIZE: [usize; 2] = [512, 768];
-
 /// A network on the fastest device there is.
-pub enum Engine {
-    /// On the processor.
-    Cpu {
-        /// Its packed weights.
-        network: cpu::Network,
-        /// Room for images of the size of the last one, with that size.
-        plan: RefCell<Option<([usize; 2], cpu::Plan)>>,
-    },
-    /// On a graphics card.
-    Wgsl {
-        /// The device.
-        gpu: Gpu,
-        /// Its passes.
-        network: Box<forward::Network>,
-    },
+pub struct Engine {
+    /// On the processor: its packed weights.
+    processor: cpu::Network,
+    /// On a graphics card: the device, and the model whose kernels are chosen by the size of the images.
+    card: Option<(Gpu, Model)>,
+    /// What ran the last image, with its size: `[height, width]`.
+    runner: RefCell<Option<([usize; 2], Runner)>>,
+}
+
+/// A network on images of one size.
+enum Runner {
+    Cpu(Box<cpu::Plan>),
+    Wgsl(Box<(Gpu, forward::Runner)>),
 }
 
 impl Engine {
@@ -36,41 +31,23 @@ impl Engine {
     /// images.
     ///
     /// # Errors
-    /// If the device refuses the network.
-    pub fn new(gpu: Option<&Gpu>, model: &Model) -> Result<Self, ForwardError> {
-        let Some(gpu) = gpu.filter(|gpu| !gpu.is_software()) else { return Self::cpu(model) };
-        match kernels::fastest(gpu, model, Precision::F32, USUAL_SIZE) {
-            Ok(network) => Ok(Self::Wgsl { gpu: gpu.clone(), network: Box::new(network) }),
-            Err(error @ ForwardError::NoKernel { .. }) => {
-                note!("{error}; the processor runs the network");
-                Self::cpu(model)
-            }
-            Err(error) => Err(error),
-        }
-    }
-
-    /// Prepares a network on the processor.
-    ///
-    /// # Errors
     /// If the weights are not the spec's.
-    pub fn cpu(model: &Model) -> Result<Self, ForwardError> {
-        let network = cpu::Network::new(&model.spec, &model.weights)?;
-        Ok(Self::Cpu { network, plan: RefCell::new(None) })
+    pub fn new(gpu: Option<&Gpu>, model: &Model) -> Result<Self, ForwardError> {
+        let processor = cpu::Network::new(&model.spec, &model.weights)?;
+        let card = gpu.filter(|gpu| !gpu.is_software()).map(|gpu| (gpu.clone(), model.clone()));
+        Ok(Self { processor, card, runner: RefCell::new(None) })
     }
 
     /// The network's spec.
     pub const fn spec(&self) -> &NetSpec {
-        match self {
-            Self::Cpu { network, .. } => network.spec(),
-            Self::Wgsl { network, .. } => network.spec(),
-        }
+        self.processor.spec()
     }
 
-    /// What runs it, for figures.
+    /// What ran the last image, for figures.
     pub fn device(&self) -> Value {
-        match self {
-            Self::Cpu { .. } => machine()["processor"].clone(),
-            Self::Wgsl { gpu, .. } => Value::from(gpu.info.name.clone()),
+        match &*self.runner.borrow() {
+            Some((_, Runner::Wgsl(card))) => Value::from(card.0.info.name.clone()),
+            _ => machine()["processor"].clone(),
         }
     }
 
@@ -86,18 +63,31 @@ impl Engine {
         warm_up: usize,
         timed: usize,
     ) -> Result<(Planes, Timing), ForwardError> {
-        match self {
-            Self::Wgsl { gpu, network } => network.run_timed(&gpu.queue, input, warm_up, timed),
-            Self::Cpu { network, plan } => {
-                let size = [input.height(), input.width()];
-                let mut slot = plan.borrow_mut();
-                let (_, plan) = match slot.take().filter(|(planned, _)| *planned == size) {
-                    Some(fitting) => slot.insert(fitting),
-                    None => slot.insert((size, network.plan(size[0], size[1])?)),
-                };
-                run_on_cpu(plan, input, warm_up, timed)
+        let size = [input.height(), input.width()];
+        let mut slot = self.runner.borrow_mut();
+        let (_, runner) = match slot.take().filter(|(last, _)| *last == size) {
+            Some(fitting) => slot.insert(fitting),
+            None => slot.insert((size, self.runner(size)?)),
+        };
+        match runner {
+            Runner::Wgsl(card) => card.1.run_timed(&card.0.queue, input, warm_up, timed),
+            Runner::Cpu(plan) => run_on_cpu(plan, input, warm_up, timed),
+        }
+    }
+
+    fn runner(&self, [height, width]: [usize; 2]) -> Result<Runner, ForwardError> {
+        if let Some((gpu, model)) = &self.card {
+            match kernels::fastest(gpu, model, Precision::F32, [height, width]) {
+                Ok(network) => {
+                    return Ok(Runner::Wgsl(Box::new((gpu.clone(), network.runner(height, width)?))));
+                }
+                Err(error @ ForwardError::NoKernel { .. }) => {
+                    note!("{error}; the processor runs the network")
+                }
+                Err(error) => return Err(error),
             }
         }
+        Ok(Runner::Cpu(Box::new(self.processor.plan(height, width)?)))
     }
 }
 
@@ -115,6 +105,26 @@ fn run_on_cpu(
         times.push(start.elapsed().as_secs_f64() * 1e3);
         if times.len() >= timed {
             return Ok((image, Timing::new(times, false)));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use deepshade_infer::{ChannelOrder, Reach, Weights, parity, reference};
+
+    #[test]
+    fn images_of_any_sizes_in_any_order_are_their_own() {
+        let spec =
+            NetSpec::ao(ChannelOrder::Interleaved, Reach { radius: 1.0, diagonal_share: 0.1, height: 64 });
+        let model = Model { weights: Weights::random(&spec, 1), spec };
+        let engine = Engine::new(None, &model).expect("prepared");
+        for (seed, [height, width]) in [[16, 24], [16, 24], [24, 16], [16, 24]].into_iter().enumerate() {
+            let input = parity::noise(6, height, width, seed as u32);
+            let (image, _) = engine.run(&input, 1, 1).expect("runs");
+            let expected = reference::forward(&model.spec, &model.weights, &input);
+            assert!(deepshade_infer::Comparison::new(&expected, &image).agrees(), "{seed}");
         }
     }
 }

@@ -1,8 +1,12 @@
 //! When a scene is seen, and for how long the shutter is open.
 
+use crate::complete::listeners;
 use anyhow::{Context, Result};
 use deepshade_render::scene::{Scene, SceneSource};
 use deepshade_shaders::Effect;
+
+/// How long the shutter is open where nothing is said, seconds.
+const SHUTTER: f32 = 0.04;
 
 /// The moment of an image.
 #[derive(clap::Args, Clone, Copy, Debug)]
@@ -10,20 +14,39 @@ pub struct Args {
     /// Moment of animations, skins and morph targets, seconds.
     #[arg(long, default_value_t = 0.0)]
     time: f32,
-    /// How long the shutter is open around that moment, seconds, for motion-blur.
-    #[arg(long, default_value_t = 0.04)]
-    shutter: f32,
+    /// How long the shutter is open around that moment, seconds, for motion-blur; 0.04 by default.
+    #[arg(long)]
+    shutter: Option<f32>,
 }
 
 impl Args {
+    /// The moment, seconds.
+    pub const fn time(self) -> f32 {
+        self.time
+    }
+
+    /// How long the shutter is open, seconds.
+    pub fn shutter(self) -> f32 {
+        self.shutter.unwrap_or(SHUTTER)
+    }
+
+    /// Whether the effect has a shutter, where one is stated.
+    ///
+    /// # Errors
+    /// If not.
+    pub fn check(self, effect: Effect) -> Result<()> {
+        listeners::check(effect, listeners::SHUTTER, &[("--shutter", self.shutter.is_some())])
+    }
+
     /// The scene at the moment, with what moves while the shutter is open where the effect shows it.
     ///
     /// # Errors
-    /// If the file is missing or damaged, or the time is none.
+    /// If the file is missing or damaged, the time is none, or the effect has no shutter.
     pub fn scene(self, source: &SceneSource, effect: Effect) -> Result<Scene> {
+        self.check(effect)?;
         let scene = match source {
             SceneSource::File(path) if effect == Effect::MotionBlur => {
-                Scene::load_moving(path, self.time, self.shutter)
+                Scene::load_moving(path, self.time, self.shutter())
             }
             source => source.scene(self.time),
         };
@@ -33,6 +56,6 @@ impl Args {
 
 impl std::fmt::Display for Args {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} s, shutter open for {} s", self.time, self.shutter)
+        write!(f, "{} s, shutter open for {} s", self.time, self.shutter())
     }
 }

@@ -6,7 +6,7 @@ use deepshade_infer::forward::ForwardError;
 use deepshade_infer::{Model, NetSpec};
 use deepshade_render::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
 use deepshade_shaders::gpu::Gpu;
-use deepshade_shaders::{Effect, MissingAttribute};
+use deepshade_shaders::{Effect, GBuffer, MissingAttribute};
 
 /// A trained network on a device.
 pub struct Learned {
@@ -22,8 +22,31 @@ impl Learned {
         Ok(Self { engine: Engine::new(Some(gpu), model)? })
     }
 
-    fn spec(&self) -> &NetSpec {
+    /// The network's spec.
+    pub const fn spec(&self) -> &NetSpec {
         self.engine.spec()
+    }
+
+    /// What the network makes of a g-buffer, for an effect that reaches so many metres. The time is that of the network
+    /// alone, without sending the g-buffer there and the image back.
+    ///
+    /// # Errors
+    /// If the g-buffer lacks something or the device fails.
+    pub fn image(&self, gbuffer: &GBuffer, radius: f32, repeats: Repeats) -> Result<Shaded, MethodError> {
+        let missing = |source: MissingAttribute| MethodError::Missing { method: LEARNED, source };
+        let spec = self.spec();
+        let Repeats { warm_up, timed } = repeats;
+        let (mut runs, mut milliseconds, mut clock) = (Vec::new(), 0.0, Clock::Gpu);
+        for run in 0..spec.runs() {
+            let input = spec.input(gbuffer, radius, run).map_err(missing)?;
+            let (image, timing) = self.engine.run(&input, warm_up, timed).map_err(failed)?;
+            runs.push(image);
+            milliseconds += timing.milliseconds;
+            clock = if timing.by_gpu { clock } else { Clock::Cpu };
+        }
+        let mut image = spec.image(&runs);
+        spec.set_background(gbuffer, &mut image).map_err(missing)?;
+        Ok(Shaded { image, milliseconds, clock })
     }
 }
 
@@ -36,22 +59,8 @@ impl Method for Learned {
         self.spec().effect
     }
 
-    /// The time is that of the network alone, without sending the g-buffer there and the image back.
     fn shade(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Shaded, MethodError> {
-        let missing = |source: MissingAttribute| MethodError::Missing { method: LEARNED, source };
-        let spec = self.spec();
-        let Repeats { warm_up, timed } = repeats;
-        let (mut runs, mut milliseconds, mut clock) = (Vec::new(), 0.0, Clock::Gpu);
-        for run in 0..spec.runs() {
-            let input = spec.input(frame.gbuffer, frame.radius, run).map_err(missing)?;
-            let (image, timing) = self.engine.run(&input, warm_up, timed).map_err(failed)?;
-            runs.push(image);
-            milliseconds += timing.milliseconds;
-            clock = if timing.by_gpu { clock } else { Clock::Cpu };
-        }
-        let mut image = spec.image(&runs);
-        spec.set_background(frame.gbuffer, &mut image).map_err(missing)?;
-        Ok(Shaded { image, milliseconds, clock })
+        self.image(frame.gbuffer, frame.radius, repeats)
     }
 }
 

@@ -1,6 +1,6 @@
 //! deepshade: learned, analytic and path-traced screen-space shading side by side.
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 
 #[macro_use]
@@ -22,6 +22,7 @@ mod figures;
 mod infer;
 mod kernels;
 mod learned;
+mod live;
 mod methods;
 #[cfg(feature = "train")]
 mod onnxruntime;
@@ -72,20 +73,21 @@ enum Verb {
     Parity(parity::Args),
     /// Compares methods on a scene: images, errors, milliseconds and a page to look at.
     Compare(compare::Args),
-    /// Evaluates a network and its analytic rival on a test set.
+    /// Evaluates an effect's methods, learned and analytic, on a test set.
     Eval(eval::Args),
     /// Tunes hbao's parameters on the validation views of a dataset.
     Tune(tune::Args),
     /// Checks truth against Mitsuba 3; `cargo xtask crosscheck` sets it up and calls this.
     #[command(hide = true)]
     Crosscheck(crosscheck::Args),
-    /// Measures speed: of a network beside onnxruntime, of training, of rays beside Embree, of making data.
-    #[command(subcommand, after_help = "Example:\n  deepshade bench net --model models/ao --json net.json")]
+    /// Measures speed: of networks beside onnxruntime, of training, of a live frame, of rays beside Embree, of making data.
+    #[command(subcommand, after_help = "Example:\n  deepshade bench net --networks ao --json net.json")]
     Bench(bench::Verb),
 }
 
 fn main() -> ExitCode {
-    let result = match Cli::parse().verb {
+    let cli = Cli::from_arg_matches(&with_negative_numbers(Cli::command()).get_matches());
+    let result = match cli.unwrap_or_else(|error| error.exit()).verb {
         Verb::Demo(args) => demo::run(&args),
         Verb::Scene(args) => scene::run(&args),
         Verb::Render(args) => render::run(&args),
@@ -113,6 +115,16 @@ fn main() -> ExitCode {
     }
 }
 
+/// A command whose options take negative numbers for values, which their own checks refuse by name; else `-1` would be
+/// taken for an option that nobody knows.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    let numbers = |arg: clap::Arg| {
+        let takes = arg.get_action().takes_values();
+        if takes { arg.allow_negative_numbers(true) } else { arg }
+    };
+    command.mut_args(numbers).mut_subcommands(with_negative_numbers)
+}
+
 /// An error with its causes, but for those that it states already.
 fn message(error: &anyhow::Error) -> String {
     let mut message = error.to_string();
@@ -122,4 +134,23 @@ fn message(error: &anyhow::Error) -> String {
         }
     }
     message
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_sound_and_negative_numbers_are_refused_by_name() {
+        let command = with_negative_numbers(Cli::command());
+        command.clone().debug_assert();
+        for (line, named) in [
+            ("deepshade render --scene stairs:1 --radius -1", "'--radius <RADIUS>': -1 is not above 0"),
+            ("deepshade bench net --budget -0.5", "'--budget <MILLISECONDS>': -0.5 is not above 0"),
+            ("deepshade dataset show data --out a.png --pairs -3", "'--pairs <PAIRS>': -3 is not in"),
+        ] {
+            let error = command.clone().try_get_matches_from(line.split(' ')).expect_err(line).to_string();
+            assert!(error.contains(named), "{error}");
+        }
+    }
 }

@@ -4,8 +4,12 @@ use crate::learned::Learned;
 use anyhow::{Context, Result, bail, ensure};
 use deepshade_infer::Model;
 use deepshade_render::method::Method;
-use deepshade_render::methods::hbao::{self, Hbao};
-use deepshade_shaders::{Effect, gpu::Gpu};
+use deepshade_render::methods::{
+    Quality, fxaa, gather, gtao, hbao, prefiltered, reconstruction, ring_gather, separable, ssdo, ssgi,
+};
+use deepshade_render::screen::ScreenMethod;
+use deepshade_shaders::Effect;
+use deepshade_shaders::gpu::{Gpu, GpuError};
 
 /// The name of truth, which is no [`Method`]: it is always rendered, and the others are measured against it.
 pub const TRUTH: &str = "truth";
@@ -20,18 +24,34 @@ pub struct Setup<'a> {
     pub gpu: &'a Gpu,
     /// The network of `learned`.
     pub model: Option<&'a Model>,
+    /// How much time analytic methods may take.
+    pub quality: Quality,
 }
 
 /// A method that can be asked for by name.
 struct Entry {
     name: &'static str,
     effect: Effect,
-    open: fn(Setup<'_>) -> Result<Box<dyn Method>>,
+    kind: Kind,
+}
+
+/// Compiles a method for a device, at a quality.
+type OpenScreen = fn(&Gpu, Quality) -> Result<Box<dyn ScreenMethod>, GpuError>;
+
+/// How a method is opened.
+enum Kind {
+    /// A trained network.
+    Learned,
+    /// One that knows only the screen.
+    Screen(OpenScreen),
 }
 
 impl Entry {
     fn open(&self, setup: Setup<'_>) -> Result<Box<dyn Method>> {
-        let method = (self.open)(setup)?;
+        let method: Box<dyn Method> = match self.kind {
+            Kind::Learned => Box::new(Learned::new(setup.gpu, setup.model.context("no model is given")?)?),
+            Kind::Screen(open) => Box::new(open(setup.gpu, setup.quality)?),
+        };
         let (made, wanted) = (method.effect(), self.effect);
         ensure!(made == wanted, "it computes `{made}`, not `{wanted}`");
         Ok(method)
@@ -39,7 +59,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 11] = [
+const ALL: [Entry; 20] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -50,16 +70,68 @@ const ALL: [Entry; 11] = [
     learned(Effect::Aa),
     learned(Effect::Multi),
     learned(Effect::Real),
-    Entry {
-        name: "hbao",
-        effect: Effect::Ao,
-        open: |setup| Ok(Box::new(Hbao::new(setup.gpu, hbao::Parameters::default())?)),
-    },
+    screen(Effect::Ao, "gtao", |gpu, quality| {
+        Ok(Box::new(gtao::Gtao::new(gpu, gtao::Parameters::of(quality))?))
+    }),
+    screen(Effect::Ao, "hbao", |gpu, quality| {
+        Ok(Box::new(hbao::Hbao::new(gpu, hbao::Parameters::of(quality))?))
+    }),
+    screen(Effect::Do, "ssdo", |gpu, quality| {
+        Ok(Box::new(ssdo::Ssdo::new(gpu, ssdo::Parameters::of(quality))?))
+    }),
+    screen(Effect::Gi, "ssgi", |gpu, quality| {
+        Ok(Box::new(ssgi::Ssgi::new(gpu, ssgi::Parameters::of(quality))?))
+    }),
+    screen(Effect::Ibl, "prefiltered", |gpu, quality| {
+        Ok(Box::new(prefiltered::Prefiltered::new(gpu, prefiltered::Parameters::of(quality))?))
+    }),
+    screen(Effect::Sss, "separable", |gpu, quality| {
+        Ok(Box::new(separable::Separable::new(gpu, separable::Parameters::of(quality))?))
+    }),
+    screen(Effect::Sss, "gather", |gpu, quality| {
+        Ok(Box::new(gather::Gather::new(gpu, gather::Parameters::of(quality))?))
+    }),
+    screen(Effect::Dof, "ring-gather", |gpu, quality| {
+        Ok(Box::new(ring_gather::RingGather::new(gpu, ring_gather::Parameters::of(quality))?))
+    }),
+    screen(Effect::MotionBlur, "reconstruction", |gpu, quality| {
+        Ok(Box::new(reconstruction::Reconstruction::new(gpu, reconstruction::Parameters::of(quality))?))
+    }),
+    screen(Effect::Aa, "fxaa", |gpu, quality| {
+        Ok(Box::new(fxaa::Fxaa::new(gpu, fxaa::Parameters::of(quality))?))
+    }),
 ];
 
 /// A trained network for an effect.
 const fn learned(effect: Effect) -> Entry {
-    Entry { name: LEARNED, effect, open: open_learned }
+    Entry { name: LEARNED, effect, kind: Kind::Learned }
+}
+
+/// A method that knows only the screen.
+const fn screen(effect: Effect, name: &'static str, open: OpenScreen) -> Entry {
+    Entry { name, effect, kind: Kind::Screen(open) }
+}
+
+/// Opens a method that knows only the screen.
+///
+/// # Errors
+/// If the effect has none of that name; those that it has are listed.
+pub fn open_screen(effect: Effect, name: &str, gpu: &Gpu, quality: Quality) -> Result<Box<dyn ScreenMethod>> {
+    let found = ALL.iter().find_map(|entry| match entry.kind {
+        Kind::Screen(open) if entry.effect == effect && entry.name == name => Some(open),
+        _ => None,
+    });
+    let known = screen_names(effect).join(", ");
+    let open = found.with_context(|| {
+        format!("effect `{effect}` has no method `{name}` that works on the screen; there are: {known}")
+    })?;
+    Ok(open(gpu, quality)?)
+}
+
+/// Names of an effect's methods that know only the screen.
+pub fn screen_names(effect: Effect) -> Vec<&'static str> {
+    let entries = ALL.iter().filter(|entry| entry.effect == effect && matches!(entry.kind, Kind::Screen(_)));
+    entries.map(|entry| entry.name).collect()
 }
 
 /// Opens an effect's methods by name, in the order asked for; [`TRUTH`] is passed over.
@@ -107,11 +179,6 @@ pub fn names_of(effect: Effect) -> Vec<&'static str> {
     ALL.iter().filter(|entry| entry.effect == effect).map(|entry| entry.name).chain([TRUTH]).collect()
 }
 
-fn open_learned(setup: Setup<'_>) -> Result<Box<dyn Method>> {
-    let model = setup.model.context("no model is given")?;
-    Ok(Box::new(Learned::new(setup.gpu, model)?))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -130,8 +197,8 @@ mod tests {
     #[test]
     fn methods_that_do_not_exist_are_named_with_those_that_do() {
         assert_eq!(checked(&["learned", "hbao", "truth"]), Ok(()));
-        let error = checked(&["hbao", "gtao"]).expect_err("no such method");
-        assert_eq!(error, "effect `ao` has no method `gtao`; there are learned, hbao, truth");
+        let error = checked(&["hbao", "ssao"]).expect_err("no such method");
+        assert_eq!(error, "effect `ao` has no method `ssao`; there are learned, gtao, hbao, truth");
         assert!(checked(&["hbao", "hbao"]).expect_err("twice").contains("twice"));
     }
 
@@ -152,7 +219,7 @@ mod tests {
         let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
         let model = Model { weights: Weights::random(&spec, 1), spec };
         let names = names_of(Effect::Ao);
-        let setup = Setup { gpu: &gpu, model: Some(&model) };
+        let setup = Setup { gpu: &gpu, model: Some(&model), quality: Quality::High };
         let methods = open_all(Effect::Ao, setup).expect("methods");
         let opened: Vec<&str> = methods.iter().map(|method| method.name()).collect();
         assert_eq!(opened, names[..names.len() - 1]);
@@ -176,7 +243,7 @@ mod tests {
     #[test]
     fn the_learned_method_needs_a_model() {
         let gpu = Gpu::new().expect("an adapter");
-        let setup = Setup { gpu: &gpu, model: None };
+        let setup = Setup { gpu: &gpu, model: None, quality: Quality::High };
         let error = open(Effect::Ao, &["learned"], setup).err().expect("no model");
         assert_eq!(format!("{error:#}"), "method `learned`: no model is given");
     }

@@ -3,17 +3,18 @@
 //! Passes double the samples; after each of them the PNG is what is known so far. Samples are in independent
 //! scramblings, so that the error of the image is known without another image.
 
+mod animate;
 mod picture;
 
 use crate::arguments::{check_pixels, positive, reach};
 use crate::compare::default_radius;
-use crate::complete::{Additions, Completed, Wants, complete};
+use crate::complete::{Additions, Completed, Wants, complete, listeners};
 use crate::exposure_time;
 use crate::figures::{Figures, write_atomically};
 use crate::report::images::write_png;
 use crate::samples;
 use crate::views::{self, View};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, bail};
 use clap::builder::RangedU64ValueParser;
 use deepshade_dataset::progress;
 use deepshade_render::bvh::TracedScene;
@@ -37,8 +38,10 @@ use std::time::Instant;
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  deepshade render --scene sponza.gltf --effect path --spp 256 --out sponza.exr\n  \
-    deepshade render --scene still-life:3 --effect dof --error 0.02 --out blurred.png\n  \
-    deepshade render --scene hall.gltf --effect path --medium smoke.vol --extinction 2"
+    deepshade render --scene still-life:1 --view 2 --effect dof --error 0.02 --out blurred.png\n  \
+    deepshade render --scene hall.gltf --effect path --medium smoke.vol --extinction 2\n  \
+    deepshade render --animate --scene hall.gltf --put fox.gltf@-5,0,0,0.01,60 --eye -9,1.6,0 \
+    --look-at 0,1.2,0 --effect ao --method hbao --temporal --frames 50 --out sequence"
 )]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
@@ -51,13 +54,13 @@ pub struct Args {
     /// Which of the effect's light: of path emitted, direct, first-indirect (after one bounce) or rest; of gi glossy (what
     /// the specular lobe reflects, in place of the irradiance that arrives).
     #[arg(long, default_value = "all")]
-    part: Part,
+    part: String,
     #[command(flatten)]
     samples: samples::Args,
     /// One of the file's cameras, by its name; by default the first.
     #[arg(long, conflicts_with = "view")]
     camera: Option<String>,
-    /// A view sampled in the scene, by its number; 0 by default where the file brings no camera.
+    /// A view sampled in the scene, by its number, of which any draws one; 0 by default where the file brings no camera.
     #[arg(long)]
     view: Option<usize>,
     /// The picture: an .exr or .png file; the other of the two is written beside it. By default SCENE-EFFECT.exr.
@@ -86,6 +89,8 @@ pub struct Args {
     json: Option<PathBuf>,
     #[command(flatten)]
     additions: Additions,
+    #[command(flatten)]
+    sequence: animate::Sequence,
 }
 
 /// Samples of a pixel where none are asked for.
@@ -96,19 +101,27 @@ const SAMPLES: u32 = 256;
 /// # Errors
 /// If the scene or the environment cannot be read, there is no such camera or view, or a file cannot be written.
 pub fn run(args: &Args) -> Result<()> {
+    if args.sequence.is_wanted() {
+        return animate::run(args);
+    }
+    if let Some(option) = args.sequence.given() {
+        bail!("{option} means nothing without --animate");
+    }
     let [exr, png] = files(args)?;
     check_pixels(args.height, args.width)?;
-    ensure!(args.part.is_of(args.effect), "{} has no part `{}`", args.effect, args.part);
+    let part = Part::named(&args.part, args.effect).map_err(anyhow::Error::msg)?;
+    listeners::check(args.effect, listeners::RADIUS, &[("--radius", args.radius.is_some())])?;
     let size = [args.height, args.width];
     let scene = args.time.scene(&args.scene, args.effect)?;
     let scene = TracedScene::new(scene).with_context(|| format!("scene {}", args.scene))?;
     let view = views::one(&scene, size, args.camera.as_deref(), args.view, args.seed)?;
-    let wants = Wants { effect: args.effect, size, additions: &args.additions, seed: args.seed };
+    let wants =
+        Wants { effect: args.effect, size, additions: &args.additions, seed: args.seed, animated: false };
     let completed = complete(&scene, &view.camera, &wants)?;
     let radius = args.radius.unwrap_or_else(|| default_radius(None, completed.scene.diagonal(), size[0]));
     let shot = Shot {
         footprint: Footprint::Box,
-        part: args.part,
+        part,
         ..Shot::new(&completed.scene, &completed.camera, size, radius)
     };
     let start = Instant::now();
@@ -116,7 +129,7 @@ pub fn run(args: &Args) -> Result<()> {
     let seconds = start.elapsed().as_secs_f64();
 
     let tone = Exposure::new(args.effect, &estimate.mean, args.white);
-    let provenance = provenance(args, &view, &completed, radius, estimate.samples);
+    let provenance = provenance(args, part, &view, &completed, radius, estimate.samples);
     write_png(&png, &tone.picture(&estimate.mean))?;
     write_exr(&exr, args.effect, &estimate, &provenance)?;
     let exposure = exposure(args.effect, &estimate.mean);
@@ -138,7 +151,7 @@ pub fn run(args: &Args) -> Result<()> {
         "{}: {} ({}), {} samples a pixel in {seconds:.1} s",
         exr.display(),
         args.effect,
-        args.part.unit(args.effect),
+        part.unit(args.effect),
         estimate.samples
     )?;
     say!("mean {:.4}, noise {:.2} % of the values", mean(&estimate.mean), 100.0 * noise.sqrt())?;
@@ -190,18 +203,17 @@ fn refined(args: &Args, shot: &Shot<'_>, png: &Path) -> Result<Truth> {
 /// All that the picture is from, as name and value.
 fn provenance(
     args: &Args,
+    part: Part,
     view: &View,
     Completed { camera, added, .. }: &Completed,
     radius: f32,
     samples: u32,
 ) -> Metadata {
-    let Additions { environment, medium, extinction, scattering_albedo, anisotropy, .. } = &args.additions;
-    let path =
-        |path: &Option<PathBuf>| path.as_ref().map_or("none".to_owned(), |path| path.display().to_string());
+    let environment = args.additions.environment.as_ref();
+    let environment = environment.map_or("none".to_owned(), |path| path.display().to_string());
     let lens = camera
         .lens
         .map_or("pinhole".to_owned(), |Lens { radius, focus }| format!("radius {radius} m, focus {focus} m"));
-    let extinction = extinction.map_or("as the scene's".to_owned(), |extinction| extinction.to_string());
     [
         ("scene", args.scene.to_string()),
         ("time", args.time.to_string()),
@@ -210,17 +222,11 @@ fn provenance(
         ("camera_rotation", camera.rotation.to_string()),
         ("camera_vertical_fov", format!("{} radians", camera.vertical_fov)),
         ("lens", lens),
-        ("environment", path(environment)),
-        (
-            "medium",
-            format!(
-                "{}; extinction {extinction}, albedo {scattering_albedo}, anisotropy {anisotropy}",
-                path(medium)
-            ),
-        ),
+        ("environment", environment),
+        ("medium", args.additions.medium_in_words()),
         ("effect", args.effect.to_string()),
-        ("part", args.part.to_string()),
-        ("units", args.part.unit(args.effect).to_owned()),
+        ("part", part.to_string()),
+        ("units", part.unit(args.effect).to_owned()),
         ("radius_metres", radius.to_string()),
         ("samples", samples.to_string()),
         ("scramblings", SCRAMBLINGS.to_string()),

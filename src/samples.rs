@@ -20,6 +20,16 @@ pub struct Args {
 }
 
 impl Args {
+    /// How many samples are asked for.
+    pub const fn spp(&self) -> Option<u32> {
+        self.spp
+    }
+
+    /// Which error is asked for.
+    pub const fn error(&self) -> Option<f32> {
+        self.error
+    }
+
     /// What is asked for, else so many samples.
     pub fn goal(self, samples: u32) -> Goal {
         let default = if self.error.is_some() { MOST_FOR_AN_ERROR } else { samples };

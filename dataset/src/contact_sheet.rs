@@ -11,8 +11,8 @@ use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use paint::{Paint, Rgb};
 use std::path::Path;
 
-/// Longest edge of a channel's picture, pixels.
-const EDGE: usize = 192;
+/// The longest edge of a channel's picture has at least so many pixels, and less than twice as many.
+const EDGE: usize = 128;
 /// Around every picture, pixels.
 const GAP: usize = 8;
 /// Height of a line of text, pixels.
@@ -157,7 +157,8 @@ const fn shown_range((low, high): (f32, f32)) -> (f32, f32) {
 }
 
 impl Column {
-    /// Shrinks planes by a whole factor, at most to one pixel across, and paints what `range` spans.
+    /// Shrinks planes by a whole factor, at most to one pixel across, or enlarges them by one, and paints what `range`
+    /// spans.
     fn new(
         name: &str,
         planes: &[&[f32]],
@@ -165,16 +166,18 @@ impl Column {
         paint: Paint,
         range: (f32, f32),
     ) -> Self {
-        let factor = height.max(width).div_ceil(EDGE).min(height).min(width);
-        let (small_height, small_width) = (height / factor, width / factor);
+        let longest = height.max(width);
+        let factor = (longest / EDGE).max(1).min(height).min(width);
+        let larger = EDGE.div_ceil(longest / factor);
+        let [shown_height, shown_width] = [height, width].map(|size| size / factor * larger);
         let shown = |pixel: usize| {
-            let (y, x) = (pixel / small_width, pixel % small_width);
+            let (y, x) = (pixel / shown_width / larger, pixel % shown_width / larger);
             let rows = (y * factor..(y + 1) * factor).map(|row| row * width + x * factor);
             paint.mean(planes, rows.flat_map(|first| first..first + factor), range)
         };
-        let pixels = (0..small_height * small_width).map(shown).collect();
+        let pixels = (0..shown_height * shown_width).map(shown).collect();
         let label = format!("{} {:.3} {:.3}", name.to_lowercase(), range.0, range.1);
-        Self { label: shortened(&label), height: small_height, width: small_width, pixels }
+        Self { label: shortened(&label), height: shown_height, width: shown_width, pixels }
     }
 }
 
@@ -249,8 +252,13 @@ mod tests {
     #[test]
     fn narrow_images_give_a_picture_in_both_directions() {
         let ramp: Vec<f32> = (0..16 * 4096).map(|i| i as f32).collect();
-        for (height, width, expected) in [(16, 4096, [1, 256]), (4096, 16, [256, 1]), (300, 200, [150, 100])]
-        {
+        for (height, width, expected) in [
+            (16, 4096, [1, 256]),
+            (4096, 16, [256, 1]),
+            (300, 200, [150, 100]),
+            (200, 130, [200, 130]),
+            (64, 48, [128, 96]),
+        ] {
             let plane = &ramp[..height * width];
             let column = column(plane, height, width, (0.0, plane.len() as f32));
             assert_eq!([column.height, column.width], expected);
@@ -264,11 +272,14 @@ mod tests {
     #[test]
     fn a_plane_of_one_value_is_shown_by_it() {
         for (value, grey) in [(0.0, 0), (0.5, 128), (1.0, 255), (7.0, 255), (-2.0, 0)] {
-            assert_eq!(column(&[value; 4], 2, 2, (value, value)).pixels, [[grey; 3]; 4], "{value}");
+            let shown = column(&[value; 4], 2, 2, (value, value)).pixels;
+            assert!(shown.iter().all(|pixel| *pixel == [grey; 3]), "{value}: {:?}", shown[0]);
         }
         // Nothing is seen.
-        assert_eq!(column(&[0.0; 4], 2, 2, (f32::INFINITY, f32::NEG_INFINITY)).pixels, [[0; 3]; 4]);
-        assert_eq!(column(&[3.0, 4.0], 1, 2, (3.0, 4.0)).pixels, [[0; 3], [255; 3]]);
+        let shown = column(&[0.0; 4], 2, 2, (f32::INFINITY, f32::NEG_INFINITY)).pixels;
+        assert!(shown.iter().all(|pixel| *pixel == [0; 3]));
+        let halves = column(&[3.0, 4.0], 1, 2, (3.0, 4.0)).pixels;
+        assert_eq!((halves.len(), halves[63], halves[64]), (128 * 64, [0; 3], [255; 3]));
     }
 
     /// Two pixels, of which the second shows nothing.

@@ -16,6 +16,9 @@ pub enum DatasetError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// The method whose images are targets failed.
+    #[error(transparent)]
+    Method(#[from] deepshade_render::method::MethodError),
     /// A recipe that cannot be followed.
     #[error("recipe {path}: {what}")]
     Recipe {
@@ -49,6 +52,16 @@ pub enum DatasetError {
         theirs: String,
         /// What was to be made.
         ours: String,
+    },
+    /// A folder that holds something else than data.
+    #[error(
+        "{folder} holds `{file}`, which is no part of such data: choose another folder, a new or an empty one"
+    )]
+    Foreign {
+        /// Which folder.
+        folder: PathBuf,
+        /// What is in it.
+        file: String,
     },
     /// Data that another version of the program made.
     #[error(

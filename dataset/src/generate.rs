@@ -9,9 +9,11 @@ use crate::journal::{Journal, checked};
 use crate::manifest::{MANIFEST, Manifest, PairRecord};
 use crate::origin::Origin;
 use crate::plan::{Part, PlannedScene, PlannedView};
+use crate::target::{self, TargetMethod};
 use crate::{DatasetError, Props, Recipe, StagedScene, progress, truth, views};
 use deepshade_render::exr_file::{Layer, Metadata, encode};
 use deepshade_render::gbuffer;
+use deepshade_render::method::Frame;
 use deepshade_render::path::{Estimate, Goal, Sampling, Shot, Truth, render};
 use deepshade_render::scene::procedural::Split;
 use deepshade_shaders::atomic_file;
@@ -41,9 +43,22 @@ pub struct Summary {
 /// terminal.
 ///
 /// # Errors
-/// If the recipe is for test sets, a scene cannot be had or has no fit view, or the folder cannot be written, is in
-/// use or holds other data.
+/// If the recipe is for test sets or aims at a method's images, a scene cannot be had or has no fit view, or the folder
+/// cannot be written, is in use or holds other data.
 pub fn generate(recipe: &Recipe, folder: &Path) -> Result<Summary, DatasetError> {
+    generate_by(recipe, folder, None)
+}
+
+/// [`generate`] for recipes that aim at the images of a method, which `method` is.
+///
+/// # Errors
+/// Those of [`generate`], and if the recipe aims at something else or the method fails.
+pub fn generate_by(
+    recipe: &Recipe,
+    folder: &Path,
+    method: Option<TargetMethod<'_>>,
+) -> Result<Summary, DatasetError> {
+    target::check(recipe, method)?;
     for (holds, what) in [
         (recipe.split == Split::Test, "`split` says testing, where pairs are for training"),
         (recipe.tiles.is_some(), "the table `tiles` is for test sets"),
@@ -56,13 +71,13 @@ pub fn generate(recipe: &Recipe, folder: &Path) -> Result<Summary, DatasetError>
     let plan = recipe.plan()?;
     let origin = Origin::new(recipe, &plan, folder)?;
     let earlier = earlier_pairs(folder, &origin.job())?;
-    let (journal, mut entries) = Journal::open(folder, &[PAIRS], &origin.job())?;
+    let (journal, mut entries) = Journal::open(folder, &[PAIRS], MANIFEST, &origin.job())?;
     entries.extend(earlier);
     let known = checked(folder, entries);
     let total = plan.iter().map(|scene| scene.views.len()).sum();
     let bar = progress::bar("pairs", total, known.len());
     let props = Props::load(recipe)?;
-    let work = Work { recipe, props: &props, folder, journal: &journal, known: &known, bar: &bar };
+    let work = Work { recipe, method, props: &props, folder, journal: &journal, known: &known, bar: &bar };
     let manifest = Manifest { origin, pairs: by_scene(&plan, |_, scene| work.scene(scene))? };
     bar.finish_and_clear();
     manifest.save(folder)?;
@@ -107,6 +122,7 @@ fn earlier_pairs(folder: &Path, ours: &str) -> Result<Vec<PairRecord>, DatasetEr
 /// What all pairs share.
 struct Work<'a> {
     recipe: &'a Recipe,
+    method: Option<TargetMethod<'a>>,
     props: &'a Props,
     folder: &'a Path,
     journal: &'a Journal,
@@ -139,10 +155,10 @@ impl Work<'_> {
         let radius = self.recipe.radius.metres(staged.base().diagonal());
         let (camera, variation) = staged.draw(camera, view.seed);
         let scene = staged.shown(&camera, variation.as_ref())?;
-        let shot = Shot::new(&scene, &camera, [height, width], radius);
-        let Estimate { mean, variance, samples } = self.target(&shot, view.seed);
-        let target = truth::within_half(mean);
         let gbuffer = gbuffer::render(&scene, &camera, height, width, truth::attributes(effect));
+        let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: view.seed };
+        let Estimate { mean, variance, samples } = self.target(&frame)?;
+        let target = truth::within_half(mean);
         let gbuffer = truth::light_within_half(gbuffer);
         let mut record = PairRecord {
             file: file_name(view),
@@ -166,13 +182,19 @@ impl Work<'_> {
         Ok(record)
     }
 
-    /// Truth with as many samples as the recipe wants.
-    fn target(&self, shot: &Shot<'_>, seed: u32) -> Estimate {
-        let Recipe { effect, samples, error, .. } = *self.recipe;
-        if error.is_none() {
-            return render(effect, shot, Sampling::one(samples, seed));
+    /// Truth with as many samples as the recipe wants, or what its method makes.
+    fn target(&self, frame: &Frame<'_>) -> Result<Estimate, DatasetError> {
+        let Recipe { effect, samples, error, resolution, .. } = *self.recipe;
+        if let Some(method) = self.method {
+            return Ok(Estimate { mean: target::image(method, frame)?, variance: None, samples: 0 });
         }
-        Truth::render(effect, shot, Goal { samples, error }, seed, |_, _| true).estimate
+        let shot = Shot::new(frame.scene, frame.camera, [resolution.height, resolution.width], frame.radius);
+        Ok(match error {
+            None => render(effect, &shot, Sampling::one(samples, frame.seed)),
+            Some(_) => {
+                Truth::render(effect, &shot, Goal { samples, error }, frame.seed, |_, _| true).estimate
+            }
+        })
     }
 }
 
@@ -201,6 +223,9 @@ fn metadata(recipe: &Recipe, record: &PairRecord, samples: u32) -> Metadata {
         ("units", truth::units(recipe.effect)),
     ]
     .into_iter()
+    .chain(recipe.target.clone().map(|method| {
+        ("target_method", format!("{method}, quality {} where it has one", target::QUALITY.name()))
+    }))
     .chain(varied(record))
     .map(|(name, value)| (name.to_owned(), value))
     .collect()

@@ -36,15 +36,20 @@ pub struct Journal {
 
 impl Journal {
     /// Opens or begins the journal of `job` in a folder, deletes what a killed program left half-written in the
-    /// folder and its `subfolders`, and returns the entries so far, unchecked.
+    /// folder and its `subfolders`, and returns the entries so far, unchecked. A finished job leaves a file `whole`.
     ///
     /// # Errors
-    /// If the folder cannot be written, is in use, or holds another job's journal.
+    /// If the folder cannot be written, is in use, or holds another job's journal or anything that is no job's.
     pub fn open<E: Entry>(
         folder: &Path,
         subfolders: &[&str],
+        whole: &str,
         job: &str,
     ) -> Result<(Self, Vec<E>), DatasetError> {
+        let own = [JOURNAL, whole].iter().any(|name| folder.join(name).exists());
+        if let Some(file) = foreign(folder, subfolders).filter(|_| !own) {
+            return Err(DatasetError::Foreign { folder: folder.to_owned(), file });
+        }
         let folders: Vec<PathBuf> = subfolders.iter().map(|name| folder.join(name)).collect();
         for folder in &folders {
             std::fs::create_dir_all(folder).map_err(|source| DatasetError::io(folder, source))?;
@@ -122,6 +127,12 @@ fn write_line(file: &mut File, value: &impl Serialize) -> std::io::Result<()> {
     let mut line = serde_json::to_vec(value)?;
     line.push(b'\n');
     file.write_all(&line)
+}
+
+/// Something in a folder that no job puts there before its journal.
+fn foreign(folder: &Path, subfolders: &[&str]) -> Option<String> {
+    let names = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.file_name());
+    names.map(|name| name.to_string_lossy().into_owned()).find(|name| !subfolders.contains(&name.as_str()))
 }
 
 fn delete_temporaries(folder: &Path) -> Result<(), DatasetError> {

@@ -20,6 +20,10 @@ use std::path::{Path, PathBuf};
 pub struct Recipe {
     /// What is to be learned.
     pub effect: Effect,
+    /// What targets are: a method's images, by its name; truth without it, and `samples` mean nothing with it. See
+    /// [`crate::target`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub target: Option<String>,
     /// What the data are for.
     #[serde(with = "SplitName")]
     pub split: Split,

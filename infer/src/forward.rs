@@ -34,7 +34,7 @@ mod tuning_file;
 mod tuning_key;
 mod variant;
 
-pub use convenience::{run, run_layers, run_layers_of};
+pub use convenience::{Runner, run, run_layers, run_layers_of};
 pub use deepshade_shaders::wgsl::convolution::Shape;
 pub use files::{File, wgsl_files};
 pub use io::{Input, InputKind, Output, OutputKind};

@@ -201,6 +201,23 @@ fn the_yardstick_is_right_too() {
 }
 
 #[test]
+fn a_runner_makes_every_images_own_image() {
+    let gpu = gpu();
+    let model = random_model(NetSpec { levels: 2, ..ao() });
+    let network = Network::new(&gpu.device, &model.spec, &model.weights).expect("compiles");
+    let runner = network.runner(21, 34).expect("fits");
+    for seed in [1, 2, 1] {
+        let input = noise(6, 21, 34, seed);
+        let (image, _) = runner.run_timed(&gpu.queue, &input, 1, 1).expect("runs");
+        let expected = reference::forward(&model.spec, &model.weights, &input);
+        let comparison = deepshade_infer::Comparison::new(&expected, &image);
+        assert!(comparison.agrees(), "{seed}: {comparison:?}");
+    }
+    let error = runner.run_timed(&gpu.queue, &noise(5, 21, 34, 1), 0, 1).expect_err("five channels");
+    assert_eq!(error.to_string(), "the input has 5 channels; the network reads 6");
+}
+
+#[test]
 fn every_layer_is_timed() {
     let gpu = gpu();
     let model = random_model(NetSpec { levels: 3, ..ao() });

@@ -27,7 +27,7 @@ use std::sync::Arc;
 use wide::{Fan, Ray, Wide};
 
 /// Opacity from which a blended surface is seen by a camera, which cannot see two surfaces at once.
-const VISIBLE_OPACITY: f32 = 0.5;
+pub const VISIBLE_OPACITY: f32 = 0.5;
 
 /// Largest diagonal of a scene, metres: beyond it products of lengths leave the range of f32, and no scene is meant.
 const LARGEST_DIAGONAL: f32 = 1e9;

@@ -11,4 +11,6 @@ pub mod method;
 pub mod methods;
 pub mod metrics;
 pub mod path;
+pub mod raster;
 pub mod scene;
+pub mod screen;

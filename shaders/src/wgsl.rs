@@ -1,7 +1,7 @@
-//! The one table of WGSL sources.
+//! All WGSL sources.
 //!
 //! A shader is a prelude of constants and uniform structs, both derived from Rust, the shared files that it lists,
-//! and the pass, joined as text. Adding a shader is one entry in the table at the end of this file, and one in
+//! and the pass, joined as text. Adding a shader is one entry in one of the tables below this module, and one in
 //! [`uniforms`] if it needs a new struct. The kernels of a network's layers on GPUs are put together in [`convolution`].
 
 pub mod convolution;
@@ -60,7 +60,7 @@ impl Shader {
     }
 }
 
-/// Writes the table: for each entry a static of that name, and `ALL`.
+/// Writes a table: for each entry a static of that name, and `TABLE`.
 macro_rules! table {
     ($($(#[$doc:meta])* $name:ident: $label:literal, file $file:literal,
        constants [$($constant:ident = $default:expr),*], uniforms [$($uniform:ident),*], shared [$($shared:literal),*];)*) => {
@@ -69,69 +69,57 @@ macro_rules! table {
             name: $label,
             constants: &[$((stringify!($constant), $default)),*],
             uniforms: &[$(uniforms::$uniform::LAYOUT),*],
-            shared: &[$(include_str!(concat!("../wgsl/shared/", $shared, ".wgsl"))),*],
-            text: include_str!(concat!("../wgsl/", $file, ".wgsl")),
+            shared: &[$(include_str!(concat!("../../wgsl/shared/", $shared, ".wgsl"))),*],
+            text: include_str!(concat!("../../wgsl/", $file, ".wgsl")),
         };)*
 
-        /// Every shader.
-        pub static ALL: &[&Shader] = &[$(&$name),*];
+        /// Every shader of this table.
+        pub static TABLE: &[&Shader] = &[$(&$name),*];
     };
 }
 
-table! {
-    /// Horizon-based ambient occlusion before its blur.
-    HBAO_OCCLUSION: "hbao.occlusion", file "methods/hbao/occlusion",
-        constants [], uniforms [Hbao], shared ["random", "surface"];
-    /// One direction of horizon-based ambient occlusion's blur.
-    HBAO_BLUR: "hbao.blur", file "methods/hbao/blur", constants [], uniforms [HbaoBlur], shared ["surface"];
-    /// A network's first layer.
-    NET_FIRST: "net.first", file "net/feature_map_pooled", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_features", "net_layer", "net_window", "net_planes", "net_input", "net_single", "net_pool"];
-    /// A network's further layers on the way down.
-    NET_DOWN: "net.down", file "net/feature_map_pooled", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_features", "net_layer", "net_pooled", "net_single", "net_pool"];
-    /// A network's coarsest layer.
-    NET_BOTTOM: "net.bottom", file "net/feature_map", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_features", "net_layer", "net_pooled", "net_single"];
-    /// A network's layers on the way up.
-    NET_UP: "net.up", file "net/feature_map", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_features", "net_layer", "net_joined"];
-    /// A network's last layer.
-    NET_IMAGE: "net.image", file "net/image", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_image", "net_layer", "net_window", "net_joined"];
-    /// The first layer of a network of one level.
-    NET_ONLY: "net.only", file "net/feature_map", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_features", "net_layer", "net_window", "net_planes", "net_input", "net_single"];
-    /// The last layer of a network of one level.
-    NET_PLAIN: "net.plain", file "net/image", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_image", "net_layer", "net_window", "net_pooled", "net_single"];
-    /// Memory's speed: a copy.
-    COPY: "ceilings.copy", file "ceilings/copy", constants [], uniforms [], shared [];
-    /// Arithmetic's speed: multiplications with additions.
-    FMA: "ceilings.fma", file "ceilings/fma", constants [TURNS = 256], uniforms [], shared [];
-    /// The yardstick's convolution.
-    NAIVE_CONVOLUTION: "naive.convolution", file "naive/convolution", constants [], uniforms [NaiveLayer], shared [];
-    /// The yardstick's leaky ReLU.
-    NAIVE_ACTIVATION: "naive.activation", file "naive/activation", constants [], uniforms [NaiveLayer], shared [];
-    /// The yardstick's means of 2x2 pixels.
-    NAIVE_POOLING: "naive.pooling", file "naive/pooling", constants [], uniforms [NaiveLayer], shared [];
-    /// The yardstick's bilinear doubling.
-    NAIVE_DOUBLING: "naive.doubling", file "naive/doubling", constants [], uniforms [NaiveLayer], shared [];
-    /// The yardstick's concatenation.
-    NAIVE_CONCATENATION: "naive.concatenation", file "naive/concatenation", constants [], uniforms [NaiveLayer], shared [];
+mod ceilings;
+pub mod frame;
+mod indirect;
+mod nets;
+mod occlusion;
+mod post;
+
+pub use ceilings::{COPY, FMA};
+pub use indirect::{PREFILTERED_SHADE, SSGI_LIGHT};
+pub use nets::{
+    NAIVE_ACTIVATION, NAIVE_CONCATENATION, NAIVE_CONVOLUTION, NAIVE_DOUBLING, NAIVE_POOLING, NET_BOTTOM,
+    NET_DOWN, NET_FIRST, NET_IMAGE, NET_ONLY, NET_PLAIN, NET_UP,
+};
+pub use occlusion::{BLUR, GTAO_OCCLUSION, HBAO_OCCLUSION, SSDO_LIGHT};
+pub use post::{
+    FXAA_LUMA, FXAA_SMOOTH, GATHER_AREAS, GATHER_GATHER, RECONSTRUCTION_GATHER, RECONSTRUCTION_NEIGHBOURS,
+    RECONSTRUCTION_TILES, RING_GATHER_COMBINE, RING_GATHER_GATHER, RING_GATHER_NEIGHBOURS,
+    RING_GATHER_SHRINK, RING_GATHER_TILES, SEPARABLE_BLUR,
+};
+
+/// Every shader.
+pub fn all() -> impl Iterator<Item = &'static Shader> {
+    [ceilings::TABLE, frame::TABLE, indirect::TABLE, nets::TABLE, occlusion::TABLE, post::TABLE]
+        .into_iter()
+        .flatten()
+        .copied()
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use naga::valid::{Capabilities, ValidationFlags, Validator};
     use uniforms::Field;
 
-    pub(super) fn parse(source: &str) -> Result<naga::Module, String> {
+    pub(crate) fn parse(source: &str) -> Result<naga::Module, String> {
         let module = naga::front::wgsl::parse_str(source).map_err(|e| e.emit_to_string(source))?;
-        Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16)
-            .validate(&module)
-            .map_err(|e| e.emit_to_string(source))?;
+        Validator::new(
+            ValidationFlags::all(),
+            Capabilities::SHADER_FLOAT16 | Capabilities::SHADER_FLOAT16_IN_FLOAT32,
+        )
+        .validate(&module)
+        .map_err(|e| e.emit_to_string(source))?;
         Ok(module)
     }
 
@@ -166,10 +154,16 @@ mod tests {
 
     #[test]
     fn every_shader_is_valid_and_every_struct_lies_as_in_rust() {
-        assert!(!ALL.is_empty());
-        for shader in ALL {
+        assert!(all().count() > 10);
+        for shader in all() {
             let module = parse(&shader.source()).map_err(|e| format!("{}: {e}", shader.name)).expect("valid");
-            assert_eq!(module.entry_points.len(), 1, "{}", shader.name);
+            let stages: Vec<_> = module.entry_points.iter().map(|entry| entry.stage).collect();
+            let one_pass = [
+                &[naga::ShaderStage::Compute][..],
+                &[naga::ShaderStage::Vertex],
+                &[naga::ShaderStage::Vertex, naga::ShaderStage::Fragment],
+            ];
+            assert!(one_pass.contains(&&stages[..]), "{}: {stages:?}", shader.name);
             for layout in shader.uniforms {
                 assert_eq!(agrees(layout, &module), Ok(()), "{}", shader.name);
             }
@@ -178,8 +172,8 @@ mod tests {
 
     #[test]
     fn every_name_is_given_once() {
-        let names: std::collections::BTreeSet<&str> = ALL.iter().map(|shader| shader.name).collect();
-        assert_eq!(names.len(), ALL.len());
+        let names: std::collections::BTreeSet<&str> = all().map(|shader| shader.name).collect();
+        assert_eq!(names.len(), all().count());
     }
 
     #[test]
@@ -220,6 +214,6 @@ mod tests {
     #[test]
     #[should_panic(expected = "no constant `SIZE`")]
     fn an_unknown_constant_is_refused() {
-        let _ = HBAO_BLUR.specialised(&[("SIZE", 1)]);
+        let _ = BLUR.specialised(&[("SIZE", 1)]);
     }
 }

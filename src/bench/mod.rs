@@ -2,6 +2,7 @@
 //! datasets by themselves.
 
 mod dataset;
+mod frame;
 #[cfg(feature = "train")]
 mod net;
 #[cfg(feature = "train")]
@@ -23,6 +24,8 @@ pub enum Verb {
     Train(train::Args),
     /// Rays a second through a scene, one thread and all, traversal alone; beside Embree with the feature `embree`.
     Rays(rays::Args),
+    /// Milliseconds of every pass of a live frame, frames a second, memory.
+    Frame(Box<frame::Args>),
     /// Training pairs an hour and a core, and where the time goes.
     Dataset(dataset::Args),
 }
@@ -38,6 +41,7 @@ pub fn run(verb: &Verb) -> Result<()> {
         #[cfg(feature = "train")]
         Verb::Train(args) => train::run(args),
         Verb::Rays(args) => rays::run(args),
+        Verb::Frame(args) => frame::run(args),
         Verb::Dataset(args) => dataset::run(args),
     }
 }

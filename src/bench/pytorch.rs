@@ -72,7 +72,8 @@ impl Args {
             .spawn()
             .with_context(|| format!("--python {python}"))?;
         let mut stdin = child.stdin.take().context("its input")?;
-        stdin.write_all(job.to_string().as_bytes()).with_context(|| format!("--python {python}"))?;
+        // A Python without PyTorch ends before it has read all: what it says tells more than that.
+        let _ = stdin.write_all(job.to_string().as_bytes());
         drop(stdin);
         let output = child.wait_with_output()?;
         let complaint = String::from_utf8_lossy(&output.stderr);
@@ -108,4 +109,24 @@ fn network(spec: &NetSpec) -> Value {
         "kernel": spec.kernel, "leak": spec.leak, "alignment": spec.alignment(),
         "layers": layers.iter().map(layer).collect::<Vec<_>>(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use deepshade_infer::{ChannelOrder, Reach, Weights};
+
+    #[test]
+    fn a_program_that_is_no_python_with_pytorch_is_an_error_that_names_it() {
+        let spec =
+            NetSpec::ao(ChannelOrder::Interleaved, Reach { radius: 1.0, diagonal_share: 0.1, height: 64 });
+        let model = Model { weights: Weights::random(&spec, 1), spec };
+        // They end without reading the job, which is larger than a pipe holds.
+        for program in ["true", "false", "/no/such/python"] {
+            let args = Args { python: Some(program.to_owned()) };
+            let error = args.run(&model, 1, json!({})).expect_err("no PyTorch");
+            assert!(format!("{error:#}").contains(&format!("--python {program}")), "{error:#}");
+            assert!(!crate::output::nobody_reads(&error), "{error:#}");
+        }
+    }
 }

@@ -16,6 +16,7 @@ mod sets;
 use crate::{figures::Figures, views};
 use anyhow::{Result, ensure};
 use contest::{Contest, Outcome};
+use deepshade_dataset::progress;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::{AlphaMode, Scene, SceneSource};
 use serde_json::json;
@@ -88,8 +89,11 @@ pub fn run(args: &Args) -> Result<()> {
     let views = args.views.of(&scene, [size, size])?;
     let sets = sets::all(&scene, views.iter().map(|view| &view.camera), size);
     ensure!(sets.iter().all(|set| !set.rays.is_empty()), "the views of {} see nothing", args.scene);
-    let contest = Contest { scene: &scene, rival: rival.as_deref().ok(), runs: args.runs.into() };
+    let runs = usize::from(args.runs);
+    let bar = progress::bar("rounds", sets.len() * runs, 0);
+    let contest = Contest { scene: &scene, rival: rival.as_deref().ok(), runs, finished: &|| bar.inc(1) };
     let outcomes: Vec<(&RaySet, Outcome)> = sets.iter().map(|set| (set, contest.of(set))).collect();
+    bar.finish_and_clear();
 
     let diagonal = scene.diagonal();
     let mut figures = Figures::new("bench rays");

@@ -1,16 +1,20 @@
 //! What a command line gives a scene: an environment, a lens, a medium.
 
+use super::listeners;
 use anyhow::{Context, Result, ensure};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::{Bounds, Density, DensityGrid, Medium};
+use deepshade_shaders::Effect;
 use glam::Vec3;
 use std::path::PathBuf;
 
+/// Share of the extinction that is scattering, where none is stated.
+const ALBEDO: Vec3 = Vec3::splat(0.9);
 /// How far fog reaches beyond the scene's box, as a share of the diagonal.
 const FOG_MARGIN: f32 = 0.1;
 
 /// What a scene is given beside what its file brings.
-#[derive(clap::Args, Clone, Debug)]
+#[derive(clap::Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Light, lens and fog")]
 pub struct Additions {
     /// An environment map (.hdr, .exr) around the scene.
@@ -29,15 +33,38 @@ pub struct Additions {
     /// of fog all over the scene.
     #[arg(long, value_parser = colour)]
     pub extinction: Option<Vec3>,
-    /// Share of the extinction that is scattering, the rest being absorption: one number, or red,green,blue.
-    #[arg(long, default_value = "0.9", value_parser = colour)]
-    pub scattering_albedo: Vec3,
-    /// Mean cosine of the angle by which the medium scatters (Henyey-Greenstein), from -0.99 to 0.99.
-    #[arg(long, default_value_t = 0.0, allow_hyphen_values = true)]
-    pub anisotropy: f32,
+    /// Share of the extinction that is scattering, the rest being absorption: one number, or red,green,blue; 0.9 by
+    /// default.
+    #[arg(long, value_parser = colour)]
+    pub scattering_albedo: Option<Vec3>,
+    /// Mean cosine of the angle by which the medium scatters (Henyey-Greenstein), from -0.99 to 0.99; 0 by default.
+    #[arg(long)]
+    pub anisotropy: Option<f32>,
 }
 
 impl Additions {
+    /// Whether all that is given means something to an effect.
+    ///
+    /// # Errors
+    /// If not.
+    pub fn check(&self, effect: Effect) -> Result<()> {
+        let environment = [("--environment", self.environment.is_some())];
+        let lens = [("--aperture", self.aperture.is_some()), ("--focus", self.focus.is_some())];
+        let medium = [("--medium", self.medium.is_some()), ("--extinction", self.extinction.is_some())];
+        listeners::check(effect, listeners::ENVIRONMENT, &environment)?;
+        listeners::check(effect, listeners::LENS, &lens)?;
+        listeners::check(effect, listeners::MEDIUM, &medium)?;
+        listeners::check(effect, listeners::MEDIUM, &self.of_a_medium())
+    }
+
+    /// The options that say more of a medium, each with whether it is given.
+    pub const fn of_a_medium(&self) -> [(&'static str, bool); 2] {
+        [
+            ("--scattering-albedo", self.scattering_albedo.is_some()),
+            ("--anisotropy", self.anisotropy.is_some()),
+        ]
+    }
+
     /// The medium that is stated, if one is.
     ///
     /// # Errors
@@ -60,13 +87,33 @@ impl Additions {
         self.of_density(Vec3::splat(1.0 / scene.diagonal()), around(scene))
     }
 
+    /// The medium that is stated, for the record.
+    pub fn medium_in_words(&self) -> String {
+        let path = self.medium.as_ref().map_or("none".to_owned(), |path| path.display().to_string());
+        let extinction =
+            self.extinction.map_or("as the scene's".to_owned(), |extinction| extinction.to_string());
+        format!(
+            "{path}; extinction {extinction}, albedo {}, anisotropy {}",
+            self.albedo(),
+            self.mean_cosine()
+        )
+    }
+
+    fn albedo(&self) -> Vec3 {
+        self.scattering_albedo.unwrap_or(ALBEDO)
+    }
+
+    fn mean_cosine(&self) -> f32 {
+        self.anisotropy.unwrap_or(0.0)
+    }
+
     fn of_density(&self, extinction: Vec3, density: Density) -> Result<Medium> {
-        let albedo = self.scattering_albedo;
+        let albedo = self.albedo();
         ensure!(
             albedo.max_element() <= 1.0,
             "--scattering-albedo {albedo}: more than all cannot be scattered"
         );
-        Ok(Medium::new((1.0 - albedo) * extinction, albedo * extinction, self.anisotropy, density)?)
+        Ok(Medium::new((1.0 - albedo) * extinction, albedo * extinction, self.mean_cosine(), density)?)
     }
 }
 

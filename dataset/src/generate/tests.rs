@@ -3,7 +3,9 @@ use crate::journal::JOURNAL;
 use crate::shipped::{contents, shrunk};
 use crate::{DATA_VERSION, Dataset, contact_sheet, verify};
 use deepshade_render::exr_file;
+use deepshade_render::method::{Clock, Method, MethodError, Repeats, Shaded};
 use deepshade_render::scene::procedural::{Family, Split};
+use deepshade_shaders::{Attribute, Effect, Planes};
 
 /// A recipe of two scenes with two views each.
 fn recipe(folder: &Path, seed: u32) -> Recipe {
@@ -109,12 +111,18 @@ fn a_folder_in_use_or_with_other_data_is_left_alone() {
     assert!(matches!(refused, DatasetError::OtherData { .. }), "{refused}");
     assert!(contents(&out) == before);
     let busy = folder.path().join("busy");
-    let (journal, _) = Journal::open::<PairRecord>(&busy, &[PAIRS], "a job").expect("opened");
+    let (journal, _) = Journal::open::<PairRecord>(&busy, &[PAIRS], MANIFEST, "a job").expect("opened");
     let refused = generate(&other, &busy).expect_err("in use");
     assert!(matches!(refused, DatasetError::Busy { .. }), "{refused}");
     drop(journal);
     let refused = generate(&other, &busy).expect_err("another job's journal");
     assert!(refused.to_string().contains("holds data of a job"), "{refused}");
+    let report = folder.path().join("report");
+    std::fs::create_dir(&report).expect("made");
+    std::fs::write(report.join("index.html"), "a page").expect("written");
+    let refused = generate(&other, &report).expect_err("no folder of data").to_string();
+    assert!(refused.contains("holds `index.html`"), "{refused}");
+    assert_eq!(std::fs::read_dir(&report).expect("listed").count(), 1, "nothing is left there");
 }
 
 #[test]
@@ -284,4 +292,49 @@ fn varied_data_are_resumed_to_the_same_bytes() {
     std::fs::write(out.join(JOURNAL), format!("\"{}\"\n{first}\n", manifest.origin.job())).expect("written");
     assert_eq!(generate(&recipe, &out).expect("resumed").rendered, 1);
     assert!(contents(&out) == undisturbed);
+}
+
+/// A method whose images are the g-buffer's depth in all channels.
+struct Depths(Effect);
+
+impl Method for Depths {
+    fn name(&self) -> &'static str {
+        "depths"
+    }
+
+    fn effect(&self) -> Effect {
+        self.0
+    }
+
+    fn shade(&self, frame: &Frame<'_>, _repeats: Repeats) -> Result<Shaded, MethodError> {
+        let position = frame.gbuffer.select(&[Attribute::Position]).expect("a position");
+        let (height, width) = (position.height(), position.width());
+        let image = Planes::from_fn(self.0.channels(), height, width, |_, y, x| -position.at(2, y, x));
+        Ok(Shaded { image, milliseconds: 0.0, clock: Clock::Cpu })
+    }
+}
+
+#[test]
+fn a_method_can_be_what_pairs_aim_at() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("out");
+    let recipe = Recipe { target: Some("depths".to_owned()), ..recipe(folder.path(), 3) };
+    let method = Depths(recipe.effect);
+    generate_by(&recipe, &out, Some(&method)).expect("generated");
+    let dataset = Dataset::open(&out).expect("a dataset");
+    let pair = dataset.pair(0).expect("a pair");
+    let position = pair.gbuffer.select(&[Attribute::Position]).expect("a position");
+    for (target, z) in pair.target.data().iter().zip(position.plane(2)) {
+        // Both went through half floats.
+        assert!((target + z).abs() <= 1e-3 * z.abs(), "{target} is not {z}");
+    }
+    assert!(pair.target.data().iter().any(|depth| *depth > 0.1));
+
+    let refused = |recipe: &Recipe, method: Option<TargetMethod<'_>>| {
+        generate_by(recipe, &folder.path().join("other"), method).expect_err("refused").to_string()
+    };
+    assert!(refused(&recipe, None).contains("`target` is `depths`, and truth"));
+    let truth = Recipe { target: None, ..recipe.clone() };
+    assert!(refused(&truth, Some(&method)).contains("`target` is truth, and `depths`"));
+    assert!(refused(&recipe, Some(&Depths(Effect::Dof))).contains("computes dof, not ao"));
 }

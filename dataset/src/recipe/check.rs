@@ -62,6 +62,11 @@ impl Recipe {
     /// Whether no key is there that means nothing in this recipe, and none is missing that its effect needs.
     fn check_use(&self) -> Result<(), String> {
         self.vary.clone().unwrap_or_default().check(self.effect)?;
+        if self.target.is_some() && self.error.is_some() {
+            return Err(
+                "`error` is for truth, and `target` names a method, whose images have no noise".to_owned()
+            );
+        }
         if self.split == Split::Test && self.validation_share > 0.0 {
             return Err(
                 "`validation_share` is for training: a recipe for testing holds nothing apart".to_owned()

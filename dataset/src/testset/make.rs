@@ -10,8 +10,11 @@ use crate::origin::Origin;
 use crate::plan::{PlannedScene, PlannedView, spread};
 use crate::random::mix;
 use crate::recipe::Tiles;
+use crate::target::{self, TargetMethod};
 use crate::{DatasetError, Props, Recipe, StagedScene, progress, truth, views};
 use deepshade_render::exr_file::{self, Layer, Metadata};
+use deepshade_render::gbuffer;
+use deepshade_render::method::Frame;
 use deepshade_render::metrics::{exposed, exposure, ssim};
 use deepshade_render::path::{Goal, Sampling, Shot, Truth, render};
 use deepshade_shaders::Planes;
@@ -28,18 +31,40 @@ impl TestSet {
     /// If the recipe is not for testing or has no `tiles`, a scene cannot be had or has no fit view, or the folder cannot be written, is in
     /// use or holds other data.
     pub fn generate(recipe: &Recipe, folder: &Path) -> Result<Self, DatasetError> {
+        Self::generate_by(recipe, folder, None)
+    }
+
+    /// [`TestSet::generate`] for recipes that aim at the images of a method, which `method` is.
+    ///
+    /// # Errors
+    /// Those of [`TestSet::generate`], and if the recipe aims at something else or the method fails.
+    pub fn generate_by(
+        recipe: &Recipe,
+        folder: &Path,
+        method: Option<TargetMethod<'_>>,
+    ) -> Result<Self, DatasetError> {
+        target::check(recipe, method)?;
         let tiles = tiles_of(recipe)?;
         let plan = recipe.plan()?;
         let origin = Origin::new(recipe, &plan, folder)?;
         let earlier = earlier_frames(folder, &origin.job())?;
-        let (journal, mut entries) = Journal::open(folder, &["tiles", "whole"], &origin.job())?;
+        let (journal, mut entries) = Journal::open(folder, &["tiles", "whole"], LIST, &origin.job())?;
         entries.extend(earlier);
         let known = checked(folder, entries);
         let total = recipe.scene_count() * recipe.views_per_scene;
         let bar = progress::bar("frames", total, known.len());
         let props = Props::load(recipe)?;
-        let work =
-            Work { recipe, props: &props, tiles, total, folder, journal: &journal, known: &known, bar: &bar };
+        let work = Work {
+            recipe,
+            method,
+            props: &props,
+            tiles,
+            total,
+            folder,
+            journal: &journal,
+            known: &known,
+            bar: &bar,
+        };
         let list = List { origin, frames: by_scene(&plan, |index, scene| work.scene(index, scene))? };
         bar.finish_and_clear();
         write_json(&folder.join(LIST), &list)?;
@@ -64,6 +89,7 @@ fn earlier_frames(folder: &Path, ours: &str) -> Result<Vec<FrameRecord>, Dataset
 /// What all frames share.
 struct Work<'a> {
     recipe: &'a Recipe,
+    method: Option<TargetMethod<'a>>,
     props: &'a Props,
     tiles: Tiles,
     total: usize,
@@ -97,19 +123,19 @@ impl Work<'_> {
         view: &PlannedView,
         whole: bool,
     ) -> Result<FrameRecord, DatasetError> {
-        let Recipe { effect, resolution, samples, seed, .. } = *self.recipe;
+        let Recipe { effect, resolution, seed, .. } = *self.recipe;
         let (height, width) = (resolution.height, resolution.width);
         let camera = views::sample_view(staged.base(), [height, width], seed, planned.key, view.index)?;
         let radius = self.recipe.radius.metres(staged.base().diagonal());
         let (camera, variation) = staged.draw(camera, view.seed);
         let scene = staged.shown(&camera, variation.as_ref())?;
-        let shot = Shot::new(&scene, &camera, [height, width], radius);
-        let stream = |stream: u64| mix(&[u64::from(view.seed), stream]) as u32;
         let tiles = tile_indices(view.seed, height, width, self.tiles.one_in);
-        let goal = Goal::samples(self.tiles.samples);
-        let rendered = Truth::render(effect, &shot, goal, stream(0), in_tiles(&tiles, width));
-        let image = truth::within_half(gather(&rendered.estimate.mean, &tiles));
-        let exposure = exposure(effect, &image);
+        let gbuffer = gbuffer::render(&scene, &camera, height, width, truth::attributes(effect));
+        let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: view.seed };
+        let aim = match self.method {
+            Some(method) => Aim::of_method(method, &frame, &tiles)?,
+            None => self.truth(&frame, &tiles, whole),
+        };
         let write = |folder: &str, samples: u32, image: &Planes| self.write(folder, view, samples, image);
         let record = FrameRecord {
             name: view.name.clone(),
@@ -119,19 +145,39 @@ impl Work<'_> {
             radius,
             seed: view.seed,
             variation,
-            exposure,
-            ceiling: ceiling(&rendered, &tiles, exposure),
-            tiles: write("tiles", rendered.estimate.samples, &image)?,
-            whole: whole
-                .then(|| {
-                    let whole = render(effect, &shot, Sampling::one(samples, stream(1)));
-                    write("whole", whole.samples, &truth::within_half(whole.mean))
-                })
+            exposure: aim.exposure,
+            ceiling: aim.ceiling,
+            tiles: write("tiles", aim.samples, &aim.tiles)?,
+            whole: aim
+                .whole
+                .filter(|_| whole)
+                .map(|(image, samples)| write("whole", samples, &image))
                 .transpose()?,
         };
         self.journal.add(&record)?;
         self.bar.inc(1);
         Ok(record)
+    }
+
+    /// Truth on the tiles, and of the whole frame where that is kept.
+    fn truth(&self, frame: &Frame<'_>, tiles: &[usize], whole: bool) -> Aim {
+        let Recipe { effect, resolution, samples, .. } = *self.recipe;
+        let shot = Shot::new(frame.scene, frame.camera, [resolution.height, resolution.width], frame.radius);
+        let stream = |stream: u64| mix(&[u64::from(frame.seed), stream]) as u32;
+        let goal = Goal::samples(self.tiles.samples);
+        let rendered = Truth::render(effect, &shot, goal, stream(0), in_tiles(tiles, resolution.width));
+        let image = truth::within_half(gather(&rendered.estimate.mean, tiles));
+        let exposure = exposure(effect, &image);
+        Aim {
+            exposure,
+            ceiling: ceiling(&rendered, tiles, exposure),
+            tiles: image,
+            samples: rendered.estimate.samples,
+            whole: whole.then(|| {
+                let whole = render(effect, &shot, Sampling::one(samples, stream(1)));
+                (truth::within_half(whole.mean), whole.samples)
+            }),
+        }
     }
 
     fn write(
@@ -151,6 +197,26 @@ impl Work<'_> {
         let bytes = exr_file::encode(&path, &[layer], &metadata)?;
         atomic_file::write(&path, &bytes).map_err(|source| DatasetError::io(&path, source))?;
         Ok(HashedFile { file, blake3: blake3::hash(&bytes).to_hex().to_string() })
+    }
+}
+
+/// What a frame's methods are scored against.
+struct Aim {
+    exposure: f32,
+    ceiling: Ceiling,
+    tiles: Planes,
+    samples: u32,
+    whole: Option<(Planes, u32)>,
+}
+
+impl Aim {
+    /// What a method makes, which has no noise.
+    fn of_method(method: TargetMethod<'_>, frame: &Frame<'_>, tiles: &[usize]) -> Result<Self, DatasetError> {
+        let whole = truth::within_half(target::image(method, frame)?);
+        let image = gather(&whole, tiles);
+        let exposure = exposure(method.effect(), &image);
+        let ceiling = Ceiling { ssim: 1.0, variance: 0.0 };
+        Ok(Self { exposure, ceiling, tiles: image, samples: 0, whole: Some((whole, 0)) })
     }
 }
 

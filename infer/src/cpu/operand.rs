@@ -7,9 +7,6 @@
 use super::shape::ConvShape;
 use std::borrow::Cow;
 
-/// Pixels of a row that are doubled together.
-const BLOCK: usize = 16;
-
 /// Images `[batch, channels, height, width]`.
 #[derive(Clone, Copy, Debug)]
 pub struct Image<'a> {
@@ -110,19 +107,11 @@ fn blended(near: &[f32], far: &[f32], out: &mut [f32]) {
 fn widen(row: &mut [f32], out: &mut [f32]) {
     let last = row.len() - 1;
     (row[0], row[last]) = (row[1], row[last - 1]);
-    // In blocks, since a loop of unknown length would end in many single steps where rows are short.
-    let (blocks, rest) = out.as_chunks_mut::<{ 2 * BLOCK }>();
-    let done = blocks.len() * BLOCK;
-    for (at, block) in blocks.iter_mut().enumerate() {
-        let row = &row[at * BLOCK..][..BLOCK + 2];
-        for x in 0..BLOCK {
-            block[2 * x] = 0.75 * row[x + 1] + 0.25 * row[x];
-            block[2 * x + 1] = 0.75 * row[x + 1] + 0.25 * row[x + 2];
-        }
-    }
-    for (x, pair) in rest.as_chunks_mut::<2>().0.iter_mut().enumerate() {
-        let row = &row[done + x..][..3];
-        *pair = [0.75 * row[1] + 0.25 * row[0], 0.75 * row[1] + 0.25 * row[2]];
+    // One plain loop: of constant blocks the compiler makes single steps, with gathers and scatters.
+    let pairs = out.as_chunks_mut::<2>().0;
+    let row = &row[..pairs.len() + 2];
+    for x in 0..pairs.len() {
+        pairs[x] = [0.75 * row[x + 1] + 0.25 * row[x], 0.75 * row[x + 1] + 0.25 * row[x + 2]];
     }
 }
 

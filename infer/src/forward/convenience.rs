@@ -6,10 +6,12 @@ use crate::{Activation, Model};
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::{self, Gpu, Timing};
 
-/// A plan with buffers of its own for input and output.
-struct Run {
+/// A network on images of one size in main memory: a plan with buffers of its own for input and output.
+#[derive(Debug)]
+pub struct Runner {
     plan: Plan,
     recording: Recording,
+    input: wgpu::Buffer,
     output: wgpu::Buffer,
 }
 
@@ -18,9 +20,11 @@ struct Run {
 /// # Errors
 /// If the input is not the network's or the GPU refuses.
 pub fn run(gpu: &Gpu, model: &Model, input: &Planes) -> Result<Planes, ForwardError> {
-    let run = Run::new(&Network::new(&gpu.device, &model.spec, &model.weights)?, input)?;
-    gpu::submit(&gpu.device, &gpu.queue, "net", |encoder| run.recording.encode(encoder))?;
-    run.plan.image(&gpu.queue, &run.output)
+    let runner =
+        Network::new(&gpu.device, &model.spec, &model.weights)?.runner(input.height(), input.width())?;
+    runner.write(&gpu.queue, input)?;
+    gpu::submit(&gpu.device, &gpu.queue, "net", |encoder| runner.recording.encode(encoder))?;
+    runner.plan.image(&gpu.queue, &runner.output)
 }
 
 /// What every layer makes on the way to the network's image, as [`crate::reference::layers`] gives it.
@@ -40,18 +44,19 @@ pub fn run_layers_of(
     queue: &wgpu::Queue,
     input: &Planes,
 ) -> Result<Vec<Activation>, ForwardError> {
-    let run = Run::new(network, input)?;
-    if run.plan.tiles() > 1 {
-        let (height, width) = (input.height(), input.width());
+    let (height, width) = (input.height(), input.width());
+    let runner = network.runner(height, width)?;
+    runner.write(queue, input)?;
+    if runner.plan.tiles() > 1 {
         return Err(ForwardError::Memory { width, height, limit: u64::MAX });
     }
     let mut made = Vec::new();
     for (index, layer) in network.layers.iter().enumerate() {
         // One by one: a later layer may write where an earlier one's map was.
-        gpu::submit(&network.device, queue, "net", |encoder| run.recording.encode_layer(index, encoder))?;
+        gpu::submit(&network.device, queue, "net", |encoder| runner.recording.encode_layer(index, encoder))?;
         let planes = match layer.activation {
-            true => run.plan.storage.read(&network.device, queue, MapId::Made(index))?,
-            false => run.plan.image(queue, &run.output)?,
+            true => runner.plan.storage.read(&network.device, queue, MapId::Made(index))?,
+            false => runner.plan.image(queue, &runner.output)?,
         };
         made.push(Activation { layer: layer.name.clone(), planes });
     }
@@ -59,8 +64,20 @@ pub fn run_layers_of(
 }
 
 impl Network {
-    /// The network's image of an input, and how long its passes take, by the clock that [`gpu::time`] has on this
-    /// device: the median of `timed` runs after `warm_up` others, without the way between main memory and the GPU.
+    /// Prepares runs on images of a size in main memory.
+    ///
+    /// # Errors
+    /// If the size is beyond the device's limits or its memory.
+    pub fn runner(&self, height: usize, width: usize) -> Result<Runner, ForwardError> {
+        let plan = self.plan(height, width)?;
+        let buffer = |label, channels| gpu::empty::<f32>(&self.device, label, channels * height * width);
+        let input = buffer("net.input", self.spec.input_channels())?;
+        let output = buffer("net.output", self.spec.output_channels())?;
+        let recording = plan.bind(Input::Buffer(&input), Output::Buffer(&output))?;
+        Ok(Runner { plan, recording, input, output })
+    }
+
+    /// As [`Runner::run_timed`], on one image.
     ///
     /// # Errors
     /// If the input is not the network's or the GPU refuses.
@@ -71,10 +88,7 @@ impl Network {
         warm_up: usize,
         timed: usize,
     ) -> Result<(Planes, Timing), ForwardError> {
-        let run = Run::new(self, input)?;
-        let record = |encoder: &mut wgpu::CommandEncoder| run.recording.encode(encoder);
-        let timing = gpu::time(&self.device, queue, "net", warm_up, timed, record)?;
-        Ok((run.plan.image(queue, &run.output)?, timing))
+        self.runner(input.height(), input.width())?.run_timed(queue, input, warm_up, timed)
     }
 
     /// How long each layer takes on images of a size, by name: each by itself, the median of `timed` runs after
@@ -89,9 +103,10 @@ impl Network {
         warm_up: usize,
         timed: usize,
     ) -> Result<Vec<(String, Timing)>, ForwardError> {
-        let run = Run::new(self, &Planes::filled(self.spec.input_channels(), height, width, 0.5))?;
+        let runner = self.runner(height, width)?;
+        runner.write(queue, &Planes::filled(self.spec.input_channels(), height, width, 0.5))?;
         let time = |(index, layer): (usize, &crate::Layer)| {
-            let record = |encoder: &mut wgpu::CommandEncoder| run.recording.encode_layer(index, encoder);
+            let record = |encoder: &mut wgpu::CommandEncoder| runner.recording.encode_layer(index, encoder);
             let timing = gpu::time(&self.device, queue, &layer.name, warm_up, timed, record)?;
             Ok((layer.name.clone(), timing))
         };
@@ -99,18 +114,34 @@ impl Network {
     }
 }
 
-impl Run {
-    fn new(network: &Network, input: &Planes) -> Result<Self, ForwardError> {
-        let Network { device, spec, .. } = network;
-        let (expected, found) = (spec.input_channels(), input.channels());
+impl Runner {
+    /// The network's image of an input, and how long its passes take, by the clock that [`gpu::time`] has on this
+    /// device: the median of `timed` runs after `warm_up` others, without the way between main memory and the GPU.
+    ///
+    /// # Errors
+    /// If the input is not the network's or the GPU refuses.
+    ///
+    /// # Panics
+    /// If the input is of another size than the runner.
+    pub fn run_timed(
+        &self,
+        queue: &wgpu::Queue,
+        input: &Planes,
+        warm_up: usize,
+        timed: usize,
+    ) -> Result<(Planes, Timing), ForwardError> {
+        self.write(queue, input)?;
+        let record = |encoder: &mut wgpu::CommandEncoder| self.recording.encode(encoder);
+        let timing = gpu::time(&self.plan.device, queue, "net", warm_up, timed, record)?;
+        Ok((self.plan.image(queue, &self.output)?, timing))
+    }
+
+    fn write(&self, queue: &wgpu::Queue, input: &Planes) -> Result<(), ForwardError> {
+        let (expected, found) = (self.plan.spec.input_channels(), input.channels());
+        assert_eq!([input.height(), input.width()], self.plan.size, "size of the input");
         if expected != found {
             return Err(ForwardError::Input { expected, found });
         }
-        let plan = network.plan(input.height(), input.width())?;
-        let elements = spec.output_channels() * input.pixels();
-        let input = gpu::storage(device, "net.input", input.data())?;
-        let output = gpu::empty::<f32>(device, "net.output", elements)?;
-        let recording = plan.bind(Input::Buffer(&input), Output::Buffer(&output))?;
-        Ok(Self { plan, recording, output })
+        Ok(gpu::write(&self.plan.device, queue, &self.input, input.data())?)
     }
 }

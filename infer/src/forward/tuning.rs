@@ -83,12 +83,12 @@ impl Tuning {
     }
 
     /// Measures all kernels that the layers of a network may have on images of a size, `[height, width]`, in the options'
-    /// precision and through their cache, from buffers to buffers. A kernel counts only if the driver accepts it and what
-    /// it makes of a small image is what the reference makes of it; the notes say which do not. That none of a layer's
-    /// counts is remembered too.
+    /// precision and through their cache, from buffers to buffers. A kernel counts only if the driver accepts it, it runs,
+    /// and what it makes of a small image is what the reference makes of it; the notes say which do not. That none of a
+    /// layer's counts is remembered too.
     ///
     /// # Errors
-    /// If the device has no such precision, or fails.
+    /// If nothing runs, and not for a driver's refusal alone: the device has no such precision, or fails.
     pub fn measure(
         &mut self,
         gpu: &Gpu,
@@ -101,7 +101,8 @@ impl Tuning {
             reference::layers(spec, &weights, &noise(spec.input_channels(), PROOF[0], PROOF[1], 1));
         let Options { precision, cache, .. } = *options;
         let trial = Trial { gpu, spec, weights, expected, size, precision, cache };
-        let (layers, notes) = trial.layers()?;
+        let mut notes = Vec::new();
+        let layers = trial.layers(&mut notes)?;
         let keys = keys(spec, precision, size, self.workgroup_bytes);
         self.file.devices.entry(self.device.clone()).or_default().extend(keys.into_iter().zip(layers));
         Ok(notes)
@@ -125,18 +126,33 @@ struct Trial<'a> {
 }
 
 impl Trial<'_> {
-    /// What is measured of every layer, and which kernels were refused or wrong.
-    fn layers(&self) -> Result<(Vec<Measured>, Vec<String>), ForwardError> {
-        let count = self.spec.layers().len();
-        let (mut measured, mut notes) = (vec![Measured::default(); count], Vec::new());
+    /// What is measured of every layer. Kernels that are refused, fail or are wrong are noted; a failure is an error if
+    /// nothing else ran.
+    fn layers(&self, notes: &mut Vec<String>) -> Result<Vec<Measured>, ForwardError> {
+        let mut measured = vec![Measured::default(); self.expected.len()];
+        let mut failure = None;
+        let mut times = |variant: &Variant| {
+            self.times(variant, notes).unwrap_or_else(|error| {
+                notes.push(format!("refused with {variant:?}: {error}"));
+                // The software kernels have limits of their own, and every driver has a taste and faults of its own.
+                if !matches!(
+                    error,
+                    ForwardError::Weights { .. }
+                        | ForwardError::Channels { .. }
+                        | ForwardError::Gpu(GpuError::Shader { .. })
+                ) {
+                    failure = Some(error);
+                }
+                vec![None; self.expected.len()]
+            })
+        };
         if self.precision == Precision::F32 {
-            for (layer, milliseconds) in measured.iter_mut().zip(self.times(&Variant::Software, &mut notes)?)
-            {
+            for (layer, milliseconds) in measured.iter_mut().zip(times(&Variant::Software)) {
                 layer.software = milliseconds;
             }
         }
         for variant in Variant::candidates(&self.gpu.device.limits(), self.spec, OutputKind::Buffer) {
-            let times = self.times(&variant, &mut notes)?;
+            let times = times(&variant);
             let Variant::Gpu(these) = variant else { continue };
             for ((layer, shape), time) in measured.iter_mut().zip(these).zip(times) {
                 let Some(milliseconds) = time else { continue };
@@ -146,11 +162,13 @@ impl Trial<'_> {
                 }
             }
         }
-        Ok((measured, notes))
+        match failure.filter(|_| measured.iter().all(|layer| *layer == Measured::default())) {
+            Some(error) => Err(error),
+            None => Ok(measured),
+        }
     }
 
-    /// Milliseconds of each layer of a network; none of one that is wrong, nor of those after it; none of any if the
-    /// driver refuses a kernel.
+    /// Milliseconds of each layer of a network; none of one that is wrong, nor of those after it.
     fn times(&self, variant: &Variant, notes: &mut Vec<String>) -> Result<Vec<Option<f64>>, ForwardError> {
         let options = Options {
             precision: self.precision,
@@ -158,19 +176,7 @@ impl Trial<'_> {
             cache: self.cache,
             ..Options::default()
         };
-        let network = match Network::with(&self.gpu.device, self.spec, &self.weights, &options) {
-            Ok(network) => network,
-            // The software kernels have limits of their own, and every driver has a taste and faults of its own.
-            Err(
-                error @ (ForwardError::Weights { .. }
-                | ForwardError::Channels { .. }
-                | ForwardError::Gpu(GpuError::Shader { .. })),
-            ) => {
-                notes.push(format!("refused with {variant:?}: {error}"));
-                return Ok(vec![None; self.expected.len()]);
-            }
-            Err(error) => return Err(error),
-        };
+        let network = Network::with(&self.gpu.device, self.spec, &self.weights, &options)?;
         let input = noise(self.spec.input_channels(), PROOF[0], PROOF[1], 1);
         let made = super::run_layers_of(&network, &self.gpu.queue, &input)?;
         let share = match self.precision {

@@ -1,4 +1,66 @@
 //! The analytic methods, one folder each: `mod.rs` says what it is, `passes.rs` runs on the GPU, `reference.rs` is the
-//! slow, plain version that the GPU is checked against.
+//! slow, plain version that the GPU is checked against. What several share is in files beside them.
 
+pub mod blur;
+pub mod environment_map;
+pub mod fxaa;
+pub mod gather;
+pub mod gtao;
 pub mod hbao;
+mod picture;
+pub mod prefiltered;
+pub mod reconstruction;
+pub mod ring_gather;
+pub mod separable;
+pub mod slices;
+pub mod ssdo;
+pub mod ssgi;
+mod surface;
+mod translucent;
+
+#[cfg(test)]
+pub(crate) mod proving;
+
+pub use picture::Picture;
+pub use surface::Surface;
+pub use translucent::Translucent;
+
+/// How much time a method may take for a better image. Each says in its `Parameters::of` what that means to it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Quality {
+    /// Fast.
+    Low,
+    /// Between.
+    Medium,
+    /// What its authors recommend, or what was found best on training scenes.
+    #[default]
+    High,
+    /// Converged, as far as the method goes.
+    Ultra,
+}
+
+impl Quality {
+    /// All, the fastest first.
+    pub const ALL: [Self; 4] = [Self::Low, Self::Medium, Self::High, Self::Ultra];
+
+    /// Its name on the command line and in figures.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Low => "low",
+            Self::Medium => "medium",
+            Self::High => "high",
+            Self::Ultra => "ultra",
+        }
+    }
+}
+
+impl std::str::FromStr for Quality {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        Self::ALL
+            .into_iter()
+            .find(|quality| quality.name() == name)
+            .ok_or_else(|| format!("no quality `{name}`; there are {}", Self::ALL.map(Self::name).join(", ")))
+    }
+}

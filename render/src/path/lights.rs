@@ -14,6 +14,7 @@ mod emitters;
 mod tests;
 
 pub use arrival::Arrival;
+pub(crate) use arrival::axes;
 pub use at::LightsAt;
 
 use crate::bvh::TracedScene;

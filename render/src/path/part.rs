@@ -45,6 +45,18 @@ impl Part {
         }
     }
 
+    /// The part of an effect that has a name.
+    ///
+    /// # Errors
+    /// If there is none; the error names those that there are.
+    pub fn named(name: &str, effect: Effect) -> Result<Self, String> {
+        let parts = || Self::ALL.into_iter().filter(|part| part.is_of(effect));
+        parts().find(|part| part.name() == name).ok_or_else(|| {
+            let known: Vec<_> = parts().map(Self::name).collect();
+            format!("{effect} has no part `{name}`; there is {}", known.join(", "))
+        })
+    }
+
     /// Whether an effect has such a part.
     pub fn is_of(self, effect: Effect) -> bool {
         match self {
@@ -58,17 +70,6 @@ impl Part {
 impl std::fmt::Display for Part {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.name())
-    }
-}
-
-impl std::str::FromStr for Part {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|part| part.name() == name).ok_or_else(|| {
-            let known: Vec<_> = Self::ALL.iter().map(|part| part.name()).collect();
-            format!("no part `{name}`; there are {}", known.join(", "))
-        })
     }
 }
 
@@ -102,9 +103,12 @@ mod tests {
     #[test]
     fn parts_belong_to_effects() {
         for part in Part::ALL {
-            assert_eq!(part.name().parse(), Ok(part));
+            let effect = if part == Part::Glossy { Effect::Gi } else { Effect::Path };
+            assert_eq!(Part::named(part.name(), effect), Ok(part));
             assert_eq!(part.is_of(Effect::Ao), part == Part::All);
         }
+        let refused = |name| Part::named(name, Effect::Gi).expect_err("none of its parts");
+        assert_eq!(refused("rest"), "gi has no part `rest`; there is all, glossy");
         assert!(Part::Direct.is_of(Effect::Path) && !Part::Glossy.is_of(Effect::Path));
     }
 }

@@ -78,8 +78,21 @@ impl Light {
         }
     }
 
+    /// The same in another place and direction, of which it has what its kind has.
+    #[must_use]
+    pub(crate) fn moved(mut self, to: impl Fn(Vec3) -> Vec3, turned: impl Fn(Vec3) -> Vec3) -> Self {
+        match &mut self {
+            Self::Point { position, .. } => *position = to(*position),
+            Self::Spot { position, direction, .. } => {
+                (*position, *direction) = (to(*position), turned(*direction));
+            }
+            Self::Directional { direction, .. } => *direction = turned(*direction),
+        }
+        self
+    }
+
     /// The picture that it projects.
-    fn picture(&self) -> Option<TextureId> {
+    pub(crate) fn picture(&self) -> Option<TextureId> {
         match *self {
             Self::Point { .. } => None,
             Self::Spot { slide, .. } => slide,

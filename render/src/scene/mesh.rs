@@ -92,6 +92,14 @@ impl Bounds {
         self.max - self.min
     }
 
+    /// Its eight corners.
+    pub fn corners(self) -> [Vec3; 8] {
+        std::array::from_fn(|i| {
+            let pick = |axis: usize| if i >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
+            Vec3::new(pick(0), pick(1), pick(2))
+        })
+    }
+
     /// Middle.
     pub fn centre(self) -> Vec3 {
         0.5 * (self.min + self.max)

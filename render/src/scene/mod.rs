@@ -1,5 +1,6 @@
 //! Scenes: triangles in world space with materials, textures, lights and cameras, from files or from seeds.
 
+pub mod animated;
 pub mod box_mapping;
 pub mod camera;
 pub mod environment;
@@ -18,6 +19,7 @@ pub mod source;
 pub mod summary;
 pub mod texture;
 
+pub use animated::AnimatedScene;
 pub use camera::{Camera, Lens};
 pub(crate) use environment::Cumulative;
 pub use environment::Environment;

@@ -2,6 +2,7 @@
 
 use super::SceneError;
 use super::file::{decode, read};
+use deepshade_shaders::colour::srgb_byte;
 use glam::{Vec2, Vec4};
 use std::path::Path;
 
@@ -78,6 +79,26 @@ impl Texture {
     /// What happens outside [0, 1] along u and v.
     pub const fn wrap(&self) -> [Wrap; 2] {
         self.wrap
+    }
+
+    /// Half as large: means of two by two texels, of light where they are sRGB; the last column and row of odd sizes count
+    /// twice.
+    #[must_use]
+    pub fn halved(&self) -> Self {
+        let [width, height] = [self.width, self.height].map(|edge| edge.div_ceil(2));
+        let mean = |index: usize| {
+            let (x, y) = ((2 * (index % width)) as f32, (2 * (index / width)) as f32);
+            let four = [(x, y), (x + 1.0, y), (x, y + 1.0), (x + 1.0, y + 1.0)];
+            let mean = four.map(|(x, y)| self.texel(x, y, [Wrap::Clamp; 2])).into_iter().sum::<Vec4>() / 4.0;
+            let byte = |value: f32| (value * 255.0).round() as u8;
+            let [r, g, b] = [mean.x, mean.y, mean.z].map(|value| match self.encoding {
+                Encoding::Srgb => srgb_byte(value),
+                Encoding::Linear => byte(value),
+            });
+            [r, g, b, byte(mean.w)]
+        };
+        let texels = (0..width * height).map(mean).collect();
+        Self { width, height, texels, encoding: self.encoding, wrap: self.wrap }
     }
 
     /// The linear value at `uv`, bilinear between texel middles. Coordinates that are not finite are taken as 0.
@@ -169,6 +190,19 @@ mod tests {
                 assert_eq!(texture.sample(Vec2::new(0.5, bad)), texture.sample(Vec2::new(0.5, 0.0)));
             }
         }
+    }
+
+    #[test]
+    fn halving_keeps_the_mean_of_light() {
+        let halved = |width: usize, height: usize, texels: Vec<[u8; 4]>, encoding: Encoding| {
+            Texture::new(width, height, texels, encoding, [Wrap::Repeat; 2]).halved().texels().to_vec()
+        };
+        let black_and_white = vec![[0, 0, 0, 0], [255; 4], [255; 4], [0, 0, 0, 0]];
+        assert_eq!(halved(2, 2, black_and_white.clone(), Encoding::Linear), [[128; 4]]);
+        // Half the light is 188 in sRGB; alpha is linear.
+        assert_eq!(halved(2, 2, black_and_white, Encoding::Srgb), [[188, 188, 188, 128]]);
+        let row: Vec<[u8; 4]> = (0..5).map(|x| [x * 10; 4]).collect();
+        assert_eq!(halved(5, 1, row, Encoding::Linear), [[5; 4], [25; 4], [40; 4]]);
     }
 
     #[test]

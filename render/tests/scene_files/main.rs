@@ -8,8 +8,11 @@ mod environment;
 mod fuzz;
 mod moving;
 mod obj;
+mod on_gpu;
+mod on_stage;
 mod posed;
 #[path = "../real_data/mod.rs"]
 mod real_data;
 mod shaded;
 mod shapes;
+mod since;

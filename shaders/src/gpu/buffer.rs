@@ -12,7 +12,8 @@ const STORAGE: BufferUsages =
 /// # Errors
 /// If the device has no room for it.
 pub fn storage<T: Pod>(device: &wgpu::Device, label: &str, contents: &[T]) -> Result<wgpu::Buffer, GpuError> {
-    filled(device, label, bytemuck::cast_slice(contents), STORAGE)
+    let bytes = bytemuck::cast_slice(contents);
+    filled_within(device, label, bytes, STORAGE, binding_limit(device, STORAGE))
 }
 
 /// A uniform buffer `deepshade.<label>` that holds `contents`.
@@ -33,7 +34,7 @@ pub fn uniforms<T: Pod>(
     contents: &[T],
 ) -> Result<wgpu::Buffer, GpuError> {
     let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
-    filled(device, label, bytemuck::cast_slice(contents), usage)
+    filled_within(device, label, bytemuck::cast_slice(contents), usage, binding_limit(device, usage))
 }
 
 /// A storage buffer `deepshade.<label>` with room for `count` elements, all zero.
@@ -41,7 +42,28 @@ pub fn uniforms<T: Pod>(
 /// # Errors
 /// If the device has no room for it.
 pub fn empty<T: Pod>(device: &wgpu::Device, label: &str, count: usize) -> Result<wgpu::Buffer, GpuError> {
-    create(device, label, (count * size_of::<T>()) as u64, STORAGE, false)
+    create_within(
+        device,
+        label,
+        (count * size_of::<T>()) as u64,
+        STORAGE,
+        false,
+        binding_limit(device, STORAGE),
+    )
+}
+
+/// Overwrites a buffer that [`storage`] or [`empty`] made from its beginning on, before any work that is submitted later.
+///
+/// # Errors
+/// If the buffer is smaller, or the device is lost.
+pub fn write<T: Pod>(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    buffer: &wgpu::Buffer,
+    contents: &[T],
+) -> Result<(), GpuError> {
+    catch(device, || queue.write_buffer(buffer, 0, bytemuck::cast_slice(contents)))
+        .map_err(|what| GpuError::Refused { label: "deepshade.write".to_owned(), what })
 }
 
 /// What a buffer that [`storage`] or [`empty`] made holds once all submitted work is done.
@@ -69,7 +91,7 @@ pub fn read_part<T: Pod>(
 ) -> Result<Vec<T>, GpuError> {
     let failed = |what: String| GpuError::Readback { label: "deepshade.readback".to_owned(), what };
     let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
-    let staging = create(device, "readback", bytes, usage, false)?;
+    let staging = create_within(device, "readback", bytes, usage, false, binding_limit(device, usage))?;
     catch(device, || {
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(buffer, offset, &staging, 0, bytes);
@@ -78,20 +100,36 @@ pub fn read_part<T: Pod>(
     .map_err(failed)?;
     let (sender, receiver) = std::sync::mpsc::channel();
     // The receiver is alive until the map is done or given up; either way nobody misses the message.
-    staging.map_async(wgpu::MapMode::Read, .., move |result| drop(sender.send(result)));
+    catch(device, || staging.map_async(wgpu::MapMode::Read, .., move |result| drop(sender.send(result))))
+        .map_err(failed)?;
     device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| failed(e.to_string()))?;
     receiver.recv().map_err(|e| failed(e.to_string()))?.map_err(|e| failed(e.to_string()))?;
     let mapped = staging.get_mapped_range(..).map_err(|e| failed(e.to_string()))?;
     Ok(bytemuck::pod_collect_to_vec(&mapped))
 }
 
-fn filled(
+/// A buffer `deepshade.<label>` that holds `bytes` and may be used as `usage` says. Where it is bound, each part that is,
+/// not the whole, has to meet the device's limit of a binding.
+///
+/// # Errors
+/// If the device has no room for it.
+pub fn filled(
     device: &wgpu::Device,
     label: &str,
     bytes: &[u8],
     usage: BufferUsages,
 ) -> Result<wgpu::Buffer, GpuError> {
-    let buffer = create(device, label, bytes.len() as u64, usage, true)?;
+    filled_within(device, label, bytes, usage, device.limits().max_buffer_size)
+}
+
+fn filled_within(
+    device: &wgpu::Device,
+    label: &str,
+    bytes: &[u8],
+    usage: BufferUsages,
+    limit: u64,
+) -> Result<wgpu::Buffer, GpuError> {
+    let buffer = create_within(device, label, bytes.len() as u64, usage, true, limit)?;
     let refused = |what: String| GpuError::Refused { label: format!("deepshade.{label}"), what };
     let mut mapped = buffer.get_mapped_range_mut(..).map_err(|e| refused(e.to_string()))?;
     mapped.slice(..bytes.len()).copy_from_slice(bytes);
@@ -109,14 +147,8 @@ pub fn arena(device: &wgpu::Device, label: &str, bytes: u64) -> Result<wgpu::Buf
     create_within(device, label, bytes, STORAGE, false, device.limits().max_buffer_size)
 }
 
-/// A buffer of at least one word, since bindings may not be empty.
-fn create(
-    device: &wgpu::Device,
-    label: &str,
-    bytes: u64,
-    usage: BufferUsages,
-    mapped_at_creation: bool,
-) -> Result<wgpu::Buffer, GpuError> {
+/// Most bytes of a buffer that is bound as a whole.
+fn binding_limit(device: &wgpu::Device, usage: BufferUsages) -> u64 {
     let limits = device.limits();
     let mut limit = limits.max_buffer_size;
     if usage.contains(BufferUsages::STORAGE) {
@@ -125,9 +157,10 @@ fn create(
     if usage.contains(BufferUsages::UNIFORM) {
         limit = limit.min(limits.max_uniform_buffer_binding_size);
     }
-    create_within(device, label, bytes, usage, mapped_at_creation, limit)
+    limit
 }
 
+/// A buffer of at least one word, since bindings may not be empty.
 fn create_within(
     device: &wgpu::Device,
     label: &str,

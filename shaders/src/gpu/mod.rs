@@ -9,15 +9,19 @@ mod ceilings;
 mod device;
 mod pass;
 mod pipeline_cache;
+mod raster;
+mod stamps;
 mod texture;
 mod timing;
 
-pub use buffer::{arena, empty, read, read_part, storage, uniform, uniforms};
+pub use buffer::{arena, empty, filled, read, read_part, storage, uniform, uniforms, write};
 pub use ceilings::{Ceilings, ceilings};
 pub use device::{Gpu, adapter_key};
 pub use pass::{BoundPass, Pass, groups, submit};
 pub use pipeline_cache::PipelineCache;
-pub use texture::{array_view, read_texture_array, texture_array};
+pub use raster::{DEPTH_FORMAT, RasterPass, target};
+pub use stamps::{PassClock, Stamps};
+pub use texture::{array_view, read_texture_array, sent_texture, texture_array};
 pub use timing::{Timing, time};
 
 use thiserror::Error;

@@ -15,23 +15,57 @@ pub fn texture_array(
     height: usize,
     width: usize,
 ) -> Result<wgpu::Texture, GpuError> {
+    let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::STORAGE_BINDING | TextureUsages::COPY_SRC;
+    create(device, label, wgpu::TextureFormat::Rgba32Float, [layers, height, width], usage)
+}
+
+/// A texture `deepshade.<label>`, `layers` x `height` x `width`.
+pub(super) fn create(
+    device: &wgpu::Device,
+    label: &str,
+    format: wgpu::TextureFormat,
+    [layers, height, width]: [usize; 3],
+    usage: TextureUsages,
+) -> Result<wgpu::Texture, GpuError> {
     let label = format!("deepshade.{label}");
+    let size =
+        wgpu::Extent3d { width: width as u32, height: height as u32, depth_or_array_layers: layers as u32 };
     let descriptor = wgpu::TextureDescriptor {
         label: Some(&label),
-        size: wgpu::Extent3d {
-            width: width as u32,
-            height: height as u32,
-            depth_or_array_layers: layers as u32,
-        },
+        size,
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba32Float,
-        usage: TextureUsages::TEXTURE_BINDING | TextureUsages::STORAGE_BINDING | TextureUsages::COPY_SRC,
+        format,
+        usage,
         view_formats: &[],
     };
-    let bytes = (layers * height * width * size_of::<[f32; 4]>()) as u64;
+    let bytes = format.theoretical_memory_footprint(size);
     allocate(device, &label, bytes, || device.create_texture(&descriptor))
+}
+
+/// A texture `deepshade.<label>` of `height` x `width` texels that holds `bytes`, row by row.
+///
+/// # Errors
+/// If the device allows none of that size or has no room for it.
+pub fn sent_texture(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    label: &str,
+    format: wgpu::TextureFormat,
+    [height, width]: [usize; 2],
+    bytes: &[u8],
+) -> Result<wgpu::Texture, GpuError> {
+    let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST;
+    let texture = create(device, label, format, [1, height, width], usage)?;
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some((bytes.len() / height) as u32),
+        rows_per_image: None,
+    };
+    catch(device, || queue.write_texture(texture.as_image_copy(), bytes, layout, texture.size()))
+        .map_err(|what| GpuError::Refused { label: format!("deepshade.{label}"), what })?;
+    Ok(texture)
 }
 
 /// All of a texture array, to be bound.

@@ -22,33 +22,34 @@ const MEASURED: usize = 4;
 ///
 /// # Errors
 /// If not exactly one network and one size are asked for, or none fits.
-pub fn run(args: &Args, gpu: &Gpu, budget: f64) -> Result<()> {
+pub fn run(args: &Args, gpu: &Gpu, budget: f32) -> Result<()> {
     let ([effect], [size]) = (args.networks.as_slice(), args.sizes.as_slice()) else {
         anyhow::bail!("--budget needs one of --networks and one of --sizes");
     };
     let size = [size.width, size.height];
-    let published =
-        subjects::spec(*effect).with_context(|| format!("the paper has no network for `{effect}`"))?;
+    let published = subjects::published(*effect)?;
     let kin = kin(&published);
     let model = CostModel::measured(gpu, &kin)?;
     let runs = published.runs() as f64;
     let predicted = |spec: NetSpec| (runs * model.milliseconds(&spec, size), spec);
     let mut candidates: Vec<(f64, NetSpec)> = kin.into_iter().map(predicted).collect();
-    candidates.retain(|(milliseconds, _)| *milliseconds <= budget);
+    let least = candidates.iter().map(|(milliseconds, _)| *milliseconds).fold(f64::INFINITY, f64::min);
+    candidates.retain(|(milliseconds, _)| *milliseconds <= budget.into());
     candidates.sort_by_key(|(_, spec)| multiply_adds(spec, size));
     // The largest first; what takes longer than predicted makes room for the next smaller one.
     let (predicted, actual, spec) = loop {
-        let none = || format!("no network of this kind takes at most {budget} ms");
+        let none =
+            || format!("no network of this kind takes at most {budget} ms; the fastest, about {least:.2}");
         let (predicted, spec) = candidates.pop().with_context(none)?;
         let actual = runs * actual(gpu, &spec, size)?;
         note!("u0 {}, {} levels: predicted {predicted:.2} ms, run {actual:.2} ms", spec.u0, spec.levels);
-        if actual <= budget {
+        if actual <= budget.into() {
             break (predicted, actual, spec);
         }
     };
 
     let mut figures = Figures::new("bench net --budget");
-    figures.set("budget", budget);
+    figures.set("budget", budget.into());
     figures.set("predicted", predicted);
     figures.set("actual", actual);
     figures.set("u0", spec.u0 as f64);

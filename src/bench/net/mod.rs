@@ -64,7 +64,8 @@ pub struct Args {
     #[arg(long)]
     layers: bool,
     /// Which network of the effect's kind takes so many milliseconds, by what its layers should take; then runs it.
-    #[arg(long, value_name = "MILLISECONDS", value_parser = crate::arguments::positive)]
+    #[arg(long, value_name = "MILLISECONDS", value_parser = crate::arguments::positive,
+        conflicts_with_all = ["models", "seconds", "runs", "layers", "onnxruntime", "python", "page"])]
     budget: Option<f32>,
     #[command(flatten)]
     onnxruntime: onnxruntime::Args,
@@ -87,7 +88,7 @@ pub fn run(args: &Args) -> Result<()> {
     // Everything on the processor has as many threads as its rivals.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads()).build()?;
     pool.install(|| match args.budget {
-        Some(budget) => budget::run(args, &gpu, budget.into()),
+        Some(budget) => budget::run(args, &gpu, budget),
         None => measure(args, &gpu),
     })
 }

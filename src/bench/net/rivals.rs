@@ -102,7 +102,7 @@ impl Race<'_> {
         for (engine, precision) in precisions(self.devices.gpu.0) {
             made.extend(self.said(engine, self.wgsl(engine, precision)));
         }
-        made.extend(self.said("cpu and onnxruntime", self.on_processor()).into_iter().flatten());
+        made.extend(self.said("cpu", self.on_processor()).into_iter().flatten());
         made.extend(self.said("pytorch", self.pytorch()).into_iter().flatten());
         made
     }
@@ -142,17 +142,21 @@ impl Race<'_> {
         Ok(self.measurement(engine, &timing, Some(ceilings), bytes))
     }
 
-    /// Our engine and onnxruntime, in turns: what disturbs the machine disturbs both.
-    fn on_processor(&self) -> Result<[Measurement; 2]> {
+    /// Our engine and, where there is one, onnxruntime, in turns: what disturbs the machine disturbs both.
+    fn on_processor(&self) -> Result<Vec<Measurement>> {
         let Model { spec, weights } = &self.subject.model;
         let ([width, height], input) = (self.size, self.input());
         let mut plan = cpu::Network::new(spec, weights)?.plan(height, width)?;
-        let mut session = self.devices.onnxruntime.session(&self.subject.onnx, self.devices.threads)?;
+        let session = self.devices.onnxruntime.session(&self.subject.onnx, self.devices.threads);
+        let mut session = self.said("rival", session);
         let cpu = || Ok(plan.run(&input).map(drop)?);
-        let onnxruntime = || session.image(&input).map(drop);
-        let [cpu, onnxruntime] = in_turns([Box::new(cpu), Box::new(onnxruntime)], self.effort)?;
-        let made = |engine, timing| self.measurement(engine, timing, Some(self.devices.cpu), 4);
-        Ok([made("cpu", &cpu), made("onnxruntime", &onnxruntime)])
+        let mut engines: Vec<(&str, Work<'_>)> = vec![("cpu", Box::new(cpu))];
+        if let Some(session) = &mut session {
+            engines.push(("onnxruntime", Box::new(|| session.image(&input).map(drop))));
+        }
+        let made =
+            |(engine, timing): (&str, Timing)| self.measurement(engine, &timing, Some(self.devices.cpu), 4);
+        Ok(in_turns(engines, self.effort)?.into_iter().map(made).collect())
     }
 
     fn pytorch(&self) -> Result<Vec<Measurement>> {
@@ -210,10 +214,10 @@ type Work<'a> = Box<dyn FnMut() -> Result<()> + 'a>;
 
 /// Runs the engines in turns. Each turn begins with a pause, since onnxruntime's threads wait for more work by
 /// spinning, and with a run that does not count.
-fn in_turns<const N: usize>(mut engines: [Work<'_>; N], effort: Effort) -> Result<[Timing; N]> {
-    let mut times: [Vec<f64>; N] = [const { Vec::new() }; N];
+fn in_turns<'a>(mut engines: Vec<(&'a str, Work<'_>)>, effort: Effort) -> Result<Vec<(&'a str, Timing)>> {
+    let mut times = vec![Vec::new(); engines.len()];
     for _ in 0..TURNS {
-        for (engine, times) in engines.iter_mut().zip(&mut times) {
+        for ((_, engine), times) in engines.iter_mut().zip(&mut times) {
             std::thread::sleep(PAUSE);
             engine()?;
             let turn = Instant::now();
@@ -228,5 +232,5 @@ fn in_turns<const N: usize>(mut engines: [Work<'_>; N], effort: Effort) -> Resul
             }
         }
     }
-    Ok(times.map(|times| Timing::new(times, false)))
+    Ok(engines.iter().zip(times).map(|((name, _), times)| (*name, Timing::new(times, false))).collect())
 }

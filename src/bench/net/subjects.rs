@@ -42,6 +42,18 @@ pub fn spec(effect: Effect) -> Option<NetSpec> {
     NetSpec::published(effect, ChannelOrder::Interleaved, reach)
 }
 
+/// As [`spec`].
+///
+/// # Errors
+/// If there is none; the error names those that there are.
+pub fn published(effect: Effect) -> Result<NetSpec> {
+    spec(effect).with_context(|| {
+        let known = Effect::ALL.into_iter().filter(|effect| spec(*effect).is_some());
+        let known: Vec<&str> = known.map(Effect::name).collect();
+        format!("the paper has no network for `{effect}`, only for {}", known.join(", "))
+    })
+}
+
 /// A network with random weights.
 pub fn random(spec: NetSpec) -> Model {
     Model { weights: Weights::random(&spec, SEED), spec }
@@ -60,7 +72,7 @@ fn subject(effect: Effect, models: &Path, scratch: &Path) -> Result<Subject> {
         let onnx = folder.join("model.onnx");
         return Ok(Subject { name, model: Model::load(&folder)?, onnx, shipped });
     }
-    let model = random(spec(effect).with_context(|| format!("the paper has no network for `{effect}`"))?);
+    let model = random(published(effect)?);
     let onnx = scratch.join(format!("{name}.onnx"));
     std::fs::write(&onnx, deepshade_train::export::onnx::encode(&model))
         .with_context(|| onnx.display().to_string())?;

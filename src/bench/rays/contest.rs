@@ -27,6 +27,8 @@ pub struct Contest<'a> {
     pub rival: Option<&'a dyn Rival>,
     /// Times that all rays are traced.
     pub runs: usize,
+    /// Called whenever that happened once more.
+    pub finished: &'a dyn Fn(),
 }
 
 /// Millions of rays a second.
@@ -114,6 +116,7 @@ impl Contest<'_> {
                 let chunk = |i: usize| way(i * CHUNK..rays.min((i + 1) * CHUNK));
                 all.push(timed(|| (0..chunks).into_par_iter().map(chunk).reduce(|| 0, u32::wrapping_add)));
             }
+            (self.finished)();
         }
         let rate = |seconds: Vec<f64>| rays as f64 / lists::median(seconds) / 1e6;
         seconds

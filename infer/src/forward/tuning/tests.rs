@@ -88,7 +88,8 @@ fn a_wrong_kernel_is_never_chosen() {
     let precision = Precision::F32;
     let trial =
         Trial { gpu: &gpu, spec: &spec, weights: wrong, expected, size: [16, 16], precision, cache: None };
-    let (layers, notes) = trial.layers().expect("runs");
+    let mut notes = Vec::new();
+    let layers = trial.layers(&mut notes).expect("runs");
     assert_eq!([0, 1, 2].map(|index: usize| layers[index].fastest.is_some()), [true, false, false]);
     assert!(notes.iter().all(|note| note.contains("layer `down1` is wrong")), "{notes:?}");
     assert!(!notes.is_empty());
@@ -128,6 +129,22 @@ fn a_refused_candidate_does_not_end_the_trial() {
     let precision = Precision::F32;
     let trial = Trial { gpu: &gpu, spec: &spec, weights, expected, size: [4, 4], precision, cache: None };
     let mut notes = Vec::new();
-    assert_eq!(trial.times(&Variant::Software, &mut notes).expect("noted"), [None; 5]);
+    let layers = trial.layers(&mut notes).expect("the others run");
+    assert!(layers.iter().all(|layer| layer.software.is_none() && layer.fastest.is_some()), "{layers:?}");
     assert!(notes[0].contains("layer `up1`: eight of its outputs"), "{notes:?}");
+}
+
+#[test]
+fn every_candidate_is_tried_before_a_failure_is_an_error() {
+    let gpu = gpu();
+    let (spec, weights) = (spec(), Weights::random(&spec(), 1));
+    let expected = reference::layers(&spec, &weights, &noise(spec.input_channels(), PROOF[0], PROOF[1], 1));
+    let candidates = Variant::candidates(&gpu.device.limits(), &spec, OutputKind::Buffer).len();
+    let precision = Precision::F32;
+    // All compile and are right, but none can be timed on images of no size.
+    let trial = Trial { gpu: &gpu, spec: &spec, weights, expected, size: [0, 0], precision, cache: None };
+    let mut notes = Vec::new();
+    let error = trial.layers(&mut notes).expect_err("nothing is measured");
+    assert!(matches!(error, ForwardError::Size { .. }), "{error}");
+    assert_eq!(notes.len(), 1 + candidates, "{notes:?}");
 }

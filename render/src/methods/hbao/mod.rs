@@ -23,13 +23,14 @@ pub mod reference;
 #[cfg(test)]
 mod tests;
 
-use crate::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
-use deepshade_shaders::gpu::{Gpu, GpuError};
+use super::{Quality, Surface, blur};
+use crate::scene::Environment;
+use crate::screen::{Compiled, Inputs, Step, Technique, View};
+use bytemuck::bytes_of;
+use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::uniforms;
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
 use passes::Passes;
-
-const NAME: &str = "hbao";
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,81 +69,41 @@ impl Default for Parameters {
 }
 
 /// The method, compiled for a device.
-#[derive(Clone, Debug)]
-pub struct Hbao {
-    gpu: Gpu,
-    passes: Passes,
-    parameters: Parameters,
-}
+pub type Hbao = Compiled<Parameters>;
 
-impl Hbao {
-    /// Compiles the passes.
-    ///
-    /// # Errors
-    /// If the device refuses them.
-    pub fn new(gpu: &Gpu, parameters: Parameters) -> Result<Self, GpuError> {
-        Ok(Self { gpu: gpu.clone(), passes: Passes::new(&gpu.device)?, parameters })
+impl Technique for Parameters {
+    const NAME: &'static str = "hbao";
+    const EFFECT: Effect = Effect::Ao;
+    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
+    type Passes = Passes;
+
+    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
+        Passes::new(device)
     }
 
-    /// The same passes with other parameters; nothing is compiled.
-    #[must_use]
-    pub fn with(&self, parameters: Parameters) -> Self {
-        Self { parameters, ..self.clone() }
-    }
-}
-
-impl Method for Hbao {
-    fn name(&self) -> &'static str {
-        NAME
+    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
+        let Settings { occlusion, blurs: [rows, columns] } = self.settings(view);
+        vec![bytes_of(&occlusion).to_vec(), bytes_of(&rows).to_vec(), bytes_of(&columns).to_vec()]
     }
 
-    fn effect(&self) -> Effect {
-        Effect::Ao
+    fn steps(
+        &self,
+        passes: &Passes,
+        device: &wgpu::Device,
+        inputs: &Inputs<'_>,
+        uniforms: &[wgpu::Buffer],
+        output: &wgpu::Buffer,
+    ) -> Result<Vec<Step>, GpuError> {
+        passes.steps(device, inputs.gbuffer, uniforms, output)
     }
 
-    /// The time is that of the three passes on the GPU, without sending the g-buffer there and the image back.
-    fn shade(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Shaded, MethodError> {
-        let surface =
-            Surface::of(frame.gbuffer).map_err(|source| MethodError::Missing { method: NAME, source })?;
-        let focal_length = frame.camera.focal_length(surface.height);
-        let settings = self.parameters.settings(&surface, focal_length, frame.radius, frame.seed);
-        let (image, timing) = self
-            .passes
-            .shade(&self.gpu, &surface, &settings, repeats)
-            .map_err(|source| MethodError::Gpu { method: NAME, source })?;
-        let clock = if timing.by_gpu { Clock::Gpu } else { Clock::Cpu };
-        Ok(Shaded { image, milliseconds: timing.milliseconds, clock })
-    }
-}
-
-/// What the method reads of a g-buffer.
-#[derive(Clone, Debug)]
-pub struct Surface {
-    /// Rows.
-    pub height: usize,
-    /// Columns.
-    pub width: usize,
-    /// [`Attribute::Position`], `[3, height, width]`, camera space, metres.
-    pub position: Planes,
-    /// [`Attribute::Normal`], `[3, height, width]`, camera space.
-    pub normal: Planes,
-    /// [`Attribute::Valid`], `[1, height, width]`.
-    pub valid: Planes,
-}
-
-impl Surface {
-    /// The surface that a g-buffer holds.
-    ///
-    /// # Errors
-    /// If the g-buffer lacks position, normal or validity.
-    pub fn of(gbuffer: &GBuffer) -> Result<Self, MissingAttribute> {
-        Ok(Self {
-            height: gbuffer.height(),
-            width: gbuffer.width(),
-            position: gbuffer.select(&[Attribute::Position])?,
-            normal: gbuffer.select(&[Attribute::Normal])?,
-            valid: gbuffer.select(&[Attribute::Valid])?,
-        })
+    fn reference(
+        &self,
+        gbuffer: &GBuffer,
+        _environment: Option<&Environment>,
+        view: &View,
+    ) -> Result<Planes, MissingAttribute> {
+        Ok(reference::shade(&Surface::of(gbuffer)?, &self.settings(view)))
     }
 }
 
@@ -152,35 +113,37 @@ pub struct Settings {
     /// The march.
     pub occlusion: uniforms::Hbao,
     /// The blur along rows, then along columns.
-    pub blurs: [uniforms::HbaoBlur; 2],
+    pub blurs: [uniforms::Blur; 2],
 }
 
 impl Parameters {
-    /// The passes' parameters for a frame with this effect radius (metres), focal length (pixels) and seed.
-    pub fn settings(&self, surface: &Surface, focal_length: f32, radius: f32, seed: u32) -> Settings {
-        let (width, height) = (surface.width as u32, surface.height as u32);
-        let sigma = 0.5 * (self.blur_radius as f32 + 1.0);
-        let blur = |step_x, step_y| uniforms::HbaoBlur {
-            width,
-            height,
-            step_x,
-            step_y,
-            radius: self.blur_radius as i32,
-            falloff: 0.5 / (sigma * sigma),
-            sharpness: self.blur_sharpness / radius,
+    /// Those of a quality: fewer directions and steps are faster, more leave less noise to the blur.
+    pub fn of(quality: Quality) -> Self {
+        let (directions, steps) = match quality {
+            Quality::Low => (4, 6),
+            Quality::Medium => (8, 12),
+            Quality::High => (16, 24),
+            Quality::Ultra => (32, 48),
         };
+        Self { directions, steps, ..Self::default() }
+    }
+
+    /// The passes' parameters for a view.
+    pub fn settings(&self, view: &View) -> Settings {
+        let (width, height) = (view.width as u32, view.height as u32);
         let occlusion = uniforms::Hbao {
             width,
             height,
             directions: self.directions.max(1),
             steps: self.steps.max(1),
-            seed,
-            radius: self.radius_scale * radius,
-            focal_length,
+            seed: view.seed,
+            radius: self.radius_scale * view.radius,
+            focal_length: view.focal_length(),
             bias_sine: self.bias.sin(),
             bias_cosine: self.bias.cos(),
             strength: self.strength,
         };
-        Settings { occlusion, blurs: [blur(1, 0), blur(0, 1)] }
+        let blur = blur::Parameters { radius: self.blur_radius, sharpness: self.blur_sharpness };
+        Settings { occlusion, blurs: blur.settings(view, Effect::Ao) }
     }
 }

@@ -1,16 +1,16 @@
 //! What runs on the GPU: the march, the blur along rows, the blur along columns.
 
-use super::{Settings, Surface};
-use crate::method::Repeats;
-use deepshade_shaders::Planes;
-use deepshade_shaders::gpu::{self, Gpu, GpuError, Pass, Timing};
+use crate::methods::blur::Blur;
+use crate::screen::{GpuGBuffer, Step};
+use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{self, TILE};
+use deepshade_shaders::{Attribute, Effect};
 
 /// The compiled passes.
 #[derive(Clone, Debug)]
 pub struct Passes {
     occlusion: Pass,
-    blur: Pass,
+    blur: Blur,
 }
 
 impl Passes {
@@ -19,50 +19,27 @@ impl Passes {
     /// # Errors
     /// If the device refuses them.
     pub fn new(device: &wgpu::Device) -> Result<Self, GpuError> {
-        let compile = |shader: &wgsl::Shader| Pass::new(device, shader.name, &shader.source());
-        Ok(Self { occlusion: compile(&wgsl::HBAO_OCCLUSION)?, blur: compile(&wgsl::HBAO_BLUR)? })
+        let occlusion = Pass::new(device, wgsl::HBAO_OCCLUSION.name, &wgsl::HBAO_OCCLUSION.source())?;
+        Ok(Self { occlusion, blur: Blur::new(device, Effect::Ao)? })
     }
 
-    /// Openness, `[1, height, width]`, and how long the passes took.
+    /// The passes bound to a g-buffer. They write openness, `[1, height, width]`.
     ///
     /// # Errors
-    /// If the device has no room for the surface or fails.
-    pub fn shade(
+    /// If the device has no room for what lies between them.
+    pub fn steps(
         &self,
-        gpu: &Gpu,
-        surface: &Surface,
-        settings: &Settings,
-        repeats: Repeats,
-    ) -> Result<(Planes, Timing), GpuError> {
-        let Gpu { device, queue, .. } = gpu;
-        let (height, width) = (surface.height, surface.width);
-        let position = gpu::storage(device, "hbao.position", surface.position.data())?;
-        let normal = gpu::storage(device, "hbao.normal", surface.normal.data())?;
-        let valid = gpu::storage(device, "hbao.valid", surface.valid.data())?;
-        let march = gpu::uniform(device, "hbao.settings", &settings.occlusion)?;
-        let along_rows = gpu::uniform(device, "hbao.blur_rows", &settings.blurs[0])?;
-        let along_columns = gpu::uniform(device, "hbao.blur_columns", &settings.blurs[1])?;
-        // Each [1, height, width]; the second blur writes where the march wrote.
-        let openness = gpu::empty::<f32>(device, "hbao.openness", height * width)?;
-        let half_blurred = gpu::empty::<f32>(device, "hbao.half_blurred", height * width)?;
-
-        let bind = |pass: &Pass, uniform: &wgpu::Buffer, planes: &[&wgpu::Buffer]| {
-            let buffers = [&[uniform, &position, &normal, &valid], planes].concat();
-            let resources: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
-            pass.bind(device, &resources)
-        };
-        let passes = [
-            bind(&self.occlusion, &march, &[&openness])?,
-            bind(&self.blur, &along_rows, &[&openness, &half_blurred])?,
-            bind(&self.blur, &along_columns, &[&half_blurred, &openness])?,
-        ];
-        let groups = gpu::groups(height, width, TILE);
-        let timing = gpu::time(device, queue, "hbao", repeats.warm_up, repeats.timed, |encoder| {
-            for pass in &passes {
-                pass.dispatch(encoder, groups);
-            }
-        })?;
-        let image = gpu::read(device, queue, &openness)?;
-        Ok((Planes::from_data(1, height, width, image), timing))
+        device: &wgpu::Device,
+        gbuffer: &GpuGBuffer,
+        uniforms: &[wgpu::Buffer],
+        openness: &wgpu::Buffer,
+    ) -> Result<Vec<Step>, GpuError> {
+        let surface = [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
+        let buffers = [&[&uniforms[0]], &surface[..], &[openness]].concat();
+        let resources: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
+        let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
+        let occlusion = Step { pass: self.occlusion.bind(device, &resources)?, workgroups };
+        let [rows, columns] = self.blur.steps(device, gbuffer, [&uniforms[1], &uniforms[2]], openness)?;
+        Ok(vec![occlusion, rows, columns])
     }
 }

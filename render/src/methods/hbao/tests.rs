@@ -1,11 +1,15 @@
 //! The reference against closed forms, and the GPU against the reference, pixel by pixel.
 
 use super::*;
-use crate::bvh::TracedScene;
 use crate::gbuffer;
+use crate::method::{Frame, Method, Repeats};
+use crate::methods::proving::{
+    Tolerance, agree, corner, gbuffer_of, nearest, plane, prove_comparator, prove_twin, still_life, view,
+};
 use crate::path::{self, Sampling, Shot};
-use crate::scene::{Camera, Material, Mesh, Scene};
-use glam::{Mat3, Vec2, Vec3};
+use crate::scene::Camera;
+use deepshade_shaders::gpu::Gpu;
+use glam::Vec3;
 
 const HEIGHT: usize = 43;
 const WIDTH: usize = 61;
@@ -21,79 +25,15 @@ const PLAIN: Parameters = Parameters {
     blur_sharpness: 16.0,
 };
 
-fn camera() -> Camera {
-    Camera { position: Vec3::ZERO, rotation: Mat3::IDENTITY, vertical_fov: 50f32.to_radians(), lens: None }
-}
+/// Rounding puts a sample on the neighbouring pixel in one pixel of 100.
+const TOLERANCE: Tolerance = Tolerance { usual: 2e-4, worst: 0.02 };
 
-/// The surface that `hit` finds along the ray of each pixel: position and normal in camera space.
 fn surface(height: usize, width: usize, hit: impl Fn(Vec3) -> Option<(Vec3, Vec3)>) -> Surface {
-    let rays = |y: usize, x: usize| {
-        hit(camera().direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5), height, width))
-    };
-    let vectors = |of: fn((Vec3, Vec3)) -> Vec3| {
-        Planes::from_fn(3, height, width, |c, y, x| rays(y, x).map_or(0.0, |found| of(found)[c]))
-    };
-    Surface {
-        height,
-        width,
-        position: vectors(|(position, _)| position),
-        normal: vectors(|(_, normal)| normal),
-        valid: Planes::from_fn(1, height, width, |_, y, x| f32::from(u8::from(rays(y, x).is_some()))),
-    }
-}
-
-/// Where a ray from the camera meets the front of a plane through `point`.
-fn plane(ray: Vec3, point: Vec3, normal: Vec3) -> Option<(Vec3, Vec3)> {
-    let facing = normal.dot(ray);
-    (facing < 0.0).then(|| (ray * (normal.dot(point) / facing), normal)).filter(|(at, _)| at.z < 0.0)
-}
-
-/// Where a ray from the camera enters a sphere.
-fn sphere(ray: Vec3, centre: Vec3, radius: f32) -> Option<(Vec3, Vec3)> {
-    let middle = ray.dot(centre);
-    let inside = middle * middle - centre.length_squared() + radius * radius;
-    (inside > 0.0 && middle > 0.0).then(|| {
-        let at = ray * (middle - inside.sqrt());
-        (at, (at - centre) / radius)
-    })
-}
-
-fn nearest(hits: impl IntoIterator<Item = Option<(Vec3, Vec3)>>) -> Option<(Vec3, Vec3)> {
-    hits.into_iter().flatten().min_by(|a, b| a.0.length().total_cmp(&b.0.length()))
-}
-
-/// A slanted floor, a wall of limited height, two spheres and some sky: nothing symmetric.
-fn still_life(height: usize, width: usize) -> Surface {
-    surface(height, width, |ray| {
-        let floor = plane(ray, Vec3::new(0.0, -1.0, 0.0), Vec3::new(0.05, 1.0, 0.02).normalize());
-        let wall = plane(ray, Vec3::new(0.0, 0.0, -6.0), Vec3::new(-0.4, 0.0, 1.0).normalize())
-            .filter(|(at, _)| at.y < 0.8);
-        let ball = sphere(ray, Vec3::new(-0.7, -0.5, -3.0), 0.5);
-        let other = sphere(ray, Vec3::new(0.9, -0.7, -4.2), 0.8);
-        nearest([floor, wall, ball, other])
-    })
+    Surface::of(&gbuffer_of(height, width, hit)).expect("all attributes")
 }
 
 fn settings(parameters: &Parameters, surface: &Surface, radius: f32) -> Settings {
-    parameters.settings(surface, camera().focal_length(surface.height), radius, 11)
-}
-
-/// Whether two images agree pixel by pixel. Rounding differs a little between processors, and now and then it puts
-/// a sample on the neighbouring pixel: 1 pixel in 100 may differ by up to 0.02, all others by 0.0002.
-fn agree(a: &Planes, b: &Planes) -> Result<(), String> {
-    assert!(a.same_shape(b));
-    let mut differences: Vec<f32> = a.data().iter().zip(b.data()).map(|(a, b)| (a - b).abs()).collect();
-    if differences.iter().any(|difference| difference.is_nan()) {
-        return Err("not a number".to_owned());
-    }
-    differences.sort_unstable_by(f32::total_cmp);
-    let usual = differences[differences.len() * 99 / 100];
-    let worst = differences[differences.len() - 1];
-    if usual <= 2e-4 && worst <= 0.02 {
-        Ok(())
-    } else {
-        Err(format!("99 % differ by up to {usual}, the worst by {worst}"))
-    }
+    parameters.settings(&view(surface.height, surface.width, radius))
 }
 
 #[test]
@@ -168,7 +108,7 @@ fn a_corner_darkens_steadily_from_open_to_half() {
 
 #[test]
 fn openness_is_in_range_and_one_where_nothing_is_seen() {
-    let surface = still_life(HEIGHT, WIDTH);
+    let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
     let parameters = Parameters { strength: 3.0, ..Parameters::default() };
     let openness = reference::shade(&surface, &settings(&parameters, &surface, 1.0));
     assert!(openness.data().iter().all(|value| (0.0..=1.0).contains(value)));
@@ -180,30 +120,9 @@ fn openness_is_in_range_and_one_where_nothing_is_seen() {
 }
 
 #[test]
-fn the_blur_smooths_planes_and_keeps_steps() {
-    let surface = surface(HEIGHT, WIDTH, |ray| {
-        let low = plane(ray, Vec3::new(0.0, 0.0, -5.0), Vec3::Z);
-        let high = plane(ray, Vec3::new(0.0, 0.0, -4.0), Vec3::Z).filter(|(at, _)| at.x > 0.0);
-        nearest([low, high])
-    });
-    let high = |x: usize| surface.position.at(2, 20, x) > -4.5;
-    let edge = (0..WIDTH).find(|x| high(*x)).expect("a plateau");
-    let settings = settings(&Parameters::default(), &surface, 1.0);
-    // Dark and light columns in turn on the floor, all light on the plateau.
-    let stripes = Planes::from_fn(1, HEIGHT, WIDTH, |_, _, x| if high(x) { 1.0 } else { (x % 2) as f32 });
-    let blurred = reference::blur(&surface, &settings.blurs[0], &stripes);
-    assert!((blurred.at(0, 20, edge / 2) - 0.5).abs() < 0.05, "stripes become grey");
-    assert!(blurred.at(0, 20, edge) > 0.999, "nothing of the floor bleeds onto the plateau");
-    assert!(blurred.at(0, 20, edge - 1) < 0.9, "nothing of the plateau bleeds onto the floor");
-    let along_columns = reference::blur(&surface, &settings.blurs[1], &stripes);
-    assert_eq!(along_columns.at(0, 20, 3), 1.0, "columns are uniform");
-    assert_eq!(along_columns.at(0, 20, 4), 0.0, "columns are uniform");
-}
-
-#[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let passes = Passes::new(&gpu.device).expect("valid shaders");
+    let hbao = Hbao::new(&gpu, Parameters::default()).expect("valid shaders");
     let coarse =
         Parameters { directions: 5, steps: 7, strength: 1.7, blur_radius: 0, ..Parameters::default() };
     for (height, width, parameters, radius) in [
@@ -212,48 +131,19 @@ fn gpu_and_reference_agree_at_every_pixel() {
         (1, 1, Parameters::default(), 1.0),
         (17, 5, coarse, 0.4),
     ] {
-        let surface = still_life(height, width);
-        let settings = settings(&parameters, &surface, radius);
-        let (found, timing) = passes.shade(&gpu, &surface, &settings, Repeats::ONCE).expect("runs");
-        let wanted = reference::shade(&surface, &settings);
-        assert_eq!(agree(&found, &wanted), Ok(()), "{height}x{width}, radius {radius}");
-        assert!(timing.milliseconds > 0.0);
+        let view = view(height, width, radius);
+        prove_twin(&hbao.with(parameters), &still_life(height, width), None, &view, TOLERANCE);
     }
 }
 
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
-    let surface = still_life(HEIGHT, WIDTH);
+    let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
     let right = reference::shade(&surface, &settings(&Parameters::default(), &surface, 1.0));
-    let changed =
-        |value: &dyn Fn(usize, usize) -> f32| Planes::from_fn(1, HEIGHT, WIDTH, |_, y, x| value(y, x));
-    let shifted = changed(&|y, x| right.at(0, y, x.saturating_sub(1)));
-    let scaled = changed(&|y, x| 0.99 * right.at(0, y, x));
-    let mirrored = changed(&|y, x| right.at(0, y, WIDTH - 1 - x));
-    let upside_down = changed(&|y, x| right.at(0, HEIGHT - 1 - y, x));
-    let one_wrong = changed(&|y, x| if (y, x) == (30, 20) { f32::NAN } else { right.at(0, y, x) });
-    assert_eq!(agree(&right, &right), Ok(()));
-    for wrong in [shifted, scaled, mirrored, upside_down, one_wrong] {
-        assert!(agree(&right, &wrong).is_err());
-    }
-    let reseeded = Settings {
-        occlusion: uniforms::Hbao { seed: 12, ..settings(&Parameters::default(), &surface, 1.0).occlusion },
-        ..settings(&Parameters::default(), &surface, 1.0)
-    };
-    assert!(agree(&right, &reference::shade(&surface, &reseeded)).is_err(), "another seed");
-}
-
-/// A floor and two walls that meet in a corner.
-fn corner() -> TracedScene {
-    let (x, y, z) = (3.0 * Vec3::X, 3.0 * Vec3::Y, 3.0 * Vec3::Z);
-    let quad = |along: Vec3, beside: Vec3| Mesh {
-        positions: vec![Vec3::ZERO, along, along + beside, beside],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        ..Mesh::default()
-    };
-    let materials = vec![Material::matte("grey", Vec3::splat(0.5))];
-    let meshes = vec![quad(z, x), quad(x, y), quad(y, z)];
-    TracedScene::new(Scene { meshes: meshes.into(), materials, ..Scene::default() }).expect("three squares")
+    prove_comparator(&right, TOLERANCE);
+    let view = View { seed: 12, ..view(HEIGHT, WIDTH, 1.0) };
+    let reseeded = reference::shade(&surface, &Parameters::default().settings(&view));
+    assert!(agree(&right, &reseeded, TOLERANCE).is_err(), "another seed");
 }
 
 #[test]

@@ -84,7 +84,7 @@ fn projected(scene: &Scene, slide: TextureId, axis: Vec3, cos_outer: f32, direct
 }
 
 /// A picture's right and up for a light that travels along `direction`.
-fn axes(direction: Vec3) -> [Vec3; 2] {
+pub(crate) fn axes(direction: Vec3) -> [Vec3; 2] {
     let vertical = if direction.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
     let right = direction.cross(vertical).normalize();
     [right, right.cross(direction)]

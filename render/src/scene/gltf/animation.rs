@@ -20,31 +20,78 @@ pub(super) struct Pose {
 impl Pose {
     /// The pose that the first animation has at `time` seconds; the rest pose without an animation.
     pub fn at(file: &File<'_>, time: f32) -> Result<Self, SceneError> {
-        let mut transforms: Vec<_> = file.document.nodes().map(|node| node.transform()).collect();
-        let mut weights: Vec<_> = file.document.nodes().map(|node| rest_weights(&node)).collect();
-        for channel in file.document.animations().next().iter().flat_map(|animation| animation.channels()) {
+        Ok(Tracks::read(file)?.at(time))
+    }
+}
+
+/// The first animation of a file, and how its nodes are at rest.
+#[derive(Clone, Debug)]
+pub(super) struct Tracks {
+    transforms: Vec<Transform>,
+    weights: Vec<Vec<f32>>,
+    channels: Vec<Channel>,
+}
+
+/// What a track animates.
+#[derive(Clone, Debug)]
+struct Channel {
+    node: usize,
+    property: Property,
+    track: Track,
+}
+
+impl Tracks {
+    /// Reads all tracks of a file's first animation.
+    pub fn read(file: &File<'_>) -> Result<Self, SceneError> {
+        let transforms = file.document.nodes().map(|node| node.transform()).collect();
+        let weights: Vec<_> = file.document.nodes().map(|node| rest_weights(&node)).collect();
+        let channels = file.document.animations().next();
+        let channels = channels.iter().flat_map(|animation| animation.channels()).map(|channel| {
             let (node, property) = (channel.target().node().index(), channel.target().property());
             let user = format!("animation 0, channel {}", channel.index());
             let track = Track::read(file, &channel.sampler(), property, weights[node].len(), &user)?;
+            Ok(Channel { node, property, track })
+        });
+        let channels = channels.collect::<Result<_, SceneError>>()?;
+        Ok(Self { transforms, weights, channels })
+    }
+
+    /// The pose at `time` seconds, that of the first or last key outside of them.
+    pub fn at(&self, time: f32) -> Pose {
+        let (mut transforms, mut weights) = (self.transforms.clone(), self.weights.clone());
+        for Channel { node, property, track } in &self.channels {
             let value = track.at(time);
             match property {
-                Property::MorphTargetWeights => weights[node] = value,
-                _ => set(&mut transforms[node], property, &value),
+                Property::MorphTargetWeights => weights[*node] = value,
+                _ => set(&mut transforms[*node], *property, &value),
             }
         }
-        Ok(Self { locals: transforms.into_iter().map(matrix).collect(), weights })
+        Pose { locals: transforms.into_iter().map(matrix).collect(), weights }
+    }
+
+    /// Whether a node itself moves.
+    pub fn moves(&self, node: usize) -> bool {
+        let moves = |channel: &Channel| channel.property != Property::MorphTargetWeights;
+        self.channels.iter().any(|channel| channel.node == node && moves(channel))
+    }
+
+    /// Whether the morph weights of a node's mesh change.
+    pub fn weighs(&self, node: usize) -> bool {
+        let weighs = |channel: &Channel| channel.property == Property::MorphTargetWeights;
+        self.channels.iter().any(|channel| channel.node == node && weighs(channel))
+    }
+
+    /// When the animation begins and ends, seconds; `None` without one.
+    pub fn span(&self) -> Option<[f32; 2]> {
+        let times = || self.channels.iter().flat_map(|channel| channel.track.times.iter().copied());
+        let (first, last) = (times().reduce(f32::min), times().reduce(f32::max));
+        first.zip(last).map(|(first, last)| [first, last])
     }
 }
 
 /// When the first animation begins and ends, seconds; `None` where nothing is animated.
 pub(super) fn span(file: &File<'_>) -> Result<Option<[f32; 2]>, SceneError> {
-    let mut times = Vec::new();
-    for channel in file.document.animations().next().iter().flat_map(|animation| animation.channels()) {
-        let user = format!("animation 0, channel {}", channel.index());
-        times.extend(file.floats::<1>(&channel.sampler().input(), &user)?.into_flattened());
-    }
-    let (first, last) = (times.iter().copied().reduce(f32::min), times.iter().copied().reduce(f32::max));
-    Ok(first.zip(last).map(|(first, last)| [first, last]))
+    Ok(Tracks::read(file)?.span())
 }
 
 /// The weights that a node has without animation: its own, else its mesh's, else zeros.
@@ -85,7 +132,7 @@ fn unit(components: &[f32]) -> Quat {
 }
 
 /// The values of one animated property over time.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Track {
     /// Increasing, seconds; never empty.
     times: Vec<f32>,

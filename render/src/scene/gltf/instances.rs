@@ -22,6 +22,8 @@ pub(super) struct Instance<'a> {
     pub key: (usize, usize),
     pub primitive: Primitive<'a>,
     pub world: Mat4,
+    /// From the primitive to its node: of an instance its own transform.
+    pub local: Mat4,
 }
 
 /// All primitives made of triangles that the scene shows. Points and lines have no surface and are left out.
@@ -36,12 +38,12 @@ pub(super) fn instances<'a>(
         let Some(mesh) = node.mesh() else { continue };
         let name =
             mesh.name().or(node.name()).map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
-        let worlds = worlds(file, &node, world)?;
+        let locals = locals(file, &node)?;
         for primitive in mesh.primitives().filter(|primitive| is_surface(primitive.mode())) {
             let positions = primitive.get(&Semantic::Positions).map_or(0, |accessor| accessor.count());
             let indices = primitive.indices().map_or(positions, |accessor| accessor.count());
-            vertices = vertices.saturating_add(positions.saturating_mul(worlds.len()));
-            corners = corners.saturating_add(indices.saturating_mul(worlds.len()));
+            vertices = vertices.saturating_add(positions.saturating_mul(locals.len()));
+            corners = corners.saturating_add(indices.saturating_mul(locals.len()));
             if vertices > MOST || corners > 3 * most {
                 let what = format!("above {MOST} vertices or the {most} triangles that memory holds");
                 return Err(file.invalid(format!("mesh `{name}` brings the scene {what}")));
@@ -51,8 +53,10 @@ pub(super) fn instances<'a>(
                 _ => format!("{name}/{}", primitive.index()),
             };
             let key = (mesh.index(), primitive.index());
-            let instance = Instance { node: node.clone(), name, key, primitive, world };
-            instances.extend(worlds.iter().map(|world| Instance { world: *world, ..instance.clone() }));
+            let instance =
+                Instance { node: node.clone(), name, key, primitive, world, local: Mat4::IDENTITY };
+            let placed = |local: &Mat4| Instance { world: world * *local, local: *local, ..instance.clone() };
+            instances.extend(locals.iter().map(placed));
         }
     }
     Ok(instances)
@@ -62,9 +66,11 @@ fn is_surface(mode: Mode) -> bool {
     matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
 }
 
-/// The places of a node's mesh: the node's own, or one for each of its instances.
-fn worlds(file: &File<'_>, node: &Node<'_>, world: Mat4) -> Result<Vec<Mat4>, SceneError> {
-    let Some(extension) = node.extension_value("EXT_mesh_gpu_instancing") else { return Ok(vec![world]) };
+/// The places of a mesh beside its node: the node's own, or one for each of its instances.
+fn locals(file: &File<'_>, node: &Node<'_>) -> Result<Vec<Mat4>, SceneError> {
+    let Some(extension) = node.extension_value("EXT_mesh_gpu_instancing") else {
+        return Ok(vec![Mat4::IDENTITY]);
+    };
     let user = format!("instances of {}", label(node));
     let accessor = |name: &str| {
         let index = extension.get("attributes")?.get(name)?.as_u64()?;
@@ -90,7 +96,7 @@ fn worlds(file: &File<'_>, node: &Node<'_>, world: Mat4) -> Result<Vec<Mat4>, Sc
         let rotation =
             rotations.as_ref().map_or(Quat::IDENTITY, |values| Quat::from_array(values[index]).normalize());
         let scale = scales.as_ref().map_or([1.0; 3], |values| values[index]);
-        world * Mat4::from_scale_rotation_translation(scale.into(), rotation, translation.into())
+        Mat4::from_scale_rotation_translation(scale.into(), rotation, translation.into())
     };
     Ok((0..count).map(instance).collect())
 }

@@ -44,14 +44,14 @@ pub(super) fn read(file: &File<'_>, hierarchy: &Hierarchy, pose: &Pose) -> Resul
 }
 
 /// A primitive at rest, in the space of its mesh.
-struct Part {
-    rest: Mesh,
+pub(super) struct Part {
+    pub rest: Mesh,
     /// What it follows where it has a skin; one for every four joints a vertex.
-    influences: Vec<Influences>,
+    pub influences: Vec<Influences>,
 }
 
 impl Part {
-    fn read(file: &File<'_>, instance: &Instance<'_>) -> Result<Self, SceneError> {
+    pub fn read(file: &File<'_>, instance: &Instance<'_>) -> Result<Self, SceneError> {
         let vertices = instance.primitive.get(&Semantic::Positions).map_or(0, |accessor| accessor.count());
         let attributes = Attributes { file, instance, vertices };
         let positions = vectors(attributes.floats(Semantic::Positions)?);
@@ -77,6 +77,24 @@ impl Part {
         Ok(Self { rest, influences: attributes.influences()? })
     }
 
+    /// For each vertex the joints that it follows, with their weights.
+    pub fn followed(&self) -> Vec<Vec<(u32, f32)>> {
+        let of = |vertex: usize| {
+            let sets = self.influences.iter();
+            let all = sets.flat_map(|set| set.joints[vertex].into_iter().zip(set.weights[vertex]));
+            all.filter(|(_, weight)| *weight != 0.0).collect()
+        };
+        (0..self.rest.positions.len()).map(of).collect()
+    }
+
+    /// Whether a skin has all the joints that vertices follow.
+    pub fn check_joints(&self, file: &File<'_>, joints: usize) -> Result<(), SceneError> {
+        missing_joint(&self.influences, joints).map_or(Ok(()), |joint| {
+            let name = &self.rest.name;
+            Err(file.invalid(format!("mesh `{name}` follows joint {joint} of a skin with {joints}")))
+        })
+    }
+
     /// The primitive in the world, as a node shows it. A skinned one ignores its node's own place (3.7.3.3).
     fn place(
         &self,
@@ -89,12 +107,7 @@ impl Part {
         let rest = morphed.as_ref().unwrap_or(&self.rest);
         let mesh = match joints {
             Some(joints) if !self.influences.is_empty() => {
-                if let Some(joint) = missing_joint(&self.influences, joints.len()) {
-                    let (name, count) = (&rest.name, joints.len());
-                    return Err(
-                        file.invalid(format!("mesh `{name}` follows joint {joint} of a skin with {count}"))
-                    );
-                }
+                self.check_joints(file, joints.len())?;
                 placed(rest, |vertex| Place::new(vertex_matrix(&self.influences, joints, vertex)))
             }
             _ => {

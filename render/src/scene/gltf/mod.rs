@@ -16,12 +16,18 @@ mod mesh;
 mod morph;
 mod node;
 mod place;
+mod reach;
+mod rig;
 mod skin;
 mod texture;
+
+pub use morph::MorphTarget;
+pub use rig::{Rig, RigPart, RigPose};
 
 use super::{Mesh, Scene, SceneError};
 use animation::Pose;
 use document::File;
+use glam::Mat4;
 use node::Hierarchy;
 use std::path::Path;
 use texture::TextureList;
@@ -56,6 +62,22 @@ pub fn load(path: &Path, time: f32, shutter: f32) -> Result<Scene, SceneError> {
         environment: None,
         medium: None,
     })
+}
+
+/// What of a glTF file moves, for the meshes that [`load`] gives, in their order; `None` where nothing does.
+///
+/// # Errors
+/// If the file, or one that it refers to, is missing or damaged.
+pub fn rig(path: &Path) -> Result<Option<Rig>, SceneError> {
+    Rig::read(&File::open(path)?)
+}
+
+/// A mesh in another place. Its displacements turn with it.
+pub fn moved(mesh: &Mesh, place: Mat4) -> Mesh {
+    let turn = |way: &glam::Vec3| place.transform_vector3(*way);
+    let displacements = mesh.displacements.iter().map(turn).collect();
+    let place = place::Place::new(place);
+    Mesh { displacements, ..place::placed(mesh, |_| place) }
 }
 
 /// When a glTF file's first animation begins and ends, seconds; `None` where nothing is animated.

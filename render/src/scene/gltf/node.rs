@@ -11,6 +11,10 @@ pub(super) struct Hierarchy {
     pub worlds: Vec<Mat4>,
     /// The nodes that the scene shows, parents before children.
     pub shown: Vec<usize>,
+    /// The parent of each node.
+    pub parents: Vec<Option<usize>>,
+    /// All nodes, parents before children.
+    pub order: Vec<usize>,
 }
 
 impl Hierarchy {
@@ -23,21 +27,27 @@ impl Hierarchy {
         if let Some(node) = (0..nodes.len()).find(|node| !order.contains_node(*node)) {
             return Err(file.invalid(format!("{} is its own ancestor", label(&nodes[node]))));
         }
-        let mut worlds = pose.locals.clone();
-        for node in order.nodes {
-            if let Some(parent) = parents[node] {
-                worlds[node] = worlds[parent] * worlds[node];
-            }
-        }
+        let worlds = worlds(&pose.locals, &parents, &order.nodes);
         let scene = file.document.default_scene().or_else(|| file.document.scenes().next());
         let roots = scene.map_or(roots, |scene| scene.nodes().map(|node| node.index()).collect());
-        Ok(Self { worlds, shown: depth_first(&nodes, &roots).nodes })
+        Ok(Self { worlds, shown: depth_first(&nodes, &roots).nodes, parents, order: order.nodes })
     }
 
     /// The nodes that the scene shows, with their places.
     pub fn nodes<'a>(&self, file: &'a File<'_>) -> impl Iterator<Item = (Node<'a>, Mat4)> {
         self.shown.iter().filter_map(|index| Some((file.document.nodes().nth(*index)?, self.worlds[*index])))
     }
+}
+
+/// From each node to the world, of what takes it to its parent. `order` has parents before children.
+pub(super) fn worlds(locals: &[Mat4], parents: &[Option<usize>], order: &[usize]) -> Vec<Mat4> {
+    let mut worlds = locals.to_vec();
+    for node in order {
+        if let Some(parent) = parents[*node] {
+            worlds[*node] = worlds[parent] * worlds[*node];
+        }
+    }
+    worlds
 }
 
 /// How errors and unnamed objects call a node.

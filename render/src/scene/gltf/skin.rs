@@ -17,18 +17,21 @@ pub(super) fn joint_matrices(
     skin: &Skin<'_>,
     hierarchy: &Hierarchy,
 ) -> Result<Vec<Mat4>, SceneError> {
-    let joints: Vec<_> = skin.joints().map(|joint| hierarchy.worlds[joint.index()]).collect();
-    let Some(accessor) = skin.inverse_bind_matrices() else { return Ok(joints) };
+    let inverse = inverse_bind_matrices(file, skin)?;
+    Ok(skin.joints().zip(inverse).map(|(joint, inverse)| hierarchy.worlds[joint.index()] * inverse).collect())
+}
+
+/// For each joint of a skin the matrix from the mesh at rest to the joint.
+pub(super) fn inverse_bind_matrices(file: &File<'_>, skin: &Skin<'_>) -> Result<Vec<Mat4>, SceneError> {
+    let joints = skin.joints().count();
+    let Some(accessor) = skin.inverse_bind_matrices() else { return Ok(vec![Mat4::IDENTITY; joints]) };
     let user = format!("inverse bind matrices of skin {}", skin.index());
-    let inverse = file.floats::<16>(&accessor, &user)?;
-    if inverse.len() < joints.len() {
-        return Err(file.invalid(format!("{user}: {} for {} joints", inverse.len(), joints.len())));
+    let mut inverse = file.floats::<16>(&accessor, &user)?;
+    if inverse.len() < joints {
+        return Err(file.invalid(format!("{user}: {} for {joints} joints", inverse.len())));
     }
-    Ok(joints
-        .into_iter()
-        .zip(&inverse)
-        .map(|(joint, inverse)| joint * Mat4::from_cols_array(inverse))
-        .collect())
+    inverse.truncate(joints);
+    Ok(inverse.iter().map(Mat4::from_cols_array).collect())
 }
 
 /// The joint that a vertex follows and that there is not, if any.

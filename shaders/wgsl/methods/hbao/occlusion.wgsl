@@ -71,7 +71,8 @@ fn occlude(@builtin(global_invocation_id) id: vec3u) {
     let turn = random(id.xy, hbao.seed, 0u);
     let start = random(id.xy, hbao.seed, 1u);
     var occlusion = 0.0;
-    for (var k = 0u; k < hbao.directions; k++) {
+    let directions = bounded(hbao.directions, id.xy);
+    for (var k = 0u; k < directions; k++) {
         let angle = (f32(k) + turn) * (2.0 * PI / f32(hbao.directions)) - PI;
         occlusion += march(vec2i(id.xy), position, normal, vec2f(cos(angle), sin(angle)), start, spacing, count);
     }

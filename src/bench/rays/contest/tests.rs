@@ -62,7 +62,7 @@ impl Rival for Mirror<'_> {
 fn a_rival_disagrees_where_it_meets_something_else() {
     let scene = scene();
     let set = primary(&scene, 32);
-    let contest = Contest { scene: &scene, rival: None, runs: 1 };
+    let contest = Contest { scene: &scene, rival: None, runs: 1, finished: &|| {} };
     let met = |keep: fn(&Ray) -> bool| {
         let rays = set.rays.iter().filter(|ray| keep(ray) && hit(&scene, ray).is_some());
         rays.count() as f64 / set.rays.len() as f64
@@ -109,7 +109,7 @@ fn parts_of_the_rays_have_every_bundle_once() {
 #[test]
 fn bundles_meet_what_single_rays_do() {
     let scene = scene();
-    let contest = Contest { scene: &scene, rival: None, runs: 1 };
+    let contest = Contest { scene: &scene, rival: None, runs: 1, finished: &|| {} };
     // Not a multiple of a bundle's edge.
     let set = primary(&scene, 21);
     let met = |way: Way<'_>, parts: &[Range<usize>]| {

@@ -1,0 +1,125 @@
+//! The edge-keeping blur that removes the noise of random samples: a Gaussian along rows, then along columns, whose
+//! weights fade with a neighbour's distance from the pixel's tangent plane.
+//!
+//! The bilateral filter of Bavoil, Sainz and Dimitrov 2008, with the plane in place of the depth, so that slanted
+//! surfaces are blurred like others. Limits: surfaces in one plane are blurred into each other, and a normal map is not
+//! seen.
+
+#[cfg(test)]
+mod tests;
+
+use super::Surface;
+use crate::screen::{GpuGBuffer, Step, View};
+use deepshade_shaders::gpu::{self, GpuError, Pass};
+use deepshade_shaders::wgsl::{self, TILE, uniforms};
+use deepshade_shaders::{Attribute, Effect, Planes};
+use glam::IVec2;
+
+/// What can be set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// Pixels on either side that are blurred together; 0 is no blur.
+    pub radius: u32,
+    /// How much distance from the tangent plane weakens the blur: a neighbour one radius of the effect off the plane has
+    /// the weight `exp(-sharpness^2)`.
+    pub sharpness: f32,
+}
+
+impl Parameters {
+    /// What the passes along rows and along columns read, for an effect that has a background.
+    pub fn settings(&self, view: &View, effect: Effect) -> [uniforms::Blur; 2] {
+        let sigma = 0.5 * (self.radius as f32 + 1.0);
+        let along = |step_x, step_y| uniforms::Blur {
+            width: view.width as u32,
+            height: view.height as u32,
+            step_x,
+            step_y,
+            radius: self.radius as i32,
+            falloff: 0.5 / (sigma * sigma),
+            sharpness: self.sharpness / view.radius,
+            background: effect.background().unwrap_or(0.0),
+        };
+        [along(1, 0), along(0, 1)]
+    }
+}
+
+/// The compiled pass.
+#[derive(Clone, Debug)]
+pub struct Blur {
+    pass: Pass,
+    channels: usize,
+}
+
+impl Blur {
+    /// Compiles the pass for images of an effect.
+    ///
+    /// # Errors
+    /// If the device refuses it.
+    pub fn new(device: &wgpu::Device, effect: Effect) -> Result<Self, GpuError> {
+        let channels = effect.channels();
+        let source = wgsl::BLUR.specialised(&[("CHANNELS", channels as u32)]);
+        Ok(Self { pass: Pass::new(device, wgsl::BLUR.name, &source)?, channels })
+    }
+
+    /// Blurs `image`, `[channels, height, width]`, along rows and then along columns.
+    ///
+    /// # Errors
+    /// If the device has no room for what lies between.
+    pub fn steps(
+        &self,
+        device: &wgpu::Device,
+        gbuffer: &GpuGBuffer,
+        [rows, columns]: [&wgpu::Buffer; 2],
+        image: &wgpu::Buffer,
+    ) -> Result<[Step; 2], GpuError> {
+        let (height, width) = (gbuffer.height(), gbuffer.width());
+        let half_blurred = gpu::empty::<f32>(device, "blur.half_blurred", self.channels * height * width)?;
+        let surface = [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
+        let workgroups = gpu::groups(height, width, TILE);
+        let step = |uniform: &wgpu::Buffer, planes: [&wgpu::Buffer; 2]| {
+            let buffers = [&[uniform], &surface[..], &planes].concat();
+            let resources: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
+            Ok(Step { pass: self.pass.bind(device, &resources)?, workgroups })
+        };
+        Ok([step(rows, [image, &half_blurred])?, step(columns, [&half_blurred, image])?])
+    }
+}
+
+/// Both directions of the blur of `image`, `[channels, height, width]` with one or three channels: what
+/// [`Blur::steps`] makes.
+pub fn smooth(surface: &Surface, [rows, columns]: &[uniforms::Blur; 2], image: &Planes) -> Planes {
+    along(surface, columns, &along(surface, rows, image))
+}
+
+/// One direction of the blur: `smooth.wgsl`.
+fn along(surface: &Surface, blur: &uniforms::Blur, noisy: &Planes) -> Planes {
+    match noisy.channels() {
+        1 => surface.image(blur.background, |centre| smoothed::<1>(surface, blur, noisy, centre)),
+        _ => surface.image(blur.background, |centre| smoothed::<3>(surface, blur, noisy, centre)),
+    }
+}
+
+fn smoothed<const CHANNELS: usize>(
+    surface: &Surface,
+    blur: &uniforms::Blur,
+    noisy: &Planes,
+    centre: IVec2,
+) -> [f32; CHANNELS] {
+    let position = surface.position_at(centre);
+    let normal = surface.normal_at(centre);
+    let mut sums = [0.0; CHANNELS];
+    let mut weights = 0.0;
+    for i in -blur.radius..=blur.radius {
+        let at = centre + i * IVec2::new(blur.step_x, blur.step_y);
+        if !surface.contains(at) || !surface.valid_at(at) {
+            continue;
+        }
+        let off_plane = blur.sharpness * normal.dot(surface.position_at(at) - position);
+        let weight = (-(blur.falloff * (i * i) as f32 + off_plane * off_plane)).exp();
+        for (c, sum) in sums.iter_mut().enumerate() {
+            *sum += weight * noisy.at(c, at.y as usize, at.x as usize);
+        }
+        weights += weight;
+    }
+    sums.map(|sum| sum / weights)
+}

@@ -1,0 +1,18 @@
+//! The slow, plain version of `occlusion.wgsl`, and the blur.
+
+use super::Settings;
+use crate::methods::{Surface, blur, slices};
+use deepshade_shaders::{Planes, wgsl::uniforms};
+use glam::Vec3;
+
+/// Openness after the blur, `[1, height, width]`.
+pub fn shade(surface: &Surface, settings: &Settings) -> Planes {
+    blur::smooth(surface, &settings.blurs, &occlude(surface, &settings.slices))
+}
+
+/// Openness before the blur, `[1, height, width]`: `occlusion.wgsl`.
+pub fn occlude(surface: &Surface, settings: &uniforms::Slices) -> Planes {
+    // Only what is covered counts.
+    let sent = |_, _| Vec3::ZERO;
+    surface.image(1.0, |pixel| [slices::gather(surface, settings, pixel, sent).open])
+}

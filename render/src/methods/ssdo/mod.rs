@@ -1,0 +1,156 @@
+//! Screen-space directional occlusion.
+//!
+//! Ritschel, Grosch and Seidel, "Approximating dynamic global illumination in image space", I3D 2009. From each pixel's
+//! surface, directions of the hemisphere are marched up to the radius; a direction is blocked if one of its points lies
+//! behind what the camera sees there, and no further behind than things are thick. Where the original takes one point a
+//! direction, here several do, the denser the nearer. Directions that nothing blocks bring the environment's radiance;
+//! they are spread by their cosine to the normal, so that their mean is irradiance over pi, and with a radiance of 1 from
+//! everywhere the ambient occlusion of the same directions. A blur that keeps edges removes the noise.
+//!
+//! So few directions would miss a sun or hit it by chance: they read a small map whose texels are means of the
+//! environment over their solid angles ([`EnvironmentMap`]). Shadows are as soft as its texels are wide, 22 degrees in
+//! the default.
+//!
+//! Limits. What is hidden behind something in front, behind the camera or outside the image does not block, everything
+//! is equally thick, and what is thinner than points are apart is missed at random. Light that bounces, the other half of
+//! the paper, is [`ssgi`](super::ssgi)'s.
+//!
+//! Bent normals of [`gtao`](super::gtao) would be faster, and would take all open directions for one cone.
+
+pub mod passes;
+pub mod reference;
+#[cfg(test)]
+mod tests;
+
+use super::environment_map::EnvironmentMap;
+use super::{Quality, Surface, blur};
+use crate::scene::Environment;
+use crate::screen::{Compiled, Inputs, Step, Technique, View};
+use bytemuck::bytes_of;
+use deepshade_shaders::gpu::GpuError;
+use deepshade_shaders::wgsl::uniforms;
+use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
+use glam::Vec3;
+use passes::Passes;
+
+/// What can be set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// Directions of a pixel, at least 1.
+    pub directions: u32,
+    /// Points along each, at least 1.
+    pub steps: u32,
+    /// How thick everything is taken to be, away from the eye, as a share of the radius.
+    pub thickness: f32,
+    /// Rows of the map that the environment is filtered into, at least 1.
+    pub environment_height: usize,
+    /// What removes the noise.
+    pub blur: blur::Parameters,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self::of(Quality::default())
+    }
+}
+
+impl Parameters {
+    /// Those of a quality: more directions and points leave less noise to the blur, miss less, and can tell a finer map.
+    ///
+    /// Swept on room, colonnade, still life, machinery, stairs and shelves under skies and photographed environments at
+    /// 176x120 with a radius of 10 % of the diagonal. With 64 directions maps of 8 rows are best by 0.016 of SSIM to 16
+    /// rows and 0.08 to 32, with 128 those of 8 and 16 are level. Thicknesses from 0.25 to 0.5 are within 0.002; fewer
+    /// than 10 steps lose, more than 16 gain nothing; a blur of 4 to 6 pixels with a sharpness of 512 is best.
+    pub fn of(quality: Quality) -> Self {
+        let (directions, steps, environment_height, radius) = match quality {
+            Quality::Low => (8, 6, 8, 4),
+            Quality::Medium => (24, 8, 8, 4),
+            Quality::High => (64, 12, 8, 4),
+            Quality::Ultra => (256, 20, 16, 3),
+        };
+        let blur = blur::Parameters { radius, sharpness: 512.0 };
+        Self { directions, steps, thickness: 0.3, environment_height, blur }
+    }
+
+    /// The passes' parameters for a view.
+    pub fn settings(&self, view: &View) -> Settings {
+        let [right, up, back] = [0, 1, 2].map(|axis| view.camera.rotation.col(axis));
+        let light = uniforms::Ssdo {
+            width: view.width as u32,
+            height: view.height as u32,
+            directions: self.directions.max(1),
+            steps: self.steps.max(1),
+            seed: view.seed,
+            radius: view.radius,
+            thickness: self.thickness * view.radius,
+            focal_length: view.focal_length(),
+            environment_height: self.environment_height.max(1) as u32,
+            right_x: right.x,
+            right_y: right.y,
+            right_z: right.z,
+            up_x: up.x,
+            up_y: up.y,
+            up_z: up.z,
+            back_x: back.x,
+            back_y: back.y,
+            back_z: back.z,
+        };
+        Settings { light, blurs: self.blur.settings(view, Effect::Do) }
+    }
+
+    /// What the environment is filtered into; black without one.
+    fn filtered(&self, environment: Option<&Environment>) -> EnvironmentMap {
+        let black = Environment::uniform(Vec3::ZERO);
+        EnvironmentMap::new(environment.unwrap_or(&black), self.environment_height.max(1))
+    }
+}
+
+/// Parameters of the three passes for one frame, as the GPU reads them.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// The march.
+    pub light: uniforms::Ssdo,
+    /// The blur along rows, then along columns.
+    pub blurs: [uniforms::Blur; 2],
+}
+
+/// The method, compiled for a device.
+pub type Ssdo = Compiled<Parameters>;
+
+impl Technique for Parameters {
+    const NAME: &'static str = "ssdo";
+    const EFFECT: Effect = Effect::Do;
+    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
+    type Passes = Passes;
+
+    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
+        Passes::new(device)
+    }
+
+    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
+        let Settings { light, blurs: [rows, columns] } = self.settings(view);
+        vec![bytes_of(&light).to_vec(), bytes_of(&rows).to_vec(), bytes_of(&columns).to_vec()]
+    }
+
+    fn steps(
+        &self,
+        passes: &Passes,
+        device: &wgpu::Device,
+        inputs: &Inputs<'_>,
+        uniforms: &[wgpu::Buffer],
+        output: &wgpu::Buffer,
+    ) -> Result<Vec<Step>, GpuError> {
+        let environment = self.filtered(inputs.environment);
+        passes.steps(device, inputs.gbuffer, &environment, uniforms, output)
+    }
+
+    fn reference(
+        &self,
+        gbuffer: &GBuffer,
+        environment: Option<&Environment>,
+        view: &View,
+    ) -> Result<Planes, MissingAttribute> {
+        let environment = self.filtered(environment);
+        Ok(reference::shade(&Surface::of(gbuffer)?, &environment, &self.settings(view)))
+    }
+}

@@ -1,0 +1,145 @@
+//! Direct light with shadows: the attributes `L` and `Ldiff` of a g-buffer.
+
+use super::attributes::{Materials, seen_bindings};
+use super::shadow::{MapPlan, ShadowPass};
+use super::surface::SurfaceImage;
+use crate::path::lights::axes;
+use crate::scene::{Encoding, Light, Scene, TextureId};
+use crate::screen::{GpuGBuffer, Step};
+use deepshade_shaders::Attribute;
+use deepshade_shaders::gpu::{self, GpuError, Pass};
+use deepshade_shaders::wgsl::TILE;
+use deepshade_shaders::wgsl::frame::LIGHT;
+use deepshade_shaders::wgsl::uniforms::{FrameView, LightRecord};
+use glam::Vec3;
+use std::collections::BTreeMap;
+
+/// The lights of a scene on the GPU.
+#[derive(Debug)]
+pub struct Lights {
+    /// `[lights]` records.
+    pub records: wgpu::Buffer,
+    /// Texels of the pictures that lights project, a word each.
+    pub pictures: wgpu::Buffer,
+    /// From where the maps look.
+    pub map_views: wgpu::Buffer,
+    /// How many there are.
+    pub count: usize,
+    /// Of each its maps and the place of its picture.
+    belongings: Vec<Belongings>,
+}
+
+/// A light's first map and how many it has; its picture's first texel, columns, rows, and what its bytes mean.
+type Belongings = (Option<(usize, usize)>, Option<[f32; 4]>);
+
+impl Lights {
+    /// Those of a scene, with the maps that they have.
+    ///
+    /// # Errors
+    /// If the device has no room.
+    pub fn new(device: &wgpu::Device, scene: &Scene, plan: &MapPlan) -> Result<Self, GpuError> {
+        let (places, pictures) = pictures(scene);
+        let picture = |light: &Light| light.picture().map(|texture| places[&texture.0]);
+        let belongings: Vec<Belongings> =
+            scene.lights.iter().zip(&plan.of_lights).map(|(light, maps)| (*maps, picture(light))).collect();
+        let mut records = records(&scene.lights, &belongings);
+        let no_views: Vec<FrameView> = vec![bytemuck::Zeroable::zeroed(); plan.maps.max(1)];
+        let count = records.len();
+        // A binding holds at least one.
+        records.resize(count.max(1), bytemuck::Zeroable::zeroed());
+        Ok(Self {
+            records: gpu::storage(device, "frame.lights", &records)?,
+            pictures: gpu::storage(device, "frame.pictures", &pictures)?,
+            map_views: gpu::storage(device, "frame.map_views", &no_views)?,
+            count,
+            belongings,
+        })
+    }
+
+    /// Says where the lights are now.
+    pub fn set(&self, queue: &wgpu::Queue, lights: &[Light]) {
+        queue.write_buffer(&self.records, 0, bytemuck::cast_slice(&records(lights, &self.belongings)));
+    }
+}
+
+fn records(lights: &[Light], belongings: &[Belongings]) -> Vec<LightRecord> {
+    let of_each = lights.iter().zip(belongings);
+    of_each.map(|(light, (maps, picture))| record(light, *maps, *picture)).collect()
+}
+
+/// Where each picture's texels begin, its columns and rows, what its bytes mean (1 sRGB, 2 linear), and all texels.
+fn pictures(scene: &Scene) -> (BTreeMap<u32, [f32; 4]>, Vec<u32>) {
+    let (mut places, mut texels) = (BTreeMap::new(), Vec::new());
+    for TextureId(index) in scene.lights.iter().filter_map(Light::picture) {
+        places.entry(index).or_insert_with(|| {
+            let texture = &scene.textures[index as usize];
+            let [width, height] = texture.size();
+            let first = texels.len();
+            texels.extend(texture.texels().iter().map(|texel| u32::from_le_bytes(*texel)));
+            let encoding = if texture.encoding() == Encoding::Srgb { 1.0 } else { 2.0 };
+            [first as f32, width as f32, height as f32, encoding]
+        });
+    }
+    (places, texels)
+}
+
+fn record(light: &Light, maps: Option<(usize, usize)>, picture: Option<[f32; 4]>) -> LightRecord {
+    let (first, count) = maps.map_or((-1.0, 0.0), |(first, count)| (first as f32, count as f32));
+    let finite = |range: f32| if range.is_finite() { range } else { 0.0 };
+    let (position, kind, axis, range, power, cones, width) = match *light {
+        Light::Point { position, intensity, range } => {
+            (position, 0.0, Vec3::NEG_Z, finite(range), intensity, [0.0; 2], 0.0)
+        }
+        Light::Spot { position, direction, intensity, range, cos_inner, cos_outer, .. } => {
+            (position, 1.0, direction, finite(range), intensity, [cos_inner, cos_outer], 0.0)
+        }
+        Light::Directional { direction, irradiance, pattern } => {
+            (Vec3::ZERO, 2.0, direction, 0.0, irradiance, [0.0; 2], pattern.map_or(0.0, |(_, width)| width))
+        }
+    };
+    let [right, up] = axes(axis).map(|axis| axis.extend(0.0).to_array());
+    LightRecord {
+        place: position.extend(kind).to_array(),
+        axis: axis.extend(range).to_array(),
+        power: power.extend(first).to_array(),
+        cone: [cones[0], cones[1], count, width],
+        picture: picture.unwrap_or_default(),
+        right,
+        up,
+    }
+}
+
+/// The pass that gathers light into a g-buffer that holds both attributes.
+///
+/// # Errors
+/// If the device refuses.
+pub fn step(
+    device: &wgpu::Device,
+    image: &SurfaceImage,
+    materials: &Materials,
+    lights: &Lights,
+    shadows: &ShadowPass,
+    gbuffer: &GpuGBuffer,
+) -> Result<Step, GpuError> {
+    let source = LIGHT.specialised(&[("LIGHTS", lights.count as u32)]);
+    let pass = Pass::new(device, LIGHT.name, &source)?;
+    let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("deepshade.frame.shadow"),
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        compare: Some(wgpu::CompareFunction::GreaterEqual),
+        ..Default::default()
+    });
+    let mut resources = seen_bindings(image, materials);
+    resources.extend([
+        lights.records.as_entire_binding(),
+        lights.map_views.as_entire_binding(),
+        lights.pictures.as_entire_binding(),
+        wgpu::BindingResource::TextureView(&shadows.maps),
+        wgpu::BindingResource::Sampler(&sampler),
+        gbuffer.buffer(Attribute::Light).as_entire_binding(),
+        gbuffer.buffer(Attribute::DiffuseLight).as_entire_binding(),
+    ]);
+    let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
+    Ok(Step { pass: pass.bind(device, &resources)?, workgroups })
+}

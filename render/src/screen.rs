@@ -1,0 +1,170 @@
+//! Methods that know only the screen: they compute an effect from what the camera sees, on the GPU, and each has a
+//! plain version on the CPU that it is checked against.
+//!
+//! A [`ScreenMethod`] says which attributes it reads and which passes it has. A [`Plan`] is those passes bound to a
+//! g-buffer on the GPU, whoever made that: the frame loop, which renders it there, or [`Method::shade`], which sends one
+//! over. A plan is made once for a size of image; from frame to frame only its uniforms change.
+
+mod compiled;
+mod gbuffer;
+mod plan;
+pub mod reprojection;
+
+pub use compiled::{Compiled, Technique};
+pub use gbuffer::GpuGBuffer;
+pub use plan::{Plan, Step};
+pub use reprojection::Reprojection;
+
+use crate::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
+use crate::scene::{Camera, Environment};
+use deepshade_shaders::gpu::{self, Gpu, GpuError};
+use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
+
+/// From where an image is seen, and what else a method's passes are told about it.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// Rows.
+    pub height: usize,
+    /// Columns.
+    pub width: usize,
+    /// The camera of the g-buffer.
+    pub camera: Camera,
+    /// How far the effect reaches, metres.
+    pub radius: f32,
+    /// Chooses random numbers.
+    pub seed: u32,
+}
+
+impl View {
+    /// Distance in pixels, at depth 1, of two points one unit apart.
+    pub fn focal_length(&self) -> f32 {
+        self.camera.focal_length(self.height)
+    }
+}
+
+impl From<&Frame<'_>> for View {
+    fn from(frame: &Frame<'_>) -> Self {
+        let Frame { camera, gbuffer, radius, seed, .. } = *frame;
+        Self { height: gbuffer.height(), width: gbuffer.width(), camera: *camera, radius, seed }
+    }
+}
+
+/// What a plan's passes read besides their uniforms.
+#[derive(Clone, Copy, Debug)]
+pub struct Inputs<'a> {
+    /// What the camera sees.
+    pub gbuffer: &'a GpuGBuffer,
+    /// What shines from infinitely far away.
+    pub environment: Option<&'a Environment>,
+}
+
+/// A way to compute an effect from what the camera sees.
+pub trait ScreenMethod: Send + Sync {
+    /// Its name on the command line; figures write hyphens as underscores.
+    fn name(&self) -> &'static str;
+
+    /// What it computes.
+    fn effect(&self) -> Effect;
+
+    /// What it reads of a g-buffer; [`Attribute::Valid`] is among it.
+    fn attributes(&self) -> &'static [Attribute];
+
+    /// Where its passes were compiled for.
+    fn gpu(&self) -> &Gpu;
+
+    /// The contents of its uniform buffers for a view, always as many and as long.
+    fn uniforms(&self, view: &View) -> Vec<Vec<u8>>;
+
+    /// Its passes in order. The last ones write `output`, `[effect.channels(), height, width]`, with
+    /// [`Effect::background`] where no surface is seen.
+    ///
+    /// # Errors
+    /// If the device has no room for what lies between the passes, or refuses a binding.
+    fn steps(
+        &self,
+        inputs: &Inputs<'_>,
+        uniforms: &[wgpu::Buffer],
+        output: &wgpu::Buffer,
+    ) -> Result<Vec<Step>, GpuError>;
+
+    /// What its passes make, computed slowly and plainly on the CPU.
+    ///
+    /// # Errors
+    /// If the g-buffer lacks an attribute.
+    fn reference(
+        &self,
+        gbuffer: &GBuffer,
+        environment: Option<&Environment>,
+        view: &View,
+    ) -> Result<Planes, MissingAttribute>;
+}
+
+impl<M: ScreenMethod + ?Sized> Method for M {
+    fn name(&self) -> &'static str {
+        ScreenMethod::name(self)
+    }
+
+    fn effect(&self) -> Effect {
+        ScreenMethod::effect(self)
+    }
+
+    /// The time is that of the passes on the GPU, without sending the g-buffer there and the image back.
+    fn shade(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Shaded, MethodError> {
+        let method = ScreenMethod::name(self);
+        let failed = |source: GpuError| MethodError::Gpu { method, source };
+        let Gpu { device, queue, .. } = self.gpu();
+        let gbuffer = GpuGBuffer::upload(device, frame.gbuffer, self.attributes())
+            .map_err(|error| error.of_method(method))?;
+        let environment = frame.scene.scene().environment.as_deref();
+        let view = View::from(frame);
+        let plan = Plan::new(self, &Inputs { gbuffer: &gbuffer, environment }, &view).map_err(failed)?;
+        let timing = gpu::time(device, queue, method, repeats.warm_up, repeats.timed, |encoder| {
+            plan.encode(encoder);
+        })
+        .map_err(failed)?;
+        let image = gpu::read(device, queue, plan.output()).map_err(failed)?;
+        let image = Planes::from_data(ScreenMethod::effect(self).channels(), view.height, view.width, image);
+        let clock = if timing.by_gpu { Clock::Gpu } else { Clock::Cpu };
+        Ok(Shaded { image, milliseconds: timing.milliseconds, clock })
+    }
+}
+
+impl<M: ScreenMethod + ?Sized> ScreenMethod for Box<M> {
+    fn name(&self) -> &'static str {
+        (**self).name()
+    }
+
+    fn effect(&self) -> Effect {
+        (**self).effect()
+    }
+
+    fn attributes(&self) -> &'static [Attribute] {
+        (**self).attributes()
+    }
+
+    fn gpu(&self) -> &Gpu {
+        (**self).gpu()
+    }
+
+    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
+        (**self).uniforms(view)
+    }
+
+    fn steps(
+        &self,
+        inputs: &Inputs<'_>,
+        uniforms: &[wgpu::Buffer],
+        output: &wgpu::Buffer,
+    ) -> Result<Vec<Step>, GpuError> {
+        (**self).steps(inputs, uniforms, output)
+    }
+
+    fn reference(
+        &self,
+        gbuffer: &GBuffer,
+        environment: Option<&Environment>,
+        view: &View,
+    ) -> Result<Planes, MissingAttribute> {
+        (**self).reference(gbuffer, environment, view)
+    }
+}

@@ -1,0 +1,86 @@
+//! The passes of a method, bound and ready to run as often as wanted.
+
+use super::{Inputs, ScreenMethod, View};
+use deepshade_shaders::gpu::{self, BoundPass, GpuError, Stamps};
+
+/// A bound pass and how many workgroups of it run.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// What runs.
+    pub pass: BoundPass,
+    /// In x, y and z.
+    pub workgroups: [u32; 3],
+}
+
+impl Step {
+    /// Records it in a compute pass of its own.
+    pub fn encode(&self, encoder: &mut wgpu::CommandEncoder, label: &str, stamps: Option<&Stamps<'_>>) {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(label),
+            timestamp_writes: stamps.map(Stamps::of_compute),
+        });
+        self.pass.dispatch_in(&mut pass, self.workgroups);
+    }
+}
+
+/// The passes of a method for one g-buffer on the GPU.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    label: String,
+    steps: Vec<Step>,
+    uniforms: Vec<wgpu::Buffer>,
+    output: wgpu::Buffer,
+}
+
+impl Plan {
+    /// Binds a method's passes.
+    ///
+    /// # Errors
+    /// If the device has no room, or refuses a binding.
+    pub fn new<M: ScreenMethod + ?Sized>(
+        method: &M,
+        inputs: &Inputs<'_>,
+        view: &View,
+    ) -> Result<Self, GpuError> {
+        let device = &method.gpu().device;
+        let name = method.name();
+        let uniforms = method.uniforms(view);
+        let uniforms = uniforms
+            .iter()
+            .enumerate()
+            .map(|(index, bytes)| gpu::uniforms(device, &format!("{name}.uniform_{index}"), bytes));
+        let uniforms: Vec<wgpu::Buffer> = uniforms.collect::<Result<_, GpuError>>()?;
+        let count = method.effect().channels() * view.height * view.width;
+        let output = gpu::empty::<f32>(device, &format!("{name}.output"), count)?;
+        let steps = method.steps(inputs, &uniforms, &output)?;
+        Ok(Self { label: format!("deepshade.{name}"), steps, uniforms, output })
+    }
+
+    /// Tells the passes of another view of the same size. Nothing is allocated on the GPU.
+    pub fn look<M: ScreenMethod + ?Sized>(&self, queue: &wgpu::Queue, method: &M, view: &View) {
+        for (buffer, bytes) in self.uniforms.iter().zip(method.uniforms(view)) {
+            queue.write_buffer(buffer, 0, &bytes);
+        }
+    }
+
+    /// Records all passes within one compute pass of wgpu's.
+    pub fn encode(&self, encoder: &mut wgpu::CommandEncoder) {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(&self.label),
+            timestamp_writes: None,
+        });
+        self.encode_in(&mut pass);
+    }
+
+    /// Records all passes within a compute pass of the caller's.
+    pub fn encode_in(&self, pass: &mut wgpu::ComputePass<'_>) {
+        for Step { pass: bound, workgroups } in &self.steps {
+            bound.dispatch_in(pass, *workgroups);
+        }
+    }
+
+    /// The image, `[channels, height, width]` f32.
+    pub const fn output(&self) -> &wgpu::Buffer {
+        &self.output
+    }
+}

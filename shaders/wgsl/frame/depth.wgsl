@@ -1,0 +1,8 @@
+// A shadow map: depths alone.
+
+@group(0) @binding(0) var<uniform> view: FrameView;
+
+@vertex
+fn corner(@location(0) position: vec3f) -> @builtin(position) vec4f {
+    return clip_position(position - view.eye.xyz, view);
+}

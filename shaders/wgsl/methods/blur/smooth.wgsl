@@ -1,0 +1,46 @@
+// One direction of the blur that removes the noise of random samples: a Gaussian that fades with the distance from the
+// pixel's tangent plane. The plain version is render/src/methods/blur.rs.
+
+@group(0) @binding(0) var<uniform> blur: Blur;
+// [CHANNELS, height, width]
+@group(0) @binding(4) var<storage, read> noisy: array<f32>;
+@group(0) @binding(5) var<storage, read_write> smoothed: array<f32>;
+
+@compute @workgroup_size(TILE, TILE)
+fn smooth_noise(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= blur.width || id.y >= blur.height {
+        return;
+    }
+    let pixels = blur.width * blur.height;
+    let centre = id.y * blur.width + id.x;
+    if !surface_valid(centre) {
+        for (var c = 0u; c < CHANNELS; c++) {
+            smoothed[centre + c * pixels] = blur.background;
+        }
+        return;
+    }
+    let position = surface_position(centre, pixels);
+    let normal = surface_normal(centre, pixels);
+    var sums: array<f32, CHANNELS>;
+    var weights = 0.0;
+    let reach = i32(bounded(u32(blur.radius), id.xy));
+    for (var i = -reach; i <= reach; i++) {
+        let at = vec2i(id.xy) + i * vec2i(blur.step_x, blur.step_y);
+        if at.x < 0 || at.y < 0 || at.x >= i32(blur.width) || at.y >= i32(blur.height) {
+            continue;
+        }
+        let index = u32(at.y) * blur.width + u32(at.x);
+        if !surface_valid(index) {
+            continue;
+        }
+        let off_plane = blur.sharpness * dot(normal, surface_position(index, pixels) - position);
+        let weight = exp(-(blur.falloff * f32(i * i) + off_plane * off_plane));
+        for (var c = 0u; c < CHANNELS; c++) {
+            sums[c] += weight * noisy[index + c * pixels];
+        }
+        weights += weight;
+    }
+    for (var c = 0u; c < CHANNELS; c++) {
+        smoothed[centre + c * pixels] = sums[c] / weights;
+    }
+}

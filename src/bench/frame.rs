@@ -1,0 +1,196 @@
+//! `deepshade bench frame`: milliseconds of every pass of a live frame, frames a second, and whether memory stays what it
+//! is.
+
+use crate::arguments::Size;
+use crate::complete::Additions;
+use crate::figures::Figures;
+use crate::live::stage::{self, Seen};
+use crate::live::{Live, Wanted};
+use crate::methods;
+use anyhow::{Context, Result, ensure};
+use deepshade_dataset::progress;
+use deepshade_render::methods::Quality;
+use deepshade_render::scene::SceneSource;
+use deepshade_render::screen::ScreenMethod;
+use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{Attribute, Effect, lists};
+use serde_json::json;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Frames that are made before anything is measured.
+const WARM_UP: u32 = 5;
+
+/// Measures a live frame: its passes, frames a second, memory.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:\n  deepshade bench frame --json frame.json\n  \
+    deepshade bench frame --scene sponza.gltf --put fox.gltf@-5,0,0,0.01,60 --sizes 1280x720,1920x1080 \
+    --methods ao:gtao,aa:fxaa\n\n\
+    ms_PASS in the JSON file is of the first size, fps_720p of the one with 720 rows; details has those of all. memory_growth_mb is by how much \
+    the program's memory grows from the frames before the measurement to its end.")]
+pub struct Args {
+    /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
+    #[arg(long, default_value = "colonnade:1")]
+    scene: SceneSource,
+    /// Sizes of the image.
+    #[arg(long, value_delimiter = ',', default_value = "1280x720,1920x1080")]
+    sizes: Vec<Size>,
+    /// What runs on each frame: EFFECT:METHOD. By default the first method of every effect that has one that works on the screen.
+    #[arg(long, value_delimiter = ',', value_parser = method)]
+    methods: Vec<(Effect, String)>,
+    /// How much time methods may take for a better image: low, medium, high or ultra.
+    #[arg(long, default_value = "medium")]
+    quality: Quality,
+    /// Moment of the first frame, seconds.
+    #[arg(long, default_value_t = 0.0)]
+    time: f32,
+    /// One of the file's cameras, by its name; by default the first.
+    #[arg(long)]
+    camera: Option<String>,
+    /// A view sampled in the scene, by its number.
+    #[arg(long, conflicts_with = "camera")]
+    view: Option<usize>,
+    /// How long the shutter is open around a frame's moment, seconds.
+    #[arg(long, default_value_t = 0.04, value_parser = crate::arguments::positive)]
+    shutter: f32,
+    /// Writes the figures here as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    stage: stage::Args,
+}
+
+/// Reads EFFECT:METHOD.
+fn method(text: &str) -> Result<(Effect, String), String> {
+    let (effect, method) = text.split_once(':').ok_or("expected EFFECT:METHOD, such as ao:hbao")?;
+    Ok((effect.parse()?, method.to_owned()))
+}
+
+/// What was measured at one size.
+struct Measured {
+    size: Size,
+    /// Median and 95th percentile of each pass, milliseconds.
+    passes: Vec<(String, f64, f64)>,
+    /// Of whole frames, by the wall clock.
+    frames_a_second: f64,
+    /// Megabytes; `None` where the system does not say.
+    growth: Option<f64>,
+}
+
+/// Measures and prints.
+///
+/// # Errors
+/// If the scene cannot be read, a method does not exist, or the device fails.
+pub fn run(args: &Args) -> Result<()> {
+    let gpu = Gpu::new()?;
+    let measured: Vec<Measured> =
+        args.sizes.iter().map(|size| measure(args, &gpu, *size)).collect::<Result<_>>()?;
+    let mut figures = Figures::new("bench frame");
+    let first = measured.first().context("--sizes names no size")?;
+    for (name, median, _) in &first.passes {
+        figures.set(&format!("ms_{}", name.replace('-', "_")), *median);
+    }
+    let hd = measured.iter().find(|measured| measured.size.height == 720);
+    hd.iter().for_each(|measured| figures.set("fps_720p", measured.frames_a_second));
+    let growth = measured.iter().filter_map(|measured| measured.growth).reduce(f64::max);
+    growth.iter().for_each(|growth| figures.set("memory_growth_mb", *growth));
+    let sizes = measured.iter().map(|measured| {
+        let passes: serde_json::Map<_, _> = measured
+            .passes
+            .iter()
+            .map(|(name, median, p95)| (name.clone(), json!({ "median": median, "p95": p95 })))
+            .collect();
+        let fps = measured.frames_a_second;
+        json!({ "size": measured.size.to_string(), "passes": passes, "frames_a_second": fps, "memory_growth_mb": measured.growth })
+    });
+    figures.detail("sizes", sizes.collect());
+    figures.detail("scene", json!(args.scene.to_string()));
+    figures.detail("adapter", json!(gpu.info.name));
+    figures.detail("frames", json!(args.stage.frames()));
+    figures.detail("quality", json!(args.quality.name()));
+    figures.write(args.json.as_deref())?;
+    measured.iter().try_for_each(print)
+}
+
+fn measure(args: &Args, gpu: &Gpu, size: Size) -> Result<Measured> {
+    let rows_and_columns = [size.height, size.width];
+    let chosen = chosen(args);
+    let effects: Vec<Effect> = chosen.iter().map(|(effect, _)| *effect).chain([Effect::Aa]).collect();
+    let seen = Seen {
+        source: &args.scene,
+        time: args.time,
+        effects: &effects,
+        size: rows_and_columns,
+        camera: args.camera.as_deref(),
+        view: args.view,
+        additions: &Additions::default(),
+        seed: 0,
+    };
+    let staged = args.stage.stage(&seen)?;
+    let wanted = Wanted {
+        size: rows_and_columns,
+        methods: opened(&chosen, args.quality, gpu)?,
+        learned: None,
+        attributes: vec![Attribute::Light, Attribute::Valid],
+        temporal: false,
+        radius: crate::compare::default_radius(None, staged.diagonal, size.height),
+        shutter: args.shutter,
+    };
+    let mut live = Live::new(gpu, &staged.animated, &staged.camera, wanted)?;
+    let bar = progress::bar("frames", args.stage.frames() as usize, 0);
+    for frame in 0..WARM_UP {
+        live.make(staged.time(frame, args.time), frame, &staged.camera(frame))?;
+    }
+    let before = memory();
+    let start = Instant::now();
+    let mut times = Vec::new();
+    for frame in 0..args.stage.frames() {
+        times.extend(live.make(staged.time(frame, args.time), frame, &staged.camera(frame))?);
+        bar.inc(1);
+    }
+    times.extend(live.finish()?);
+    let seconds = start.elapsed().as_secs_f64();
+    ensure!(!times.is_empty(), "the GPU's clock told of no frame: --frames asks for too few");
+    bar.finish_and_clear();
+    let passes = live.passes().into_iter().enumerate().map(|(pass, name)| {
+        let of_pass: Vec<f64> = times.iter().map(|times| times[pass]).collect();
+        (name, lists::median(of_pass.clone()), lists::quantile(of_pass, 0.95))
+    });
+    Ok(Measured {
+        size,
+        passes: passes.collect(),
+        frames_a_second: f64::from(args.stage.frames()) / seconds,
+        growth: memory().zip(before).map(|(after, before)| after - before),
+    })
+}
+
+/// The methods asked for, or one of each effect.
+fn chosen(args: &Args) -> Vec<(Effect, String)> {
+    let first = |effect: Effect| Some((effect, (*methods::screen_names(effect).first()?).to_owned()));
+    match args.methods.as_slice() {
+        [] => Effect::ALL.into_iter().filter_map(first).collect(),
+        asked => asked.to_vec(),
+    }
+}
+
+fn opened(chosen: &[(Effect, String)], quality: Quality, gpu: &Gpu) -> Result<Vec<Box<dyn ScreenMethod>>> {
+    chosen.iter().map(|(effect, name)| methods::open_screen(*effect, name, gpu, quality)).collect()
+}
+
+/// Resident memory of the program, megabytes; `None` where the system does not say.
+fn memory() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok().map(|kilobytes| kilobytes / 1024.0)
+}
+
+fn print(measured: &Measured) -> Result<()> {
+    say!("{}: {:.1} frames a second", measured.size, measured.frames_a_second)?;
+    for (name, median, p95) in &measured.passes {
+        say!("  {name:<16} {median:>9.3} ms   p95 {p95:>9.3} ms")?;
+    }
+    match measured.growth {
+        Some(growth) => say!("  memory grew by {growth:.1} MB"),
+        None => Ok(()),
+    }
+}

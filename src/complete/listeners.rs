@@ -1,0 +1,50 @@
+//! Which effects listen to which options: one that changes nothing is refused rather than passed over.
+
+use anyhow::{Result, bail};
+use deepshade_shaders::Effect;
+
+/// Effects that reach no further than a radius.
+pub const RADIUS: &[Effect] = &[Effect::Ao, Effect::Do, Effect::Gi, Effect::Multi];
+/// Effects of a moment that lasts.
+pub const SHUTTER: &[Effect] = &[Effect::MotionBlur];
+/// Effects of light on its way through a medium.
+pub const MEDIUM: &[Effect] =
+    &[Effect::FogDirect, Effect::FogIndirect, Effect::FogMultiple, Effect::Path, Effect::Real];
+/// Effects that are seen through a lens.
+pub const LENS: &[Effect] = &[
+    Effect::Dof,
+    Effect::Multi,
+    Effect::FogDirect,
+    Effect::FogIndirect,
+    Effect::FogMultiple,
+    Effect::Path,
+    Effect::Real,
+];
+/// Effects that show an environment, or are lit by it.
+pub const ENVIRONMENT: &[Effect] = &[
+    Effect::Do,
+    Effect::Gi,
+    Effect::Ibl,
+    Effect::Dof,
+    Effect::MotionBlur,
+    Effect::Aa,
+    Effect::Multi,
+    Effect::FogDirect,
+    Effect::FogIndirect,
+    Effect::FogMultiple,
+    Effect::Path,
+    Effect::Real,
+];
+
+/// Whether options, each with whether it is given, are for an effect.
+///
+/// # Errors
+/// If one is given that the effect does not listen to.
+pub fn check(effect: Effect, listeners: &[Effect], options: &[(&str, bool)]) -> Result<()> {
+    let given = options.iter().find(|(_, given)| *given);
+    if let Some((option, _)) = given.filter(|_| !listeners.contains(&effect)) {
+        let names: Vec<&str> = listeners.iter().map(|effect| effect.name()).collect();
+        bail!("{option} means nothing to the effect {effect}, only to {}", names.join(", "));
+    }
+    Ok(())
+}

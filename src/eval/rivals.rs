@@ -1,0 +1,96 @@
+//! Who is evaluated: an effect's methods at their qualities, and the image of whoever does nothing.
+
+use crate::methods::{self, LEARNED, Setup, TRUTH};
+use anyhow::{Result, ensure};
+use deepshade_infer::Model;
+use deepshade_render::method::Method;
+use deepshade_render::methods::Quality;
+use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
+
+/// A method under the name that figures have for it.
+pub struct Rival {
+    /// Of an analytic method at another quality than the default one, the quality is part of it: `hbao_low`.
+    pub name: String,
+    /// The method's own name.
+    pub method_name: &'static str,
+    /// What is evaluated.
+    pub method: Box<dyn Method>,
+}
+
+/// Opens methods by name, `all` for all that there are, at some qualities; those that have none are opened once.
+/// `learned` is left out of `all` where there is no network.
+///
+/// # Errors
+/// If there is no such method, or one cannot be opened.
+pub fn rivals(
+    effect: Effect,
+    names: &[String],
+    qualities: &[Quality],
+    gpu: &Gpu,
+    model: Option<&Model>,
+) -> Result<Vec<Rival>> {
+    let all = names.iter().any(|name| name == "all");
+    let mut asked: Vec<&str> = names.iter().map(String::as_str).collect();
+    if all {
+        asked = methods::names_of(effect);
+        asked.retain(|name| *name != LEARNED || model.is_some());
+    }
+    asked.retain(|name| *name != TRUTH);
+    methods::check(effect, &asked)?;
+    ensure!(!asked.is_empty(), "effect `{effect}` has no method yet but truth");
+    let mut rivals = Vec::new();
+    for name in asked {
+        let by_quality = methods::screen_names(effect).contains(&name);
+        for quality in if by_quality { qualities } else { &qualities[..1] } {
+            let setup = Setup { gpu, model, quality: *quality };
+            for method in methods::open(effect, &[name], setup)? {
+                let method_name = method.name();
+                let id = method_name.replace('-', "_");
+                let plain = *quality == Quality::default() || !by_quality;
+                let name = if plain { id } else { format!("{id}_{}", quality.name()) };
+                rivals.push(Rival { name, method_name, method });
+            }
+        }
+    }
+    Ok(rivals)
+}
+
+/// What is scored beside the methods: the image of whoever computes nothing, under a name that says what it is.
+pub const fn trivial_name(effect: Effect) -> &'static str {
+    match effect {
+        Effect::Ao => "white",
+        Effect::Do | Effect::Gi | Effect::Ibl => "black",
+        _ => "light",
+    }
+}
+
+/// That image: the effect's background, or direct light as it is, before the effect.
+pub fn trivial_image(effect: Effect, gbuffer: &GBuffer) -> Planes {
+    let filled = |value| Planes::filled(effect.channels(), gbuffer.height(), gbuffer.width(), value);
+    match trivial_name(effect) {
+        "white" => filled(1.0),
+        "light" => gbuffer.select(&[Attribute::Light]).unwrap_or_else(|_| filled(0.0)),
+        _ => filled(0.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn qualities_have_names_of_their_own() {
+        let gpu = Gpu::new().expect("an adapter");
+        let qualities = [Quality::Low, Quality::High];
+        let all = rivals(Effect::Ao, &["all".to_owned()], &qualities, &gpu, None).expect("methods");
+        let names: Vec<&str> = all.iter().map(|rival| rival.name.as_str()).collect();
+        assert!(
+            names.contains(&"hbao") && names.contains(&"hbao_low") && !names.contains(&"learned"),
+            "{names:?}"
+        );
+        let error = rivals(Effect::Ao, &["sharp".to_owned()], &qualities, &gpu, None).err().expect("none");
+        assert!(error.to_string().contains("no method `sharp`"), "{error}");
+        assert!(rivals(Effect::Path, &["all".to_owned()], &qualities, &gpu, None).is_err());
+    }
+}

@@ -1,0 +1,302 @@
+//! A scene in motion on the GPU: frame after frame its g-buffer, and what methods make of it.
+//!
+//! Passes are timed one by one: by the GPU's own clock where it has one, some frames later, and else, as with software
+//! Vulkan, by waiting for each.
+
+pub mod stage;
+
+use crate::learned::Learned;
+use crate::methods::LEARNED;
+use anyhow::{Context, Result, ensure};
+use deepshade_dataset::truth;
+use deepshade_render::method::Repeats;
+use deepshade_render::raster::Frame;
+use deepshade_render::raster::frame::{Settings, Stage};
+use deepshade_render::raster::since::Since;
+use deepshade_render::scene::{AnimatedScene, Camera};
+use deepshade_render::screen::reprojection::{Parameters, Reprojection};
+use deepshade_render::screen::{Inputs, Plan, ScreenMethod, View};
+use deepshade_shaders::gpu::{self, Gpu, GpuError, PassClock, Stamps};
+use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Edge of shadow maps, texels.
+const SHADOW_SIZE: usize = 2048;
+
+/// What a live scene is to show.
+pub struct Wanted {
+    /// Rows and columns.
+    pub size: [usize; 2],
+    /// What computes images of each frame's g-buffer, on the screen alone.
+    pub methods: Vec<Box<dyn ScreenMethod>>,
+    /// And a trained network.
+    pub learned: Option<Learned>,
+    /// What the g-buffer holds beside what the methods read.
+    pub attributes: Vec<Attribute>,
+    /// Whether images are mixed with those of the frames before.
+    pub temporal: bool,
+    /// How far effects reach, metres.
+    pub radius: f32,
+    /// How long the shutter is open, seconds.
+    pub shutter: f32,
+}
+
+/// A scene on the GPU with all passes of a frame.
+pub struct Live {
+    gpu: Gpu,
+    frame: Frame,
+    since: Since,
+    shading: Vec<Shading>,
+    clock: Option<PassClock>,
+    view: View,
+    shutter: f32,
+}
+
+/// A method, where its image is, and what mixes that with those before.
+struct Shading {
+    method: Running,
+    output: wgpu::Buffer,
+    temporal: Option<Reprojection>,
+}
+
+/// How a method runs.
+enum Running {
+    /// In passes that are recorded with the frame.
+    Passes(Box<dyn ScreenMethod>, Box<Plan>),
+    /// By itself, once the frame's g-buffer has been read back.
+    Network(Box<Learned>),
+}
+
+impl Live {
+    /// Prepares everything; on the GPU nothing is allocated afterwards, but for what carries a network's input and image there
+    /// and back.
+    ///
+    /// # Errors
+    /// If the device refuses or has no room.
+    pub fn new(gpu: &Gpu, animated: &AnimatedScene, camera: &Camera, wanted: Wanted) -> Result<Self> {
+        let [height, width] = wanted.size;
+        ensure!(height > 0 && width > 0, "a frame of {width} x {height} pixels shows nothing");
+        let read = wanted.methods.iter().flat_map(|method| method.attributes()).copied();
+        let network =
+            wanted.learned.iter().flat_map(|learned| truth::attributes(learned.spec().effect)).copied();
+        let mut attributes: Vec<Attribute> = read.chain(network).chain(wanted.attributes).collect();
+        attributes.sort_unstable();
+        attributes.dedup();
+        let settings = Settings { height, width, attributes, shadow_size: SHADOW_SIZE };
+        let frame = Frame::new(gpu, animated, &settings)?;
+        frame.notes.iter().for_each(|line| note!("{line}"));
+        let view = View { height, width, camera: *camera, radius: wanted.radius, seed: 0 };
+        let environment = animated.scene.environment.as_ref().map(Arc::as_ref);
+        let inputs = Inputs { gbuffer: frame.gbuffer(), environment };
+        let mut running = Vec::new();
+        for method in wanted.methods {
+            let name = method.name();
+            let plan = Plan::new(&method, &inputs, &view).with_context(|| format!("method `{name}`"))?;
+            running.push(Running::Passes(method, Box::new(plan)));
+        }
+        running.extend(wanted.learned.map(|learned| Running::Network(Box::new(learned))));
+        let since = Since::new(&gpu.device, &frame)?;
+        let shade = |method| Shading::new(gpu, wanted.size, method, wanted.temporal.then_some(&since));
+        let shading: Vec<Shading> = running.into_iter().map(shade).collect::<Result<_, GpuError>>()?;
+        let mut live =
+            Self { gpu: gpu.clone(), frame, since, shading, clock: None, view, shutter: wanted.shutter };
+        let recorded = live.passes().iter().filter(|name| *name != LEARNED).count();
+        live.clock = PassClock::new(&gpu.device, &gpu.queue, recorded)?;
+        Ok(live)
+    }
+
+    /// What is timed, in order: stages, methods, and, of those that are mixed with frames before, that.
+    pub fn passes(&self) -> Vec<String> {
+        let stages = Stage::ALL.iter().map(|stage| stage.name().to_owned());
+        let mut passes: Vec<String> = stages.chain(["movement".to_owned()]).collect();
+        for shading in self.shading.iter().filter(|shading| shading.is_recorded()) {
+            let name = shading.method.name();
+            passes.push(name.to_owned());
+            passes.extend(shading.temporal.iter().map(|_| format!("{name}_temporal")));
+        }
+        passes.extend(self.shading.iter().find(|shading| !shading.is_recorded()).map(|_| LEARNED.to_owned()));
+        passes
+    }
+
+    /// Makes the frame of a moment, seen by a camera. Gives the milliseconds of each pass: of this frame, or, by the GPU's
+    /// clock, of one before, where that is known.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn make(&mut self, time: f32, seed: u32, camera: &Camera) -> Result<Option<Vec<f64>>> {
+        self.view = View { camera: *camera, seed, ..self.view };
+        self.frame.set(&self.gpu.queue, time, self.shutter, camera);
+        for shading in &self.shading {
+            if let Running::Passes(method, plan) = &shading.method {
+                plan.look(&self.gpu.queue, method, &self.view);
+            }
+        }
+        let times = match self.clock.take() {
+            Some(clock) => self.make_at_once(clock)?,
+            None => Some(self.make_one_by_one()?),
+        };
+        let network = self.run_network()?;
+        Ok(times.map(|times| times.into_iter().chain(network).collect()))
+    }
+
+    /// Runs the trained network, if there is one, on the g-buffer of the frame, and gives its milliseconds.
+    fn run_network(&mut self) -> Result<Option<f64>> {
+        let Some(index) =
+            self.shading.iter().position(|shading| matches!(shading.method, Running::Network(_)))
+        else {
+            return Ok(None);
+        };
+        let Running::Network(learned) = &self.shading[index].method else { return Ok(None) };
+        let attributes = truth::attributes(learned.spec().effect);
+        let mut planes = Vec::new();
+        for attribute in attributes {
+            planes.extend_from_slice(self.attribute(*attribute)?.data());
+        }
+        let channels = attributes.iter().map(|attribute| attribute.width()).sum();
+        let planes = Planes::from_data(channels, self.view.height, self.view.width, planes);
+        let gbuffer = GBuffer::new(attributes.to_vec(), planes);
+        let shaded = learned.image(&gbuffer, self.view.radius, Repeats::ONCE)?;
+        let Gpu { device, queue, .. } = &self.gpu;
+        let shading = &mut self.shading[index];
+        queue.write_buffer(&shading.output, 0, bytemuck::cast_slice(shaded.image.data()));
+        if let Some(temporal) = &mut shading.temporal {
+            gpu::submit(device, queue, "live", |encoder| temporal.encode(queue, encoder, None))?;
+        }
+        Ok(Some(shaded.milliseconds))
+    }
+
+    /// One submission; the clock tells of an earlier frame.
+    fn make_at_once(&mut self, mut clock: PassClock) -> Result<Option<Vec<f64>>> {
+        let (frame, since, shading, queue) = (&self.frame, &self.since, &mut self.shading, &self.gpu.queue);
+        gpu::submit(&self.gpu.device, queue, "live", |encoder| {
+            let mut stamps = (0..).map(|pass| clock.stamps(pass));
+            for stage in Stage::ALL {
+                frame.encode(stage, encoder, stamps.next().as_ref());
+            }
+            since.encode(encoder, stamps.next().as_ref());
+            for shading in shading.iter_mut().filter(|shading| shading.is_recorded()) {
+                shading.encode_method(encoder, stamps.next().as_ref());
+                if let Some(temporal) = &mut shading.temporal {
+                    temporal.encode(queue, encoder, stamps.next().as_ref());
+                }
+            }
+        })?;
+        let times = clock.collect(&self.gpu.device, queue);
+        self.gpu.device.poll(wgpu::PollType::Poll).context("the device stopped")?;
+        self.clock = Some(clock);
+        Ok(times)
+    }
+
+    /// A submission a pass, each waited for.
+    fn make_one_by_one(&mut self) -> Result<Vec<f64>> {
+        let Gpu { device, queue, .. } = &self.gpu;
+        let timed = |record: &mut dyn FnMut(&mut wgpu::CommandEncoder)| -> Result<f64> {
+            let start = Instant::now();
+            gpu::submit(device, queue, "live", record)?;
+            device.poll(wgpu::PollType::wait_indefinitely()).context("the device stopped")?;
+            Ok(start.elapsed().as_secs_f64() * 1e3)
+        };
+        let mut times = Vec::with_capacity(Stage::ALL.len() + self.shading.len());
+        for stage in Stage::ALL {
+            times.push(timed(&mut |encoder| self.frame.encode(stage, encoder, None))?);
+        }
+        times.push(timed(&mut |encoder| self.since.encode(encoder, None))?);
+        for shading in self.shading.iter_mut().filter(|shading| shading.is_recorded()) {
+            times.push(timed(&mut |encoder| shading.encode_method(encoder, None))?);
+            if let Some(temporal) = &mut shading.temporal {
+                times.push(timed(&mut |encoder| temporal.encode(queue, encoder, None))?);
+            }
+        }
+        Ok(times)
+    }
+
+    /// The image that a method made of the last frame, `[channels, height, width]`.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn image(&self, method: usize) -> Result<Planes> {
+        let Shading { method, output, temporal } = &self.shading[method];
+        let output = temporal.as_ref().map_or(output, Reprojection::output);
+        self.read(output, method.effect().channels())
+    }
+
+    /// An attribute of the last frame.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn attribute(&self, attribute: Attribute) -> Result<Planes> {
+        self.read(self.frame.gbuffer().buffer(attribute), attribute.width())
+    }
+
+    /// How far each pixel's surface moved since the frame before (x to the right, y up, pixels), its depth, and the
+    /// depth that it had then, `[4, height, width]`.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn since_before(&self) -> Result<Planes> {
+        self.read(self.since.planes(), Since::PLANES)
+    }
+
+    /// Waits until all frames are made, and gives the milliseconds that the GPU's clock has not told of yet. Those of a
+    /// network, which runs by itself, are not among them.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn finish(&mut self) -> Result<Vec<Vec<f64>>> {
+        self.gpu.device.poll(wgpu::PollType::wait_indefinitely()).context("the device stopped")?;
+        let recorded = self.shading.iter().all(Shading::is_recorded);
+        Ok(self.clock.as_mut().filter(|_| recorded).map(PassClock::arrived_all).unwrap_or_default())
+    }
+
+    fn read(&self, buffer: &wgpu::Buffer, channels: usize) -> Result<Planes> {
+        let data = gpu::read(&self.gpu.device, &self.gpu.queue, buffer)?;
+        Ok(Planes::from_data(channels, self.view.height, self.view.width, data))
+    }
+}
+
+impl Running {
+    fn name(&self) -> &'static str {
+        match self {
+            Self::Passes(method, _) => method.name(),
+            Self::Network(_) => LEARNED,
+        }
+    }
+
+    fn effect(&self) -> Effect {
+        match self {
+            Self::Passes(method, _) => method.effect(),
+            Self::Network(learned) => learned.spec().effect,
+        }
+    }
+}
+
+impl Shading {
+    fn new(gpu: &Gpu, size: [usize; 2], method: Running, since: Option<&Since>) -> Result<Self, GpuError> {
+        let (device, channels) = (&gpu.device, method.effect().channels());
+        let pixels = size[0] * size[1];
+        let output = match &method {
+            Running::Passes(_, plan) => plan.output().clone(),
+            Running::Network(_) => gpu::empty::<f32>(device, "live.learned", channels * pixels)?,
+        };
+        let temporal = since.map(|since| {
+            Reprojection::new(device, size, since.planes(), &output, channels, Parameters::default())
+        });
+        let temporal = temporal.transpose()?;
+        Ok(Self { method, output, temporal })
+    }
+
+    /// Whether it runs in passes that are recorded with the frame.
+    const fn is_recorded(&self) -> bool {
+        matches!(self.method, Running::Passes(..))
+    }
+
+    fn encode_method(&self, encoder: &mut wgpu::CommandEncoder, stamps: Option<&Stamps<'_>>) {
+        let Running::Passes(method, plan) = &self.method else { return };
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(method.name()),
+            timestamp_writes: stamps.map(Stamps::of_compute),
+        });
+        plan.encode_in(&mut pass);
+    }
+}
