@@ -20,7 +20,7 @@ const HEIGHT: usize = 43;
 const WIDTH: usize = 61;
 
 /// Of radiances up to about 1. Rounding puts one of many samples on the neighbouring pixel in many pixels.
-const TOLERANCE: Tolerance = Tolerance { usual: 5e-3, worst: 0.1 };
+const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.1 };
 
 fn scattered(gbuffer: &GBuffer, samples: u32) -> Planes {
     let settings = Parameters { samples }.settings(&view(gbuffer.height(), gbuffer.width(), 1.0));

@@ -19,7 +19,7 @@ const WIDTH: usize = 61;
 
 /// Rounding moves the border of a sector, which is a slice's 32nd, or puts a sample on the neighbouring pixel; the blur
 /// shares that out.
-const TOLERANCE: Tolerance = Tolerance { usual: 5e-3, worst: 0.05 };
+const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.05 };
 
 /// Many samples, no blur: the integral itself.
 fn plain(thickness: f32) -> Parameters {

@@ -17,7 +17,7 @@ const HEIGHT: usize = 43;
 const WIDTH: usize = 61;
 
 /// Of radiances up to about 1. Rounding puts a sample on the neighbouring pixel in few pixels.
-const TOLERANCE: Tolerance = Tolerance { usual: 1e-3, worst: 0.1 };
+const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.1 };
 
 /// Circles of any size that an image holds.
 fn unbounded(quality: Quality) -> Parameters {

@@ -13,7 +13,7 @@ const HEIGHT: usize = 43;
 const WIDTH: usize = 61;
 
 /// Of radiances up to about 1. Rounding puts a tap on the neighbouring pixel in few pixels.
-const TOLERANCE: Tolerance = Tolerance { usual: 1e-3, worst: 0.1 };
+const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.1 };
 
 fn scattered(gbuffer: &GBuffer, parameters: &Parameters) -> Planes {
     let settings = parameters.settings(&view(gbuffer.height(), gbuffer.width(), 1.0));

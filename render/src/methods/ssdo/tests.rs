@@ -19,7 +19,7 @@ const WIDTH: usize = 61;
 
 /// Rounding puts a point on the neighbouring pixel or behind what it was before, which is one direction of many; the blur
 /// shares that out.
-const TOLERANCE: Tolerance = Tolerance { usual: 5e-3, worst: 0.1 };
+const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.1 };
 
 /// Many directions and points, no blur: the integral itself.
 const PLAIN: Parameters = Parameters {
