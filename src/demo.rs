@@ -167,7 +167,8 @@ mod short_training {
     fn check(dataset: &Dataset, gpu: &Gpu, model: &Model, figures: &mut Figures) -> Result<()> {
         let index = dataset.validation()[0];
         let (pair, record) = (dataset.pair(index)?, dataset.record(index));
-        let input = model.spec.input(&pair.gbuffer, pair.radius, 0)?;
+        let scaling = model.spec.scaling(&pair.gbuffer, pair.radius)?;
+        let input = model.spec.input(&pair.gbuffer, scaling, 0)?;
         let mut expected = reference::forward(&model.spec, &model.weights, &input);
         model.spec.set_background(&pair.gbuffer, &mut expected)?;
         let scene = record.scene.load(&dataset.recipe().folder)?;

@@ -52,13 +52,14 @@ pub fn run(args: &Args) -> Result<()> {
         None => default_radius(&file, &gbuffer, &model.spec)
             .with_context(|| args.gbuffer.display().to_string())?,
     };
-    let scale = model.spec.reach.position_scale(radius);
-    ensure!(scale.is_finite(), "radius {radius} m is too small: positions cannot be multiplied by {scale}");
+    let scaling = model.spec.scaling(&gbuffer, radius)?;
+    let length = scaling.length;
+    ensure!(length.is_finite(), "radius {radius} m is too small: positions cannot be multiplied by {length}");
     let gpu = Gpu::new().inspect_err(|error| note!("{error}; the processor runs the network")).ok();
     let engine = Engine::new(gpu.as_ref(), &model)?;
-    let run = |run| Ok(engine.run(&model.spec.input(&gbuffer, radius, run)?, 0, 1)?.0);
+    let run = |run| Ok(engine.run(&model.spec.input(&gbuffer, scaling, run)?, 0, 1)?.0);
     let runs = (0..model.spec.runs()).map(run).collect::<Result<Vec<_>>>()?;
-    let mut image = model.spec.image(&runs);
+    let mut image = model.spec.image(&runs, scaling);
     model.spec.set_background(&gbuffer, &mut image)?;
     let effect = model.spec.effect;
     let metadata = Metadata::from([

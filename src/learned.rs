@@ -36,15 +36,16 @@ impl Learned {
         let missing = |source: MissingAttribute| MethodError::Missing { method: LEARNED, source };
         let spec = self.spec();
         let Repeats { warm_up, timed } = repeats;
+        let scaling = spec.scaling(gbuffer, radius).map_err(missing)?;
         let (mut runs, mut milliseconds, mut clock) = (Vec::new(), 0.0, Clock::Gpu);
         for run in 0..spec.runs() {
-            let input = spec.input(gbuffer, radius, run).map_err(missing)?;
+            let input = spec.input(gbuffer, scaling, run).map_err(missing)?;
             let (image, timing) = self.engine.run(&input, warm_up, timed).map_err(failed)?;
             runs.push(image);
             milliseconds += timing.milliseconds;
             clock = if timing.by_gpu { clock } else { Clock::Cpu };
         }
-        let mut image = spec.image(&runs);
+        let mut image = spec.image(&runs, scaling);
         spec.set_background(gbuffer, &mut image).map_err(missing)?;
         Ok(Shaded { image, milliseconds, clock })
     }

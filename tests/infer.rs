@@ -60,7 +60,8 @@ impl Case {
 
     /// The image that must come out, at a radius.
     fn expected(&self, gbuffer: &GBuffer, radius: f32) -> Planes {
-        let input = self.model.spec.input(gbuffer, radius, 0).expect("all inputs");
+        let scaling = self.model.spec.scaling(gbuffer, radius).expect("all inputs");
+        let input = self.model.spec.input(gbuffer, scaling, 0).expect("all inputs");
         let mut image = reference::forward(&self.model.spec, &self.model.weights, &input);
         image.plane_mut(0)[..WIDTH].fill(1.0);
         image

@@ -3,7 +3,7 @@
 
 use deepshade_render::metrics::ssim;
 use deepshade_shaders::{Planes, random::random};
-use deepshade_train::loss::dssim;
+use deepshade_train::Loss;
 use deepshade_train::net::to_tensor;
 
 #[test]
@@ -22,7 +22,7 @@ fn the_loss_is_the_metric() {
     for contrast in [0.0, 0.05, 0.3, 1.0] {
         let (a, b) = (image(1, contrast), image(2, contrast));
         let loss: f32 =
-            dssim(to_tensor(&[&a], &device), to_tensor(&[&b], &device), seen.clone()).into_scalar();
+            Loss::Dssim.of(to_tensor(&[&a], &device), to_tensor(&[&b], &device), seen.clone()).into_scalar();
         let (from_loss, metric) = (1.0 - 2.0 * f64::from(loss), ssim(&a, &b));
         assert!((from_loss - metric).abs() < 1e-5, "contrast {contrast}: {from_loss} and {metric}");
         assert!(metric < last || contrast == 0.0, "contrast {contrast}: {metric} after {last}");

@@ -4,7 +4,7 @@
 //! `cargo run --release -p deepshade-infer --example embed -- models/ao models/ao`
 
 use deepshade_infer::forward::{Input, InputKind, Options, Output, OutputKind, Precision, Tuning};
-use deepshade_infer::{Model, Network};
+use deepshade_infer::{Model, Network, Scaling};
 use deepshade_shaders::gpu::{Gpu, PipelineCache};
 use etcetera::BaseStrategy;
 use half::f16;
@@ -54,12 +54,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{folder}: feature maps take {} bytes", plan.bytes().activations);
 
         // Once for these textures: one of the g-buffer for each of the network's inputs, in its order, and the image.
-        // Lengths are scaled by how far the effect is to reach here, in metres.
+        // Lengths are scaled by how far the effect is to reach here, in metres; this network reads no light.
         let inputs = model.spec.inputs.iter();
         let gbuffer: Vec<TextureView> = inputs.map(|input| filled(&gpu, &format!("{input:?}"))).collect();
         let image = texture(&gpu, "image", TextureUsages::STORAGE_BINDING | TextureUsages::COPY_SRC);
-        let length_scale = model.spec.reach.position_scale(0.5);
-        let input = Input::Textures { views: &gbuffer, length_scale, run: 0 };
+        let scaling = Scaling { length: model.spec.reach.position_scale(0.5), light: 1.0 };
+        let input = Input::Textures { views: &gbuffer, scaling, run: 0 };
         recordings.push(plan.bind(input, Output::Texture(&image.create_view(&Default::default())))?);
     }
     cache.save()?;

@@ -15,6 +15,7 @@ pub mod weights;
 
 pub use cost::Cost;
 pub use forward::{ForwardError, Network, Plan, Recording};
+pub use input::Scaling;
 pub use model::{Model, ModelError};
 pub use parity::{Activation, Comparison, Parity};
 pub use reach::Reach;

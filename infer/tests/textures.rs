@@ -2,7 +2,7 @@
 
 use deepshade_infer::forward::{Input, InputKind, Options, Output, OutputKind};
 use deepshade_infer::parity::{Comparison, TOLERANCE, noise};
-use deepshade_infer::{ChannelOrder, Colour, NetSpec, Network, Reach, Weights, reference};
+use deepshade_infer::{ChannelOrder, Colour, NetSpec, Network, Reach, Scaling, Weights, reference};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, AttributeKind, Effect, GBuffer, Planes};
 use half::f16;
@@ -118,10 +118,10 @@ fn textures_give_what_buffers_give() {
         let options = Options { input: InputKind::Textures, output, ..Options::default() };
         let network = Network::with(&gpu.device, &spec, &weights, &options).expect("compiles");
         for run in 0..spec.runs() {
-            let length_scale = spec.reach.position_scale(radius);
-            let input = Input::Textures { views: &views, length_scale, run };
+            let scaling = Scaling { light: 0.7, ..spec.scaling(&gbuffer, radius).expect("all is there") };
+            let input = Input::Textures { views: &views, scaling, run };
             let image = image_by_textures(&gpu, &network, input, [height, width], format);
-            let planes = spec.input(&gbuffer, radius, run).expect("all is there");
+            let planes = spec.input(&gbuffer, scaling, run).expect("all is there");
             // A conversion to half floats may cut off, so that values, below 8, are off by at most 2^-10 of that.
             let share = if format == TextureFormat::Rgba16Float { 8e-3 } else { TOLERANCE };
             let expected = reference::forward(&spec, &weights, &planes);
@@ -149,7 +149,7 @@ fn what_a_network_was_not_made_for_is_refused() {
     let network = Network::new(&gpu.device, &spec, &weights).expect("compiles");
     let plan = network.plan(20, 30).expect("fits");
     let target = gpu::empty::<f32>(&gpu.device, "output", 20 * 30).expect("room");
-    let textures = Input::Textures { views: &[], length_scale: 1.0, run: 0 };
+    let textures = Input::Textures { views: &[], scaling: Scaling { length: 1.0, light: 1.0 }, run: 0 };
     let error = plan.bind(textures, Output::Buffer(&target)).expect_err("it reads a buffer");
     assert!(error.to_string().contains("the network was made for Buffer"), "{error}");
     let options = Options { input: InputKind::Textures, ..Options::default() };
@@ -159,7 +159,7 @@ fn what_a_network_was_not_made_for_is_refused() {
     assert!(error.to_string().contains("0 textures; the network reads 2"), "{error}");
     let small = texture(&gpu, &noise(3, 20, 16, 1));
     let views = [small.clone(), small];
-    let textures = Input::Textures { views: &views, length_scale: 1.0, run: 0 };
+    let textures = Input::Textures { views: &views, scaling: Scaling { length: 1.0, light: 1.0 }, run: 0 };
     let error = plan.bind(textures, Output::Buffer(&target)).expect_err("too small");
     assert!(error.to_string().contains("a texture of [20, 16] rows and columns"), "{error}");
 }

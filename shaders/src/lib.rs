@@ -9,6 +9,7 @@ pub mod atomic_file;
 pub mod channel;
 pub mod colour;
 pub mod effect;
+pub mod exposure;
 pub mod gbuffer;
 pub mod gpu;
 pub mod lists;

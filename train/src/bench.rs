@@ -1,8 +1,9 @@
 //! How fast a network trains here, on made-up pairs.
 
+use crate::loss::Loss;
 use crate::net::UNet;
 use crate::optim::Optimiser;
-use crate::{TrainConfig, TrainError, loss};
+use crate::{TrainConfig, TrainError};
 use burn::optim::GradientsParams;
 use burn::tensor::{Device, Distribution, Tensor};
 use deepshade_shaders::lists;
@@ -44,7 +45,7 @@ pub fn bench(config: &TrainConfig, steps: usize) -> Result<StepTimes, TrainError
     done()?;
     for step in 0..WARM_UP + steps {
         let began = Instant::now();
-        let loss = loss::dssim(net.forward(input.clone()), target.clone(), valid.clone());
+        let loss = Loss::Dssim.of(net.forward(input.clone()), target.clone(), valid.clone());
         done()?;
         let forward = began.elapsed();
         let gradients = GradientsParams::from_grads(loss.backward(), &net);

@@ -1,5 +1,6 @@
 //! The settings of a training run. A run keeps them as `config.json`, from before its first step.
 
+use crate::loss::Loss;
 use crate::optim::Optimiser;
 use crate::{TrainError, files};
 use deepshade_infer::NetSpec;
@@ -32,8 +33,14 @@ pub struct TrainConfig {
     /// What tells the data from others: BLAKE3 hash of the dataset's `manifest.json`, in hexadecimal. Training fills it
     /// in, and does not go on with a run on other data.
     pub data_hash: String,
+    /// What is made small.
+    #[serde(default)]
+    pub loss: Loss,
     /// How weights follow gradients.
     pub optimiser: Optimiser,
+    /// Folder of a model whose weights the run begins with; random ones without it.
+    #[serde(default)]
+    pub start: Option<PathBuf>,
     /// Images a step.
     pub batch: usize,
     /// Height and width of the crops, pixels; a multiple of 8.
@@ -65,7 +72,9 @@ impl TrainConfig {
             spec,
             dataset,
             data_hash: String::new(),
+            loss: Loss::Dssim,
             optimiser: Optimiser::ADAMW,
+            start: None,
             batch: 4,
             crop: 256,
             steps: 20_000,
@@ -108,6 +117,10 @@ impl TrainConfig {
             let problem =
                 format!("is {}; it must be a multiple of 8, the size of a tile of the loss", self.crop);
             return error("crop", problem);
+        }
+        let smallest = self.loss.smallest_crop();
+        if self.crop < smallest {
+            return error("crop", format!("is {}; the loss takes crops of {smallest} and more", self.crop));
         }
         if self.batch * self.crop * self.crop > MOST_PIXELS {
             let problem = format!("is {} with crops of {}: too many pixels at once", self.batch, self.crop);

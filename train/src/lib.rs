@@ -26,6 +26,7 @@ pub use device::device;
 pub use error::TrainError;
 pub use export::export;
 pub use files::discard;
+pub use loss::Loss;
 pub use net::{UNet, forward_burn, layers_burn};
 pub use optim::Optimiser;
 pub use pairs::PairSource;

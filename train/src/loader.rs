@@ -1,6 +1,6 @@
 //! Batches: pairs decoded, cropped and turned on threads of their own, in an order that depends on seed and step only.
 
-use crate::pairs::{Cache, HalfPair};
+use crate::pairs::{Cache, HalfPair, Scale};
 use crate::rng::{Purpose, Rng};
 use crate::{TrainConfig, TrainError};
 use burn::tensor::{Device, Tensor, TensorData};
@@ -25,31 +25,48 @@ pub struct Batch {
     input: Vec<f32>,
     target: Vec<f32>,
     valid: Vec<f32>,
+    exposure: Vec<f32>,
+}
+
+/// A batch as tensors, `[images, channels, height, width]`.
+pub struct Tensors {
+    /// What the network reads.
+    pub input: Tensor<4>,
+    /// What it should make, exposed.
+    pub target: Tensor<4>,
+    /// 1 where a surface is seen, of one channel.
+    pub valid: Tensor<4>,
+    /// What its image is multiplied by to be compared with `target`: `[images, 1, 1, 1]`.
+    pub exposure: Tensor<4>,
 }
 
 impl Batch {
     /// Adds what one of the network's [runs](NetSpec::runs) reads and makes of a pair, with the same
     /// [input](NetSpec::input) that the network gets wherever it runs.
-    pub fn push(&mut self, pair: &Pair, spec: &NetSpec, run: usize) {
+    pub fn push(&mut self, pair: &Pair, Scale { scaling, exposure }: Scale, spec: &NetSpec, run: usize) {
         let input =
-            spec.input(&pair.gbuffer, pair.radius, run).expect("pairs are kept with what the network reads");
+            spec.input(&pair.gbuffer, scaling, run).expect("pairs are kept with what the network reads");
         let seen = pair.gbuffer.seen().expect("pairs are kept with their validity");
         self.images += 1;
         self.size = [input.height(), input.width()];
         self.input.extend_from_slice(input.data());
         let (made, pixels) = (spec.output_channels(), pair.target.pixels());
-        self.target.extend_from_slice(&pair.target.data()[run * made * pixels..][..made * pixels]);
+        let target = &pair.target.data()[run * made * pixels..][..made * pixels];
+        self.target.extend(target.iter().map(|value| exposure * value));
+        self.exposure.push(exposure / scaling.light);
         self.valid.extend(seen.into_iter().map(|seen| f32::from(u8::from(seen))));
     }
 
-    /// Input, target and validity as tensors `[images, channels, height, width]`.
-    pub fn into_tensors(self, device: &Device) -> [Tensor<4>; 3] {
+    /// As tensors.
+    pub fn into_tensors(self, device: &Device) -> Tensors {
         let pixels = self.size[0] * self.size[1];
-        [self.input, self.target, self.valid].map(|data| {
+        let [input, target, valid] = [self.input, self.target, self.valid].map(|data| {
             let channels = data.len() / self.images / pixels;
             let shape = [self.images, channels, self.size[0], self.size[1]];
             Tensor::from_data(TensorData::new(data, shape), device)
-        })
+        });
+        let exposure = TensorData::new(self.exposure, [self.images, 1, 1, 1]);
+        Tensors { input, target, valid, exposure: Tensor::from_data(exposure, device) }
     }
 }
 
@@ -66,15 +83,15 @@ impl Sampler {
     fn batch(&self, step: usize) -> Result<Batch, TrainError> {
         let mut batch = Batch::default();
         for position in step * self.config.batch..(step + 1) * self.config.batch {
-            let (pair, run) = self.crop(position)?;
-            batch.push(&pair, &self.config.spec, run);
+            let (pair, scale, run) = self.crop(position)?;
+            batch.push(&pair, scale, &self.config.spec, run);
         }
         Ok(batch)
     }
 
-    /// The crop at a position in the training, every pair once an epoch, each epoch in another order, and which of the
-    /// network's runs is trained on it.
-    fn crop(&self, position: usize) -> Result<(Pair, usize), TrainError> {
+    /// The crop at a position in the training, every pair once an epoch, each epoch in another order, what its numbers are
+    /// multiplied by, and which of the network's runs is trained on it.
+    fn crop(&self, position: usize) -> Result<(Pair, Scale, usize), TrainError> {
         let (epoch, at) = (position / self.pairs.len(), position % self.pairs.len());
         let order = Rng::new(self.config.seed, Purpose::Order, epoch as u64).permutation(self.pairs.len());
         let index = self.pairs[order[at]];
@@ -85,7 +102,7 @@ impl Sampler {
             problem: format!("is {} by {}, smaller than `crop`", pair.height(), pair.width()),
         })?;
         let turned = augment(&crop, Symmetry::ALL[rng.below(Symmetry::ALL.len())]);
-        Ok((turned, rng.below(self.config.spec.runs())))
+        Ok((turned, pair.scale(), rng.below(self.config.spec.runs())))
     }
 }
 
@@ -154,7 +171,7 @@ fn work(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deepshade_infer::{ChannelOrder, Reach};
+    use deepshade_infer::{ChannelOrder, Reach, Scaling};
     use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
 
     #[test]
@@ -171,16 +188,19 @@ mod tests {
             radius: 2.0,
         };
         let mut batch = Batch::default();
-        batch.push(&pair, &spec, 0);
-        batch.push(&pair, &spec, 0);
+        let scale = Scale::new(&pair, &spec).expect("no light is read");
+        batch.push(&pair, scale, &spec, 0);
+        batch.push(&pair, scale, &spec, 0);
         // Of the first pixel nothing is seen; positions are scaled by the trained over the wanted radius.
         let image = [0.0, 41.0, 0.0, 51.0, 0.0, 61.0, 0.0, 0.25, 0.0, 2.75, 0.0, 5.25];
         assert_eq!(batch.input, [image, image].concat());
-        assert_eq!(batch.input[..12], *spec.input(&pair.gbuffer, pair.radius, 0).expect("an input").data());
+        assert_eq!(batch.input[..12], *spec.input(&pair.gbuffer, scale.scaling, 0).expect("an input").data());
         assert_eq!(batch.valid, [0.0, 1.0, 0.0, 1.0]);
         assert_eq!(batch.target, [0.25; 4]);
-        let shapes = batch.into_tensors(&crate::device()).map(|tensor| tensor.dims());
-        assert_eq!(shapes, [[2, 6, 1, 2], [2, 1, 1, 2], [2, 1, 1, 2]]);
+        assert_eq!(batch.exposure, [1.0; 2]);
+        let Tensors { input, target, valid, exposure } = batch.into_tensors(&crate::device());
+        let shapes = [input, target, valid, exposure].map(|tensor| tensor.dims());
+        assert_eq!(shapes, [[2, 6, 1, 2], [2, 1, 1, 2], [2, 1, 1, 2], [2, 1, 1, 1]]);
     }
 
     #[test]
@@ -194,8 +214,11 @@ mod tests {
             radius: 1.0,
         };
         let mut batch = Batch::default();
-        batch.push(&pair, &spec, 2);
-        batch.push(&pair, &spec, 0);
-        assert_eq!((batch.input, batch.target), (vec![1.0, 4.0, 1.0, 2.0], vec![0.2, 0.0]));
+        let scale = Scale { scaling: Scaling { length: 1.0, light: 0.5 }, exposure: 3.0 };
+        batch.push(&pair, scale, &spec, 2);
+        batch.push(&pair, Scale::new(&pair, &spec).expect("there is light"), &spec, 0);
+        // The light of the first is halved, of the second that of the brightest but one is 1, as its target is.
+        assert_eq!(batch.input, [1.0, 2.0, 1.0, 2.0 / 3.0]);
+        assert_eq!((batch.target, batch.exposure), (vec![3.0 * 0.2, 0.0], vec![6.0, 30.0]));
     }
 }

@@ -18,9 +18,9 @@ pub const CURVE_FILE: &str = "curve.svg";
 pub struct Line {
     /// Steps done.
     pub step: usize,
-    /// Mean training loss (DSSIM) since the line before, or since the run was resumed.
+    /// Mean training loss since the line before, or since the run was resumed.
     pub loss: f32,
-    /// Loss on the validation pairs, where it was measured.
+    /// DSSIM on the validation pairs, where it was measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub validation_loss: Option<f32>,
     /// The optimiser's rate.
@@ -110,7 +110,7 @@ fn draw(
     let area = SVGBackend::with_string(svg, (900, 500)).into_drawing_area();
     area.fill(&WHITE)?;
     let mut chart = ChartBuilder::on(&area)
-        .caption("DSSIM", ("sans-serif", 20))
+        .caption("Training", ("sans-serif", 20))
         .margin(15)
         .x_label_area_size(40)
         .y_label_area_size(70)
@@ -126,12 +126,12 @@ fn draw(
     let grey = RGBColor(150, 150, 150);
     chart
         .draw_series(LineSeries::new(training.iter().copied(), grey))?
-        .label("training crops")
+        .label("loss of training crops")
         .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], grey));
     let blue = RGBColor(0, 90, 200);
     chart
         .draw_series(LineSeries::new(validation.iter().copied(), blue.stroke_width(2)))?
-        .label("validation")
+        .label("DSSIM of validation")
         .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], blue.stroke_width(2)));
     chart.configure_series_labels().background_style(WHITE).border_style(grey).draw()?;
     area.present()?;

@@ -2,8 +2,8 @@
 
 use crate::TrainError;
 use deepshade_dataset::{Dataset, Manifest, Pair};
-use deepshade_infer::NetSpec;
-use deepshade_shaders::{Attribute, GBuffer, Planes, shows_surface};
+use deepshade_infer::{NetSpec, Scaling};
+use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes, exposure, shows_surface};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 use std::sync::{Arc, OnceLock};
@@ -63,6 +63,27 @@ pub struct HalfPair {
     gbuffer: Vec<f16>,
     target: Vec<f16>,
     radius: f32,
+    scale: Scale,
+}
+
+/// What the numbers of a pair are multiplied by, found from the whole of it and the same in all its windows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// What the network's input is.
+    pub scaling: Scaling,
+    /// What image and target are before they are compared, as wherever images are compared.
+    pub exposure: f32,
+}
+
+impl Scale {
+    /// That of a pair.
+    ///
+    /// # Errors
+    /// If its g-buffer lacks light that the network reads.
+    pub fn new(pair: &Pair, spec: &NetSpec) -> Result<Self, MissingAttribute> {
+        let scaling = spec.scaling(&pair.gbuffer, pair.radius)?;
+        Ok(Self { scaling, exposure: exposure::of_image(spec.effect, &pair.target) })
+    }
 }
 
 impl HalfPair {
@@ -88,7 +109,13 @@ impl HalfPair {
             gbuffer: halves(&planes),
             target: halves(&pair.target),
             radius: pair.radius,
+            scale: Scale::new(pair, spec).map_err(|error| error.to_string())?,
         })
+    }
+
+    /// What its numbers are multiplied by.
+    pub const fn scale(&self) -> Scale {
+        self.scale
     }
 
     /// Rows.

@@ -1,15 +1,16 @@
 //! The training loop: steps, validation, checkpoints, early stop, resuming.
 
 use crate::checkpoint::{CHECKPOINT_FILE, Checkpoint, Progress};
-use crate::loader::{Batch, Loader};
+use crate::loader::{Batch, Loader, Tensors};
+use crate::loss::Loss;
 use crate::metrics::{Line, Metrics};
 use crate::net::UNet;
 use crate::pairs::{Cache, PairSource};
-use crate::{TrainConfig, TrainError, files, loss};
+use crate::{TrainConfig, TrainError, files};
 use burn::optim::{GradientsParams, ModuleOptimizer};
-use burn::tensor::{Bytes, Device, Tensor};
+use burn::tensor::{Bytes, Device};
 use deepshade_dataset::{Dataset, progress};
-use deepshade_infer::Weights;
+use deepshade_infer::{Model, Weights};
 use deepshade_shaders::lists;
 use indicatif::ProgressBar;
 use std::fs::File;
@@ -123,7 +124,7 @@ impl<'a> Run<'a> {
         let spec = &config.spec;
         let mut optimiser = config.optimiser.start();
         let (net, best, progress) = match Checkpoint::load(folder, spec)? {
-            None => (UNet::random(spec, config.seed, &device), None, Progress::START),
+            None => (first_net(config, &device)?, None, Progress::START),
             Some(checkpoint) => {
                 let state = Bytes::from_bytes_vec(checkpoint.optimiser);
                 optimiser = optimiser
@@ -174,8 +175,8 @@ impl<'a> Run<'a> {
 
     /// One step of the optimiser; the loss before it.
     fn step(&mut self, batch: Batch) -> Result<f32, TrainError> {
-        let [input, target, valid] = batch.into_tensors(&self.device);
-        let loss = loss::dssim(self.net.forward(input), target, valid);
+        let Tensors { input, target, valid, exposure } = batch.into_tensors(&self.device);
+        let loss = self.config.loss.of(self.net.forward(input) * exposure, target, valid);
         let value: f32 = loss.clone().into_scalar();
         if !value.is_finite() {
             return Err(TrainError::Diverged { step: self.progress.step, loss: value });
@@ -231,7 +232,7 @@ impl<'a> Run<'a> {
         Ok(loss)
     }
 
-    /// Mean loss on the views held apart, whole images.
+    /// Mean structural dissimilarity on the views held apart, whole images, whatever the loss is that is trained for.
     fn validation_loss(&self, weights: &Weights) -> Result<f32, TrainError> {
         let device = crate::device();
         let net = UNet::from_weights(&self.config.spec, weights, &device);
@@ -240,9 +241,10 @@ impl<'a> Run<'a> {
             let pair = self.cache.pair(*index)?;
             let mut batch = Batch::default();
             let whole = pair.window(0, 0, pair.height(), pair.width());
-            (0..self.config.spec.runs()).for_each(|run| batch.push(&whole, &self.config.spec, run));
-            let [input, target, valid] = batch.into_tensors(&device);
-            let loss: Tensor<1> = loss::dssim(net.forward(input), target, valid);
+            (0..self.config.spec.runs())
+                .for_each(|run| batch.push(&whole, pair.scale(), &self.config.spec, run));
+            let Tensors { input, target, valid, exposure } = batch.into_tensors(&device);
+            let loss = Loss::Dssim.of(net.forward(input) * exposure, target, valid);
             sum += loss.into_scalar::<f32>();
         }
         let loss = sum / self.split.validation.len() as f32;
@@ -259,6 +261,17 @@ impl<'a> Run<'a> {
             optimiser: optimiser.to_vec(),
         };
         checkpoint.save(self.folder, &self.config.spec)
+    }
+}
+
+/// What a run begins with.
+fn first_net(config: &TrainConfig, device: &Device) -> Result<UNet, TrainError> {
+    let spec = &config.spec;
+    let Some(folder) = &config.start else { return Ok(UNet::random(spec, config.seed, device)) };
+    let Model { weights, .. } = Model::load(folder)?;
+    match weights.fit(spec) {
+        true => Ok(UNet::from_weights(spec, &weights, device)),
+        false => Err(TrainError::damaged(folder, "is not of this network's shape")),
     }
 }
 

@@ -6,8 +6,8 @@
 use super::kernel;
 use super::maps::{self, MapId};
 use super::packing::{BLOCK, Packed};
-use super::{ForwardError, Options, Precision, Shape, Variant};
-use crate::{Layer, Model, Source};
+use super::{ForwardError, Options, Precision, Shape, Variant, io};
+use crate::{Layer, Model, NetSpec, Source};
 use deepshade_shaders::wgsl::convolution::{Convolution, WORKGROUP};
 use deepshade_shaders::wgsl::uniforms::NetLayer;
 use serde_json::{Value, json};
@@ -48,7 +48,7 @@ pub fn wgsl_files(model: &Model, precision: Precision) -> Result<Vec<File>, Forw
     let maps: Vec<Value> = maps::maps(&layers).iter().map(|map| map_json(&layers, &shapes, map)).collect();
     let inputs: Vec<&str> = spec.inputs.iter().map(|attribute| attribute.name()).collect();
     let network = json!({
-        "effect": spec.effect, "inputs": inputs, "runs": spec.runs(), "reach": spec.reach,
+        "effect": spec.effect, "inputs": inputs, "factors": factors(spec), "runs": spec.runs(), "reach": spec.reach,
         "input_channels": spec.input_channels(), "output_channels": spec.output_channels(),
         "alignment": spec.alignment(), "leak": spec.leak, "half": precision == Precision::F16,
         "uniform": uniform_fields(), "maps": maps, "passes": passes,
@@ -56,6 +56,12 @@ pub fn wgsl_files(model: &Model, precision: Precision) -> Result<Vec<File>, Forw
     files.push(("network.json".to_owned(), format!("{network:#}\n").into_bytes()));
     files.push(("HOST.md".to_owned(), HOST.as_bytes().to_vec()));
     Ok(files)
+}
+
+/// What the channels of a run's input are multiplied by beside the frame's factors of lengths and light.
+fn factors(spec: &NetSpec) -> Vec<f32> {
+    let channels = io::texture_channels(spec);
+    channels.iter().flatten().map(|channel| 2f32.powi(channel.exponent)).collect()
 }
 
 /// The name of a map in `network.json`.

@@ -1,11 +1,11 @@
 //! What a network reads from the caller and writes for the caller.
 
 use super::ForwardError;
-use crate::input::is_length;
-use crate::{Colour, NetSpec};
-use deepshade_shaders::AttributeKind;
+use crate::input::channel_unit;
+use crate::{Colour, NetSpec, Scaling};
 use deepshade_shaders::gpu::GpuError;
-use deepshade_shaders::wgsl::convolution::TextureChannels;
+use deepshade_shaders::wgsl::convolution::TextureChannel;
+use deepshade_shaders::{Attribute, AttributeKind, Channel};
 
 /// Where a network's input is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,8 +31,8 @@ pub enum OutputKind {
 #[derive(Clone, Copy, Debug)]
 pub enum Input<'a> {
     /// A storage buffer, planar `[input channels, height, width]` f32: what [`NetSpec::input`] makes of a g-buffer, or
-    /// a pass of the caller's that does the same: lengths multiplied by
-    /// [`Reach::position_scale`](crate::Reach::position_scale), and 0 in every channel where no surface is seen.
+    /// a pass of the caller's that does the same: every channel multiplied by its [`NetSpec::factor`], and 0 where no
+    /// surface is seen.
     Buffer(&'a wgpu::Buffer),
     /// The g-buffer itself.
     Textures {
@@ -40,11 +40,12 @@ pub enum Input<'a> {
         /// format that can be sampled, such as `Rgba16Float` or `Rgba32Float`; no filtering is needed. A view shows mip
         /// 0, which has at least the image's rows and columns; what lies beyond these is not read.
         ///
-        /// Every channel must be 0 where no surface is seen: lengths are scaled as they are read, but nothing tells the
-        /// network which pixels those are. A g-buffer that holds something else there is cleared by its owner.
+        /// Every channel must be 0 where no surface is seen: lengths and light are scaled as they are read, but nothing
+        /// tells the network which pixels those are. A g-buffer that holds something else there is cleared by its owner.
         views: &'a [wgpu::TextureView],
-        /// [`Reach::position_scale`](crate::Reach::position_scale) of the effect's radius.
-        length_scale: f32,
+        /// What lengths and light are multiplied by as they are read. The image is that of scaled light: who uses it divides
+        /// by [`Scaling::light`].
+        scaling: Scaling,
         /// Which of [`NetSpec::runs`], and so which colour channel a mono network reads.
         run: usize,
     },
@@ -129,12 +130,16 @@ impl Output<'_> {
 }
 
 /// What a network reads of each of its textures.
-pub(super) fn texture_channels(spec: &NetSpec) -> Vec<TextureChannels> {
-    let channels = |attribute: &deepshade_shaders::Attribute| match (spec.colour, attribute.kind()) {
-        (Colour::Mono, AttributeKind::Colour) if is_length(*attribute) => TextureChannels::LengthOfRun,
-        (Colour::Mono, AttributeKind::Colour) => TextureChannels::OfRun,
-        _ if is_length(*attribute) => TextureChannels::Lengths(attribute.width()),
-        _ => TextureChannels::First(attribute.width()),
+pub(super) fn texture_channels(spec: &NetSpec) -> Vec<Vec<TextureChannel>> {
+    let read = |channel: Channel, component| {
+        let unit = channel_unit(&channel);
+        TextureChannel { component, scale: unit.scale, exponent: unit.exponent }
+    };
+    let channels = |attribute: &Attribute| match (spec.colour, attribute.kind()) {
+        (Colour::Mono, AttributeKind::Colour) => {
+            vec![read(Channel { attribute: *attribute, component: 0 }, None)]
+        }
+        _ => attribute.channels().map(|channel| read(channel, Some(channel.component))).collect(),
     };
     spec.inputs.iter().map(channels).collect()
 }

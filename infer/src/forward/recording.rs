@@ -3,6 +3,7 @@
 use super::plan::{Kernel, Plan, Step};
 use super::tiles::Tile;
 use super::{ForwardError, Input, Output};
+use crate::Scaling;
 use deepshade_shaders::gpu::{self, BoundPass};
 use deepshade_shaders::wgsl::convolution::FIRST_TEXTURE;
 use deepshade_shaders::wgsl::uniforms::NetLayer;
@@ -68,12 +69,13 @@ fn encode<'a>(dispatches: impl Iterator<Item = &'a Dispatch>, encoder: &mut wgpu
 fn uniform(step: &Step, tile: &Tile, input: Input<'_>) -> NetLayer {
     let [top, left] = tile.origin.map(|at| at as u32);
     let [rows, columns] = &tile.keep;
-    let (length_scale, run) = match input {
-        Input::Buffer(_) => (1.0, 0),
-        Input::Textures { length_scale, run, .. } => (length_scale, run as u32),
+    let (scaling, run) = match input {
+        Input::Buffer(_) => (Scaling { length: 1.0, light: 1.0 }, 0),
+        Input::Textures { scaling, run, .. } => (scaling, run as u32),
     };
     NetLayer {
-        length_scale,
+        length_scale: scaling.length,
+        light_scale: scaling.light,
         run,
         origin_x: left,
         origin_y: top,

@@ -1,26 +1,7 @@
 //! By how much light is scaled before images are compared, so that a dim scene's errors count as a bright one's do.
 
-use deepshade_shaders::{Effect, Planes};
-
-/// Share of truth's values that do not exceed 1 when it is exposed: lights and their reflections may.
-const WITHIN: f64 = 0.99;
-
-/// The factor that an image of an effect and its truth, `[channels, height, width]`, are multiplied by before they
-/// are compared or looked at: 1 for shares of a hemisphere; for light such that 99 % of truth's positive values are
-/// at most 1, and 1 where there is none.
-pub fn exposure(effect: Effect, truth: &Planes) -> f32 {
-    if effect == Effect::Ao {
-        return 1.0;
-    }
-    let mut lit: Vec<f32> =
-        truth.data().iter().copied().filter(|value| *value > 0.0 && value.is_finite()).collect();
-    if lit.is_empty() {
-        return 1.0;
-    }
-    let index = ((lit.len() - 1) as f64 * WITHIN) as usize;
-    let (_, bright, _) = lit.select_nth_unstable_by(index, f32::total_cmp);
-    1.0 / *bright
-}
+use deepshade_shaders::Planes;
+pub use deepshade_shaders::exposure::of_image as exposure;
 
 /// An image times an exposure.
 #[must_use]
@@ -34,6 +15,7 @@ pub fn exposed(image: &Planes, exposure: f32) -> Planes {
 mod tests {
     use super::*;
     use crate::metrics::Scores;
+    use deepshade_shaders::Effect;
 
     /// A smooth image with one very bright value.
     fn image(scale: f32, shift: f32) -> Planes {

@@ -43,25 +43,52 @@ pub struct Shape {
 pub enum Reading {
     /// The network's input, a planar buffer.
     Planes,
-    /// The network's input, textures in this order: channel after channel, those of the first texture first.
-    Textures(Vec<TextureChannels>),
+    /// The network's input, textures in this order: of each the channels that are read.
+    Textures(Vec<Vec<TextureChannel>>),
     /// A feature map.
     Map,
     /// A coarser map, doubled, beside one of the same frame.
     Joined,
 }
 
-/// What the network's input has of a texture.
+/// A channel of the network's input that a texture holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TextureChannels {
-    /// Its first components, that many.
-    First(usize),
-    /// Its first components, that many, which are lengths and are scaled.
-    Lengths(usize),
-    /// The component of the colour channel that the run makes.
-    OfRun,
-    /// As `OfRun`, of a colour of lengths: it is scaled.
-    LengthOfRun,
+pub struct TextureChannel {
+    /// Which of the texture's components; `None` for that of the colour channel that the run makes.
+    pub component: Option<usize>,
+    /// What it is multiplied by.
+    pub scale: Scale,
+    /// And by this power of two.
+    pub exponent: i32,
+}
+
+/// What a frame's channel is multiplied by before a network reads it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Nothing.
+    One,
+    /// The frame's factor of lengths.
+    Length,
+    /// The frame's factor of light.
+    Light,
+}
+
+impl TextureChannel {
+    /// The channel's value in WGSL, given what loads the texel.
+    fn value(self, load: &str) -> String {
+        let component = match self.component {
+            Some(component) => format!(".{}", ["x", "y", "z", "w"][component]),
+            None => "[layer.run]".to_owned(),
+        };
+        let power =
+            if self.exponent == 0 { String::new() } else { format!("{:?} * ", 2f32.powi(self.exponent)) };
+        let scale = match self.scale {
+            Scale::One => "",
+            Scale::Length => "layer.length_scale * ",
+            Scale::Light => "layer.light_scale * ",
+        };
+        format!("{power}{scale}{load}{component}")
+    }
 }
 
 /// Where a layer writes to.
@@ -181,24 +208,14 @@ impl Writing {
 pub const FIRST_TEXTURE: u32 = 6;
 
 /// `input_channels`, as `shaders/wgsl/shared/net_planes.wgsl` has it for a buffer: four channels of a pixel.
-fn texture_channels(textures: &[TextureChannels]) -> String {
+fn texture_channels(textures: &[Vec<TextureChannel>]) -> String {
     let mut source = "// The network's input as textures.\n\n".to_owned();
     let mut channels = Vec::new();
     for (binding, texture) in (FIRST_TEXTURE..).zip(textures) {
         writeln!(source, "@group(0) @binding({binding}) var input{binding}: texture_2d<f32>;")
             .expect("writing to a string");
         let load = format!("textureLoad(input{binding}, pixel, 0)");
-        let component = |at: usize| ["x", "y", "z", "w"][at];
-        match *texture {
-            TextureChannels::First(count) => {
-                channels.extend((0..count).map(|c| format!("{load}.{}", component(c))))
-            }
-            TextureChannels::Lengths(count) => {
-                channels.extend((0..count).map(|c| format!("layer.length_scale * {load}.{}", component(c))));
-            }
-            TextureChannels::OfRun => channels.push(format!("{load}[layer.run]")),
-            TextureChannels::LengthOfRun => channels.push(format!("layer.length_scale * {load}[layer.run]")),
-        }
+        channels.extend(texture.iter().map(|channel| channel.value(&load)));
     }
     channels.resize(channels.len().next_multiple_of(4), "0.0".to_owned());
     source += "\nfn input_channels(block: u32, pixel: vec2<u32>) -> vec4<f32> {\n    switch block {\n";

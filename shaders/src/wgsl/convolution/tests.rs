@@ -5,8 +5,13 @@ use crate::wgsl::tests::{agrees, parse};
 
 /// Every kernel that a network may ask for.
 fn all() -> Vec<Convolution> {
-    use TextureChannels::{First, LengthOfRun, Lengths, OfRun};
-    let textures = vec![Lengths(3), OfRun, LengthOfRun, First(3)];
+    let channel = |component, scale, exponent| TextureChannel { component, scale, exponent };
+    let textures = vec![
+        [0, 1, 2].map(|component| channel(Some(component), Scale::Length, 0)).to_vec(),
+        vec![channel(None, Scale::Light, 0)],
+        vec![channel(None, Scale::Length, 5)],
+        vec![channel(Some(0), Scale::One, 0), channel(Some(1), Scale::One, -3)],
+    ];
     let readings = [Reading::Planes, Reading::Textures(textures), Reading::Map, Reading::Joined];
     let writings = [
         Writing::Map,

@@ -23,6 +23,8 @@ uniforms! {
         leak: f32,
         /// Factor of lengths in the network's input, where it is read from textures.
         length_scale: f32,
+        /// Factor of light in the network's input, where it is read from textures.
+        light_scale: f32,
         /// Column of the image where the layer's frame begins.
         origin_x: u32,
         /// Row of the image where the layer's frame begins.

@@ -1,0 +1,170 @@
+//! DSSIM against the book, gradients against slopes, masks, and what tells the losses apart.
+
+use super::*;
+use crate::rng::{Purpose, Rng};
+use burn::tensor::{Device, TensorData};
+
+fn image(shape: [usize; 4], value: impl FnMut(usize) -> f32, device: &Device) -> Tensor<4> {
+    let data: Vec<f32> = (0..shape.iter().product()).map(value).collect();
+    Tensor::from_data(TensorData::new(data, shape), device)
+}
+
+fn noise(shape: [usize; 4], seed: u64, device: &Device) -> Tensor<4> {
+    let mut rng = Rng::new(seed, Purpose::Crop, 0);
+    image(shape, |_| rng.unit() as f32, device)
+}
+
+fn ones([batch, _, height, width]: [usize; 4], device: &Device) -> Tensor<4> {
+    Tensor::ones([batch, 1, height, width], device)
+}
+
+/// DSSIM by the book, in f64.
+fn naive(a: &Tensor<4>, b: &Tensor<4>) -> f64 {
+    let [batch, channels, height, width] = a.dims();
+    let numbers = |t: &Tensor<4>| t.to_data().try_into_vec::<f32>().expect("f32");
+    let (a, b) = (numbers(a), numbers(b));
+    let (mut sum, mut count) = (0.0, 0.0);
+    for plane in 0..batch * channels {
+        for top in (0..height / TILE).map(|t| t * TILE) {
+            for left in (0..width / TILE).map(|t| t * TILE) {
+                let at = |i: usize| (plane * height + top + i / TILE) * width + left + i % TILE;
+                let tile = |x: &[f32]| (0..64).map(|i| f64::from(x[at(i)])).collect::<Vec<_>>();
+                let (x, y) = (tile(&a), tile(&b));
+                let mean = |v: &[f64]| v.iter().sum::<f64>() / 64.0;
+                let (mx, my) = (mean(&x), mean(&y));
+                let moment = |p: &[f64], mp: f64, q: &[f64], mq: f64| {
+                    p.iter().zip(q).map(|(p, q)| (p - mp) * (q - mq)).sum::<f64>() / 64.0
+                };
+                let (vx, vy, vxy) = (moment(&x, mx, &x, mx), moment(&y, my, &y, my), moment(&x, mx, &y, my));
+                sum += (2.0 * mx * my + C1) * (2.0 * vxy + C2) / ((mx * mx + my * my + C1) * (vx + vy + C2));
+                count += 1.0;
+            }
+        }
+    }
+    (1.0 - sum / count) / 2.0
+}
+
+#[test]
+fn equal_images_lose_nothing_and_constant_ones_what_the_formula_says() {
+    let device = crate::device();
+    let shape = [1, 1, 16, 16];
+    let a = noise(shape, 1, &device);
+    let same: f32 = Loss::Dssim.of(a.clone(), a, ones(shape, &device)).into_scalar();
+    assert!(same.abs() < 1e-6, "{same}");
+    let (x, y) = (0.3, 0.8);
+    let (a, b) = (image(shape, |_| x as f32, &device), image(shape, |_| y as f32, &device));
+    let loss: f32 = Loss::Dssim.of(a, b, ones(shape, &device)).into_scalar();
+    let expected = (1.0 - (2.0 * x * y + C1) / (x * x + y * y + C1)) / 2.0;
+    assert!((f64::from(loss) - expected).abs() < 1e-6, "{loss} is not {expected}");
+}
+
+#[test]
+fn agrees_with_the_naive_sum_and_leaves_out_partial_tiles() {
+    let device = crate::device();
+    let shape = [2, 3, 27, 18];
+    let (a, b) = (noise(shape, 1, &device), noise(shape, 2, &device));
+    let loss: f32 = Loss::Dssim.of(a.clone(), b.clone(), ones(shape, &device)).into_scalar();
+    assert!((f64::from(loss) - naive(&a, &b)).abs() < 1e-6);
+}
+
+#[test]
+fn the_gradient_is_the_slope() {
+    let device = crate::device().autodiff();
+    let shape = [1, 1, 8, 16];
+    let (a, b) = (noise(shape, 1, &device), noise(shape, 2, &device));
+    let leaf = a.clone().require_grad();
+    let grads = Loss::Dssim.of(leaf.clone(), b.clone(), ones(shape, &device)).backward();
+    let gradient = leaf.grad(&grads).expect("a gradient").to_data().try_into_vec::<f32>().expect("f32");
+    for at in [0, 9, 77, 127] {
+        let moved = |by: f32| {
+            let mut data = a.to_data().try_into_vec::<f32>().expect("f32");
+            data[at] += by;
+            naive(&Tensor::from_data(TensorData::new(data, shape), &device), &b)
+        };
+        let slope = (moved(1e-3) - moved(-1e-3)) / 2e-3;
+        let difference = (f64::from(gradient[at]) - slope).abs();
+        assert!(difference < 1e-5 + 1e-2 * slope.abs(), "pixel {at}: {} is not {slope}", gradient[at]);
+    }
+}
+
+#[test]
+fn invalid_pixels_count_as_right_and_have_no_gradient() {
+    let device = crate::device().autodiff();
+    let shape = [1, 1, 8, 8];
+    let (a, b) = (noise(shape, 1, &device), noise(shape, 2, &device));
+    let valid = image(shape, |i| if i < 32 { 1.0 } else { 0.0 }, &device);
+    let repaired = a.clone() * valid.clone() + b.clone() * (1.0 - valid.clone());
+    let leaf = a.require_grad();
+    let loss = Loss::Dssim.of(leaf.clone(), b.clone(), valid);
+    let gradient =
+        leaf.grad(&loss.backward()).expect("a gradient").to_data().try_into_vec::<f32>().expect("f32");
+    let loss: f32 = loss.into_scalar();
+    assert!((f64::from(loss) - naive(&repaired, &b)).abs() < 1e-6);
+    assert!(gradient[..32].iter().any(|g| *g != 0.0) && gradient[32..].iter().all(|g| *g == 0.0));
+}
+
+#[test]
+fn every_loss_is_what_its_name_says() {
+    let device = crate::device();
+    let shape = [2, 3, 128, 136];
+    let (a, b) = (noise(shape, 1, &device), noise(shape, 2, &device));
+    let of = |loss: Loss| f64::from(loss.of(a.clone(), b.clone(), ones(shape, &device)).into_scalar::<f32>());
+    let numbers = |t: &Tensor<4>| t.to_data().try_into_vec::<f32>().expect("f32");
+    let differences: Vec<f64> =
+        numbers(&a).iter().zip(numbers(&b)).map(|(a, b)| f64::from(a - b).abs()).collect();
+    let count = differences.len() as f64;
+    let (l1, l2) =
+        (differences.iter().sum::<f64>() / count, differences.iter().map(|d| d * d).sum::<f64>() / count);
+    let dssim = naive(&a, &b);
+    let expected = [
+        (Loss::Dssim, dssim),
+        (Loss::L1, l1),
+        (Loss::L2, l2),
+        (Loss::DssimL1, dssim + l1),
+        (Loss::DssimL2, dssim + l2),
+    ];
+    for (loss, expected) in expected {
+        assert!((of(loss) - expected).abs() < 1e-5, "{loss:?} {} is not {expected}", of(loss));
+    }
+}
+
+#[test]
+fn similarity_at_many_scales_sees_what_is_shifted_far_and_forgives_fine_noise() {
+    let device = crate::device();
+    let shape = [1, 1, 128, 128];
+    let at = |i: usize| (i % 128, i / 128);
+    let waves = |phase: f32| {
+        image(
+            shape,
+            |i| 0.5 + 0.4 * (0.1 * at(i).0 as f32 + phase).sin() * (0.08 * at(i).1 as f32).cos(),
+            &device,
+        )
+    };
+    let (clean, shifted) = (waves(0.0), waves(1.5));
+    let noisy = waves(0.0) + (noise(shape, 3, &device) - 0.5) * 0.3;
+    let ms = |other: &Tensor<4>| multi_scale_ssim(other.clone(), clean.clone()).into_scalar::<f32>();
+    let one = |other: &Tensor<4>| ssim_tiles(other.clone(), clean.clone()).mean().into_scalar::<f32>();
+    assert!((ms(&clean) - 1.0).abs() < 1e-5);
+    assert!(one(&noisy) < 0.6 && ms(&noisy) > one(&noisy) + 0.2, "noise: {} {}", one(&noisy), ms(&noisy));
+    assert!(ms(&shifted) < ms(&noisy) - 0.2, "shifted: {} {}", one(&shifted), ms(&shifted));
+}
+
+#[test]
+fn every_loss_falls_along_its_gradient_and_masks_what_is_not_seen() {
+    let device = crate::device().autodiff();
+    let shape = [1, 2, 128, 128];
+    let target = noise(shape, 2, &device);
+    let valid = image([1, 1, 128, 128], |i| if i % 128 < 64 { 1.0 } else { 0.0 }, &device);
+    for loss in [Loss::Dssim, Loss::L1, Loss::L2, Loss::DssimL1, Loss::DssimL2, Loss::MsSsimL1] {
+        let start = noise(shape, 1, &device).require_grad();
+        let before = loss.of(start.clone(), target.clone(), valid.clone());
+        let gradient = start.grad(&before.backward()).expect("a gradient");
+        let unseen = gradient.clone().narrow(3, 64, 64).abs().max().into_scalar::<f32>();
+        assert_eq!(unseen, 0.0, "{loss:?}");
+        let length = gradient.clone().abs().max().into_scalar::<f32>();
+        let moved = Tensor::from_data(start.to_data(), &device)
+            - Tensor::from_data(gradient.to_data(), &device) * (0.01 / length);
+        let after = loss.of(moved, target.clone(), valid.clone()).into_scalar::<f32>();
+        assert!(length > 0.0 && after < before.clone().into_scalar::<f32>(), "{loss:?}");
+    }
+}
