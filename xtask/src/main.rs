@@ -1,5 +1,5 @@
 //! Set-up and the commands that the README and CI call: `cargo xtask demo`, `cargo xtask test`,
-//! `cargo xtask prove`, `cargo xtask crosscheck`, `cargo xtask deny`.
+//! `cargo xtask prove`, `cargo xtask crosscheck`, `cargo xtask models`, `cargo xtask deny`.
 //!
 //! Nothing but std and anyhow, so that it builds in seconds on a machine that has nothing else yet.
 
@@ -8,6 +8,7 @@ mod command;
 mod crosscheck;
 mod demo;
 mod deny;
+mod models;
 mod prove;
 mod python;
 mod test;
@@ -31,6 +32,9 @@ Commands:
                with deepshade, and compare every effect pixel by pixel; some minutes. --only takes the cases whose
                name holds NAME (room, room.gi, .ao), --samples is of a pixel, 512 by default; other arguments, too, go
                to `deepshade crosscheck`, whose --help lists them
+  models [--only NAME] [--work DIR]
+               Make every network in `models` from nothing: data, training, export, test set, evaluation, parity; hours.
+               Given again it goes on. --work keeps data, runs and test sets, by default below the target folder
   deny         Check licences, banned crates and sources of all dependencies with cargo-deny
   help         Print this
 
@@ -58,6 +62,7 @@ fn run(args: &[String]) -> Result<()> {
         ("test", []) => test::run(),
         ("prove", rest) => prove::run(rest),
         ("crosscheck", rest) => crosscheck::run(rest),
+        ("models", rest) => models::run(rest),
         ("deny", []) => deny::run(),
         ("help" | "-h" | "--help", []) => {
             println!("{HELP}");

@@ -1,0 +1,144 @@
+//! `cargo xtask models`: every shipped network from nothing, within a budget that is stated here.
+//!
+//! Each step takes up what an interrupted run left, so the command is simply given again.
+
+use crate::{
+    command::{self, cargo, command, root},
+    vulkan,
+};
+use anyhow::{Context, Result, bail, ensure};
+use std::{
+    fmt::Write,
+    path::{Path, PathBuf},
+    process::Command,
+    time::Instant,
+};
+
+/// What a network may cost. Pairs and samples are its recipe's.
+struct Budget {
+    /// Names recipes and model folder.
+    name: &'static str,
+    /// Steps of training.
+    steps: u32,
+    /// Images a step.
+    batch: u32,
+    /// Height and width of the crops, pixels.
+    crop: u32,
+}
+
+/// A network of the thesis' Table 7.1 each, cheap ones first. Two cores train some 40 crops of 128 x 128 pixels a second
+/// for networks with 16 first kernels, and a pair with 64 samples takes one core some five seconds: half an hour for data
+/// and an hour or so for training.
+const BUDGETS: [Budget; 10] = [
+    Budget { name: "aa", steps: 4_000, batch: 4, crop: 256 },
+    Budget { name: "ibl", steps: 8_000, batch: 4, crop: 128 },
+    Budget { name: "dof", steps: 20_000, batch: 4, crop: 128 },
+    Budget { name: "motion-blur", steps: 20_000, batch: 4, crop: 128 },
+    Budget { name: "sss", steps: 20_000, batch: 4, crop: 128 },
+    Budget { name: "gi", steps: 20_000, batch: 4, crop: 128 },
+    Budget { name: "gi-paper", steps: 20_000, batch: 4, crop: 128 },
+    Budget { name: "do", steps: 20_000, batch: 4, crop: 128 },
+    Budget { name: "multi", steps: 20_000, batch: 4, crop: 128 },
+    Budget { name: "ao", steps: 20_000, batch: 4, crop: 256 },
+];
+
+/// What the command line says.
+struct Args {
+    /// The networks to make; all without it.
+    only: Option<String>,
+    /// Folder of data, runs and test sets.
+    work: PathBuf,
+}
+
+/// Makes the networks and says how long each step took.
+///
+/// # Errors
+/// If there is no Vulkan adapter, the program does not build, or a step fails.
+pub fn run(args: &[String]) -> Result<()> {
+    let args = parse(args)?;
+    let chosen: Vec<&Budget> =
+        BUDGETS.iter().filter(|budget| args.only.as_deref().is_none_or(|only| only == budget.name)).collect();
+    ensure!(!chosen.is_empty(), "no network of that name; there are {}", names());
+    vulkan::ensure()?;
+    command::run(&mut cargo(&["build", "--release", "--locked"]))?;
+    let mut report = String::new();
+    for budget in chosen {
+        for (step, mut command) in steps(budget, &args.work) {
+            let began = Instant::now();
+            command::run(&mut command).with_context(|| format!("{}: {step}", budget.name))?;
+            writeln!(report, "{:<12} {step:<10} {:>8.1} min", budget.name, began.elapsed().as_secs_f64() / 60.0)?;
+        }
+    }
+    println!("{report}");
+    Ok(())
+}
+
+/// The steps from a recipe to a model with its figures.
+fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
+    let Budget { name, steps, batch, crop } = budget;
+    let recipe = |suffix: &str| format!("dataset/recipes/{name}{suffix}.toml");
+    let folder = |of: &str| work.join(of).join(name).display().to_string();
+    let (data, run, testset) = (folder("data"), folder("runs"), folder("testsets"));
+    let (model, metrics) = (format!("models/{name}"), format!("{testset}.json"));
+    let deepshade = |words: &[&str]| command(&program(), words);
+    let [steps, batch, crop] = [steps, batch, crop].map(u32::to_string);
+    let budget = ["--steps", &steps, "--batch", &batch, "--crop", &crop];
+    vec![
+        ("data", deepshade(&["dataset", "generate", &recipe(""), "--out", &data])),
+        ("training", deepshade(&[&["train", "--dataset", &data, "--out", &run], &budget[..]].concat())),
+        ("export", deepshade(&["export", "--run", &run, "--out", &model])),
+        ("test set", deepshade(&["dataset", "testset", &recipe("-test"), "--out", &testset])),
+        ("evaluation", deepshade(&["eval", "--model", &model, "--testset", &testset, "--json", &metrics])),
+        ("card", deepshade(&["export", "--run", &run, "--out", &model, "--metrics", &metrics])),
+        ("parity", deepshade(&["parity", "--model", &model])),
+    ]
+}
+
+/// The program that was built.
+fn program() -> String {
+    let name = format!("deepshade{}", std::env::consts::EXE_SUFFIX);
+    command::target().join("release").join(name).display().to_string()
+}
+
+fn parse(args: &[String]) -> Result<Args> {
+    let mut parsed = Args { only: None, work: command::target().join("models") };
+    let mut words = args.iter();
+    while let Some(word) = words.next() {
+        let value = words.next().with_context(|| format!("{word} lacks a value"))?;
+        match word.as_str() {
+            "--only" => parsed.only = Some(value.clone()),
+            "--work" => parsed.work = root().join(value),
+            _ => bail!("do not understand `{word}`; there are --only NAME and --work DIR"),
+        }
+    }
+    Ok(parsed)
+}
+
+fn names() -> String {
+    BUDGETS.map(|budget| budget.name).join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_network_has_its_recipes_and_crops_that_fit() {
+        for Budget { name, crop, .. } in &BUDGETS {
+            for suffix in ["", "-test"] {
+                let recipe = root().join(format!("dataset/recipes/{name}{suffix}.toml"));
+                let text = std::fs::read_to_string(&recipe).expect("a recipe of that name");
+                let height = text.split("height = ").nth(1).and_then(|rest| rest.split(',').next());
+                let height: u32 = height.and_then(|number| number.trim().parse().ok()).expect("a height");
+                assert!(*crop <= height && crop.is_multiple_of(8), "{name}{suffix}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_network_may_be_chosen_and_what_is_not_understood_is_said() {
+        let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
+        assert_eq!(parse(&words("--only gi")).expect("understood").only.as_deref(), Some("gi"));
+        assert!(parse(&words("--only")).is_err() && parse(&words("--steps 7")).is_err());
+    }
+}
