@@ -28,6 +28,8 @@ mod methods;
 mod onnxruntime;
 #[cfg(feature = "train")]
 mod parity;
+mod props;
+mod radius;
 mod render;
 mod report;
 mod samples;

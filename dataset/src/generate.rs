@@ -39,8 +39,8 @@ pub struct Summary {
     pub bytes: u64,
 }
 
-/// Makes the dataset of a recipe in a folder, or what is still missing of it. Progress goes to stderr where that is a
-/// terminal.
+/// Makes the dataset of a recipe in a folder, or what is still missing of it. Progress goes to
+/// stderr.
 ///
 /// # Errors
 /// If the recipe is for test sets or aims at a method's images, a scene cannot be had or has no fit view, or the folder

@@ -7,6 +7,9 @@ use crate::figures::Figures;
 use crate::live::stage::{self, Seen};
 use crate::live::{Live, Wanted};
 use crate::methods;
+use crate::props;
+use crate::radius::{self, Space};
+use crate::views::Viewpoint;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::progress;
 use deepshade_render::methods::Quality;
@@ -44,12 +47,10 @@ pub struct Args {
     /// Moment of the first frame, seconds.
     #[arg(long, default_value_t = 0.0)]
     time: f32,
-    /// One of the file's cameras, by its name; by default the first.
-    #[arg(long)]
-    camera: Option<String>,
-    /// A view sampled in the scene, by its number.
-    #[arg(long, conflicts_with = "camera")]
-    view: Option<usize>,
+    #[command(flatten)]
+    props: props::Args,
+    #[command(flatten)]
+    viewpoint: Viewpoint,
     /// How long the shutter is open around a frame's moment, seconds.
     #[arg(long, default_value_t = 0.04, value_parser = crate::arguments::positive)]
     shutter: f32,
@@ -121,19 +122,20 @@ fn measure(args: &Args, gpu: &Gpu, size: Size) -> Result<Measured> {
         time: args.time,
         effects: &effects,
         size: rows_and_columns,
-        camera: args.camera.as_deref(),
-        view: args.view,
+        props: &args.props,
+        viewpoint: &args.viewpoint,
         additions: &Additions::default(),
         seed: 0,
     };
     let staged = args.stage.stage(&seen)?;
+    let space = Space { diagonal: staged.diagonal, height: size.height };
     let wanted = Wanted {
         size: rows_and_columns,
         methods: opened(&chosen, args.quality, gpu)?,
         learned: None,
         attributes: vec![Attribute::Light, Attribute::Valid],
         temporal: false,
-        radius: crate::compare::default_radius(None, staged.diagonal, size.height),
+        radius: radius::wanted(None, None, &effects, space),
         shutter: args.shutter,
     };
     let mut live = Live::new(gpu, &staged.animated, &staged.camera, wanted)?;

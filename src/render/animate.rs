@@ -3,13 +3,13 @@
 use super::Args;
 use super::picture::Exposure;
 use crate::arguments::check_pixels;
-use crate::compare::default_radius;
 use crate::complete::listeners;
 use crate::figures::Figures;
 use crate::learned::Learned;
 use crate::live::stage::{Seen, Staged};
 use crate::live::{Live, Wanted};
 use crate::methods::{self, LEARNED};
+use crate::radius::{self, Space};
 use crate::report::images::write_png;
 use anyhow::{Context, Result, bail, ensure};
 use clap::builder::RangedU64ValueParser;
@@ -107,16 +107,17 @@ pub fn run(args: &Args) -> Result<()> {
         time: args.time.time(),
         effects: &[effect],
         size,
-        camera: args.camera.as_deref(),
-        view: args.view,
+        props: &args.props,
+        viewpoint: &args.viewpoint,
         additions: &args.additions,
         seed: args.seed,
     };
     let staged = sequence.stage.stage(&seen)?;
     staged.added.iter().for_each(|line| note!("{line}"));
     let (methods, learned) = opened(args, &gpu)?;
-    let reach = learned.as_ref().map(|learned| learned.spec().reach.radius(staged.diagonal, size[0]));
-    let radius = args.radius.or(reach).unwrap_or_else(|| default_radius(None, staged.diagonal, size[0]));
+    let reach = learned.as_ref().map(|learned| learned.spec().reach);
+    let space = Space { diagonal: staged.diagonal, height: size[0] };
+    let radius = radius::wanted(args.radius, reach, &[effect], space);
     let wanted = Wanted {
         size,
         methods,

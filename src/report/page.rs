@@ -197,9 +197,9 @@ const fn clock_name(clock: Clock) -> &'static str {
     }
 }
 
-/// A number with so many decimals; infinity as its sign.
+/// A number with so many decimals.
 fn number(value: f64, decimals: usize) -> String {
-    if value == f64::INFINITY { "∞".to_owned() } else { format!("{value:.decimals$}") }
+    format!("{value:.decimals$}")
 }
 
 /// Milliseconds with three digits or more.

@@ -113,6 +113,26 @@ fn a_second_report_leaves_nothing_of_the_first_and_all_that_is_not_its_own() {
 }
 
 #[test]
+fn a_folder_that_holds_something_else_is_refused_and_left_as_it_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let place = |name: &str| folder.path().join(name);
+    let report = comparison(vec![frame("one", &["hbao"])]);
+    for (name, text) in [("holiday.png", "a picture"), ("index.html", "<html>my own page</html>")] {
+        std::fs::write(place(name), text).expect("written");
+        let error = report.write(folder.path()).expect_err("another's folder").to_string();
+        assert!(error.contains(name) && error.contains("no report"), "{error}");
+        assert_eq!(std::fs::read_to_string(place(name)).expect("read"), text);
+        assert_eq!(std::fs::read_dir(folder.path()).expect("entries").count(), 1);
+        std::fs::remove_file(place(name)).expect("removed");
+    }
+    // What a report leaves that was killed while it was written.
+    report.write(folder.path()).expect("a report");
+    std::fs::remove_file(place("index.html")).expect("removed");
+    report.write(folder.path()).expect("only frames are left");
+    report.write(folder.path()).expect("an earlier report");
+}
+
+#[test]
 fn names_cannot_break_the_page() {
     let hostile = "</script><img src=x>";
     let page = page::render(&comparison(vec![frame(hostile, &["hbao"])])).expect("a page");
