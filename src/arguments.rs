@@ -52,6 +52,11 @@ pub fn exr_file(text: &str) -> Result<PathBuf, String> {
     file_of_kind(text, "exr")
 }
 
+/// Reads the name of an SVG file to be written.
+pub fn svg_file(text: &str) -> Result<PathBuf, String> {
+    file_of_kind(text, "svg")
+}
+
 /// A name without an extension is a device's or the user's own business; another one would say what is not true.
 fn file_of_kind(text: &str, kind: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
@@ -148,6 +153,7 @@ mod tests {
         assert_eq!(png_file("a/b.PNG"), Ok(PathBuf::from("a/b.PNG")));
         assert_eq!(exr_file("/dev/stdout"), Ok(PathBuf::from("/dev/stdout")));
         assert_eq!(exr_file("out.png"), Err("what is written is of the kind .exr".to_owned()));
-        assert!(png_file("sheet.jpg").is_err());
+        assert!(png_file("sheet.jpg").is_err() && svg_file("curve.png").is_err());
+        assert_eq!(svg_file("curve.svg"), Ok(PathBuf::from("curve.svg")));
     }
 }

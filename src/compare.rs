@@ -4,6 +4,7 @@ use crate::arguments::{check_pixels, positive};
 use crate::complete::{Additions, Wants, complete, listeners};
 use crate::exposure_time;
 use crate::figures::{self, Figures};
+use crate::learned;
 use crate::methods::{self, Setup};
 use crate::props;
 use crate::radius::{self, Space};
@@ -14,7 +15,6 @@ use anyhow::{Context, Result, ensure};
 use clap::builder::RangedU64ValueParser;
 use deepshade_dataset::progress;
 use deepshade_dataset::truth;
-use deepshade_infer::Model;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Method, Repeats};
@@ -23,7 +23,7 @@ use deepshade_render::path::{Estimate, Goal, Shot, Truth};
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Methods are timed as the median of so many runs.
@@ -120,7 +120,10 @@ pub fn run(args: &Args) -> Result<()> {
     listeners::check(args.effect, listeners::RADIUS, &[("--radius", args.radius.is_some())])?;
     let names = if args.methods.is_empty() { default_methods(args) } else { names(&args.methods) };
     methods::check(args.effect, &names)?;
-    let model = names.contains(&methods::LEARNED).then(|| Model::load(&model_folder(args))).transpose()?;
+    let model = names
+        .contains(&methods::LEARNED)
+        .then(|| learned::network(&model_folder(args), Some(args.effect)))
+        .transpose()?;
     let gpu = Gpu::new()?;
     let methods = methods::open(
         args.effect,
@@ -160,12 +163,14 @@ pub fn run(args: &Args) -> Result<()> {
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let comparison = Comparison { effect: args.effect, frames, machine: machine(&gpu) };
+    let comparison =
+        Comparison { effect: args.effect, quality: args.quality, frames, machine: machine(&gpu) };
     let page = comparison.write(&args.out)?;
     let mut figures = Figures::new("compare");
     comparison.set_figures(&mut figures);
     figures.set("radius", f64::from(settings.radius));
     figures.detail("scene", args.scene.to_string().into());
+    figures.detail("quality", args.quality.name().into());
     figures.detail("put", args.props.to_string().into());
     figures.write(args.json.as_deref())?;
     say!("{comparison}{}", page.display())
@@ -176,7 +181,7 @@ fn names(names: &[String]) -> Vec<&str> {
 }
 
 fn model_folder(args: &Args) -> PathBuf {
-    args.model.clone().unwrap_or_else(|| Path::new("models").join(args.effect.name()))
+    args.model.clone().unwrap_or_else(|| learned::usual_folder(args.effect))
 }
 
 /// Renders a frame's g-buffer and truth, runs every method on it and scores what they make.
@@ -204,6 +209,7 @@ pub fn compare_frame(
                 image: shaded.image,
                 milliseconds: shaded.milliseconds,
                 clock: shaded.clock,
+                device: shaded.device,
             })
         })
         .collect::<Result<_>>()?;

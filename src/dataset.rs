@@ -1,7 +1,7 @@
 //! `deepshade dataset`: makes, checks and shows training pairs, and makes test sets.
 
 use crate::figures::Figures;
-use crate::learned::Learned;
+use crate::learned::{self, Learned};
 use crate::methods::{self, LEARNED};
 use anyhow::{Context, Result, bail};
 use deepshade_dataset::progress::in_words;
@@ -9,12 +9,11 @@ use deepshade_dataset::target;
 use deepshade_dataset::{
     Dataset, Recipe, TargetMethod, TestSet, contact_sheet, generate_by, test_sheet, verify,
 };
-use deepshade_infer::Model;
 use deepshade_render::method::{Frame, Method, MethodError, Repeats, Shaded};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, lists};
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -135,8 +134,8 @@ fn target_method(recipe: &Recipe) -> Result<Option<Box<dyn Method + Sync>>> {
     let open = || -> Result<Box<dyn Method + Sync>> {
         let gpu = Gpu::new()?;
         if name == LEARNED {
-            let folder = Path::new("models").join(recipe.effect.name());
-            return Ok(Box::new(OneAtATime(Mutex::new(Learned::new(&gpu, &Model::load(&folder)?)?))));
+            let model = learned::network(&learned::usual_folder(recipe.effect), Some(recipe.effect))?;
+            return Ok(Box::new(OneAtATime(Mutex::new(Learned::new(&gpu, &model)?))));
         }
         Ok(Box::new(methods::open_screen(recipe.effect, name, &gpu, target::QUALITY)?))
     };

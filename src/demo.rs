@@ -77,7 +77,8 @@ pub fn run(args: &Args) -> Result<()> {
 fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model) -> Result<Comparison> {
     let effect = model.spec.effect;
     let (height, width) = (model.spec.reach.height, model.spec.reach.height);
-    let methods = methods::open_all(effect, Setup { gpu, model: Some(model), quality: Quality::High })?;
+    let quality = Quality::High;
+    let methods = methods::open_all(effect, Setup { gpu, model: Some(model), quality })?;
     let mut frames = Vec::new();
     for family in Family::ALL.into_iter().filter(|family| family.split() == Split::Test) {
         let scene = TracedScene::new(family.scene(u64::from(SEED)))?;
@@ -90,7 +91,7 @@ fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model) -> Result<Compa
         let settings = Settings { effect, height, width, radius, goal, seed: SEED, repeats };
         frames.push(compare_frame(&scene, &view, settings, &methods).with_context(|| view.name.clone())?);
     }
-    Ok(Comparison { effect, frames, machine: compare::machine(gpu) })
+    Ok(Comparison { effect, quality, frames, machine: compare::machine(gpu) })
 }
 
 /// A training run short enough to watch: from a recipe to a network that runs in WGSL.

@@ -73,10 +73,10 @@ pub fn run(args: &Args) -> Result<()> {
     let mut figures = Figures::new("infer");
     figures.set("radius", f64::from(radius));
     figures.set("mean", mean);
-    figures.detail("device", engine.device());
+    figures.detail("device", engine.device().into());
     figures.write(args.json.as_deref())?;
     say!("{}: {effect}, {} x {}, radius {radius} m", args.out.display(), image.width(), image.height())?;
-    say!("{}, mean {mean:.4}", engine.device().as_str().unwrap_or("unknown processor"))
+    say!("{}, mean {mean:.4}", engine.device())
 }
 
 /// The network's inputs and validity.

@@ -35,6 +35,7 @@ mod report;
 mod samples;
 mod scene;
 mod statistics;
+mod table;
 #[cfg(feature = "train")]
 mod train;
 mod tune;

@@ -70,8 +70,8 @@ pub fn generate_by(
     }
     let plan = recipe.plan()?;
     let origin = Origin::new(recipe, &plan, folder)?;
-    let earlier = earlier_pairs(folder, &origin.job())?;
-    let (journal, mut entries) = Journal::open(folder, &[PAIRS], MANIFEST, &origin.job())?;
+    let earlier = earlier_pairs(folder, &origin)?;
+    let (journal, mut entries) = Journal::open(folder, &[PAIRS], MANIFEST, &origin)?;
     entries.extend(earlier);
     let known = checked(folder, entries);
     let total = plan.iter().map(|scene| scene.views.len()).sum();
@@ -107,15 +107,12 @@ pub(crate) fn by_scene<R: Send>(
 }
 
 /// The pairs of a dataset that is whole, or was before a file was damaged.
-fn earlier_pairs(folder: &Path, ours: &str) -> Result<Vec<PairRecord>, DatasetError> {
+fn earlier_pairs(folder: &Path, ours: &Origin) -> Result<Vec<PairRecord>, DatasetError> {
     if !folder.join(MANIFEST).exists() {
         return Ok(Vec::new());
     }
     let earlier = Manifest::load(folder)?;
-    let theirs = earlier.origin.job();
-    if theirs != ours {
-        return Err(DatasetError::OtherData { folder: folder.to_owned(), theirs, ours: ours.to_owned() });
-    }
+    earlier.origin.check_same(ours, folder)?;
     Ok(earlier.pairs)
 }
 

@@ -4,9 +4,10 @@
 use crate::arguments::Size;
 use crate::complete::Additions;
 use crate::figures::Figures;
+use crate::learned::{self, Learned};
 use crate::live::stage::{self, Seen};
 use crate::live::{Live, Wanted};
-use crate::methods;
+use crate::methods::{self, LEARNED};
 use crate::props;
 use crate::radius::{self, Space};
 use crate::views::Viewpoint;
@@ -38,9 +39,13 @@ pub struct Args {
     /// Sizes of the image.
     #[arg(long, value_delimiter = ',', default_value = "1280x720,1920x1080")]
     sizes: Vec<Size>,
-    /// What runs on each frame: EFFECT:METHOD. By default the first method of every effect that has one that works on the screen.
+    /// What runs on each frame: EFFECT:METHOD; a network is EFFECT:learned. By default the first method of every effect that
+    /// has one that works on the screen.
     #[arg(long, value_delimiter = ',', value_parser = method)]
     methods: Vec<(Effect, String)>,
+    /// Folder of the network of `learned`; by default models/EFFECT.
+    #[arg(long)]
+    model: Option<PathBuf>,
     /// How much time methods may take for a better image: low, medium, high or ultra.
     #[arg(long, default_value = "medium")]
     quality: Quality,
@@ -129,13 +134,15 @@ fn measure(args: &Args, gpu: &Gpu, size: Size) -> Result<Measured> {
     };
     let staged = args.stage.stage(&seen)?;
     let space = Space { diagonal: staged.diagonal, height: size.height };
+    let (methods, learned) = opened(args, &chosen, gpu)?;
+    let reach = learned.as_ref().map(|learned| learned.spec().reach);
     let wanted = Wanted {
         size: rows_and_columns,
-        methods: opened(&chosen, args.quality, gpu)?,
-        learned: None,
+        methods,
+        learned,
         attributes: vec![Attribute::Light, Attribute::Valid],
         temporal: false,
-        radius: radius::wanted(None, None, &effects, space),
+        radius: radius::wanted(None, reach, &effects, space),
         shutter: args.shutter,
     };
     let mut live = Live::new(gpu, &staged.animated, &staged.camera, wanted)?;
@@ -175,8 +182,22 @@ fn chosen(args: &Args) -> Vec<(Effect, String)> {
     }
 }
 
-fn opened(chosen: &[(Effect, String)], quality: Quality, gpu: &Gpu) -> Result<Vec<Box<dyn ScreenMethod>>> {
-    chosen.iter().map(|(effect, name)| methods::open_screen(*effect, name, gpu, quality)).collect()
+/// What runs on each frame: methods that work on the screen, and a network.
+type Opened = (Vec<Box<dyn ScreenMethod>>, Option<Learned>);
+
+fn opened(args: &Args, chosen: &[(Effect, String)], gpu: &Gpu) -> Result<Opened> {
+    let (networks, others): (Vec<_>, Vec<_>) = chosen.iter().partition(|(_, name)| name == LEARNED);
+    ensure!(networks.len() <= 1, "--methods names several networks, of which a frame has one");
+    ensure!(
+        args.model.is_none() || !networks.is_empty(),
+        "--model means nothing without a method EFFECT:{LEARNED}"
+    );
+    let open = |(effect, name): &(Effect, String)| methods::open_screen(*effect, name, gpu, args.quality);
+    let learned = networks.first().map(|(effect, _)| {
+        let folder = args.model.clone().unwrap_or_else(|| learned::usual_folder(*effect));
+        anyhow::Ok(Learned::new(gpu, &learned::network(&folder, Some(*effect))?)?)
+    });
+    Ok((others.into_iter().map(open).collect::<Result<_>>()?, learned.transpose()?))
 }
 
 /// Resident memory of the program, megabytes; `None` where the system does not say.

@@ -10,6 +10,7 @@ mod summary;
 use crate::figures::write_atomically;
 use anyhow::{Context, Result, bail, ensure};
 use deepshade_render::method::Clock;
+use deepshade_render::methods::Quality;
 use deepshade_render::metrics::{Scores, exposed, exposure};
 use deepshade_render::path::Truth;
 use deepshade_shaders::{Effect, Planes};
@@ -19,6 +20,8 @@ use std::path::{Path, PathBuf};
 pub struct Comparison {
     /// What was computed.
     pub effect: Effect,
+    /// How much time analytic methods were given.
+    pub quality: Quality,
     /// What it was computed for; at least one. All frames have the same methods in the same order.
     pub frames: Vec<FrameReport>,
     /// What it ran on and with, as name and value.
@@ -63,6 +66,8 @@ pub struct MethodReport {
     pub milliseconds: f64,
     /// Which clock it is from.
     pub clock: Clock,
+    /// What it ran on.
+    pub device: String,
 }
 
 impl TruthReport {

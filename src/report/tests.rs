@@ -27,7 +27,8 @@ fn frame(name: &str, methods: &[&str]) -> FrameReport {
     let methods = methods.iter().enumerate().map(|(i, name)| {
         let image = wave(0.3 * (i + 1) as f32);
         let scores = truth.scores(&image);
-        MethodReport { name: (*name).to_owned(), scores, image, milliseconds: 2.5, clock: Clock::Gpu }
+        let (name, clock, device) = ((*name).to_owned(), Clock::Gpu, "a card".to_owned());
+        MethodReport { name, scores, image, milliseconds: 2.5, clock, device }
     });
     let methods = methods.collect();
     FrameReport {
@@ -39,7 +40,8 @@ fn frame(name: &str, methods: &[&str]) -> FrameReport {
 }
 
 fn comparison(frames: Vec<FrameReport>) -> Comparison {
-    Comparison { effect: EFFECT, frames, machine: vec![("adapter".to_owned(), "none <of> any".to_owned())] }
+    let machine = vec![("adapter".to_owned(), "none <of> any".to_owned())];
+    Comparison { effect: EFFECT, quality: Quality::High, frames, machine }
 }
 
 /// Values of an attribute in the page's source.
