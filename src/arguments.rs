@@ -1,7 +1,12 @@
 //! What command lines hold, read and checked.
 
 use anyhow::{Result, ensure};
+use glam::Vec3;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
+
+/// How far from the origin a place may be, metres: a thousand kilometres away 32-bit floats are 6 cm apart.
+const FARTHEST: f32 = 1e6;
 
 /// Reads a number that must be positive, such as a radius.
 pub fn positive(text: &str) -> Result<f32, String> {
@@ -18,6 +23,25 @@ pub fn reach(text: &str) -> Result<f32, String> {
     if text == "inf" { Ok(f32::INFINITY) } else { positive(text) }
 }
 
+/// What reads a number of a range.
+pub fn within(range: RangeInclusive<f32>) -> impl Fn(&str) -> Result<f32, String> + Clone {
+    move |text| {
+        let value: f32 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
+        let (low, high) = (range.start(), range.end());
+        if range.contains(&value) { Ok(value) } else { Err(format!("{value} is not within {low} to {high}")) }
+    }
+}
+
+/// Reads a place, X,Y,Z in metres.
+pub fn place(text: &str) -> Result<Vec3, String> {
+    let coordinate = |text: &str| within(-FARTHEST..=FARTHEST)(text.trim());
+    let coordinates: Vec<f32> = text.split(',').map(coordinate).collect::<Result<_, _>>()?;
+    match coordinates[..] {
+        [x, y, z] => Ok(Vec3::new(x, y, z)),
+        _ => Err(format!("`{text}` is not X,Y,Z")),
+    }
+}
+
 /// Reads the name of a PNG file to be written.
 pub fn png_file(text: &str) -> Result<PathBuf, String> {
     file_of_kind(text, "png")
@@ -26,6 +50,11 @@ pub fn png_file(text: &str) -> Result<PathBuf, String> {
 /// Reads the name of an EXR file to be written.
 pub fn exr_file(text: &str) -> Result<PathBuf, String> {
     file_of_kind(text, "exr")
+}
+
+/// Reads the name of an SVG file to be written.
+pub fn svg_file(text: &str) -> Result<PathBuf, String> {
+    file_of_kind(text, "svg")
 }
 
 /// A name without an extension is a device's or the user's own business; another one would say what is not true.
@@ -93,6 +122,25 @@ mod tests {
     }
 
     #[test]
+    fn numbers_of_a_range_and_places() {
+        let rate = within(0.01..=1000.0);
+        assert_eq!((rate("25"), rate("0.01")), (Ok(25.0), Ok(0.01)));
+        for wrong in ["1e-9", "1001", "nan", "inf", "-25"] {
+            assert!(rate(wrong).expect_err(wrong).ends_with("is not within 0.01 to 1000"), "{wrong}");
+        }
+        assert_eq!(place("1, -2.5,1e6"), Ok(Vec3::new(1.0, -2.5, 1e6)));
+        for (wrong, said) in [
+            ("-1e30,0,0", "is not within -1000000 to 1000000"),
+            ("0,nan,0", "is not within"),
+            ("1,2", "not X,Y,Z"),
+            ("1,2,3,4", "not X,Y,Z"),
+            ("1,2,x", "`x` is not a number"),
+        ] {
+            assert!(place(wrong).expect_err(wrong).contains(said), "{wrong}");
+        }
+    }
+
+    #[test]
     fn sizes_are_columns_by_rows() {
         assert_eq!("768x512".parse(), Ok(Size { width: 768, height: 512 }));
         for wrong in ["768", "768x", "15x16", "x512", "9000x16", "16x-16"] {
@@ -105,6 +153,7 @@ mod tests {
         assert_eq!(png_file("a/b.PNG"), Ok(PathBuf::from("a/b.PNG")));
         assert_eq!(exr_file("/dev/stdout"), Ok(PathBuf::from("/dev/stdout")));
         assert_eq!(exr_file("out.png"), Err("what is written is of the kind .exr".to_owned()));
-        assert!(png_file("sheet.jpg").is_err());
+        assert!(png_file("sheet.jpg").is_err() && svg_file("curve.png").is_err());
+        assert_eq!(svg_file("curve.svg"), Ok(PathBuf::from("curve.svg")));
     }
 }

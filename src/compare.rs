@@ -4,15 +4,17 @@ use crate::arguments::{check_pixels, positive};
 use crate::complete::{Additions, Wants, complete, listeners};
 use crate::exposure_time;
 use crate::figures::{self, Figures};
+use crate::learned;
 use crate::methods::{self, Setup};
-use crate::report::{Comparison, FrameReport, MethodReport, TruthReport};
+use crate::props;
+use crate::radius::{self, Space};
+use crate::report::{Comparison, FrameReport, MethodReport, TruthReport, check_folder};
 use crate::samples;
 use crate::views::{self, View};
 use anyhow::{Context, Result, ensure};
 use clap::builder::RangedU64ValueParser;
 use deepshade_dataset::progress;
 use deepshade_dataset::truth;
-use deepshade_infer::{Model, Reach};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Method, Repeats};
@@ -21,11 +23,8 @@ use deepshade_render::path::{Estimate, Goal, Shot, Truth};
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
-
-/// How far an effect reaches where no network says what it knows. `radius` is what networks read, and there is none.
-pub const DEFAULT_REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.15, height: 512 };
 
 /// Methods are timed as the median of so many runs.
 pub const REPEATS: Repeats = Repeats { warm_up: 2, timed: 11 };
@@ -36,7 +35,8 @@ const SAMPLES: u32 = 512;
 /// Compares methods on a scene: images, errors, milliseconds and a page to look at.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  deepshade compare --scene stairs:7 --out report\n  \
-    deepshade compare --scene sponza.gltf --views 3 --methods learned,hbao,truth --out report")]
+    deepshade compare --scene sponza.gltf --views 3 --methods learned,hbao,truth --out report\n  \
+    deepshade compare --scene sponza.gltf --put fox.gltf@-5,0,0,0.01,60 --eye -9,1.6,0 --look-at 0,1.2,0 --out report")]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
     #[arg(long)]
@@ -65,9 +65,11 @@ pub struct Args {
     width: usize,
     /// How far the effect reaches, metres. By default a share of the scene's diagonal, divided by N in images N times
     /// as high as those that it is meant for: share and height are those that the network of `learned` was trained with,
-    /// else 15 % at 512 rows.
+    /// else 15 % at 512 rows. In lower images it is more, up to half the diagonal.
     #[arg(long, value_parser = positive)]
     radius: Option<f32>,
+    #[command(flatten)]
+    props: props::Args,
     #[command(flatten)]
     views: views::Args,
     #[command(flatten)]
@@ -114,23 +116,29 @@ fn default_methods(args: &Args) -> Vec<&'static str> {
 /// Compares, writes the page, prints the table.
 pub fn run(args: &Args) -> Result<()> {
     check_pixels(args.height, args.width)?;
+    check_folder(&args.out)?;
     listeners::check(args.effect, listeners::RADIUS, &[("--radius", args.radius.is_some())])?;
     let names = if args.methods.is_empty() { default_methods(args) } else { names(&args.methods) };
     methods::check(args.effect, &names)?;
-    let model = names.contains(&methods::LEARNED).then(|| Model::load(&model_folder(args))).transpose()?;
+    let model = names
+        .contains(&methods::LEARNED)
+        .then(|| learned::network(&model_folder(args), Some(args.effect)))
+        .transpose()?;
     let gpu = Gpu::new()?;
     let methods = methods::open(
         args.effect,
         &names,
         Setup { gpu: &gpu, model: model.as_ref(), quality: args.quality },
     )?;
-    let scene = TracedScene::new(args.time.scene(&args.scene, args.effect)?)
+    let scene = TracedScene::new(args.time.scene(&args.scene, &args.props, args.effect)?)
         .with_context(|| format!("scene {}", args.scene))?;
+    let space = Space { diagonal: scene.diagonal(), height: args.height };
+    let reach = model.as_ref().map(|model| model.spec.reach);
     let settings = Settings {
         effect: args.effect,
         height: args.height,
         width: args.width,
-        radius: args.radius.unwrap_or_else(|| default_radius(model.as_ref(), scene.diagonal(), args.height)),
+        radius: radius::wanted(args.radius, reach, &[args.effect], space),
         goal: args.samples.goal(SAMPLES),
         seed: args.views.seed,
         repeats: REPEATS,
@@ -155,12 +163,15 @@ pub fn run(args: &Args) -> Result<()> {
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let comparison = Comparison { effect: args.effect, frames, machine: machine(&gpu) };
+    let comparison =
+        Comparison { effect: args.effect, quality: args.quality, frames, machine: machine(&gpu) };
     let page = comparison.write(&args.out)?;
     let mut figures = Figures::new("compare");
     comparison.set_figures(&mut figures);
     figures.set("radius", f64::from(settings.radius));
     figures.detail("scene", args.scene.to_string().into());
+    figures.detail("quality", args.quality.name().into());
+    figures.detail("put", args.props.to_string().into());
     figures.write(args.json.as_deref())?;
     say!("{comparison}{}", page.display())
 }
@@ -170,12 +181,7 @@ fn names(names: &[String]) -> Vec<&str> {
 }
 
 fn model_folder(args: &Args) -> PathBuf {
-    args.model.clone().unwrap_or_else(|| Path::new("models").join(args.effect.name()))
-}
-
-/// The radius of a scene with this diagonal in an image of this height, metres.
-pub fn default_radius(model: Option<&Model>, diagonal: f32, height: usize) -> f32 {
-    model.map_or(DEFAULT_REACH, |model| model.spec.reach).radius(diagonal, height)
+    args.model.clone().unwrap_or_else(|| learned::usual_folder(args.effect))
 }
 
 /// Renders a frame's g-buffer and truth, runs every method on it and scores what they make.
@@ -203,6 +209,7 @@ pub fn compare_frame(
                 image: shaded.image,
                 milliseconds: shaded.milliseconds,
                 clock: shaded.clock,
+                device: shaded.device,
             })
         })
         .collect::<Result<_>>()?;
@@ -221,13 +228,12 @@ fn render_truth(frame: &Frame<'_>, settings: Settings) -> TruthReport {
 }
 
 fn facts(scene: &TracedScene, view: &View, radius: f32, truth: &Estimate) -> Vec<(String, String)> {
-    let share = 100.0 * radius / scene.diagonal();
     let position = view.camera.position;
     [
         ("scene", scene.scene().name.clone()),
         ("triangles", scene.scene().triangle_count().to_string()),
         ("camera", format!("at ({:.2}, {:.2}, {:.2})", position.x, position.y, position.z)),
-        ("radius", format!("{radius:.3} m, {share:.1} % of the diagonal")),
+        ("radius", radius::in_words(radius, scene.diagonal())),
         ("truth", format!("{} samples a pixel", truth.samples)),
     ]
     .map(|(name, value)| (name.to_owned(), value))
@@ -243,21 +249,4 @@ pub fn machine(gpu: &Gpu) -> Vec<(String, String)> {
     let machine = figures::machine();
     let rest = machine.as_object().into_iter().flatten().map(|(name, value)| (name.clone(), text(value)));
     [adapter].into_iter().chain(rest).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use deepshade_infer::{ChannelOrder, NetSpec, Weights};
-
-    #[test]
-    fn the_default_radius_follows_one_rule_with_a_network_and_without() {
-        let spec = NetSpec::ao(ChannelOrder::Interleaved, DEFAULT_REACH);
-        let model = Model { weights: Weights::random(&spec, 1), spec };
-        for (height, radius) in [(256, 6.0), (512, 3.0), (1024, 1.5)] {
-            for model in [None, Some(&model)] {
-                assert!((default_radius(model, 20.0, height) - radius).abs() < 1e-5, "{height} rows");
-            }
-        }
-    }
 }

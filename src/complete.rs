@@ -41,8 +41,8 @@ pub struct Wants<'a> {
 
 /// Radius in pixels, at 512 rows, of the circle of confusion at infinity of the lens that is added.
 const BLUR: f32 = 8.0;
-/// Mean free path of red, green and blue, as a share of the diagonal.
-const MEAN_FREE_PATH: Vec3 = Vec3::new(0.01, 0.006, 0.004);
+/// Mean free path of red, green and blue in pixels, at 512 rows, of what is in the middle of the picture.
+const MEAN_FREE_PATH: Vec3 = Vec3::new(6.0, 4.0, 3.0);
 
 /// Adds to a scene and a camera what is wanted and what is missing.
 ///
@@ -58,12 +58,13 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
         look.environment = Some(Arc::new(Environment::load(path)?));
     }
     add_light(scene, &camera, wants, &mut look, &mut added);
-    if matches!(effect, Effect::Sss | Effect::Subsurface)
-        && look.materials.iter().all(|material| material.mean_free_path == Vec3::ZERO)
-    {
-        let metres = MEAN_FREE_PATH * scene.diagonal();
+    let opaque = look.materials.iter().all(|material| material.mean_free_path == Vec3::ZERO);
+    if let Some(metres) = additions.mean_free_path {
         look.materials.iter_mut().for_each(|material| material.mean_free_path = metres);
-        added.push(format!("no material lets light in: all do, with mean free paths of {metres} m"));
+    } else if opaque && listeners::MEAN_FREE_PATH.contains(&effect) {
+        let metres = MEAN_FREE_PATH * middle_depth(scene, &camera, wants.size) / camera.focal_length(512);
+        look.materials.iter_mut().for_each(|material| material.mean_free_path = metres);
+        added.push(format!("no material lets light in: all do, with mean free paths of {metres:.4} m"));
     }
     let foggy = matches!(effect, Effect::FogDirect | Effect::FogIndirect | Effect::FogMultiple);
     if let Some(medium) = additions.medium(scene)? {
@@ -117,20 +118,22 @@ fn add_light(
 
 /// The lens that is wanted, as far as it is stated.
 fn lens(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>, added: &mut Vec<String>) -> Result<Lens> {
-    let [height, width] = wants.size;
     let Additions { aperture, focus, .. } = *wants.additions;
     let both = aperture.is_some() && focus.is_some();
-    let focus = focus.unwrap_or_else(|| {
-        let direction = camera.direction(0.5 * Vec2::new(width as f32, height as f32), height, width);
-        let depth = |distance: f32| -camera.to_camera(camera.position + direction * distance).z;
-        let met = scene.hit(camera.position, direction, f32::INFINITY);
-        met.map_or(scene.diagonal(), |hit| depth(hit.distance))
-    });
+    let focus = focus.unwrap_or_else(|| middle_depth(scene, camera, wants.size));
     let radius = aperture.unwrap_or_else(|| BLUR * focus / camera.focal_length(512));
     if !both {
         added.push(format!("a lens of radius {radius:.4} m that focuses {focus:.3} m"));
     }
     Ok(Lens::new(radius, focus)?)
+}
+
+/// Depth of what is in the middle of a picture of `[height, width]`, metres; the diagonal where nothing is.
+fn middle_depth(scene: &TracedScene, camera: &Camera, [height, width]: [usize; 2]) -> f32 {
+    let direction = camera.direction(0.5 * Vec2::new(width as f32, height as f32), height, width);
+    let depth = |distance: f32| -camera.to_camera(camera.position + direction * distance).z;
+    let met = scene.hit(camera.position, direction, f32::INFINITY);
+    met.map_or(scene.diagonal(), |hit| depth(hit.distance))
 }
 
 #[cfg(test)]
@@ -207,6 +210,13 @@ mod tests {
         let foggy = completed(Effect::Path, &["--extinction", "0.4,0.2,0.1", "--scattering-albedo", "0.5"]);
         let medium = foggy.expect("completed").scene.scene().medium.clone().expect("fog");
         assert!((medium.extinction() - Vec3::new(0.4, 0.2, 0.1)).length() < 1e-6);
+        let own = |scene: &Scene| scene.materials[0].mean_free_path;
+        let skin = completed(Effect::Sss, &["--mean-free-path", "0.003,0.002,0.001"]).expect("completed");
+        assert_eq!(own(skin.scene.scene()), Vec3::new(0.003, 0.002, 0.001));
+        assert!(skin.added.iter().all(|line| !line.contains("mean free path")), "{:?}", skin.added);
+        let skin = completed(Effect::Subsurface, &[]).expect("completed");
+        let pixels = own(skin.scene.scene()) * camera.focal_length(512) / 3.0;
+        assert!(pixels.distance(MEAN_FREE_PATH) < 1e-3, "{pixels} pixels at a depth of 3 m");
         for (arguments, named) in [
             (["--environment", "missing.hdr"].as_slice(), "missing.hdr"),
             (&["--focus", "2"], "--focus"),
@@ -233,6 +243,7 @@ mod tests {
             (Effect::Ibl, ["--anisotropy", "0.5"]),
             (Effect::Aa, ["--scattering-albedo", "0.5"]),
             (Effect::Sss, ["--environment", "missing.hdr"]),
+            (Effect::Path, ["--mean-free-path", "0.01"]),
         ] {
             let wants =
                 Wants { effect, size: [16, 16], additions: &additions(&arguments), seed: 1, animated: false };

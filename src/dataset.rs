@@ -1,21 +1,21 @@
 //! `deepshade dataset`: makes, checks and shows training pairs, and makes test sets.
 
 use crate::figures::Figures;
-use crate::learned::Learned;
+use crate::learned::{self, Learned};
 use crate::methods::{self, LEARNED};
 use anyhow::{Context, Result, bail};
+use deepshade_dataset::progress::in_words;
 use deepshade_dataset::target;
 use deepshade_dataset::{
     Dataset, Recipe, TargetMethod, TestSet, contact_sheet, generate_by, test_sheet, verify,
 };
-use deepshade_infer::Model;
 use deepshade_render::method::{Frame, Method, MethodError, Repeats, Shaded};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, lists};
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// What to do with a dataset.
 #[derive(clap::Subcommand)]
@@ -134,8 +134,8 @@ fn target_method(recipe: &Recipe) -> Result<Option<Box<dyn Method + Sync>>> {
     let open = || -> Result<Box<dyn Method + Sync>> {
         let gpu = Gpu::new()?;
         if name == LEARNED {
-            let folder = Path::new("models").join(recipe.effect.name());
-            return Ok(Box::new(OneAtATime(Mutex::new(Learned::new(&gpu, &Model::load(&folder)?)?))));
+            let model = learned::network(&learned::usual_folder(recipe.effect), Some(recipe.effect))?;
+            return Ok(Box::new(OneAtATime(Mutex::new(Learned::new(&gpu, &model)?))));
         }
         Ok(Box::new(methods::open_screen(recipe.effect, name, &gpu, target::QUALITY)?))
     };
@@ -218,27 +218,25 @@ fn show_pairs(args: &Show) -> Result<()> {
     say!("{}", args.out.display())
 }
 
-/// Longer waits are announced in hours.
-const HOUR: f64 = 3600.0;
-
 fn make_testset(args: &Testset) -> Result<()> {
     let recipe = args.recipe.load()?;
     // A method's images take next to no time.
     let expected = match recipe.target {
-        Some(_) => 0.0,
-        None => TestSet::estimate(&recipe)?.as_secs_f64() / HOUR,
+        Some(_) => Duration::ZERO,
+        None => TestSet::estimate(&recipe)?,
     };
-    note!("{} will take about {expected:.2} hours from nothing", args.out.display());
+    note!("{} will take about {} from nothing", args.out.display(), in_words(expected));
     let start = Instant::now();
     let method = target_method(&recipe)?;
     let set =
         TestSet::generate_by(&recipe, &args.out, method.as_deref().map(|method| method as TargetMethod<'_>))?;
-    let hours = start.elapsed().as_secs_f64() / HOUR;
+    let taken = start.elapsed();
+    let hours = |duration: Duration| duration.as_secs_f64() / 3600.0;
     let mut figures = Figures::new("dataset testset");
     figures.set("frames", set.frames().len() as f64);
-    figures.set("hours", hours);
-    figures.set("hours_expected", expected);
+    figures.set("hours", hours(taken));
+    figures.set("hours_expected", hours(expected));
     figures.detail("recipe", json!(args.recipe.recipe));
     figures.write(args.json.as_deref())?;
-    say!("{} frames in {}, made in {hours:.2} hours", set.frames().len(), args.out.display())
+    say!("{} frames in {}, made in {}", set.frames().len(), args.out.display(), in_words(taken))
 }

@@ -1,10 +1,10 @@
 //! `deepshade demo`: the whole chain. The shipped network beside its analytic rival and truth, on scenes of families
 //! that it was not trained on; then data, a short training, export and a check of another one, on the spot.
 
-use crate::compare::{self, Settings, compare_frame, default_radius};
+use crate::compare::{self, Settings, compare_frame};
 use crate::figures::Figures;
 use crate::methods::{self, Setup};
-use crate::report::Comparison;
+use crate::report::{Comparison, check_folder};
 use crate::views::View;
 use anyhow::{Context, Result};
 use deepshade_dataset::views::sample_view;
@@ -58,6 +58,7 @@ const SEED: u32 = 20_170;
 /// If a part of the chain fails; it is named.
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
+    check_folder(&args.out)?;
     let gpu = Gpu::new()?;
     let model = Model::load(&args.model)?;
     note!("1. {} beside hbao and truth, on scenes of families it was not trained on", args.model.display());
@@ -76,20 +77,21 @@ pub fn run(args: &Args) -> Result<()> {
 fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model) -> Result<Comparison> {
     let effect = model.spec.effect;
     let (height, width) = (model.spec.reach.height, model.spec.reach.height);
-    let methods = methods::open_all(effect, Setup { gpu, model: Some(model), quality: Quality::High })?;
+    let quality = Quality::High;
+    let methods = methods::open_all(effect, Setup { gpu, model: Some(model), quality })?;
     let mut frames = Vec::new();
     for family in Family::ALL.into_iter().filter(|family| family.split() == Split::Test) {
         let scene = TracedScene::new(family.scene(u64::from(SEED)))?;
         let camera = sample_view(&scene, [height, width], SEED, u64::from(SEED), 0)?;
         let view = View { name: family.name().to_owned(), camera };
         note!("   {}, {} triangles", view.name, scene.scene().triangle_count());
-        let radius = default_radius(Some(model), scene.diagonal(), height);
+        let radius = model.spec.reach.radius(scene.diagonal(), height);
         let repeats = Repeats { warm_up: 1, timed: 3 };
         let goal = Goal::samples(args.samples);
         let settings = Settings { effect, height, width, radius, goal, seed: SEED, repeats };
         frames.push(compare_frame(&scene, &view, settings, &methods).with_context(|| view.name.clone())?);
     }
-    Ok(Comparison { effect, frames, machine: compare::machine(gpu) })
+    Ok(Comparison { effect, quality, frames, machine: compare::machine(gpu) })
 }
 
 /// A training run short enough to watch: from a recipe to a network that runs in WGSL.

@@ -1,12 +1,11 @@
 //! What runs a network: WGSL on a graphics card, vector instructions on the processor where there is none.
 
-use crate::figures::machine;
+use crate::figures::processor_name;
 use crate::kernels;
 use deepshade_infer::forward::{self, ForwardError, Precision};
 use deepshade_infer::{Model, NetSpec, cpu};
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::{Gpu, Timing};
-use serde_json::Value;
 use std::cell::RefCell;
 use std::time::Instant;
 
@@ -43,11 +42,11 @@ impl Engine {
         self.processor.spec()
     }
 
-    /// What ran the last image, for figures.
-    pub fn device(&self) -> Value {
+    /// What ran the last image.
+    pub fn device(&self) -> String {
         match &*self.runner.borrow() {
-            Some((_, Runner::Wgsl(card))) => Value::from(card.0.info.name.clone()),
-            _ => machine()["processor"].clone(),
+            Some((_, Runner::Wgsl(card))) => card.0.info.name.clone(),
+            _ => processor_name().unwrap_or_else(|| "unknown processor".to_owned()),
         }
     }
 

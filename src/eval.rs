@@ -4,8 +4,10 @@ mod curve;
 mod rivals;
 
 use crate::figures::Figures;
+use crate::learned;
 use crate::methods::TRUTH;
 use crate::statistics::{Estimate, estimate};
+use crate::table;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::testset::{FrameRecord, gather};
 use deepshade_dataset::{SceneRecord, StagedScene, TestFrame, TestSet};
@@ -51,8 +53,9 @@ pub struct Args {
     /// Only so many frames, spread over all of them.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
-    /// Draws error against time, a line a method through its qualities, into this SVG file.
-    #[arg(long)]
+    /// Draws error against time, a line a method through its qualities, into this SVG file: relative mean squared error, and
+    /// 1 - SSIM.
+    #[arg(long, value_parser = crate::arguments::svg_file)]
     curve: Option<PathBuf>,
     /// Writes the figures here as JSON.
     #[arg(long)]
@@ -95,6 +98,7 @@ pub fn run(args: &Args) -> Result<()> {
     figures.detail("effect", json!(effect.name()));
     figures.detail("target", json!(set.recipe().target.as_deref().unwrap_or(TRUTH)));
     figures.detail("adapter", json!(gpu.info.name));
+    figures.detail("devices", json!(evaluation.devices));
     figures.write(args.json.as_deref())?;
     if let Some(path) = &args.curve {
         curve::write(path, effect, &rivals, &estimates)?;
@@ -102,19 +106,21 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(target) = &set.recipe().target {
         note!("what methods are scored against is not truth but the images of `{target}`");
     }
-    print_table(effect, &rivals, &estimates, chosen.len(), evaluation.scenes)
+    say!(
+        "{effect}: {} frames of {} scenes; means over scenes with 95 % confidence intervals, milliseconds on the device \
+         that is named",
+        chosen.len(),
+        evaluation.scenes
+    )?;
+    say!("{}", table(effect, &rivals, &estimates, &evaluation.devices))
 }
 
 /// The folder where the effect's network would be, and the network if it is there. One that is asked for must be.
 fn network(args: &Args) -> Result<(PathBuf, Option<Model>)> {
-    let usual = || Path::new("models").join(args.effect.unwrap_or(Effect::Ao).name());
+    let usual = || learned::usual_folder(args.effect.unwrap_or(Effect::Ao));
     let folder = args.model.clone().unwrap_or_else(usual);
     let optional = args.model.is_none() && args.effect.is_some() && !folder.join("net.json").exists();
-    let model = if optional { None } else { Some(Model::load(&folder)?) };
-    if let (Some(model), Some(effect)) = (&model, args.effect) {
-        let made = model.spec.effect;
-        ensure!(made == effect, "{} is for {made}, not for {effect}", folder.display());
-    }
+    let model = (!optional).then(|| learned::network(&folder, args.effect)).transpose()?;
     Ok((folder, model))
 }
 
@@ -140,6 +146,8 @@ fn testset(args: &Args, effect: Effect, model: &Path) -> Result<TestSet> {
 #[derive(Default)]
 struct Evaluation {
     scenes: usize,
+    /// What each method ran on, by its figures' name.
+    devices: BTreeMap<String, String>,
     overall: Table,
     by_kind: BTreeMap<String, Table>,
 }
@@ -213,13 +221,15 @@ fn score_frame(
             evaluation.add(&kind, index, format!("flip_{name}"), flip(&image, whole));
         }
     };
-    let mut times = Vec::new();
+    let (mut times, mut devices) = (Vec::new(), BTreeMap::new());
     for Rival { name, method, .. } in rivals {
         let shaded = method.shade(&frame, REPEATS).with_context(|| format!("frame {}", record.name))?;
         score(name, &shaded.image);
         times.push((format!("ms_{name}"), shaded.milliseconds));
+        devices.insert(name.clone(), shaded.device);
     }
     score(trivial_name(effect), &trivial_image(effect, &gbuffer));
+    evaluation.devices = devices;
     times.into_iter().for_each(|(name, time)| evaluation.add(&kind, index, name, time));
     evaluation.add(&kind, index, "ssim_ceiling".to_owned(), record.ceiling.ssim);
     Ok(())
@@ -241,39 +251,35 @@ fn mean(image: &Planes) -> f64 {
 }
 
 /// One row a method.
-fn print_table(
+fn table(
     effect: Effect,
     rivals: &[Rival],
     estimates: &BTreeMap<&str, Estimate>,
-    frames: usize,
-    scenes: usize,
-) -> Result<()> {
-    say!("{effect}: {frames} frames of {scenes} scenes; means over scenes with 95 % confidence intervals")?;
-    say!(
-        "{:<20} {:<22} {:<22} {:<22} {:>8} {:>8} {:>9}",
-        "method",
-        "SSIM",
-        "PSNR (dB)",
-        "FLIP",
-        "relMSE",
-        "bias",
-        "ms"
-    )?;
-    let names = rivals.iter().map(|rival| rival.name.as_str()).chain([trivial_name(effect), "ceiling"]);
-    for name in names {
-        let cell = |metric: &str| {
-            let found = estimates.get(format!("{metric}_{name}").as_str());
-            found.map_or(String::new(), Estimate::to_string)
-        };
+    devices: &BTreeMap<String, String>,
+) -> String {
+    let head = ["method", "quality", "SSIM", "PSNR (dB)", "FLIP", "relMSE", "bias", "ms", "on"];
+    let row = |name: &str, method: &str, quality: Option<Quality>| {
+        let found = |metric: &str| estimates.get(format!("{metric}_{name}").as_str());
+        let interval = |metric: &str| found(metric).map_or(String::new(), Estimate::to_string);
         let number = |metric: &str, digits: usize| {
-            let found = estimates.get(format!("{metric}_{name}").as_str());
-            found.map_or(String::new(), |estimate| format!("{:.digits$}", estimate.mean))
+            found(metric).map_or(String::new(), |estimate| format!("{:.digits$}", estimate.mean))
         };
-        let [ssim, psnr, flip] = ["ssim", "psnr", "flip"].map(cell);
-        let (relmse, bias, ms) = (number("relmse", 4), number("bias", 4), number("ms", 2));
-        say!("{name:<20} {ssim:<22} {psnr:<22} {flip:<22} {relmse:>8} {bias:>8} {ms:>9}")?;
-    }
-    Ok(())
+        vec![
+            method.to_owned(),
+            quality.map_or("", Quality::name).to_owned(),
+            interval("ssim"),
+            interval("psnr"),
+            interval("flip"),
+            number("relmse", 4),
+            number("bias", 4),
+            number("ms", 2),
+            devices.get(name).cloned().unwrap_or_default(),
+        ]
+    };
+    let methods = rivals.iter().map(|rival| row(&rival.name, rival.method_name, rival.quality));
+    let others = [trivial_name(effect), "ceiling"].map(|name| row(name, name, None));
+    let rows: Vec<_> = [head.map(str::to_owned).to_vec()].into_iter().chain(methods).chain(others).collect();
+    table::aligned(&rows)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! When a scene is seen, and for how long the shutter is open.
 
 use crate::complete::listeners;
+use crate::props;
 use anyhow::{Context, Result};
 use deepshade_render::scene::{Scene, SceneSource};
 use deepshade_shaders::Effect;
@@ -38,19 +39,27 @@ impl Args {
         listeners::check(effect, listeners::SHUTTER, &[("--shutter", self.shutter.is_some())])
     }
 
-    /// The scene at the moment, with what moves while the shutter is open where the effect shows it.
+    /// The scene at the moment, with what is put into it, and with what moves while the shutter is open where the effect
+    /// shows it.
     ///
     /// # Errors
-    /// If the file is missing or damaged, the time is none, or the effect has no shutter.
-    pub fn scene(self, source: &SceneSource, effect: Effect) -> Result<Scene> {
+    /// If a file is missing or damaged, the time is none, or the effect has no shutter.
+    pub fn scene(self, source: &SceneSource, props: &props::Args, effect: Effect) -> Result<Scene> {
         self.check(effect)?;
-        let scene = match source {
-            SceneSource::File(path) if effect == Effect::MotionBlur => {
-                Scene::load_moving(path, self.time, self.shutter())
-            }
-            source => source.scene(self.time),
+        let load = |source: &SceneSource| {
+            let scene = match source {
+                SceneSource::File(path) if effect == Effect::MotionBlur => {
+                    Scene::load_moving(path, self.time, self.shutter())
+                }
+                source => source.scene(self.time),
+            };
+            scene.with_context(|| format!("scene {source}"))
         };
-        scene.with_context(|| format!("scene {source}"))
+        let mut scene = load(source)?;
+        for prop in props.all() {
+            scene.add(load(&prop.source)?, prop.place());
+        }
+        Ok(scene)
     }
 }
 

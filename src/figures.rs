@@ -80,7 +80,7 @@ pub fn machine() -> Value {
 }
 
 /// The processor's name, where the system tells it.
-fn processor_name() -> Option<String> {
+pub fn processor_name() -> Option<String> {
     let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = cpuinfo.lines().find(|line| line.starts_with("model name"))?;
     Some(line.split_once(':')?.1.trim().to_owned())

@@ -3,6 +3,7 @@
 use crate::arguments::positive;
 use crate::engine::Engine;
 use crate::figures::Figures;
+use crate::radius::{self, Space};
 use anyhow::{Context, Result, anyhow, ensure};
 use deepshade_infer::{Model, NetSpec};
 use deepshade_render::exr_file::{self, ExrImage, Layer, Metadata};
@@ -31,7 +32,7 @@ pub struct Args {
     out: PathBuf,
     /// How far the effect reaches, metres; by default what the file's attribute `radius_metres` says, else a share of the
     /// diagonal of what is seen: the one that the network was trained with, divided by N in images N times as high as
-    /// its training images.
+    /// its training images; up to half the diagonal.
     #[arg(long, value_parser = positive)]
     radius: Option<f32>,
     /// Writes the figures here as JSON.
@@ -73,10 +74,10 @@ pub fn run(args: &Args) -> Result<()> {
     let mut figures = Figures::new("infer");
     figures.set("radius", f64::from(radius));
     figures.set("mean", mean);
-    figures.detail("device", engine.device());
+    figures.detail("device", engine.device().into());
     figures.write(args.json.as_deref())?;
     say!("{}: {effect}, {} x {}, radius {radius} m", args.out.display(), image.width(), image.height())?;
-    say!("{}, mean {mean:.4}", engine.device().as_str().unwrap_or("unknown processor"))
+    say!("{}, mean {mean:.4}", engine.device())
 }
 
 /// The network's inputs and validity.
@@ -110,7 +111,8 @@ fn default_radius(file: &ExrImage, gbuffer: &GBuffer, spec: &NetSpec) -> Result<
         diagonal > 0.0 && diagonal.is_finite(),
         "no radius is stated and what is seen has a diagonal of {diagonal} m; use --radius"
     );
-    Ok(spec.reach.radius(diagonal, gbuffer.height()))
+    let space = Space { diagonal, height: gbuffer.height() };
+    Ok(radius::wanted(None, Some(spec.reach), &[spec.effect], space))
 }
 
 /// Diagonal of the bounds of all visible positions, metres.

@@ -2,11 +2,34 @@
 
 use crate::engine::Engine;
 use crate::methods::LEARNED;
+use anyhow::{Result, ensure};
 use deepshade_infer::forward::ForwardError;
 use deepshade_infer::{Model, NetSpec};
 use deepshade_render::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, GBuffer, MissingAttribute};
+use std::path::{Path, PathBuf};
+
+/// The folder in which an effect's network lies unless another one is named.
+pub fn usual_folder(effect: Effect) -> PathBuf {
+    Path::new("models").join(effect.name())
+}
+
+/// The network in a folder.
+///
+/// # Errors
+/// If there is none, it is damaged, or it computes another effect than the one that is wanted.
+pub fn network(folder: &Path, effect: Option<Effect>) -> Result<Model> {
+    let place = folder.display();
+    ensure!(
+        folder.join("net.json").is_file(),
+        "no network in {place}: train one (`deepshade train`) and bring it there (`deepshade export --run RUN --out {place}`)"
+    );
+    let model = Model::load(folder)?;
+    let (made, wanted) = (model.spec.effect, effect.unwrap_or(model.spec.effect));
+    ensure!(made == wanted, "the network in {place} is for {made}, not for {wanted}");
+    Ok(model)
+}
 
 /// A trained network on a device.
 pub struct Learned {
@@ -47,7 +70,7 @@ impl Learned {
         }
         let mut image = spec.image(&runs, scaling);
         spec.set_background(gbuffer, &mut image).map_err(missing)?;
-        Ok(Shaded { image, milliseconds, clock })
+        Ok(Shaded { image, milliseconds, clock, device: self.engine.device() })
     }
 }
 

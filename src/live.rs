@@ -101,7 +101,9 @@ impl Live {
         let shading: Vec<Shading> = running.into_iter().map(shade).collect::<Result<_, GpuError>>()?;
         let mut live =
             Self { gpu: gpu.clone(), frame, since, shading, clock: None, view, shutter: wanted.shutter };
-        let recorded = live.passes().iter().filter(|name| *name != LEARNED).count();
+        let of_network = live.shading.iter().filter(|shading| !shading.is_recorded());
+        let of_network: usize = of_network.map(|shading| 1 + usize::from(shading.temporal.is_some())).sum();
+        let recorded = live.passes().len() - of_network;
         live.clock = PassClock::new(&gpu.device, &gpu.queue, recorded)?;
         Ok(live)
     }
@@ -115,7 +117,10 @@ impl Live {
             passes.push(name.to_owned());
             passes.extend(shading.temporal.iter().map(|_| format!("{name}_temporal")));
         }
-        passes.extend(self.shading.iter().find(|shading| !shading.is_recorded()).map(|_| LEARNED.to_owned()));
+        for shading in self.shading.iter().filter(|shading| !shading.is_recorded()) {
+            passes.push(LEARNED.to_owned());
+            passes.extend(shading.temporal.iter().map(|_| format!("{LEARNED}_temporal")));
+        }
         passes
     }
 
@@ -140,14 +145,15 @@ impl Live {
         Ok(times.map(|times| times.into_iter().chain(network).collect()))
     }
 
-    /// Runs the trained network, if there is one, on the g-buffer of the frame, and gives its milliseconds.
-    fn run_network(&mut self) -> Result<Option<f64>> {
+    /// Runs the trained network, if there is one, on the g-buffer of the frame, and gives its milliseconds, and by the wall
+    /// clock those of sending its image there and mixing it with the ones before.
+    fn run_network(&mut self) -> Result<Vec<f64>> {
         let Some(index) =
             self.shading.iter().position(|shading| matches!(shading.method, Running::Network(_)))
         else {
-            return Ok(None);
+            return Ok(Vec::new());
         };
-        let Running::Network(learned) = &self.shading[index].method else { return Ok(None) };
+        let Running::Network(learned) = &self.shading[index].method else { return Ok(Vec::new()) };
         let attributes = truth::attributes(learned.spec().effect);
         let mut planes = Vec::new();
         for attribute in attributes {
@@ -157,13 +163,14 @@ impl Live {
         let planes = Planes::from_data(channels, self.view.height, self.view.width, planes);
         let gbuffer = GBuffer::new(attributes.to_vec(), planes);
         let shaded = learned.image(&gbuffer, self.view.radius, Repeats::ONCE)?;
-        let Gpu { device, queue, .. } = &self.gpu;
+        let queue = &self.gpu.queue;
         let shading = &mut self.shading[index];
         queue.write_buffer(&shading.output, 0, bytemuck::cast_slice(shaded.image.data()));
+        let mut times = vec![shaded.milliseconds];
         if let Some(temporal) = &mut shading.temporal {
-            gpu::submit(device, queue, "live", |encoder| temporal.encode(queue, encoder, None))?;
+            times.push(waited_for(&self.gpu, &mut |encoder| temporal.encode(queue, encoder, None))?);
         }
-        Ok(Some(shaded.milliseconds))
+        Ok(times)
     }
 
     /// One submission; the clock tells of an earlier frame.
@@ -190,13 +197,8 @@ impl Live {
 
     /// A submission a pass, each waited for.
     fn make_one_by_one(&mut self) -> Result<Vec<f64>> {
-        let Gpu { device, queue, .. } = &self.gpu;
-        let timed = |record: &mut dyn FnMut(&mut wgpu::CommandEncoder)| -> Result<f64> {
-            let start = Instant::now();
-            gpu::submit(device, queue, "live", record)?;
-            device.poll(wgpu::PollType::wait_indefinitely()).context("the device stopped")?;
-            Ok(start.elapsed().as_secs_f64() * 1e3)
-        };
+        let queue = &self.gpu.queue;
+        let timed = |record: &mut dyn FnMut(&mut wgpu::CommandEncoder)| waited_for(&self.gpu, record);
         let mut times = Vec::with_capacity(Stage::ALL.len() + self.shading.len());
         for stage in Stage::ALL {
             times.push(timed(&mut |encoder| self.frame.encode(stage, encoder, None))?);
@@ -253,6 +255,14 @@ impl Live {
         let data = gpu::read(&self.gpu.device, &self.gpu.queue, buffer)?;
         Ok(Planes::from_data(channels, self.view.height, self.view.width, data))
     }
+}
+
+/// Milliseconds, by the wall clock, of a submission of its own.
+fn waited_for(gpu: &Gpu, record: &mut dyn FnMut(&mut wgpu::CommandEncoder)) -> Result<f64> {
+    let start = Instant::now();
+    gpu::submit(&gpu.device, &gpu.queue, "live", record)?;
+    gpu.device.poll(wgpu::PollType::wait_indefinitely()).context("the device stopped")?;
+    Ok(start.elapsed().as_secs_f64() * 1e3)
 }
 
 impl Running {

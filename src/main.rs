@@ -28,11 +28,14 @@ mod methods;
 mod onnxruntime;
 #[cfg(feature = "train")]
 mod parity;
+mod props;
+mod radius;
 mod render;
 mod report;
 mod samples;
 mod scene;
 mod statistics;
+mod table;
 #[cfg(feature = "train")]
 mod train;
 mod tune;

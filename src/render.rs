@@ -7,13 +7,14 @@ mod animate;
 mod picture;
 
 use crate::arguments::{check_pixels, positive, reach};
-use crate::compare::default_radius;
 use crate::complete::{Additions, Completed, Wants, complete, listeners};
 use crate::exposure_time;
 use crate::figures::{Figures, write_atomically};
+use crate::props;
+use crate::radius::{self, Space};
 use crate::report::images::write_png;
 use crate::samples;
-use crate::views::{self, View};
+use crate::views::{View, Viewpoint};
 use anyhow::{Context, Result, bail};
 use clap::builder::RangedU64ValueParser;
 use deepshade_dataset::progress;
@@ -34,7 +35,8 @@ use std::time::Instant;
 ///
 /// Beside an EXR file with the linear values, their variance and where they are from, there is a PNG file to look at,
 /// which grows better while the program works. What an effect needs and the scene does not bring (light, a lens, fog)
-/// is added, and said.
+/// is added, and said. It is seen from the file's first camera, or from a sampled view where the file brings none, unless
+/// --camera, --view or --eye says from where.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  deepshade render --scene sponza.gltf --effect path --spp 256 --out sponza.exr\n  \
@@ -57,12 +59,10 @@ pub struct Args {
     part: String,
     #[command(flatten)]
     samples: samples::Args,
-    /// One of the file's cameras, by its name; by default the first.
-    #[arg(long, conflicts_with = "view")]
-    camera: Option<String>,
-    /// A view sampled in the scene, by its number, of which any draws one; 0 by default where the file brings no camera.
-    #[arg(long)]
-    view: Option<usize>,
+    #[command(flatten)]
+    props: props::Args,
+    #[command(flatten)]
+    viewpoint: Viewpoint,
     /// The picture: an .exr or .png file; the other of the two is written beside it. By default SCENE-EFFECT.exr.
     #[arg(long)]
     out: Option<PathBuf>,
@@ -73,7 +73,7 @@ pub struct Args {
     #[arg(long, default_value_t = 768, value_parser = RangedU64ValueParser::<usize>::new().range(1..=8192))]
     width: usize,
     /// How far effects with a radius reach, metres, or inf; by default 15 % of the scene's diagonal, divided by N in
-    /// pictures N times as high as 512 rows, so that lower pictures have a larger one.
+    /// pictures N times as high as 512 rows, so that lower pictures have a larger one, of up to half the diagonal.
     #[arg(long, value_parser = reach)]
     radius: Option<f32>,
     #[command(flatten)]
@@ -112,13 +112,14 @@ pub fn run(args: &Args) -> Result<()> {
     let part = Part::named(&args.part, args.effect).map_err(anyhow::Error::msg)?;
     listeners::check(args.effect, listeners::RADIUS, &[("--radius", args.radius.is_some())])?;
     let size = [args.height, args.width];
-    let scene = args.time.scene(&args.scene, args.effect)?;
+    let scene = args.time.scene(&args.scene, &args.props, args.effect)?;
     let scene = TracedScene::new(scene).with_context(|| format!("scene {}", args.scene))?;
-    let view = views::one(&scene, size, args.camera.as_deref(), args.view, args.seed)?;
+    let view = args.viewpoint.of(&scene, size, args.seed)?;
     let wants =
         Wants { effect: args.effect, size, additions: &args.additions, seed: args.seed, animated: false };
     let completed = complete(&scene, &view.camera, &wants)?;
-    let radius = args.radius.unwrap_or_else(|| default_radius(None, completed.scene.diagonal(), size[0]));
+    let space = Space { diagonal: completed.scene.diagonal(), height: size[0] };
+    let radius = radius::wanted(args.radius, None, &[args.effect], space);
     let shot = Shot {
         footprint: Footprint::Box,
         part,
@@ -216,6 +217,7 @@ fn provenance(
         .map_or("pinhole".to_owned(), |Lens { radius, focus }| format!("radius {radius} m, focus {focus} m"));
     [
         ("scene", args.scene.to_string()),
+        ("put", args.props.to_string()),
         ("time", args.time.to_string()),
         ("view_name", view.name.clone()),
         ("camera_position", camera.position.to_string()),

@@ -1,10 +1,12 @@
 //! Which views of a scene a command works on: the cameras that its file brings, or sampled ones.
 
+use crate::arguments::place;
 use anyhow::{Result, bail, ensure};
 use clap::builder::RangedU64ValueParser;
 use deepshade_dataset::views::{inside_geometry, sample_view};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::Camera;
+use glam::Vec3;
 
 /// A camera with a name.
 #[derive(Clone, Debug)]
@@ -15,32 +17,79 @@ pub struct View {
     pub camera: Camera,
 }
 
+/// From where a scene is seen.
+#[derive(clap::Args, Clone, Debug, Default)]
+pub struct Viewpoint {
+    /// One of the file's cameras, by its name.
+    #[arg(long)]
+    camera: Option<String>,
+    /// A view sampled in the scene, by its number, of which any draws one.
+    #[arg(long, conflicts_with = "camera")]
+    view: Option<usize>,
+    /// Where the camera stands: X,Y,Z, metres.
+    #[arg(long, value_parser = place, requires = "look_at", conflicts_with_all = ["camera", "view"], allow_hyphen_values = true)]
+    eye: Option<Vec3>,
+    /// What it looks at: X,Y,Z, metres.
+    #[arg(long, value_parser = place, requires = "eye", allow_hyphen_values = true)]
+    look_at: Option<Vec3>,
+}
+
 /// Which views; without any of these, the file's own cameras, or one sampled view where it has none.
 #[derive(clap::Args)]
 pub struct Args {
-    /// One of the file's cameras, by its name.
-    #[arg(long, conflicts_with = "views")]
-    camera: Option<String>,
+    #[command(flatten)]
+    viewpoint: Viewpoint,
     /// So many views sampled in the scene.
-    #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(1..=1000))]
+    #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(1..=1000), conflicts_with_all = ["camera", "view", "eye"])]
     views: Option<usize>,
     /// Chooses sampled views, and all other random numbers.
     #[arg(long, default_value_t = 0)]
     pub seed: u32,
 }
 
+impl Viewpoint {
+    /// The view that is stated, else that of the file's first camera, or the first sampled one where it has none.
+    ///
+    /// # Errors
+    /// If the file has no camera of the name asked for, there is no direction to look in, or no view of the scene can be
+    /// found.
+    pub fn of(&self, scene: &TracedScene, size: [usize; 2], seed: u32) -> Result<View> {
+        Ok(match self.stated(scene, size, seed)? {
+            Some(view) => view,
+            None => match scene.scene().cameras.first() {
+                Some(camera) => view(camera),
+                None => sampled(scene, size, seed, 0)?,
+            },
+        })
+    }
+
+    fn stated(&self, scene: &TracedScene, size: [usize; 2], seed: u32) -> Result<Option<View>> {
+        if let (Some(eye), Some(target)) = (self.eye, self.look_at) {
+            ensure!(eye.distance(target) > 0.0, "--eye and --look-at are the same point");
+            let name = format!("{}, from {eye} to {target}", scene.scene().name);
+            return Ok(Some(View { name, camera: Camera::look_at(eye, target) }));
+        }
+        if let Some(name) = &self.camera {
+            return named(&scene.scene().cameras, name).map(Some);
+        }
+        self.view.map(|index| sampled(scene, size, seed, index)).transpose()
+    }
+}
+
 impl Args {
     /// The views of a scene, for images of `[height, width]`.
     ///
     /// # Errors
-    /// If the file has no camera of the name asked for, a camera stands inside of geometry, or no view of the scene
-    /// can be found.
+    /// As [`Viewpoint::of`], and if a camera stands inside of geometry.
     pub fn of(&self, scene: &TracedScene, size: [usize; 2]) -> Result<Vec<View>> {
         let own = &scene.scene().cameras;
-        let views = match (&self.camera, self.views) {
-            (Some(name), _) => vec![named(own, name)?],
-            (None, None) if !own.is_empty() => own.iter().map(view).collect(),
-            (None, count) => return sampled(scene, size, self.seed, count.unwrap_or(1)),
+        let views = match self.viewpoint.stated(scene, size, self.seed)? {
+            Some(view) => vec![view],
+            None if self.views.is_none() && !own.is_empty() => own.iter().map(view).collect(),
+            None => {
+                let count = self.views.unwrap_or(1);
+                (0..count).map(|index| sampled(scene, size, self.seed, index)).collect::<Result<_>>()?
+            }
         };
         for View { name, camera } in &views {
             ensure!(!inside_geometry(scene, camera.position), "camera `{name}` stands inside of geometry");
@@ -49,37 +98,10 @@ impl Args {
     }
 }
 
-/// One view: a camera of the file by its name or its first one, or the sampled view of an index.
-///
-/// # Errors
-/// If the file has no camera of the name asked for, or no view of the scene can be found.
-pub fn one(
-    scene: &TracedScene,
-    size: [usize; 2],
-    camera: Option<&str>,
-    index: Option<usize>,
-    seed: u32,
-) -> Result<View> {
-    let own = &scene.scene().cameras;
-    match (camera, index) {
-        (Some(name), _) => named(own, name),
-        (None, None) if !own.is_empty() => Ok(view(&own[0])),
-        (None, index) => {
-            let index = index.unwrap_or(0);
-            let camera = sample_view(scene, size, seed, 0, index)?;
-            Ok(View { name: format!("{}, view {index}", scene.scene().name), camera })
-        }
-    }
-}
-
-/// Views that a dataset could hold.
-fn sampled(scene: &TracedScene, size: [usize; 2], seed: u32, count: usize) -> Result<Vec<View>> {
-    (0..count)
-        .map(|index| {
-            let camera = sample_view(scene, size, seed, 0, index)?;
-            Ok(View { name: format!("{}, view {index}", scene.scene().name), camera })
-        })
-        .collect()
+/// A view that a dataset could hold.
+fn sampled(scene: &TracedScene, size: [usize; 2], seed: u32, index: usize) -> Result<View> {
+    let camera = sample_view(scene, size, seed, 0, index)?;
+    Ok(View { name: format!("{}, view {index}", scene.scene().name), camera })
 }
 
 fn named(cameras: &[(String, Camera)], wanted: &str) -> Result<View> {
@@ -101,7 +123,6 @@ fn view((name, camera): &(String, Camera)) -> View {
 mod tests {
     use super::*;
     use deepshade_render::scene::procedural::Family;
-    use glam::Vec3;
 
     const SIZE: [usize; 2] = [32, 32];
 
@@ -115,7 +136,8 @@ mod tests {
     }
 
     fn args(camera: Option<&str>, views: Option<usize>) -> Args {
-        Args { camera: camera.map(str::to_owned), views, seed: 3 }
+        let viewpoint = Viewpoint { camera: camera.map(str::to_owned), ..Viewpoint::default() };
+        Args { viewpoint, views, seed: 3 }
     }
 
     #[test]
@@ -127,6 +149,26 @@ mod tests {
         assert_eq!(names(args(None, None)), ["left", "right"]);
         assert_eq!(names(args(Some("right"), None)), ["right"]);
         assert_eq!(names(args(None, Some(2))).len(), 2);
+    }
+
+    #[test]
+    fn a_stated_view_comes_before_all_others() {
+        let scene = scene();
+        let target = scene.bounds().centre();
+        let eye = target + Vec3::new(0.0, 500.0, 900.0);
+        let viewpoint = Viewpoint { eye: Some(eye), look_at: Some(target), ..Viewpoint::default() };
+        let views =
+            Args { viewpoint: viewpoint.clone(), views: None, seed: 3 }.of(&scene, SIZE).expect("a view");
+        let [View { camera, .. }] = views.as_slice() else { panic!("{} views", views.len()) };
+        assert_eq!(camera.position, eye);
+        assert!(camera.to_camera(target).truncate().length() < 1e-2, "it looks elsewhere");
+        let third = Viewpoint { view: Some(2), ..Viewpoint::default() };
+        let third = third.of(&scene, SIZE, 3).expect("a view");
+        let sampled = args(None, Some(3)).of(&scene, SIZE).expect("views");
+        assert_eq!((third.name, third.camera), (sampled[2].name.clone(), sampled[2].camera));
+        let nowhere = Viewpoint { look_at: viewpoint.eye, ..viewpoint };
+        let error = nowhere.of(&scene, SIZE, 3).expect_err("no direction").to_string();
+        assert!(error.contains("the same point"), "{error}");
     }
 
     #[test]

@@ -44,6 +44,11 @@ impl Case {
     }
 }
 
+/// Folder of the network that is shipped.
+fn model() -> String {
+    format!("{}/models/ao", env!("CARGO_MANIFEST_DIR"))
+}
+
 fn number(figures: &Value, name: &str) -> f64 {
     assert!(figures[name].is_number(), "no `{name}` in {figures}");
     figures[name].as_f64().expect("a number")
@@ -65,6 +70,13 @@ fn a_sequence_is_a_picture_a_frame_and_reprojection_calms_it() {
     assert!(number(&calm, "ms_hbao_temporal") > 0.0);
     let (restless, calm) = (number(&plain, "flicker"), number(&calm, "flicker"));
     assert!(calm > 0.0 && calm < 0.7 * restless, "{calm} with, {restless} without");
+    let of_network = format!(
+        "{} learned --temporal --model {}",
+        line.replace("--method hbao --quality low", "--method learned"),
+        model()
+    );
+    let of_network = case.figures(&of_network);
+    assert!(number(&of_network, "ms_learned") > 0.0 && number(&of_network, "ms_learned_temporal") > 0.0);
     for pass in ["pose", "shadows", "surface", "attributes", "light", "movement", "hbao"] {
         assert!(number(&plain, &format!("ms_{pass}")) >= 0.0);
     }
@@ -100,6 +112,19 @@ fn every_effect_has_a_method_that_runs_live_and_memory_stays() {
 }
 
 #[test]
+fn a_network_is_measured_beside_other_methods() {
+    let case = Case::new();
+    let line =
+        "bench frame --scene room:1 --sizes 96x64 --frames 3 --quality low --methods ao:learned,aa:fxaa";
+    let figures = case.figures(&format!("{line} --model {}", model()));
+    assert!(number(&figures, "ms_learned") > 0.0 && number(&figures, "ms_fxaa") > 0.0);
+    case.assert_refused(line, "no network in models/ao: train one (`deepshade train`)");
+    case.assert_refused("bench frame --scene room:1 --methods ao:learned,ao:learned", "several networks");
+    let without = "bench frame --scene room:1 --methods aa:fxaa --model models/ao";
+    case.assert_refused(without, "--model means nothing");
+}
+
+#[test]
 fn all_methods_of_an_effect_are_scored_against_truth() {
     let case = Case::new();
     let recipe = "effect = \"sss\"\nsplit = \"test\"\nseed = 5\nresolution = { height = 64, width = 64 }\nsamples = 8\n\
@@ -119,7 +144,19 @@ fn all_methods_of_an_effect_are_scored_against_truth() {
     assert!(number(&figures, "ssim_gather") > number(&figures, "ssim_light"), "{figures}");
     assert!(number(&figures, "relmse_gather") < number(&figures, "relmse_gather_low"), "{figures}");
     let curve = std::fs::read_to_string(case.path("curve.svg")).expect("a curve");
-    assert!(curve.contains("separable") && curve.contains("gather"));
+    assert!(curve.contains("separable") && curve.contains("gather") && curve.contains("1 - SSIM"));
+    let json: Value =
+        serde_json::from_slice(&std::fs::read(case.path("figures.json")).expect("read")).expect("JSON");
+    let devices = &json["details"]["devices"];
+    assert!(
+        devices["gather_low"].is_string() && devices["gather_low"] == json["details"]["adapter"],
+        "{devices}"
+    );
+    case.assert_refused(
+        "eval --effect sss --methods truth --testset testset",
+        "is what others are scored against",
+    );
+    case.assert_refused("eval --effect sss --testset testset --curve curve.png", "of the kind .svg");
     case.assert_refused("eval --effect sss --methods all", "no test set in models/sss/testset");
     case.assert_refused("eval --effect gi --testset testset", "is for sss, not for gi");
     case.assert_refused("eval --effect sss --methods hbao --testset testset", "has no method `hbao`");
@@ -157,7 +194,10 @@ fn what_cannot_be_animated_is_refused_by_name() {
         ("--out picture.png", "goes into a folder"),
         ("--effect ao --method learned", "models/ao"),
         ("--eye 1,2,3", "--look-at"),
-        ("--orbit nan", "not a number"),
+        ("--orbit nan", "is not within -36000 to 36000"),
+        ("--fps 1e-9", "is not within 0.01 to 1000"),
+        ("--eye=-1e30,0,0 --look-at 0,0,0", "is not within -1000000 to 1000000"),
+        ("--put room:2@0,0,0,0", "scale 0 is not within"),
         ("--spp 4", "--spp is for truth"),
         ("--effect ao --method learned --quality low", "--quality means nothing"),
         ("--effect ao --model models/ao", "--model means nothing"),

@@ -44,14 +44,12 @@ pub enum DatasetError {
         what: String,
     },
     /// A folder that holds what another recipe, or another version of the program, made.
-    #[error("{folder} holds data of {theirs}, not of {ours}: choose another folder, or delete that one")]
+    #[error("{folder} holds other data: {differences}; choose another folder, or delete that one")]
     OtherData {
         /// Which folder.
         folder: PathBuf,
-        /// What it was made from.
-        theirs: String,
-        /// What was to be made.
-        ours: String,
+        /// In what they differ from what was to be made, in words.
+        differences: String,
     },
     /// A folder that holds something else than data.
     #[error(

@@ -39,8 +39,8 @@ pub struct Summary {
     pub bytes: u64,
 }
 
-/// Makes the dataset of a recipe in a folder, or what is still missing of it. Progress goes to stderr where that is a
-/// terminal.
+/// Makes the dataset of a recipe in a folder, or what is still missing of it. Progress goes to
+/// stderr.
 ///
 /// # Errors
 /// If the recipe is for test sets or aims at a method's images, a scene cannot be had or has no fit view, or the folder
@@ -70,8 +70,8 @@ pub fn generate_by(
     }
     let plan = recipe.plan()?;
     let origin = Origin::new(recipe, &plan, folder)?;
-    let earlier = earlier_pairs(folder, &origin.job())?;
-    let (journal, mut entries) = Journal::open(folder, &[PAIRS], MANIFEST, &origin.job())?;
+    let earlier = earlier_pairs(folder, &origin)?;
+    let (journal, mut entries) = Journal::open(folder, &[PAIRS], MANIFEST, &origin)?;
     entries.extend(earlier);
     let known = checked(folder, entries);
     let total = plan.iter().map(|scene| scene.views.len()).sum();
@@ -107,15 +107,12 @@ pub(crate) fn by_scene<R: Send>(
 }
 
 /// The pairs of a dataset that is whole, or was before a file was damaged.
-fn earlier_pairs(folder: &Path, ours: &str) -> Result<Vec<PairRecord>, DatasetError> {
+fn earlier_pairs(folder: &Path, ours: &Origin) -> Result<Vec<PairRecord>, DatasetError> {
     if !folder.join(MANIFEST).exists() {
         return Ok(Vec::new());
     }
     let earlier = Manifest::load(folder)?;
-    let theirs = earlier.origin.job();
-    if theirs != ours {
-        return Err(DatasetError::OtherData { folder: folder.to_owned(), theirs, ours: ours.to_owned() });
-    }
+    earlier.origin.check_same(ours, folder)?;
     Ok(earlier.pairs)
 }
 

@@ -5,6 +5,7 @@
 //! what is being made; another job is refused. When all is done, the journal is deleted.
 
 use crate::DatasetError;
+use crate::origin::Origin;
 use crate::recipe::file_hash;
 use deepshade_shaders::atomic_file;
 use rayon::prelude::*;
@@ -35,7 +36,7 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens or begins the journal of `job` in a folder, deletes what a killed program left half-written in the
+    /// Opens or begins the journal of what `origin` makes in a folder, deletes what a killed program left half-written in the
     /// folder and its `subfolders`, and returns the entries so far, unchecked. A finished job leaves a file `whole`.
     ///
     /// # Errors
@@ -44,7 +45,7 @@ impl Journal {
         folder: &Path,
         subfolders: &[&str],
         whole: &str,
-        job: &str,
+        origin: &Origin,
     ) -> Result<(Self, Vec<E>), DatasetError> {
         let own = [JOURNAL, whole].iter().any(|name| folder.join(name).exists());
         if let Some(file) = foreign(folder, subfolders).filter(|_| !own) {
@@ -65,11 +66,11 @@ impl Journal {
         folders.iter().try_for_each(|folder| delete_temporaries(folder))?;
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(io)?;
-        let (entries, sound) = sound_lines(folder, &bytes, job)?;
+        let (entries, sound) = sound_lines(folder, &bytes, origin)?;
         file.set_len(sound as u64).map_err(io)?;
         file.seek(SeekFrom::End(0)).map_err(io)?;
         if sound == 0 {
-            write_line(&mut file, &job).map_err(io)?;
+            write_line(&mut file, origin).map_err(io)?;
         }
         Ok((Self { path, file: Mutex::new(file) }, entries))
     }
@@ -100,19 +101,20 @@ pub fn checked<E: Entry>(folder: &Path, entries: Vec<E>) -> HashMap<String, E> {
 }
 
 /// The entries of the sound lines at the start of a journal, and where the last of them ends.
-fn sound_lines<E: Entry>(folder: &Path, bytes: &[u8], job: &str) -> Result<(Vec<E>, usize), DatasetError> {
+fn sound_lines<E: Entry>(
+    folder: &Path,
+    bytes: &[u8],
+    origin: &Origin,
+) -> Result<(Vec<E>, usize), DatasetError> {
     let mut entries = Vec::new();
     let mut end = 0;
     for line in bytes.split_inclusive(|byte| *byte == b'\n').take_while(|line| line.ends_with(b"\n")) {
         if end == 0 {
-            let Ok(theirs) = serde_json::from_slice::<String>(line) else { break };
-            if theirs != job {
-                return Err(DatasetError::OtherData {
-                    folder: folder.to_owned(),
-                    theirs,
-                    ours: job.to_owned(),
-                });
-            }
+            let theirs: Origin = serde_json::from_slice(line).map_err(|_| {
+                let what = "it was begun by another version of the program: choose another folder, or delete that one";
+                DatasetError::invalid(&folder.join(JOURNAL), what)
+            })?;
+            theirs.check_same(origin, folder)?;
         } else {
             let Ok(entry) = serde_json::from_slice(line) else { break };
             entries.push(entry);

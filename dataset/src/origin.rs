@@ -4,7 +4,8 @@ use crate::plan::PlannedScene;
 use crate::{DatasetError, Recipe, vary};
 use deepshade_render::exr_file;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
 /// Version of what a recipe gives and of how it is described. To be increased whenever the same recipe may give other
@@ -76,9 +77,16 @@ impl Origin {
         })
     }
 
-    /// What tells these data from others, in words.
-    pub(crate) fn job(&self) -> String {
-        format!("{}, data version {}, recipe {}", self.program, self.data_version, self.recipe_hash)
+    /// Refuses a folder of these data where `ours` are to be made, if these are others.
+    ///
+    /// # Errors
+    /// If so, with what differs.
+    pub(crate) fn check_same(&self, ours: &Self, folder: &Path) -> Result<(), DatasetError> {
+        let job = |origin: &Self| (origin.program.clone(), origin.data_version, origin.recipe_hash.clone());
+        if job(self) == job(ours) {
+            return Ok(());
+        }
+        Err(DatasetError::OtherData { folder: folder.to_owned(), differences: differences(self, ours)? })
     }
 
     /// Checks what a file states, and finds the scene files again from where it lies.
@@ -87,6 +95,57 @@ impl Origin {
         let folder = path.parent().unwrap_or(Path::new(""));
         self.recipe.folder = folder.join(self.scenes.as_deref().unwrap_or(Path::new("")));
         Ok(())
+    }
+}
+
+/// So many differences are named.
+const NAMED: usize = 5;
+
+/// In what an origin differs from ours, in words: keys of recipes with both values.
+fn differences(theirs: &Origin, ours: &Origin) -> Result<String, DatasetError> {
+    let [theirs, ours] = [leaves_of(theirs)?, leaves_of(ours)?];
+    let keys: BTreeSet<&String> = theirs.keys().chain(ours.keys()).collect();
+    let value =
+        |leaves: &BTreeMap<String, String>, key| leaves.get(key).map_or("absent", String::as_str).to_owned();
+    let pairs = keys.into_iter().map(|key| (key, value(&theirs, key), value(&ours, key)));
+    let differing: Vec<String> = pairs
+        .filter(|(_, theirs, ours)| theirs != ours)
+        .map(|(key, theirs, ours)| format!("`{key}` is {theirs} there and {ours} here"))
+        .collect();
+    Ok(match differing.len() {
+        0 => "the scene files have other contents".to_owned(),
+        ..=NAMED => differing.join(", "),
+        more => format!("{} and {} more", differing[..NAMED].join(", "), more - NAMED),
+    })
+}
+
+/// All values of what data were made by and from, by their keys (`resolution.height`).
+fn leaves_of(origin: &Origin) -> Result<BTreeMap<String, String>, DatasetError> {
+    let recipe = serde_json::to_value(&origin.recipe)
+        .map_err(|error| DatasetError::invalid(&origin.recipe.path, error.to_string()))?;
+    let mut leaves = BTreeMap::from([
+        ("program".to_owned(), origin.program.clone()),
+        ("data_version".to_owned(), origin.data_version.to_string()),
+    ]);
+    add_leaves(String::new(), &recipe, &mut leaves);
+    for (path, hash) in &origin.props {
+        leaves.insert(path.display().to_string(), format!("of hash {hash:.8}"));
+    }
+    Ok(leaves)
+}
+
+fn add_leaves(name: String, value: &Value, leaves: &mut BTreeMap<String, String>) {
+    match value {
+        Value::Object(members) => {
+            for (key, value) in members {
+                let dot = if name.is_empty() { "" } else { "." };
+                add_leaves(format!("{name}{dot}{key}"), value, leaves);
+            }
+        }
+        Value::Array(items) => {
+            items.iter().enumerate().for_each(|(i, item)| add_leaves(format!("{name}[{i}]"), item, leaves));
+        }
+        leaf => drop(leaves.insert(name, leaf.to_string())),
     }
 }
 

@@ -20,11 +20,17 @@ pub struct Reach {
     pub height: usize,
 }
 
+/// Most of the diagonal that a radius is by default in images lower than the training images: with half of it, a point
+/// in the middle is reached by the whole scene.
+const MOST_OF_DIAGONAL: f32 = 0.5;
+
 impl Reach {
     /// The radius, in metres, of a scene with this diagonal in an image of this height: what every method of a
-    /// comparison uses unless a radius is asked for.
+    /// comparison uses unless a radius is asked for. Where images are lower than the training images it grows up to half
+    /// the diagonal, or up to the trained share where that is more.
     pub fn radius(&self, diagonal: f32, height: usize) -> f32 {
-        self.diagonal_share * diagonal * self.height as f32 / height as f32
+        let share = self.diagonal_share * self.height as f32 / height as f32;
+        diagonal * share.min(self.diagonal_share.max(MOST_OF_DIAGONAL))
     }
 
     /// The factor that camera-space positions in metres are multiplied by before the network reads them, so that
@@ -45,6 +51,14 @@ mod tests {
         let at_trained = REACH.position_scale(REACH.radius(20.0, 512));
         let at_double = REACH.position_scale(REACH.radius(20.0, 1024));
         assert!((at_double / at_trained - 2.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_low_image_reaches_no_further_than_all_of_the_scene() {
+        assert!((REACH.radius(20.0, 256) - 2.0).abs() < 1e-6);
+        assert_eq!(REACH.radius(20.0, 16), 10.0);
+        let wide = Reach { diagonal_share: 0.8, ..REACH };
+        assert_eq!((wide.radius(20.0, 512), wide.radius(20.0, 16)), (16.0, 16.0));
     }
 
     #[test]

@@ -51,6 +51,8 @@ pub struct Shaded {
     pub milliseconds: f64,
     /// Which clock it is from.
     pub clock: Clock,
+    /// Name of the device that made the image: an adapter, or the processor where no adapter was asked.
+    pub device: String,
 }
 
 /// Why a method gave no image.

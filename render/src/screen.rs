@@ -125,7 +125,8 @@ impl<M: ScreenMethod + ?Sized> Method for M {
         let image = gpu::read(device, queue, plan.output()).map_err(failed)?;
         let image = Planes::from_data(ScreenMethod::effect(self).channels(), view.height, view.width, image);
         let clock = if timing.by_gpu { Clock::Gpu } else { Clock::Cpu };
-        Ok(Shaded { image, milliseconds: timing.milliseconds, clock })
+        let device = self.gpu().info.name.clone();
+        Ok(Shaded { image, milliseconds: timing.milliseconds, clock, device })
     }
 }
 

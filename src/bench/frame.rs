@@ -4,9 +4,13 @@
 use crate::arguments::Size;
 use crate::complete::Additions;
 use crate::figures::Figures;
+use crate::learned::{self, Learned};
 use crate::live::stage::{self, Seen};
 use crate::live::{Live, Wanted};
-use crate::methods;
+use crate::methods::{self, LEARNED};
+use crate::props;
+use crate::radius::{self, Space};
+use crate::views::Viewpoint;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::progress;
 use deepshade_render::methods::Quality;
@@ -35,21 +39,23 @@ pub struct Args {
     /// Sizes of the image.
     #[arg(long, value_delimiter = ',', default_value = "1280x720,1920x1080")]
     sizes: Vec<Size>,
-    /// What runs on each frame: EFFECT:METHOD. By default the first method of every effect that has one that works on the screen.
+    /// What runs on each frame: EFFECT:METHOD; a network is EFFECT:learned. By default the first method of every effect that
+    /// has one that works on the screen.
     #[arg(long, value_delimiter = ',', value_parser = method)]
     methods: Vec<(Effect, String)>,
+    /// Folder of the network of `learned`; by default models/EFFECT.
+    #[arg(long)]
+    model: Option<PathBuf>,
     /// How much time methods may take for a better image: low, medium, high or ultra.
     #[arg(long, default_value = "medium")]
     quality: Quality,
     /// Moment of the first frame, seconds.
     #[arg(long, default_value_t = 0.0)]
     time: f32,
-    /// One of the file's cameras, by its name; by default the first.
-    #[arg(long)]
-    camera: Option<String>,
-    /// A view sampled in the scene, by its number.
-    #[arg(long, conflicts_with = "camera")]
-    view: Option<usize>,
+    #[command(flatten)]
+    props: props::Args,
+    #[command(flatten)]
+    viewpoint: Viewpoint,
     /// How long the shutter is open around a frame's moment, seconds.
     #[arg(long, default_value_t = 0.04, value_parser = crate::arguments::positive)]
     shutter: f32,
@@ -121,19 +127,22 @@ fn measure(args: &Args, gpu: &Gpu, size: Size) -> Result<Measured> {
         time: args.time,
         effects: &effects,
         size: rows_and_columns,
-        camera: args.camera.as_deref(),
-        view: args.view,
+        props: &args.props,
+        viewpoint: &args.viewpoint,
         additions: &Additions::default(),
         seed: 0,
     };
     let staged = args.stage.stage(&seen)?;
+    let space = Space { diagonal: staged.diagonal, height: size.height };
+    let (methods, learned) = opened(args, &chosen, gpu)?;
+    let reach = learned.as_ref().map(|learned| learned.spec().reach);
     let wanted = Wanted {
         size: rows_and_columns,
-        methods: opened(&chosen, args.quality, gpu)?,
-        learned: None,
+        methods,
+        learned,
         attributes: vec![Attribute::Light, Attribute::Valid],
         temporal: false,
-        radius: crate::compare::default_radius(None, staged.diagonal, size.height),
+        radius: radius::wanted(None, reach, &effects, space),
         shutter: args.shutter,
     };
     let mut live = Live::new(gpu, &staged.animated, &staged.camera, wanted)?;
@@ -173,8 +182,22 @@ fn chosen(args: &Args) -> Vec<(Effect, String)> {
     }
 }
 
-fn opened(chosen: &[(Effect, String)], quality: Quality, gpu: &Gpu) -> Result<Vec<Box<dyn ScreenMethod>>> {
-    chosen.iter().map(|(effect, name)| methods::open_screen(*effect, name, gpu, quality)).collect()
+/// What runs on each frame: methods that work on the screen, and a network.
+type Opened = (Vec<Box<dyn ScreenMethod>>, Option<Learned>);
+
+fn opened(args: &Args, chosen: &[(Effect, String)], gpu: &Gpu) -> Result<Opened> {
+    let (networks, others): (Vec<_>, Vec<_>) = chosen.iter().partition(|(_, name)| name == LEARNED);
+    ensure!(networks.len() <= 1, "--methods names several networks, of which a frame has one");
+    ensure!(
+        args.model.is_none() || !networks.is_empty(),
+        "--model means nothing without a method EFFECT:{LEARNED}"
+    );
+    let open = |(effect, name): &(Effect, String)| methods::open_screen(*effect, name, gpu, args.quality);
+    let learned = networks.first().map(|(effect, _)| {
+        let folder = args.model.clone().unwrap_or_else(|| learned::usual_folder(*effect));
+        anyhow::Ok(Learned::new(gpu, &learned::network(&folder, Some(*effect))?)?)
+    });
+    Ok((others.into_iter().map(open).collect::<Result<_>>()?, learned.transpose()?))
 }
 
 /// Resident memory of the program, megabytes; `None` where the system does not say.

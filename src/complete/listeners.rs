@@ -10,6 +10,8 @@ pub const SHUTTER: &[Effect] = &[Effect::MotionBlur];
 /// Effects of light on its way through a medium.
 pub const MEDIUM: &[Effect] =
     &[Effect::FogDirect, Effect::FogIndirect, Effect::FogMultiple, Effect::Path, Effect::Real];
+/// Effects of light on its way through materials.
+pub const MEAN_FREE_PATH: &[Effect] = &[Effect::Sss, Effect::Subsurface];
 /// Effects that are seen through a lens.
 pub const LENS: &[Effect] = &[
     Effect::Dof,

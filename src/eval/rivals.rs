@@ -14,6 +14,8 @@ pub struct Rival {
     pub name: String,
     /// The method's own name.
     pub method_name: &'static str,
+    /// Of those that have one.
+    pub quality: Option<Quality>,
     /// What is evaluated.
     pub method: Box<dyn Method>,
 }
@@ -38,6 +40,10 @@ pub fn rivals(
     }
     asked.retain(|name| *name != TRUTH);
     methods::check(effect, &asked)?;
+    ensure!(
+        all || !asked.is_empty(),
+        "`{TRUTH}` is what others are scored against: --methods names none of these"
+    );
     ensure!(!asked.is_empty(), "effect `{effect}` has no method yet but truth");
     let mut rivals = Vec::new();
     for name in asked {
@@ -49,7 +55,7 @@ pub fn rivals(
                 let id = method_name.replace('-', "_");
                 let plain = *quality == Quality::default() || !by_quality;
                 let name = if plain { id } else { format!("{id}_{}", quality.name()) };
-                rivals.push(Rival { name, method_name, method });
+                rivals.push(Rival { name, method_name, quality: by_quality.then_some(*quality), method });
             }
         }
     }
@@ -91,6 +97,10 @@ mod tests {
         );
         let error = rivals(Effect::Ao, &["sharp".to_owned()], &qualities, &gpu, None).err().expect("none");
         assert!(error.to_string().contains("no method `sharp`"), "{error}");
-        assert!(rivals(Effect::Path, &["all".to_owned()], &qualities, &gpu, None).is_err());
+        let refused = |effect, name: &str| {
+            rivals(effect, &[name.to_owned()], &qualities, &gpu, None).err().expect("none").to_string()
+        };
+        assert!(refused(Effect::Path, "all").contains("no method yet but truth"));
+        assert!(refused(Effect::Ao, "truth").contains("scored against"));
     }
 }

@@ -1,89 +1,30 @@
-//! Which scene is in motion, and how the camera goes: what the command lines of `render --animate` and `bench frame`
+//! A scene in motion, and how the camera goes: what the command lines of `render --animate` and `bench frame`
 //! have in common.
 
+use crate::arguments::within;
 use crate::complete::{Additions, Wants, complete};
-use crate::views;
-use anyhow::{Context, Result, ensure};
+use crate::props;
+use crate::views::Viewpoint;
+use anyhow::{Context, Result};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::{AnimatedScene, Camera, SceneSource};
 use deepshade_shaders::Effect;
-use glam::{Mat3, Mat4, Quat, Vec3};
+use glam::{Mat3, Vec3};
 use std::f32::consts::TAU;
-use std::str::FromStr;
-
-/// A scene that is put into another one, written like `fox.gltf@0,0,1.5,0.02,90`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Prop {
-    source: SceneSource,
-    place: Vec3,
-    scale: f32,
-    /// Radians about the world's y axis.
-    turn: f32,
-}
-
-impl FromStr for Prop {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        const FORM: &str = "expected SCENE@X,Y,Z[,SCALE[,DEGREES]], such as fox.gltf@0,0,1.5,0.02,90";
-        let (source, numbers) = text.rsplit_once('@').ok_or(FORM)?;
-        let number = |text: &str| text.trim().parse::<f32>().ok().filter(|value| value.is_finite());
-        let numbers: Vec<f32> = numbers.split(',').map(number).collect::<Option<_>>().ok_or(FORM)?;
-        let (place, scale, turn) = match numbers[..] {
-            [x, y, z] => (Vec3::new(x, y, z), 1.0, 0.0),
-            [x, y, z, scale] => (Vec3::new(x, y, z), scale, 0.0),
-            [x, y, z, scale, degrees] => (Vec3::new(x, y, z), scale, degrees.to_radians()),
-            _ => return Err(FORM.to_owned()),
-        };
-        if scale <= 0.0 {
-            return Err(format!("a scale of {scale} leaves nothing"));
-        }
-        let source =
-            source.parse().map_err(|error: deepshade_render::scene::SceneError| error.to_string())?;
-        Ok(Self { source, place, scale, turn })
-    }
-}
-
-/// Reads X,Y,Z.
-fn point(text: &str) -> Result<Vec3, String> {
-    let number = |text: &str| text.trim().parse::<f32>().ok().filter(|value| value.is_finite());
-    let numbers: Option<Vec<f32>> = text.split(',').map(number).collect();
-    match numbers.as_deref() {
-        Some(&[x, y, z]) => Ok(Vec3::new(x, y, z)),
-        _ => Err(format!("`{text}` is not X,Y,Z")),
-    }
-}
 
 /// A scene in motion.
 #[derive(clap::Args)]
 #[command(next_help_heading = "Animation")]
 pub struct Args {
-    /// Puts another scene into this one: SCENE@X,Y,Z,SCALE,DEGREES, metres and degrees about the upward axis, of which the
-    /// last one or two may be left out. May be
-    /// given several times.
-    #[arg(long, allow_hyphen_values = true)]
-    put: Vec<Prop>,
-    /// Where the camera stands: X,Y,Z, metres.
-    #[arg(long, value_parser = point, requires = "look_at", allow_hyphen_values = true)]
-    eye: Option<Vec3>,
-    /// What it looks at: X,Y,Z, metres.
-    #[arg(long, value_parser = point, requires = "eye", allow_hyphen_values = true)]
-    look_at: Option<Vec3>,
     /// How far the camera goes around what it looks at, degrees, over the whole sequence; 0 by default.
-    #[arg(long, value_parser = finite, allow_hyphen_values = true)]
+    #[arg(long, value_parser = within(-36_000.0..=36_000.0), allow_hyphen_values = true)]
     orbit: Option<f32>,
     /// Frames of the sequence; 100 by default.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     frames: Option<u32>,
     /// Frames a second of the animation; 25 by default.
-    #[arg(long, value_parser = crate::arguments::positive)]
+    #[arg(long, value_parser = within(0.01..=1000.0))]
     fps: Option<f32>,
-}
-
-/// Reads a number that is one.
-fn finite(text: &str) -> Result<f32, String> {
-    let number = text.parse::<f32>().ok().filter(|value| value.is_finite());
-    number.ok_or_else(|| format!("`{text}` is not a number"))
 }
 
 /// A scene with a way for the camera.
@@ -112,10 +53,10 @@ pub struct Seen<'a> {
     pub effects: &'a [Effect],
     /// Rows and columns.
     pub size: [usize; 2],
-    /// One of the file's cameras.
-    pub camera: Option<&'a str>,
-    /// A sampled view, by its number.
-    pub view: Option<usize>,
+    /// What is put into it.
+    pub props: &'a props::Args,
+    /// From where the first frame is seen.
+    pub viewpoint: &'a Viewpoint,
     /// What the command line gives the scene.
     pub additions: &'a Additions,
     /// Chooses views and added lights.
@@ -131,8 +72,6 @@ impl Args {
     /// The first option that is given.
     pub fn given(&self) -> Option<&'static str> {
         let options = [
-            ("--put", !self.put.is_empty()),
-            ("--eye", self.eye.is_some()),
             ("--orbit", self.orbit.is_some()),
             ("--frames", self.frames.is_some()),
             ("--fps", self.fps.is_some()),
@@ -149,19 +88,11 @@ impl Args {
             AnimatedScene::load(source, seen.time).with_context(|| format!("scene {source}"))
         };
         let mut animated = load(seen.source)?;
-        for Prop { source, place, scale, turn } in &self.put {
-            let turn = Quat::from_rotation_y(*turn);
-            let place = Mat4::from_scale_rotation_translation(Vec3::splat(*scale), turn, *place);
-            animated.add(load(source)?, place);
+        for prop in seen.props.all() {
+            animated.add(load(&prop.source)?, prop.place());
         }
         let traced = TracedScene::new(animated.scene.clone())?;
-        let camera = match (self.eye, self.look_at) {
-            (Some(eye), Some(target)) => {
-                ensure!(eye.distance(target) > 0.0, "--eye and --look-at are the same point");
-                Camera::look_at(eye, target)
-            }
-            _ => views::one(&traced, seen.size, seen.camera, seen.view, seen.seed)?.camera,
-        };
+        let camera = seen.viewpoint.of(&traced, seen.size, seen.seed)?.camera;
         let (mut traced, mut camera, mut added) = (traced, camera, Vec::new());
         for effect in seen.effects {
             let wants = Wants {
@@ -223,33 +154,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn props_say_where_they_stand() {
-        let prop: Prop = "a@b/fox.gltf@0,-1,1.5,0.02,90".parse().expect("a prop");
-        let turn = std::f32::consts::FRAC_PI_2;
-        let source = "a@b/fox.gltf".parse().expect("a file");
-        assert_eq!(prop, Prop { source, place: Vec3::new(0.0, -1.0, 1.5), scale: 0.02, turn });
-        assert!("stairs:7@0,0,0".parse::<Prop>().is_ok());
-        for (wrong, said) in [
-            ("fox.gltf", "expected"),
-            ("fox.gltf@1,2", "expected"),
-            ("fox.gltf@1,2,x", "expected"),
-            ("fox.gltf@1,2,3,0", "scale"),
-            ("fox@1,2,3", "neither a scene file"),
-        ] {
-            let error = wrong.parse::<Prop>().expect_err("no prop");
-            assert!(error.contains(said), "{wrong}: {error}");
-        }
-    }
-
-    #[test]
     fn the_camera_goes_around_what_it_looks_at() {
         use clap::Parser as _;
         #[derive(clap::Parser)]
         struct Line {
             #[command(flatten)]
             args: Args,
-            #[command(flatten)]
-            additions: Additions,
         }
         let line = Line::try_parse_from(["deepshade", "--orbit", "90", "--frames", "9"]).expect("a line");
         let source = "room:1".parse().expect("a scene");
@@ -258,9 +168,9 @@ mod tests {
             time: 0.0,
             effects: &[Effect::Aa],
             size: [32, 48],
-            camera: None,
-            view: None,
-            additions: &line.additions,
+            props: &props::Args::default(),
+            viewpoint: &Viewpoint::default(),
+            additions: &Additions::default(),
             seed: 0,
         };
         let staged = line.args.stage(&seen).expect("a room");

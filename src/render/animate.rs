@@ -3,18 +3,17 @@
 use super::Args;
 use super::picture::Exposure;
 use crate::arguments::check_pixels;
-use crate::compare::default_radius;
 use crate::complete::listeners;
 use crate::figures::Figures;
-use crate::learned::Learned;
+use crate::learned::{self, Learned};
 use crate::live::stage::{Seen, Staged};
 use crate::live::{Live, Wanted};
 use crate::methods::{self, LEARNED};
+use crate::radius::{self, Space};
 use crate::report::images::write_png;
 use anyhow::{Context, Result, bail, ensure};
 use clap::builder::RangedU64ValueParser;
 use deepshade_dataset::progress;
-use deepshade_infer::Model;
 use deepshade_render::methods::Quality;
 use deepshade_render::metrics::{exposed, exposure};
 use deepshade_render::screen::ScreenMethod;
@@ -31,6 +30,10 @@ use std::path::{Path, PathBuf};
 pub struct Sequence {
     /// Renders a sequence of images on the GPU by a live method, a PNG file a frame in the folder --out, instead of
     /// one picture of truth.
+    ///
+    /// In the end it says what each pass took, milliseconds (median), and how much a method's images flicker: the mean
+    /// change of what is seen of a surface from one frame to the next, camera and scene having moved on, as a share of
+    /// white (a value of 1 of the image under one exposure). 0 is calm, smaller is better; --temporal makes it smaller.
     #[arg(long)]
     animate: bool,
     /// What computes the images, of --effect, by default its first method; `light` is direct light alone, the default where
@@ -107,16 +110,17 @@ pub fn run(args: &Args) -> Result<()> {
         time: args.time.time(),
         effects: &[effect],
         size,
-        camera: args.camera.as_deref(),
-        view: args.view,
+        props: &args.props,
+        viewpoint: &args.viewpoint,
         additions: &args.additions,
         seed: args.seed,
     };
     let staged = sequence.stage.stage(&seen)?;
     staged.added.iter().for_each(|line| note!("{line}"));
     let (methods, learned) = opened(args, &gpu)?;
-    let reach = learned.as_ref().map(|learned| learned.spec().reach.radius(staged.diagonal, size[0]));
-    let radius = args.radius.or(reach).unwrap_or_else(|| default_radius(None, staged.diagonal, size[0]));
+    let reach = learned.as_ref().map(|learned| learned.spec().reach);
+    let space = Space { diagonal: staged.diagonal, height: size[0] };
+    let radius = radius::wanted(args.radius, reach, &[effect], space);
     let wanted = Wanted {
         size,
         methods,
@@ -155,7 +159,10 @@ pub fn run(args: &Args) -> Result<()> {
         say!("{name:<12} {milliseconds:>9.3} ms")?;
     }
     if let Some(flicker) = report.flicker {
-        say!("flicker      {flicker:>9.5}")?;
+        say!(
+            "flicker {flicker:.5}: by so much, of white, a point of a surface changes from a frame to the next on average; \
+             0 is calm"
+        )?;
     }
     say!("{}", folder.display())
 }
@@ -286,10 +293,8 @@ fn opened(args: &Args, gpu: &Gpu) -> Result<Opened> {
     match args.sequence.method(args.effect) {
         LIGHT => Ok((Vec::new(), None)),
         LEARNED => {
-            let folder = model.clone().unwrap_or_else(|| Path::new("models").join(args.effect.name()));
-            let model = Model::load(&folder)?;
-            let made = model.spec.effect;
-            ensure!(made == args.effect, "{} is for {made}, not for {}", folder.display(), args.effect);
+            let folder = model.clone().unwrap_or_else(|| learned::usual_folder(args.effect));
+            let model = learned::network(&folder, Some(args.effect))?;
             Ok((Vec::new(), Some(Learned::new(gpu, &model)?)))
         }
         name => Ok((vec![methods::open_screen(args.effect, name, gpu, quality.unwrap_or_default())?], None)),

@@ -5,6 +5,24 @@ use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
+/// What stands in every page of ours, and in no other.
+const MARK: &str = "<meta name=\"generator\" content=\"deepshade compare\">";
+
+/// What a folder holds beside no report of ours; frames of one that was never finished do not count.
+///
+/// # Errors
+/// If the folder cannot be read.
+pub fn foreign(folder: &Path) -> io::Result<Option<String>> {
+    let page = fs::read(folder.join(PAGE)).unwrap_or_default();
+    if !folder.exists() || String::from_utf8_lossy(&page).contains(MARK) {
+        return Ok(None);
+    }
+    let names: Vec<_> =
+        fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name())).collect::<io::Result<_>>()?;
+    let names = names.iter().map(|name| name.to_string_lossy().into_owned());
+    Ok(names.into_iter().find(|name| !is_frame_folder(name)))
+}
+
 /// Deletes the page, then the images in folders of frames, and those folders that are empty then.
 ///
 /// # Errors

@@ -8,8 +8,9 @@ mod page;
 mod summary;
 
 use crate::figures::write_atomically;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use deepshade_render::method::Clock;
+use deepshade_render::methods::Quality;
 use deepshade_render::metrics::{Scores, exposed, exposure};
 use deepshade_render::path::Truth;
 use deepshade_shaders::{Effect, Planes};
@@ -19,6 +20,8 @@ use std::path::{Path, PathBuf};
 pub struct Comparison {
     /// What was computed.
     pub effect: Effect,
+    /// How much time analytic methods were given.
+    pub quality: Quality,
     /// What it was computed for; at least one. All frames have the same methods in the same order.
     pub frames: Vec<FrameReport>,
     /// What it ran on and with, as name and value.
@@ -63,6 +66,8 @@ pub struct MethodReport {
     pub milliseconds: f64,
     /// Which clock it is from.
     pub clock: Clock,
+    /// What it ran on.
+    pub device: String,
 }
 
 impl TruthReport {
@@ -86,14 +91,15 @@ impl TruthReport {
 }
 
 impl Comparison {
-    /// Writes the page and its images into a folder, which is made where it is missing, and returns the page's
-    /// path. An earlier page and its images go first and the page is written last, so that it never shows what is not
+    /// Writes the page and its images into a folder that [`check_folder`] allows, which is made where it is missing, and
+    /// returns the page's path. An earlier page and its images go first and the page is written last, so that it never shows what is not
     /// there or is from another comparison.
     ///
     /// # Errors
-    /// If there is no frame, or a file cannot be written or deleted.
+    /// If there is no frame, the folder holds something else, or a file cannot be written or deleted.
     pub fn write(&self, folder: &Path) -> Result<PathBuf> {
         ensure!(!self.frames.is_empty(), "a comparison without frames");
+        check_folder(folder)?;
         let page = page::render(self).context("the comparison page")?;
         let path = folder.join(PAGE);
         earlier::delete(folder).with_context(|| format!("the earlier comparison in {}", folder.display()))?;
@@ -118,6 +124,21 @@ impl Comparison {
             relative_mse: self.mean(|frame| scores(frame).relative_mse),
         }
     }
+}
+
+/// Refuses a folder that is not for a report: one that holds something, but no earlier report.
+///
+/// # Errors
+/// If so, with what it holds; or if it cannot be read.
+pub fn check_folder(folder: &Path) -> Result<()> {
+    let foreign = earlier::foreign(folder).with_context(|| folder.display().to_string())?;
+    if let Some(name) = foreign {
+        bail!(
+            "{} holds `{name}` and no report: choose another folder, a new or an empty one",
+            folder.display()
+        );
+    }
+    Ok(())
 }
 
 /// Name of the page.

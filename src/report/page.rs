@@ -18,7 +18,11 @@ pub fn render(comparison: &Comparison) -> Result<String> {
     ensure!(comparison.frames.iter().all(|frame| names(frame) == methods), "frames with different methods");
     let page = Page {
         title: title(comparison.effect),
-        subtitle: subtitle(&methods, comparison.frames.len()),
+        subtitle: format!(
+            "{}, quality {}",
+            subtitle(&methods, comparison.frames.len()),
+            comparison.quality.name()
+        ),
         means: mean_rows(comparison),
         frames: comparison
             .frames
@@ -75,7 +79,7 @@ struct Row {
     flip: String,
     relative_mse: String,
     time: String,
-    clock: &'static str,
+    measured_by: String,
 }
 
 /// What the script needs to know.
@@ -97,8 +101,8 @@ struct DataFrame<'a> {
 impl<'a> Section<'a> {
     fn new(index: usize, frame: &'a FrameReport) -> Self {
         let methods = frame.methods.iter().map(|method| {
-            let clock = clock_name(method.clock);
-            Row::new(method.name.clone(), "method", method.scores, Some((method.milliseconds, clock)))
+            let by = format!("{}, {}", clock_name(method.clock), method.device);
+            Row::new(method.name.clone(), "method", method.scores, Some((method.milliseconds, by)))
         });
         let truth = &frame.truth;
         let rows = methods.chain(reference_rows(truth.noise, truth.white, truth.milliseconds)).collect();
@@ -116,7 +120,7 @@ impl<'a> Section<'a> {
 }
 
 impl Row {
-    fn new(name: String, kind: &'static str, scores: Scores, time: Option<(f64, &'static str)>) -> Self {
+    fn new(name: String, kind: &'static str, scores: Scores, time: Option<(f64, String)>) -> Self {
         Self {
             name,
             kind,
@@ -124,8 +128,8 @@ impl Row {
             psnr: number(scores.psnr, 1),
             flip: number(scores.flip, 3),
             relative_mse: number(scores.relative_mse, 4),
-            time: time.map_or_else(String::new, |(milliseconds, _)| duration(milliseconds)),
-            clock: time.map_or("", |(_, clock)| clock),
+            time: time.as_ref().map_or_else(String::new, |(milliseconds, _)| duration(*milliseconds)),
+            measured_by: time.map(|(_, by)| by).unwrap_or_default(),
         }
     }
 }
@@ -138,7 +142,8 @@ fn mean_rows(comparison: &Comparison) -> Vec<Row> {
         let clock = if clocks.len() == 1 { clock_name(first.methods[i].clock) } else { "mixed" };
         let milliseconds = comparison.mean(|frame| frame.methods[i].milliseconds);
         let scores = comparison.mean_scores(|frame| frame.methods[i].scores);
-        Row::new(first.methods[i].name.clone(), "method", scores, Some((milliseconds, clock)))
+        let by = format!("{clock}, {}", first.methods[i].device);
+        Row::new(first.methods[i].name.clone(), "method", scores, Some((milliseconds, by)))
     });
     let references = reference_rows(
         comparison.mean_scores(|frame| frame.truth.noise),
@@ -155,7 +160,7 @@ fn reference_rows(noise: Scores, white: Scores, truth_milliseconds: f64) -> [Row
             "truth, half against half".to_owned(),
             "ceiling",
             noise,
-            Some((truth_milliseconds, clock_name(Clock::Cpu))),
+            Some((truth_milliseconds, clock_name(Clock::Cpu).to_owned())),
         ),
         Row::new("white image".to_owned(), "floor", white, None),
     ]
@@ -197,9 +202,9 @@ const fn clock_name(clock: Clock) -> &'static str {
     }
 }
 
-/// A number with so many decimals; infinity as its sign.
+/// A number with so many decimals.
 fn number(value: f64, decimals: usize) -> String {
-    if value == f64::INFINITY { "∞".to_owned() } else { format!("{value:.decimals$}") }
+    format!("{value:.decimals$}")
 }
 
 /// Milliseconds with three digits or more.

@@ -2,6 +2,7 @@
 
 use super::{Comparison, FrameReport};
 use crate::figures::Figures;
+use crate::table;
 use deepshade_render::metrics::Scores;
 use serde_json::{Value, json};
 use std::fmt;
@@ -34,7 +35,10 @@ fn set_scores(figures: &mut Figures, name: &str, scores: Scores) {
 
 fn frame_detail(frame: &FrameReport) -> Value {
     let methods = frame.methods.iter().map(|method| {
-        (method.name.clone(), json!({ "scores": method.scores, "milliseconds": method.milliseconds }))
+        (
+            method.name.clone(),
+            json!({ "scores": method.scores, "milliseconds": method.milliseconds, "device": method.device }),
+        )
     });
     json!({
         "name": frame.name,
@@ -52,21 +56,33 @@ fn pairs(pairs: &[(String, String)]) -> Value {
 /// The means as a table.
 impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let frames = self.frames.len();
-        let header = format!("{} on {frames} frame(s)", self.effect);
-        writeln!(f, "{header:<26}{:>8}{:>8}{:>8}{:>9}{:>10}", "SSIM", "PSNR", "FLIP", "relMSE", "ms")?;
+        let head =
+            format!("{} on {} frame(s), quality {}", self.effect, self.frames.len(), self.quality.name());
+        let mut rows =
+            vec![[&head, "SSIM", "PSNR", "FLIP", "relMSE", "ms", "on"].map(str::to_owned).to_vec()];
         for (index, method) in self.frames[0].methods.iter().enumerate() {
             let milliseconds = self.mean(|frame| frame.methods[index].milliseconds);
-            line(f, &method.name, self.mean_scores(|frame| frame.methods[index].scores), Some(milliseconds))?;
+            let scores = self.mean_scores(|frame| frame.methods[index].scores);
+            rows.push(row(&method.name, scores, Some(milliseconds), &method.device));
         }
         let milliseconds = self.mean(|frame| frame.truth.milliseconds);
-        line(f, "truth, half against half", self.mean_scores(|frame| frame.truth.noise), Some(milliseconds))?;
-        line(f, "white image", self.mean_scores(|frame| frame.truth.white), None)
+        let noise = self.mean_scores(|frame| frame.truth.noise);
+        rows.push(row("truth, half against half", noise, Some(milliseconds), "the processor"));
+        rows.push(row("white image", self.mean_scores(|frame| frame.truth.white), None, ""));
+        writeln!(f, "{}", table::aligned(&rows))
     }
 }
 
-fn line(f: &mut fmt::Formatter<'_>, name: &str, scores: Scores, milliseconds: Option<f64>) -> fmt::Result {
+fn row(name: &str, scores: Scores, milliseconds: Option<f64>, device: &str) -> Vec<String> {
     let Scores { ssim, psnr, flip, relative_mse } = scores;
     let milliseconds = milliseconds.map_or_else(String::new, |value| format!("{value:.2}"));
-    writeln!(f, "{name:<26}{ssim:>8.3}{psnr:>8.1}{flip:>8.3}{relative_mse:>9.4}{milliseconds:>10}")
+    vec![
+        name.to_owned(),
+        format!("{ssim:.3}"),
+        format!("{psnr:.1}"),
+        format!("{flip:.3}"),
+        format!("{relative_mse:.4}"),
+        milliseconds,
+        device.to_owned(),
+    ]
 }

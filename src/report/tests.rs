@@ -27,7 +27,8 @@ fn frame(name: &str, methods: &[&str]) -> FrameReport {
     let methods = methods.iter().enumerate().map(|(i, name)| {
         let image = wave(0.3 * (i + 1) as f32);
         let scores = truth.scores(&image);
-        MethodReport { name: (*name).to_owned(), scores, image, milliseconds: 2.5, clock: Clock::Gpu }
+        let (name, clock, device) = ((*name).to_owned(), Clock::Gpu, "a card".to_owned());
+        MethodReport { name, scores, image, milliseconds: 2.5, clock, device }
     });
     let methods = methods.collect();
     FrameReport {
@@ -39,7 +40,8 @@ fn frame(name: &str, methods: &[&str]) -> FrameReport {
 }
 
 fn comparison(frames: Vec<FrameReport>) -> Comparison {
-    Comparison { effect: EFFECT, frames, machine: vec![("adapter".to_owned(), "none <of> any".to_owned())] }
+    let machine = vec![("adapter".to_owned(), "none <of> any".to_owned())];
+    Comparison { effect: EFFECT, quality: Quality::High, frames, machine }
 }
 
 /// Values of an attribute in the page's source.
@@ -110,6 +112,26 @@ fn a_second_report_leaves_nothing_of_the_first_and_all_that_is_not_its_own() {
     std::fs::write(folder.path().join("frame-00"), "in the way").expect("written");
     assert!(comparison(vec![frame("one", &["hbao"])]).write(folder.path()).is_err());
     assert!(!there("index.html"));
+}
+
+#[test]
+fn a_folder_that_holds_something_else_is_refused_and_left_as_it_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let place = |name: &str| folder.path().join(name);
+    let report = comparison(vec![frame("one", &["hbao"])]);
+    for (name, text) in [("holiday.png", "a picture"), ("index.html", "<html>my own page</html>")] {
+        std::fs::write(place(name), text).expect("written");
+        let error = report.write(folder.path()).expect_err("another's folder").to_string();
+        assert!(error.contains(name) && error.contains("no report"), "{error}");
+        assert_eq!(std::fs::read_to_string(place(name)).expect("read"), text);
+        assert_eq!(std::fs::read_dir(folder.path()).expect("entries").count(), 1);
+        std::fs::remove_file(place(name)).expect("removed");
+    }
+    // What a report leaves that was killed while it was written.
+    report.write(folder.path()).expect("a report");
+    std::fs::remove_file(place("index.html")).expect("removed");
+    report.write(folder.path()).expect("only frames are left");
+    report.write(folder.path()).expect("an earlier report");
 }
 
 #[test]

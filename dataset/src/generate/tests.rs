@@ -62,6 +62,11 @@ fn pairs_with_an_error_take_the_samples_that_it_needs_and_come_with_their_varian
     assert!(taken.iter().all(|samples| (128..4096).contains(samples)), "{taken:?}");
 }
 
+/// The first line of a journal.
+fn head(origin: &Origin) -> String {
+    serde_json::to_string(origin).expect("JSON")
+}
+
 #[test]
 fn a_killed_run_ends_with_the_bytes_of_an_undisturbed_one() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -77,7 +82,7 @@ fn a_killed_run_ends_with_the_bytes_of_an_undisturbed_one() {
     std::fs::remove_file(out.join(MANIFEST)).expect("removed");
     let json = |record: &PairRecord| serde_json::to_string(record).expect("JSON");
     let cut_off = &json(third)[..40];
-    let journal = format!("\"{}\"\n{}\n{}\n{cut_off}", manifest.origin.job(), json(first), json(second));
+    let journal = format!("{}\n{}\n{}\n{cut_off}", head(&manifest.origin), json(first), json(second));
     std::fs::write(out.join(JOURNAL), journal).expect("written");
     std::fs::write(out.join(&second.file), &undisturbed[Path::new(&second.file)][..500]).expect("truncated");
     std::fs::remove_file(out.join(&fourth.file)).expect("removed");
@@ -108,15 +113,22 @@ fn a_folder_in_use_or_with_other_data_is_left_alone() {
     let before = contents(&out);
     let other = recipe(folder.path(), 4);
     let refused = generate(&other, &out).expect_err("another recipe");
-    assert!(matches!(refused, DatasetError::OtherData { .. }), "{refused}");
+    let refused = refused.to_string();
+    assert!(refused.contains("holds other data: `seed` is 3 there and 4 here; choose"), "{refused}");
     assert!(contents(&out) == before);
     let busy = folder.path().join("busy");
-    let (journal, _) = Journal::open::<PairRecord>(&busy, &[PAIRS], MANIFEST, "a job").expect("opened");
+    let mut origin = Manifest::load(&out).expect("a manifest").origin;
+    origin.recipe.resolution.width = 48;
+    (origin.recipe_hash, origin.recipe.seed) = ("another".to_owned(), 4);
+    let (journal, _) = Journal::open::<PairRecord>(&busy, &[PAIRS], MANIFEST, &origin).expect("opened");
     let refused = generate(&other, &busy).expect_err("in use");
     assert!(matches!(refused, DatasetError::Busy { .. }), "{refused}");
     drop(journal);
     let refused = generate(&other, &busy).expect_err("another job's journal");
-    assert!(refused.to_string().contains("holds data of a job"), "{refused}");
+    assert!(refused.to_string().contains("`resolution.width` is 48 there and 40 here"), "{refused}");
+    std::fs::write(busy.join(JOURNAL), "\"an older version's head\"\n").expect("written");
+    let refused = generate(&other, &busy).expect_err("another version's journal").to_string();
+    assert!(refused.contains(JOURNAL) && refused.contains("another version"), "{refused}");
     let report = folder.path().join("report");
     std::fs::create_dir(&report).expect("made");
     std::fs::write(report.join("index.html"), "a page").expect("written");
@@ -222,7 +234,9 @@ fn scene_files_are_found_again_from_the_data_and_a_change_of_any_is_noticed() {
     assert!(error.contains("slabs.gltf") && error.contains("not what the data were made from"), "{error}");
     let changed = Recipe { folder: moved, ..recipe };
     let plan = changed.plan().expect("a plan");
-    assert_ne!(Origin::new(&changed, &plan, &out).expect("an origin").job(), origin.job());
+    let changed = Origin::new(&changed, &plan, &out).expect("an origin");
+    let error = changed.check_same(&origin, &out).expect_err("other contents").to_string();
+    assert!(error.contains("the scene files have other contents"), "{error}");
 }
 
 #[test]
@@ -289,7 +303,7 @@ fn varied_data_are_resumed_to_the_same_bytes() {
     std::fs::remove_file(out.join(MANIFEST)).expect("removed");
     std::fs::remove_file(out.join(&manifest.pairs[1].file)).expect("removed");
     let first = serde_json::to_string(&manifest.pairs[0]).expect("JSON");
-    std::fs::write(out.join(JOURNAL), format!("\"{}\"\n{first}\n", manifest.origin.job())).expect("written");
+    std::fs::write(out.join(JOURNAL), format!("{}\n{first}\n", head(&manifest.origin))).expect("written");
     assert_eq!(generate(&recipe, &out).expect("resumed").rendered, 1);
     assert!(contents(&out) == undisturbed);
 }
@@ -310,7 +324,7 @@ impl Method for Depths {
         let position = frame.gbuffer.select(&[Attribute::Position]).expect("a position");
         let (height, width) = (position.height(), position.width());
         let image = Planes::from_fn(self.0.channels(), height, width, |_, y, x| -position.at(2, y, x));
-        Ok(Shaded { image, milliseconds: 0.0, clock: Clock::Cpu })
+        Ok(Shaded { image, milliseconds: 0.0, clock: Clock::Cpu, device: String::new() })
     }
 }
 

@@ -47,8 +47,8 @@ impl TestSet {
         let tiles = tiles_of(recipe)?;
         let plan = recipe.plan()?;
         let origin = Origin::new(recipe, &plan, folder)?;
-        let earlier = earlier_frames(folder, &origin.job())?;
-        let (journal, mut entries) = Journal::open(folder, &["tiles", "whole"], LIST, &origin.job())?;
+        let earlier = earlier_frames(folder, &origin)?;
+        let (journal, mut entries) = Journal::open(folder, &["tiles", "whole"], LIST, &origin)?;
         entries.extend(earlier);
         let known = checked(folder, entries);
         let total = recipe.scene_count() * recipe.views_per_scene;
@@ -74,15 +74,12 @@ impl TestSet {
 }
 
 /// The frames of a test set that is whole, or was before a file was damaged.
-fn earlier_frames(folder: &Path, ours: &str) -> Result<Vec<FrameRecord>, DatasetError> {
+fn earlier_frames(folder: &Path, ours: &Origin) -> Result<Vec<FrameRecord>, DatasetError> {
     if !folder.join(LIST).exists() {
         return Ok(Vec::new());
     }
     let List { origin, frames } = List::load(folder)?;
-    let theirs = origin.job();
-    if theirs != ours {
-        return Err(DatasetError::OtherData { folder: folder.to_owned(), theirs, ours: ours.to_owned() });
-    }
+    origin.check_same(ours, folder)?;
     Ok(frames)
 }
 

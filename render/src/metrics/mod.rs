@@ -28,7 +28,7 @@ use deepshade_shaders::Planes;
 pub struct Scores {
     /// Structural similarity, 1 where equal; higher is better.
     pub ssim: f64,
-    /// Peak signal-to-noise ratio, decibels, infinite where equal; higher is better.
+    /// Peak signal-to-noise ratio, decibels, [`psnr::MOST`] where equal; higher is better.
     pub psnr: f64,
     /// Mean FLIP, 0 where equal, at most 1; lower is better.
     pub flip: f64,

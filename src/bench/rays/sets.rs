@@ -1,7 +1,7 @@
 //! The rays: those of a camera, those that ask for ambient occlusion, and those that leave a surface after one diffuse
 //! bounce.
 
-use crate::compare::DEFAULT_REACH;
+use crate::radius::DEFAULT_REACH;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::bvh::bundle::BUNDLE;
 use deepshade_render::intersection::SurfacePoint;
