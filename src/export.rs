@@ -2,9 +2,11 @@
 
 use crate::figures::{Figures, write_atomically};
 use anyhow::{Context, Result, ensure};
-use deepshade_dataset::Manifest;
+use deepshade_dataset::vary::Surroundings;
+use deepshade_dataset::{Manifest, Recipe};
 use deepshade_infer::Model;
 use deepshade_infer::forward::{Precision, wgsl_files};
+use deepshade_shaders::Effect;
 use deepshade_train::TrainConfig;
 use deepshade_train::export::{Facts, export};
 use serde_json::Value;
@@ -94,43 +96,69 @@ fn exported(args: &Args, run: &Path, out: &Path) -> Result<Model> {
 pub fn facts(manifest: &Manifest, metrics: Vec<(String, String)>) -> Facts {
     let recipe = &manifest.origin.recipe;
     let (height, width) = (recipe.resolution.height, recipe.resolution.width);
+    let target = match &recipe.target {
+        Some(method) => format!("images of `{method}`"),
+        None => format!("truth of {} samples a pixel", recipe.samples),
+    };
     let families: Vec<&str> = recipe.families.iter().map(|family| family.name.as_str()).collect();
     Facts {
         recipe: format!(
-            "`{}`: {} frames of {width} x {height}, {} samples a pixel, seed {}, of {} scenes ({})",
+            "`{}`: {} frames of {width} x {height}, {target}, seed {}, of {} scenes ({})",
             manifest.origin.recipe_file,
             manifest.pairs.len(),
-            recipe.samples,
             recipe.seed,
             recipe.scene_count(),
             families.join(", ")
         ),
         metrics,
-        limits: limits(),
+        limits: limits(recipe),
         licence: LICENCE.to_owned(),
     }
 }
 
-/// What networks that see one frame of a screen cannot do, whatever their effect.
-fn limits() -> Vec<String> {
-    [
-        "It sees what the camera sees: what lies outside the image or behind other surfaces blocks nothing.",
-        "It was trained on perspective views with a vertical field of view of 50 degrees, without motion or \
-         depth-of-field blur.",
-        "Its radius is fixed; other radii work by scaling positions and get worse the further they are from the \
-         trained one.",
-        "Frames are independent; nothing keeps them steady over time.",
-    ]
-    .map(str::to_owned)
-    .to_vec()
+/// What a network cannot do: what none can that sees one frame of a screen, and what the data keep from this one.
+fn limits(recipe: &Recipe) -> Vec<String> {
+    let mut limits = vec![
+        "It sees what the camera sees: what lies outside the image or behind other surfaces does nothing."
+            .to_owned(),
+        "It was trained on perspective views with a vertical field of view of 50 degrees.".to_owned(),
+        "Frames are independent; nothing keeps them steady over time.".to_owned(),
+    ];
+    limits.extend(match recipe.effect {
+        Effect::Ao | Effect::Do | Effect::Gi | Effect::Multi => {
+            Some("Its radius is fixed; other radii work by scaling lengths and get worse the further they are from the trained one.")
+        }
+        Effect::Aa => Some("The paper's table gives this network 1.2 k weights, which its text does not lead to: it gives 609."),
+        Effect::Ibl => Some("The paper's table gives this network 3.9 k weights, which its text does not lead to: it gives 4,503."),
+        Effect::Real => Some(
+            "It was trained on a synthetic capture, not on photographs: what the paper reports of its own, learned from \
+             thousands of photographs of one room, cannot be held against it.",
+        ),
+        _ => None,
+    }.map(str::to_owned));
+    if let Some(target) = &recipe.target {
+        limits.push(format!("It imitates `{target}`, a screen-space method, and its mistakes, not truth."));
+    }
+    let environment = recipe.vary.as_ref().and_then(|vary| vary.environment.as_ref());
+    limits.extend(environment.map(|environment| {
+        let which = match environment {
+            Surroundings::Sky(seed) => format!("the clear sky of seed {seed}"),
+            Surroundings::File(path) => path.display().to_string(),
+        };
+        format!("It knows one environment by heart, {which}; under any other it is wrong.")
+    }));
+    limits
 }
 
-/// Figures of a JSON file as the card's table.
+/// Figures of a JSON file as the card's table, but for those that are there a second time under the network's name.
 fn metrics(path: &Path) -> Result<Vec<(String, String)>> {
     let read = || -> Result<Vec<(String, String)>> {
         let json: Value = serde_json::from_slice(&std::fs::read(path)?)?;
         let figures = json["figures"].as_object().context("has no `figures`")?;
-        Ok(figures.iter().map(|(name, value)| (name.clone(), rounded(value))).collect())
+        let network = json["details"]["network"].as_str().map(|network| format!("_{network}"));
+        let is_repeated = |name: &str| network.as_ref().is_some_and(|network| name.contains(network));
+        let figures = figures.iter().filter(|(name, _)| !is_repeated(name));
+        Ok(figures.map(|(name, value)| (name.clone(), rounded(value))).collect())
     };
     read().with_context(|| path.display().to_string())
 }
@@ -151,7 +179,7 @@ mod tests {
     fn figures_become_rows() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("eval.json");
-        std::fs::write(&path, r#"{"figures": {"ssim_learned": 0.71234567, "frames": 200.0}}"#)
+        std::fs::write(&path, r#"{"figures": {"ssim_learned": 0.71234567, "frames": 200.0, "ssim_gi": 0.7}, "details": {"network": "gi"}}"#)
             .expect("written");
         let rows = metrics(&path).expect("reads");
         let expected = [("frames", "200"), ("ssim_learned", "0.7123")];

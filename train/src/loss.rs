@@ -38,6 +38,19 @@ const SCALES: [f64; 5] = [0.0448, 0.2856, 0.3001, 0.2363, 0.1333];
 /// Below this a scale's similarity counts as this: negative ones have no root.
 const LEAST_SIMILARITY: f64 = 1e-4;
 
+impl std::fmt::Display for Loss {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Dssim => "DSSIM",
+            Self::L1 => "L1",
+            Self::L2 => "L2",
+            Self::DssimL1 => "DSSIM + L1",
+            Self::DssimL2 => "DSSIM + L2",
+            Self::MsSsimL1 => "0.84 (1 - MS-SSIM) + 0.16 L1",
+        })
+    }
+}
+
 impl Loss {
     /// Height and width of the smallest crops that it can measure.
     pub const fn smallest_crop(self) -> usize {

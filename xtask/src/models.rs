@@ -66,7 +66,12 @@ pub fn run(args: &[String]) -> Result<()> {
         for (step, mut command) in steps(budget, &args.work) {
             let began = Instant::now();
             command::run(&mut command).with_context(|| format!("{}: {step}", budget.name))?;
-            writeln!(report, "{:<12} {step:<10} {:>8.1} min", budget.name, began.elapsed().as_secs_f64() / 60.0)?;
+            writeln!(
+                report,
+                "{:<12} {step:<10} {:>8.1} min",
+                budget.name,
+                began.elapsed().as_secs_f64() / 60.0
+            )?;
         }
     }
     println!("{report}");

@@ -1,6 +1,8 @@
 //! A model's card: what it was made from, how good it is, what it is not good for.
 
 use crate::TrainConfig;
+use deepshade_infer::{NetSpec, Scaling};
+use deepshade_shaders::Channel;
 use std::fmt::Write;
 
 /// What a card says beyond what the run's own files hold.
@@ -27,6 +29,32 @@ pub(super) struct Trained {
     pub loss: f32,
 }
 
+/// What is done to the numbers that the network reads, in words.
+fn scales(spec: &NetSpec) -> String {
+    let factors = |length: f32, light: f32| {
+        let channels = spec.inputs.iter().flat_map(|attribute| attribute.channels());
+        channels
+            .map(|channel| (channel, NetSpec::factor(&channel, Scaling { length, light })))
+            .collect::<Vec<_>>()
+    };
+    let plain = factors(1.0, 1.0);
+    let reacting = |to: &[(Channel, f32)]| plain.iter().zip(to).any(|(a, b)| a.1 != b.1);
+    let mut said = Vec::new();
+    if reacting(&factors(2.0, 1.0)) {
+        said.push(format!("lengths by {} over the radius in metres", spec.reach.radius));
+    }
+    if reacting(&factors(1.0, 2.0)) {
+        said.push("light such that 99 % of what is not black is at most 1".to_owned());
+    }
+    said.extend(
+        plain
+            .iter()
+            .filter(|(_, factor)| *factor != 1.0)
+            .map(|(channel, factor)| format!("`{channel}` by {factor}")),
+    );
+    if said.is_empty() { "nothing".to_owned() } else { said.join("; ") }
+}
+
 /// The card as Markdown.
 pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> String {
     let spec = &config.spec;
@@ -34,6 +62,7 @@ pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> Str
     let rows = [
         ("Effect", spec.effect.to_string()),
         ("Reads", inputs.join(", ")),
+        ("Scaled by", scales(spec)),
         ("Weights", spec.weight_count().to_string()),
         ("Trained radius", format!("{} (in scaled positions)", spec.reach.radius)),
         (
@@ -43,6 +72,7 @@ pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> Str
         ("Data", facts.recipe.clone()),
         ("Data hash", format!("`{}` (BLAKE3 of the dataset's manifest.json)", config.data_hash)),
         ("Seed", config.seed.to_string()),
+        ("Loss", config.loss.to_string()),
         ("Optimiser", config.optimiser.to_string()),
         ("Batch", format!("{} crops of {} by {}", config.batch, config.crop, config.crop)),
         ("Steps", format!("{} (best of {})", trained.step, trained.of)),
@@ -69,7 +99,7 @@ pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> Str
     card += "\n## Files\n\n\
         - `weights.safetensors`, `net.json`: the weights and the network's spec.\n\
         - `model.onnx`: the same network, any batch, height and width; it reads what the WGSL pass reads:\n  \
-        positions multiplied by trained radius over wanted radius, 0 in all channels where nothing is seen.\n\
+        channels scaled as said above, 0 in all of them where nothing is seen; its image is of the light as scaled.\n\
         - `parity.safetensors`: an input and its output, to check a runtime with.\n";
     card
 }

@@ -63,7 +63,7 @@ fn model_proto(spec: &NetSpec, graph: Graph) -> ModelProto {
         producer_name: "deepshade".to_owned(),
         producer_version: env!("CARGO_PKG_VERSION").to_owned(),
         doc_string: format!(
-            "{} from {}; positions are multiplied by trained radius over wanted radius before",
+            "{} from {}; the model's card says what its inputs are multiplied by before",
             spec.effect,
             inputs.join(", ")
         ),

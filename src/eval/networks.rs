@@ -1,0 +1,216 @@
+//! `deepshade eval --all`: every network beside what the thesis reports of its own, as a table, figures and a page.
+
+use super::paper::{Published, published};
+use super::rivals::trivial_name;
+use super::score::Evaluation;
+use super::{Args, Judgement, Subject, judge, page, target, testset};
+use crate::figures::{Figures, write_atomically};
+use crate::methods::LEARNED;
+use crate::statistics::Estimate;
+use crate::{learned, table};
+use anyhow::{Context, Result, ensure};
+use deepshade_dataset::TestSet;
+use deepshade_shaders::gpu::Gpu;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// Where networks are.
+const MODELS: &str = "models";
+
+/// A network with what its evaluation has come to.
+pub struct Row {
+    /// The name of its folder.
+    pub name: String,
+    /// Number of weights.
+    pub weights: usize,
+    /// What it was scored against.
+    pub target: String,
+    /// What the thesis says of it.
+    pub published: Option<&'static Published>,
+    /// The image that it is held against for doing nothing.
+    pub trivial: &'static str,
+    /// The scores.
+    pub judgement: Judgement,
+}
+
+/// Evaluates all networks that have a test set, prints and writes the table.
+///
+/// # Errors
+/// If there is none, a network or test set cannot be read, a method fails or a file cannot be written.
+pub fn run(args: &Args) -> Result<()> {
+    if let Some(folder) = &args.page {
+        page::check_folder(folder)?;
+    }
+    let gpu = Gpu::new()?;
+    let mut rows = Vec::new();
+    for (folder, set) in networks(args)? {
+        let name = name_of(&folder);
+        note!("{name}");
+        let model = learned::network(&folder, None)?;
+        let effect = model.spec.effect;
+        let set = testset(&set, effect, args)?;
+        let (weights, target) = (model.spec.weight_count(), target(&set).to_owned());
+        let subject = Subject { effect, network: Some((figure_name(&folder), model)), set };
+        let judgement = judge(&subject, args, &gpu)?;
+        rows.push(Row {
+            published: published(&name),
+            trivial: trivial_name(effect),
+            name,
+            weights,
+            target,
+            judgement,
+        });
+    }
+    let mut figures = Figures::new("eval");
+    for row in &rows {
+        let evaluation = &row.judgement.evaluation;
+        set_figures(&mut figures, &row.name.replace('-', "_"), evaluation);
+        figures.detail(&row.name, json!(evaluation.parts()));
+    }
+    figures.detail("adapter", json!(gpu.info.name));
+    figures.write(args.json.as_deref())?;
+    let lines: Vec<Vec<String>> =
+        std::iter::once(HEAD.map(str::to_owned).to_vec()).chain(rows.iter().map(line)).collect();
+    if let Some(path) = &args.markdown {
+        write_atomically(path, markdown(&lines).as_bytes())?;
+    }
+    if let Some(folder) = &args.page {
+        page::write(folder, &lines, &rows)?;
+    }
+    say!("{}", table::aligned(&lines))
+}
+
+/// The folders of networks, each with that of its test set; networks without one are named and left out.
+fn networks(args: &Args) -> Result<Vec<(PathBuf, PathBuf)>> {
+    let entries = std::fs::read_dir(MODELS).with_context(|| format!("no folder `{MODELS}` here"))?;
+    let mut folders: Vec<PathBuf> = entries.map(|entry| Ok(entry?.path())).collect::<Result<_>>()?;
+    folders.retain(|folder| folder.join("net.json").is_file());
+    folders.sort();
+    let mut found = Vec::new();
+    for folder in folders {
+        let set = match &args.testsets {
+            Some(sets) => sets.join(name_of(&folder)),
+            None => folder.join("testset"),
+        };
+        match TestSet::is_in(&set) {
+            true => found.push((folder, set)),
+            false => note!("{}: left out, there is no test set in {}", folder.display(), set.display()),
+        }
+    }
+    ensure!(!found.is_empty(), "no network in `{MODELS}` has a test set; --testsets says where they are");
+    Ok(found)
+}
+
+fn name_of(folder: &Path) -> String {
+    folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// The name that figures have for the network in a folder.
+pub fn figure_name(folder: &Path) -> String {
+    name_of(folder).replace('-', "_")
+}
+
+/// The figures of a network: `ssim_<network>`, `ssim_<network>_<rival>`, `ceiling_<network>`, `frames_<network>`, ...
+pub fn set_figures(figures: &mut Figures, network: &str, evaluation: &Evaluation) {
+    for (name, estimate) in evaluation.estimates() {
+        figures.set(&of_network(network, name), estimate.mean);
+    }
+    figures.set(&format!("frames_{network}"), evaluation.frames as f64);
+}
+
+/// What a figure of an evaluation is called where there are several networks.
+fn of_network(network: &str, figure: &str) -> String {
+    match figure.split_once('_') {
+        Some((metric, LEARNED)) => format!("{metric}_{network}"),
+        Some((_, "ceiling")) => format!("ceiling_{network}"),
+        Some((metric, method)) => format!("{metric}_{network}_{method}"),
+        None => format!("{figure}_{network}"),
+    }
+}
+
+/// What the columns of the table hold.
+const HEAD: [&str; 13] = [
+    "network",
+    "weights",
+    "target",
+    "frames",
+    "SSIM",
+    "paper",
+    "best rival",
+    "its SSIM",
+    "nothing done",
+    "ceiling",
+    "ms",
+    "paper's ms",
+    "rival's ms",
+];
+
+/// A network's line of the table.
+fn line(row: &Row) -> Vec<String> {
+    let Judgement { rivals, evaluation } = &row.judgement;
+    let estimates = evaluation.estimates();
+    let found = |metric: &str, of: &str| estimates.get(format!("{metric}_{of}").as_str()).copied();
+    let ssim = |of: &str| found("ssim", of);
+    let analytic = rivals.iter().filter(|rival| rival.name != LEARNED);
+    let best = analytic.max_by(|a, b| mean(ssim(&a.name)).total_cmp(&mean(ssim(&b.name))));
+    let interval =
+        |estimate: Option<Estimate>| estimate.map_or(String::new(), |estimate| estimate.to_string());
+    let number = |estimate: Option<Estimate>, digits: usize| {
+        estimate.map_or(String::new(), |estimate| format!("{:.digits$}", estimate.mean))
+    };
+    let paper = row.published.map_or("-".to_owned(), |paper| {
+        let star = if paper.incomparable.is_some() { "*" } else { "" };
+        format!("{:.3}{star}", paper.ssim)
+    });
+    vec![
+        row.name.clone(),
+        row.weights.to_string(),
+        row.target.clone(),
+        evaluation.frames.to_string(),
+        interval(ssim(LEARNED)),
+        paper,
+        best.map_or("-".to_owned(), |rival| rival.name.replace('_', "-")),
+        interval(best.and_then(|rival| ssim(&rival.name))),
+        number(ssim(row.trivial), 3),
+        number(ssim("ceiling"), 3),
+        number(found("ms", LEARNED), 1),
+        row.published.map_or("-".to_owned(), |paper| format!("{:.1}", paper.milliseconds)),
+        number(best.and_then(|rival| found("ms", &rival.name)), 1),
+    ]
+}
+
+fn mean(estimate: Option<Estimate>) -> f64 {
+    estimate.map_or(f64::NEG_INFINITY, |estimate| estimate.mean)
+}
+
+/// The lines as a Markdown table, the first one its head.
+fn markdown(lines: &[Vec<String>]) -> String {
+    let row = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+    let rule = format!("|{}\n", "---|".repeat(lines[0].len()));
+    let body: String = lines[1..].iter().map(|line| row(line)).collect();
+    row(&lines[0]) + &rule + &body
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_of_networks_have_names_of_their_own() {
+        let names = ["ssim_learned", "ssim_ring_gather", "ssim_ceiling", "ms_learned", "ms_fxaa_low"];
+        let expected = [
+            "ssim_motion_blur",
+            "ssim_motion_blur_ring_gather",
+            "ceiling_motion_blur",
+            "ms_motion_blur",
+            "ms_motion_blur_fxaa_low",
+        ];
+        assert_eq!(names.map(|name| of_network("motion_blur", name)), expected);
+    }
+
+    #[test]
+    fn a_markdown_table_has_a_rule_below_its_head() {
+        let lines = [["a", "b"], ["1", "2"]].map(|line| line.map(str::to_owned).to_vec());
+        assert_eq!(markdown(&lines), "| a | b |\n|---|---|\n| 1 | 2 |\n");
+    }
+}
