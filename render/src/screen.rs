@@ -12,7 +12,7 @@ pub mod reprojection;
 
 pub use compiled::{Compiled, Technique};
 pub use gbuffer::GpuGBuffer;
-pub use plan::{Plan, Step};
+pub use plan::{MethodStep, Plan, Step};
 pub use reprojection::Reprojection;
 
 use crate::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
@@ -58,6 +58,9 @@ pub struct Inputs<'a> {
     pub environment: Option<&'a Environment>,
 }
 
+/// The contents of buffers, one after the other.
+pub type Written = Vec<Vec<f32>>;
+
 /// A way to compute an effect from what the camera sees.
 pub trait ScreenMethod: Send + Sync {
     /// Its name on the command line; figures write hyphens as underscores.
@@ -85,9 +88,10 @@ pub trait ScreenMethod: Send + Sync {
         inputs: &Inputs<'_>,
         uniforms: &[wgpu::Buffer],
         output: &wgpu::Buffer,
-    ) -> Result<Vec<Step>, GpuError>;
+    ) -> Result<Vec<MethodStep>, GpuError>;
 
-    /// What its passes make, computed slowly and plainly on the CPU.
+    /// What its passes write, in the order of [`MethodStep::writes`], computed slowly and plainly on the CPU. The last of it
+    /// is the image.
     ///
     /// # Errors
     /// If the g-buffer lacks an attribute.
@@ -96,7 +100,7 @@ pub trait ScreenMethod: Send + Sync {
         gbuffer: &GBuffer,
         environment: Option<&Environment>,
         view: &View,
-    ) -> Result<Planes, MissingAttribute>;
+    ) -> Result<Written, MissingAttribute>;
 }
 
 impl<M: ScreenMethod + ?Sized> Method for M {
@@ -156,7 +160,7 @@ impl<M: ScreenMethod + ?Sized> ScreenMethod for Box<M> {
         inputs: &Inputs<'_>,
         uniforms: &[wgpu::Buffer],
         output: &wgpu::Buffer,
-    ) -> Result<Vec<Step>, GpuError> {
+    ) -> Result<Vec<MethodStep>, GpuError> {
         (**self).steps(inputs, uniforms, output)
     }
 
@@ -165,7 +169,7 @@ impl<M: ScreenMethod + ?Sized> ScreenMethod for Box<M> {
         gbuffer: &GBuffer,
         environment: Option<&Environment>,
         view: &View,
-    ) -> Result<Planes, MissingAttribute> {
+    ) -> Result<Written, MissingAttribute> {
         (**self).reference(gbuffer, environment, view)
     }
 }

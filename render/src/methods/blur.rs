@@ -9,7 +9,7 @@
 mod tests;
 
 use super::Surface;
-use crate::screen::{GpuGBuffer, Step, View};
+use crate::screen::{GpuGBuffer, MethodStep, View};
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{self, TILE, uniforms};
 use deepshade_shaders::{Attribute, Effect, Planes};
@@ -71,24 +71,25 @@ impl Blur {
         gbuffer: &GpuGBuffer,
         [rows, columns]: [&wgpu::Buffer; 2],
         image: &wgpu::Buffer,
-    ) -> Result<[Step; 2], GpuError> {
+    ) -> Result<[MethodStep; 2], GpuError> {
         let (height, width) = (gbuffer.height(), gbuffer.width());
         let half_blurred = gpu::empty::<f32>(device, "blur.half_blurred", self.channels * height * width)?;
         let surface = [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
         let workgroups = gpu::groups(height, width, TILE);
-        let step = |uniform: &wgpu::Buffer, planes: [&wgpu::Buffer; 2]| {
-            let buffers = [&[uniform], &surface[..], &planes].concat();
-            let resources: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
-            Ok(Step { pass: self.pass.bind(device, &resources)?, workgroups })
+        let step = |uniform: &wgpu::Buffer, from: &wgpu::Buffer, to: &wgpu::Buffer| {
+            let reads = [&[uniform], &surface[..], &[from]].concat();
+            MethodStep::bind(device, &self.pass, workgroups, &reads, &[to])
         };
-        Ok([step(rows, [image, &half_blurred])?, step(columns, [&half_blurred, image])?])
+        Ok([step(rows, image, &half_blurred)?, step(columns, &half_blurred, image)?])
     }
 }
 
-/// Both directions of the blur of `image`, `[channels, height, width]` with one or three channels: what
-/// [`Blur::steps`] makes.
-pub fn smooth(surface: &Surface, [rows, columns]: &[uniforms::Blur; 2], image: &Planes) -> Planes {
-    along(surface, columns, &along(surface, rows, image))
+/// The blur of `image`, `[channels, height, width]` with one or three channels, along rows, and of that along columns:
+/// what [`Blur::steps`] makes.
+pub fn smooth(surface: &Surface, [rows, columns]: &[uniforms::Blur; 2], image: &Planes) -> [Planes; 2] {
+    let along_rows = along(surface, rows, image);
+    let along_both = along(surface, columns, &along_rows);
+    [along_rows, along_both]
 }
 
 /// One direction of the blur: `smooth.wgsl`.

@@ -1,5 +1,6 @@
-//! The analytic methods, one folder each: `mod.rs` says what it is, `passes.rs` runs on the GPU, `reference.rs` is the
-//! slow, plain version that the GPU is checked against. What several share is in files beside them.
+//! The analytic methods, one folder each: `mod.rs` says what it is, `passes.rs` runs on the GPU (of those that
+//! march from random directions [`march`] does), `reference.rs` is the slow, plain version that the GPU is checked
+//! against, pass by pass. What several share is in files beside them.
 
 pub mod blur;
 pub mod environment_map;
@@ -7,6 +8,7 @@ pub mod fxaa;
 pub mod gather;
 pub mod gtao;
 pub mod hbao;
+pub mod march;
 mod picture;
 pub mod prefiltered;
 pub mod reconstruction;
@@ -21,9 +23,17 @@ mod translucent;
 #[cfg(test)]
 pub(crate) mod proving;
 
+use crate::screen::Written;
+use deepshade_shaders::Planes;
+
 pub use picture::Picture;
 pub use surface::Surface;
 pub use translucent::Translucent;
+
+/// Images as what passes write.
+fn images<const COUNT: usize>(images: [Planes; COUNT]) -> Written {
+    images.map(|image| image.data().to_vec()).into()
+}
 
 /// How much time a method may take for a better image. Each says in its `Parameters::of` what that means to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]

@@ -6,10 +6,11 @@ pub mod receiver;
 use crate::bvh::TracedScene;
 use crate::gbuffer;
 use crate::methods::picture::every_pixel;
+use crate::methods::{gtao, ring_gather};
 use crate::path::sampler::{cosine_hemisphere, frame};
 use crate::scene::procedural::Family;
 use crate::scene::{Camera, Environment, Lens, Material, Mesh, Scene};
-use crate::screen::{GpuGBuffer, Inputs, Plan, ScreenMethod, View};
+use crate::screen::{GpuGBuffer, Inputs, MethodStep, Plan, ScreenMethod, View, Written};
 use deepshade_shaders::gpu;
 use deepshade_shaders::{Attribute, GBuffer, Planes};
 use glam::{IVec2, Mat3, Vec2, Vec3};
@@ -189,7 +190,12 @@ pub struct Tolerance {
 /// In words, how they differ.
 pub fn agree(a: &Planes, b: &Planes, tolerance: Tolerance) -> Result<(), String> {
     assert!(a.same_shape(b));
-    let mut differences: Vec<f32> = a.data().iter().zip(b.data()).map(|(a, b)| (a - b).abs()).collect();
+    values_agree(a.data(), b.data(), tolerance)
+}
+
+fn values_agree(a: &[f32], b: &[f32], tolerance: Tolerance) -> Result<(), String> {
+    assert_eq!(a.len(), b.len());
+    let mut differences: Vec<f32> = a.iter().zip(b).map(|(a, b)| (a - b).abs()).collect();
     if differences.iter().any(|difference| difference.is_nan()) {
         return Err("not a number".to_owned());
     }
@@ -203,6 +209,33 @@ pub fn agree(a: &Planes, b: &Planes, tolerance: Tolerance) -> Result<(), String>
     }
 }
 
+/// What each of a method's passes writes of a g-buffer, read before the next one runs.
+fn written_on_gpu(
+    method: &impl ScreenMethod,
+    gbuffer: &GBuffer,
+    environment: Option<&Environment>,
+    view: &View,
+) -> Written {
+    let gpu = method.gpu();
+    let uploaded =
+        GpuGBuffer::upload(&gpu.device, gbuffer, method.attributes()).expect("attributes and room");
+    let plan = Plan::new(method, &Inputs { gbuffer: &uploaded, environment }, view).expect("a plan");
+    let read = |buffer: &wgpu::Buffer| gpu::read::<f32>(&gpu.device, &gpu.queue, buffer).expect("values");
+    let submit = |record: &dyn Fn(&mut wgpu::CommandEncoder)| {
+        gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| record(encoder)).expect("valid passes");
+    };
+    let mut written = Written::new();
+    for MethodStep { step, writes } in plan.steps() {
+        submit(&|encoder| step.encode(encoder, "test", None));
+        written.extend(writes.iter().map(read));
+    }
+    submit(&|encoder| plan.encode(encoder));
+    let bits = |image: &[f32]| image.iter().map(|value| value.to_bits()).collect::<Vec<u32>>();
+    let last = written.last().expect("an image");
+    assert!(bits(last) == bits(&read(plan.output())), "{}: all at once gives the same bits", method.name());
+    written
+}
+
 /// What a method's passes make of a g-buffer.
 pub fn on_gpu(
     method: &impl ScreenMethod,
@@ -210,21 +243,11 @@ pub fn on_gpu(
     environment: Option<&Environment>,
     view: &View,
 ) -> Planes {
-    let gpu = method.gpu();
-    let uploaded =
-        GpuGBuffer::upload(&gpu.device, gbuffer, method.attributes()).expect("attributes and room");
-    let plan = Plan::new(method, &Inputs { gbuffer: &uploaded, environment }, view).expect("a plan");
-    let run = || {
-        gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
-        gpu::read::<f32>(&gpu.device, &gpu.queue, plan.output()).expect("an image")
-    };
-    let image = run();
-    let bits = |image: &[f32]| image.iter().map(|value| value.to_bits()).collect::<Vec<u32>>();
-    assert!(bits(&image) == bits(&run()), "{}: the same frame twice gives the same bits", method.name());
+    let image = written_on_gpu(method, gbuffer, environment, view).pop().expect("an image");
     Planes::from_data(method.effect().channels(), view.height, view.width, image)
 }
 
-/// Proves that a method's passes make what its plain version makes, and the same bits when they run again.
+/// Proves that each of a method's passes writes what its plain version does, and that all at once they make the same bits.
 ///
 /// # Panics
 /// If they do not.
@@ -236,15 +259,17 @@ pub fn prove_twin(
     tolerance: Tolerance,
 ) {
     let wanted = method.reference(gbuffer, environment, view).expect("all attributes");
-    let found = on_gpu(method, gbuffer, environment, view);
-    assert_eq!(
-        agree(&found, &wanted, tolerance),
-        Ok(()),
-        "{} at {}x{}",
-        method.name(),
-        view.width,
-        view.height
-    );
+    let found = written_on_gpu(method, gbuffer, environment, view);
+    let compared = passes_agree(&found, &wanted, tolerance);
+    assert_eq!(compared, Ok(()), "{} at {}x{}", method.name(), view.width, view.height);
+}
+
+/// Whether what passes write agrees, buffer by buffer.
+fn passes_agree(a: &Written, b: &Written, tolerance: Tolerance) -> Result<(), String> {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).enumerate().try_for_each(|(index, (a, b))| {
+        values_agree(a, b, tolerance).map_err(|what| format!("buffer {index}: {what}"))
+    })
 }
 
 /// Proves that this tolerance tells an image from those that mistakes make of it: shifted by a pixel, mirrored, upside
@@ -269,5 +294,26 @@ pub fn prove_comparator(right: &Planes, tolerance: Tolerance) {
     assert_eq!(agree(right, right, tolerance), Ok(()));
     for (how, image) in wrong {
         assert!(agree(right, &image, tolerance).is_err(), "an image that is {how} passes");
+    }
+}
+
+#[test]
+fn a_pass_between_that_is_wrong_is_found_out() {
+    let gpu = gpu::Gpu::new().expect("an adapter; lavapipe will do");
+    let tolerance = Tolerance { usual: 1e-4, worst: 0.05 };
+    let gtao = gtao::Gtao::new(&gpu, gtao::Parameters::default()).expect("valid shaders");
+    let ring_gather =
+        ring_gather::RingGather::new(&gpu, ring_gather::Parameters::default()).expect("valid shaders");
+    let gbuffer = lit_still_life(43, 61);
+    let view = view(43, 61, 1.0);
+    for (method, buffers) in [(&gtao as &dyn ScreenMethod, 3), (&ring_gather, 6)] {
+        let right = method.reference(&gbuffer, None, &view).expect("all attributes");
+        assert_eq!((right.len(), passes_agree(&right, &right, tolerance)), (buffers, Ok(())));
+        for buffer in 0..buffers {
+            let mut wrong = right.clone();
+            wrong[buffer].iter_mut().for_each(|value| *value *= 1.01);
+            let error = passes_agree(&right, &wrong, tolerance).expect_err("1 % too much");
+            assert!(error.starts_with(&format!("buffer {buffer}: ")), "{}: {error}", method.name());
+        }
     }
 }

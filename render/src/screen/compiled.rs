@@ -1,9 +1,9 @@
 //! A screen method compiled for a device: what all of them have alike, so that a method's file says only what is its own.
 
-use super::{Inputs, ScreenMethod, Step, View};
+use super::{Inputs, MethodStep, ScreenMethod, View, Written};
 use crate::scene::Environment;
 use deepshade_shaders::gpu::{Gpu, GpuError};
-use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
+use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
 
 /// What a method is, apart from the device that it runs on. Its parameters implement it.
 pub trait Technique: Copy + Send + Sync {
@@ -36,7 +36,7 @@ pub trait Technique: Copy + Send + Sync {
         inputs: &Inputs<'_>,
         uniforms: &[wgpu::Buffer],
         output: &wgpu::Buffer,
-    ) -> Result<Vec<Step>, GpuError>;
+    ) -> Result<Vec<MethodStep>, GpuError>;
 
     /// As [`ScreenMethod::reference`].
     ///
@@ -47,7 +47,7 @@ pub trait Technique: Copy + Send + Sync {
         gbuffer: &GBuffer,
         environment: Option<&Environment>,
         view: &View,
-    ) -> Result<Planes, MissingAttribute>;
+    ) -> Result<Written, MissingAttribute>;
 }
 
 /// A method, compiled for a device.
@@ -100,7 +100,7 @@ impl<T: Technique> ScreenMethod for Compiled<T> {
         inputs: &Inputs<'_>,
         uniforms: &[wgpu::Buffer],
         output: &wgpu::Buffer,
-    ) -> Result<Vec<Step>, GpuError> {
+    ) -> Result<Vec<MethodStep>, GpuError> {
         self.parameters.steps(&self.passes, &self.gpu.device, inputs, uniforms, output)
     }
 
@@ -109,7 +109,7 @@ impl<T: Technique> ScreenMethod for Compiled<T> {
         gbuffer: &GBuffer,
         environment: Option<&Environment>,
         view: &View,
-    ) -> Result<Planes, MissingAttribute> {
+    ) -> Result<Written, MissingAttribute> {
         self.parameters.reference(gbuffer, environment, view)
     }
 }

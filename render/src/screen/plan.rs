@@ -1,7 +1,7 @@
 //! The passes of a method, bound and ready to run as often as wanted.
 
 use super::{Inputs, ScreenMethod, View};
-use deepshade_shaders::gpu::{self, BoundPass, GpuError, Stamps};
+use deepshade_shaders::gpu::{self, BoundPass, GpuError, Pass, Stamps};
 
 /// A bound pass and how many workgroups of it run.
 #[derive(Clone, Debug)]
@@ -23,11 +23,56 @@ impl Step {
     }
 }
 
+/// A pass of a method, and what it writes.
+#[derive(Clone, Debug)]
+pub struct MethodStep {
+    /// What runs.
+    pub step: Step,
+    /// Where it writes, in the order of its bindings. A later pass may write there again.
+    pub writes: Vec<wgpu::Buffer>,
+}
+
+impl MethodStep {
+    /// Binds a pass to buffers in the order of its bindings, of which it writes the last ones.
+    ///
+    /// # Errors
+    /// If they are not what the pass declares and uses.
+    pub fn bind(
+        device: &wgpu::Device,
+        pass: &Pass,
+        workgroups: [u32; 3],
+        reads: &[&wgpu::Buffer],
+        writes: &[&wgpu::Buffer],
+    ) -> Result<Self, GpuError> {
+        let numbered: Vec<(u32, &wgpu::Buffer)> = (0..).zip([reads, writes].concat()).collect();
+        let (reads, writes) = numbered.split_at(reads.len());
+        Self::bind_at(device, pass, workgroups, reads, writes)
+    }
+
+    /// Binds a pass to buffers by the numbers of its bindings.
+    ///
+    /// # Errors
+    /// If they are not what the pass declares and uses.
+    pub fn bind_at(
+        device: &wgpu::Device,
+        pass: &Pass,
+        workgroups: [u32; 3],
+        reads: &[(u32, &wgpu::Buffer)],
+        writes: &[(u32, &wgpu::Buffer)],
+    ) -> Result<Self, GpuError> {
+        let all = reads.iter().chain(writes);
+        let pass =
+            pass.bind_at(device, all.map(|(binding, buffer)| (*binding, buffer.as_entire_binding())))?;
+        let writes = writes.iter().map(|(_, buffer)| (*buffer).clone()).collect();
+        Ok(Self { step: Step { pass, workgroups }, writes })
+    }
+}
+
 /// The passes of a method for one g-buffer on the GPU.
 #[derive(Clone, Debug)]
 pub struct Plan {
     label: String,
-    steps: Vec<Step>,
+    steps: Vec<MethodStep>,
     uniforms: Vec<wgpu::Buffer>,
     output: wgpu::Buffer,
 }
@@ -74,9 +119,14 @@ impl Plan {
 
     /// Records all passes within a compute pass of the caller's.
     pub fn encode_in(&self, pass: &mut wgpu::ComputePass<'_>) {
-        for Step { pass: bound, workgroups } in &self.steps {
-            bound.dispatch_in(pass, *workgroups);
+        for MethodStep { step, .. } in &self.steps {
+            step.pass.dispatch_in(pass, step.workgroups);
         }
+    }
+
+    /// The passes in order, for whoever wants what lies between them.
+    pub fn steps(&self) -> &[MethodStep] {
+        &self.steps
     }
 
     /// The image, `[channels, height, width]` f32.

@@ -42,7 +42,7 @@ fn where_nothing_is_seen_is_the_background() {
     let surface = Surface::of(&gbuffer).expect("all attributes");
     for effect in [Effect::Ao, Effect::Gi] {
         let settings = Parameters { radius: 4, sharpness: 1.0 }.settings(&view(9, 9, 1.0), effect);
-        let image = smooth(&surface, &settings, &Planes::filled(effect.channels(), 9, 9, 0.25));
+        let [_, image] = smooth(&surface, &settings, &Planes::filled(effect.channels(), 9, 9, 0.25));
         assert_eq!(Some(image.at(effect.channels() - 1, 4, 0)), effect.background());
         assert_eq!(image.at(0, 4, 8), 0.25);
     }

@@ -22,13 +22,13 @@ pub mod reference;
 #[cfg(test)]
 mod tests;
 
-use super::{Picture, Quality};
+use super::{Picture, Quality, images};
 use crate::scene::Environment;
-use crate::screen::{Compiled, Inputs, Step, Technique, View};
+use crate::screen::{Compiled, Inputs, MethodStep, Technique, View, Written};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::uniforms;
-use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
+use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
 use passes::Passes;
 
 /// Most steps of a search.
@@ -78,7 +78,7 @@ impl Technique for Parameters {
         inputs: &Inputs<'_>,
         uniforms: &[wgpu::Buffer],
         output: &wgpu::Buffer,
-    ) -> Result<Vec<Step>, GpuError> {
+    ) -> Result<Vec<MethodStep>, GpuError> {
         passes.steps(device, inputs.gbuffer, uniforms, output)
     }
 
@@ -87,8 +87,8 @@ impl Technique for Parameters {
         gbuffer: &GBuffer,
         _environment: Option<&Environment>,
         view: &View,
-    ) -> Result<Planes, MissingAttribute> {
-        Ok(reference::shade(&Picture::of(gbuffer)?, &self.settings(view)))
+    ) -> Result<Written, MissingAttribute> {
+        Ok(images(reference::shade(&Picture::of(gbuffer)?, &self.settings(view))))
     }
 }
 

@@ -1,6 +1,6 @@
 //! What runs on the GPU: luma, then the blend along edges.
 
-use crate::screen::{GpuGBuffer, Step};
+use crate::screen::{GpuGBuffer, MethodStep};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{self, TILE};
@@ -32,20 +32,19 @@ impl Passes {
         gbuffer: &GpuGBuffer,
         uniforms: &[wgpu::Buffer],
         smoothed: &wgpu::Buffer,
-    ) -> Result<Vec<Step>, GpuError> {
+    ) -> Result<Vec<MethodStep>, GpuError> {
         let (height, width) = (gbuffer.height(), gbuffer.width());
         // [1, height, width]
         let luma = gpu::empty::<f32>(device, "fxaa.luma", height * width)?;
         let [light, valid] = [Attribute::Light, Attribute::Valid].map(|a| gbuffer.buffer(a));
         let [settings, lengths] = uniforms else { unreachable!("the method has two uniform buffers") };
         let workgroups = gpu::groups(height, width, TILE);
-        let step = |pass: &Pass, buffers: &[&wgpu::Buffer]| {
-            let resources: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
-            Ok(Step { pass: pass.bind(device, &resources)?, workgroups })
+        let step = |pass: &Pass, reads: &[&wgpu::Buffer], to: &wgpu::Buffer| {
+            MethodStep::bind(device, pass, workgroups, reads, &[to])
         };
         Ok(vec![
-            step(&self.luma, &[settings, light, valid, &luma])?,
-            step(&self.smooth, &[settings, light, valid, &luma, lengths, smoothed])?,
+            step(&self.luma, &[settings, light, valid], &luma)?,
+            step(&self.smooth, &[settings, light, valid, &luma, lengths], smoothed)?,
         ])
     }
 }

@@ -5,10 +5,11 @@ use crate::methods::Picture;
 use deepshade_shaders::{Planes, colour};
 use glam::{IVec2, Vec3};
 
-/// The picture with smooth edges, radiance, `[3, height, width]`.
-pub fn shade(picture: &Picture, settings: &Settings) -> Planes {
+/// Luma, `[1, height, width]`, and the picture with smooth edges, radiance, `[3, height, width]`.
+pub fn shade(picture: &Picture, settings: &Settings) -> [Planes; 2] {
     let luma = luma(picture);
-    picture.image(|pixel| smooth_edges(picture, &luma, settings, pixel))
+    let image = picture.image(|pixel| smooth_edges(picture, &luma, settings, pixel));
+    [luma, image]
 }
 
 /// Luma, `[1, height, width]`: `luma.wgsl`.

@@ -7,6 +7,7 @@ use crate::methods::proving::{
     Tolerance, everything, lit_still_life, picture_of, prove_comparator, prove_twin, view,
 };
 use crate::path::{self, Sampling, Shot};
+use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
 use glam::{IVec2, Vec3};
 
@@ -18,7 +19,8 @@ const TOLERANCE: Tolerance = Tolerance { usual: 1e-5, worst: 0.5 };
 
 fn smoothed(gbuffer: &GBuffer, parameters: &Parameters) -> Planes {
     let settings = parameters.settings(&view(gbuffer.height(), gbuffer.width(), 1.0));
-    reference::shade(&Picture::of(gbuffer).expect("a picture"), &settings)
+    let [.., image] = reference::shade(&Picture::of(gbuffer).expect("a picture"), &settings);
+    image
 }
 
 #[test]

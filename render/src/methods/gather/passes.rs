@@ -1,6 +1,6 @@
 //! What runs on the GPU: the areas that pixels show, then the gather.
 
-use crate::screen::{GpuGBuffer, Step};
+use crate::screen::{GpuGBuffer, MethodStep};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{self, TILE};
@@ -32,7 +32,7 @@ impl Passes {
         gbuffer: &GpuGBuffer,
         settings: &wgpu::Buffer,
         scattered: &wgpu::Buffer,
-    ) -> Result<Vec<Step>, GpuError> {
+    ) -> Result<Vec<MethodStep>, GpuError> {
         let (height, width) = (gbuffer.height(), gbuffer.width());
         // [1, height, width]
         let areas = gpu::empty::<f32>(device, "gather.areas", height * width)?;
@@ -40,23 +40,15 @@ impl Passes {
             [Attribute::Light, Attribute::Valid, Attribute::Position, Attribute::MeanFreePath]
                 .map(|a| gbuffer.buffer(a));
         let workgroups = gpu::groups(height, width, TILE);
-        let step = |pass: &Pass, buffers: &[(u32, &wgpu::Buffer)]| {
-            let bindings = buffers.iter().map(|(binding, buffer)| (*binding, buffer.as_entire_binding()));
-            Ok(Step { pass: pass.bind_at(device, bindings)?, workgroups })
+        let step = |pass: &Pass, reads: &[(u32, &wgpu::Buffer)], writes: (u32, &wgpu::Buffer)| {
+            MethodStep::bind_at(device, pass, workgroups, reads, &[writes])
         };
         Ok(vec![
-            step(&self.areas, &[(0, settings), (2, valid), (3, position), (5, &areas)])?,
+            step(&self.areas, &[(0, settings), (2, valid), (3, position)], (5, &areas))?,
             step(
                 &self.gather,
-                &[
-                    (0, settings),
-                    (1, light),
-                    (2, valid),
-                    (3, position),
-                    (4, length),
-                    (5, &areas),
-                    (6, scattered),
-                ],
+                &[(0, settings), (1, light), (2, valid), (3, position), (4, length), (5, &areas)],
+                (6, scattered),
             )?,
         ])
     }

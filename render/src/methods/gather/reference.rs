@@ -13,14 +13,16 @@ const GOLDEN_ANGLE: f32 = 2.399_963_2;
 /// The share of the profile that is left out.
 const LEFT_OUT: f32 = 1e-4;
 
-/// Scattered light, radiance, `[3, height, width]`.
-pub fn shade(surface: &Translucent, settings: &uniforms::Gather) -> Planes {
+/// The areas of what pixels show, square metres, `[1, height, width]`, and scattered light, radiance,
+/// `[3, height, width]`.
+pub fn shade(surface: &Translucent, settings: &uniforms::Gather) -> [Planes; 2] {
     let (height, width) = (surface.picture.height, surface.picture.width);
     let areas = every_pixel(height, width, |pixel| area_of_surface(surface, settings, pixel));
     let light = surface.picture.image(|pixel| surface.picture.light_at(pixel));
-    surface.image(&light, |pixel, channel, d| {
+    let image = surface.image(&light, |pixel, channel, d| {
         gather_channel(surface, &light, &areas, settings, pixel, channel, d)
-    })
+    });
+    [Planes::from_data(1, height, width, areas), image]
 }
 
 /// `areas.wgsl`

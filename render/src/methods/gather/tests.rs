@@ -13,6 +13,7 @@ use crate::path::proving::quad;
 use crate::path::{self, Sampling, Shot};
 use crate::scene::{Camera, Light, Material, MaterialId, Mesh, Scene};
 use crate::screen::ScreenMethod;
+use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
 use glam::{IVec2, Vec3};
 
@@ -24,7 +25,8 @@ const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.1 };
 
 fn scattered(gbuffer: &GBuffer, samples: u32) -> Planes {
     let settings = Parameters { samples }.settings(&view(gbuffer.height(), gbuffer.width(), 1.0));
-    reference::shade(&Translucent::of(gbuffer).expect("all attributes"), &settings)
+    let [.., image] = reference::shade(&Translucent::of(gbuffer).expect("all attributes"), &settings);
+    image
 }
 
 #[test]

@@ -14,19 +14,16 @@
 //! Unlike [`hbao`](super::hbao) it weighs directions by their cosine as truth does, needs neither falloff nor strength,
 //! and lets light pass behind thin things.
 
-pub mod passes;
 pub mod reference;
 #[cfg(test)]
 mod tests;
 
-use super::{Quality, Surface, blur, slices};
+use super::{Quality, Surface, blur, images, march, slices};
 use crate::scene::Environment;
-use crate::screen::{Compiled, Inputs, Step, Technique, View};
-use bytemuck::bytes_of;
+use crate::screen::{Compiled, Inputs, MethodStep, Technique, View, Written};
 use deepshade_shaders::gpu::GpuError;
-use deepshade_shaders::wgsl::uniforms;
-use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
-use passes::Passes;
+use deepshade_shaders::wgsl::{self, uniforms};
+use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,18 +62,12 @@ impl Parameters {
 
     /// The passes' parameters for a view.
     pub fn settings(&self, view: &View) -> Settings {
-        Settings { slices: self.slices.settings(view), blurs: self.blur.settings(view, Effect::Ao) }
+        Settings { march: self.slices.settings(view), blurs: self.blur.settings(view, Effect::Ao) }
     }
 }
 
 /// Parameters of the three passes for one frame, as the GPU reads them.
-#[derive(Clone, Copy, Debug)]
-pub struct Settings {
-    /// The march.
-    pub slices: uniforms::Slices,
-    /// The blur along rows, then along columns.
-    pub blurs: [uniforms::Blur; 2],
-}
+pub type Settings = march::Settings<uniforms::Slices>;
 
 /// The method, compiled for a device.
 pub type Gtao = Compiled<Parameters>;
@@ -85,26 +76,26 @@ impl Technique for Parameters {
     const NAME: &'static str = "gtao";
     const EFFECT: Effect = Effect::Ao;
     const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
-    type Passes = Passes;
+    type Passes = march::Passes;
 
-    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
-        Passes::new(device)
+    fn compile(device: &wgpu::Device) -> Result<march::Passes, GpuError> {
+        march::Passes::new(device, &wgsl::GTAO_OCCLUSION, Self::EFFECT)
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-        let Settings { slices, blurs: [rows, columns] } = self.settings(view);
-        vec![bytes_of(&slices).to_vec(), bytes_of(&rows).to_vec(), bytes_of(&columns).to_vec()]
+        self.settings(view).uniforms()
     }
 
     fn steps(
         &self,
-        passes: &Passes,
+        passes: &march::Passes,
         device: &wgpu::Device,
         inputs: &Inputs<'_>,
         uniforms: &[wgpu::Buffer],
         output: &wgpu::Buffer,
-    ) -> Result<Vec<Step>, GpuError> {
-        passes.steps(device, inputs.gbuffer, uniforms, output)
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let reads = march::Reads { gbuffer: inputs.gbuffer, attributes: Self::ATTRIBUTES, more: &[] };
+        passes.steps(device, reads, uniforms, output)
     }
 
     fn reference(
@@ -112,7 +103,7 @@ impl Technique for Parameters {
         gbuffer: &GBuffer,
         _environment: Option<&Environment>,
         view: &View,
-    ) -> Result<Planes, MissingAttribute> {
-        Ok(reference::shade(&Surface::of(gbuffer)?, &self.settings(view)))
+    ) -> Result<Written, MissingAttribute> {
+        Ok(images(reference::shade(&Surface::of(gbuffer)?, &self.settings(view))))
     }
 }

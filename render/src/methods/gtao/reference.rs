@@ -1,13 +1,13 @@
 //! The slow, plain version of `occlusion.wgsl`, and the blur.
 
 use super::Settings;
-use crate::methods::{Surface, blur, slices};
+use crate::methods::{Surface, march, slices};
 use deepshade_shaders::{Planes, wgsl::uniforms};
 use glam::Vec3;
 
-/// Openness after the blur, `[1, height, width]`.
-pub fn shade(surface: &Surface, settings: &Settings) -> Planes {
-    blur::smooth(surface, &settings.blurs, &occlude(surface, &settings.slices))
+/// Openness before the blur, after that along rows, and after both, `[1, height, width]` each.
+pub fn shade(surface: &Surface, settings: &Settings) -> [Planes; 3] {
+    march::blurred(surface, &settings.blurs, occlude(surface, &settings.march))
 }
 
 /// Openness before the blur, `[1, height, width]`: `occlusion.wgsl`.

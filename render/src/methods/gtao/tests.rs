@@ -11,6 +11,7 @@ use crate::methods::proving::{
 use crate::path::{self, Sampling, Shot};
 use crate::scene::Camera;
 use crate::screen::ScreenMethod;
+use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
 use glam::Vec3;
 
@@ -34,7 +35,9 @@ fn surface(height: usize, width: usize, hit: impl Fn(Vec3) -> Option<(Vec3, Vec3
 }
 
 fn openness(surface: &Surface, parameters: &Parameters, radius: f32) -> Planes {
-    reference::shade(surface, &parameters.settings(&view(surface.height, surface.width, radius)))
+    let [.., image] =
+        reference::shade(surface, &parameters.settings(&view(surface.height, surface.width, radius)));
+    image
 }
 
 #[test]
@@ -122,7 +125,7 @@ fn the_comparator_rejects_what_is_wrong() {
     let right = openness(&surface, &Parameters::default(), 1.0);
     prove_comparator(&right, TOLERANCE);
     let view = View { seed: 12, ..view(HEIGHT, WIDTH, 1.0) };
-    let reseeded = reference::shade(&surface, &Parameters::default().settings(&view));
+    let [.., reseeded] = reference::shade(&surface, &Parameters::default().settings(&view));
     assert!(agree(&right, &reseeded, TOLERANCE).is_err(), "another seed");
 }
 

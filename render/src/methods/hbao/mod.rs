@@ -18,19 +18,16 @@
 //! Its rivals need more of the renderer (ambient occlusion volumes) or weigh by the cosine (ground-truth ambient
 //! occlusion); this is the one that the published comparison has.
 
-pub mod passes;
 pub mod reference;
 #[cfg(test)]
 mod tests;
 
-use super::{Quality, Surface, blur};
+use super::{Quality, Surface, blur, images, march};
 use crate::scene::Environment;
-use crate::screen::{Compiled, Inputs, Step, Technique, View};
-use bytemuck::bytes_of;
+use crate::screen::{Compiled, Inputs, MethodStep, Technique, View, Written};
 use deepshade_shaders::gpu::GpuError;
-use deepshade_shaders::wgsl::uniforms;
-use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
-use passes::Passes;
+use deepshade_shaders::wgsl::{self, uniforms};
+use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,26 +72,26 @@ impl Technique for Parameters {
     const NAME: &'static str = "hbao";
     const EFFECT: Effect = Effect::Ao;
     const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
-    type Passes = Passes;
+    type Passes = march::Passes;
 
-    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
-        Passes::new(device)
+    fn compile(device: &wgpu::Device) -> Result<march::Passes, GpuError> {
+        march::Passes::new(device, &wgsl::HBAO_OCCLUSION, Self::EFFECT)
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-        let Settings { occlusion, blurs: [rows, columns] } = self.settings(view);
-        vec![bytes_of(&occlusion).to_vec(), bytes_of(&rows).to_vec(), bytes_of(&columns).to_vec()]
+        self.settings(view).uniforms()
     }
 
     fn steps(
         &self,
-        passes: &Passes,
+        passes: &march::Passes,
         device: &wgpu::Device,
         inputs: &Inputs<'_>,
         uniforms: &[wgpu::Buffer],
         output: &wgpu::Buffer,
-    ) -> Result<Vec<Step>, GpuError> {
-        passes.steps(device, inputs.gbuffer, uniforms, output)
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let reads = march::Reads { gbuffer: inputs.gbuffer, attributes: Self::ATTRIBUTES, more: &[] };
+        passes.steps(device, reads, uniforms, output)
     }
 
     fn reference(
@@ -102,19 +99,13 @@ impl Technique for Parameters {
         gbuffer: &GBuffer,
         _environment: Option<&Environment>,
         view: &View,
-    ) -> Result<Planes, MissingAttribute> {
-        Ok(reference::shade(&Surface::of(gbuffer)?, &self.settings(view)))
+    ) -> Result<Written, MissingAttribute> {
+        Ok(images(reference::shade(&Surface::of(gbuffer)?, &self.settings(view))))
     }
 }
 
 /// Parameters of the three passes for one frame, as the GPU reads them.
-#[derive(Clone, Copy, Debug)]
-pub struct Settings {
-    /// The march.
-    pub occlusion: uniforms::Hbao,
-    /// The blur along rows, then along columns.
-    pub blurs: [uniforms::Blur; 2],
-}
+pub type Settings = march::Settings<uniforms::Hbao>;
 
 impl Parameters {
     /// Those of a quality: fewer directions and steps are faster, more leave less noise to the blur.
@@ -131,7 +122,7 @@ impl Parameters {
     /// The passes' parameters for a view.
     pub fn settings(&self, view: &View) -> Settings {
         let (width, height) = (view.width as u32, view.height as u32);
-        let occlusion = uniforms::Hbao {
+        let march = uniforms::Hbao {
             width,
             height,
             directions: self.directions.max(1),
@@ -144,6 +135,6 @@ impl Parameters {
             strength: self.strength,
         };
         let blur = blur::Parameters { radius: self.blur_radius, sharpness: self.blur_sharpness };
-        Settings { occlusion, blurs: blur.settings(view, Effect::Ao) }
+        Settings { march, blurs: blur.settings(view, Effect::Ao) }
     }
 }

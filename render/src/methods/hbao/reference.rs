@@ -1,14 +1,14 @@
 //! The slow, plain version of `occlusion.wgsl`, kept so close to it that both can be read side by side, and the blur.
 
 use super::Settings;
-use crate::methods::{Surface, blur};
+use crate::methods::{Surface, march};
 use deepshade_shaders::{Planes, random, wgsl::uniforms};
 use glam::{IVec2, Vec2, Vec3};
 use std::f32::consts::PI;
 
-/// Openness after the blur, `[1, height, width]`.
-pub fn shade(surface: &Surface, settings: &Settings) -> Planes {
-    blur::smooth(surface, &settings.blurs, &occlude(surface, &settings.occlusion))
+/// Openness before the blur, after that along rows, and after both, `[1, height, width]` each.
+pub fn shade(surface: &Surface, settings: &Settings) -> [Planes; 3] {
+    march::blurred(surface, &settings.blurs, occlude(surface, &settings.march))
 }
 
 /// Openness before the blur, `[1, height, width]`: `occlusion.wgsl`.

@@ -8,6 +8,7 @@ use crate::methods::proving::{
 };
 use crate::path::{self, Sampling, Shot};
 use crate::scene::Camera;
+use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
 use glam::Vec3;
 
@@ -40,7 +41,7 @@ fn settings(parameters: &Parameters, surface: &Surface, radius: f32) -> Settings
 fn a_plane_is_open_however_it_is_tilted() {
     for normal in [Vec3::Z, Vec3::new(0.5, 0.3, 1.0), Vec3::new(-2.0, 1.0, 1.0), Vec3::new(0.0, 6.0, 1.0)] {
         let surface = surface(HEIGHT, WIDTH, |ray| plane(ray, Vec3::new(0.0, 0.0, -4.0), normal.normalize()));
-        let openness = reference::shade(&surface, &settings(&PLAIN, &surface, 1.5));
+        let [.., openness] = reference::shade(&surface, &settings(&PLAIN, &surface, 1.5));
         let darkest = openness.data().iter().fold(1.0f32, |a, b| a.min(*b));
         assert!(darkest > 0.999, "normal {normal}: {darkest}");
     }
@@ -59,7 +60,7 @@ fn a_step_occludes_as_its_integral_says() {
         nearest([low, high])
     });
     let parameters = Parameters { directions: 64, steps: 1000, ..PLAIN };
-    let openness = reference::shade(&surface, &settings(&parameters, &surface, radius));
+    let [.., openness] = reference::shade(&surface, &settings(&parameters, &surface, radius));
     let mut compared = 0;
     for x in 0..width {
         let at = surface.position.at(0, height / 2, x);
@@ -95,7 +96,7 @@ fn a_corner_darkens_steadily_from_open_to_half() {
         nearest([wall(Vec3::new(1.0, 0.0, 1.0)), wall(Vec3::new(-1.0, 0.0, 1.0))])
     });
     let parameters = Parameters { directions: 64, steps: 1000, ..PLAIN };
-    let openness = reference::shade(&surface, &settings(&parameters, &surface, 1.2));
+    let [.., openness] = reference::shade(&surface, &settings(&parameters, &surface, 1.2));
     let row: Vec<f32> = (0..=size / 2).map(|x| openness.at(0, size / 2, x)).collect();
     let corner = row[size / 2];
     assert!(row[0] > 0.999 && row[10] > 0.99, "open far from the corner: {row:?}");
@@ -110,7 +111,7 @@ fn a_corner_darkens_steadily_from_open_to_half() {
 fn openness_is_in_range_and_one_where_nothing_is_seen() {
     let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
     let parameters = Parameters { strength: 3.0, ..Parameters::default() };
-    let openness = reference::shade(&surface, &settings(&parameters, &surface, 1.0));
+    let [.., openness] = reference::shade(&surface, &settings(&parameters, &surface, 1.0));
     assert!(openness.data().iter().all(|value| (0.0..=1.0).contains(value)));
     let sky: Vec<usize> = (0..HEIGHT * WIDTH).filter(|i| surface.valid.data()[*i] == 0.0).collect();
     assert!(sky.len() > 100 && sky.len() < HEIGHT * WIDTH / 2, "{} pixels of sky", sky.len());
@@ -139,10 +140,10 @@ fn gpu_and_reference_agree_at_every_pixel() {
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
     let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
-    let right = reference::shade(&surface, &settings(&Parameters::default(), &surface, 1.0));
+    let [.., right] = reference::shade(&surface, &settings(&Parameters::default(), &surface, 1.0));
     prove_comparator(&right, TOLERANCE);
     let view = View { seed: 12, ..view(HEIGHT, WIDTH, 1.0) };
-    let reseeded = reference::shade(&surface, &Parameters::default().settings(&view));
+    let [.., reseeded] = reference::shade(&surface, &Parameters::default().settings(&view));
     assert!(agree(&right, &reseeded, TOLERANCE).is_err(), "another seed");
 }
 

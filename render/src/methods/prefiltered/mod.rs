@@ -21,14 +21,14 @@ pub mod reference;
 #[cfg(test)]
 mod tests;
 
-use super::Quality;
 use super::environment_map::EnvironmentMap;
+use super::{Quality, images};
 use crate::scene::Environment;
-use crate::screen::{Compiled, Inputs, Step, Technique, View};
+use crate::screen::{Compiled, Inputs, MethodStep, Technique, View, Written};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::uniforms;
-use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
+use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
 use glam::Vec3;
 use passes::Passes;
 
@@ -99,7 +99,7 @@ impl Technique for Parameters {
         inputs: &Inputs<'_>,
         uniforms: &[wgpu::Buffer],
         output: &wgpu::Buffer,
-    ) -> Result<Vec<Step>, GpuError> {
+    ) -> Result<Vec<MethodStep>, GpuError> {
         let environment = self.filtered(inputs.environment);
         passes.steps(device, inputs.gbuffer, &environment, &uniforms[0], output)
     }
@@ -109,7 +109,7 @@ impl Technique for Parameters {
         gbuffer: &GBuffer,
         environment: Option<&Environment>,
         _view: &View,
-    ) -> Result<Planes, MissingAttribute> {
-        reference::shade(gbuffer, &self.filtered(environment))
+    ) -> Result<Written, MissingAttribute> {
+        Ok(images([reference::shade(gbuffer, &self.filtered(environment))?]))
     }
 }

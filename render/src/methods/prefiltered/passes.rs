@@ -3,7 +3,7 @@
 use super::Filtered;
 use super::filter::LEVELS;
 use super::lobe::{ANGLES, EXPONENTS};
-use crate::screen::{GpuGBuffer, Step};
+use crate::screen::{GpuGBuffer, MethodStep};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{self, TILE};
@@ -46,13 +46,12 @@ impl Passes {
         environment: &Filtered,
         uniform: &wgpu::Buffer,
         radiance: &wgpu::Buffer,
-    ) -> Result<Vec<Step>, GpuError> {
+    ) -> Result<Vec<MethodStep>, GpuError> {
         let environment = gpu::storage(device, "prefiltered.environment", &packed(environment))?;
         let attributes = ATTRIBUTES.map(|attribute| gbuffer.buffer(attribute));
-        let buffers = [&[uniform], &attributes[..], &[&environment, radiance]].concat();
-        let resources: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
+        let reads = [&[uniform], &attributes[..], &[&environment]].concat();
         let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
-        Ok(vec![Step { pass: self.shade.bind(device, &resources)?, workgroups }])
+        Ok(vec![MethodStep::bind(device, &self.shade, workgroups, &reads, &[radiance])?])
     }
 }
 

@@ -8,6 +8,7 @@ use crate::path::bsdf::Phong;
 use crate::path::proving::{integral, spotted, with_environment};
 use crate::path::{self, Sampling, Shot};
 use crate::scene::procedural::sky;
+use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
 use std::f32::consts::{FRAC_1_PI, PI};
 

@@ -23,11 +23,11 @@ mod tests;
 
 use super::Quality;
 use crate::scene::Environment;
-use crate::screen::{Compiled, Inputs, Step, Technique, View};
+use crate::screen::{Compiled, Inputs, MethodStep, Technique, View, Written};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::uniforms;
-use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
+use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
 use passes::Passes;
 
 /// Edge of a tile, pixels; the paper has 20.
@@ -75,7 +75,7 @@ impl Technique for Parameters {
         inputs: &Inputs<'_>,
         uniforms: &[wgpu::Buffer],
         output: &wgpu::Buffer,
-    ) -> Result<Vec<Step>, GpuError> {
+    ) -> Result<Vec<MethodStep>, GpuError> {
         let gbuffer = inputs.gbuffer;
         let sizes = self.sizes(gbuffer.height(), gbuffer.width());
         passes.steps(device, gbuffer, &sizes, &uniforms[0], output)
@@ -86,7 +86,7 @@ impl Technique for Parameters {
         gbuffer: &GBuffer,
         _environment: Option<&Environment>,
         view: &View,
-    ) -> Result<Planes, MissingAttribute> {
+    ) -> Result<Written, MissingAttribute> {
         Ok(reference::shade(&reference::Moving::of(gbuffer)?, &self.settings(view)))
     }
 }

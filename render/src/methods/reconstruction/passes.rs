@@ -1,6 +1,6 @@
 //! What runs on the GPU: tiles learn of the movements that reach them, then every pixel is exposed.
 
-use crate::screen::{GpuGBuffer, Step};
+use crate::screen::{GpuGBuffer, MethodStep};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{self, TILE, uniforms};
@@ -39,7 +39,7 @@ impl Passes {
         sizes: &uniforms::Reconstruction,
         settings: &wgpu::Buffer,
         image: &wgpu::Buffer,
-    ) -> Result<Vec<Step>, GpuError> {
+    ) -> Result<Vec<MethodStep>, GpuError> {
         // [tiles_high, tiles_wide, 4], of vec3f
         let tiles = (sizes.tiles_wide * sizes.tiles_high) as usize;
         let of_tiles = gpu::empty::<[f32; 4]>(device, "reconstruction.longest_of_tiles", tiles)?;
@@ -47,19 +47,19 @@ impl Passes {
         let [light, valid, motion, depth] =
             [Attribute::Light, Attribute::Valid, Attribute::Motion, Attribute::Depth]
                 .map(|a| gbuffer.buffer(a));
-        let step = |pass: &Pass, [height, width]: [u32; 2], buffers: &[(u32, &wgpu::Buffer)]| {
-            let bindings = buffers.iter().map(|(binding, buffer)| (*binding, buffer.as_entire_binding()));
-            let pass = pass.bind_at(device, bindings)?;
-            Ok(Step { pass, workgroups: gpu::groups(height as usize, width as usize, TILE) })
+        let step = |pass: &Pass, size: [u32; 2], reads: &[(u32, &wgpu::Buffer)], writes| {
+            let [height, width] = size.map(|edge| edge as usize);
+            MethodStep::bind_at(device, pass, gpu::groups(height, width, TILE), reads, &[writes])
         };
         let tiles = [sizes.tiles_high, sizes.tiles_wide];
         Ok(vec![
-            step(&self.tiles, tiles, &[(0, settings), (2, valid), (3, motion), (4, &of_tiles)])?,
-            step(&self.neighbours, tiles, &[(0, settings), (1, &of_tiles), (2, &around)])?,
+            step(&self.tiles, tiles, &[(0, settings), (2, valid), (3, motion)], (4, &of_tiles))?,
+            step(&self.neighbours, tiles, &[(0, settings), (1, &of_tiles)], (2, &around))?,
             step(
                 &self.gather,
                 [sizes.height, sizes.width],
-                &[(0, settings), (1, light), (2, valid), (3, motion), (4, depth), (5, &around), (6, image)],
+                &[(0, settings), (1, light), (2, valid), (3, motion), (4, depth), (5, &around)],
+                (6, image),
             )?,
         ])
     }

@@ -2,6 +2,7 @@
 
 use crate::methods::Picture;
 use crate::methods::picture::every_pixel;
+use crate::screen::Written;
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes, random, wgsl::uniforms};
 use glam::{IVec2, UVec2, Vec2, Vec3, Vec4};
 
@@ -34,12 +35,15 @@ impl Moving {
     }
 }
 
-/// Radiance while the shutter is open, `[3, height, width]`.
-pub fn shade(moving: &Moving, settings: &uniforms::Reconstruction) -> Planes {
+/// What the passes write: the longest movements of tiles and of their neighbours, with a fourth number that is 0, and at
+/// last radiance while the shutter is open, `[3, height, width]`.
+pub fn shade(moving: &Moving, settings: &uniforms::Reconstruction) -> Written {
     let (wide, high) = (settings.tiles_wide as usize, settings.tiles_high as usize);
     let of_tiles = every_pixel(high, wide, |tile| longest_of_tile(moving, settings, tile.as_uvec2()));
     let around = every_pixel(high, wide, |tile| longest_of_neighbours(&of_tiles, settings, tile));
-    moving.picture.image(|pixel| expose(moving, &around, settings, pixel))
+    let image = moving.picture.image(|pixel| expose(moving, &around, settings, pixel));
+    let padded = |movements: &[Vec3]| movements.iter().flat_map(|m| m.extend(0.0).to_array()).collect();
+    vec![padded(&of_tiles), padded(&around), image.data().to_vec()]
 }
 
 /// `tiles.wgsl`

@@ -7,6 +7,7 @@ use crate::methods::proving::{
 };
 use crate::metrics::relative_mse;
 use crate::path::{self, Sampling, Shot};
+use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
 use glam::{IVec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
@@ -43,7 +44,9 @@ fn gbuffer_of(height: usize, width: usize, pixel: impl Fn(IVec2) -> Option<Shown
 
 fn exposed(gbuffer: &GBuffer, parameters: &Parameters) -> Planes {
     let settings = parameters.settings(&view(gbuffer.height(), gbuffer.width(), 1.0));
-    reference::shade(&reference::Moving::of(gbuffer).expect("all attributes"), &settings)
+    let written = reference::shade(&reference::Moving::of(gbuffer).expect("all attributes"), &settings);
+    let image = written.into_iter().last().expect("an image");
+    Planes::from_data(3, gbuffer.height(), gbuffer.width(), image)
 }
 
 /// A sheet to the left of the middle, or above it, that moves by 20 pixels across its edge, before nothing and before what

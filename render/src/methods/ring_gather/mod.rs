@@ -25,11 +25,11 @@ mod tests;
 
 use super::Quality;
 use crate::scene::Environment;
-use crate::screen::{Compiled, Inputs, Step, Technique, View};
+use crate::screen::{Compiled, Inputs, MethodStep, Technique, View, Written};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::{TILE, uniforms};
-use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
+use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
 use passes::Passes;
 
 /// What can be set.
@@ -76,7 +76,7 @@ impl Technique for Parameters {
         inputs: &Inputs<'_>,
         uniforms: &[wgpu::Buffer],
         output: &wgpu::Buffer,
-    ) -> Result<Vec<Step>, GpuError> {
+    ) -> Result<Vec<MethodStep>, GpuError> {
         let gbuffer = inputs.gbuffer;
         let sizes = self.sizes(gbuffer.height(), gbuffer.width());
         passes.steps(device, gbuffer, &sizes, &uniforms[0], output)
@@ -87,7 +87,7 @@ impl Technique for Parameters {
         gbuffer: &GBuffer,
         _environment: Option<&Environment>,
         view: &View,
-    ) -> Result<Planes, MissingAttribute> {
+    ) -> Result<Written, MissingAttribute> {
         Ok(reference::shade(&reference::Blurred::of(gbuffer)?, &self.settings(view)))
     }
 }

@@ -1,7 +1,7 @@
 //! What runs on the GPU: the picture is shrunk, tiles learn of the circles that reach them, layers are gathered and put
 //! over the sharp picture.
 
-use crate::screen::{GpuGBuffer, Step};
+use crate::screen::{GpuGBuffer, MethodStep};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{self, TILE, uniforms};
@@ -44,7 +44,7 @@ impl Passes {
         sizes: &uniforms::RingGather,
         settings: &wgpu::Buffer,
         image: &wgpu::Buffer,
-    ) -> Result<Vec<Step>, GpuError> {
+    ) -> Result<Vec<MethodStep>, GpuError> {
         let pixels = (sizes.low_width * sizes.low_height) as usize;
         let tiles = (sizes.tiles_wide * sizes.tiles_high) as usize;
         // [low_height, low_width, 4]
@@ -60,18 +60,16 @@ impl Passes {
         let [light, valid, depth, blurriness] =
             [Attribute::Light, Attribute::Valid, Attribute::Depth, Attribute::Blurriness]
                 .map(|a| gbuffer.buffer(a));
-        let step = |pass: &Pass, workgroups, buffers: &[&wgpu::Buffer]| {
-            let buffers = [&[settings], buffers].concat();
-            let resources: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
-            Ok(Step { pass: pass.bind(device, &resources)?, workgroups })
+        let step = |pass: &Pass, workgroups, reads: &[&wgpu::Buffer], writes: &[&wgpu::Buffer]| {
+            MethodStep::bind(device, pass, workgroups, &[&[settings], reads].concat(), writes)
         };
         let seen = [light, valid, depth, blurriness];
         Ok(vec![
-            step(&self.shrink, of_low, &[&seen[..], &[&low]].concat())?,
-            step(&self.tiles, of_tiles, &[&low, &largest_in_front])?,
-            step(&self.neighbours, of_tiles, &[&largest_in_front, &largest_around])?,
-            step(&self.gather, of_low, &[&low, &largest_around, &behind, &before])?,
-            step(&self.combine, of_image, &[&seen[..], &[&low, &behind, &before, image]].concat())?,
+            step(&self.shrink, of_low, &seen, &[&low])?,
+            step(&self.tiles, of_tiles, &[&low], &[&largest_in_front])?,
+            step(&self.neighbours, of_tiles, &[&largest_in_front], &[&largest_around])?,
+            step(&self.gather, of_low, &[&low, &largest_around], &[&behind, &before])?,
+            step(&self.combine, of_image, &[&seen[..], &[&low, &behind, &before]].concat(), &[image])?,
         ])
     }
 }

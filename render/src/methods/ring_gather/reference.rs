@@ -2,6 +2,7 @@
 
 use crate::methods::Picture;
 use crate::methods::picture::every_pixel;
+use crate::screen::Written;
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes, wgsl::TILE, wgsl::uniforms};
 use glam::{IVec2, UVec2, Vec2, Vec3, Vec4};
 use std::f32::consts::PI;
@@ -33,8 +34,9 @@ impl Blurred {
     }
 }
 
-/// Radiance through the lens, `[3, height, width]`.
-pub fn shade(blurred: &Blurred, gather: &uniforms::RingGather) -> Planes {
+/// What the passes write: the shrunk picture, the largest circles in front of tiles and of their neighbours, the layers
+/// behind and before, and at last radiance through the lens, `[3, height, width]`.
+pub fn shade(blurred: &Blurred, gather: &uniforms::RingGather) -> Written {
     let (wide, high) = (gather.low_width as usize, gather.low_height as usize);
     let low = every_pixel(high, wide, |pixel| shrink(blurred, gather, pixel.as_uvec2()));
     let tiles = |value: &(dyn Fn(IVec2) -> f32 + Sync)| {
@@ -43,7 +45,12 @@ pub fn shade(blurred: &Blurred, gather: &uniforms::RingGather) -> Planes {
     let largest_in_front = tiles(&|tile| largest_of_tile(&low, gather, tile.as_uvec2()));
     let largest_around = tiles(&|tile| largest_of_neighbours(&largest_in_front, gather, tile));
     let layers = every_pixel(high, wide, |pixel| gather_layers(&low, &largest_around, gather, pixel));
-    blurred.picture.image(|pixel| combine(blurred, &low, &layers, gather, pixel))
+    let image = blurred.picture.image(|pixel| combine(blurred, &low, &layers, gather, pixel));
+    let behind = layers.iter().flat_map(|(behind, _)| behind.extend(0.0).to_array());
+    let before = layers.iter().flat_map(|(_, before)| before.to_array());
+    let (behind, before) = (behind.collect(), before.collect());
+    let low = low.iter().flat_map(Vec4::to_array).collect();
+    vec![low, largest_in_front, largest_around, behind, before, image.data().to_vec()]
 }
 
 /// `shrink.wgsl`: radiance and radius, pixels of the image.

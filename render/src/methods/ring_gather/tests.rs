@@ -10,6 +10,7 @@ use crate::metrics::relative_mse;
 use crate::path::{self, Sampling, Shot};
 use crate::scene::{Camera, Lens};
 use crate::screen::ScreenMethod;
+use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
 use glam::{IVec2, Vec3};
 
@@ -37,7 +38,9 @@ fn gbuffer_of(height: usize, width: usize, pixel: impl Fn(IVec2) -> (Vec3, f32) 
 
 fn blurred(gbuffer: &GBuffer, parameters: &Parameters) -> Planes {
     let settings = parameters.settings(&view(gbuffer.height(), gbuffer.width(), 1.0));
-    reference::shade(&reference::Blurred::of(gbuffer).expect("all attributes"), &settings)
+    let written = reference::shade(&reference::Blurred::of(gbuffer).expect("all attributes"), &settings);
+    let image = written.into_iter().last().expect("an image");
+    Planes::from_data(3, gbuffer.height(), gbuffer.width(), image)
 }
 
 #[test]

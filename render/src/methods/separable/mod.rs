@@ -20,13 +20,13 @@ pub mod reference;
 #[cfg(test)]
 mod tests;
 
-use super::{Quality, Translucent};
+use super::{Quality, Translucent, images};
 use crate::scene::Environment;
-use crate::screen::{Compiled, Inputs, Step, Technique, View};
+use crate::screen::{Compiled, Inputs, MethodStep, Technique, View, Written};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::uniforms;
-use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
+use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
 use passes::Passes;
 
 /// Most taps of one side, the middle among them: `MOST_TAPS` of the shader.
@@ -76,7 +76,7 @@ impl Technique for Parameters {
         inputs: &Inputs<'_>,
         uniforms: &[wgpu::Buffer],
         output: &wgpu::Buffer,
-    ) -> Result<Vec<Step>, GpuError> {
+    ) -> Result<Vec<MethodStep>, GpuError> {
         passes.steps(device, inputs.gbuffer, uniforms, output)
     }
 
@@ -85,8 +85,8 @@ impl Technique for Parameters {
         gbuffer: &GBuffer,
         _environment: Option<&Environment>,
         view: &View,
-    ) -> Result<Planes, MissingAttribute> {
-        Ok(reference::shade(&Translucent::of(gbuffer)?, &self.settings(view)))
+    ) -> Result<Written, MissingAttribute> {
+        Ok(images(reference::shade(&Translucent::of(gbuffer)?, &self.settings(view))))
     }
 }
 

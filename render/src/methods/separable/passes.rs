@@ -1,7 +1,7 @@
 //! What runs on the GPU: the blur along rows, the blur along columns.
 
 use super::MOST_TAPS;
-use crate::screen::{GpuGBuffer, Step};
+use crate::screen::{GpuGBuffer, MethodStep};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{self, TILE};
@@ -33,7 +33,7 @@ impl Passes {
         gbuffer: &GpuGBuffer,
         uniforms: &[wgpu::Buffer],
         scattered: &wgpu::Buffer,
-    ) -> Result<Vec<Step>, GpuError> {
+    ) -> Result<Vec<MethodStep>, GpuError> {
         let (height, width) = (gbuffer.height(), gbuffer.width());
         // [3, height, width]
         let half_blurred = gpu::empty::<f32>(device, "separable.half_blurred", 3 * height * width)?;
@@ -43,9 +43,8 @@ impl Passes {
         let [rows, columns, taps] = uniforms else { unreachable!("the method has three uniform buffers") };
         let workgroups = gpu::groups(height, width, TILE);
         let step = |settings: &wgpu::Buffer, from: &wgpu::Buffer, to: &wgpu::Buffer| {
-            let buffers = [settings, from, valid, position, mean_free_path, taps, to];
-            let resources: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
-            Ok(Step { pass: self.blur.bind(device, &resources)?, workgroups })
+            let reads = [settings, from, valid, position, mean_free_path, taps];
+            MethodStep::bind(device, &self.blur, workgroups, &reads, &[to])
         };
         Ok(vec![step(rows, light, &half_blurred)?, step(columns, &half_blurred, scattered)?])
     }

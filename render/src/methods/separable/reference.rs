@@ -5,12 +5,13 @@ use crate::methods::Translucent;
 use deepshade_shaders::{Planes, wgsl::uniforms};
 use glam::IVec2;
 
-/// Scattered light, radiance, `[3, height, width]`.
-pub fn shade(surface: &Translucent, settings: &Settings) -> Planes {
+/// Light scattered along rows, and along both, radiance, `[3, height, width]` each.
+pub fn shade(surface: &Translucent, settings: &Settings) -> [Planes; 2] {
     let [rows, columns] = &settings.passes;
     let light = surface.picture.image(|pixel| surface.picture.light_at(pixel));
     let half = scatter_along(surface, rows, &settings.taps, &light);
-    scatter_along(surface, columns, &settings.taps, &half)
+    let whole = scatter_along(surface, columns, &settings.taps, &half);
+    [half, whole]
 }
 
 /// One of the two passes over `light`, `[3, height, width]`.

@@ -6,6 +6,7 @@ use crate::methods::proving::{
 };
 use crate::metrics::relative_mse;
 use crate::path::{self, Sampling, Shot};
+use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
 use glam::{IVec2, Vec3};
 
@@ -17,7 +18,8 @@ const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.1 };
 
 fn scattered(gbuffer: &GBuffer, parameters: &Parameters) -> Planes {
     let settings = parameters.settings(&view(gbuffer.height(), gbuffer.width(), 1.0));
-    reference::shade(&Translucent::of(gbuffer).expect("all attributes"), &settings)
+    let [.., image] = reference::shade(&Translucent::of(gbuffer).expect("all attributes"), &settings);
+    image
 }
 
 #[test]

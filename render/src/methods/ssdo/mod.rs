@@ -17,21 +17,18 @@
 //!
 //! Bent normals of [`gtao`](super::gtao) would be faster, and would take all open directions for one cone.
 
-pub mod passes;
 pub mod reference;
 #[cfg(test)]
 mod tests;
 
 use super::environment_map::EnvironmentMap;
-use super::{Quality, Surface, blur};
+use super::{Quality, Surface, blur, images, march};
 use crate::scene::Environment;
-use crate::screen::{Compiled, Inputs, Step, Technique, View};
-use bytemuck::bytes_of;
-use deepshade_shaders::gpu::GpuError;
-use deepshade_shaders::wgsl::uniforms;
-use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
+use crate::screen::{Compiled, Inputs, MethodStep, Technique, View, Written};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::{self, uniforms};
+use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
 use glam::Vec3;
-use passes::Passes;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,7 +72,7 @@ impl Parameters {
     /// The passes' parameters for a view.
     pub fn settings(&self, view: &View) -> Settings {
         let [right, up, back] = [0, 1, 2].map(|axis| view.camera.rotation.col(axis));
-        let light = uniforms::Ssdo {
+        let march = uniforms::Ssdo {
             width: view.width as u32,
             height: view.height as u32,
             directions: self.directions.max(1),
@@ -95,7 +92,7 @@ impl Parameters {
             back_y: back.y,
             back_z: back.z,
         };
-        Settings { light, blurs: self.blur.settings(view, Effect::Do) }
+        Settings { march, blurs: self.blur.settings(view, Effect::Do) }
     }
 
     /// What the environment is filtered into; black without one.
@@ -106,13 +103,7 @@ impl Parameters {
 }
 
 /// Parameters of the three passes for one frame, as the GPU reads them.
-#[derive(Clone, Copy, Debug)]
-pub struct Settings {
-    /// The march.
-    pub light: uniforms::Ssdo,
-    /// The blur along rows, then along columns.
-    pub blurs: [uniforms::Blur; 2],
-}
+pub type Settings = march::Settings<uniforms::Ssdo>;
 
 /// The method, compiled for a device.
 pub type Ssdo = Compiled<Parameters>;
@@ -121,27 +112,29 @@ impl Technique for Parameters {
     const NAME: &'static str = "ssdo";
     const EFFECT: Effect = Effect::Do;
     const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
-    type Passes = Passes;
+    type Passes = march::Passes;
 
-    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
-        Passes::new(device)
+    fn compile(device: &wgpu::Device) -> Result<march::Passes, GpuError> {
+        march::Passes::new(device, &wgsl::SSDO_LIGHT, Self::EFFECT)
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-        let Settings { light, blurs: [rows, columns] } = self.settings(view);
-        vec![bytes_of(&light).to_vec(), bytes_of(&rows).to_vec(), bytes_of(&columns).to_vec()]
+        self.settings(view).uniforms()
     }
 
     fn steps(
         &self,
-        passes: &Passes,
+        passes: &march::Passes,
         device: &wgpu::Device,
         inputs: &Inputs<'_>,
         uniforms: &[wgpu::Buffer],
         output: &wgpu::Buffer,
-    ) -> Result<Vec<Step>, GpuError> {
-        let environment = self.filtered(inputs.environment);
-        passes.steps(device, inputs.gbuffer, &environment, uniforms, output)
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let texels: Vec<[f32; 4]> = self.filtered(inputs.environment).padded().collect();
+        let environment = gpu::storage(device, "ssdo.environment", &texels)?;
+        let reads =
+            march::Reads { gbuffer: inputs.gbuffer, attributes: Self::ATTRIBUTES, more: &[&environment] };
+        passes.steps(device, reads, uniforms, output)
     }
 
     fn reference(
@@ -149,8 +142,8 @@ impl Technique for Parameters {
         gbuffer: &GBuffer,
         environment: Option<&Environment>,
         view: &View,
-    ) -> Result<Planes, MissingAttribute> {
+    ) -> Result<Written, MissingAttribute> {
         let environment = self.filtered(environment);
-        Ok(reference::shade(&Surface::of(gbuffer)?, &environment, &self.settings(view)))
+        Ok(images(reference::shade(&Surface::of(gbuffer)?, &environment, &self.settings(view))))
     }
 }

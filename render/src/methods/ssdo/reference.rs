@@ -2,16 +2,16 @@
 
 use super::Settings;
 use crate::methods::environment_map::EnvironmentMap;
-use crate::methods::{Surface, blur};
+use crate::methods::{Surface, march};
 use deepshade_shaders::{Planes, random, wgsl::uniforms};
 use glam::{IVec2, Vec2, Vec3};
 use std::f32::consts::TAU;
 
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
 
-/// Irradiance over pi after the blur, `[3, height, width]`.
-pub fn shade(surface: &Surface, environment: &EnvironmentMap, settings: &Settings) -> Planes {
-    blur::smooth(surface, &settings.blurs, &gather_light(surface, environment, &settings.light))
+/// Irradiance over pi before the blur, after that along rows, and after both, `[3, height, width]` each.
+pub fn shade(surface: &Surface, environment: &EnvironmentMap, settings: &Settings) -> [Planes; 3] {
+    march::blurred(surface, &settings.blurs, gather_light(surface, environment, &settings.march))
 }
 
 /// Irradiance over pi before the blur, `[3, height, width]`: `light.wgsl`.

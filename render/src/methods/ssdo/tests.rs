@@ -12,6 +12,7 @@ use crate::path::proving::{spotted, with_environment};
 use crate::path::{self, Sampling, Shot};
 use crate::scene::Camera;
 use crate::screen::ScreenMethod;
+use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
 
 const HEIGHT: usize = 43;
@@ -33,7 +34,8 @@ const PLAIN: Parameters = Parameters {
 fn shade(gbuffer: &GBuffer, environment: &Environment, parameters: &Parameters, radius: f32) -> Planes {
     let surface = Surface::of(gbuffer).expect("all attributes");
     let settings = parameters.settings(&view(gbuffer.height(), gbuffer.width(), radius));
-    reference::shade(&surface, &parameters.filtered(Some(environment)), &settings)
+    let [.., image] = reference::shade(&surface, &parameters.filtered(Some(environment)), &settings);
+    image
 }
 
 #[test]
@@ -76,7 +78,7 @@ fn light_comes_from_where_the_camera_in_the_world_says() {
     let camera = Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 1.5, -2.0));
     let view = View { camera, ..view(9, 13, 1.0) };
     let parameters = Parameters { directions: 5000, steps: 2, environment_height: 8, ..PLAIN };
-    let image =
+    let [.., image] =
         reference::shade(&surface, &parameters.filtered(Some(&environment)), &parameters.settings(&view));
     let normal = camera.rotation * Vec3::Z;
     let expected = hemisphere_mean(normal, |direction| environment.radiance(direction).x);
@@ -91,7 +93,7 @@ fn it_is_black_without_an_environment_and_in_the_sky() {
     let dark = Parameters::default().filtered(None);
     let settings = Parameters::default().settings(&view(HEIGHT, WIDTH, 1.0));
     let surface = Surface::of(&gbuffer).expect("all attributes");
-    let image = reference::shade(&surface, &dark, &settings);
+    let [.., image] = reference::shade(&surface, &dark, &settings);
     assert!(image.data().iter().all(|value| *value == 0.0));
     let image = shade(&gbuffer, &spotted(), &Parameters::default(), 1.0);
     let seen = gbuffer.seen().expect("a mask");

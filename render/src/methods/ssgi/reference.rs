@@ -1,14 +1,14 @@
 //! The slow, plain version of `light.wgsl`, and the blur.
 
 use super::Settings;
-use crate::methods::{Surface, blur, slices, surface::vector};
+use crate::methods::{Surface, march, slices, surface::vector};
 use deepshade_shaders::{Planes, wgsl::uniforms};
 use glam::{IVec2, Vec3};
 
-/// Irradiance over pi after the blur, `[3, height, width]`, of direct light that is reflected diffusely,
+/// Irradiance over pi before the blur, after that along rows, and after both, `[3, height, width]` each, of direct light that is reflected diffusely,
 /// [`Attribute::DiffuseLight`](deepshade_shaders::Attribute::DiffuseLight).
-pub fn shade(surface: &Surface, diffuse_light: &Planes, settings: &Settings) -> Planes {
-    blur::smooth(surface, &settings.blurs, &gather_light(surface, diffuse_light, &settings.slices))
+pub fn shade(surface: &Surface, diffuse_light: &Planes, settings: &Settings) -> [Planes; 3] {
+    march::blurred(surface, &settings.blurs, gather_light(surface, diffuse_light, &settings.march))
 }
 
 /// Irradiance over pi before the blur, `[3, height, width]`: `light.wgsl`.
