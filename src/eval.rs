@@ -7,11 +7,10 @@ use crate::figures::Figures;
 use crate::methods::TRUTH;
 use crate::statistics::{Estimate, estimate};
 use anyhow::{Context, Result, ensure};
+use deepshade_dataset::progress;
 use deepshade_dataset::testset::{FrameRecord, gather};
 use deepshade_dataset::{SceneRecord, StagedScene, TestFrame, TestSet};
-use deepshade_dataset::{progress, truth};
 use deepshade_infer::Model;
-use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Repeats};
 use deepshade_render::methods::Quality;
 use deepshade_render::metrics::{exposed, flip, psnr, relative_mse, ssim};
@@ -176,7 +175,7 @@ fn evaluate(set: &TestSet, chosen: &[usize], effect: Effect, rivals: &[Rival]) -
                     .with_context(|| format!("frame {}; --scenes says where scene files are", record.name))?
             }
         };
-        score_frame(&mut evaluation, record, &scene, &set.frame(*index)?, set, effect, rivals)?;
+        score_frame(&mut evaluation, record, &scene, &set.frame(*index)?, effect, rivals)?;
         current = Some((record.scene.clone(), scene));
         bar.inc(1);
     }
@@ -189,13 +188,11 @@ fn score_frame(
     record: &FrameRecord,
     staged: &StagedScene<'_>,
     truth: &TestFrame,
-    set: &TestSet,
     effect: Effect,
     rivals: &[Rival],
 ) -> Result<()> {
-    let (height, width) = (set.recipe().resolution.height, set.recipe().resolution.width);
     let scene = &staged.shown(&record.camera, record.variation.as_ref())?;
-    let gbuffer = gbuffer::render(scene, &record.camera, height, width, truth::attributes(effect));
+    let gbuffer = staged.gbuffer(scene, &record.camera, record.seed);
     let frame =
         Frame { scene, camera: &record.camera, gbuffer: &gbuffer, radius: record.radius, seed: record.seed };
     let kind = kind(&record.scene.source);

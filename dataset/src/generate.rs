@@ -10,9 +10,8 @@ use crate::manifest::{MANIFEST, Manifest, PairRecord};
 use crate::origin::Origin;
 use crate::plan::{Part, PlannedScene, PlannedView};
 use crate::target::{self, TargetMethod};
-use crate::{DatasetError, Props, Recipe, StagedScene, progress, truth, views};
+use crate::{DatasetError, Props, Recipe, StagedScene, progress, truth};
 use deepshade_render::exr_file::{Layer, Metadata, encode};
-use deepshade_render::gbuffer;
 use deepshade_render::method::Frame;
 use deepshade_render::path::{Estimate, Goal, Sampling, Shot, Truth, render};
 use deepshade_render::scene::procedural::Split;
@@ -149,16 +148,14 @@ impl Work<'_> {
         staged: &StagedScene<'_>,
         view: &PlannedView,
     ) -> Result<PairRecord, DatasetError> {
-        let Recipe { effect, resolution, seed, .. } = *self.recipe;
-        let (height, width) = (resolution.height, resolution.width);
-        let camera = views::sample_view(staged.base(), [height, width], seed, planned.key, view.index)?;
+        let camera = staged.camera(planned.key, view.index)?;
         let radius = self.recipe.radius.metres(staged.base().diagonal());
         let (camera, variation) = staged.draw(camera, view.seed);
         let scene = staged.shown(&camera, variation.as_ref())?;
-        let gbuffer = gbuffer::render(&scene, &camera, height, width, truth::attributes(effect));
+        let gbuffer = staged.gbuffer(&scene, &camera, view.seed);
         let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: view.seed };
         let Estimate { mean, variance, samples } = self.target(&frame)?;
-        let target = truth::within_half(mean);
+        let target = truth::within_half(staged.photographed(mean, view.seed));
         let gbuffer = truth::light_within_half(gbuffer);
         let mut record = PairRecord {
             file: file_name(view),

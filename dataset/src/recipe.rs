@@ -11,6 +11,7 @@ mod check;
 use crate::{DatasetError, Vary};
 use deepshade_render::scene::procedural::Split;
 use deepshade_shaders::Effect;
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -42,6 +43,9 @@ pub struct Recipe {
     pub radius: Radius,
     /// Views of every scene.
     pub views_per_scene: usize,
+    /// Where all views are from; without it, they are sampled.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub camera: Option<Viewpoint>,
     /// Share of the scenes, or of the views where there is one scene only, that is held apart for validation.
     #[serde(default)]
     pub validation_share: f64,
@@ -76,6 +80,16 @@ pub struct Resolution {
     pub height: usize,
     /// Columns.
     pub width: usize,
+}
+
+/// A camera that does not move, with [`FIELD_OF_VIEW`](deepshade_render::scene::camera::FIELD_OF_VIEW).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Viewpoint {
+    /// Where it stands, world space, metres.
+    pub position: Vec3,
+    /// What it looks at, world space, metres.
+    pub target: Vec3,
 }
 
 /// How far an effect reaches.

@@ -1,7 +1,7 @@
 //! What makes a recipe sound: values within limits, keys that mean something, families and scene files that are for
 //! what the recipe is for.
 
-use super::{FamilyShare, Radius, Recipe, Resolution, split_name};
+use super::{FamilyShare, Radius, Recipe, Resolution, Viewpoint, split_name};
 use crate::DatasetError;
 use crate::identity::Identity;
 use deepshade_render::path::estimate::SCRAMBLINGS;
@@ -47,6 +47,10 @@ impl Recipe {
                 between("radius.metres", holds, &format!("above 0 and at most {MAX_RADIUS}"))?;
             }
         }
+        if let Some(Viewpoint { position, target }) = self.camera {
+            let away = (position - target).length();
+            between("camera", away.is_finite() && away > 1e-3, "two places that are finite and apart")?;
+        }
         if let Some(tiles) = self.tiles {
             let whole = tiles.samples.is_multiple_of(SCRAMBLINGS);
             let holds = whole && (SCRAMBLINGS..=MAX_SAMPLES).contains(&tiles.samples);
@@ -62,6 +66,11 @@ impl Recipe {
     /// Whether no key is there that means nothing in this recipe, and none is missing that its effect needs.
     fn check_use(&self) -> Result<(), String> {
         self.vary.clone().unwrap_or_default().check(self.effect)?;
+        if self.error.is_some() && self.vary.iter().any(|vary| vary.sensor.is_some()) {
+            return Err(
+                "`error` is for truth, and with `vary.sensor` targets have a camera's noise".to_owned()
+            );
+        }
         if self.target.is_some() && self.error.is_some() {
             return Err(
                 "`error` is for truth, and `target` names a method, whose images have no noise".to_owned()
