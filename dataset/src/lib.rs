@@ -32,6 +32,7 @@ pub mod verify;
 pub mod views;
 
 pub use augment::{Symmetry, augment};
+pub use capture::{Capture, CaptureError};
 pub use contact_sheet::{contact_sheet, test_sheet};
 pub use error::DatasetError;
 pub use generate::{Summary, generate, generate_by};

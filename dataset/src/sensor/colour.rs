@@ -9,8 +9,9 @@ use crate::vary::purpose;
 use deepshade_shaders::Planes;
 use deepshade_shaders::colour::{LINEAR_OF_SRGB, srgb_byte};
 
-/// The radiance that is just white: the exposure, which is the same for all frames.
-pub const WHITE: f32 = 2.0;
+/// The radiance that is just white: the exposure, which is the same for all frames. Under the procedural skies level ground
+/// that reflects all light has a radiance of 1, what faces the sun more.
+pub const WHITE: f32 = 1.5;
 /// Electrons of a pixel that is white: those of a webcam's small pixels.
 const FULL_WELL: f32 = 5000.0;
 /// Standard deviation of reading them out, electrons.
@@ -48,7 +49,7 @@ mod tests {
 
     #[test]
     fn noise_grows_with_the_root_of_light_and_has_no_mean() {
-        for radiance in [0.1f32, 0.4, 1.0, 1.6] {
+        for radiance in [0.1f32, 0.4, 0.8, 1.2] {
             let electrons = f64::from(radiance / WHITE * FULL_WELL);
             let expected = (electrons + f64::from(READ_NOISE).powi(2)).sqrt() * f64::from(WHITE / FULL_WELL);
             let [mean, deviation] = moments(radiance);

@@ -41,3 +41,6 @@ impl Sensor {
         colour::photograph(radiance, seed)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -253,11 +253,14 @@ fn keys_that_an_effect_lacks_or_does_not_know_are_named() {
         (Effect::Multi, "lens"),
         (Effect::MotionBlur, "motion"),
         (Effect::FogMultiple, "fog"),
+        (Effect::Real, "sensor"),
     ] {
         assert_eq!(refused(effect, &nothing), format!("effect `{effect}` needs the key `vary.{key}`"));
     }
     let lit = Vary { light: true, ..Vary::default() };
     assert_eq!(refused(Effect::Ao, &lit), "`vary.light` means nothing for effect `ao`");
+    let noisy = Vary { sensor: Some(Sensor::StructuredLight), ..Vary::default() };
+    assert_eq!(refused(Effect::Path, &noisy), "`vary.sensor` means nothing for effect `path`");
     let blurred = Vary { lens: Some([1.0, 2.0]), ..Vary::default() };
     assert_eq!(refused(Effect::Gi, &blurred), "`vary.lens` means nothing for effect `gi`");
     let sky = Vary { environment: Some(Surroundings::Sky(1)), lens: Some([1.0, 2.0]), ..Vary::default() };
