@@ -9,7 +9,7 @@ use crate::statistics::{Estimate, estimate};
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::progress;
 use deepshade_dataset::testset::{FrameRecord, gather};
-use deepshade_dataset::{SceneRecord, StagedScene, TestFrame, TestSet};
+use deepshade_dataset::{SceneRecord, StagedScene, Subject, TestFrame, TestSet};
 use deepshade_infer::Model;
 use deepshade_render::method::{Frame, Repeats};
 use deepshade_render::methods::Quality;
@@ -223,10 +223,10 @@ fn score_frame(
 }
 
 /// What scenes are grouped by in the details: the family, or the file's name.
-fn kind(source: &SceneSource) -> String {
+fn kind(source: &Subject) -> String {
     match source {
-        SceneSource::Procedural(family, _) => family.name().to_owned(),
-        SceneSource::File(path) => {
+        Subject::Scene(SceneSource::Procedural(family, _)) => family.name().to_owned(),
+        Subject::Scene(SceneSource::File(path)) | Subject::Capture(path) => {
             path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
         }
     }
@@ -279,7 +279,7 @@ mod tests {
 
     #[test]
     fn scenes_are_grouped_by_family_and_by_file() {
-        let kind = |text: &str| kind(&text.parse().expect("a scene"));
+        let kind = |text: &str| kind(&Subject::try_from(text.to_owned()).expect("a scene"));
         assert_eq!((kind("drapery:7"), kind("drapery:8")), ("drapery".to_owned(), "drapery".to_owned()));
         assert_eq!(kind("../some:where/hall.gltf"), "hall.gltf");
     }

@@ -41,7 +41,7 @@ pub use origin::{DATA_VERSION, Origin};
 pub use plan::Part;
 pub use read::{Dataset, Pair};
 pub use recipe::{Radius, Recipe};
-pub use scene::SceneRecord;
+pub use scene::{SceneRecord, Subject};
 pub use sensor::Sensor;
 pub use target::TargetMethod;
 pub use testset::{TestFrame, TestSet};

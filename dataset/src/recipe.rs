@@ -55,6 +55,10 @@ pub struct Recipe {
     /// Scene files, relative to the recipe's folder.
     #[serde(default)]
     pub files: Vec<PathBuf>,
+    /// Captures of a real camera, [`crate::capture`], in place of scenes, relative to the recipe's folder: of each
+    /// `views_per_scene` frames, evenly spread, of which colours are targets as they are, and `samples` mean nothing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub captures: Vec<PathBuf>,
     /// Recipes for testing whose scene files must not be in `files`, relative to the recipe's folder.
     #[serde(default)]
     pub test_recipes: Vec<PathBuf>,
@@ -177,12 +181,16 @@ impl Recipe {
 
     /// Whether it names files that are relative to [`Recipe::folder`].
     pub(crate) fn names_files(&self) -> bool {
-        !self.files.is_empty() || self.vary.iter().any(|vary| vary.paths().next().is_some())
+        !self.files.is_empty()
+            || !self.captures.is_empty()
+            || self.vary.iter().any(|vary| vary.paths().next().is_some())
     }
 
-    /// Number of scenes.
+    /// Number of scenes and captures.
     pub fn scene_count(&self) -> usize {
-        self.families.iter().fold(self.files.len(), |sum, family| sum.saturating_add(family.scenes))
+        self.families
+            .iter()
+            .fold(self.files.len() + self.captures.len(), |sum, family| sum.saturating_add(family.scenes))
     }
 }
 

@@ -9,12 +9,14 @@ pub mod pose;
 pub mod surface;
 mod tables;
 mod tum;
+pub mod view;
 
 pub use camera::CaptureCamera;
 pub use error::CaptureError;
 pub use intrinsics::Intrinsics;
 pub use pose::Pose;
 pub use surface::surface;
+pub use view::View;
 
 use deepshade_shaders::Planes;
 use std::path::{Path, PathBuf};
@@ -71,6 +73,25 @@ impl Capture {
     /// Number of frames; at least one.
     pub const fn count(&self) -> usize {
         self.frames.len()
+    }
+
+    /// BLAKE3 hash, in hexadecimal, of the camera and of the images of some frames: what tells a capture from others.
+    ///
+    /// # Errors
+    /// If an image cannot be read.
+    ///
+    /// # Panics
+    /// If there is no frame of an index.
+    pub fn hash(&self, frames: &[usize]) -> Result<String, CaptureError> {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(format!("{:?}", self.camera).as_bytes());
+        for FrameFiles { colour, depth, .. } in frames.iter().map(|index| &self.frames[*index]) {
+            for path in [colour, depth] {
+                let file = std::fs::File::open(path).and_then(|file| hasher.update_reader(file).map(drop));
+                file.map_err(|source| CaptureError::io(path, source))?;
+            }
+        }
+        Ok(hasher.finalize().to_hex().to_string())
     }
 
     /// Reads a frame.

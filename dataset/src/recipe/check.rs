@@ -8,6 +8,7 @@ use deepshade_render::path::estimate::SCRAMBLINGS;
 use deepshade_render::path::sampler::MAX_SAMPLES;
 use deepshade_render::scene::Scene;
 use deepshade_render::scene::procedural::{Family, Split};
+use deepshade_shaders::Effect;
 use std::path::Path;
 
 const EDGE: std::ops::RangeInclusive<usize> = 16..=8192;
@@ -57,7 +58,11 @@ impl Recipe {
             between("tiles.samples", holds, &format!("a multiple of {SCRAMBLINGS} up to {MAX_SAMPLES}"))?;
             between("tiles.one_in", (1..=64).contains(&tiles.one_in), "1 to 64")?;
         }
-        between("families", self.scene_count() > 0, "given, or `files`, so that there is a scene")?;
+        between(
+            "families",
+            self.scene_count() > 0,
+            "given, or `files` or `captures`, so that there is a scene",
+        )?;
         let pairs = self.scene_count().saturating_mul(self.views_per_scene);
         let limits = format!("such that there are 1 to {MAX_PAIRS} views in all");
         between("views_per_scene", (1..=MAX_PAIRS).contains(&pairs), &limits)
@@ -65,6 +70,9 @@ impl Recipe {
 
     /// Whether no key is there that means nothing in this recipe, and none is missing that its effect needs.
     fn check_use(&self) -> Result<(), String> {
+        if !self.captures.is_empty() {
+            return self.check_captures();
+        }
         self.vary.clone().unwrap_or_default().check(self.effect)?;
         if self.error.is_some() && self.vary.iter().any(|vary| vary.sensor.is_some()) {
             return Err(
@@ -87,6 +95,32 @@ impl Recipe {
         if self.test_recipes.is_empty() && self.split == Split::Train && !self.files.is_empty() {
             return Err(
                 "a training recipe with `files` must name `test_recipes` to stay away from".to_owned()
+            );
+        }
+        Ok(())
+    }
+
+    /// Whether nothing is asked of captures that only scenes can give.
+    fn check_captures(&self) -> Result<(), String> {
+        let for_scenes = [
+            ("families", !self.families.is_empty()),
+            ("files", !self.files.is_empty()),
+            ("test_recipes", !self.test_recipes.is_empty()),
+            ("camera", self.camera.is_some()),
+            ("vary", self.vary.is_some()),
+            ("target", self.target.is_some()),
+            ("error", self.error.is_some()),
+            ("radius.diagonal", matches!(self.radius, Radius::Diagonal(_))),
+        ];
+        if let Some((key, _)) = for_scenes.into_iter().find(|(_, given)| *given) {
+            return Err(format!("`{key}` is for scenes, and `captures` are none"));
+        }
+        if self.effect != Effect::Real {
+            return Err(format!("`captures` are for effect `real`, not for `{}`", self.effect));
+        }
+        if self.split == Split::Test {
+            return Err(
+                "`captures` are for training: a test set is rendered anew by who is measured".to_owned()
             );
         }
         Ok(())

@@ -5,7 +5,7 @@ use super::{Props, Variation, Vary, draw, look, motion};
 use crate::plan::PlannedView;
 use crate::random::uniform;
 use crate::recipe::Viewpoint;
-use crate::{DatasetError, Recipe, SceneRecord, Sensor, truth, views};
+use crate::{DatasetError, Recipe, SceneRecord, Sensor, Subject, truth, views};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::scene::{Camera, Scene, SceneSource};
@@ -44,7 +44,7 @@ impl<'a> StagedScene<'a> {
         let base = prepared(scene.read(&recipe.folder)?, recipe)?;
         let moves = recipe.vary.as_ref().is_some_and(|vary| vary.motion.is_some());
         let animation = match &scene.source {
-            SceneSource::File(path) if moves => {
+            Subject::Scene(SceneSource::File(path)) if moves => {
                 let path = recipe.folder.join(path);
                 Scene::animation_span(&path)?.map(|span| Animation { path, span })
             }

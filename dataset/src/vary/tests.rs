@@ -1,6 +1,6 @@
 use super::*;
 use crate::recipe::Recipe;
-use crate::{SceneRecord, views};
+use crate::{SceneRecord, Subject, views};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::scene::{AlphaMode, Camera, Density, Gloss, Light, Scene, SceneSource};
@@ -108,7 +108,7 @@ fn a_dark_scene_gets_a_lamp_that_lights_what_is_seen() {
     let recipe = recipe(folder.path(), "gi", "");
     let scene = Scene::load(&folder.path().join("dark.obj"), 0.0).expect("a scene");
     let blake3 = Some(crate::identity::scene_hash(&scene));
-    let dark = SceneRecord { source: SceneSource::File("dark.obj".into()), blake3 };
+    let dark = SceneRecord { source: Subject::Scene(SceneSource::File("dark.obj".into())), blake3 };
     let props = Props::load(&recipe).expect("nothing");
     let staged = StagedScene::load(&dark, &recipe, &props).expect("a scene");
     let camera = Camera::look_at(Vec3::new(2.0, 2.5, 6.0), Vec3::new(2.0, 0.3, 2.0));
@@ -308,7 +308,7 @@ fn what_is_animated_in_a_file_moves_at_a_time_of_its_own_in_every_image() {
     let path = folder.path().join("sliding.gltf");
     std::fs::write(&path, SLIDING).expect("written");
     let file = SceneRecord {
-        source: SceneSource::File("sliding.gltf".into()),
+        source: Subject::Scene(SceneSource::File("sliding.gltf".into())),
         blake3: Some(crate::identity::scene_hash(&Scene::load(&path, 0.0).expect("a scene"))),
     };
     let vary = "vary = { textures = { procedural = 2 }, motion = [3.0, 8.0] }";
