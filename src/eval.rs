@@ -75,7 +75,7 @@ pub struct Args {
 }
 
 /// Who is evaluated, and on what.
-struct Subject {
+struct Contest {
     effect: Effect,
     /// The network, if there is one, under the name that figures have for it.
     network: Option<(String, Model)>,
@@ -97,16 +97,16 @@ pub fn run(args: &Args) -> Result<()> {
         return networks::run(args);
     }
     let gpu = Gpu::new()?;
-    let subject = subject(args)?;
-    let Judgement { rivals, evaluation } = judge(&subject, args, &gpu)?;
-    let (effect, estimates) = (subject.effect, evaluation.estimates());
+    let contest = contest(args)?;
+    let Judgement { rivals, evaluation } = judge(&contest, args, &gpu)?;
+    let (effect, estimates) = (contest.effect, evaluation.estimates());
     let mut figures = Figures::new("eval");
     for (name, estimate) in &estimates {
         figures.set(name, estimate.mean);
     }
     figures.set("frames", evaluation.frames as f64);
     figures.set("scenes", evaluation.scenes as f64);
-    if let Some((network, _)) = &subject.network {
+    if let Some((network, _)) = &contest.network {
         networks::set_figures(&mut figures, network, &evaluation);
         figures.detail("network", json!(network));
     }
@@ -116,7 +116,7 @@ pub fn run(args: &Args) -> Result<()> {
         figures.detail(by, json!(parts));
     }
     figures.detail("effect", json!(effect.name()));
-    figures.detail("target", json!(target(&subject.set)));
+    figures.detail("target", json!(target(&contest.set)));
     figures.detail("adapter", json!(gpu.info.name));
     figures.detail("devices", json!(evaluation.devices));
     figures.write(args.json.as_deref())?;
@@ -138,8 +138,8 @@ fn target(set: &TestSet) -> &str {
 }
 
 /// Runs the methods on the frames that the command line asks for.
-fn judge(subject: &Subject, args: &Args, gpu: &Gpu) -> Result<Judgement> {
-    let Subject { effect, network, set } = subject;
+fn judge(contest: &Contest, args: &Args, gpu: &Gpu) -> Result<Judgement> {
+    let Contest { effect, network, set } = contest;
     let mut qualities = args.quality.clone();
     qualities.sort_unstable();
     qualities.dedup();
@@ -155,7 +155,7 @@ fn judge(subject: &Subject, args: &Args, gpu: &Gpu) -> Result<Judgement> {
 }
 
 /// What the command line names.
-fn subject(args: &Args) -> Result<Subject> {
+fn contest(args: &Args) -> Result<Contest> {
     let usual = || learned::usual_folder(args.effect.unwrap_or(Effect::Ao));
     let folder = args.model.clone().unwrap_or_else(usual);
     // A network that is asked for must be there.
@@ -163,7 +163,7 @@ fn subject(args: &Args) -> Result<Subject> {
     let model = (!optional).then(|| learned::network(&folder, args.effect)).transpose()?;
     let effect = args.effect.or(model.as_ref().map(|model| model.spec.effect)).unwrap_or(Effect::Ao);
     let set = testset(&args.testset.clone().unwrap_or_else(|| folder.join("testset")), effect, args)?;
-    Ok(Subject { effect, network: model.map(|model| (networks::figure_name(&folder), model)), set })
+    Ok(Contest { effect, network: model.map(|model| (networks::figure_name(&folder), model)), set })
 }
 
 fn testset(folder: &Path, effect: Effect, args: &Args) -> Result<TestSet> {

@@ -2,7 +2,7 @@
 //! camera space turn with the image (thesis 7.3.1).
 
 use crate::Pair;
-use deepshade_shaders::{Attribute, AttributeKind, GBuffer, Planes};
+use deepshade_shaders::{Attribute, AttributeKind, Effect, GBuffer, Planes};
 use std::f32::consts::PI;
 
 /// One of the eight symmetries of the square: a mirroring of left and right or none, then quarter turns.
@@ -27,6 +27,15 @@ impl Symmetry {
         Self::new(true, 2),
         Self::new(true, 3),
     ];
+
+    /// Those that leave pairs of an effect sound: all, but none where light comes from where the camera says, as in the look
+    /// of photographs (thesis 7.4), which a rolled camera would not have seen so.
+    pub const fn of(effect: Effect) -> &'static [Self] {
+        match effect {
+            Effect::Real => &[Self::IDENTITY],
+            _ => &Self::ALL,
+        }
+    }
 
     /// Left and right exchanged, if `mirrored`, and then so many quarter turns counter-clockwise.
     pub const fn new(mirrored: bool, quarter_turns: u8) -> Self {

@@ -1,5 +1,6 @@
 //! What can go wrong with data on disk.
 
+use crate::capture::CaptureError;
 use deepshade_render::exr_file::ExrError;
 use deepshade_render::scene::SceneError;
 use std::path::{Path, PathBuf};
@@ -93,6 +94,9 @@ pub enum DatasetError {
     /// A scene could not be read.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// A capture could not be read.
+    #[error(transparent)]
+    Capture(#[from] CaptureError),
     /// An EXR file could not be read or written.
     #[error(transparent)]
     Exr(#[from] ExrError),

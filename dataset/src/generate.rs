@@ -5,18 +5,19 @@
 //! between machines of one kind: rays round once where the processor has fused multiply-add and twice where it has not,
 //! and sines are the system's, so that others may differ in last digits, and where a ray meets an edge.
 
+mod captured;
+
 use crate::journal::{Journal, checked};
 use crate::manifest::{MANIFEST, Manifest, PairRecord};
 use crate::origin::Origin;
 use crate::plan::{Part, PlannedScene, PlannedView};
 use crate::target::{self, TargetMethod};
-use crate::{DatasetError, Props, Recipe, StagedScene, progress, truth, views};
+use crate::{DatasetError, Props, Recipe, StagedScene, Subject, progress, truth};
 use deepshade_render::exr_file::{Layer, Metadata, encode};
-use deepshade_render::gbuffer;
 use deepshade_render::method::Frame;
 use deepshade_render::path::{Estimate, Goal, Sampling, Shot, Truth, render};
 use deepshade_render::scene::procedural::Split;
-use deepshade_shaders::atomic_file;
+use deepshade_shaders::{GBuffer, atomic_file};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -134,9 +135,38 @@ impl Work<'_> {
         if let Some(records) = scene.views.iter().map(known).collect() {
             return Ok(records);
         }
+        if let Subject::Capture(folder) = &scene.scene.source {
+            let capture = captured::Frames::open(self.recipe, scene, folder)?;
+            let record =
+                |view: &PlannedView| known(view).map_or_else(|| self.captured(scene, &capture, view), Ok);
+            return scene.views.par_iter().map(record).collect();
+        }
         let staged = StagedScene::load(&scene.scene, self.recipe, self.props)?;
         let record = |view: &PlannedView| known(view).map_or_else(|| self.pair(scene, &staged, view), Ok);
         staged.each(&scene.views, record)
+    }
+
+    /// Reads a pair from a capture and writes it.
+    fn captured(
+        &self,
+        planned: &PlannedScene,
+        capture: &captured::Frames,
+        view: &PlannedView,
+    ) -> Result<PairRecord, DatasetError> {
+        let (gbuffer, target, camera) = capture.pair(view.index)?;
+        let record = PairRecord {
+            file: file_name(view),
+            blake3: String::new(),
+            part: part(view),
+            scene: planned.scene.clone(),
+            view: view.index,
+            camera,
+            // Captures know no diagonal, and their recipes state metres.
+            radius: self.recipe.radius.metres(0.0),
+            seed: view.seed,
+            variation: None,
+        };
+        self.write(record, &gbuffer, &Estimate { mean: target, variance: None, samples: 0 })
     }
 
     /// Renders a pair and writes it.
@@ -146,21 +176,19 @@ impl Work<'_> {
         staged: &StagedScene<'_>,
         view: &PlannedView,
     ) -> Result<PairRecord, DatasetError> {
-        let Recipe { effect, resolution, seed, .. } = *self.recipe;
-        let (height, width) = (resolution.height, resolution.width);
-        let camera = views::sample_view(staged.base(), [height, width], seed, planned.key, view.index)?;
+        let camera = staged.camera(planned.key, view.index)?;
         let radius = self.recipe.radius.metres(staged.base().diagonal());
         let (camera, variation) = staged.draw(camera, view.seed);
         let scene = staged.shown(&camera, variation.as_ref())?;
-        let gbuffer = gbuffer::render(&scene, &camera, height, width, truth::attributes(effect));
+        let gbuffer = staged.gbuffer(&scene, &camera, view.seed);
         let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: view.seed };
         let Estimate { mean, variance, samples } = self.target(&frame)?;
-        let target = truth::within_half(mean);
+        let mean = truth::within_half(staged.photographed(mean, view.seed));
         let gbuffer = truth::light_within_half(gbuffer);
-        let mut record = PairRecord {
+        let record = PairRecord {
             file: file_name(view),
             blake3: String::new(),
-            part: if view.held_apart { Part::Validation } else { Part::Training },
+            part: part(view),
             scene: planned.scene.clone(),
             view: view.index,
             camera,
@@ -168,10 +196,21 @@ impl Work<'_> {
             seed: view.seed,
             variation,
         };
+        self.write(record, &gbuffer, &Estimate { mean, variance, samples })
+    }
+
+    /// Writes a pair, and notes its file's hash.
+    fn write(
+        &self,
+        mut record: PairRecord,
+        gbuffer: &GBuffer,
+        target: &Estimate,
+    ) -> Result<PairRecord, DatasetError> {
         let path = self.folder.join(&record.file);
-        let mut layers = vec![Layer::gbuffer(&gbuffer), Layer::image(&target_layer(self.recipe), &target)];
-        layers.extend(variance.iter().map(|variance| Layer::image("variance", variance).in_full()));
-        let bytes = encode(&path, &layers, &metadata(self.recipe, &record, samples))?;
+        let mut layers =
+            vec![Layer::gbuffer(gbuffer), Layer::image(&target_layer(self.recipe), &target.mean)];
+        layers.extend(target.variance.iter().map(|variance| Layer::image("variance", variance).in_full()));
+        let bytes = encode(&path, &layers, &metadata(self.recipe, &record, target.samples))?;
         atomic_file::write(&path, &bytes).map_err(|source| DatasetError::io(&path, source))?;
         record.blake3 = blake3::hash(&bytes).to_hex().to_string();
         self.journal.add(&record)?;
@@ -193,6 +232,11 @@ impl Work<'_> {
             }
         })
     }
+}
+
+/// What a view's pair is used for.
+const fn part(view: &PlannedView) -> Part {
+    if view.held_apart { Part::Validation } else { Part::Training }
 }
 
 fn file_name(view: &PlannedView) -> String {

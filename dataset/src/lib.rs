@@ -5,6 +5,7 @@
 //! what was read. A [`TestSet`] is for evaluation: truth with far more samples, on a share of the image's tiles.
 
 pub mod augment;
+pub mod capture;
 pub mod contact_sheet;
 pub mod error;
 mod font;
@@ -19,6 +20,7 @@ mod random;
 pub mod read;
 pub mod recipe;
 pub mod scene;
+pub mod sensor;
 #[cfg(test)]
 mod shipped;
 pub mod stopwatch;
@@ -30,6 +32,7 @@ pub mod verify;
 pub mod views;
 
 pub use augment::{Symmetry, augment};
+pub use capture::{Capture, CaptureError};
 pub use contact_sheet::{contact_sheet, test_sheet};
 pub use error::DatasetError;
 pub use generate::{Summary, generate, generate_by};
@@ -38,7 +41,8 @@ pub use origin::{DATA_VERSION, Origin};
 pub use plan::Part;
 pub use read::{Dataset, Pair};
 pub use recipe::{Radius, Recipe};
-pub use scene::SceneRecord;
+pub use scene::{SceneRecord, Subject};
+pub use sensor::Sensor;
 pub use target::TargetMethod;
 pub use testset::{TestFrame, TestSet};
 pub use vary::{Props, StagedScene, Variation, Vary};

@@ -1,11 +1,14 @@
 //! From a recipe to the list of its scenes and views.
 
+use crate::capture::{Capture, View};
 use crate::random::mix;
-use crate::{DatasetError, Recipe, SceneRecord};
+use crate::recipe::Resolution;
+use crate::{DatasetError, Recipe, SceneRecord, Subject};
 use deepshade_render::scene::SceneSource;
 use deepshade_render::scene::procedural::Family;
 use deepshade_shaders::lists;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// What a pair is used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -45,23 +48,34 @@ impl Recipe {
     /// All scenes and views of the recipe, always the same.
     ///
     /// # Errors
-    /// If a scene file cannot be read, or two hold the same scene.
+    /// If a scene file or a capture cannot be read, or two files hold the same scene.
     pub fn plan(&self) -> Result<Vec<PlannedScene>, DatasetError> {
         let mut scenes = Vec::new();
         for share in &self.families {
             let family = Family::by_name(&share.name)?;
             for index in 0..share.scenes {
                 let seed = mix(&[u64::from(self.seed), index as u64]);
-                let scene = SceneRecord { source: SceneSource::Procedural(family, seed), blake3: None };
+                let scene = SceneRecord {
+                    source: Subject::Scene(SceneSource::Procedural(family, seed)),
+                    blake3: None,
+                };
                 scenes.push((format!("{}-{index:04}", share.name), text_key(&share.name) ^ seed, scene));
             }
         }
         for (index, (path, identity)) in self.files.iter().zip(self.file_identities()?).enumerate() {
-            let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
-            let stem: String = stem.chars().filter(char::is_ascii_alphanumeric).collect();
             let (key, source) = (text_key(&identity.hash), SceneSource::File(path.clone()));
-            let scene = SceneRecord { source, blake3: Some(identity.hash) };
-            scenes.push((format!("file-{index:02}-{stem}"), key, scene));
+            let scene = SceneRecord { source: Subject::Scene(source), blake3: Some(identity.hash) };
+            scenes.push((format!("file-{index:02}-{}", plain_stem(path)), key, scene));
+        }
+        for (index, folder) in self.captures.iter().enumerate() {
+            let (_, hash) = self.capture(folder)?;
+            let name = format!("capture-{index:02}-{}", plain_stem(folder));
+            let key = text_key(&hash);
+            scenes.push((
+                name,
+                key,
+                SceneRecord { source: Subject::Capture(folder.clone()), blake3: Some(hash) },
+            ));
         }
         let count = scenes.len();
         let planned = scenes.into_iter().enumerate().map(|(index, (name, key, scene))| PlannedScene {
@@ -72,6 +86,27 @@ impl Recipe {
             key,
         });
         Ok(planned.collect())
+    }
+
+    /// A capture, and the hash of those of its frames that views are of.
+    ///
+    /// # Errors
+    /// If it cannot be read, has fewer frames than there are to be views or images smaller than the recipe's.
+    pub(crate) fn capture(&self, folder: &Path) -> Result<(Capture, String), DatasetError> {
+        let folder = self.folder.join(folder);
+        let capture = Capture::open(&folder)?;
+        let (count, Resolution { height, width }) = (capture.count(), self.resolution);
+        if count < self.views_per_scene {
+            let what = format!("has {count} frames where `views_per_scene` is {}", self.views_per_scene);
+            return Err(DatasetError::invalid(&folder, what));
+        }
+        if View::of(capture.camera(), [height, width]).is_none() {
+            let [rows, columns] = capture.camera().size;
+            let what = format!("has {columns} x {rows} pixels where {width} x {height} are wanted");
+            return Err(DatasetError::invalid(&folder, what));
+        }
+        let hash = capture.hash(&lists::spread(count, self.views_per_scene))?;
+        Ok((capture, hash))
     }
 
     fn planned_view(&self, scene: usize, scenes: usize, name: &str, key: u64, view: usize) -> PlannedView {
@@ -96,6 +131,12 @@ fn held_apart(index: usize, count: usize, share: f64) -> bool {
 /// Whether the item of that index is among `wanted` of `count` that lie evenly among all, the last one always.
 pub(crate) const fn spread(index: usize, count: usize, wanted: usize) -> bool {
     lists::is_in_spread(count - 1 - index, count, wanted)
+}
+
+/// The letters and digits of a file's or folder's name without its ending.
+fn plain_stem(path: &Path) -> String {
+    let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+    stem.chars().filter(char::is_ascii_alphanumeric).collect()
 }
 
 /// A number for a text.

@@ -11,6 +11,7 @@ mod check;
 use crate::{DatasetError, Vary};
 use deepshade_render::scene::procedural::Split;
 use deepshade_shaders::Effect;
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -42,6 +43,9 @@ pub struct Recipe {
     pub radius: Radius,
     /// Views of every scene.
     pub views_per_scene: usize,
+    /// Where all views are from; without it, they are sampled.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub camera: Option<Viewpoint>,
     /// Share of the scenes, or of the views where there is one scene only, that is held apart for validation.
     #[serde(default)]
     pub validation_share: f64,
@@ -51,6 +55,10 @@ pub struct Recipe {
     /// Scene files, relative to the recipe's folder.
     #[serde(default)]
     pub files: Vec<PathBuf>,
+    /// Captures of a real camera, [`crate::capture`], in place of scenes, relative to the recipe's folder: of each
+    /// `views_per_scene` frames, evenly spread, of which colours are targets as they are, and `samples` mean nothing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub captures: Vec<PathBuf>,
     /// Recipes for testing whose scene files must not be in `files`, relative to the recipe's folder.
     #[serde(default)]
     pub test_recipes: Vec<PathBuf>,
@@ -76,6 +84,16 @@ pub struct Resolution {
     pub height: usize,
     /// Columns.
     pub width: usize,
+}
+
+/// A camera that does not move, with [`FIELD_OF_VIEW`](deepshade_render::scene::camera::FIELD_OF_VIEW).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Viewpoint {
+    /// Where it stands, world space, metres.
+    pub position: Vec3,
+    /// What it looks at, world space, metres.
+    pub target: Vec3,
 }
 
 /// How far an effect reaches.
@@ -163,12 +181,16 @@ impl Recipe {
 
     /// Whether it names files that are relative to [`Recipe::folder`].
     pub(crate) fn names_files(&self) -> bool {
-        !self.files.is_empty() || self.vary.iter().any(|vary| vary.paths().next().is_some())
+        !self.files.is_empty()
+            || !self.captures.is_empty()
+            || self.vary.iter().any(|vary| vary.paths().next().is_some())
     }
 
-    /// Number of scenes.
+    /// Number of scenes and captures.
     pub fn scene_count(&self) -> usize {
-        self.families.iter().fold(self.files.len(), |sum, family| sum.saturating_add(family.scenes))
+        self.families
+            .iter()
+            .fold(self.files.len() + self.captures.len(), |sum, family| sum.saturating_add(family.scenes))
     }
 }
 

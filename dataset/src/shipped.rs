@@ -4,7 +4,6 @@ use crate::generate::generate;
 use crate::recipe::{Recipe, Resolution};
 use crate::testset::TestSet;
 use crate::{Dataset, StagedScene, contact_sheet, test_sheet, truth, verify};
-use deepshade_render::gbuffer;
 use deepshade_render::scene::procedural::Split;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -122,7 +121,7 @@ fn every_training_recipe_gives_data_that_are_sound_and_shown() {
         let record = dataset.record(1);
         let staged = StagedScene::load(&record.scene, dataset.recipe(), &props).expect("a scene");
         let scene = staged.shown(&record.camera, record.variation.as_ref()).expect("shown");
-        let again = gbuffer::render(&scene, &record.camera, 32, 32, truth::attributes(effect));
+        let again = staged.gbuffer(&scene, &record.camera, record.seed);
         let close = |(a, b): (&f32, &f32)| (a - b).abs() <= b.abs() / 1024.0 + 1e-6;
         let pair = &pairs[1].gbuffer;
         assert!(pair.planes().data().iter().zip(again.planes().data()).all(close), "{effect}");

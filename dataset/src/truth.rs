@@ -30,9 +30,9 @@ pub const fn attributes(effect: Effect) -> &'static [Attribute] {
         Effect::FogDirect | Effect::FogIndirect | Effect::FogMultiple => {
             &[Position, Normal, Depth, Light, Diffuse, Valid]
         }
-        Effect::Path | Effect::Real => {
-            &[Position, Normal, Depth, Light, Diffuse, Specular, Glossiness, Emission, Valid]
-        }
+        Effect::Path => &[Position, Normal, Depth, Light, Diffuse, Specular, Glossiness, Emission, Valid],
+        // All that a depth image tells.
+        Effect::Real => &[Position, Normal, Valid],
     }
 }
 

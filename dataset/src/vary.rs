@@ -16,11 +16,13 @@ mod props;
 mod staged;
 
 pub use draw::Variation;
+pub(crate) use draw::purpose;
 pub use fog::Fog;
 pub use lamp::Lamp;
 pub use props::{Props, hashes};
 pub use staged::StagedScene;
 
+use crate::Sensor;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -55,6 +57,10 @@ pub struct Vary {
     /// A medium between the surfaces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fog: Option<FogRange>,
+    /// The camera of a capture: surfaces are what it measures of them, and targets of training its photographs. Truth of
+    /// test sets has no noise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensor: Option<Sensor>,
 }
 
 /// Where textures come from.

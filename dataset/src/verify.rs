@@ -3,7 +3,7 @@
 use crate::manifest::MANIFEST;
 use crate::origin::recipe_hash;
 use crate::recipe::file_hash;
-use crate::{Dataset, DatasetError, Manifest, Pair, progress};
+use crate::{Dataset, DatasetError, Manifest, Pair, Subject, progress};
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::{Attribute, Effect, GBuffer};
 use glam::Vec3;
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::HashSet;
 use std::f32::consts::PI;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Half floats round the components of a unit vector by up to 2.5e-4 each.
 const UNIT_TOLERANCE: f32 = 1e-3;
@@ -83,15 +83,16 @@ fn manifest_faults(dataset: &Dataset) -> Vec<(String, String)> {
     faults
 }
 
-/// The hash of the recipe with the scene files that the pairs say they are of, and the other files as stated.
+/// The hash of the recipe with the scene files and captures that the pairs say they are of, and the other files as stated.
 fn stated_recipe_hash(manifest: &Manifest) -> Option<String> {
     let recipe = &manifest.origin.recipe;
-    let scene = |file: &PathBuf| {
-        let source = SceneSource::File(file.clone());
+    let stated = |source: Subject| {
         manifest.pairs.iter().find(|pair| pair.scene.source == source)?.scene.blake3.as_deref()
     };
+    let files = recipe.files.iter().map(|file| Subject::Scene(SceneSource::File(file.clone())));
+    let captures = recipe.captures.iter().map(|folder| Subject::Capture(folder.clone()));
     let props = manifest.origin.props.values().map(String::as_str);
-    recipe_hash(recipe, recipe.files.iter().filter_map(scene).chain(props)).ok()
+    recipe_hash(recipe, files.chain(captures).filter_map(stated).chain(props)).ok()
 }
 
 /// What is wrong with a pair, if something is.

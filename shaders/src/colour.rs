@@ -1,5 +1,7 @@
 //! Linear colours of Rec. 709 (ITU-R BT.709) primaries, as files and screens want them.
 
+use std::sync::LazyLock;
+
 /// The sRGB encoding (IEC 61966-2-1) of a linear value, both in [0, 1]; what is outside is taken as the nearer end.
 pub fn srgb_encoded(linear: f32) -> f32 {
     let linear = linear.clamp(0.0, 1.0);
@@ -10,6 +12,14 @@ pub fn srgb_encoded(linear: f32) -> f32 {
 pub fn srgb_byte(linear: f32) -> u8 {
     (255.0 * srgb_encoded(linear)).round() as u8
 }
+
+/// Linear values of the 256 sRGB bytes (IEC 61966-2-1), from 0 to 1.
+pub static LINEAR_OF_SRGB: LazyLock<[f32; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|byte| {
+        let value = byte as f32 / 255.0;
+        if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+    })
+});
 
 /// Luminance of a linear colour, relative to that of white.
 pub fn luminance([red, green, blue]: [f32; 3]) -> f32 {
@@ -24,6 +34,12 @@ mod tests {
     fn bytes_are_srgb() {
         let values = [-1.0, 0.0, 0.001, 0.214_041_14, 1.0, 7.0, f32::NAN];
         assert_eq!(values.map(srgb_byte), [0, 0, 3, 128, 255, 255, 0]);
+    }
+
+    #[test]
+    fn every_byte_is_what_its_linear_value_is_encoded_as() {
+        assert!((0..=255u8).all(|byte| srgb_byte(LINEAR_OF_SRGB[byte as usize]) == byte));
+        assert_eq!((LINEAR_OF_SRGB[0], LINEAR_OF_SRGB[255]), (0.0, 1.0));
     }
 
     #[test]

@@ -8,10 +8,9 @@ use anyhow::{Context, Result, ensure};
 use deepshade_dataset::plan::PlannedScene;
 use deepshade_dataset::stopwatch::prepared_and_sampled;
 use deepshade_dataset::testset::{in_tiles, tile_indices};
-use deepshade_dataset::{Props, Recipe, StagedScene, progress, truth, views};
+use deepshade_dataset::{Props, Recipe, StagedScene, progress, truth};
 use deepshade_render::bvh::clock;
 use deepshade_render::exr_file::{self, Layer, Metadata};
-use deepshade_render::gbuffer;
 use deepshade_render::path::{Sampling, Shot, render};
 use deepshade_shaders::{Effect, lists};
 use std::hint::black_box;
@@ -123,7 +122,7 @@ fn pair(recipe: &Recipe, props: &Props, scene: &PlannedScene, args: &Args) -> Re
     let staged = StagedScene::load(&scene.scene, recipe, props)?;
     let loading = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let camera = views::sample_view(staged.base(), size, recipe.seed, scene.key, view.index)?;
+    let camera = staged.camera(scene.key, view.index)?;
     let (camera, variation) = staged.draw(camera, view.seed);
     let shown = staged.shown(&camera, variation.as_ref())?;
     let staging = start.elapsed().as_secs_f64();
@@ -134,8 +133,7 @@ fn pair(recipe: &Recipe, props: &Props, scene: &PlannedScene, args: &Args) -> Re
         / (height * width) as f64;
     let radius = recipe.radius.metres(shown.diagonal());
     let shot = Shot::new(&shown, &camera, size, radius);
-    let attributes = truth::attributes(recipe.effect);
-    let render_gbuffer = || gbuffer::render(&shown, &camera, height, width, attributes);
+    let render_gbuffer = || staged.gbuffer(&shown, &camera, view.seed);
     let drawn = twice(&mut || drop(black_box(render_gbuffer())));
     let [prepared, sampled] =
         prepared_and_sampled(recipe.effect, &shot, (recipe.samples, view.seed), &in_tiles, twice);

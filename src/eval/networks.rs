@@ -3,7 +3,7 @@
 use super::paper::{Published, published};
 use super::rivals::trivial_name;
 use super::score::Evaluation;
-use super::{Args, Judgement, Subject, judge, page, target, testset};
+use super::{Args, Contest, Judgement, judge, page, target, testset};
 use crate::figures::{Figures, write_atomically};
 use crate::methods::LEARNED;
 use crate::statistics::Estimate;
@@ -50,8 +50,8 @@ pub fn run(args: &Args) -> Result<()> {
         let effect = model.spec.effect;
         let set = testset(&set, effect, args)?;
         let (weights, target) = (model.spec.weight_count(), target(&set).to_owned());
-        let subject = Subject { effect, network: Some((figure_name(&folder), model)), set };
-        let judgement = judge(&subject, args, &gpu)?;
+        let contest = Contest { effect, network: Some((figure_name(&folder), model)), set };
+        let judgement = judge(&contest, args, &gpu)?;
         rows.push(Row {
             published: published(&name),
             trivial: trivial_name(effect),

@@ -66,7 +66,8 @@ pub fn rivals(
 pub const fn trivial_name(effect: Effect) -> &'static str {
     match effect {
         Effect::Ao => "white",
-        Effect::Do | Effect::Gi | Effect::Ibl => "black",
+        // The camera of a capture knows of no light.
+        Effect::Do | Effect::Gi | Effect::Ibl | Effect::Real => "black",
         _ => "light",
     }
 }

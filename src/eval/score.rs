@@ -4,10 +4,9 @@ use super::rivals::{Rival, trivial_image, trivial_name};
 use crate::methods::LEARNED;
 use crate::statistics::{Estimate, estimate};
 use anyhow::{Context, Result};
+use deepshade_dataset::progress;
 use deepshade_dataset::testset::{FrameRecord, gather};
-use deepshade_dataset::{SceneRecord, StagedScene, TestFrame, TestSet};
-use deepshade_dataset::{progress, truth};
-use deepshade_render::gbuffer;
+use deepshade_dataset::{SceneRecord, StagedScene, Subject, TestFrame, TestSet};
 use deepshade_render::method::{Frame, Repeats};
 use deepshade_render::metrics::{exposed, flip, psnr, relative_mse, ssim};
 use deepshade_render::scene::SceneSource;
@@ -65,7 +64,7 @@ impl Evaluation {
         parts
     }
 
-    fn add(&mut self, source: &SceneSource, name: &str, value: f64) {
+    fn add(&mut self, source: &Subject, name: &str, value: f64) {
         let parts = [("origins", origin(source)), ("kinds", kind(source)), ("scenes", source.to_string())];
         let entry = (self.scenes, value);
         self.overall.entry(name.to_owned()).or_default().push(entry);
@@ -96,7 +95,7 @@ pub fn evaluate(set: &TestSet, chosen: &[usize], effect: Effect, rivals: &[Rival
                     .with_context(|| format!("frame {}; --scenes says where scene files are", record.name))?
             }
         };
-        score_frame(&mut evaluation, record, &scene, &set.frame(*index)?, set, effect, rivals)?;
+        score_frame(&mut evaluation, record, &scene, &set.frame(*index)?, effect, rivals)?;
         current = Some((record.scene.clone(), scene));
         bar.inc(1);
     }
@@ -109,13 +108,11 @@ fn score_frame(
     record: &FrameRecord,
     staged: &StagedScene<'_>,
     truth: &TestFrame,
-    set: &TestSet,
     effect: Effect,
     rivals: &[Rival],
 ) -> Result<()> {
-    let (height, width) = (set.recipe().resolution.height, set.recipe().resolution.width);
     let scene = &staged.shown(&record.camera, record.variation.as_ref())?;
-    let gbuffer = gbuffer::render(scene, &record.camera, height, width, truth::attributes(effect));
+    let gbuffer = staged.gbuffer(scene, &record.camera, record.seed);
     let frame =
         Frame { scene, camera: &record.camera, gbuffer: &gbuffer, radius: record.radius, seed: record.seed };
     let source = &record.scene.source;
@@ -155,18 +152,18 @@ fn score_frame(
 }
 
 /// Whether a scene is procedural or somebody's.
-fn origin(source: &SceneSource) -> String {
+fn origin(source: &Subject) -> String {
     match source {
-        SceneSource::Procedural(..) => "procedural".to_owned(),
-        SceneSource::File(_) => "files".to_owned(),
+        Subject::Scene(SceneSource::Procedural(..)) => "procedural".to_owned(),
+        Subject::Scene(SceneSource::File(_)) | Subject::Capture(_) => "files".to_owned(),
     }
 }
 
 /// What scenes are grouped by: the family, or the file's name.
-fn kind(source: &SceneSource) -> String {
+fn kind(source: &Subject) -> String {
     match source {
-        SceneSource::Procedural(family, _) => family.name().to_owned(),
-        SceneSource::File(path) => {
+        Subject::Scene(SceneSource::Procedural(family, _)) => family.name().to_owned(),
+        Subject::Scene(SceneSource::File(path)) | Subject::Capture(path) => {
             path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
         }
     }
@@ -183,7 +180,7 @@ mod tests {
 
     #[test]
     fn scenes_are_grouped_by_family_and_by_file() {
-        let kind = |text: &str| kind(&text.parse().expect("a scene"));
+        let kind = |text: &str| kind(&Subject::try_from(text.to_owned()).expect("a scene"));
         assert_eq!((kind("drapery:7"), kind("drapery:8")), ("drapery".to_owned(), "drapery".to_owned()));
         assert_eq!(kind("../some:where/hall.gltf"), "hall.gltf");
     }

@@ -101,7 +101,8 @@ impl Sampler {
             index,
             problem: format!("is {} by {}, smaller than `crop`", pair.height(), pair.width()),
         })?;
-        let turned = augment(&crop, Symmetry::ALL[rng.below(Symmetry::ALL.len())]);
+        let symmetries = Symmetry::of(self.config.spec.effect);
+        let turned = augment(&crop, symmetries[rng.below(symmetries.len())]);
         Ok((turned, pair.scale(), rng.below(self.config.spec.runs())))
     }
 }

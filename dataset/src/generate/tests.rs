@@ -3,6 +3,7 @@ use crate::journal::JOURNAL;
 use crate::shipped::{contents, shrunk};
 use crate::{DATA_VERSION, Dataset, contact_sheet, verify};
 use deepshade_render::exr_file;
+use deepshade_render::gbuffer;
 use deepshade_render::method::{Clock, Method, MethodError, Repeats, Shaded};
 use deepshade_render::scene::procedural::{Family, Split};
 use deepshade_shaders::{Attribute, Effect, Planes};

@@ -1,13 +1,14 @@
 //! What makes a recipe sound: values within limits, keys that mean something, families and scene files that are for
 //! what the recipe is for.
 
-use super::{FamilyShare, Radius, Recipe, Resolution, split_name};
+use super::{FamilyShare, Radius, Recipe, Resolution, Viewpoint, split_name};
 use crate::DatasetError;
 use crate::identity::Identity;
 use deepshade_render::path::estimate::SCRAMBLINGS;
 use deepshade_render::path::sampler::MAX_SAMPLES;
 use deepshade_render::scene::Scene;
 use deepshade_render::scene::procedural::{Family, Split};
+use deepshade_shaders::Effect;
 use std::path::Path;
 
 const EDGE: std::ops::RangeInclusive<usize> = 16..=8192;
@@ -47,13 +48,21 @@ impl Recipe {
                 between("radius.metres", holds, &format!("above 0 and at most {MAX_RADIUS}"))?;
             }
         }
+        if let Some(Viewpoint { position, target }) = self.camera {
+            let away = (position - target).length();
+            between("camera", away.is_finite() && away > 1e-3, "two places that are finite and apart")?;
+        }
         if let Some(tiles) = self.tiles {
             let whole = tiles.samples.is_multiple_of(SCRAMBLINGS);
             let holds = whole && (SCRAMBLINGS..=MAX_SAMPLES).contains(&tiles.samples);
             between("tiles.samples", holds, &format!("a multiple of {SCRAMBLINGS} up to {MAX_SAMPLES}"))?;
             between("tiles.one_in", (1..=64).contains(&tiles.one_in), "1 to 64")?;
         }
-        between("families", self.scene_count() > 0, "given, or `files`, so that there is a scene")?;
+        between(
+            "families",
+            self.scene_count() > 0,
+            "given, or `files` or `captures`, so that there is a scene",
+        )?;
         let pairs = self.scene_count().saturating_mul(self.views_per_scene);
         let limits = format!("such that there are 1 to {MAX_PAIRS} views in all");
         between("views_per_scene", (1..=MAX_PAIRS).contains(&pairs), &limits)
@@ -61,7 +70,15 @@ impl Recipe {
 
     /// Whether no key is there that means nothing in this recipe, and none is missing that its effect needs.
     fn check_use(&self) -> Result<(), String> {
+        if !self.captures.is_empty() {
+            return self.check_captures();
+        }
         self.vary.clone().unwrap_or_default().check(self.effect)?;
+        if self.error.is_some() && self.vary.iter().any(|vary| vary.sensor.is_some()) {
+            return Err(
+                "`error` is for truth, and with `vary.sensor` targets have a camera's noise".to_owned()
+            );
+        }
         if self.target.is_some() && self.error.is_some() {
             return Err(
                 "`error` is for truth, and `target` names a method, whose images have no noise".to_owned()
@@ -78,6 +95,32 @@ impl Recipe {
         if self.test_recipes.is_empty() && self.split == Split::Train && !self.files.is_empty() {
             return Err(
                 "a training recipe with `files` must name `test_recipes` to stay away from".to_owned()
+            );
+        }
+        Ok(())
+    }
+
+    /// Whether nothing is asked of captures that only scenes can give.
+    fn check_captures(&self) -> Result<(), String> {
+        let for_scenes = [
+            ("families", !self.families.is_empty()),
+            ("files", !self.files.is_empty()),
+            ("test_recipes", !self.test_recipes.is_empty()),
+            ("camera", self.camera.is_some()),
+            ("vary", self.vary.is_some()),
+            ("target", self.target.is_some()),
+            ("error", self.error.is_some()),
+            ("radius.diagonal", matches!(self.radius, Radius::Diagonal(_))),
+        ];
+        if let Some((key, _)) = for_scenes.into_iter().find(|(_, given)| *given) {
+            return Err(format!("`{key}` is for scenes, and `captures` are none"));
+        }
+        if self.effect != Effect::Real {
+            return Err(format!("`captures` are for effect `real`, not for `{}`", self.effect));
+        }
+        if self.split == Split::Test {
+            return Err(
+                "`captures` are for training: a test set is rendered anew by who is measured".to_owned()
             );
         }
         Ok(())

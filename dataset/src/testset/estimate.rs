@@ -3,7 +3,7 @@
 use super::{TestSet, in_tiles, tile_indices, tiles_of};
 use crate::plan::PlannedScene;
 use crate::stopwatch::prepared_and_sampled;
-use crate::{DatasetError, Props, Recipe, StagedScene, views};
+use crate::{DatasetError, Props, Recipe, StagedScene};
 use deepshade_render::bvh::bundle::BUNDLE;
 use deepshade_render::path::Shot;
 use deepshade_shaders::lists;
@@ -69,7 +69,7 @@ fn probe(recipe: &Recipe, props: &Props, planned: &PlannedScene) -> Result<Secon
     let staged = StagedScene::load(&planned.scene, recipe, props)?;
     let scene = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let camera = views::sample_view(staged.base(), size, recipe.seed, planned.key, 0)?;
+    let camera = staged.camera(planned.key, 0)?;
     let (camera, variation) = staged.draw(camera, planned.views[0].seed);
     let shown = staged.shown(&camera, variation.as_ref())?;
     let view = start.elapsed().as_secs_f64();

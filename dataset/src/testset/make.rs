@@ -9,11 +9,10 @@ use crate::manifest::write_json;
 use crate::origin::Origin;
 use crate::plan::{PlannedScene, PlannedView, spread};
 use crate::random::mix;
-use crate::recipe::Tiles;
+use crate::recipe::{Resolution, Tiles};
 use crate::target::{self, TargetMethod};
-use crate::{DatasetError, Props, Recipe, StagedScene, progress, truth, views};
+use crate::{DatasetError, Props, Recipe, StagedScene, progress, truth};
 use deepshade_render::exr_file::{self, Layer, Metadata};
-use deepshade_render::gbuffer;
 use deepshade_render::method::Frame;
 use deepshade_render::metrics::{exposed, exposure, ssim};
 use deepshade_render::path::{Goal, Sampling, Shot, Truth, render};
@@ -120,14 +119,13 @@ impl Work<'_> {
         view: &PlannedView,
         whole: bool,
     ) -> Result<FrameRecord, DatasetError> {
-        let Recipe { effect, resolution, seed, .. } = *self.recipe;
-        let (height, width) = (resolution.height, resolution.width);
-        let camera = views::sample_view(staged.base(), [height, width], seed, planned.key, view.index)?;
+        let Resolution { height, width } = self.recipe.resolution;
+        let camera = staged.camera(planned.key, view.index)?;
         let radius = self.recipe.radius.metres(staged.base().diagonal());
         let (camera, variation) = staged.draw(camera, view.seed);
         let scene = staged.shown(&camera, variation.as_ref())?;
         let tiles = tile_indices(view.seed, height, width, self.tiles.one_in);
-        let gbuffer = gbuffer::render(&scene, &camera, height, width, truth::attributes(effect));
+        let gbuffer = staged.gbuffer(&scene, &camera, view.seed);
         let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: view.seed };
         let aim = match self.method {
             Some(method) => Aim::of_method(method, &frame, &tiles)?,

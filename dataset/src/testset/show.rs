@@ -1,8 +1,7 @@
 //! Frames of a test set to look at.
 
 use super::{TestFrame, TestSet};
-use crate::{DatasetError, Pair, Props, StagedScene, truth};
-use deepshade_render::gbuffer;
+use crate::{DatasetError, Pair, Props, StagedScene};
 use deepshade_shaders::Planes;
 use deepshade_shaders::similarity::TILE;
 
@@ -21,8 +20,7 @@ impl TestSet {
         let TestFrame { tiles, truth, whole } = self.frame(index)?;
         let staged = StagedScene::load(&record.scene, recipe, props)?;
         let scene = staged.shown(&record.camera, record.variation.as_ref())?;
-        let gbuffer =
-            gbuffer::render(&scene, &record.camera, height, width, truth::attributes(recipe.effect));
+        let gbuffer = staged.gbuffer(&scene, &record.camera, record.seed);
         let target = whole.unwrap_or_else(|| scattered(&truth, &tiles, height, width));
         Ok(Pair { gbuffer, target, radius: record.radius })
     }

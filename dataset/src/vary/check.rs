@@ -20,7 +20,8 @@ const fn keys(effect: Effect) -> (Option<&'static str>, &'static [&'static str])
         Effect::Dof | Effect::Multi => (Some("lens"), BY_LAMPS),
         Effect::MotionBlur => (Some("motion"), BY_LAMPS),
         Effect::FogDirect | Effect::FogIndirect | Effect::FogMultiple => (Some("fog"), SHADING),
-        Effect::Path | Effect::Real => (None, &["materials", "textures", "light", "environment", "fog"]),
+        Effect::Path => (None, &["materials", "textures", "light", "environment", "fog"]),
+        Effect::Real => (Some("sensor"), &["materials", "textures", "light", "environment", "fog"]),
     }
 }
 
@@ -39,6 +40,7 @@ impl Vary {
             ("motion", self.motion.is_some()),
             ("mean_free_path", self.mean_free_path.is_some()),
             ("fog", self.fog.is_some()),
+            ("sensor", self.sensor.is_some()),
         ];
         let (needed, allowed) = keys(effect);
         for (key, is_given) in given {

@@ -23,7 +23,7 @@ pub struct Variation {
 }
 
 /// What random numbers are for, so that none is used twice.
-pub(super) mod purpose {
+pub(crate) mod purpose {
     pub const LENS: u64 = 1;
     pub const LAMP: u64 = 2;
     pub const FOG: u64 = 3;
@@ -33,6 +33,8 @@ pub(super) mod purpose {
     pub const MOTION: u64 = 7;
     pub const TIME: u64 = 8;
     pub const POOL: u64 = 9;
+    pub const SENSOR_DEPTH: u64 = 10;
+    pub const SENSOR_COLOUR: u64 = 11;
 }
 
 /// Whether an effect shows light that lamps may be the source of.

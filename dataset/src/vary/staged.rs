@@ -4,9 +4,12 @@ use super::draw::{between, purpose};
 use super::{Props, Variation, Vary, draw, look, motion};
 use crate::plan::PlannedView;
 use crate::random::uniform;
-use crate::{DatasetError, Recipe, SceneRecord};
+use crate::recipe::Viewpoint;
+use crate::{DatasetError, Recipe, SceneRecord, Sensor, Subject, truth, views};
 use deepshade_render::bvh::TracedScene;
+use deepshade_render::gbuffer;
 use deepshade_render::scene::{Camera, Scene, SceneSource};
+use deepshade_shaders::{GBuffer, Planes};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -41,7 +44,7 @@ impl<'a> StagedScene<'a> {
         let base = prepared(scene.read(&recipe.folder)?, recipe)?;
         let moves = recipe.vary.as_ref().is_some_and(|vary| vary.motion.is_some());
         let animation = match &scene.source {
-            SceneSource::File(path) if moves => {
+            Subject::Scene(SceneSource::File(path)) if moves => {
                 let path = recipe.folder.join(path);
                 Scene::animation_span(&path)?.map(|span| Animation { path, span })
             }
@@ -53,6 +56,42 @@ impl<'a> StagedScene<'a> {
     /// The scene as it is by itself, in which views are sampled.
     pub fn base(&self) -> &TracedScene {
         &self.base
+    }
+
+    /// The camera of one of its views: the recipe's, or a sampled one of this `key` and index.
+    ///
+    /// # Errors
+    /// If none of many sampled views is fit.
+    pub fn camera(&self, key: u64, view: usize) -> Result<Camera, DatasetError> {
+        let Recipe { resolution, seed, camera, .. } = self.recipe;
+        if let Some(Viewpoint { position, target }) = camera {
+            return Ok(Camera::look_at(*position, *target));
+        }
+        views::sample_view(&self.base, [resolution.height, resolution.width], *seed, key, view)
+    }
+
+    /// What is known of an image's surfaces, with [`truth::attributes`]: what is seen, or what the recipe's sensor
+    /// measures of that, by the image's seed.
+    pub fn gbuffer(&self, shown: &TracedScene, camera: &Camera, seed: u32) -> GBuffer {
+        let Recipe { effect, resolution, .. } = *self.recipe;
+        let seen =
+            gbuffer::render(shown, camera, resolution.height, resolution.width, truth::attributes(effect));
+        match self.sensor() {
+            Some(sensor) => sensor.surface(&seen, camera, seed),
+            None => seen,
+        }
+    }
+
+    /// What is learned from: an image of the effect, or its photograph by the recipe's sensor.
+    pub(crate) fn photographed(&self, image: Planes, seed: u32) -> Planes {
+        match self.sensor() {
+            Some(sensor) => sensor.photograph(&image, seed),
+            None => image,
+        }
+    }
+
+    fn sensor(&self) -> Option<Sensor> {
+        self.recipe.vary.as_ref().and_then(|vary| vary.sensor)
     }
 
     /// Draws by a seed what an image gets: the lens of its camera, and the rest.

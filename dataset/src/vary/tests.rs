@@ -1,6 +1,6 @@
 use super::*;
 use crate::recipe::Recipe;
-use crate::{SceneRecord, views};
+use crate::{SceneRecord, Subject, views};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::scene::{AlphaMode, Camera, Density, Gloss, Light, Scene, SceneSource};
@@ -108,7 +108,7 @@ fn a_dark_scene_gets_a_lamp_that_lights_what_is_seen() {
     let recipe = recipe(folder.path(), "gi", "");
     let scene = Scene::load(&folder.path().join("dark.obj"), 0.0).expect("a scene");
     let blake3 = Some(crate::identity::scene_hash(&scene));
-    let dark = SceneRecord { source: SceneSource::File("dark.obj".into()), blake3 };
+    let dark = SceneRecord { source: Subject::Scene(SceneSource::File("dark.obj".into())), blake3 };
     let props = Props::load(&recipe).expect("nothing");
     let staged = StagedScene::load(&dark, &recipe, &props).expect("a scene");
     let camera = Camera::look_at(Vec3::new(2.0, 2.5, 6.0), Vec3::new(2.0, 0.3, 2.0));
@@ -253,11 +253,14 @@ fn keys_that_an_effect_lacks_or_does_not_know_are_named() {
         (Effect::Multi, "lens"),
         (Effect::MotionBlur, "motion"),
         (Effect::FogMultiple, "fog"),
+        (Effect::Real, "sensor"),
     ] {
         assert_eq!(refused(effect, &nothing), format!("effect `{effect}` needs the key `vary.{key}`"));
     }
     let lit = Vary { light: true, ..Vary::default() };
     assert_eq!(refused(Effect::Ao, &lit), "`vary.light` means nothing for effect `ao`");
+    let noisy = Vary { sensor: Some(Sensor::StructuredLight), ..Vary::default() };
+    assert_eq!(refused(Effect::Path, &noisy), "`vary.sensor` means nothing for effect `path`");
     let blurred = Vary { lens: Some([1.0, 2.0]), ..Vary::default() };
     assert_eq!(refused(Effect::Gi, &blurred), "`vary.lens` means nothing for effect `gi`");
     let sky = Vary { environment: Some(Surroundings::Sky(1)), lens: Some([1.0, 2.0]), ..Vary::default() };
@@ -305,7 +308,7 @@ fn what_is_animated_in_a_file_moves_at_a_time_of_its_own_in_every_image() {
     let path = folder.path().join("sliding.gltf");
     std::fs::write(&path, SLIDING).expect("written");
     let file = SceneRecord {
-        source: SceneSource::File("sliding.gltf".into()),
+        source: Subject::Scene(SceneSource::File("sliding.gltf".into())),
         blake3: Some(crate::identity::scene_hash(&Scene::load(&path, 0.0).expect("a scene"))),
     };
     let vary = "vary = { textures = { procedural = 2 }, motion = [3.0, 8.0] }";

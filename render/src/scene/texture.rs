@@ -2,7 +2,7 @@
 
 use super::SceneError;
 use super::file::{decode, read};
-use deepshade_shaders::colour::srgb_byte;
+use deepshade_shaders::colour::{LINEAR_OF_SRGB, srgb_byte};
 use glam::{Vec2, Vec4};
 use std::path::Path;
 
@@ -125,7 +125,7 @@ impl Texture {
         let row = wrapped(y, self.height, wrap[1]);
         let [r, g, b, a] = self.texels[row * self.width + column];
         let [r, g, b] = match self.encoding {
-            Encoding::Srgb => [r, g, b].map(|byte| SRGB_TO_LINEAR[byte as usize]),
+            Encoding::Srgb => [r, g, b].map(|byte| LINEAR_OF_SRGB[byte as usize]),
             Encoding::Linear => [r, g, b].map(|byte| f32::from(byte) / 255.0),
         };
         Vec4::new(r, g, b, f32::from(a) / 255.0)
@@ -146,14 +146,6 @@ fn wrapped(coordinate: f32, size: usize, wrap: Wrap) -> usize {
     };
     index as usize
 }
-
-/// Linear values of the 256 sRGB bytes (IEC 61966-2-1).
-static SRGB_TO_LINEAR: std::sync::LazyLock<[f32; 256]> = std::sync::LazyLock::new(|| {
-    std::array::from_fn(|byte| {
-        let value = byte as f32 / 255.0;
-        if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
-    })
-});
 
 #[cfg(test)]
 mod tests {

@@ -1,6 +1,7 @@
 //! Seeded families of scenes: every seed of a family is another scene of its kind, the same on every run.
 //!
-//! Ten families are for training and four, of other natures, for testing only. Scenes are in metres, compact, and rich
+//! Eleven families are for training and five, of other natures, for testing only; one of each is a table with neutral
+//! things, of which synthetic captures are made. Scenes are in metres, compact, and rich
 //! in corners, contacts and thin things, since those are what ambient occlusion is about. Counts and choices rest on
 //! whole numbers; positions use the platform's sine and cosine, so they may differ in the last bit between systems.
 //! Beside them there are patterns for textures and skies, since the project stands without anybody's files.
@@ -29,10 +30,13 @@ mod solids;
 mod stage;
 mod stairs;
 mod still_life;
+mod studio;
 mod surface;
 mod sweep;
+mod tabletop;
 mod terrain;
 mod vessels;
+mod workbench;
 
 pub use patterns::pattern;
 pub use sky::sky;
@@ -72,6 +76,10 @@ pub enum Family {
     Playground,
     /// Truss, trestle and suspension bridges.
     Bridge,
+    /// Plain and turned things in greys on a table, without light of their own: for captures.
+    Tabletop,
+    /// Things of other shapes in greys on the same table.
+    Workbench,
 }
 
 /// What a family may be used for.
@@ -88,7 +96,7 @@ type Build = fn(&mut Stage, &mut Random);
 
 impl Family {
     /// All families, those for training first.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 16] = [
         Self::Room,
         Self::Colonnade,
         Self::City,
@@ -99,10 +107,12 @@ impl Family {
         Self::Shelves,
         Self::Blobs,
         Self::Stairs,
+        Self::Tabletop,
         Self::Drapery,
         Self::Cave,
         Self::Playground,
         Self::Bridge,
+        Self::Workbench,
     ];
 
     /// The family's name in recipes and file names.
@@ -127,6 +137,8 @@ impl Family {
             Self::Cave => "caves with dripstones and crystals",
             Self::Playground => "slides, climbing frames and vehicles",
             Self::Bridge => "truss, trestle and suspension bridges",
+            Self::Tabletop => "plain things in greys on a table",
+            Self::Workbench => "things of other shapes in greys on the same table",
         }
     }
 
@@ -146,7 +158,7 @@ impl Family {
         })
     }
 
-    /// The family's scene of a seed, called by both, 20,000 to 300,000 triangles.
+    /// The family's scene of a seed, called by both, 20,000 to 300,000 triangles; on the tables for captures 8,000 and more.
     pub fn scene(self, seed: u64) -> Scene {
         let mut stage = Stage::new(format!("{}-{seed}", self.name()));
         let mut random = Random::new(self as u64, seed);
@@ -171,6 +183,8 @@ impl Family {
             Self::Cave => ("cave", Split::Test, cave::build),
             Self::Playground => ("playground", Split::Test, playground::build),
             Self::Bridge => ("bridge", Split::Test, bridge::build),
+            Self::Tabletop => ("tabletop", Split::Train, tabletop::build),
+            Self::Workbench => ("workbench", Split::Test, workbench::build),
         }
     }
 }

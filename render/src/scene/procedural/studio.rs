@@ -1,0 +1,66 @@
+//! A table before a wall, for captures: what every scene of the two families of neutral things has in common, so that the
+//! arrangement of the things is all that changes. It brings no light.
+
+use super::random::Random;
+use super::shape::Shape;
+use super::solids::{bevelled_box, block};
+use super::stage::{Lot, Stage};
+use crate::scene::{Material, MaterialId};
+use glam::{Quat, Vec2, Vec3};
+
+/// Half of the area that things stand on, metres; its middle is the origin.
+const AREA: Vec2 = Vec2::new(0.5, 0.42);
+/// Reflectance of table and wall.
+const GREY: f32 = 0.65;
+
+/// Puts table and wall on the stage, and things on the table, none into another. `thing` makes one of any size.
+pub fn furnish(thing: fn(&mut Random) -> Shape, stage: &mut Stage, random: &mut Random) {
+    let grey = stage.material(Material::matte("grey", Vec3::splat(GREY)));
+    stage.add("table", grey, bevelled_box(2.6, 0.04, 1.8, 0.01).moved(0.0, -0.04, 0.0));
+    stage.add("wall", grey, block(Vec3::new(-1.3, 0.0, -0.92), Vec3::new(1.3, 0.8, -0.88)));
+    let mut lot = Lot::new((0..4).map(|_| neutral(stage, random)).collect());
+    for (at, radius) in places(random) {
+        let turn = Quat::from_rotation_y(random.angle());
+        lot.put(seated(&thing(random), turn, radius).moved(at.x, 0.0, at.y), random);
+    }
+    lot.add_to(stage, "things");
+}
+
+/// A shape that was laid on one of its sides.
+pub fn laid(shape: Shape, random: &mut Random) -> Shape {
+    shape.turned(random.angle()).pitched(0.5 * std::f32::consts::PI)
+}
+
+/// A matte material of a light grey.
+fn neutral(stage: &mut Stage, random: &mut Random) -> MaterialId {
+    stage.material(Material::matte("neutral", Vec3::splat(random.within(0.55, 0.75))))
+}
+
+/// Where things stand, and how much room each has: middles and radii of circles that do not meet.
+fn places(random: &mut Random) -> Vec<(Vec2, f32)> {
+    let count = random.count(9, 14);
+    let mut taken: Vec<(Vec2, f32)> = Vec::new();
+    for _ in 0..40 * count {
+        let radius = if taken.len() < 4 { random.within(0.1, 0.16) } else { random.within(0.05, 0.1) };
+        let free = AREA - Vec2::splat(radius);
+        let at = Vec2::new(random.within(-free.x, free.x), random.within(-free.y, free.y));
+        if taken.len() < count && taken.iter().all(|(other, reach)| at.distance(*other) > radius + reach) {
+            taken.push((at, radius));
+        }
+    }
+    taken
+}
+
+/// A shape turned, scaled to a circle's room, at most twice as high as that is wide, and put onto y = 0.
+fn seated(shape: &Shape, turn: Quat, radius: f32) -> Shape {
+    let turned = shape.clone().rotated(turn);
+    let (low, high) = turned
+        .positions
+        .iter()
+        .fold((Vec3::MAX, Vec3::MIN), |(low, high), position| (low.min(*position), high.max(*position)));
+    let middle = 0.5 * (low + high);
+    let reach = turned.positions.iter().map(|position| (position - middle).with_y(0.0).length());
+    let widest = reach.fold(0.0, f32::max).max(0.25 * (high.y - low.y));
+    let scale = radius / widest;
+    turned.moved(-middle.x, -low.y, -middle.z).scaled(scale, scale, scale)
+}
