@@ -159,7 +159,8 @@ mod tests {
         let viewpoint = Viewpoint { eye: Some(eye), look_at: Some(target), ..Viewpoint::default() };
         let views =
             Args { viewpoint: viewpoint.clone(), views: None, seed: 3 }.of(&scene, SIZE).expect("a view");
-        let [View { camera, .. }] = views.as_slice() else { panic!("{} views", views.len()) };
+        assert_eq!(views.len(), 1);
+        let camera = views[0].camera;
         assert_eq!(camera.position, eye);
         assert!(camera.to_camera(target).truncate().length() < 1e-2, "it looks elsewhere");
         let third = Viewpoint { view: Some(2), ..Viewpoint::default() };

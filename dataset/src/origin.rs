@@ -114,7 +114,7 @@ fn differences(theirs: &Origin, ours: &Origin) -> Result<String, DatasetError> {
         .collect();
     Ok(match differing.len() {
         0 => "the scene files have other contents".to_owned(),
-        ..=NAMED => differing.join(", "),
+        1..=NAMED => differing.join(", "),
         more => format!("{} and {} more", differing[..NAMED].join(", "), more - NAMED),
     })
 }

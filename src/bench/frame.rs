@@ -31,7 +31,9 @@ const WARM_UP: u32 = 5;
     deepshade bench frame --scene sponza.gltf --put fox.gltf@-5,0,0,0.01,60 --sizes 1280x720,1920x1080 \
     --methods ao:gtao,aa:fxaa\n\n\
     ms_PASS in the JSON file is of the first size, fps_720p of the one with 720 rows; details has those of all. memory_growth_mb is by how much \
-    the program's memory grows from the frames before the measurement to its end.")]
+    the program's memory grows from the frames before the measurement to its end. What a driver needs within a frame stays the \
+    program's once it was asked for: on lavapipe that swings by 40 MB with what is seen, so a few steps of some MB are none of \
+    a leak's; growth that goes on with --frames is.")]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
     #[arg(long, default_value = "colonnade:1")]
