@@ -3,6 +3,7 @@ use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::scene::procedural::Family;
 use deepshade_render::scene::{Camera, Scene};
+use deepshade_shaders::Effect;
 use glam::{Mat3, Vec3};
 
 /// Some colours, positions and movements that no symmetry leaves as they are.
@@ -122,4 +123,11 @@ fn augmenting_is_rendering_with_a_turned_camera() {
             assert!(different > 0.5, "{symmetry:?}: only {different} of the pixels tell");
         }
     }
+}
+
+#[test]
+fn light_that_is_fixed_to_the_camera_is_not_turned_with_the_image() {
+    assert_eq!(Symmetry::of(Effect::Real), [Symmetry::IDENTITY]);
+    let others = Effect::ALL.into_iter().filter(|effect| *effect != Effect::Real);
+    assert!(others.into_iter().all(|effect| Symmetry::of(effect) == Symmetry::ALL));
 }

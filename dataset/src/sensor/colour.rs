@@ -9,15 +9,12 @@ use crate::vary::purpose;
 use deepshade_shaders::Planes;
 use deepshade_shaders::colour::{LINEAR_OF_SRGB, srgb_byte};
 
-/// The radiance that is just white: the exposure, which is the same for all frames. Under the procedural skies level ground
-/// that reflects all light has a radiance of 1, what faces the sun more.
-pub const WHITE: f32 = 1.5;
 /// Electrons of a pixel that is white: those of a webcam's small pixels.
 const FULL_WELL: f32 = 5000.0;
 /// Standard deviation of reading them out, electrons.
 const READ_NOISE: f32 = 8.0;
 
-/// The photograph of some radiance, `[3, height, width]`: radiance of the nearest byte, at most [`WHITE`].
+/// The photograph of some radiance, `[3, height, width]`: radiance of the nearest byte, at most 1, which is white.
 pub fn photograph(radiance: &Planes, seed: u32) -> Planes {
     let mut photograph = radiance.clone();
     for (index, value) in photograph.data_mut().iter_mut().enumerate() {
@@ -29,9 +26,9 @@ pub fn photograph(radiance: &Planes, seed: u32) -> Planes {
 
 /// What is read out of a pixel at a radiance, with noise of deviation 1.
 fn read_out(radiance: f32, noise: f32) -> f32 {
-    let electrons = (radiance / WHITE).clamp(0.0, 1.0) * FULL_WELL;
+    let electrons = radiance.clamp(0.0, 1.0) * FULL_WELL;
     let noisy = electrons + (electrons + READ_NOISE * READ_NOISE).sqrt() * noise;
-    LINEAR_OF_SRGB[srgb_byte(noisy / FULL_WELL) as usize] * WHITE
+    LINEAR_OF_SRGB[srgb_byte(noisy / FULL_WELL) as usize]
 }
 
 #[cfg(test)]
@@ -49,9 +46,9 @@ mod tests {
 
     #[test]
     fn noise_grows_with_the_root_of_light_and_has_no_mean() {
-        for radiance in [0.1f32, 0.4, 0.8, 1.2] {
-            let electrons = f64::from(radiance / WHITE * FULL_WELL);
-            let expected = (electrons + f64::from(READ_NOISE).powi(2)).sqrt() * f64::from(WHITE / FULL_WELL);
+        for radiance in [0.1f32, 0.3, 0.5, 0.8] {
+            let electrons = f64::from(radiance * FULL_WELL);
+            let expected = (electrons + f64::from(READ_NOISE).powi(2)).sqrt() * f64::from(FULL_WELL).recip();
             let [mean, deviation] = moments(radiance);
             // Four standard errors of the mean of 30,000, and a little for the steps.
             assert!((mean - f64::from(radiance)).abs() < 0.025 * expected + 1e-3, "{radiance}: {mean}");
@@ -63,10 +60,9 @@ mod tests {
     fn values_are_those_of_bytes_up_to_white() {
         let photograph = photograph(&Planes::from_fn(3, 40, 40, |_, y, x| 0.002 * (40 * y + x) as f32), 1);
         for value in photograph.data() {
-            let byte = srgb_byte(value / WHITE);
-            assert_eq!(*value, LINEAR_OF_SRGB[byte as usize] * WHITE);
+            assert_eq!(*value, LINEAR_OF_SRGB[srgb_byte(*value) as usize]);
         }
-        assert_eq!(read_out(9.0, 0.0), WHITE);
+        assert_eq!(read_out(9.0, 0.0), 1.0);
         assert_eq!(read_out(0.0, -1.0), 0.0);
     }
 

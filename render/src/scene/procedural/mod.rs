@@ -76,7 +76,7 @@ pub enum Family {
     Playground,
     /// Truss, trestle and suspension bridges.
     Bridge,
-    /// Plain and turned things in greys on a table, without light of their own: for captures.
+    /// Plain and turned things in greys on a table, in a light that is always the same: for captures.
     Tabletop,
     /// Things of other shapes in greys on the same table.
     Workbench,

@@ -1,9 +1,10 @@
-//! A table before a wall, for captures: what every scene of the two families of neutral things has in common, so that the
-//! arrangement of the things is all that changes. It brings no light.
+//! A table before a wall in the light of two panels, for captures: what every scene of the two families of neutral things has
+//! in common, so that the arrangement of the things is all that changes. The panels are soft, and of two colours, so that
+//! light tells how a surface is turned.
 
 use super::random::Random;
 use super::shape::Shape;
-use super::solids::{bevelled_box, block};
+use super::solids::block;
 use super::stage::{Lot, Stage};
 use crate::scene::{Material, MaterialId};
 use glam::{Quat, Vec2, Vec3};
@@ -13,17 +14,49 @@ const AREA: Vec2 = Vec2::new(0.5, 0.42);
 /// Reflectance of table and wall.
 const GREY: f32 = 0.65;
 
-/// Puts table and wall on the stage, and things on the table, none into another. `thing` makes one of any size.
+/// A panel that shines on the origin.
+struct Panel {
+    /// Its middle, metres.
+    place: Vec3,
+    /// Its edge, metres.
+    edge: f32,
+    /// Radiance.
+    radiance: Vec3,
+}
+
+/// A warm one on the right and a cool, weaker one on the left. White surfaces on the table that face the first have a
+/// radiance of about 0.9.
+const PANELS: [Panel; 2] = [
+    Panel { place: Vec3::new(1.3, 1.7, 1.1), edge: 1.0, radiance: Vec3::new(21.5, 19.5, 17.0) },
+    Panel { place: Vec3::new(-1.5, 1.1, 0.7), edge: 0.6, radiance: Vec3::new(7.5, 10.0, 13.0) },
+];
+
+/// Puts table, wall and panels on the stage, and things on the table, none into another. `thing` makes one of any size.
 pub fn furnish(thing: fn(&mut Random) -> Shape, stage: &mut Stage, random: &mut Random) {
     let grey = stage.material(Material::matte("grey", Vec3::splat(GREY)));
-    stage.add("table", grey, bevelled_box(2.6, 0.04, 1.8, 0.01).moved(0.0, -0.04, 0.0));
-    stage.add("wall", grey, block(Vec3::new(-1.3, 0.0, -0.92), Vec3::new(1.3, 0.8, -0.88)));
+    stage.add("table", grey, block(Vec3::new(-1.8, -0.04, -0.92), Vec3::new(1.8, 0.0, 1.6)));
+    stage.add("wall", grey, block(Vec3::new(-1.8, 0.0, -0.92), Vec3::new(1.8, 0.8, -0.88)));
+    for panel in &PANELS {
+        let emission = panel.radiance;
+        let shining = stage.material(Material { emission, ..Material::matte("panel", Vec3::ZERO) });
+        stage.add("panel", shining, panel.shape());
+    }
     let mut lot = Lot::new((0..4).map(|_| neutral(stage, random)).collect());
     for (at, radius) in places(random) {
         let turn = Quat::from_rotation_y(random.angle());
         lot.put(seated(&thing(random), turn, radius).moved(at.x, 0.0, at.y), random);
     }
     lot.add_to(stage, "things");
+}
+
+impl Panel {
+    fn shape(&self) -> Shape {
+        let half = 0.5 * self.edge;
+        let mut shape = Shape::default();
+        let corners = [(-half, -half), (half, -half), (half, half), (-half, half)];
+        shape.polygon(&corners.map(|(x, z)| Vec3::new(x, 0.0, -z)));
+        shape.aimed(-self.place.normalize()).at(self.place)
+    }
 }
 
 /// A shape that was laid on one of its sides.
