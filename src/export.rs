@@ -5,6 +5,7 @@ use anyhow::{Context, Result, ensure};
 use deepshade_dataset::Manifest;
 use deepshade_infer::Model;
 use deepshade_infer::forward::{Precision, wgsl_files};
+use deepshade_render::scene::camera::FIELD_OF_VIEW;
 use deepshade_train::TrainConfig;
 use deepshade_train::export::{Facts, export};
 use serde_json::Value;
@@ -106,17 +107,20 @@ pub fn facts(manifest: &Manifest, metrics: Vec<(String, String)>) -> Facts {
             families.join(", ")
         ),
         metrics,
-        limits: limits(),
+        limits: limits(recipe.field_of_view.unwrap_or(FIELD_OF_VIEW)),
         licence: LICENCE.to_owned(),
     }
 }
 
-/// What networks that see one frame of a screen cannot do, whatever their effect.
-fn limits() -> Vec<String> {
+/// What networks that see one frame of a screen cannot do, whatever their effect, trained on views of so many degrees.
+fn limits(field_of_view: f32) -> Vec<String> {
+    let views = format!(
+        "It was trained on perspective views with a vertical field of view of {field_of_view} degrees, without motion or \
+         depth-of-field blur."
+    );
     [
         "It sees what the camera sees: what lies outside the image or behind other surfaces blocks nothing.",
-        "It was trained on perspective views with a vertical field of view of 50 degrees, without motion or \
-         depth-of-field blur.",
+        views.as_str(),
         "Its radius is fixed; other radii work by scaling positions and get worse the further they are from the \
          trained one.",
         "Frames are independent; nothing keeps them steady over time.",

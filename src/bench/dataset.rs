@@ -123,7 +123,7 @@ fn pair(recipe: &Recipe, props: &Props, scene: &PlannedScene, args: &Args) -> Re
     let staged = StagedScene::load(&scene.scene, recipe, props)?;
     let loading = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let camera = views::sample_view(staged.base(), size, recipe.seed, scene.key, view.index)?;
+    let camera = views::recipe_view(recipe, staged.base(), scene.key, view.index)?;
     let (camera, variation) = staged.draw(camera, view.seed);
     let shown = staged.shown(&camera, variation.as_ref())?;
     let staging = start.elapsed().as_secs_f64();

@@ -69,7 +69,7 @@ fn probe(recipe: &Recipe, props: &Props, planned: &PlannedScene) -> Result<Secon
     let staged = StagedScene::load(&planned.scene, recipe, props)?;
     let scene = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let camera = views::sample_view(staged.base(), size, recipe.seed, planned.key, 0)?;
+    let camera = views::recipe_view(recipe, staged.base(), planned.key, 0)?;
     let (camera, variation) = staged.draw(camera, planned.views[0].seed);
     let shown = staged.shown(&camera, variation.as_ref())?;
     let view = start.elapsed().as_secs_f64();

@@ -123,9 +123,9 @@ impl Work<'_> {
         view: &PlannedView,
         whole: bool,
     ) -> Result<FrameRecord, DatasetError> {
-        let Recipe { effect, resolution, seed, .. } = *self.recipe;
+        let Recipe { effect, resolution, .. } = *self.recipe;
         let (height, width) = (resolution.height, resolution.width);
-        let camera = views::sample_view(staged.base(), [height, width], seed, planned.key, view.index)?;
+        let camera = views::recipe_view(self.recipe, staged.base(), planned.key, view.index)?;
         let radius = self.recipe.radius.metres(staged.base().diagonal());
         let (camera, variation) = staged.draw(camera, view.seed);
         let scene = staged.shown(&camera, variation.as_ref())?;
