@@ -1,7 +1,7 @@
 //! `deepshade eval`: an effect's methods, learned and analytic, on a test set, with confidence intervals over scenes.
 
 mod curve;
-mod rivals;
+pub mod rivals;
 
 use crate::figures::Figures;
 use crate::methods::TRUTH;
