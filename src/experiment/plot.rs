@@ -88,6 +88,11 @@ impl Plot {
         let xs = range(lines.iter().flatten().map(|point| point.0)).ok_or("no points")?;
         let ys = range(lines.iter().flatten().map(|point| point.1).chain(level)).ok_or("no points")?;
         let with_legend = xs.start..xs.end + LEGEND * (xs.end - xs.start);
+        // Below the legend nothing is measured.
+        let number = |x: &f64| match *x > xs.end {
+            true => String::new(),
+            false => short(if self.is_logarithmic { x.exp2() } else { *x }),
+        };
         let area = SVGBackend::with_string(svg, (860, 480)).into_drawing_area();
         area.fill(&WHITE)?;
         let mut chart = ChartBuilder::on(&area)
@@ -101,7 +106,7 @@ impl Plot {
             .max_light_lines(1)
             .x_desc(self.x)
             .y_desc(self.y)
-            .x_label_formatter(&|x| short(if self.is_logarithmic { x.exp2() } else { *x }))
+            .x_label_formatter(&number)
             .y_label_formatter(&|y| short(*y))
             .draw()?;
         let mut names = 0;
@@ -142,7 +147,7 @@ fn range(values: impl Iterator<Item = f64>) -> Option<Range<f64>> {
     let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)));
     // A single value gets an axis too.
     let margin = if high > low { MARGIN * (high - low) } else { 0.1 * high.abs().max(1e-3) };
-    (low <= high).then(|| low - margin..high + margin)
+    (low <= high).then_some(low - margin..high + margin)
 }
 
 /// A number with three digits that count.

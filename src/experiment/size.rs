@@ -27,7 +27,7 @@ pub struct Size {
     pub crop: usize,
     /// Steps that every network is trained for, of [`BATCH`] crops.
     pub steps: usize,
-    /// Numbers of scenes that the study `scenes` compares; each divides the pairs that [`Size::trained_pairs`] are.
+    /// Numbers of scenes that the study `scenes` compares; each divides the number of pairs.
     pub scene_counts: &'static [usize],
     /// Steps that perceptrons are trained for.
     pub perceptron_steps: usize,
