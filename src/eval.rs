@@ -4,7 +4,7 @@ mod curve;
 mod networks;
 mod page;
 mod paper;
-mod rivals;
+pub mod rivals;
 mod score;
 
 use crate::figures::Figures;

@@ -6,6 +6,7 @@ use deepshade_dataset::vary::Surroundings;
 use deepshade_dataset::{Manifest, Recipe};
 use deepshade_infer::Model;
 use deepshade_infer::forward::{Precision, wgsl_files};
+use deepshade_render::scene::camera::FIELD_OF_VIEW;
 use deepshade_shaders::Effect;
 use deepshade_train::TrainConfig;
 use deepshade_train::export::{Facts, export};
@@ -118,10 +119,13 @@ pub fn facts(manifest: &Manifest, metrics: Vec<(String, String)>) -> Facts {
 
 /// What a network cannot do: what none can that sees one frame of a screen, and what the data keep from this one.
 fn limits(recipe: &Recipe) -> Vec<String> {
+    let field_of_view = recipe.field_of_view.unwrap_or(FIELD_OF_VIEW);
     let mut limits = vec![
         "It sees what the camera sees: what lies outside the image or behind other surfaces does nothing."
             .to_owned(),
-        "It was trained on perspective views with a vertical field of view of 50 degrees.".to_owned(),
+        format!(
+            "It was trained on perspective views with a vertical field of view of {field_of_view} degrees."
+        ),
         "Frames are independent; nothing keeps them steady over time.".to_owned(),
     ];
     limits.extend(match recipe.effect {

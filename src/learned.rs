@@ -45,6 +45,15 @@ impl Learned {
         Ok(Self { engine: Engine::new(Some(gpu), model)? })
     }
 
+    /// Prepares the network for the processor.
+    ///
+    /// # Errors
+    /// If the weights are not the spec's.
+    #[cfg(feature = "train")]
+    pub fn on_processor(model: &Model) -> Result<Self, ForwardError> {
+        Ok(Self { engine: Engine::new(None, model)? })
+    }
+
     /// The network's spec.
     pub const fn spec(&self) -> &NetSpec {
         self.engine.spec()

@@ -16,6 +16,8 @@ mod demo;
 mod engine;
 mod eval;
 #[cfg(feature = "train")]
+mod experiment;
+#[cfg(feature = "train")]
 mod export;
 mod exposure_time;
 mod figures;
@@ -78,6 +80,9 @@ enum Verb {
     Compare(compare::Args),
     /// Evaluates an effect's methods, learned and analytic, on a test set.
     Eval(eval::Args),
+    /// Reruns a study of the thesis: data, networks, tests, a table and plots.
+    #[cfg(feature = "train")]
+    Experiment(experiment::Args),
     /// Tunes hbao's parameters on the validation views of a dataset.
     Tune(tune::Args),
     /// Checks truth against Mitsuba 3; `cargo xtask crosscheck` sets it up and calls this.
@@ -104,6 +109,8 @@ fn main() -> ExitCode {
         Verb::Parity(args) => parity::run(&args),
         Verb::Compare(args) => compare::run(&args),
         Verb::Eval(args) => eval::run(&args),
+        #[cfg(feature = "train")]
+        Verb::Experiment(args) => experiment::run(&args),
         Verb::Tune(args) => tune::run(&args),
         Verb::Crosscheck(args) => crosscheck::run(&args),
         Verb::Bench(verb) => bench::run(&verb),

@@ -78,7 +78,7 @@ pub struct Args {
 
 /// Radius of the effect in the units of the network's input: positions, some ten radii away, then are about as large
 /// as the components of normals.
-const INPUT_RADIUS: f32 = 0.25;
+pub const INPUT_RADIUS: f32 = 0.25;
 
 /// Order of the channels after a concatenation.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -100,7 +100,7 @@ impl From<Order> for ChannelOrder {
 
 /// What is made small.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum LossName {
+pub enum LossName {
     /// Structural dissimilarity, the paper's.
     Dssim,
     /// Mean absolute difference.

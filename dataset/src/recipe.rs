@@ -46,6 +46,10 @@ pub struct Recipe {
     /// Where all views are from; without it, they are sampled.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<Viewpoint>,
+    /// Vertical field of view, degrees. With it a view is such that all fields of view can be had, the camera going
+    /// along its axis, and a scene has the same views at all of them; see [`crate::views::dolly`]. Without it 50.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub field_of_view: Option<f32>,
     /// Share of the scenes, or of the views where there is one scene only, that is held apart for validation.
     #[serde(default)]
     pub validation_share: f64,

@@ -12,8 +12,10 @@
 //! - the median is [`LEAST_MEDIAN`] to 1 diagonals away,
 //! - no two planes hold more than [`MOST_ON_TWO_PLANES`] (a blank wall and its floor teach nothing).
 
-use crate::DatasetError;
+pub mod dolly;
+
 use crate::random::{mix, uniform};
+use crate::{DatasetError, Recipe};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::intersection::SurfacePoint;
 use deepshade_render::scene::{Bounds, Camera};
@@ -45,18 +47,46 @@ const OUTLIERS: f32 = 0.01;
 /// How much of its diagonal the box is widened by on each side.
 const MARGIN: f32 = 0.1;
 
+/// The view of an index of a recipe's scene: that of [`sample_view`], or with the recipe's field of view one that
+/// [`dolly_zoom`](dolly::dolly_zoom) can make of it.
+///
+/// # Errors
+/// If none of many sampled views is fit.
+pub fn recipe_view(
+    recipe: &Recipe,
+    scene: &TracedScene,
+    scene_key: u64,
+    view: usize,
+) -> Result<Camera, DatasetError> {
+    let size = [recipe.resolution.height, recipe.resolution.width];
+    let shown = |camera: Camera| match recipe.field_of_view {
+        None => Some(camera),
+        Some(degrees) => dolly::dolly_zoom(scene, &camera, degrees),
+    };
+    sample(scene, size, mix(&[u64::from(recipe.seed), scene_key, view as u64]), shown)
+}
+
 /// The view of an index of a scene, for an image of this size. The same for the same `seed`, `scene_key` and `view`.
 ///
 /// # Errors
 /// If none of many sampled views is fit.
 pub fn sample_view(
     scene: &TracedScene,
-    [height, width]: [usize; 2],
+    size: [usize; 2],
     seed: u32,
     scene_key: u64,
     view: usize,
 ) -> Result<Camera, DatasetError> {
-    let stream = mix(&[u64::from(seed), scene_key, view as u64]);
+    sample(scene, size, mix(&[u64::from(seed), scene_key, view as u64]), Some)
+}
+
+/// The first fit view of a stream of random numbers of which `shown` makes one, as that makes it.
+fn sample(
+    scene: &TracedScene,
+    [height, width]: [usize; 2],
+    stream: u64,
+    shown: impl Fn(Camera) -> Option<Camera>,
+) -> Result<Camera, DatasetError> {
     let bounds = fitted_box(scene);
     let mut refusals = [0; REASONS.len()];
     for attempt in 0..ATTEMPTS {
@@ -69,24 +99,31 @@ pub fn sample_view(
             continue;
         }
         let camera = Camera::look_at(position, target);
-        match refusal(scene, &camera, width as f32 / height as f32, bounds.diagonal()) {
-            None => return Ok(camera),
-            Some(reason) => refusals[reason] += 1,
-        }
+        let reason = match refusal(scene, &camera, width as f32 / height as f32, bounds.diagonal()) {
+            Some(reason) => reason,
+            None => match shown(camera) {
+                Some(camera) => return Ok(camera),
+                None => NOT_SHOWN,
+            },
+        };
+        refusals[reason] += 1;
     }
     let most = (0..REASONS.len()).max_by_key(|reason| refusals[*reason]).unwrap_or(0);
     Err(DatasetError::NoView { scene: scene.scene().name.clone(), attempts: ATTEMPTS, reason: REASONS[most] })
 }
 
 /// Why views are refused, for the error that names the scene.
-const REASONS: [&str; 6] = [
+const REASONS: [&str; 7] = [
     "it stands inside of geometry",
     "it sees too little",
     "it sees the backs of surfaces",
     "surfaces are too near",
     "what it sees is too near or too far away",
     "it sees little but a plane or two",
+    "it cannot be had at every field of view",
 ];
+/// Index into [`REASONS`] of a view of which its user makes none.
+const NOT_SHOWN: usize = 6;
 
 /// Index into [`REASONS`] if a view is not fit.
 fn refusal(scene: &TracedScene, camera: &Camera, aspect: f32, diagonal: f32) -> Option<usize> {

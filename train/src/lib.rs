@@ -18,6 +18,7 @@ pub mod optim;
 mod pairs;
 #[cfg(any(test, feature = "vulkan"))]
 mod plain;
+pub mod regressors;
 mod rng;
 pub mod training;
 

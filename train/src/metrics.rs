@@ -29,6 +29,23 @@ pub struct Line {
     pub images_per_second: f64,
 }
 
+/// The lines that the run in a folder has written, but for one that a killed program left half-written.
+///
+/// # Errors
+/// If there is no such file or it cannot be read.
+pub fn read(folder: &Path) -> Result<Vec<Line>, TrainError> {
+    let path = folder.join(METRICS_FILE);
+    let bytes = std::fs::read(&path).map_err(TrainError::io("read", &path))?;
+    Ok(whole_lines(&bytes).map(|(line, _)| line).collect())
+}
+
+/// The lines at the head of a file that are whole, each with its number of bytes. One that a killed run left half-written
+/// is no JSON, or lacks its end.
+fn whole_lines(bytes: &[u8]) -> impl Iterator<Item = (Line, u64)> {
+    let texts = bytes.split_inclusive(|byte| *byte == b'\n').take_while(|text| text.ends_with(b"\n"));
+    texts.map_while(|text| Some((serde_json::from_slice(text).ok()?, text.len() as u64)))
+}
+
 /// The metrics of a run, in memory and in its folder.
 pub(crate) struct Metrics {
     folder: PathBuf,
@@ -46,14 +63,9 @@ impl Metrics {
         let path = folder.join(METRICS_FILE);
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(TrainError::io("read", &path))?;
-        let (mut lines, mut end) = (Vec::new(), 0);
-        for text in bytes.split_inclusive(|byte| *byte == b'\n') {
-            // A line that a killed run left half-written is no JSON, or lacks its end.
-            let line: Option<Line> = serde_json::from_slice(text).ok();
-            let Some(line) = line.filter(|line| line.step <= step && text.ends_with(b"\n")) else { break };
-            lines.push(line);
-            end += text.len() as u64;
-        }
+        let kept = whole_lines(&bytes).take_while(|(line, _)| line.step <= step);
+        let (lines, lengths): (Vec<Line>, Vec<u64>) = kept.unzip();
+        let end = lengths.iter().sum();
         file.set_len(end).map_err(TrainError::io("write", &path))?;
         Ok(Self { folder: folder.to_owned(), file, lines })
     }

@@ -4,6 +4,7 @@
 use super::{FamilyShare, Radius, Recipe, Resolution, Viewpoint, split_name};
 use crate::DatasetError;
 use crate::identity::Identity;
+use crate::views::dolly::FIELDS_OF_VIEW;
 use deepshade_render::path::estimate::SCRAMBLINGS;
 use deepshade_render::path::sampler::MAX_SAMPLES;
 use deepshade_render::scene::Scene;
@@ -52,6 +53,9 @@ impl Recipe {
             let away = (position - target).length();
             between("camera", away.is_finite() && away > 1e-3, "two places that are finite and apart")?;
         }
+        let degrees = format!("{} to {} degrees", FIELDS_OF_VIEW.start(), FIELDS_OF_VIEW.end());
+        let holds = self.field_of_view.is_none_or(|degrees| FIELDS_OF_VIEW.contains(&degrees));
+        between("field_of_view", holds, &degrees)?;
         if let Some(tiles) = self.tiles {
             let whole = tiles.samples.is_multiple_of(SCRAMBLINGS);
             let holds = whole && (SCRAMBLINGS..=MAX_SAMPLES).contains(&tiles.samples);

@@ -59,6 +59,8 @@ fn absurd_values_are_refused_with_their_limits() {
         ("0.05", "-1.0", "`radius.diagonal` must be above 0"),
         ("views_per_scene = 2", "views_per_scene = 0", "1 to 1000000 views"),
         ("views_per_scene = 2", "views_per_scene = 400000", "1 to 1000000 views"),
+        ("seed = 1", "seed = 1\nfield_of_view = 19.0", "`field_of_view` must be 20 to 90 degrees"),
+        ("seed = 1", "seed = 1\nfield_of_view = nan", "`field_of_view` must be 20 to 90 degrees"),
         ("share = 0.25", "share = 0.75", "`validation_share` must be 0 to 0.5"),
         ("scenes = 3", "scenes = 0", "so that there is a scene"),
     ];

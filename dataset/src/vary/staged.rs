@@ -63,11 +63,10 @@ impl<'a> StagedScene<'a> {
     /// # Errors
     /// If none of many sampled views is fit.
     pub fn camera(&self, key: u64, view: usize) -> Result<Camera, DatasetError> {
-        let Recipe { resolution, seed, camera, .. } = self.recipe;
-        if let Some(Viewpoint { position, target }) = camera {
-            return Ok(Camera::look_at(*position, *target));
+        match self.recipe.camera {
+            Some(Viewpoint { position, target }) => Ok(Camera::look_at(position, target)),
+            None => views::recipe_view(self.recipe, &self.base, key, view),
         }
-        views::sample_view(&self.base, [resolution.height, resolution.width], *seed, key, view)
     }
 
     /// What is known of an image's surfaces, with [`truth::attributes`]: what is seen, or what the recipe's sensor

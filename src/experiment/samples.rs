@@ -1,0 +1,79 @@
+//! Samples of a pixel against number of images, where both take as long (thesis 7.5.4, Figure 7.16 left).
+
+use super::exam::SIMILARITY;
+use super::lab::{Lab, scores};
+use super::plot::{Line, Plot};
+use super::table::{Row, Table};
+use anyhow::Result;
+use deepshade_dataset::Recipe;
+
+/// Samples that are compared.
+const SAMPLES: [u32; 4] = [4, 16, 64, 256];
+
+/// Trains a network on each dataset.
+///
+/// # Errors
+/// If data, training or testing fail.
+pub fn run(lab: &Lab) -> Result<Table> {
+    let exam = lab.base_exam()?;
+    let (mut rows, mut points) = (Vec::new(), Vec::new());
+    for samples in SAMPLES {
+        let recipe = equal_time(&lab.recipe, samples);
+        let name =
+            if samples == lab.recipe.samples { "base".to_owned() } else { format!("samples-{samples}") };
+        let data = lab.data(&name, &recipe)?;
+        let network = lab.network(&name, &lab.settings(&data)?)?;
+        let scores = scores(&exam, &network)?;
+        points.push((f64::from(samples), scores.dssim()));
+        let trained = data.dataset.training().len() as f64;
+        let values = [&scores.similarity()[..], &[trained, data.seconds, network.seconds]].concat();
+        rows.push(Row::new(format!("ssim_samples{samples}"), samples.to_string(), &values));
+    }
+    let trivial = exam.trivial()?;
+    rows.push(Row::new("ssim_trivial", "nothing", &trivial.similarity()));
+    let more = [("pairs trained on", 0), ("data s", 1), ("training s", 1)];
+    let lines = vec![Line::dotted("network", points)];
+    Ok(Table {
+        title: "Samples of a pixel against number of images",
+        rows_are: "samples",
+        columns: [&SIMILARITY[..], &more].concat(),
+        rows,
+        plot: Plot {
+            x: "samples of a pixel",
+            is_logarithmic: true,
+            y: "DSSIM on test scenes",
+            lines,
+            level: None,
+        },
+    })
+}
+
+/// A recipe with other samples and so many views of each scene that there are as many samples in all; one view at least.
+fn equal_time(recipe: &Recipe, samples: u32) -> Recipe {
+    let budget = recipe.views_per_scene * recipe.samples as usize;
+    Recipe { samples, views_per_scene: (budget / samples as usize).max(1), ..recipe.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::size::Size;
+
+    #[test]
+    fn all_take_the_same_number_of_samples() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for size in [Size::DEFAULT, Size::FULL] {
+            let lab = Lab::open(folder.path(), size).expect("a lab");
+            let budget =
+                |recipe: &Recipe| recipe.views_per_scene * recipe.samples as usize * recipe.scene_count();
+            let expected = budget(&lab.recipe);
+            for samples in SAMPLES {
+                let recipe = equal_time(&lab.recipe, samples);
+                assert_eq!(recipe.samples, samples);
+                // Views are whole.
+                let share = budget(&recipe) as f64 / expected as f64;
+                assert!((0.95..=1.0).contains(&share), "{}, {samples}: {share}", size.name);
+            }
+        }
+    }
+}
