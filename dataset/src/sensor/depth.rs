@@ -2,9 +2,12 @@
 //!
 //! - Noise: Nguyen, Izadi and Lovell 2012, "Modeling Kinect sensor noise for improved 3D reconstruction and tracking",
 //!   equations 1 and 2, by depth and by the angle between normal and view.
-//! - Steps: disparity is known to 1/8 pixel (Khoshelham and Elberink 2012, "Accuracy and resolution of Kinect depth data for
-//!   indoor mapping applications", with the range and the base line).
-//! - Holes: where the projector's light does not come, beyond an edge; where a surface is grazed; beyond the range.
+//! - Steps: disparity is known to 1/8 pixel (Konolige and Mihelich, "Technical description of Kinect calibration", in the
+//!   documentation of ROS).
+//! - Base line and range: Khoshelham and Elberink 2012, "Accuracy and resolution of Kinect depth data for indoor mapping
+//!   applications".
+//! - Holes: where the projector's light does not come, beyond an edge; where a surface is grazed; beyond the range. Fewer than
+//!   a sensor has: dark and shining surfaces answer here as all others do.
 //!
 //! Noise of neighbouring pixels is independent, which that of a Kinect, whose dots are matched in blocks, is not quite. The
 //! projector is hidden by what the camera sees, and by nothing else.
@@ -25,7 +28,7 @@ const BASE_LINE: f32 = 0.075;
 const STEPS: f32 = 8.0;
 /// Depths that are measured, metres.
 const RANGE: std::ops::RangeInclusive<f32> = 0.5..=5.0;
-/// Cosine of the angle, 80 degrees, beyond which nothing comes back. Nguyen et al. find depth unreliable there.
+/// Cosine of the angle, 80 degrees, beyond which nothing comes back; no source has a number for it, this is a choice.
 const LEAST_COSINE: f32 = 0.174;
 
 /// Standard deviation of depth along the view, metres, at a depth in metres of surfaces that are not grazed (Nguyen et al.
