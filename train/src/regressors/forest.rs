@@ -29,6 +29,7 @@ pub struct Growth {
 pub struct Forest {
     trees: Vec<Tree>,
     edge: usize,
+    channels: usize,
 }
 
 impl Forest {
@@ -47,7 +48,8 @@ impl Forest {
                 .with_seed(growth.seed.wrapping_add(index as u64));
             Tree::fit(&patches, &targets, parameters).map_err(failed)
         };
-        Ok(Self { trees: (0..growth.trees).into_par_iter().map(tree).collect::<Result<_, _>>()?, edge })
+        let trees = (0..growth.trees).into_par_iter().map(tree).collect::<Result<_, _>>()?;
+        Ok(Self { trees, edge, channels: frames.channels() })
     }
 
     /// What its first `trees` trees make of a network's input, pixel by pixel: `[channels, height, width]` to
@@ -56,6 +58,10 @@ impl Forest {
     /// # Errors
     /// If the input has other channels than those that it was grown for.
     pub fn image(&self, input: &Planes, trees: usize) -> Result<Planes, TrainError> {
+        if input.channels() != self.channels {
+            let what = format!("grown for {} channels, not for {}", self.channels, input.channels());
+            return Err(TrainError::Forest(what));
+        }
         let trees = &self.trees[..trees.min(self.trees.len())];
         let row = |y: usize| -> Result<Vec<f32>, TrainError> {
             let patches = matrix(patches_of_rows(input, self.edge, y..y + 1), input.width())?;
@@ -84,28 +90,25 @@ fn failed(error: Failed) -> TrainError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::regressors::patches::tests::products;
+    use crate::regressors::patches::tests::{error, noise};
 
     #[test]
     fn more_trees_are_closer_and_the_first_ones_are_the_same() {
-        let (frames, input, target) = products();
-        let growth = Growth { trees: 8, examples: 300, seed: 1 };
+        let (frames, input, target) = noise();
+        let growth = Growth { trees: 8, examples: 700, seed: 1 };
         let forest = Forest::grow(&frames, 3, growth).expect("grows");
-        let error = |trees| {
-            let image = forest.image(&input, trees).expect("an image");
-            let pairs = image.data().iter().zip(target.data());
-            pairs.map(|(a, b)| (a - b).powi(2)).sum::<f32>() / target.data().len() as f32
-        };
-        assert!(error(8) < error(1) && error(8) < 0.01, "{} {}", error(8), error(1));
+        let image = |trees| forest.image(&input, trees).expect("an image");
+        let errors = [8, 1].map(|trees| error(&image(trees), &target));
+        assert!(errors[0] < errors[1] && errors[0] < 0.05, "{errors:?}");
         let lone = Forest::grow(&frames, 3, Growth { trees: 1, ..growth }).expect("grows");
-        assert_eq!(lone.image(&input, 1).expect("an image"), forest.image(&input, 1).expect("an image"));
+        assert_eq!(lone.image(&input, 1).expect("an image"), image(1));
     }
 
     #[test]
     fn an_input_of_other_channels_is_refused() {
-        let (frames, _, _) = products();
+        let (frames, _, _) = noise();
         let forest = Forest::grow(&frames, 3, Growth { trees: 1, examples: 50, seed: 1 }).expect("grows");
-        let error = forest.image(&Planes::filled(0, 4, 4, 0.0), 1).err().map(|error| error.to_string());
-        assert!(error.is_some_and(|error| error.contains("forest")), "refused");
+        let error = forest.image(&Planes::filled(2, 4, 4, 0.0), 1).expect_err("refused").to_string();
+        assert!(error.contains("1 channels") && error.contains('2'), "{error}");
     }
 }

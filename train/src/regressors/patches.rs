@@ -54,6 +54,11 @@ impl Frames {
         }
     }
 
+    /// Channels of what is read.
+    pub(crate) const fn channels(&self) -> usize {
+        self.channels
+    }
+
     /// Numbers of a patch.
     pub(crate) const fn patch_len(&self, edge: usize) -> usize {
         self.channels * edge * edge
@@ -117,13 +122,21 @@ fn push_patch(input: &Planes, edge: usize, y: usize, x: usize, patches: &mut Vec
 pub(super) mod tests {
     use super::*;
 
-    /// Frames of one image of noise, it, and what is to be learned of it: the product of a pixel and its left neighbour.
-    pub fn products() -> (Frames, Planes, Planes) {
+    /// Frames of one image of noise, it, and what is to be learned of it: half of a pixel and a quarter of its left
+    /// neighbour's size. Its variance is 0.27.
+    pub fn noise() -> (Frames, Planes, Planes) {
         let input = deepshade_infer::parity::noise(1, 24, 30, 5);
-        let target =
-            Planes::from_fn(1, 24, 30, |_, y, x| input.at(0, y, x) * input.at(0, y, x.saturating_sub(1)));
+        let value =
+            |y: usize, x: usize| 0.5 * input.at(0, y, x) + 0.25 * input.at(0, y, x.saturating_sub(1)).abs();
+        let target = Planes::from_fn(1, 24, 30, |_, y, x| value(y, x));
         let frame = Frame { input: input.clone(), target: target.clone(), seen: (0..24 * 30).collect() };
         (Frames { frames: vec![frame], channels: 1 }, input, target)
+    }
+
+    /// Mean squared difference.
+    pub fn error(a: &Planes, b: &Planes) -> f32 {
+        let differences = a.data().iter().zip(b.data()).map(|(a, b)| a - b);
+        differences.map(|difference| difference * difference).sum::<f32>() / a.data().len() as f32
     }
 
     fn input() -> Planes {
