@@ -1,10 +1,13 @@
 //! The recipes that come with the project, made small: each must give data.
 
-use crate::generate::generate;
+use crate::generate::generate_by;
 use crate::recipe::{Recipe, Resolution};
+use crate::target::QUALITY;
 use crate::testset::TestSet;
-use crate::{Dataset, StagedScene, contact_sheet, test_sheet, truth, verify};
+use crate::{Dataset, StagedScene, TargetMethod, contact_sheet, test_sheet, truth, verify};
+use deepshade_render::methods::ssgi::{Parameters, Ssgi};
 use deepshade_render::scene::procedural::Split;
+use deepshade_shaders::gpu::Gpu;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -91,6 +94,17 @@ fn made(recipe: &Recipe, folder: &Path, make: impl Fn(&Path) + Sync) -> PathBuf 
     one
 }
 
+/// The one method that shipped recipes aim at.
+fn ssgi() -> Ssgi {
+    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+    Ssgi::new(&gpu, Parameters::of(QUALITY)).expect("valid shaders")
+}
+
+/// What a recipe aims at, where that is not truth.
+fn target<'a>(recipe: &Recipe, ssgi: &'a Ssgi) -> Option<TargetMethod<'a>> {
+    recipe.target.as_ref().map(|_| ssgi as TargetMethod<'a>)
+}
+
 /// A picture of some columns of images.
 fn assert_is_picture(path: &Path) {
     let picture = image::load_from_memory(&std::fs::read(path).expect("read")).expect("a PNG").into_rgb8();
@@ -100,11 +114,11 @@ fn assert_is_picture(path: &Path) {
 
 #[test]
 fn every_training_recipe_gives_data_that_are_sound_and_shown() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let (folder, ssgi) = (tempfile::tempdir().expect("a folder"), ssgi());
     for recipe in all(Split::Train) {
         let effect = recipe.effect;
         let out = made(&recipe, folder.path(), |out| {
-            generate(&recipe, out).expect("generated");
+            generate_by(&recipe, out, target(&recipe, &ssgi)).expect("generated");
         });
         assert_eq!(verify(&out).expect("verified").faults, [], "{effect}");
         let dataset = Dataset::open(&out).expect("a dataset");
@@ -130,11 +144,11 @@ fn every_training_recipe_gives_data_that_are_sound_and_shown() {
 
 #[test]
 fn every_recipe_for_testing_gives_a_test_set_that_is_read_and_shown() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let (folder, ssgi) = (tempfile::tempdir().expect("a folder"), ssgi());
     for recipe in all(Split::Test) {
         let effect = recipe.effect;
         let out = made(&recipe, folder.path(), |out| {
-            TestSet::generate(&recipe, out).expect("generated");
+            TestSet::generate_by(&recipe, out, target(&recipe, &ssgi)).expect("generated");
         });
         let set = TestSet::open(&out).expect("a test set");
         let props = set.props().expect("props");

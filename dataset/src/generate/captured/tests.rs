@@ -62,7 +62,7 @@ fn frames_of_a_capture_become_pairs() {
     let file = folder.path().join("desk/color/0.png");
     ImageBuffer::from_pixel(40, 32, Rgb([1u8, 2, 3])).save(&file).expect("written");
     let error = generate(&recipe, &out).expect_err("other data").to_string();
-    assert!(error.contains("holds data of"), "{error}");
+    assert!(error.contains("the scene files have other contents"), "{error}");
 }
 
 #[test]
