@@ -18,7 +18,7 @@ pub fn run(lab: &Lab) -> Result<Table> {
     let exam = lab.base_exam()?;
     let (mut rows, mut points) = (Vec::new(), Vec::new());
     for samples in SAMPLES {
-        let recipe = equal_time(&lab.recipe, samples);
+        let recipe = equal_time(&lab.recipe, lab.size.image_cost, samples);
         let name =
             if samples == lab.recipe.samples { "base".to_owned() } else { format!("samples-{samples}") };
         let data = lab.data(&name, &recipe)?;
@@ -48,10 +48,13 @@ pub fn run(lab: &Lab) -> Result<Table> {
     })
 }
 
-/// A recipe with other samples and so many views of each scene that there are as many samples in all; one view at least.
-fn equal_time(recipe: &Recipe, samples: u32) -> Recipe {
-    let budget = recipe.views_per_scene * recipe.samples as usize;
-    Recipe { samples, views_per_scene: (budget / samples as usize).max(1), ..recipe.clone() }
+/// A recipe with other samples and so many views of each scene that it takes as long, as near as whole views come to it;
+/// one view at least.
+fn equal_time(recipe: &Recipe, image_cost: usize, samples: u32) -> Recipe {
+    let cost = |samples: u32| samples as usize + image_cost;
+    let budget = recipe.views_per_scene * cost(recipe.samples);
+    let views_per_scene = (budget as f64 / cost(samples) as f64).round().max(1.0) as usize;
+    Recipe { samples, views_per_scene, ..recipe.clone() }
 }
 
 #[cfg(test)]
@@ -60,20 +63,19 @@ mod tests {
     use crate::experiment::size::Size;
 
     #[test]
-    fn all_take_the_same_number_of_samples() {
+    fn all_take_as_long_as_near_as_whole_views_come_to_it() {
         let folder = tempfile::tempdir().expect("a folder");
         for size in [Size::DEFAULT, Size::FULL] {
             let lab = Lab::open(folder.path(), size).expect("a lab");
-            let budget =
-                |recipe: &Recipe| recipe.views_per_scene * recipe.samples as usize * recipe.scene_count();
-            let expected = budget(&lab.recipe);
+            let cost = |recipe: &Recipe| recipe.samples as usize + size.image_cost;
+            let time = |recipe: &Recipe| recipe.views_per_scene * cost(recipe);
             for samples in SAMPLES {
-                let recipe = equal_time(&lab.recipe, samples);
-                assert_eq!(recipe.samples, samples);
-                // Views are whole.
-                let share = budget(&recipe) as f64 / expected as f64;
-                assert!((0.95..=1.0).contains(&share), "{}, {samples}: {share}", size.name);
+                let recipe = equal_time(&lab.recipe, size.image_cost, samples);
+                assert_eq!((recipe.samples, recipe.scene_count()), (samples, lab.recipe.scene_count()));
+                let off = time(&recipe).abs_diff(time(&lab.recipe));
+                assert!(2 * off <= cost(&recipe), "{}, {samples} samples: {off}", size.name);
             }
+            assert_eq!(equal_time(&lab.recipe, size.image_cost, lab.recipe.samples), lab.recipe);
         }
     }
 }

@@ -11,6 +11,7 @@ const TINY: Size = Size {
     edge: 32,
     scenes: 1,
     views: 1,
+    image_cost: 1,
     test_scenes: 1,
     test_views: 1,
     tiles: Tiles { samples: 16, one_in: 2, whole_frames: 1 },
@@ -87,4 +88,17 @@ fn regressors_are_compared_with_the_network() {
     let names: Vec<&str> = table.rows.iter().map(|row| row.figure.as_str()).collect();
     assert_eq!(names[..3], ["ssim_unet", "ssim_mlp11", "ssim_mlp21"]);
     assert_eq!(names[3..], ["ssim_forest1", "ssim_forest5", "ssim_forest10", "ssim_trivial"]);
+}
+
+#[test]
+fn every_kind_of_kernel_is_trained_and_timed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = table(Study::Kernels, folder.path());
+    let names: Vec<&str> = table.rows.iter().map(|row| row.figure.as_str()).collect();
+    assert_eq!(names[..3], ["ssim_kernel3_u4", "ssim_kernel3_u8", "ssim_kernel3_u16"]);
+    assert_eq!(names[3..], ["ssim_kernel5_u4", "ssim_kernel5_u8", "ssim_kernel5_u16", "ssim_trivial"]);
+    let column = |name: &str| table.columns.iter().position(|column| column.0 == name).expect("a column");
+    let of = |row: usize, name: &str| table.rows[row].values[column(name)];
+    assert_eq!(of(1, "weights"), 71_089.0, "the paper's");
+    assert!((0..6).all(|row| of(row, "ms at 256x256") > 0.0));
 }
