@@ -56,7 +56,7 @@ pub struct Args {
     /// Folder that the recipe's scene files are relative to, where it is not the one that the test set remembers.
     #[arg(long)]
     scenes: Option<PathBuf>,
-    /// Only so many frames, spread over all of them.
+    /// Only so many frames, spread over all of them. FLIP and pictures are of those whose truth is whole, maybe none of these.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
     /// Draws error against time, a line a method through its qualities, into this SVG file: relative mean squared error, and
