@@ -72,7 +72,8 @@ pub fn run(args: &Args) -> Result<()> {
     let lines: Vec<Vec<String>> =
         std::iter::once(HEAD.map(str::to_owned).to_vec()).chain(rows.iter().map(line)).collect();
     if let Some(path) = &args.markdown {
-        write_atomically(path, markdown(&lines).as_bytes())?;
+        let text = table::markdown(&lines).join("\n") + "\n";
+        write_atomically(path, text.as_bytes())?;
     }
     if let Some(folder) = &args.page {
         page::write(folder, &lines, &rows)?;
@@ -183,14 +184,6 @@ fn mean(estimate: Option<Estimate>) -> f64 {
     estimate.map_or(f64::NEG_INFINITY, |estimate| estimate.mean)
 }
 
-/// The lines as a Markdown table, the first one its head.
-fn markdown(lines: &[Vec<String>]) -> String {
-    let row = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
-    let rule = format!("|{}\n", "---|".repeat(lines[0].len()));
-    let body: String = lines[1..].iter().map(|line| row(line)).collect();
-    row(&lines[0]) + &rule + &body
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -206,11 +199,5 @@ mod tests {
             "ms_motion_blur_fxaa_low",
         ];
         assert_eq!(names.map(|name| of_network("motion_blur", name)), expected);
-    }
-
-    #[test]
-    fn a_markdown_table_has_a_rule_below_its_head() {
-        let lines = [["a", "b"], ["1", "2"]].map(|line| line.map(str::to_owned).to_vec());
-        assert_eq!(markdown(&lines), "| a | b |\n|---|---|\n| 1 | 2 |\n");
     }
 }

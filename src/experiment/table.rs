@@ -2,6 +2,7 @@
 
 use super::plot::Plot;
 use crate::figures::Figures;
+use crate::table;
 use serde_json::json;
 
 /// What a study found.
@@ -76,24 +77,7 @@ impl Table {
         let mut cells: Vec<Vec<String>> =
             vec![std::iter::once(self.rows_are.to_owned()).chain(names).collect()];
         cells.extend(self.rows.iter().map(|row| self.cells(row)));
-        let widths: Vec<usize> = (0..=self.columns.len())
-            .map(|column| cells.iter().map(|row| row[column].chars().count()).max().unwrap_or(0))
-            .collect();
-        let line = |row: &Vec<String>| {
-            let padded = row.iter().zip(&widths).enumerate().map(|(column, (cell, width))| match column {
-                0 => format!("{cell:<width$}"),
-                _ => format!("{cell:>width$}"),
-            });
-            format!("| {} |", padded.collect::<Vec<_>>().join(" | "))
-        };
-        let rule = widths.iter().enumerate().map(|(column, width)| match column {
-            0 => "-".repeat(width + 2),
-            _ => "-".repeat(width + 1) + ":",
-        });
-        let rule = format!("|{}|", rule.collect::<Vec<_>>().join("|"));
-        let mut lines: Vec<String> = cells.iter().map(line).collect();
-        lines.insert(1, rule);
-        lines
+        table::markdown(&cells)
     }
 
     fn cells(&self, row: &Row) -> Vec<String> {
