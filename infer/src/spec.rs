@@ -225,11 +225,15 @@ impl NetSpec {
 
     /// Number of channels that a run reads.
     pub fn input_channels(&self) -> usize {
-        let width = |attribute: &Attribute| match (self.colour, attribute.kind()) {
+        self.inputs.iter().map(|attribute| self.width(*attribute)).sum()
+    }
+
+    /// Number of channels of an attribute that a run reads.
+    pub const fn width(&self, attribute: Attribute) -> usize {
+        match (self.colour, attribute.kind()) {
             (Colour::Mono, AttributeKind::Colour) => 1,
             _ => attribute.width(),
-        };
-        self.inputs.iter().map(width).sum()
+        }
     }
 
     /// Number of channels that a run makes.

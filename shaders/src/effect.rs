@@ -126,6 +126,23 @@ impl Effect {
         }
     }
 
+    /// Whether its image is direct light, [`Attribute::Light`](crate::Attribute::Light), averaged over a neighbourhood.
+    pub const fn filters_light(self) -> bool {
+        match self {
+            Self::Sss | Self::Dof | Self::MotionBlur | Self::Aa | Self::Multi => true,
+            Self::Ao
+            | Self::Do
+            | Self::Gi
+            | Self::Ibl
+            | Self::Subsurface
+            | Self::FogDirect
+            | Self::FogIndirect
+            | Self::FogMultiple
+            | Self::Path
+            | Self::Real => false,
+        }
+    }
+
     /// What the numbers of its image mean.
     pub const fn unit(self) -> &'static str {
         match self {

@@ -8,6 +8,7 @@ mod device;
 pub mod error;
 pub mod export;
 mod files;
+mod first_weights;
 #[cfg(not(feature = "vulkan"))]
 mod kernels;
 mod loader;

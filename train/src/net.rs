@@ -1,7 +1,7 @@
 //! The network of a [`NetSpec`] as a burn module.
 
 use crate::device::ops;
-use crate::rng::{Purpose, Rng};
+use crate::first_weights::first_weights;
 use burn::module::{Module, Param, ParamId};
 use burn::tensor::ops::PadMode;
 use burn::tensor::{Device, Tensor, TensorData};
@@ -18,9 +18,6 @@ struct Conv {
     bias: Param<Tensor<1>>,
 }
 
-/// First weights of the layer that makes the image, over those of other layers.
-const IMAGE_SCALE: f64 = 0.01;
-
 /// The U-net of the thesis (7.3.2), driven by [`NetSpec::layers`].
 #[derive(Module, Debug)]
 pub struct UNet {
@@ -30,25 +27,9 @@ pub struct UNet {
 }
 
 impl UNet {
-    /// A network with random weights: normal, of variance `2 / ((1 + leak^2) * fan-in)` (He et al. 2015, equation 15);
-    /// biases are 0. The layer that makes the image starts near the effect's background, with weights a hundredth of
-    /// that and the background as its bias: far from the target, structural similarity hardly has a gradient.
+    /// A network with its [`first_weights`].
     pub fn random(spec: &NetSpec, seed: u64, device: &Device) -> Self {
-        let area = spec.kernel * spec.kernel;
-        let layers = spec.layers().into_iter().enumerate().map(|(index, layer)| {
-            let fan_in = (layer.inputs / layer.groups * area) as f64;
-            let (scale, bias) = if layer.activation {
-                (1.0, 0.0)
-            } else {
-                (IMAGE_SCALE, spec.effect.background().unwrap_or(0.0))
-            };
-            let deviation = scale * (2.0 / (1.0 + f64::from(spec.leak).powi(2)) / fan_in).sqrt();
-            let mut rng = Rng::new(seed, Purpose::Weights, index as u64);
-            let count = layer.weight_count(spec.kernel) - layer.outputs;
-            let weight = (0..count).map(|_| (deviation * rng.normal()) as f32).collect();
-            LayerWeights { weight, bias: vec![bias; layer.outputs] }
-        });
-        Self::from_weights(spec, &Weights(layers.collect()), device)
+        Self::from_weights(spec, &first_weights(spec, seed), device)
     }
 
     /// A network with these weights, which must [fit](Weights::fit) the spec.
@@ -235,16 +216,5 @@ mod tests {
         let comparison =
             Comparison::new(&forward_burn(&spec, &weights, &input), &forward_burn(&other, &weights, &input));
         assert!(!comparison.agrees());
-    }
-
-    #[test]
-    fn first_weights_keep_the_size_of_what_passes_through() {
-        let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH);
-        let weights = UNet::random(&spec, 5, &crate::device()).weights();
-        let input = parity::noise(6, 64, 64, 7);
-        for activation in reference::layers(&spec, &weights, &input) {
-            let rms = parity::rms(&activation.planes);
-            assert!((0.1..4.0).contains(&rms), "{}: {rms}", activation.layer);
-        }
     }
 }

@@ -1,0 +1,118 @@
+//! What the weights of a network are before its first step.
+
+use crate::rng::{Purpose, Rng};
+use deepshade_infer::weights::LayerWeights;
+use deepshade_infer::{NetSpec, Source, Weights};
+use deepshade_shaders::Attribute;
+
+/// Weights of the layer that makes the image, over those of other layers.
+const IMAGE_SCALE: f64 = 0.01;
+
+/// Random weights: normal, of variance `2 / ((1 + leak^2) * fan-in)` (He et al. 2015, equation 15); biases are 0. The layer
+/// that makes the image starts near the effect's background, with weights a hundredth of that and the background as its
+/// bias: far from the target, structural similarity hardly has a gradient. For the same reason a network whose effect
+/// filters light starts with the image that it is given.
+pub fn first_weights(spec: &NetSpec, seed: u64) -> Weights {
+    let mut weights = random_weights(spec, seed);
+    if spec.effect.filters_light() {
+        pass_light(spec, &mut weights);
+    }
+    weights
+}
+
+fn random_weights(spec: &NetSpec, seed: u64) -> Weights {
+    let area = spec.kernel * spec.kernel;
+    let layers = spec.layers().into_iter().enumerate().map(|(index, layer)| {
+        let fan_in = (layer.inputs / layer.groups * area) as f64;
+        let (scale, bias) = if layer.activation {
+            (1.0, 0.0)
+        } else {
+            (IMAGE_SCALE, spec.effect.background().unwrap_or(0.0))
+        };
+        let deviation = scale * (2.0 / (1.0 + f64::from(spec.leak).powi(2)) / fan_in).sqrt();
+        let mut rng = Rng::new(seed, Purpose::Weights, index as u64);
+        let count = layer.weight_count(spec.kernel) - layer.outputs;
+        let weight = (0..count).map(|_| (deviation * rng.normal()) as f32).collect();
+        LayerWeights { weight, bias: vec![bias; layer.outputs] }
+    });
+    Weights(layers.collect())
+}
+
+/// Makes the first kernels of the first layer hand on the channels of light, which no activation changes as no light is
+/// negative, and the last layer add them to its image.
+fn pass_light(spec: &NetSpec, weights: &mut Weights) {
+    let layers = spec.layers();
+    let (Some(first), Some(last), [down, .., up]) = (layers.first(), layers.last(), &mut weights.0[..])
+    else {
+        return;
+    };
+    let lights = light_channels(spec);
+    if first.groups != 1 || last.groups != 1 || lights.len() != last.outputs || lights.len() > first.outputs {
+        return;
+    }
+    let area = spec.kernel * spec.kernel;
+    // Channels of the first layer, among those that the last one reads.
+    let skip = match last.source {
+        Source::Joined { .. } => last.inputs - first.outputs,
+        _ => 0,
+    };
+    for (index, light) in lights.into_iter().enumerate() {
+        let kernel = &mut down.weight[index * first.inputs * area..][..first.inputs * area];
+        kernel.fill(0.0);
+        kernel[light * area + area / 2] = 1.0;
+        up.weight[(index * last.inputs + skip + index) * area + area / 2] += 1.0;
+    }
+}
+
+/// Which of the channels that a run reads are light; all of them, in their order.
+fn light_channels(spec: &NetSpec) -> Vec<usize> {
+    let mut lights = Vec::new();
+    let mut read = 0;
+    for attribute in &spec.inputs {
+        let width = spec.width(*attribute);
+        if *attribute == Attribute::Light {
+            lights.extend(read..read + width);
+        }
+        read += width;
+    }
+    lights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use deepshade_infer::{ChannelOrder, Reach, parity, reference};
+    use deepshade_shaders::{Effect, Planes};
+
+    const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+
+    fn published(effect: Effect) -> NetSpec {
+        NetSpec::published(effect, ChannelOrder::Interleaved, REACH).expect("the paper has one")
+    }
+
+    #[test]
+    fn they_keep_the_size_of_what_passes_through() {
+        let spec = published(Effect::Ao);
+        let input = parity::noise(6, 64, 64, 7);
+        for activation in reference::layers(&spec, &first_weights(&spec, 5), &input) {
+            let rms = parity::rms(&activation.planes);
+            assert!((0.1..4.0).contains(&rms), "{}: {rms}", activation.layer);
+        }
+    }
+
+    #[test]
+    fn a_network_that_filters_light_starts_with_what_it_is_given() {
+        for effect in Effect::ALL.into_iter().filter(|effect| effect.filters_light()) {
+            let spec = published(effect);
+            let noise = parity::noise(spec.input_channels(), 64, 48, 3);
+            let input = Planes::from_fn(noise.channels(), 64, 48, |c, y, x| noise.at(c, y, x).abs());
+            let image = reference::forward(&spec, &first_weights(&spec, 5), &input);
+            for (output, light) in light_channels(&spec).into_iter().enumerate() {
+                let differences =
+                    image.plane(output).iter().zip(input.plane(light)).map(|(a, b)| (a - b).abs());
+                let largest = differences.fold(0.0, f32::max);
+                assert!(largest > 0.0 && largest < 0.3, "{effect}: {largest}");
+            }
+        }
+    }
+}
