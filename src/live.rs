@@ -85,7 +85,7 @@ impl Live {
         attributes.dedup();
         let settings = Settings { height, width, attributes, shadow_size: SHADOW_SIZE };
         let frame = Frame::new(gpu, animated, &settings)?;
-        frame.notes.iter().for_each(|line| note!("{line}"));
+        frame.world().notes.iter().for_each(|line| note!("{line}"));
         let view = View { height, width, camera: *camera, radius: wanted.radius, seed: 0 };
         let environment = animated.scene.environment.as_ref().map(Arc::as_ref);
         let inputs = Inputs { gbuffer: frame.gbuffer(), environment };

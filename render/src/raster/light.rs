@@ -1,8 +1,9 @@
 //! Direct light with shadows: the attributes `L` and `Ldiff` of a g-buffer.
 
-use super::attributes::{Materials, seen_bindings};
-use super::shadow::{MapPlan, ShadowPass};
+use super::attributes::seen_bindings;
+use super::shadow::MapPlan;
 use super::surface::SurfaceImage;
+use super::world::World;
 use crate::path::lights::axes;
 use crate::scene::{Encoding, Light, Scene, TextureId};
 use crate::screen::{GpuGBuffer, Step};
@@ -109,6 +110,17 @@ fn record(light: &Light, maps: Option<(usize, usize)>, picture: Option<[f32; 4]>
     }
 }
 
+/// How maps are read: the mean of four texels around a point, each lit or not.
+pub fn shadow_sampler(device: &wgpu::Device) -> wgpu::Sampler {
+    device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("deepshade.frame.shadow"),
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        compare: Some(wgpu::CompareFunction::GreaterEqual),
+        ..Default::default()
+    })
+}
+
 /// The pass that gathers light into a g-buffer that holds both attributes.
 ///
 /// # Errors
@@ -116,21 +128,14 @@ fn record(light: &Light, maps: Option<(usize, usize)>, picture: Option<[f32; 4]>
 pub fn step(
     device: &wgpu::Device,
     image: &SurfaceImage,
-    materials: &Materials,
-    lights: &Lights,
-    shadows: &ShadowPass,
+    world: &World,
     gbuffer: &GpuGBuffer,
 ) -> Result<Step, GpuError> {
+    let (lights, shadows) = (&world.gpu_lights, &world.shadows);
     let source = LIGHT.specialised(&[("LIGHTS", lights.count as u32)]);
     let pass = Pass::new(device, LIGHT.name, &source)?;
-    let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-        label: Some("deepshade.frame.shadow"),
-        mag_filter: wgpu::FilterMode::Linear,
-        min_filter: wgpu::FilterMode::Linear,
-        compare: Some(wgpu::CompareFunction::GreaterEqual),
-        ..Default::default()
-    });
-    let mut resources = seen_bindings(image, materials);
+    let sampler = shadow_sampler(device);
+    let mut resources = seen_bindings(image, &world.materials);
     resources.extend([
         lights.records.as_entire_binding(),
         lights.map_views.as_entire_binding(),

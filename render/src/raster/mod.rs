@@ -1,6 +1,7 @@
 //! The GPU side of a frame: what a scene shows, rasterised. Vertices are posed, the g-buffer is drawn, shadow maps are drawn
 //! from the lights, and direct light is gathered; methods go on from there.
 //!
+//! - [`world`] is the scene on the GPU, whoever looks at it.
 //! - [`geometry`] holds the vertices and [`pose`] moves those that are animated.
 //! - [`surface`] draws the nearest surface of each pixel into eight words, which [`attributes`] spreads over the planes of
 //!   a [`GpuGBuffer`](crate::screen::GpuGBuffer): the same channels as those of [`crate::gbuffer`], which traces rays.
@@ -23,5 +24,7 @@ pub mod surface;
 mod tests;
 pub mod texture;
 pub mod view;
+pub mod world;
 
 pub use frame::Frame;
+pub use world::World;

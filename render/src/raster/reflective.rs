@@ -1,10 +1,10 @@
 //! Reflective shadow maps: where a light's rays meet the scene, and the power that is reflected there (Dachsbacher and
 //! Stamminger 2005).
 
-use super::attributes::{Materials, seen_bindings};
+use super::attributes::seen_bindings;
 use super::geometry::Geometry;
-use super::light::Lights;
 use super::surface::{SurfaceImage, SurfacePass};
+use super::world::World;
 use crate::screen::Step;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::TILE;
@@ -32,8 +32,7 @@ impl ReflectiveMap {
     pub fn new(
         device: &wgpu::Device,
         surface: &SurfacePass,
-        materials: &Materials,
-        lights: &Lights,
+        world: &World,
         light: usize,
         size: usize,
     ) -> Result<Self, GpuError> {
@@ -41,7 +40,8 @@ impl ReflectiveMap {
         let texels = gpu::empty::<f32>(device, "frame.reflective", PLANES * size * size)?;
         let chosen = gpu::uniform(device, "frame.reflective_light", &Chosen { light: light as u32 })?;
         let pass = Pass::new(device, REFLECTIVE.name, &REFLECTIVE.source())?;
-        let mut resources = seen_bindings(&image, materials);
+        let lights = &world.gpu_lights;
+        let mut resources = seen_bindings(&image, &world.materials);
         resources
             .extend([&lights.records, &lights.pictures, &chosen, &texels].map(|b| b.as_entire_binding()));
         let step = Step { pass: pass.bind(device, &resources)?, workgroups: gpu::groups(size, size, TILE) };

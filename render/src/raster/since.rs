@@ -27,7 +27,7 @@ impl Since {
         let (height, width) = (frame.gbuffer().height(), frame.gbuffer().width());
         let planes = gpu::empty::<f32>(device, "frame.since", Self::PLANES * height * width)?;
         let pass = Pass::new(device, SINCE.name, &SINCE.source())?;
-        let mut resources = seen_bindings(frame.image(), frame.materials());
+        let mut resources = seen_bindings(frame.image(), &frame.world().materials);
         resources.extend([frame.view_before(), &planes].map(|buffer| buffer.as_entire_binding()));
         let step =
             Step { pass: pass.bind(device, &resources)?, workgroups: gpu::groups(height, width, TILE) };

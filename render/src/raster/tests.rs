@@ -174,7 +174,7 @@ fn flux(light: Light, size: usize) -> (Vec3, usize) {
     frame.set(&gpu.queue, 0.0, 0.0, &camera);
     let map = frame.reflective_map(&gpu, 0, size).expect("a map");
     let (mut sum, mut met) = (Vec3::ZERO, 0);
-    for view in frame.light_views(0, size) {
+    for view in frame.world().light_views(0, size) {
         map.set(&gpu.queue, &view);
         gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| frame.encode_reflective(&map, encoder))
             .expect("valid passes");

@@ -34,11 +34,12 @@ fn distances_loaded_at(gpu: &Gpu, path: &Path, loaded: f32, times: &[f32], place
         frame.set(&gpu.queue, *time, shutter, &camera);
         gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| frame.encode(Stage::Pose, encoder, None))
             .expect("valid passes");
-        let posed: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, &frame.geometry().posed).expect("vertices");
+        let posed: Vec<f32> =
+            gpu::read(&gpu.device, &gpu.queue, &frame.world().geometry.posed).expect("vertices");
         let mut file = Scene::default();
         file.add(Scene::load_moving(path, *time, shutter).expect("the file"), place);
         let diagonal = file.bounds().diagonal();
-        for draw in &frame.geometry().draws {
+        for draw in &frame.world().geometry.draws {
             let mesh = &file.meshes[draw.mesh as usize];
             for (vertex, position) in mesh.positions.iter().enumerate() {
                 let at = &posed[(draw.first_vertex as usize + vertex) * POSED..][..POSED];

@@ -45,7 +45,7 @@ fn where_no_light_is_asked_for_nothing_is_said_of_shadows() {
     let gpu = Gpu::new().expect("an adapter");
     let settings = Settings { attributes: vec![Attribute::Valid], ..settings(8, 8) };
     let frame = Frame::new(&gpu, &floor().into(), &settings).expect("a frame");
-    assert!(frame.notes.is_empty(), "{:?}", frame.notes);
+    assert!(frame.world().notes.is_empty(), "{:?}", frame.world().notes);
 }
 
 /// The mean of red direct light.
@@ -54,7 +54,7 @@ fn brightness(gpu: &Gpu, scene: Scene) -> (f32, Vec<String>) {
     frame.set(&gpu.queue, 0.0, 0.0, &above());
     run(gpu, &frame);
     let light = read(gpu, &frame).select(&[Attribute::Light]).expect("light");
-    (light.plane(0).iter().sum::<f32>() / light.pixels() as f32, frame.notes)
+    (light.plane(0).iter().sum::<f32>() / light.pixels() as f32, frame.world().notes.clone())
 }
 
 #[test]

@@ -13,7 +13,7 @@ fn lit(gpu: &Gpu, scene: &Scene, camera: &Camera, shadow_size: usize, fault: Fau
     let settings = Settings { height: HEIGHT, width: WIDTH, attributes, shadow_size };
     let mut frame = Frame::new(gpu, &scene.clone().into(), &settings).expect("a frame");
     frame.set(&gpu.queue, 0.0, 0.0, camera);
-    let (records, views) = (&frame.gpu_lights.records, &frame.gpu_lights.map_views);
+    let (records, views) = (&frame.world().gpu_lights.records, &frame.world().gpu_lights.map_views);
     let mut lights: Vec<LightRecord> = gpu::read(&gpu.device, &gpu.queue, records).expect("lights");
     let mut maps: Vec<FrameView> = gpu::read(&gpu.device, &gpu.queue, views).expect("views");
     fault(&mut lights, &mut maps);

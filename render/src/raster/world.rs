@@ -1,0 +1,147 @@
+//! A scene on the GPU, whoever looks at it: vertices as they are posed, materials, lights and their shadow maps.
+
+use super::attributes::Materials;
+use super::geometry::Geometry;
+use super::light::Lights;
+use super::pose::Posing;
+use super::shadow::{self, MapPlan, Seen, ShadowPass};
+use super::texture::Textures;
+use crate::scene::gltf::Rig;
+use crate::scene::{AnimatedScene, Bounds, Camera, Light};
+use deepshade_shaders::gpu::{Gpu, GpuError, Stamps};
+use deepshade_shaders::wgsl::uniforms::FrameView;
+
+/// A scene on the GPU.
+#[derive(Debug)]
+pub struct World {
+    rigs: Vec<Rig>,
+    lights: Vec<Light>,
+    /// The box around all that is seen of it at any moment.
+    pub bounds: Bounds,
+    /// Vertices as they are posed.
+    pub geometry: Geometry,
+    posing: Option<Posing>,
+    pub(super) textures: Textures,
+    /// Which material each mesh has.
+    pub materials: Materials,
+    /// What the lights send, and from where their maps look.
+    pub gpu_lights: Lights,
+    map_plan: MapPlan,
+    /// The lights' maps.
+    pub shadows: ShadowPass,
+    /// Whether the maps show what they did in the frame before.
+    maps_stay: bool,
+    map_views: Vec<FrameView>,
+    seen: Option<Seen>,
+    /// What the device cannot do as it was asked to, in words.
+    pub notes: Vec<String>,
+}
+
+impl World {
+    /// Sends a scene to the GPU, with room for shadow maps of `shadow_size` texels to a side, smaller where there are many
+    /// lights; without it there are none.
+    ///
+    /// # Errors
+    /// If the device refuses or has no room; the buffer, texture or pass is named.
+    pub fn new(gpu: &Gpu, animated: &AnimatedScene, shadow_size: Option<usize>) -> Result<Self, GpuError> {
+        let AnimatedScene { scene, rigs } = animated;
+        let device = &gpu.device;
+        let textures = Textures::new(gpu, &scene.textures)?;
+        let geometry = Geometry::new(device, animated)?;
+        let posing = Posing::new(gpu, animated, &geometry)?;
+        let map_plan = match shadow_size {
+            Some(size) => MapPlan::new(&scene.lights, size),
+            None => MapPlan::without(&scene.lights),
+        };
+        let gpu_lights = Lights::new(device, scene, &map_plan)?;
+        let shadows = ShadowPass::new(device, &map_plan, &scene.materials, &textures)?;
+        Ok(Self {
+            rigs: rigs.clone(),
+            lights: scene.lights.clone(),
+            bounds: animated.reach(),
+            notes: notes(&textures, shadow_size.map(|size| (&map_plan, size))),
+            geometry,
+            posing,
+            textures,
+            materials: Materials::new(device, scene)?,
+            gpu_lights,
+            map_plan,
+            shadows,
+            maps_stay: false,
+            map_views: Vec::new(),
+            seen: None,
+        })
+    }
+
+    /// Says what the next frame shows: the scene at `time` seconds, with the shutter open for `shutter` seconds around it, by
+    /// a camera whose images are `aspect` times as wide as high.
+    pub fn set(&mut self, queue: &wgpu::Queue, time: f32, shutter: f32, camera: &Camera, aspect: f32) {
+        if let Some(posing) = &mut self.posing {
+            posing.set(queue, &self.rigs, time, shutter);
+        }
+        let were = self.lights.clone();
+        self.rigs.iter().for_each(|rig| rig.light(&mut self.lights, time));
+        if self.lights != were {
+            self.gpu_lights.set(queue, &self.lights);
+        }
+        let seen = Seen { camera: *camera, aspect, bounds: self.bounds };
+        let views = self.map_plan.views(&self.lights, seen);
+        let same = bytemuck::cast_slice::<_, u8>(&views) == bytemuck::cast_slice::<_, u8>(&self.map_views);
+        self.maps_stay = same && self.posing.is_none();
+        if !same {
+            self.shadows.set(queue, &views);
+            queue.write_buffer(&self.gpu_lights.map_views, 0, bytemuck::cast_slice(&views));
+            self.map_views = views;
+        }
+        self.seen = Some(seen);
+    }
+
+    /// Records the pass that moves vertices, where any move.
+    pub fn encode_pose(&self, pass: &mut wgpu::ComputePass<'_>) {
+        self.posing.iter().for_each(|posing| posing.encode(pass));
+    }
+
+    /// How many shadow maps there are to draw: those that show what they already do are kept.
+    pub fn maps_to_draw(&self) -> usize {
+        if self.maps_stay { 0 } else { self.map_plan.maps }
+    }
+
+    /// Records the passes that draw them.
+    pub fn encode_shadows(&self, encoder: &mut wgpu::CommandEncoder, stamps: Option<&Stamps<'_>>) {
+        let maps = self.maps_to_draw();
+        for map in 0..maps {
+            let stamps = stamps.and_then(|stamps| stamps.of_one_raster(map == 0, map + 1 == maps));
+            self.shadows.encode(encoder, &self.geometry, map, stamps);
+        }
+    }
+
+    /// From where the maps of one of the scene's lights look in this frame, `size` texels wide each; none before a frame is
+    /// set.
+    pub fn light_views(&self, light: usize, size: usize) -> Vec<FrameView> {
+        self.seen.iter().flat_map(|seen| shadow::views(&self.lights[light], size, *seen)).collect()
+    }
+}
+
+/// What the device does in another way than asked; of shadows where any are asked for, with maps of which size.
+fn notes(textures: &Textures, shadows: Option<(&MapPlan, usize)>) -> Vec<String> {
+    let mut notes = Vec::new();
+    if !textures.reduced.is_empty() {
+        notes.push(format!(
+            "{} textures are larger than the device allows and were halved",
+            textures.reduced.len()
+        ));
+    }
+    let Some((plan, shadow_size)) = shadows else { return notes };
+    if plan.maps > 0 && plan.size < shadow_size {
+        notes.push(format!(
+            "shadow maps have {} texels to a side, since there are {} of them",
+            plan.size, plan.maps
+        ));
+    }
+    match plan.without_shadow() {
+        0 => {}
+        faint => notes
+            .push(format!("{faint} of the fainter lights cast no shadow: there is no room for their maps")),
+    }
+    notes
+}
