@@ -88,7 +88,7 @@ impl Live {
         frame.world().notes.iter().for_each(|line| note!("{line}"));
         let view = View { height, width, camera: *camera, radius: wanted.radius, seed: 0 };
         let environment = animated.scene.environment.as_ref().map(Arc::as_ref);
-        let inputs = Inputs { gbuffer: frame.gbuffer(), environment };
+        let inputs = Inputs { gbuffer: frame.gbuffer(), environment, world: Some(frame.world()) };
         let mut running = Vec::new();
         for method in wanted.methods {
             let name = method.name();

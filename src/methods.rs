@@ -6,6 +6,7 @@ use deepshade_infer::Model;
 use deepshade_render::method::Method;
 use deepshade_render::methods::{
     Quality, fxaa, gather, gtao, hbao, prefiltered, reconstruction, ring_gather, separable, ssdo, ssgi,
+    surfel,
 };
 use deepshade_render::screen::ScreenMethod;
 use deepshade_shaders::Effect;
@@ -42,7 +43,7 @@ type OpenScreen = fn(&Gpu, Quality) -> Result<Box<dyn ScreenMethod>, GpuError>;
 enum Kind {
     /// A trained network.
     Learned,
-    /// One that knows only the screen.
+    /// One that shades the screen in passes.
     Screen(OpenScreen),
 }
 
@@ -59,7 +60,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 20] = [
+const ALL: [Entry; 21] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -75,6 +76,10 @@ const ALL: [Entry; 20] = [
     }),
     screen(Effect::Ao, "hbao", |gpu, quality| {
         Ok(Box::new(hbao::Hbao::new(gpu, hbao::Parameters::of(quality))?))
+    }),
+    screen(Effect::Ao, "surfel", |gpu, quality| {
+        let parameters = surfel::Parameters::of(quality);
+        Ok(Box::new(surfel::occlusion::SurfelOcclusion::new(gpu, surfel::occlusion::Occlusion(parameters))?))
     }),
     screen(Effect::Do, "ssdo", |gpu, quality| {
         Ok(Box::new(ssdo::Ssdo::new(gpu, ssdo::Parameters::of(quality))?))
@@ -107,12 +112,12 @@ const fn learned(effect: Effect) -> Entry {
     Entry { name: LEARNED, effect, kind: Kind::Learned }
 }
 
-/// A method that knows only the screen.
+/// A method that shades the screen in passes.
 const fn screen(effect: Effect, name: &'static str, open: OpenScreen) -> Entry {
     Entry { name, effect, kind: Kind::Screen(open) }
 }
 
-/// Opens a method that knows only the screen.
+/// Opens a method that shades the screen in passes.
 ///
 /// # Errors
 /// If the effect has none of that name; those that it has are listed.
@@ -123,12 +128,14 @@ pub fn open_screen(effect: Effect, name: &str, gpu: &Gpu, quality: Quality) -> R
     });
     let known = screen_names(effect).join(", ");
     let open = found.with_context(|| {
-        format!("effect `{effect}` has no method `{name}` that works on the screen; there are: {known}")
+        format!(
+            "effect `{effect}` has no method `{name}` that shades the screen in passes; there are: {known}"
+        )
     })?;
     Ok(open(gpu, quality)?)
 }
 
-/// Names of an effect's methods that know only the screen.
+/// Names of an effect's methods that shade the screen in passes.
 pub fn screen_names(effect: Effect) -> Vec<&'static str> {
     let entries = ALL.iter().filter(|entry| entry.effect == effect && matches!(entry.kind, Kind::Screen(_)));
     entries.map(|entry| entry.name).collect()
@@ -198,7 +205,7 @@ mod tests {
     fn methods_that_do_not_exist_are_named_with_those_that_do() {
         assert_eq!(checked(&["learned", "hbao", "truth"]), Ok(()));
         let error = checked(&["hbao", "ssao"]).expect_err("no such method");
-        assert_eq!(error, "effect `ao` has no method `ssao`; there are learned, gtao, hbao, truth");
+        assert_eq!(error, "effect `ao` has no method `ssao`; there are learned, gtao, hbao, surfel, truth");
         assert!(checked(&["hbao", "hbao"]).expect_err("twice").contains("twice"));
     }
 

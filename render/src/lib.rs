@@ -14,3 +14,4 @@ pub mod path;
 pub mod raster;
 pub mod scene;
 pub mod screen;
+pub mod surfels;

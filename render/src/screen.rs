@@ -1,5 +1,5 @@
-//! Methods that know only the screen: they compute an effect from what the camera sees, on the GPU, and each has a
-//! plain version on the CPU that it is checked against.
+//! Methods that shade the screen in passes on the GPU: they compute an effect from what the camera sees, some also from
+//! the scene behind it, and each has a plain version on the CPU that it is checked against.
 //!
 //! A [`ScreenMethod`] says which attributes it reads and which passes it has. A [`Plan`] is those passes bound to a
 //! g-buffer on the GPU, whoever made that: the frame loop, which renders it there, or [`Method::shade`], which sends one
@@ -12,11 +12,12 @@ pub mod reprojection;
 
 pub use compiled::{Compiled, Technique};
 pub use gbuffer::GpuGBuffer;
-pub use plan::{MethodStep, Plan, Step};
+pub use plan::{MethodStep, Plan, Step, Workgroups};
 pub use reprojection::Reprojection;
 
 use crate::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
-use crate::scene::{Camera, Environment};
+use crate::raster::World;
+use crate::scene::{Camera, Environment, Scene};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
 
@@ -56,12 +57,25 @@ pub struct Inputs<'a> {
     pub gbuffer: &'a GpuGBuffer,
     /// What shines from infinitely far away.
     pub environment: Option<&'a Environment>,
+    /// The scene, for methods that [look beyond](ScreenMethod::looks_beyond) the screen.
+    pub world: Option<&'a World>,
+}
+
+/// What a method's plain version reads: the same on the CPU.
+#[derive(Clone, Copy, Debug)]
+pub struct PlainInputs<'a> {
+    /// What the camera sees.
+    pub gbuffer: &'a GBuffer,
+    /// What shines from infinitely far away.
+    pub environment: Option<&'a Environment>,
+    /// The scene, for methods that look beyond the screen.
+    pub scene: Option<&'a Scene>,
 }
 
 /// The contents of buffers, one after the other.
 pub type Written = Vec<Vec<f32>>;
 
-/// A way to compute an effect from what the camera sees.
+/// A way to compute an effect in passes on the GPU.
 pub trait ScreenMethod: Send + Sync {
     /// Its name on the command line; figures write hyphens as underscores.
     fn name(&self) -> &'static str;
@@ -71,6 +85,9 @@ pub trait ScreenMethod: Send + Sync {
 
     /// What it reads of a g-buffer; [`Attribute::Valid`] is among it.
     fn attributes(&self) -> &'static [Attribute];
+
+    /// Whether it also reads the scene itself: what the camera does not see.
+    fn looks_beyond(&self) -> bool;
 
     /// Where its passes were compiled for.
     fn gpu(&self) -> &Gpu;
@@ -95,12 +112,7 @@ pub trait ScreenMethod: Send + Sync {
     ///
     /// # Errors
     /// If the g-buffer lacks an attribute.
-    fn reference(
-        &self,
-        gbuffer: &GBuffer,
-        environment: Option<&Environment>,
-        view: &View,
-    ) -> Result<Written, MissingAttribute>;
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute>;
 }
 
 impl<M: ScreenMethod + ?Sized> Method for M {
@@ -119,9 +131,12 @@ impl<M: ScreenMethod + ?Sized> Method for M {
         let Gpu { device, queue, .. } = self.gpu();
         let gbuffer = GpuGBuffer::upload(device, frame.gbuffer, self.attributes())
             .map_err(|error| error.of_method(method))?;
-        let environment = frame.scene.scene().environment.as_deref();
         let view = View::from(frame);
-        let plan = Plan::new(self, &Inputs { gbuffer: &gbuffer, environment }, &view).map_err(failed)?;
+        let world = self.looks_beyond().then(|| world(self.gpu(), frame.scene.scene(), &view));
+        let world = world.transpose().map_err(failed)?;
+        let environment = frame.scene.scene().environment.as_deref();
+        let inputs = Inputs { gbuffer: &gbuffer, environment, world: world.as_ref() };
+        let plan = Plan::new(self, &inputs, &view).map_err(failed)?;
         let timing = gpu::time(device, queue, method, repeats.warm_up, repeats.timed, |encoder| {
             plan.encode(encoder);
         })
@@ -132,6 +147,17 @@ impl<M: ScreenMethod + ?Sized> Method for M {
         let device = self.gpu().info.name.clone();
         Ok(Shaded { image, milliseconds: timing.milliseconds, clock, device })
     }
+}
+
+/// Edge of shadow maps of stills, texels.
+const SHADOW_SIZE: usize = 2048;
+
+/// A scene that stays, with the shadow maps for a view drawn.
+fn world(gpu: &Gpu, scene: &Scene, view: &View) -> Result<World, GpuError> {
+    let mut world = World::new(gpu, &scene.clone().into(), Some(SHADOW_SIZE))?;
+    world.set(&gpu.queue, 0.0, 0.0, &view.camera, view.width as f32 / view.height as f32);
+    gpu::submit(&gpu.device, &gpu.queue, "world", |encoder| world.encode_shadows(encoder, None))?;
+    Ok(world)
 }
 
 impl<M: ScreenMethod + ?Sized> ScreenMethod for Box<M> {
@@ -145,6 +171,10 @@ impl<M: ScreenMethod + ?Sized> ScreenMethod for Box<M> {
 
     fn attributes(&self) -> &'static [Attribute] {
         (**self).attributes()
+    }
+
+    fn looks_beyond(&self) -> bool {
+        (**self).looks_beyond()
     }
 
     fn gpu(&self) -> &Gpu {
@@ -164,12 +194,7 @@ impl<M: ScreenMethod + ?Sized> ScreenMethod for Box<M> {
         (**self).steps(inputs, uniforms, output)
     }
 
-    fn reference(
-        &self,
-        gbuffer: &GBuffer,
-        environment: Option<&Environment>,
-        view: &View,
-    ) -> Result<Written, MissingAttribute> {
-        (**self).reference(gbuffer, environment, view)
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        (**self).reference(inputs, view)
     }
 }

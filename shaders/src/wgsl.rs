@@ -84,6 +84,7 @@ mod indirect;
 mod nets;
 mod occlusion;
 mod post;
+mod surfels;
 
 pub use ceilings::{COPY, FMA};
 pub use indirect::{PREFILTERED_SHADE, SSGI_LIGHT};
@@ -98,12 +99,25 @@ pub use post::{
     RING_GATHER_SHRINK, RING_GATHER_TILES, SEPARABLE_BLUR,
 };
 
+pub use surfels::{
+    SURFEL_OCCLUSION, SURFEL_OPENNESS, SURFEL_TILES, SURFELS_BEGIN, SURFELS_LEAVES, SURFELS_MEASURE,
+    SURFELS_PARENTS, SURFELS_PLACE, SURFELS_SUM, SURFELS_TOTAL,
+};
+
 /// Every shader.
 pub fn all() -> impl Iterator<Item = &'static Shader> {
-    [ceilings::TABLE, frame::TABLE, indirect::TABLE, nets::TABLE, occlusion::TABLE, post::TABLE]
-        .into_iter()
-        .flatten()
-        .copied()
+    [
+        ceilings::TABLE,
+        frame::TABLE,
+        indirect::TABLE,
+        nets::TABLE,
+        occlusion::TABLE,
+        post::TABLE,
+        surfels::TABLE,
+    ]
+    .into_iter()
+    .flatten()
+    .copied()
 }
 
 #[cfg(test)]

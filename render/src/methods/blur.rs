@@ -74,13 +74,29 @@ impl Blur {
     ) -> Result<[MethodStep; 2], GpuError> {
         let (height, width) = (gbuffer.height(), gbuffer.width());
         let half_blurred = gpu::empty::<f32>(device, "blur.half_blurred", self.channels * height * width)?;
+        self.steps_between(device, gbuffer, [rows, columns], &half_blurred, image)
+    }
+
+    /// As [`Blur::steps`], with the caller's room for what lies between the two.
+    ///
+    /// # Errors
+    /// If the device refuses a binding.
+    pub fn steps_between(
+        &self,
+        device: &wgpu::Device,
+        gbuffer: &GpuGBuffer,
+        [rows, columns]: [&wgpu::Buffer; 2],
+        half_blurred: &wgpu::Buffer,
+        image: &wgpu::Buffer,
+    ) -> Result<[MethodStep; 2], GpuError> {
+        let (height, width) = (gbuffer.height(), gbuffer.width());
         let surface = [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
         let workgroups = gpu::groups(height, width, TILE);
         let step = |uniform: &wgpu::Buffer, from: &wgpu::Buffer, to: &wgpu::Buffer| {
             let reads = [&[uniform], &surface[..], &[from]].concat();
             MethodStep::bind(device, &self.pass, workgroups, &reads, &[to])
         };
-        Ok([step(rows, image, &half_blurred)?, step(columns, &half_blurred, image)?])
+        Ok([step(rows, image, half_blurred)?, step(columns, half_blurred, image)?])
     }
 }
 

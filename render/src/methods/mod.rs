@@ -18,6 +18,7 @@ pub mod slices;
 pub mod ssdo;
 pub mod ssgi;
 mod surface;
+pub mod surfel;
 mod translucent;
 
 #[cfg(test)]

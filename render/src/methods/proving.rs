@@ -10,7 +10,7 @@ use crate::methods::{gtao, ring_gather};
 use crate::path::sampler::{cosine_hemisphere, frame};
 use crate::scene::procedural::Family;
 use crate::scene::{Camera, Environment, Lens, Material, Mesh, Scene};
-use crate::screen::{GpuGBuffer, Inputs, MethodStep, Plan, ScreenMethod, View, Written};
+use crate::screen::{GpuGBuffer, Inputs, MethodStep, PlainInputs, Plan, ScreenMethod, View, Written};
 use deepshade_shaders::gpu;
 use deepshade_shaders::{Attribute, GBuffer, Planes};
 use glam::{IVec2, Mat3, Vec2, Vec3};
@@ -219,7 +219,8 @@ fn written_on_gpu(
     let gpu = method.gpu();
     let uploaded =
         GpuGBuffer::upload(&gpu.device, gbuffer, method.attributes()).expect("attributes and room");
-    let plan = Plan::new(method, &Inputs { gbuffer: &uploaded, environment }, view).expect("a plan");
+    let inputs = Inputs { gbuffer: &uploaded, environment, world: None };
+    let plan = Plan::new(method, &inputs, view).expect("a plan");
     let read = |buffer: &wgpu::Buffer| gpu::read::<f32>(&gpu.device, &gpu.queue, buffer).expect("values");
     let submit = |record: &dyn Fn(&mut wgpu::CommandEncoder)| {
         gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| record(encoder)).expect("valid passes");
@@ -258,7 +259,8 @@ pub fn prove_twin(
     view: &View,
     tolerance: Tolerance,
 ) {
-    let wanted = method.reference(gbuffer, environment, view).expect("all attributes");
+    let inputs = PlainInputs { gbuffer, environment, scene: None };
+    let wanted = method.reference(&inputs, view).expect("all attributes");
     let found = written_on_gpu(method, gbuffer, environment, view);
     let compared = passes_agree(&found, &wanted, tolerance);
     assert_eq!(compared, Ok(()), "{} at {}x{}", method.name(), view.width, view.height);
@@ -307,7 +309,8 @@ fn a_pass_between_that_is_wrong_is_found_out() {
     let gbuffer = lit_still_life(43, 61);
     let view = view(43, 61, 1.0);
     for (method, buffers) in [(&gtao as &dyn ScreenMethod, 3), (&ring_gather, 6)] {
-        let right = method.reference(&gbuffer, None, &view).expect("all attributes");
+        let inputs = PlainInputs { gbuffer: &gbuffer, environment: None, scene: None };
+        let right = method.reference(&inputs, &view).expect("all attributes");
         assert_eq!((right.len(), passes_agree(&right, &right, tolerance)), (buffers, Ok(())));
         for buffer in 0..buffers {
             let mut wrong = right.clone();

@@ -64,7 +64,7 @@ pub fn steps(
         let pass = Pass::new(device, "frame.attributes", &attributes_source(attributes))?;
         let outputs = attributes.iter().map(|attribute| gbuffer.buffer(*attribute).as_entire_binding());
         let resources: Vec<_> = seen_bindings(image, materials).into_iter().chain(outputs).collect();
-        let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
+        let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
         Ok(Step { pass: pass.bind(device, &resources)?, workgroups })
     };
     written.chunks(ATTRIBUTES_A_PASS).map(step).collect()

@@ -145,6 +145,6 @@ fn compute(
 
 fn dispatch(steps: &[Step], pass: &mut wgpu::ComputePass<'_>) {
     for step in steps {
-        step.pass.dispatch_in(pass, step.workgroups);
+        step.encode_in(pass);
     }
 }

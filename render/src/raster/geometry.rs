@@ -58,28 +58,19 @@ impl Geometry {
         let rest = (0..meshes.len()).filter(|mesh| !follows.contains(mesh));
         let order: Vec<usize> = first.chain(rest).collect();
 
-        let (mut draws, mut vertex, mut index, mut moving) = (Vec::new(), 0u32, 0u32, 0u32);
-        for &at in &order {
-            let mesh = &meshes[at];
-            let (vertices, corners) = (mesh.positions.len() as u32, 3 * mesh.triangles.len() as u32);
-            let indices = index..index + corners;
-            draws.push(Draw {
-                mesh: at as u32,
-                material: mesh.material.0,
-                first_vertex: vertex,
-                vertices,
-                indices,
-            });
-            moving += if follows.contains(&at) { vertices } else { 0 };
-            (vertex, index) = (vertex + vertices, index + corners);
-        }
+        let draws = draws(&animated.scene, &order);
+        let moving = draws
+            .iter()
+            .filter(|draw| follows.contains(&(draw.mesh as usize)))
+            .map(|draw| draw.vertices)
+            .sum();
         let all = || order.iter().map(|at| &meshes[*at]);
         let posed: Vec<f32> = all().flat_map(posed).collect();
         let staying: Vec<f32> = all().flat_map(staying).collect();
         let indices: Vec<u32> = all().flat_map(|mesh| mesh.triangles.iter().flatten().copied()).collect();
         let usage = BufferUsages::VERTEX | BufferUsages::COPY_SRC;
-        // Only what moves is bound as storage, so that the whole need not meet the limit of a binding.
-        let posed_usage = usage | if moving > 0 { BufferUsages::STORAGE } else { BufferUsages::empty() };
+        // What is bound of it has to meet the limit of a binding: what moves, and for surfels all.
+        let posed_usage = usage | BufferUsages::STORAGE;
         Ok(Self {
             posed: gpu::filled(device, "frame.posed", bytemuck::cast_slice(&posed), posed_usage)?,
             staying: gpu::filled(device, "frame.staying", bytemuck::cast_slice(&staying), usage)?,
@@ -109,6 +100,24 @@ impl Geometry {
             attributes: &wgpu::vertex_attr_array![5 => Float32x4, 6 => Float32x4],
         }),
     ];
+}
+
+/// Where the meshes of a scene lie in the buffers, in this order.
+fn draws(scene: &Scene, order: &[usize]) -> Vec<Draw> {
+    let (mut vertex, mut index) = (0, 0);
+    let draw = |&at: &usize| {
+        let mesh = &scene.meshes[at];
+        let (vertices, corners) = (mesh.positions.len() as u32, 3 * mesh.triangles.len() as u32);
+        let (first_vertex, indices) = (vertex, index..index + corners);
+        (vertex, index) = (vertex + vertices, index + corners);
+        Draw { mesh: at as u32, material: mesh.material.0, first_vertex, vertices, indices }
+    };
+    order.iter().map(draw).collect()
+}
+
+/// Where the meshes of a scene that stays lie in the buffers.
+pub fn draws_of(scene: &Scene) -> Vec<Draw> {
+    draws(scene, &(0..scene.meshes.len()).collect::<Vec<_>>())
 }
 
 /// The numbers of a mesh's vertices that change. What a mesh has not is 0.

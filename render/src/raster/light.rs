@@ -145,6 +145,6 @@ pub fn step(
         gbuffer.buffer(Attribute::Light).as_entire_binding(),
         gbuffer.buffer(Attribute::DiffuseLight).as_entire_binding(),
     ]);
-    let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
+    let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
     Ok(Step { pass: pass.bind(device, &resources)?, workgroups })
 }

@@ -44,7 +44,8 @@ impl ReflectiveMap {
         let mut resources = seen_bindings(&image, &world.materials);
         resources
             .extend([&lights.records, &lights.pictures, &chosen, &texels].map(|b| b.as_entire_binding()));
-        let step = Step { pass: pass.bind(device, &resources)?, workgroups: gpu::groups(size, size, TILE) };
+        let step =
+            Step { pass: pass.bind(device, &resources)?, workgroups: gpu::groups(size, size, TILE).into() };
         Ok(Self { image, step, texels })
     }
 
@@ -61,6 +62,6 @@ impl ReflectiveMap {
             label: Some("deepshade.frame.reflective"),
             timestamp_writes: None,
         });
-        self.step.pass.dispatch_in(&mut pass, self.step.workgroups);
+        self.step.encode_in(&mut pass);
     }
 }

@@ -29,8 +29,10 @@ impl Since {
         let pass = Pass::new(device, SINCE.name, &SINCE.source())?;
         let mut resources = seen_bindings(frame.image(), &frame.world().materials);
         resources.extend([frame.view_before(), &planes].map(|buffer| buffer.as_entire_binding()));
-        let step =
-            Step { pass: pass.bind(device, &resources)?, workgroups: gpu::groups(height, width, TILE) };
+        let step = Step {
+            pass: pass.bind(device, &resources)?,
+            workgroups: gpu::groups(height, width, TILE).into(),
+        };
         Ok(Self { step, planes })
     }
 

@@ -7,13 +7,17 @@ use super::pose::Posing;
 use super::shadow::{self, MapPlan, Seen, ShadowPass};
 use super::texture::Textures;
 use crate::scene::gltf::Rig;
-use crate::scene::{AnimatedScene, Bounds, Camera, Light};
+use crate::scene::{AnimatedScene, Bounds, Camera, Light, Scene};
+use crate::surfels::patches::{Patch, patches};
 use deepshade_shaders::gpu::{Gpu, GpuError, Stamps};
 use deepshade_shaders::wgsl::uniforms::FrameView;
+use std::sync::OnceLock;
 
 /// A scene on the GPU.
 #[derive(Debug)]
 pub struct World {
+    /// The scene at one moment.
+    scene: Scene,
     rigs: Vec<Rig>,
     lights: Vec<Light>,
     /// The box around all that is seen of it at any moment.
@@ -33,6 +37,7 @@ pub struct World {
     maps_stay: bool,
     map_views: Vec<FrameView>,
     seen: Option<Seen>,
+    patches: OnceLock<Vec<Patch>>,
     /// What the device cannot do as it was asked to, in words.
     pub notes: Vec<String>,
 }
@@ -56,6 +61,7 @@ impl World {
         let gpu_lights = Lights::new(device, scene, &map_plan)?;
         let shadows = ShadowPass::new(device, &map_plan, &scene.materials, &textures)?;
         Ok(Self {
+            scene: scene.clone(),
             rigs: rigs.clone(),
             lights: scene.lights.clone(),
             bounds: animated.reach(),
@@ -70,6 +76,7 @@ impl World {
             maps_stay: false,
             map_views: Vec::new(),
             seen: None,
+            patches: OnceLock::new(),
         })
     }
 
@@ -94,6 +101,11 @@ impl World {
             self.map_views = views;
         }
         self.seen = Some(seen);
+    }
+
+    /// The parts of its surface that surfels are laid out on; made when they are asked for first.
+    pub fn patches(&self) -> &[Patch] {
+        self.patches.get_or_init(|| patches(&self.scene, &self.geometry.draws))
     }
 
     /// Records the pass that moves vertices, where any move.

@@ -1,9 +1,8 @@
 //! A screen method compiled for a device: what all of them have alike, so that a method's file says only what is its own.
 
-use super::{Inputs, MethodStep, ScreenMethod, View, Written};
-use crate::scene::Environment;
+use super::{Inputs, MethodStep, PlainInputs, ScreenMethod, View, Written};
 use deepshade_shaders::gpu::{Gpu, GpuError};
-use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
+use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 
 /// What a method is, apart from the device that it runs on. Its parameters implement it.
 pub trait Technique: Copy + Send + Sync {
@@ -13,6 +12,8 @@ pub trait Technique: Copy + Send + Sync {
     const EFFECT: Effect;
     /// What it reads of a g-buffer.
     const ATTRIBUTES: &'static [Attribute];
+    /// As [`ScreenMethod::looks_beyond`].
+    const LOOKS_BEYOND: bool = false;
     /// Its compiled passes.
     type Passes: Clone + Send + Sync;
 
@@ -42,12 +43,7 @@ pub trait Technique: Copy + Send + Sync {
     ///
     /// # Errors
     /// If the g-buffer lacks an attribute.
-    fn reference(
-        &self,
-        gbuffer: &GBuffer,
-        environment: Option<&Environment>,
-        view: &View,
-    ) -> Result<Written, MissingAttribute>;
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute>;
 }
 
 /// A method, compiled for a device.
@@ -87,6 +83,10 @@ impl<T: Technique> ScreenMethod for Compiled<T> {
         T::ATTRIBUTES
     }
 
+    fn looks_beyond(&self) -> bool {
+        T::LOOKS_BEYOND
+    }
+
     fn gpu(&self) -> &Gpu {
         &self.gpu
     }
@@ -104,12 +104,7 @@ impl<T: Technique> ScreenMethod for Compiled<T> {
         self.parameters.steps(&self.passes, &self.gpu.device, inputs, uniforms, output)
     }
 
-    fn reference(
-        &self,
-        gbuffer: &GBuffer,
-        environment: Option<&Environment>,
-        view: &View,
-    ) -> Result<Written, MissingAttribute> {
-        self.parameters.reference(gbuffer, environment, view)
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        self.parameters.reference(inputs, view)
     }
 }

@@ -3,13 +3,28 @@
 use super::{Inputs, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, BoundPass, GpuError, Pass, Stamps};
 
+/// How many workgroups of a pass run.
+#[derive(Clone, Debug)]
+pub enum Workgroups {
+    /// In x, y and z.
+    Known([u32; 3]),
+    /// What an earlier pass has written into a buffer, three words from that byte on.
+    Counted(wgpu::Buffer, u64),
+}
+
+impl From<[u32; 3]> for Workgroups {
+    fn from(known: [u32; 3]) -> Self {
+        Self::Known(known)
+    }
+}
+
 /// A bound pass and how many workgroups of it run.
 #[derive(Clone, Debug)]
 pub struct Step {
     /// What runs.
     pub pass: BoundPass,
-    /// In x, y and z.
-    pub workgroups: [u32; 3],
+    /// How often.
+    pub workgroups: Workgroups,
 }
 
 impl Step {
@@ -19,7 +34,15 @@ impl Step {
             label: Some(label),
             timestamp_writes: stamps.map(Stamps::of_compute),
         });
-        self.pass.dispatch_in(&mut pass, self.workgroups);
+        self.encode_in(&mut pass);
+    }
+
+    /// Records it within a compute pass of the caller's.
+    pub fn encode_in(&self, pass: &mut wgpu::ComputePass<'_>) {
+        match &self.workgroups {
+            Workgroups::Known(workgroups) => self.pass.dispatch_in(pass, *workgroups),
+            Workgroups::Counted(buffer, offset) => self.pass.dispatch_counted_in(pass, buffer, *offset),
+        }
     }
 }
 
@@ -40,7 +63,7 @@ impl MethodStep {
     pub fn bind(
         device: &wgpu::Device,
         pass: &Pass,
-        workgroups: [u32; 3],
+        workgroups: impl Into<Workgroups>,
         reads: &[&wgpu::Buffer],
         writes: &[&wgpu::Buffer],
     ) -> Result<Self, GpuError> {
@@ -56,7 +79,7 @@ impl MethodStep {
     pub fn bind_at(
         device: &wgpu::Device,
         pass: &Pass,
-        workgroups: [u32; 3],
+        workgroups: impl Into<Workgroups>,
         reads: &[(u32, &wgpu::Buffer)],
         writes: &[(u32, &wgpu::Buffer)],
     ) -> Result<Self, GpuError> {
@@ -64,7 +87,7 @@ impl MethodStep {
         let pass =
             pass.bind_at(device, all.map(|(binding, buffer)| (*binding, buffer.as_entire_binding())))?;
         let writes = writes.iter().map(|(_, buffer)| (*buffer).clone()).collect();
-        Ok(Self { step: Step { pass, workgroups }, writes })
+        Ok(Self { step: Step { pass, workgroups: workgroups.into() }, writes })
     }
 }
 
@@ -120,7 +143,7 @@ impl Plan {
     /// Records all passes within a compute pass of the caller's.
     pub fn encode_in(&self, pass: &mut wgpu::ComputePass<'_>) {
         for MethodStep { step, .. } in &self.steps {
-            step.pass.dispatch_in(pass, step.workgroups);
+            step.encode_in(pass);
         }
     }
 

@@ -82,7 +82,7 @@ impl Reprojection {
         let buffers = [&uniform, current, &history, since, &since_before_that, &output];
         let pass = Pass::new(device, REPROJECT.name, &source)?
             .bind(device, &buffers.map(|buffer| buffer.as_entire_binding()))?;
-        let mix = Step { pass, workgroups: gpu::groups(height, width, TILE) };
+        let mix = Step { pass, workgroups: gpu::groups(height, width, TILE).into() };
         Ok(Self {
             parameters,
             size: [height, width],

@@ -110,9 +110,19 @@ impl BoundPass {
     /// Records the pass within a compute pass of wgpu's, which holds as many as wanted one after the other.
     pub fn dispatch_in(&self, pass: &mut wgpu::ComputePass<'_>, workgroups: [u32; 3]) {
         let [x, y, z] = workgroups;
+        self.set_in(pass);
+        pass.dispatch_workgroups(x, y, z);
+    }
+
+    /// As [`BoundPass::dispatch_in`], with as many workgroups as three words of a buffer say that an earlier pass has written.
+    pub fn dispatch_counted_in(&self, pass: &mut wgpu::ComputePass<'_>, counts: &wgpu::Buffer, offset: u64) {
+        self.set_in(pass);
+        pass.dispatch_workgroups_indirect(counts, offset);
+    }
+
+    fn set_in(&self, pass: &mut wgpu::ComputePass<'_>) {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.group, &[]);
-        pass.dispatch_workgroups(x, y, z);
     }
 }
 

@@ -66,9 +66,11 @@ mod indirect;
 mod nets;
 mod occlusion;
 mod post;
+mod surfels;
 
 pub use frame::{Chosen, FrameView, LightRecord, MaterialRecord, Pose, Reprojection};
 pub use indirect::Prefiltered;
 pub use nets::{NaiveLayer, NetLayer};
 pub use occlusion::{Blur, Hbao, Slices, Ssdo};
 pub use post::{Fxaa, Gather, Reconstruction, RingGather, Separable};
+pub use surfels::{LevelSum, SplatLevel, Surfels, TreeLevel};

@@ -23,12 +23,11 @@ pub mod reference;
 mod tests;
 
 use super::{Picture, Quality, images};
-use crate::scene::Environment;
-use crate::screen::{Compiled, Inputs, MethodStep, Technique, View, Written};
+use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::uniforms;
-use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
+use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 use passes::Passes;
 
 /// Most steps of a search.
@@ -82,13 +81,8 @@ impl Technique for Parameters {
         passes.steps(device, inputs.gbuffer, uniforms, output)
     }
 
-    fn reference(
-        &self,
-        gbuffer: &GBuffer,
-        _environment: Option<&Environment>,
-        view: &View,
-    ) -> Result<Written, MissingAttribute> {
-        Ok(images(reference::shade(&Picture::of(gbuffer)?, &self.settings(view))))
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        Ok(images(reference::shade(&Picture::of(inputs.gbuffer)?, &self.settings(view))))
     }
 }
 

@@ -7,8 +7,8 @@ use crate::methods::proving::{
     Tolerance, everything, lit_still_life, picture_of, prove_comparator, prove_twin, view,
 };
 use crate::path::{self, Sampling, Shot};
-use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{GBuffer, Planes};
 use glam::{IVec2, Vec3};
 
 const HEIGHT: usize = 43;

@@ -13,8 +13,8 @@ use crate::path::proving::quad;
 use crate::path::{self, Sampling, Shot};
 use crate::scene::{Camera, Light, Material, MaterialId, Mesh, Scene};
 use crate::screen::ScreenMethod;
-use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{GBuffer, Planes};
 use glam::{IVec2, Vec3};
 
 const HEIGHT: usize = 43;

@@ -24,11 +24,11 @@ mod tests;
 use super::environment_map::EnvironmentMap;
 use super::{Quality, images};
 use crate::scene::Environment;
-use crate::screen::{Compiled, Inputs, MethodStep, Technique, View, Written};
+use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::uniforms;
-use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
+use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 use glam::Vec3;
 use passes::Passes;
 
@@ -104,12 +104,7 @@ impl Technique for Parameters {
         passes.steps(device, inputs.gbuffer, &environment, &uniforms[0], output)
     }
 
-    fn reference(
-        &self,
-        gbuffer: &GBuffer,
-        environment: Option<&Environment>,
-        _view: &View,
-    ) -> Result<Written, MissingAttribute> {
-        Ok(images([reference::shade(gbuffer, &self.filtered(environment))?]))
+    fn reference(&self, inputs: &PlainInputs<'_>, _view: &View) -> Result<Written, MissingAttribute> {
+        Ok(images([reference::shade(inputs.gbuffer, &self.filtered(inputs.environment))?]))
     }
 }

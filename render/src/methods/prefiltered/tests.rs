@@ -8,8 +8,8 @@ use crate::path::bsdf::Phong;
 use crate::path::proving::{integral, spotted, with_environment};
 use crate::path::{self, Sampling, Shot};
 use crate::scene::procedural::sky;
-use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{GBuffer, Planes};
 use std::f32::consts::{FRAC_1_PI, PI};
 
 const DIFFUSE: Vec3 = Vec3::new(0.5, 0.3, 0.1);

@@ -7,8 +7,8 @@ use crate::methods::proving::{
 };
 use crate::metrics::relative_mse;
 use crate::path::{self, Sampling, Shot};
-use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{GBuffer, Planes};
 use glam::{IVec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 

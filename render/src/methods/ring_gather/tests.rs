@@ -10,8 +10,8 @@ use crate::metrics::relative_mse;
 use crate::path::{self, Sampling, Shot};
 use crate::scene::{Camera, Lens};
 use crate::screen::ScreenMethod;
-use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{GBuffer, Planes};
 use glam::{IVec2, Vec3};
 
 const HEIGHT: usize = 43;

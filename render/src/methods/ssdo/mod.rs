@@ -24,10 +24,10 @@ mod tests;
 use super::environment_map::EnvironmentMap;
 use super::{Quality, Surface, blur, images, march};
 use crate::scene::Environment;
-use crate::screen::{Compiled, Inputs, MethodStep, Technique, View, Written};
+use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::{self, uniforms};
-use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
+use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 use glam::Vec3;
 
 /// What can be set.
@@ -137,13 +137,8 @@ impl Technique for Parameters {
         passes.steps(device, reads, uniforms, output)
     }
 
-    fn reference(
-        &self,
-        gbuffer: &GBuffer,
-        environment: Option<&Environment>,
-        view: &View,
-    ) -> Result<Written, MissingAttribute> {
-        let environment = self.filtered(environment);
-        Ok(images(reference::shade(&Surface::of(gbuffer)?, &environment, &self.settings(view))))
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        let environment = self.filtered(inputs.environment);
+        Ok(images(reference::shade(&Surface::of(inputs.gbuffer)?, &environment, &self.settings(view))))
     }
 }

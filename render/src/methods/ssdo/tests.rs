@@ -12,8 +12,8 @@ use crate::path::proving::{spotted, with_environment};
 use crate::path::{self, Sampling, Shot};
 use crate::scene::Camera;
 use crate::screen::ScreenMethod;
-use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{GBuffer, Planes};
 
 const HEIGHT: usize = 43;
 const WIDTH: usize = 61;

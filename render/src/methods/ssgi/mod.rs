@@ -17,11 +17,10 @@ pub mod reference;
 mod tests;
 
 use super::{Quality, Surface, blur, images, march, slices};
-use crate::scene::Environment;
-use crate::screen::{Compiled, Inputs, MethodStep, Technique, View, Written};
+use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::{self, uniforms};
-use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
+use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,13 +96,8 @@ impl Technique for Parameters {
         passes.steps(device, reads, uniforms, output)
     }
 
-    fn reference(
-        &self,
-        gbuffer: &GBuffer,
-        _environment: Option<&Environment>,
-        view: &View,
-    ) -> Result<Written, MissingAttribute> {
-        let light = gbuffer.select(&[Attribute::DiffuseLight])?;
-        Ok(images(reference::shade(&Surface::of(gbuffer)?, &light, &self.settings(view))))
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        let light = inputs.gbuffer.select(&[Attribute::DiffuseLight])?;
+        Ok(images(reference::shade(&Surface::of(inputs.gbuffer)?, &light, &self.settings(view))))
     }
 }

@@ -13,8 +13,8 @@ use crate::metrics::ssim;
 use crate::path::{self, Sampling, Shot};
 use crate::scene::{Camera, Light};
 use crate::screen::ScreenMethod;
-use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{GBuffer, Planes};
 use glam::Vec3;
 
 const HEIGHT: usize = 43;

@@ -1,0 +1,79 @@
+//! Shading by surfels: deep screen space.
+//!
+//! Nalbach, Ritschel and Seidel, "Deep Screen Space", I3D 2014 (thesis chapter 4). Surfels ([`surfels`](crate::surfels)) stand
+//! for the whole scene; each does to every pixel what a disk of its size does. Near ones do it to every pixel; those
+//! farther away than a threshold epsilon of effect allows do it to one pixel of four, of sixteen and so on, four, sixteen
+//! times as large each: shells around a surfel, splatted to the levels of an interleaved framebuffer ([`shells`]). Levels
+//! are blurred and added up.
+//!
+//! The splatting is turned round: a workgroup takes 8x8 pixels of a sub-buffer and walks a tree over its surfels. What is
+//! summed up is the same as with splats that are blended, always in the same order; there is no list of splats that could
+//! become too long, nothing to shuffle or unshuffle, and a tile's box does what the paper's pyramid of positions does.
+//!
+//! Limits. What hides behind something occludes too: two sheets one behind the other occlude twice. A far group of surfels
+//! is taken to look like the one of it that was drawn.
+//!
+//! Unlike [`gtao`](super::gtao) and [`hbao`](super::hbao) it knows what the camera does not see: behind it, beside the image,
+//! behind something in front, and surfaces seen from their edge.
+
+pub mod occlusion;
+pub mod passes;
+pub mod reference;
+pub mod shells;
+#[cfg(test)]
+mod tests;
+
+use super::{Quality, blur};
+use crate::surfels;
+
+/// What can be set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// How finely the scene is laid out.
+    pub surfels: surfels::Parameters,
+    /// The papers' epsilon: what of a surfel's effect may be left to the next coarser level, from 0 to 1.
+    pub threshold: f32,
+    /// Levels of the interleaved framebuffer, 1 to [`MOST_LEVELS`]; 1 is splatting in full resolution.
+    pub levels: u32,
+    /// What removes the noise of a level: the radius is that of the finest, and is doubled with each coarser one.
+    pub blur: blur::Parameters,
+}
+
+/// Most levels: 2^10 pixels to a side become sub-buffers of 8 x 8.
+pub const MOST_LEVELS: u32 = 8;
+/// A level is blurred no farther than this, pixels.
+const MOST_BLUR: u32 = 32;
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self::of(Quality::default())
+    }
+}
+
+impl Parameters {
+    /// Those of a quality: smaller surfels, and more of their effect on every pixel.
+    pub fn of(quality: Quality) -> Self {
+        let (scale, threshold) = match quality {
+            Quality::Low => (0.016, 0.2),
+            Quality::Medium => (0.010, 0.1),
+            Quality::High => (0.007, 0.06),
+            Quality::Ultra => (0.005, 0.02),
+        };
+        Self {
+            surfels: surfels::Parameters { scale, near: 0.25 },
+            threshold,
+            levels: 6,
+            blur: blur::Parameters { radius: 1, sharpness: 512.0 },
+        }
+    }
+
+    /// These with numbers that make no sense brought into their range.
+    fn sane(self) -> Self {
+        Self { threshold: self.threshold.clamp(1e-6, 1.0), levels: self.levels.clamp(1, MOST_LEVELS), ..self }
+    }
+
+    /// The blur of a level.
+    fn blur_of(&self, level: u32) -> blur::Parameters {
+        blur::Parameters { radius: (self.blur.radius << level).min(MOST_BLUR), ..self.blur }
+    }
+}

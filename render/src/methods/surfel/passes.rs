@@ -1,0 +1,191 @@
+//! What runs on the GPU: surfels and their tree, the levels one after the other, their blurs, their sum.
+
+use super::{Parameters, shells};
+use crate::methods::blur::Blur;
+use crate::raster::view::perspective;
+use crate::screen::{Inputs, MethodStep, View};
+use crate::surfels::{Cloud, cloud};
+use bytemuck::bytes_of;
+use deepshade_shaders::gpu::{self, GpuError, Pass};
+use deepshade_shaders::wgsl::{self, Shader, TILE, uniforms};
+use deepshade_shaders::{Attribute, Effect};
+
+/// The shaders that make an effect of what all have in common.
+#[derive(Clone, Copy, Debug)]
+pub struct Shaders {
+    /// Leaves of the tree, with how far each surfel reaches.
+    pub leaves: &'static Shader,
+    /// What surfels do to pixels.
+    pub splat: &'static Shader,
+    /// What the sum of all levels means.
+    pub add: &'static Shader,
+}
+
+/// The compiled passes.
+#[derive(Clone, Debug)]
+pub struct Passes {
+    surfels: crate::surfels::Passes,
+    tiles: Pass,
+    splat: Pass,
+    blur: Blur,
+    add: Pass,
+    channels: usize,
+}
+
+/// Uniforms before those of the levels of the tree: surfels, view.
+const BEFORE_TREE: usize = 2;
+/// Uniforms of a level of the framebuffer: splat, blur along rows and along columns, sum.
+const OF_LEVEL: usize = 4;
+
+/// The contents of the passes' uniform buffers; a surfel does something up to `reach` times its effect distance.
+pub fn uniforms(parameters: &Parameters, effect: Effect, reach: f32, view: &View) -> Vec<Vec<u8>> {
+    let camera = perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE);
+    let mut all = vec![bytes_of(&parameters.surfels.settings(view)).to_vec(), bytes_of(&camera).to_vec()];
+    all.extend(cloud::tree_levels().map(|level| bytes_of(&level).to_vec()));
+    for level in 0..parameters.levels {
+        all.push(bytes_of(&shells::level(parameters, reach, level, view)).to_vec());
+        let blurs = parameters.blur_of(level).settings(view, effect);
+        all.extend(blurs.map(|blur| bytes_of(&uniforms::Blur { background: 0.0, ..blur }).to_vec()));
+        all.push(bytes_of(&sum(parameters, effect, level, view)).to_vec());
+    }
+    all
+}
+
+fn sum(parameters: &Parameters, effect: Effect, level: u32, view: &View) -> uniforms::LevelSum {
+    uniforms::LevelSum {
+        width: view.width as u32,
+        height: view.height as u32,
+        first: u32::from(level == 0),
+        last: u32::from(level + 1 == parameters.levels),
+        background: effect.background().unwrap_or(0.0),
+    }
+}
+
+impl Passes {
+    /// Compiles them for images of an effect.
+    ///
+    /// # Errors
+    /// If the device refuses them.
+    pub fn new(device: &wgpu::Device, shaders: &Shaders, effect: Effect) -> Result<Self, GpuError> {
+        let channels = effect.channels();
+        let with_channels = |shader: &Shader| {
+            Pass::new(device, shader.name, &shader.specialised(&[("CHANNELS", channels as u32)]))
+        };
+        Ok(Self {
+            surfels: crate::surfels::Passes::new(device, shaders.leaves)?,
+            tiles: Pass::new(device, wgsl::SURFEL_TILES.name, &wgsl::SURFEL_TILES.source())?,
+            splat: with_channels(shaders.splat)?,
+            blur: Blur::new(device, effect)?,
+            add: with_channels(shaders.add)?,
+            channels,
+        })
+    }
+
+    /// The passes bound to a scene and a g-buffer. They write `image`, `[channels, height, width]`.
+    ///
+    /// # Errors
+    /// If there is no scene, or the device has no room for what lies between them.
+    pub fn steps(
+        &self,
+        device: &wgpu::Device,
+        inputs: &Inputs<'_>,
+        uniforms: &[wgpu::Buffer],
+        image: &wgpu::Buffer,
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let missing = || GpuError::Refused {
+            label: "deepshade.surfel".to_owned(),
+            what: "there is no scene to lay surfels out on".to_owned(),
+        };
+        let world = inputs.world.ok_or_else(missing)?;
+        let cloud = Cloud::new(device, world.patches())?;
+        let (first, levels) = uniforms.split_at(BEFORE_TREE + crate::surfels::HEIGHT as usize);
+        let (first, tree) = first.split_at(BEFORE_TREE);
+        let of_surfels = cloud::Uniforms { settings: &first[0], view: &first[1] };
+        let mut steps = self.surfels.surfel_steps(device, world, &cloud, of_surfels)?;
+        steps.extend(self.surfels.tree_steps(device, &cloud, tree)?);
+        let room = Room::new(device, inputs, self.channels)?;
+        for (level, uniforms) in levels.chunks_exact(OF_LEVEL).enumerate() {
+            steps.extend(self.level_steps(device, inputs, &cloud, &room, level, uniforms, image)?);
+        }
+        Ok(steps)
+    }
+
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "each is a different thing that the passes of a level are bound to"
+    )]
+    fn level_steps(
+        &self,
+        device: &wgpu::Device,
+        inputs: &Inputs<'_>,
+        cloud: &Cloud,
+        room: &Room,
+        level: usize,
+        uniforms: &[wgpu::Buffer],
+        image: &wgpu::Buffer,
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let [splat, rows, columns, sum] = uniforms else { unreachable!("a level has four uniform buffers") };
+        let gbuffer = inputs.gbuffer;
+        let surface = [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
+        let [position, normal, valid] = surface;
+        let [columns_of_tiles, rows_of_tiles] = tiles([gbuffer.width(), gbuffer.height()], level);
+        let sub_buffers = 1u32 << (2 * level);
+        let in_lines = (columns_of_tiles * rows_of_tiles * sub_buffers).div_ceil(64);
+        let lines = [in_lines.min(65_535), in_lines.div_ceil(65_535), 1];
+        let tiles = [(0, splat), (1, position), (3, valid)];
+        let reads = [
+            (0, splat),
+            (1, position),
+            (2, normal),
+            (3, valid),
+            (4, &room.tiles),
+            (5, &cloud.totals),
+            (6, &cloud.surfels),
+            (7, &cloud.nodes),
+        ];
+        let groups = [columns_of_tiles, rows_of_tiles, sub_buffers];
+        let mut steps = vec![
+            MethodStep::bind_at(device, &self.tiles, lines, &tiles, &[(4, &room.tiles)])?,
+            MethodStep::bind_at(device, &self.splat, groups, &reads, &[(8, &room.sums)])?,
+        ];
+        steps.extend(self.blur.steps_between(
+            device,
+            gbuffer,
+            [rows, columns],
+            &room.half_blurred,
+            &room.sums,
+        )?);
+        let whole = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
+        steps.push(MethodStep::bind(device, &self.add, whole, &[sum, valid, &room.sums], &[image])?);
+        Ok(steps)
+    }
+}
+
+/// Columns and rows of tiles of a level's sub-buffers.
+fn tiles(size: [usize; 2], level: usize) -> [u32; 2] {
+    size.map(|pixels| (pixels as u32).div_ceil(1 << level).div_ceil(shells::SUB_TILE))
+}
+
+/// What lies between the passes; every level uses it again.
+struct Room {
+    /// `[tiles, 8]`.
+    tiles: wgpu::Buffer,
+    /// `[channels, height, width]`.
+    sums: wgpu::Buffer,
+    /// `[channels, height, width]`.
+    half_blurred: wgpu::Buffer,
+}
+
+impl Room {
+    fn new(device: &wgpu::Device, inputs: &Inputs<'_>, channels: usize) -> Result<Self, GpuError> {
+        let (height, width) = (inputs.gbuffer.height(), inputs.gbuffer.width());
+        let on_level = |level: usize| tiles([width, height], level).iter().product::<u32>() << (2 * level);
+        let most = (0..super::MOST_LEVELS as usize).map(on_level).max().unwrap_or(0);
+        let image = |label: &str| gpu::empty::<f32>(device, label, channels * height * width);
+        Ok(Self {
+            tiles: gpu::empty::<[f32; 8]>(device, "surfel.tiles", most as usize)?,
+            sums: image("surfel.sums")?,
+            half_blurred: image("surfel.half_blurred")?,
+        })
+    }
+}

@@ -1,0 +1,49 @@
+//! Shells around surfels and the levels of the interleaved framebuffer that they are splatted to (thesis 4.2.2).
+
+use super::Parameters;
+use crate::screen::View;
+use deepshade_shaders::random::hash;
+use deepshade_shaders::wgsl::uniforms;
+use glam::UVec2;
+
+/// Pixels of a workgroup's edge in a sub-buffer.
+pub const SUB_TILE: u32 = 8;
+
+/// What the passes of a level read. A surfel does something up to `reach` times its radius (its effect distance) as it is;
+/// on level l it stands for 4^l, so its radius and with it the shell are 2^l times as large.
+pub fn level(parameters: &Parameters, reach: f32, level: u32, view: &View) -> uniforms::SplatLevel {
+    let sub_buffer = |pixels: usize| (pixels as u32).div_ceil(1 << level).div_ceil(SUB_TILE);
+    let enlarged = (1u32 << level) as f32;
+    uniforms::SplatLevel {
+        width: view.width as u32,
+        height: view.height as u32,
+        level,
+        seed: view.seed,
+        tile_columns: sub_buffer(view.width),
+        tile_rows: sub_buffer(view.height),
+        last: u32::from(level + 1 == parameters.levels),
+        nearest: if level == 0 { 0.0 } else { 0.5 * enlarged * reach },
+        farthest: enlarged * reach,
+        enlarged,
+        reach: view.radius,
+    }
+}
+
+/// A number below `4^level` for each, all different: a bijection for each key. `shared/interleaved.wgsl`.
+pub fn permuted(number: u32, level: u32, key: u32) -> u32 {
+    let mask = (1 << (2 * level)) - 1;
+    let shift = level.max(1);
+    let mut it = (number ^ key) & mask;
+    it = it.wrapping_mul((key >> 8) | 1) & mask;
+    it ^= it >> shift;
+    it = it.wrapping_mul((key >> 16) | 1) & mask;
+    it ^ (it >> shift)
+}
+
+/// The pixel that has this place in a sub-buffer.
+pub fn pixel(sub_buffer: u32, place: UVec2, level: u32, seed: u32) -> UVec2 {
+    let rest = hash(level.wrapping_add(hash(seed)));
+    let key = hash(place.x.wrapping_add(hash(place.y.wrapping_add(rest))));
+    let part = permuted(sub_buffer, level, key);
+    (place << level) + UVec2::new(part & ((1 << level) - 1), part >> level)
+}

@@ -1,0 +1,269 @@
+//! Shells against brute force, closed forms, and the passes against the plain version.
+
+use super::occlusion::{Occlusion, SurfelOcclusion};
+use super::reference::{form_factor, level_occlusion, occlusion as brute_force, openness};
+use super::{MOST_LEVELS, Parameters, shells};
+use crate::bvh::TracedScene;
+use crate::gbuffer;
+use crate::method::{Frame, Method, Repeats};
+use crate::methods::proving::{Tolerance, agree, camera, gbuffer_of, plane, prove_comparator, view};
+use crate::methods::{Quality, Surface, blur};
+use crate::scene::procedural::Family;
+use crate::scene::{Camera, Material, Mesh, Scene};
+use crate::screen::{PlainInputs, ScreenMethod, View};
+use crate::surfels;
+use crate::surfels::reference::Disk;
+use deepshade_shaders::Planes;
+use deepshade_shaders::gpu::Gpu;
+use glam::{UVec2, Vec3};
+
+/// Surfels as fine as tests can afford, without a blur.
+const SHARP: Parameters = Parameters {
+    surfels: surfels::Parameters { scale: 0.02, near: 0.25 },
+    threshold: 0.06,
+    levels: 4,
+    blur: blur::Parameters { radius: 0, sharpness: 512.0 },
+};
+
+#[test]
+fn every_level_is_a_permutation() {
+    for level in 0..MOST_LEVELS {
+        for key in [0, 1, 0x1234_5678, u32::MAX] {
+            let count = 1u32 << (2 * level);
+            let mut found: Vec<u32> = (0..count).map(|number| shells::permuted(number, level, key)).collect();
+            found.sort_unstable();
+            assert!(found.into_iter().eq(0..count), "level {level}, key {key}");
+        }
+        let size = 2 << level;
+        let mut pixels: Vec<[u32; 2]> = (0..1u32 << (2 * level))
+            .flat_map(|sub| {
+                (0..4).map(move |place| {
+                    shells::pixel(sub, UVec2::new(place % 2, place / 2), level, 5).to_array()
+                })
+            })
+            .collect();
+        pixels.sort_unstable();
+        assert!(
+            pixels.into_iter().eq((0..size).flat_map(|x| (0..size).map(move |y| [x, y]))),
+            "level {level}"
+        );
+    }
+}
+
+/// A floor at y = -1 and disks above it at random places, seen from the origin.
+fn floor_under_disks() -> (Surface, Vec<Disk>) {
+    let gbuffer = gbuffer_of(24, 32, |ray| plane(ray, Vec3::new(0.0, -1.0, 0.0), Vec3::Y));
+    let number = |i: u32, of: u32| deepshade_shaders::random::random(i, of, 3, 0);
+    let disk = |i| Disk {
+        place: Vec3::new(4.0 * number(i, 0) - 2.0, number(i, 1) - 0.9, -1.5 - 4.0 * number(i, 2)),
+        radius: 0.02 + 0.02 * number(i, 3),
+        normal: Vec3::new(number(i, 4) - 0.5, number(i, 5) - 0.5, number(i, 6) - 0.5).normalize(),
+        patch: i,
+    };
+    (Surface::of(&gbuffer).expect("a surface"), (0..3000).map(disk).collect())
+}
+
+fn levels_of(surface: &Surface, disks: &[Disk], parameters: &Parameters, view: &View) -> Planes {
+    let mut sum = Planes::filled(1, surface.height, surface.width, 0.0);
+    for level in 0..parameters.levels {
+        let level = shells::level(parameters, super::occlusion::reach(parameters.threshold), level, view);
+        let one = level_occlusion(surface, disks, &level);
+        sum.data_mut().iter_mut().zip(one.data()).for_each(|(sum, value)| *sum += value);
+    }
+    sum
+}
+
+#[test]
+fn without_a_threshold_levels_are_brute_force() {
+    let (surface, disks) = floor_under_disks();
+    let parameters = Parameters { threshold: 1e-9, ..SHARP };
+    let sum = levels_of(&surface, &disks, &parameters, &view(24, 32, 3.0));
+    let right = brute_force(&surface, &disks, 3.0);
+    assert_eq!(agree(&sum, &right, Tolerance { usual: 1e-5, worst: 1e-4 }), Ok(()));
+}
+
+#[test]
+fn shells_are_brute_force_in_the_mean() {
+    let (surface, disks) = floor_under_disks();
+    let right = brute_force(&surface, &disks, 3.0);
+    let seeds = 64;
+    let mut sum = vec![[0.0f64; 2]; right.data().len()];
+    for seed in 0..seeds {
+        let shells = levels_of(&surface, &disks, &SHARP, &View { seed, ..view(24, 32, 3.0) });
+        for (sums, value) in sum.iter_mut().zip(shells.data()) {
+            sums[0] += f64::from(*value);
+            sums[1] += f64::from(*value * *value);
+        }
+    }
+    let seeds = f64::from(seeds);
+    // Enlarged disks bend form factors a little: within their own noise and two hundredths.
+    let mut bias = 0.0;
+    for (sums, right) in sum.iter().zip(right.data()) {
+        let mean = sums[0] / seeds;
+        let noise = ((sums[1] / seeds - mean * mean).max(0.0) / seeds).sqrt();
+        let off = mean - f64::from(*right);
+        assert!(off.abs() < 5.0 * noise + 0.03, "{mean} in place of {right}, noise {noise}");
+        bias += off / sum.len() as f64;
+    }
+    assert!(bias.abs() < 0.01, "{bias}");
+}
+
+/// A regular polygon with many corners around a point, facing down.
+fn disk_mesh(middle: Vec3, radius: f32) -> Mesh {
+    let corners = 128u32;
+    let corner = |i: u32| {
+        let (sin, cos) = (i as f32 / corners as f32 * std::f32::consts::TAU).sin_cos();
+        middle + radius * Vec3::new(cos, 0.0, sin)
+    };
+    let positions = [middle].into_iter().chain((0..corners).map(corner)).collect();
+    Mesh {
+        positions,
+        triangles: (0..corners).map(|i| [0, 1 + i, 1 + (i + 1) % corners]).collect(),
+        ..Mesh::default()
+    }
+}
+
+fn scene_of(meshes: Vec<Mesh>) -> Scene {
+    Scene { meshes: meshes.into(), materials: vec![Material::default()], ..Scene::default() }
+}
+
+/// What is occluded of an upward hemisphere at a point, by brute force over the surfels of a scene.
+fn occluded_at(scene: &Scene, at: Vec3, scale: f32) -> f32 {
+    let parameters = surfels::Parameters { scale, near: 0.01 };
+    let view =
+        View { camera: Camera { position: Vec3::new(0.0, 0.5, 3.0), ..camera() }, ..view(96, 128, 100.0) };
+    let disks = surfels::reference::surfels(scene, &parameters, &view);
+    let at = at - view.camera.position;
+    disks.iter().map(|disk| form_factor(disk.place - at, Vec3::Y, disk.normal, disk.radius)).sum()
+}
+
+#[test]
+fn closed_forms() {
+    // A disk of radius r at height h above a point hides r^2 / (r^2 + h^2).
+    for (radius, height) in [(0.5f32, 1.0f32), (1.0, 0.7), (0.2, 2.0)] {
+        let disk = scene_of(vec![disk_mesh(Vec3::new(0.0, height, 0.0), radius)]);
+        let (found, right) =
+            (occluded_at(&disk, Vec3::ZERO, 0.004), radius * radius / (radius * radius + height * height));
+        assert!((found / right - 1.0).abs() < 0.02, "disk {radius} at {height}: {found}, not {right}");
+        let sheets = scene_of(
+            (0..3).map(|i| disk_mesh(Vec3::new(0.0, height + 1e-3 * i as f32, 0.0), radius)).collect(),
+        );
+        let found = occluded_at(&sheets, Vec3::ZERO, 0.004);
+        assert!((found / (3.0 * right) - 1.0).abs() < 0.03, "three sheets hide three times as much: {found}");
+    }
+    // A wall of height H along a floor, at distance d: (1 - d / sqrt(d^2 + H^2)) / 2 where it is endless.
+    let (height, half) = (1.0f32, 60.0);
+    let corners =
+        [(-half, 0.0), (half, 0.0), (half, height), (-half, height)].map(|(x, y)| Vec3::new(x, y, -0.5));
+    let wall = scene_of(vec![Mesh {
+        positions: corners.to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    }]);
+    let (found, right) = (occluded_at(&wall, Vec3::ZERO, 0.003), 0.5 * (1.0 - 0.5 / (0.25f32 + 1.0).sqrt()));
+    assert!((found / right - 1.0).abs() < 0.02, "wall: {found}, not {right}");
+}
+
+#[test]
+fn a_sphere_hides_its_solid_angle_twice() {
+    // The near half and the far half, each as seen face on: surfels have no inside. A sphere straight above hides (r / d)^2.
+    let mut sphere = Family::Blobs.scene(0);
+    sphere.meshes = vec![sphere_mesh(Vec3::new(0.0, 2.0, 0.0), 0.5)].into();
+    sphere.materials = vec![Material::default()];
+    let (found, once) = (occluded_at(&sphere, Vec3::ZERO, 0.004), 1.0 / 16.0);
+    assert!((found / (2.0 * once) - 1.0).abs() < 0.03, "{found}, not twice {once}");
+}
+
+fn sphere_mesh(middle: Vec3, radius: f32) -> Mesh {
+    let (rings, segments) = (48u32, 96u32);
+    let at = |ring: u32, segment: u32| {
+        let (sin, cos) = (ring as f32 / rings as f32 * std::f32::consts::PI).sin_cos();
+        let (s, c) = (segment as f32 / segments as f32 * std::f32::consts::TAU).sin_cos();
+        middle + radius * Vec3::new(sin * c, cos, sin * s)
+    };
+    let positions =
+        (0..=rings).flat_map(|ring| (0..segments).map(move |segment| at(ring, segment))).collect();
+    let quad = |i: u32| {
+        let (ring, segment) = (i / segments, i % segments);
+        let [a, b] = [segment, (segment + 1) % segments].map(|segment| ring * segments + segment);
+        [[a, b, a + segments], [b, b + segments, a + segments]]
+    };
+    let mut mesh =
+        Mesh { positions, triangles: (0..rings * segments).flat_map(quad).collect(), ..Mesh::default() };
+    mesh.drop_degenerate_triangles();
+    mesh
+}
+
+/// A procedural scene, from where it is seen, and its g-buffer.
+fn seen(family: Family, height: usize, width: usize) -> (TracedScene, View, deepshade_shaders::GBuffer) {
+    let scene = TracedScene::new(family.scene(4)).expect("a scene");
+    let bounds = scene.scene().bounds();
+    let eye = bounds.centre() + 0.3 * bounds.size();
+    let camera = Camera::look_at(eye, bounds.centre());
+    let gbuffer = gbuffer::render(&scene, &camera, height, width, Occlusion::default_attributes());
+    let view = View { camera, radius: 0.1 * bounds.diagonal(), ..view(height, width, 1.0) };
+    (scene, view, gbuffer)
+}
+
+impl Occlusion {
+    fn default_attributes() -> &'static [deepshade_shaders::Attribute] {
+        <Self as crate::screen::Technique>::ATTRIBUTES
+    }
+}
+
+#[test]
+fn the_passes_make_what_the_plain_version_does() {
+    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+    let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
+    let tolerance = Tolerance { usual: 2e-3, worst: 0.1 };
+    let mut method = SurfelOcclusion::new(&gpu, Occlusion::default()).expect("valid shaders");
+    for (family, size, parameters) in [
+        (Family::StillLife, [43, 61], Parameters { surfels: coarse, levels: 4, ..Parameters::default() }),
+        (
+            Family::Room,
+            [64, 48],
+            Parameters { surfels: coarse, levels: 1, threshold: 0.2, ..Parameters::default() },
+        ),
+        (
+            Family::Shelves,
+            [37, 83],
+            Parameters { surfels: coarse, levels: 6, threshold: 0.1, ..Parameters::default() },
+        ),
+    ] {
+        let (scene, view, gbuffer) = seen(family, size[0], size[1]);
+        method = method.with(Occlusion(parameters));
+        let frame = Frame {
+            scene: &scene,
+            camera: &view.camera,
+            gbuffer: &gbuffer,
+            radius: view.radius,
+            seed: view.seed,
+        };
+        let [image, again] =
+            [0, 1].map(|_| Method::shade(&method, &frame, Repeats::ONCE).expect("an image").image);
+        assert_eq!(image.data(), again.data(), "{family:?}: the same frame twice");
+        let inputs = PlainInputs { gbuffer: &gbuffer, environment: None, scene: Some(scene.scene()) };
+        let right = method.reference(&inputs, &view).expect("attributes").pop().expect("an image");
+        let right = Planes::from_data(1, size[0], size[1], right);
+        assert_eq!(agree(&image, &right, tolerance), Ok(()), "{family:?}");
+        prove_comparator(&right, tolerance);
+    }
+}
+
+#[test]
+fn fewer_levels_and_a_smaller_threshold_agree_with_more_of_both() {
+    let (scene, view, gbuffer) = seen(Family::StillLife, 40, 56);
+    let surface = Surface::of(&gbuffer).expect("a surface");
+    let disks =
+        surfels::reference::surfels(scene.scene(), &surfels::Parameters { scale: 0.02, near: 0.25 }, &view);
+    let shade = |threshold, levels| {
+        openness(&surface, &disks, &Parameters { threshold, levels, ..Parameters::of(Quality::High) }, &view)
+    };
+    let exact = shade(1e-6, 1);
+    let off = |image: &Planes| {
+        let differences = image.data().iter().zip(exact.data()).map(|(a, b)| (a - b).abs());
+        differences.sum::<f32>() / exact.data().len() as f32
+    };
+    let [fine, coarse] = [off(&shade(0.02, 4)), off(&shade(0.4, 4))];
+    assert!(fine < 0.03 && fine < coarse, "{fine} and {coarse}");
+}

@@ -1,0 +1,191 @@
+//! The passes that lay surfels out: how many each patch gets, where each begins, where they lie, and the tree over them.
+
+use super::{HEIGHT, LEAF, MOST, Patch, Surfel};
+use crate::raster::World;
+use crate::screen::{MethodStep, Workgroups};
+use deepshade_shaders::gpu::{self, GpuError, Pass};
+use deepshade_shaders::wgsl::{self, Shader, uniforms};
+use wgpu::BufferUsages;
+
+/// Invocations of a workgroup.
+const WORKGROUP: u32 = 64;
+/// Most workgroups along an axis that every device has.
+const MOST_GROUPS: u32 = 65_535;
+/// Numbers that a pass sums up.
+const BLOCK: usize = 64;
+/// Byte of [`Cloud::totals`] at which the workgroups for one invocation a surfel stand, and for one a leaf.
+const SURFEL_GROUPS: u64 = 8;
+const LEAF_GROUPS: u64 = 20;
+
+/// The compiled passes.
+#[derive(Clone, Debug)]
+pub struct Passes {
+    measure: Pass,
+    sum: Pass,
+    total: Pass,
+    begin: Pass,
+    place: Pass,
+    leaves: Pass,
+    parents: Pass,
+}
+
+/// The surfels of a frame on the GPU.
+#[derive(Clone, Debug)]
+pub struct Cloud {
+    /// The patches of the scene, [`Patch`].
+    pub patches: wgpu::Buffer,
+    /// How many surfels each gets, `[patches]` f32; the last one is the fraction of one.
+    pub amounts: wgpu::Buffer,
+    /// The first surfel of each, `[patches]` u32.
+    pub starts: wgpu::Buffer,
+    /// How many there are, how many there would be with more room, and the workgroups of passes over them.
+    pub totals: wgpu::Buffer,
+    /// [`Surfel`]s, in the order of patches.
+    pub surfels: wgpu::Buffer,
+    /// Boxes around them, the root first: `[nodes, 8]` f32.
+    pub nodes: wgpu::Buffer,
+    /// Sums of 64 starts each, and of 64 of those.
+    sums: [wgpu::Buffer; 2],
+    count: usize,
+}
+
+/// What the passes read that changes from frame to frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Uniforms<'a> {
+    /// [`uniforms::Surfels`].
+    pub settings: &'a wgpu::Buffer,
+    /// [`uniforms::FrameView`] of the camera.
+    pub view: &'a wgpu::Buffer,
+}
+
+impl Passes {
+    /// Compiles them; `leaves` is the pass that says how far each surfel reaches.
+    ///
+    /// # Errors
+    /// If the device refuses them.
+    pub fn new(device: &wgpu::Device, leaves: &Shader) -> Result<Self, GpuError> {
+        let pass = |shader: &Shader| Pass::new(device, shader.name, &shader.source());
+        Ok(Self {
+            measure: pass(&wgsl::SURFELS_MEASURE)?,
+            sum: pass(&wgsl::SURFELS_SUM)?,
+            total: pass(&wgsl::SURFELS_TOTAL)?,
+            begin: pass(&wgsl::SURFELS_BEGIN)?,
+            place: pass(&wgsl::SURFELS_PLACE)?,
+            leaves: pass(leaves)?,
+            parents: pass(&wgsl::SURFELS_PARENTS)?,
+        })
+    }
+
+    /// The passes that make surfels, in order.
+    ///
+    /// # Errors
+    /// If the device refuses a binding: the vertices of large scenes are more than some can bind.
+    pub fn surfel_steps(
+        &self,
+        device: &wgpu::Device,
+        world: &World,
+        cloud: &Cloud,
+        Uniforms { settings, view }: Uniforms<'_>,
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let Cloud { patches, amounts, starts, totals, surfels, sums: [blocks, all], count, .. } = cloud;
+        let posed = &world.geometry.posed;
+        let step = |pass: &Pass, invocations: usize, reads: &[&wgpu::Buffer], writes: &[&wgpu::Buffer]| {
+            MethodStep::bind(device, pass, groups(invocations), reads, writes)
+        };
+        let [in_blocks, in_all] = [count.div_ceil(BLOCK), count.div_ceil(BLOCK * BLOCK)];
+        let place = [settings, view, posed, patches, amounts, starts, totals];
+        let counted = Workgroups::Counted(totals.clone(), SURFEL_GROUPS);
+        Ok(vec![
+            step(&self.measure, *count, &[settings, view, posed, patches], &[amounts, starts])?,
+            step(&self.sum, in_blocks, &[starts], &[blocks])?,
+            step(&self.sum, in_all, &[blocks], &[all])?,
+            step(&self.total, 1, &[], &[all, totals])?,
+            step(&self.begin, in_all, &[all], &[blocks])?,
+            step(&self.begin, in_blocks, &[blocks], &[starts])?,
+            MethodStep::bind(device, &self.place, counted, &place, &[surfels])?,
+        ])
+    }
+
+    /// The passes that put a tree over them; `levels` are uniforms of the heights from 1 on.
+    ///
+    /// # Errors
+    /// If the device refuses a binding.
+    pub fn tree_steps(
+        &self,
+        device: &wgpu::Device,
+        cloud: &Cloud,
+        levels: &[wgpu::Buffer],
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let Cloud { totals, surfels, nodes, .. } = cloud;
+        let counted = Workgroups::Counted(totals.clone(), LEAF_GROUPS);
+        let mut steps = vec![MethodStep::bind(device, &self.leaves, counted, &[totals, surfels], &[nodes])?];
+        for (height, level) in (1..).zip(levels) {
+            let nodes_there = 1 << (2 * (HEIGHT - height));
+            steps.push(MethodStep::bind(
+                device,
+                &self.parents,
+                groups(nodes_there),
+                &[level, totals],
+                &[nodes],
+            )?);
+        }
+        Ok(steps)
+    }
+}
+
+/// Uniforms of the levels of the tree that are made of the ones below.
+pub fn tree_levels() -> impl Iterator<Item = uniforms::TreeLevel> {
+    (1..=HEIGHT).map(|height| uniforms::TreeLevel { height })
+}
+
+impl Cloud {
+    /// Room for the surfels of a scene with these patches.
+    ///
+    /// # Errors
+    /// If the device has no room.
+    pub fn new(device: &wgpu::Device, patches: &[Patch]) -> Result<Self, GpuError> {
+        // A binding holds at least one, which is nowhere.
+        let nothing = [Patch { corners: [0; 3], part: 0, colour: [0.0; 3], coverage: 0.0 }];
+        let patches = if patches.is_empty() { &nothing } else { patches };
+        let count = patches.len();
+        let [in_blocks, in_all] = [count.div_ceil(BLOCK), count.div_ceil(BLOCK * BLOCK)];
+        let indirect = BufferUsages::STORAGE | BufferUsages::INDIRECT | BufferUsages::COPY_SRC;
+        Ok(Self {
+            patches: gpu::storage(device, "surfels.patches", patches)?,
+            amounts: gpu::empty::<f32>(device, "surfels.amounts", count)?,
+            starts: gpu::empty::<u32>(device, "surfels.starts", count)?,
+            totals: gpu::filled(device, "surfels.totals", &[0; 32], indirect)?,
+            surfels: gpu::empty::<Surfel>(device, "surfels.surfels", MOST)?,
+            nodes: gpu::empty::<[f32; 8]>(device, "surfels.nodes", (4 * MOST / LEAF - 1) / 3)?,
+            sums: [
+                gpu::empty::<u32>(device, "surfels.blocks", in_blocks)?,
+                gpu::empty::<u32>(device, "surfels.sums", in_all)?,
+            ],
+            count,
+        })
+    }
+
+    /// How many surfels there are in the last frame, and how many there would be with room for all.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn count(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<[u32; 2], GpuError> {
+        let totals: Vec<u32> = gpu::read_part(device, queue, &self.totals, 0, 8)?;
+        Ok([totals[0], totals[1]])
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> u64 {
+        let [blocks, all] = &self.sums;
+        [&self.patches, &self.amounts, &self.starts, &self.totals, &self.surfels, &self.nodes, blocks, all]
+            .map(wgpu::Buffer::size)
+            .iter()
+            .sum()
+    }
+}
+
+/// Workgroups of so many invocations at least, in two dimensions where one is not enough.
+fn groups(invocations: usize) -> [u32; 3] {
+    let groups = (invocations as u32).div_ceil(WORKGROUP);
+    [groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1]
+}

@@ -1,0 +1,71 @@
+//! Deep screen space: a scene as disks that all look equally large to the camera, whether it sees them or not.
+//!
+//! Nalbach, Ritschel and Seidel, "Deep Screen Space", I3D 2014 (thesis 4.2.1). Surfels are to surfaces what pixels are to an
+//! image: near ones are small and far ones large, but those behind others, behind the camera and seen from their edge are
+//! there too, so that shading by them misses nothing.
+//!
+//! - [`patches`] cuts a scene's surface into parts, once.
+//! - [`cloud`] lays surfels out on them, each frame, on the GPU, and puts a tree over them.
+//! - [`reference`](mod@reference) is the slow, plain version.
+//!
+//! Unlike the paper's, no tessellation hardware is needed, no surfel is made that is thrown away, and surfels neither jump nor
+//! pop up when the camera moves, as each stays where it is and grows.
+
+pub mod cloud;
+pub mod patches;
+pub mod reference;
+#[cfg(test)]
+mod tests;
+
+pub use cloud::{Cloud, Passes};
+pub use patches::Patch;
+
+use crate::screen::View;
+use bytemuck::{Pod, Zeroable};
+use deepshade_shaders::wgsl::uniforms;
+
+/// A disk, as `shared/surfel.wgsl` has it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Surfel {
+    /// Where its middle is, camera space, metres.
+    pub place: [f32; 3],
+    /// Metres.
+    pub radius: f32,
+    /// Unit vector, octahedral, two snorm16.
+    pub normal: u32,
+    /// Diffusely reflected radiance on the side of the normal, shared exponent.
+    pub front: u32,
+    /// That on the other side.
+    pub back: u32,
+    /// Index of the patch that it stands for a part of.
+    pub patch: u32,
+}
+
+/// Surfels below a leaf of the tree.
+pub const LEAF: usize = 16;
+/// Levels of the tree above its leaves; each node has four children.
+pub const HEIGHT: u32 = 8;
+/// Most surfels of a frame. Where more are wanted each stands for more area.
+pub const MOST: usize = LEAF << (2 * HEIGHT);
+
+/// How finely a scene is laid out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// The papers' s: radius of a surfel over half the height of what is seen at its distance.
+    pub scale: f32,
+    /// Distance from the camera below which surfels get no smaller, over the effect's radius.
+    pub near: f32,
+}
+
+impl Parameters {
+    /// What the passes read.
+    pub fn settings(&self, view: &View) -> uniforms::Surfels {
+        uniforms::Surfels {
+            slope: self.scale * (0.5 * view.camera.vertical_fov).tan(),
+            near: self.near * view.radius,
+            reach: view.radius,
+            seed: view.seed,
+        }
+    }
+}

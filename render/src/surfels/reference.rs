@@ -1,0 +1,178 @@
+//! Laying surfels out, in plain Rust: what the passes of `shaders/wgsl/surfels` do, without a tree.
+
+use super::patches::{Patch, weights};
+use super::{MOST, Parameters};
+use crate::scene::{Camera, Mesh, Scene};
+use crate::screen::View;
+use deepshade_shaders::random::{hash, random};
+use deepshade_shaders::wgsl::uniforms;
+use glam::{Mat3, Vec2, Vec3};
+use rayon::prelude::*;
+use std::f32::consts::PI;
+
+/// A patch gets no more surfels; each is larger then.
+const MOST_A_PATCH: f32 = 4096.0;
+/// How far a surfel's chance has to rise above its threshold until it is as large as it gets, as a share.
+const RISE: f32 = 0.25;
+/// One over the plastic number, and over its square.
+const STRIDE: Vec2 = Vec2::new(0.754_877_67, 0.569_840_29);
+
+/// A disk in camera space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disk {
+    /// Its middle, metres.
+    pub place: Vec3,
+    /// Metres.
+    pub radius: f32,
+    /// Unit vector.
+    pub normal: Vec3,
+    /// Index of the patch that it stands for a part of.
+    pub patch: u32,
+}
+
+/// A patch as a camera sees it.
+struct Laid {
+    corners: Mat3,
+    weights: Mat3,
+    area: f32,
+    radius: f32,
+}
+
+impl Laid {
+    fn new(patch: &Patch, vertices: &[Vec3], settings: &uniforms::Surfels) -> Self {
+        let [a, b, c] = patch.corners.map(|corner| vertices[corner as usize]);
+        let [x, y, z] = weights(patch.part);
+        let (corners, weights) = (Mat3::from_cols(a, b, c), Mat3::from_cols(x, y, z));
+        let area = 0.5 * (b - a).cross(c - a).length() * (-2.0 * (patch.part >> 28) as f32).exp2();
+        let depth = -(corners * (weights * Vec3::splat(1.0 / 3.0))).z;
+        let radius = settings.slope * ((depth - settings.near).abs() + settings.near);
+        Self { corners, weights, area, radius: radius.max((area / (PI * MOST_A_PATCH)).sqrt()) }
+    }
+
+    fn middle(&self) -> Vec3 {
+        self.corners * (self.weights * Vec3::splat(1.0 / 3.0))
+    }
+
+    /// How far a corner of the patch is from its middle at most.
+    fn extent(&self) -> f32 {
+        let at = self.corners * self.weights;
+        [at.x_axis, at.y_axis, at.z_axis]
+            .map(|corner| corner.distance(self.middle()))
+            .into_iter()
+            .fold(0.0, f32::max)
+    }
+
+    fn normal(&self) -> Vec3 {
+        let Mat3 { x_axis, y_axis, z_axis } = self.corners;
+        (y_axis - x_axis).cross(z_axis - x_axis).normalize()
+    }
+
+    /// The triangle's corners, moved towards its middle by the radius of a surfel.
+    fn inset(&self) -> Mat3 {
+        let middle = self.corners * Vec3::splat(1.0 / 3.0);
+        let inwards = |corner: Vec3| {
+            let way = middle - corner;
+            corner + way * (self.radius / way.length().max(1e-30)).min(1.0)
+        };
+        let Mat3 { x_axis, y_axis, z_axis } = self.corners;
+        Mat3::from_cols(inwards(x_axis), inwards(y_axis), inwards(z_axis))
+    }
+}
+
+/// The share of a surfel that a patch of `share` of one gets, at a threshold from 0 to 1: 0 below it, rising above it, and 1
+/// for all thresholds where the share is 1. Its mean over all thresholds is the share.
+pub fn roulette(share: f32, threshold: f32) -> f32 {
+    let risen = 1.0 + RISE;
+    let largest = 1.0 / ((risen.ln() + 1.0 / risen - 1.0) / RISE + 1.0 / risen);
+    let chance = risen * share;
+    let size = largest * ((chance / threshold.max(1e-9) - 1.0) / RISE).clamp(0.0, 1.0);
+    let mean = match chance > 1.0 {
+        true => largest * (((risen / chance).ln() + 1.0 / risen - 1.0 / chance) / RISE + 1.0 / risen),
+        false => 1.0,
+    };
+    share * size / (chance * mean)
+}
+
+/// Steps of the golden ratio: of patches that follow one another, and so lie together, always about the same share has a
+/// surfel.
+fn threshold(index: u32, seed: u32) -> f32 {
+    (index.wrapping_mul(2_654_435_769).wrapping_add(hash(seed)) >> 8) as f32 / (1 << 24) as f32
+}
+
+/// How many surfels each patch gets; the last one is the fraction of one.
+pub fn amounts(patches: &[Patch], vertices: &[Vec3], settings: &uniforms::Surfels, view: &View) -> Vec<f32> {
+    let slopes = 2.0 * view.focal_length() / Vec2::new(view.width as f32, view.height as f32);
+    let matters = |middle: Vec3, reach: f32| {
+        let depth = -middle.z;
+        let outside =
+            (middle.truncate().abs() * slopes - depth) / (Vec2::ONE + slopes * slopes).map(f32::sqrt);
+        depth > -reach && outside.max_element() < reach
+    };
+    let amount = |(index, patch): (usize, &Patch)| {
+        let laid = Laid::new(patch, vertices, settings);
+        let share = laid.area / (PI * laid.radius * laid.radius);
+        let there = share > 0.0 && share < 2.0 * MOST_A_PATCH;
+        match there && matters(laid.middle(), laid.extent() + settings.reach) {
+            true if share < 1.0 => roulette(share, threshold(index as u32, settings.seed)),
+            true => share,
+            false => 0.0,
+        }
+    };
+    patches.par_iter().enumerate().map(amount).collect()
+}
+
+/// The disks of all patches, in their order, however many they are; no more than [`MOST`] where a frame has room for that
+/// many only.
+pub fn disks(
+    patches: &[Patch],
+    vertices: &[Vec3],
+    amounts: &[f32],
+    settings: &uniforms::Surfels,
+) -> Vec<Disk> {
+    let laid = |(index, (patch, amount)): (usize, (&Patch, &f32))| {
+        let it = Laid::new(patch, vertices, settings);
+        let (patch, amount, index) = (*patch, *amount, index as u32);
+        (0..amount.ceil() as u32).map(move |number| {
+            let offset = [1, 2].map(|dimension| random(index, 0, settings.seed, dimension));
+            let at = (Vec2::from(offset) + STRIDE * (number + 1) as f32).fract();
+            let at = if at.x + at.y > 1.0 { Vec2::ONE - at } else { at };
+            let weights = it.weights * Vec3::new(1.0 - at.x - at.y, at.x, at.y);
+            let share = (amount - number as f32).clamp(0.0, 1.0) * patch.coverage;
+            Disk {
+                place: it.inset() * weights,
+                radius: it.radius * share.sqrt(),
+                normal: it.normal(),
+                patch: index,
+            }
+        })
+    };
+    let wanted: Vec<Disk> = patches.par_iter().zip(amounts).enumerate().flat_map_iter(laid).collect();
+    if wanted.len() <= MOST {
+        return wanted;
+    }
+    let rest = ((wanted.len() % MOST) << 12) / MOST;
+    let larger = (wanted.len() as f32 / MOST as f32).sqrt();
+    let begin = |index: usize| index * (wanted.len() / MOST) + ((index * rest) >> 12);
+    let chosen = |index: usize| {
+        let count = (begin(index + 1) - begin(index)) as f32;
+        wanted[begin(index) + (random(index as u32, 0, settings.seed, 3) * count) as usize]
+    };
+    let kept = (0..MOST).map(chosen);
+    kept.map(|disk| Disk { radius: disk.radius * larger, ..disk }).collect()
+}
+
+/// All vertices of a scene in camera space, in the order in which meshes are drawn.
+pub fn vertices<'a>(meshes: impl IntoIterator<Item = &'a Mesh>, camera: &Camera) -> Vec<Vec3> {
+    let turned = camera.rotation.transpose();
+    let in_camera = |mesh: &'a Mesh| mesh.positions.iter().map(move |at| turned * (*at - camera.position));
+    meshes.into_iter().flat_map(in_camera).collect()
+}
+
+/// The surfels of a scene that stays, for a view.
+pub fn surfels(scene: &Scene, parameters: &Parameters, view: &View) -> Vec<Disk> {
+    let patches = super::patches::patches(scene, &crate::raster::geometry::draws_of(scene));
+    let vertices = vertices(scene.meshes.iter(), &view.camera);
+    let settings = parameters.settings(view);
+    let amounts = amounts(&patches, &vertices, &settings, view);
+    disks(&patches, &vertices, &amounts, &settings)
+}

@@ -1,0 +1,34 @@
+//! Surfels: making them, and shading by them.
+
+use super::{Shader, uniforms};
+
+table! {
+    /// How many surfels each patch gets.
+    SURFELS_MEASURE: "surfels.measure", file "surfels/measure", constants [], uniforms [Surfels, FrameView],
+        shared ["view", "random", "surfel", "surfel_patch"];
+    /// Sums of 64 numbers each.
+    SURFELS_SUM: "surfels.sum", file "surfels/sum", constants [], uniforms [], shared [];
+    /// Where each of a few sums begins, and how many surfels there are.
+    SURFELS_TOTAL: "surfels.total", file "surfels/total", constants [], uniforms [], shared ["surfel"];
+    /// Where each of 64 begins.
+    SURFELS_BEGIN: "surfels.begin", file "surfels/begin", constants [], uniforms [], shared [];
+    /// Where surfels are.
+    SURFELS_PLACE: "surfels.place", file "surfels/place", constants [], uniforms [Surfels, FrameView],
+        shared ["view", "random", "packing", "surfel", "surfel_patch"];
+    /// The lowest nodes of the tree, of surfels that reach as far as they are large.
+    SURFELS_LEAVES: "surfels.leaves", file "surfels/leaves", constants [], uniforms [],
+        shared ["surfel", "surfel_tree", "surfel_reach_by_radius"];
+    /// The nodes above.
+    SURFELS_PARENTS: "surfels.parents", file "surfels/parents", constants [], uniforms [TreeLevel],
+        shared ["surfel", "surfel_tree"];
+    /// What is seen in each tile of a level.
+    SURFEL_TILES: "surfel.tiles", file "methods/surfel/tiles", constants [], uniforms [SplatLevel],
+        shared ["random", "surface", "interleaved"];
+    /// Ambient occlusion of a level.
+    SURFEL_OCCLUSION: "surfel.occlusion", file "methods/surfel/splat", constants [CHANNELS = 1], uniforms [SplatLevel],
+        shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree",
+                "surfel_reach_by_radius", "surfel_occlusion"];
+    /// The sum of all levels of ambient occlusion.
+    SURFEL_OPENNESS: "surfel.openness", file "methods/surfel/add", constants [CHANNELS = 1], uniforms [LevelSum],
+        shared ["surfel_openness"];
+}

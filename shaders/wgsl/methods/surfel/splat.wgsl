@@ -1,0 +1,84 @@
+// Shell splatting (thesis 4.2.2) of one level, turned round: each pixel of a sub-buffer adds up what the surfels do to it that
+// this sub-buffer gets, one of 4^l, 4^l times as large, and in whose shell it is. A tree over the surfels leaves out those that
+// reach no pixel of the tile, so the work is that of splats, without blending, in an order that is always the same.
+
+@group(0) @binding(0) var<uniform> level: SplatLevel;
+@group(0) @binding(4) var<storage, read> tiles: array<array<vec4f, 2>>;
+@group(0) @binding(5) var<storage, read> totals: Totals;
+@group(0) @binding(6) var<storage, read> surfels: array<Surfel>;
+@group(0) @binding(7) var<storage, read> nodes: array<Node>;
+// [CHANNELS, height, width]
+@group(0) @binding(8) var<storage, read_write> sums: array<f32>;
+
+// How far surfels of a node, or one alone, do something on this level.
+fn outer(distance: f32) -> f32 {
+    if level.last == 1u {
+        return level.reach;
+    }
+    return min(level.reach, distance * level.farthest);
+}
+
+// Squared distance of two boxes.
+fn apart(tile: array<vec4f, 2>, node: Node) -> f32 {
+    let gap = max(max(tile[0].xyz - node.high.xyz, node.low.xyz - tile[1].xyz), vec3f(0.0));
+    return dot(gap, gap);
+}
+
+@compute @workgroup_size(SUB_TILE, SUB_TILE)
+fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let sub_buffer = group.z;
+    let tile = tiles[(sub_buffer * level.tile_rows + group.y) * level.tile_columns + group.x];
+    let pixel = interleaved_pixel(sub_buffer, group.xy * SUB_TILE + local.xy, level.level, level.seed);
+    if any(pixel >= vec2u(level.width, level.height)) {
+        return;
+    }
+    let pixels = level.width * level.height;
+    let at = pixel.y * level.width + pixel.x;
+    var sum = nothing();
+    if surface_valid(at) {
+        let position = surface_position(at, pixels);
+        let normal = surface_normal(at, pixels);
+        let leaves = bounded(level.level, pixel);
+        var height = HEIGHT;
+        var index = 0u;
+        loop {
+            if first_surfel(height, index) >= totals.kept {
+                break;
+            }
+            let node = nodes[node_index(height, index)];
+            let reach = outer(node.low.w);
+            if apart(tile, node) <= reach * reach {
+                if height > leaves {
+                    height -= 1u;
+                    index *= 4u;
+                    continue;
+                }
+                let first = first_surfel(height, index) + sub_buffer;
+                for (var i = 0u; i < LEAF; i++) {
+                    let which = first + (i << (2u * leaves));
+                    if which >= totals.kept {
+                        break;
+                    }
+                    let surfel = surfels[which];
+                    let way = surfel.place.xyz - position;
+                    let squared = dot(way, way);
+                    let distance = effect_distance(surfel);
+                    let inner = distance * level.nearest;
+                    let farthest = outer(distance);
+                    if squared >= inner * inner && squared < farthest * farthest {
+                        sum = added(sum, surfel, surfel.place.w * level.enlarged, way, squared, normal);
+                    }
+                }
+            }
+            index += 1u;
+            while (index & 3u) == 0u && height < HEIGHT {
+                index >>= 2u;
+                height += 1u;
+            }
+            if height == HEIGHT {
+                break;
+            }
+        }
+    }
+    write_sum(sum, at, pixels);
+}

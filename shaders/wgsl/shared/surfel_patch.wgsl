@@ -1,0 +1,76 @@
+// Patches: equal parts of a triangle, four times as many with each halving of its edges, so that none is much larger than
+// what is seen as one distance. How many surfels each gets, and where they lie.
+
+// Numbers of a vertex, of which the first three are its position in world space.
+const POSED = 16u;
+// A patch gets no more surfels; each is larger then.
+const MOST = 4096.0;
+// How far a surfel's chance has to rise above its threshold until it is as large as it gets, as a share.
+const RISE = 0.25;
+// Makes the mean over all thresholds right: 1 / (4 (ln 1.25 + 1 / 1.25 - 1) + 1 / 1.25).
+const LARGEST = 1.12035501;
+
+struct Patch {
+    corners: array<u32, 3>,
+    // Halvings in the upper four bits; below them, two bits a halving, which quarter.
+    part: u32,
+    // Diffuse reflectance.
+    colour: array<f32, 3>,
+    // Share of it that is there: alpha.
+    coverage: f32,
+}
+
+struct Laid {
+    // The whole triangle's corners, camera space.
+    corners: mat3x3f,
+    // Each column weighs the triangle's corners to give one of the patch's.
+    weights: mat3x3f,
+    area: f32,
+    // Of a surfel of the size that is wanted there.
+    radius: f32,
+}
+
+fn camera_space(vertex: u32) -> vec3f {
+    let first = vertex * POSED;
+    return to_view(vec3f(posed[first], posed[first + 1u], posed[first + 2u]) - view.eye.xyz, view);
+}
+
+// The weights of a patch's corners.
+fn patch_weights(part: u32) -> mat3x3f {
+    var at = mat3x3f(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+    let halvings = part >> 28u;
+    for (var i = 0u; i < halvings; i++) {
+        let quarter = (part >> (2u * (halvings - 1u - i))) & 3u;
+        let middles = mat3x3f(0.5 * (at[1] + at[2]), 0.5 * (at[2] + at[0]), 0.5 * (at[0] + at[1]));
+        if quarter == 3u {
+            at = middles;
+        } else {
+            at = mat3x3f(
+                select(middles[(3u - quarter) % 3u], at[0], quarter == 0u),
+                select(middles[(5u - quarter) % 3u], at[1], quarter == 1u),
+                select(middles[(4u - quarter) % 3u], at[2], quarter == 2u),
+            );
+        }
+    }
+    return at;
+}
+
+// r* = s tan(alpha / 2) (d + d_near) with the unsigned distance to the near plane (thesis 4.2.1), so that what is behind the
+// camera has surfels too, but no more than MOST.
+fn target_radius(depth: f32, area: f32) -> f32 {
+    let radius = settings.slope * (abs(depth - settings.near) + settings.near);
+    return max(radius, sqrt(area / (PI * MOST)));
+}
+
+fn laid(one: Patch) -> Laid {
+    var it: Laid;
+    it.corners = mat3x3f(
+        camera_space(one.corners[0]), camera_space(one.corners[1]), camera_space(one.corners[2])
+    );
+    it.weights = patch_weights(one.part);
+    let triangle = 0.5 * length(cross(it.corners[1] - it.corners[0], it.corners[2] - it.corners[0]));
+    it.area = triangle * exp2(-2.0 * f32(one.part >> 28u));
+    let middle = it.corners * ((it.weights[0] + it.weights[1] + it.weights[2]) / 3.0);
+    it.radius = target_radius(-middle.z, it.area);
+    return it;
+}

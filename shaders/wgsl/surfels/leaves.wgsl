@@ -1,0 +1,24 @@
+// The box around the surfels of each leaf, and how far the one that reaches farthest does.
+
+@group(0) @binding(0) var<storage, read> totals: Totals;
+@group(0) @binding(1) var<storage, read> surfels: array<Surfel>;
+@group(0) @binding(2) var<storage, read_write> nodes: array<Node>;
+
+@compute @workgroup_size(64)
+fn bound_leaves(@builtin(global_invocation_id) id: vec3u) {
+    let first = first_surfel(0u, id.x);
+    if first >= totals.kept {
+        return;
+    }
+    let end = min(first + LEAF, totals.kept);
+    var low = surfels[first].place.xyz;
+    var high = low;
+    var reach = effect_distance(surfels[first]);
+    for (var i = first + 1u; i < end; i++) {
+        let surfel = surfels[i];
+        low = min(low, surfel.place.xyz);
+        high = max(high, surfel.place.xyz);
+        reach = max(reach, effect_distance(surfel));
+    }
+    nodes[node_index(0u, id.x)] = Node(vec4f(low, reach), vec4f(high, 0.0));
+}
