@@ -6,6 +6,7 @@ mod field_of_view;
 mod kernels;
 mod lab;
 mod losses;
+mod options;
 mod plot;
 mod radius;
 mod regressors;
@@ -17,6 +18,7 @@ mod table;
 use crate::figures::{Figures, machine, write_atomically};
 use anyhow::Result;
 use clap::ValueEnum;
+use deepshade_shaders::Effect;
 use deepshade_train::Loss;
 use lab::{Lab, Run};
 use plot::{Line, Plot, Style};
@@ -36,6 +38,9 @@ use table::Table;
 pub struct Args {
     /// Which study.
     name: Study,
+    /// What `options` is about: `dof`, `motion-blur`, `sss` or `aa`.
+    #[arg(long, default_value_t = Effect::Dof)]
+    effect: Effect,
     /// Images, scenes and steps near those of the thesis, which take many hours, in place of some minutes.
     #[arg(long)]
     full: bool,
@@ -64,6 +69,8 @@ enum Study {
     Radius,
     /// Perceptrons and random forests on patches beside the deep network.
     Regressors,
+    /// What the field learned since, each as an option of a network that filters light.
+    Options,
 }
 
 impl Study {
@@ -71,7 +78,15 @@ impl Study {
         self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
-    fn run(self, lab: &Lab) -> Result<Table> {
+    /// Where its table goes.
+    fn folder(self, effect: Effect) -> String {
+        match self {
+            Self::Options => format!("{}-{effect}", self.name()),
+            _ => self.name(),
+        }
+    }
+
+    fn run(self, lab: &Lab, effect: Effect) -> Result<Table> {
         match self {
             Self::Kernels => kernels::run(lab),
             Self::Losses => losses::run(lab),
@@ -80,6 +95,7 @@ impl Study {
             Self::FieldOfView => field_of_view::run(lab),
             Self::Radius => radius::run(lab),
             Self::Regressors => regressors::run(lab),
+            Self::Options => options::run(lab, effect),
         }
     }
 }
@@ -93,9 +109,9 @@ pub fn run(args: &Args) -> Result<()> {
     let folder = args.out.join(size.name);
     let start = Instant::now();
     let lab = Lab::open(&folder, size)?;
-    let table = args.name.run(&lab)?;
+    let table = args.name.run(&lab, args.effect)?;
     let seconds = start.elapsed().as_secs_f64();
-    let results = folder.join(args.name.name());
+    let results = folder.join(args.name.folder(args.effect));
     write(&results, &table, &lab, seconds)?;
     let mut figures = Figures::new(&format!("experiment {}", args.name.name()));
     table.set_figures(&mut figures);

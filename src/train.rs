@@ -7,6 +7,7 @@ use clap::ValueEnum;
 use deepshade_dataset::recipe::Resolution;
 use deepshade_dataset::{Manifest, Radius};
 use deepshade_infer::{ChannelOrder, NetSpec, Reach};
+use deepshade_shaders::Effect;
 use deepshade_train::config::MOST_MINUTES;
 use deepshade_train::{Ending, Loss, Optimiser, Outcome, TrainConfig};
 use serde_json::json;
@@ -27,6 +28,9 @@ pub struct Args {
     /// Order of the channels after a concatenation.
     #[arg(long, value_enum, default_value_t = Order::Interleaved)]
     order: Order,
+    /// What the last layer makes [default: kernels for dof, motion-blur and sss, else the image].
+    #[arg(long, value_enum)]
+    last: Option<LastLayer>,
     /// What is made small.
     #[arg(long, value_enum, default_value_t = LossName::Dssim)]
     loss: LossName,
@@ -94,6 +98,35 @@ impl From<Order> for ChannelOrder {
         match order {
             Order::Interleaved => Self::Interleaved,
             Order::Contiguous => Self::Contiguous,
+        }
+    }
+}
+
+/// What the last layer makes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum LastLayer {
+    /// The image, as in the paper.
+    Image,
+    /// Weights of the light at several resolutions, of which the image is the sum.
+    Kernels,
+}
+
+impl LastLayer {
+    /// What `deepshade experiment options` found best.
+    const fn best(effect: Effect) -> Self {
+        match effect {
+            Effect::Dof | Effect::MotionBlur | Effect::Sss => Self::Kernels,
+            _ => Self::Image,
+        }
+    }
+
+    /// The paper's network with that last layer.
+    fn of(self, paper: NetSpec) -> Result<NetSpec> {
+        match self {
+            Self::Image => Ok(paper),
+            Self::Kernels => paper.predicting_kernels().with_context(|| {
+                format!("--last kernels: the network for `{}` reads no light", paper.effect)
+            }),
         }
     }
 }
@@ -214,7 +247,9 @@ fn config(args: &Args) -> Result<TrainConfig> {
     );
     let optimiser = args.optimiser.defaults();
     let base = default_config(&manifest, &args.dataset, args.order.into(), share)?;
+    let last = args.last.unwrap_or(LastLayer::best(base.spec.effect));
     Ok(TrainConfig {
+        spec: last.of(base.spec)?,
         loss: args.loss.into(),
         start: args.from.clone(),
         optimiser: args.rate.map_or(optimiser, |rate| optimiser.with_rate(rate)),

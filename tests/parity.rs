@@ -3,7 +3,10 @@
 //! Sizes are small here; `deepshade parity --model models/ao` checks large ones too.
 #![cfg(feature = "train")]
 
-use deepshade_infer::{ChannelOrder, Model, NetSpec, Parity, Reach, Weights, parity, reference};
+use deepshade_infer::{
+    ChannelOrder, Colour, Filter, Model, NetSpec, Parity, Reach, Weights, parity, reference,
+};
+use deepshade_shaders::Effect;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -49,6 +52,36 @@ fn networks_of_other_kinds_agree() {
 }
 
 #[test]
+fn a_network_that_predicts_kernels_agrees() {
+    let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+    let published = NetSpec::published(Effect::Dof, ChannelOrder::Interleaved, reach).expect("it has one");
+    for (filter, colour) in
+        [(Filter { levels: 5, kernel: 1 }, Colour::Rgb), (Filter { levels: 3, kernel: 3 }, Colour::Mono)]
+    {
+        let folder = tempfile::tempdir().expect("a folder");
+        let spec = NetSpec { filter: Some(filter), colour, ..published.clone() };
+        let model = Model { weights: Weights::random(&spec, 5), spec };
+        write(&model, folder.path());
+        let json = folder.path().join("parity.json");
+        let output = parity_of(Some(folder.path()), "16x16,64x48,67x45", &json);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        for form in ["reference", "wgsl", "wgsl_gpu", "cpu", "burn", "onnxruntime"] {
+            assert!(figures(&json)[format!("max_abs_{form}")].as_f64().expect("a number") > 0.0, "{form}");
+        }
+    }
+}
+
+/// Writes a model folder: spec, weights, an image to check a runtime with, and the exported file.
+fn write(model: &Model, folder: &Path) {
+    let bytes = deepshade_train::export::onnx::encode(model);
+    std::fs::write(folder.join("model.onnx"), bytes).expect("written");
+    model.save(folder).expect("saved");
+    let input = parity::noise(model.spec.input_channels(), 20, 30, 1);
+    let output = reference::forward(&model.spec, &model.weights, &input);
+    Parity { input, output }.save(folder).expect("saved");
+}
+
+#[test]
 fn the_trained_network_agrees() {
     let model = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("models/ao");
     let folder = tempfile::tempdir().expect("a folder");
@@ -60,15 +93,11 @@ fn the_trained_network_agrees() {
 fn folder_with_a_fault(folder: &Path, layer: usize) -> Model {
     let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
     let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
-    let exported = Model { weights: Weights::random(&spec, 5), spec };
-    let bytes = deepshade_train::export::onnx::encode(&exported);
-    std::fs::write(folder.join("model.onnx"), bytes).expect("written");
-    let mut model = exported;
+    let mut model = Model { weights: Weights::random(&spec, 5), spec };
+    let bytes = deepshade_train::export::onnx::encode(&model);
     model.weights.0[layer].weight.iter_mut().for_each(|weight| *weight += 0.2);
-    model.save(folder).expect("saved");
-    let input = parity::noise(model.spec.input_channels(), 20, 30, 1);
-    let output = reference::forward(&model.spec, &model.weights, &input);
-    Parity { input, output }.save(folder).expect("saved");
+    write(&model, folder);
+    std::fs::write(folder.join("model.onnx"), bytes).expect("written");
     model
 }
 

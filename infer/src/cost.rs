@@ -1,6 +1,6 @@
 //! What a network costs, counted and not measured: multiply-adds, and numbers that must move.
 
-use crate::{Layer, NetSpec, Source};
+use crate::{Filter, Layer, NetSpec, Source};
 
 /// What a layer costs on one image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,7 +22,7 @@ impl std::iter::Sum for Cost {
 }
 
 impl NetSpec {
-    /// The cost of every layer on an image of a size.
+    /// The cost of every layer on an image of a size; the last one's with that of the filter.
     pub fn costs(&self, height: usize, width: usize) -> Vec<Cost> {
         let layers = self.layers();
         let pixels = |level: usize| {
@@ -49,7 +49,22 @@ impl NetSpec {
                 numbers: (read + layer.outputs * frame + pooled + weights) as u64,
             }
         };
-        layers.iter().map(cost).collect()
+        let mut costs: Vec<Cost> = layers.iter().map(cost).collect();
+        if let (Some(filter), Some(last)) = (self.filter, costs.last_mut()) {
+            *last = [*last, self.filter_cost(filter, height * width)].into_iter().sum();
+        }
+        costs
+    }
+
+    /// A tap is a weighted sum of the light, and on coarser levels of four pixels between which the light is read.
+    fn filter_cost(&self, filter: Filter, pixels: usize) -> Cost {
+        let on_a_level = filter.kernel * filter.kernel;
+        let multiply_adds = on_a_level + 5 * on_a_level * (filter.levels - 1);
+        let numbers = filter.tap_count() + 2 * self.output_channels();
+        Cost {
+            multiply_adds: (self.output_channels() * multiply_adds * pixels) as u64,
+            numbers: (numbers * pixels) as u64,
+        }
     }
 }
 
@@ -57,6 +72,7 @@ impl NetSpec {
 mod tests {
     use super::*;
     use crate::{ChannelOrder, Reach};
+    use deepshade_shaders::Effect;
 
     #[test]
     fn ao_needs_2547_multiply_adds_a_pixel() {
@@ -69,6 +85,15 @@ mod tests {
         let layers = spec.costs(512, 768);
         assert_eq!(layers[0].numbers, 6 * pixels + 8 * pixels + 2 * pixels + 440);
         assert_eq!(layers[10].numbers, 4 * pixels + 8 * pixels + pixels + 217);
+    }
+
+    #[test]
+    fn a_filter_costs_its_weights_and_its_taps() {
+        let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+        let paper = NetSpec::published(Effect::Dof, ChannelOrder::Interleaved, reach).expect("it has one");
+        let filter = NetSpec { filter: Some(Filter { levels: 5, kernel: 1 }), ..paper.clone() };
+        let cost = |spec: &NetSpec| spec.costs(64, 64).into_iter().sum::<Cost>().multiply_adds / (64 * 64);
+        assert_eq!(cost(&filter) - cost(&paper), 4 * 48 * 9 + 1 + 4 * 5);
     }
 
     #[test]

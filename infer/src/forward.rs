@@ -9,6 +9,8 @@
 //! - for software adapters (`shaders/wgsl/net`): feature maps in texture arrays, weights in uniform buffers, which
 //!   lavapipe reads many times as fast as storage buffers.
 //!
+//! Where a network predicts kernels, further passes gather its image from the light ([`crate::filter`]), for both sets.
+//!
 //! [`Variant`] is the choice between them and between the shapes of the first set's kernels; [`Tuning`] makes it by
 //! measuring. [`Network`] is what depends on the device, [`Plan`] what depends on the image's size, [`Recording`] what
 //! depends on the caller's buffers or textures; recording that again makes nothing anew.
@@ -16,6 +18,7 @@
 mod arena;
 mod convenience;
 mod files;
+mod filter;
 mod fit;
 mod io;
 pub mod kernel;

@@ -3,6 +3,7 @@
 
 pub mod cost;
 pub mod cpu;
+pub mod filter;
 pub mod forward;
 pub mod input;
 pub mod model;
@@ -14,6 +15,7 @@ pub mod spec;
 pub mod weights;
 
 pub use cost::Cost;
+pub use filter::{Filter, Tap};
 pub use forward::{ForwardError, Network, Plan, Recording};
 pub use input::Scaling;
 pub use model::{Model, ModelError};

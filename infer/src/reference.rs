@@ -1,5 +1,7 @@
 //! The forward pass in plain Rust: slow, and written to be read beside `shaders/wgsl/net`.
 
+mod filter;
+
 use crate::{Activation, Layer, LayerWeights, NetSpec, Source, Weights};
 use deepshade_shaders::Planes;
 use rayon::prelude::*;
@@ -10,7 +12,7 @@ use rayon::prelude::*;
 /// If input or weights do not fit the spec.
 pub fn forward(spec: &NetSpec, weights: &Weights, input: &Planes) -> Planes {
     let made = run(spec, weights, input).pop().expect("a network has a layer");
-    made.window(0, 0, input.height(), input.width())
+    image(spec, input, &made)
 }
 
 /// What every layer makes on the way to the network's image, in the order of computation.
@@ -20,13 +22,22 @@ pub fn forward(spec: &NetSpec, weights: &Weights, input: &Planes) -> Planes {
 pub fn layers(spec: &NetSpec, weights: &Weights, input: &Planes) -> Vec<Activation> {
     let mut made = run(spec, weights, input);
     if let Some(last) = made.last_mut() {
-        *last = last.window(0, 0, input.height(), input.width());
+        *last = image(spec, input, last);
     }
     spec.layers()
         .into_iter()
         .zip(made)
         .map(|(layer, planes)| Activation { layer: layer.name, planes })
         .collect()
+}
+
+/// The network's image, given what its last convolution makes of the padded input.
+fn image(spec: &NetSpec, input: &Planes, made: &Planes) -> Planes {
+    let made = made.window(0, 0, input.height(), input.width());
+    match spec.filter {
+        None => made,
+        Some(filter) => filter::filtered(filter, &padded(&spec.light(input), spec.alignment()), &made),
+    }
 }
 
 fn run(spec: &NetSpec, weights: &Weights, input: &Planes) -> Vec<Planes> {

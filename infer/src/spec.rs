@@ -6,7 +6,7 @@
 //! level's way down, and convolved. The step upwards on level 0 makes the image itself, without an activation: with
 //! it ambient occlusion has 71,089 weights, Table 7.1's 71 k. On a single level that step reads the way down alone.
 
-use crate::Reach;
+use crate::{Filter, Reach};
 use deepshade_shaders::{Attribute, AttributeKind, Effect};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -61,9 +61,13 @@ pub struct NetSpec {
     /// Which colour channels a run makes.
     #[serde(default)]
     pub colour: Colour,
-    /// Groups of the convolution that makes the image.
+    /// Groups of the last convolution.
     #[serde(default = "one")]
     pub image_groups: usize,
+    /// Where the last convolution makes the weights of a filter of the light that the network reads, in place of the
+    /// image as in the paper.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub filter: Option<Filter>,
     /// Order of the channels after a concatenation.
     pub channel_order: ChannelOrder,
     /// What it was trained to reach.
@@ -96,6 +100,14 @@ pub enum SpecError {
         inputs: usize,
         /// Channels made.
         outputs: usize,
+    },
+    /// A filter makes as many channels as it is given.
+    #[error("the network filters {lights} channels of light, and makes an image of {channels}")]
+    Light {
+        /// Channels of light that a run reads.
+        lights: usize,
+        /// Channels that a run makes.
+        channels: usize,
     },
 }
 
@@ -183,6 +195,7 @@ impl NetSpec {
             leak: 0.01,
             colour,
             image_groups,
+            filter: None,
             channel_order,
             reach,
         })
@@ -213,6 +226,7 @@ impl NetSpec {
         range("reach.radius", positive(reach.radius), &reach.radius, "positive")?;
         range("reach.diagonal_share", positive(reach.diagonal_share), &reach.diagonal_share, "positive")?;
         range("reach.height", (1..=MOST_ROWS).contains(&reach.height), &reach.height, "1 to 8192")?;
+        self.validate_filter()?;
         for Layer { name: layer, level, groups, inputs, outputs, source, .. } in self.layers() {
             let joins_evenly =
                 !matches!(source, Source::Joined { .. }) || (self.u0 << level).is_multiple_of(groups);
@@ -242,6 +256,11 @@ impl NetSpec {
             Colour::Mono => 1,
             Colour::Rgb => self.effect.channels(),
         }
+    }
+
+    /// Number of channels that the last convolution makes: the image's, or a weight for every tap of the filter.
+    pub fn last_channels(&self) -> usize {
+        self.filter.map_or(self.output_channels(), |filter| filter.tap_count())
     }
 
     /// Number of runs that make the effect's image.
@@ -289,7 +308,7 @@ impl NetSpec {
             level: 0,
             source: if alone { Source::Plain(coarse) } else { Source::Joined { coarse, skip: 0 } },
             inputs: if alone { width(0) } else { width(1) + width(0) },
-            outputs: self.output_channels(),
+            outputs: self.last_channels(),
             groups: self.image_groups,
             activation: false,
         });

@@ -2,7 +2,7 @@
 
 use deepshade_infer::forward::{Input, InputKind, Options, Output, OutputKind};
 use deepshade_infer::parity::{Comparison, TOLERANCE, noise};
-use deepshade_infer::{ChannelOrder, Colour, NetSpec, Network, Reach, Scaling, Weights, reference};
+use deepshade_infer::{ChannelOrder, Colour, Filter, NetSpec, Network, Reach, Scaling, Weights, reference};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, AttributeKind, Effect, GBuffer, Planes};
 use half::f16;
@@ -95,7 +95,11 @@ fn textures_give_what_buffers_give() {
     let coloured_sss = NetSpec { colour: Colour::Rgb, ..sss.clone() };
     let [gi, directional, sss, coloured_sss] =
         [gi, directional, sss, coloured_sss].map(|spec| NetSpec { levels: 2, ..spec });
+    let filter = Some(Filter { levels: 2, kernel: 3 });
+    let [filtering, coloured_filtering] = [&sss, &coloured_sss].map(|sss| NetSpec { filter, ..sss.clone() });
     for (spec, format) in [
+        (filtering, TextureFormat::R32Float),
+        (coloured_filtering, TextureFormat::Rgba32Float),
         (spec(2), TextureFormat::R32Float),
         (gi, TextureFormat::Rgba32Float),
         (directional, TextureFormat::Rgba16Float),

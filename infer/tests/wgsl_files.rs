@@ -2,7 +2,7 @@
 
 use deepshade_infer::forward::{File, HALF_TOLERANCE, Precision, wgsl_files};
 use deepshade_infer::parity::{TOLERANCE, noise};
-use deepshade_infer::{ChannelOrder, Comparison, Model, NetSpec, Reach, Weights, reference};
+use deepshade_infer::{ChannelOrder, Colour, Comparison, Filter, Model, NetSpec, Reach, Weights, reference};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, Planes};
 use serde_json::Value;
@@ -41,8 +41,6 @@ impl<'a> Host<'a> {
 
     fn uniform(&self, pass: &Value) -> Vec<u8> {
         let [width, height] = self.frame(pass["level"].as_u64().expect("a level"));
-        let last = pass["bindings"]["3"] == "output";
-        let channels = number(&self.network[if last { "output_channels" } else { "input_channels" }]);
         let mut bytes = Vec::new();
         for field in self.network["uniform"].as_array().expect("fields") {
             let value = match field["name"].as_str().expect("a name") {
@@ -50,8 +48,7 @@ impl<'a> Host<'a> {
                 "height" => height,
                 "image_width" | "keep_right" => self.size[0],
                 "image_height" | "keep_bottom" => self.size[1],
-                "channels" => channels,
-                "stride" => number(&pass["stride"]),
+                name @ ("channels" | "stride") => number(&pass[name]),
                 "leak" => (self.network["leak"].as_f64().expect("a leak") as f32).to_bits(),
                 "length_scale" => 1f32.to_bits(),
                 _ => 0,
@@ -76,6 +73,16 @@ impl<'a> Host<'a> {
         let pixels = (self.size[0] * self.size[1]) as usize;
         buffers.insert("input".to_owned(), self.buffer(bytemuck::cast_slice(input.data()), STORAGE));
         buffers.insert("output".to_owned(), self.buffer(&vec![0; 4 * channels * pixels], STORAGE));
+        let filter = &network["filter"];
+        if !filter.is_null() {
+            let level = |level| self.frame(level).iter().product::<u32>() as usize;
+            let numbers =
+                channels * (0..number(&filter["levels"])).map(|index| level(index.into())).sum::<usize>();
+            let kernels = number(&filter["taps"]) as usize * pixels;
+            for (name, numbers) in [("pyramid", numbers), ("kernels", kernels)] {
+                buffers.insert(name.to_owned(), self.buffer(&vec![0xff; 4 * numbers], STORAGE));
+            }
+        }
         for pass in network["passes"].as_array().expect("passes") {
             self.dispatch(pass, &buffers);
         }
@@ -96,19 +103,19 @@ impl<'a> Host<'a> {
         buffers: &HashMap<String, Buffer>,
     ) -> Vec<(u32, Buffer, BufferBindingType)> {
         let file = |key: &str| self.files[pass[key].as_str().expect("a name")];
-        let mut bound = vec![
-            (0, self.buffer(&self.uniform(pass), BufferUsages::UNIFORM), BufferBindingType::Uniform),
-            (1, self.buffer(file("reads"), STORAGE), READ_ONLY),
-            (2, self.buffer(file("weights"), STORAGE), READ_ONLY),
-        ];
-        for (binding, name) in pass["bindings"].as_object().expect("bindings") {
+        let bound = pass["bindings"].as_object().expect("bindings").iter().map(|(binding, name)| {
             let (binding, name) = (binding.parse().expect("a number"), name.as_str().expect("a name"));
-            if binding > 2 {
-                let read_only = name != "output" && !self.writes(pass, name);
-                bound.push((binding, buffers[name].clone(), BufferBindingType::Storage { read_only }));
-            }
-        }
-        bound
+            let read_only = binding != 3 && !self.writes(pass, name);
+            let (buffer, kind) = match name {
+                "uniform" => {
+                    (self.buffer(&self.uniform(pass), BufferUsages::UNIFORM), BufferBindingType::Uniform)
+                }
+                "reads" | "weights" => (self.buffer(file(name), STORAGE), READ_ONLY),
+                _ => (buffers[name].clone(), BufferBindingType::Storage { read_only }),
+            };
+            (binding, buffer, kind)
+        });
+        bound.collect()
     }
 
     fn dispatch(&self, pass: &Value, buffers: &HashMap<String, Buffer>) {
@@ -179,8 +186,11 @@ fn published(effect: Effect) -> NetSpec {
 }
 
 /// Networks of which some fill no block of outputs.
-fn specs() -> [NetSpec; 5] {
+fn specs() -> [NetSpec; 7] {
+    let filter = |levels, kernel| Some(Filter { levels, kernel });
     [
+        NetSpec { filter: filter(5, 1), colour: Colour::Rgb, ..published(Effect::Dof) },
+        NetSpec { filter: filter(2, 3), ..published(Effect::MotionBlur) },
         published(Effect::Ao),
         published(Effect::Aa),
         published(Effect::Ibl),

@@ -2,9 +2,11 @@
 //!
 //! A shader is a prelude of constants and uniform structs, both derived from Rust, the shared files that it lists,
 //! and the pass, joined as text. Adding a shader is one entry in one of the tables below this module, and one in
-//! [`uniforms`] if it needs a new struct. The kernels of a network's layers on GPUs are put together in [`convolution`].
+//! [`uniforms`] if it needs a new struct. The kernels of a network's layers on GPUs are put together in [`convolution`],
+//! those of its filter in [`filter`].
 
 pub mod convolution;
+pub mod filter;
 pub mod uniforms;
 
 use std::fmt::Write;

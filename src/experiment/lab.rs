@@ -7,10 +7,12 @@ use crate::figures::write_atomically;
 use crate::learned::Learned;
 use crate::train::INPUT_RADIUS;
 use anyhow::{Context, Result, bail};
-use deepshade_dataset::{Dataset, Radius, Recipe, Summary, TestSet, generate};
+use deepshade_dataset::{Dataset, Radius, Recipe, Summary, TestSet, Vary, generate};
 use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach};
 use deepshade_render::method::Repeats;
+use deepshade_shaders::Effect;
 use deepshade_train::checkpoint::Checkpoint;
+use deepshade_train::first_weights::random_weights;
 use deepshade_train::metrics::{self, Line};
 use deepshade_train::{Loss, TrainConfig, train};
 use std::cell::RefCell;
@@ -102,6 +104,15 @@ impl Lab {
         })
     }
 
+    /// The recipes for training and for testing with another effect.
+    pub fn recipes_of(&self, effect: Effect, vary: Vary) -> [Recipe; 2] {
+        [&self.recipe, &self.test_recipe].map(|recipe| Recipe {
+            effect,
+            vary: Some(vary.clone()),
+            ..recipe.clone()
+        })
+    }
+
     /// The dataset of a recipe, under a name.
     ///
     /// # Errors
@@ -148,6 +159,17 @@ impl Lab {
         let spec = NetSpec::published(recipe.effect, ChannelOrder::Interleaved, reach);
         let spec = spec.with_context(|| format!("no network is laid out for effect `{}`", recipe.effect))?;
         Ok(self.size.settings(spec, data.dataset.folder().to_owned()))
+    }
+
+    /// A model with random weights for a run to begin with in place of the usual first ones.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn random_start(&self, settings: &TrainConfig) -> Result<PathBuf> {
+        let folder = self.folder.join("starts").join(settings.spec.effect.name());
+        let weights = random_weights(&settings.spec, settings.seed);
+        Model { spec: settings.spec.clone(), weights }.save(&folder)?;
+        Ok(folder)
     }
 
     /// The network of some settings, under a name.

@@ -3,7 +3,6 @@
 use crate::rng::{Purpose, Rng};
 use deepshade_infer::weights::LayerWeights;
 use deepshade_infer::{NetSpec, Source, Weights};
-use deepshade_shaders::Attribute;
 
 /// Weights of the layer that makes the image, over those of other layers.
 const IMAGE_SCALE: f64 = 0.01;
@@ -11,20 +10,22 @@ const IMAGE_SCALE: f64 = 0.01;
 /// Random weights: normal, of variance `2 / ((1 + leak^2) * fan-in)` (He et al. 2015, equation 15); biases are 0. The layer
 /// that makes the image starts near the effect's background, with weights a hundredth of that and the background as its
 /// bias: far from the target, structural similarity hardly has a gradient. For the same reason a network whose effect
-/// filters light starts with the image that it is given.
+/// filters light starts with the image that it is given. Where kernels are predicted all weights are random: a softmax that
+/// starts near that image, with one weight far above all others, has no gradient by which to leave it.
 pub fn first_weights(spec: &NetSpec, seed: u64) -> Weights {
     let mut weights = random_weights(spec, seed);
-    if spec.effect.filters_light() {
+    if spec.effect.filters_light() && spec.filter.is_none() {
         pass_light(spec, &mut weights);
     }
     weights
 }
 
-fn random_weights(spec: &NetSpec, seed: u64) -> Weights {
+/// As [`first_weights`], without the image that a network is given.
+pub fn random_weights(spec: &NetSpec, seed: u64) -> Weights {
     let area = spec.kernel * spec.kernel;
     let layers = spec.layers().into_iter().enumerate().map(|(index, layer)| {
         let fan_in = (layer.inputs / layer.groups * area) as f64;
-        let (scale, bias) = if layer.activation {
+        let (scale, bias) = if layer.activation || spec.filter.is_some() {
             (1.0, 0.0)
         } else {
             (IMAGE_SCALE, spec.effect.background().unwrap_or(0.0))
@@ -46,7 +47,7 @@ fn pass_light(spec: &NetSpec, weights: &mut Weights) {
     else {
         return;
     };
-    let lights = light_channels(spec);
+    let lights = spec.light_channels();
     if first.groups != 1 || last.groups != 1 || lights.len() != last.outputs || lights.len() > first.outputs {
         return;
     }
@@ -64,24 +65,10 @@ fn pass_light(spec: &NetSpec, weights: &mut Weights) {
     }
 }
 
-/// Which of the channels that a run reads are light; all of them, in their order.
-fn light_channels(spec: &NetSpec) -> Vec<usize> {
-    let mut lights = Vec::new();
-    let mut read = 0;
-    for attribute in &spec.inputs {
-        let width = spec.width(*attribute);
-        if *attribute == Attribute::Light {
-            lights.extend(read..read + width);
-        }
-        read += width;
-    }
-    lights
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deepshade_infer::{ChannelOrder, Reach, parity, reference};
+    use deepshade_infer::{ChannelOrder, Filter, Reach, parity, reference};
     use deepshade_shaders::{Effect, Planes};
 
     const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
@@ -101,13 +88,23 @@ mod tests {
     }
 
     #[test]
+    fn a_network_that_predicts_kernels_starts_with_no_weight_alone() {
+        let filter = Some(Filter { levels: 5, kernel: 1 });
+        let spec = NetSpec { filter, ..published(Effect::Dof) };
+        let mut light = Planes::filled(3, 32, 32, 0.0);
+        light.plane_mut(2)[16 * 32 + 16] = 1.0;
+        let own = reference::forward(&spec, &first_weights(&spec, 5), &light).at(0, 16, 16);
+        assert!((0.05..0.6).contains(&own), "a pixel's share of itself: {own}");
+    }
+
+    #[test]
     fn a_network_that_filters_light_starts_with_what_it_is_given() {
         for effect in Effect::ALL.into_iter().filter(|effect| effect.filters_light()) {
             let spec = published(effect);
             let noise = parity::noise(spec.input_channels(), 64, 48, 3);
             let input = Planes::from_fn(noise.channels(), 64, 48, |c, y, x| noise.at(c, y, x).abs());
             let image = reference::forward(&spec, &first_weights(&spec, 5), &input);
-            for (output, light) in light_channels(&spec).into_iter().enumerate() {
+            for (output, light) in spec.light_channels().into_iter().enumerate() {
                 let differences =
                     image.plane(output).iter().zip(input.plane(light)).map(|(a, b)| (a - b).abs());
                 let largest = differences.fold(0.0, f32::max);

@@ -8,7 +8,8 @@ mod device;
 pub mod error;
 pub mod export;
 mod files;
-mod first_weights;
+mod filter;
+pub mod first_weights;
 #[cfg(not(feature = "vulkan"))]
 mod kernels;
 mod loader;

@@ -1,6 +1,7 @@
 //! The network of a [`NetSpec`] as a burn module.
 
 use crate::device::ops;
+use crate::filter::filtered;
 use crate::first_weights::first_weights;
 use burn::module::{Module, Param, ParamId};
 use burn::tensor::ops::PadMode;
@@ -67,7 +68,16 @@ impl UNet {
     /// `[batch, input channels, height, width]` to `[batch, effect's channels, height, width]`.
     pub fn forward(&self, x: Tensor<4>) -> Tensor<4> {
         let [_, _, height, width] = x.dims();
-        self.forward_aligned(self.padded(x)).narrow(2, 0, height).narrow(3, 0, width)
+        let x = self.padded(x);
+        let made = self.layers(x.clone()).pop().expect("a network has a layer");
+        self.image(x, made).narrow(2, 0, height).narrow(3, 0, width)
+    }
+
+    /// The network's image of a padded input, given what its last convolution makes.
+    fn image(&self, x: Tensor<4>, made: Tensor<4>) -> Tensor<4> {
+        let Some(filter) = self.spec.filter else { return made };
+        let lights = self.spec.light_channels().into_iter().map(|channel| x.clone().narrow(1, channel, 1));
+        filtered(filter, made, Tensor::cat(lights.collect(), 1))
     }
 
     /// The input padded with its edge.
@@ -78,11 +88,6 @@ impl UNet {
             0 => x,
             _ => x.pad((0, missing(width), 0, missing(height)), PadMode::Edge),
         }
-    }
-
-    /// Images whose height and width are multiples of [`NetSpec::alignment`].
-    fn forward_aligned(&self, x: Tensor<4>) -> Tensor<4> {
-        self.layers(x).pop().expect("a network has a layer")
     }
 
     /// What every layer makes of images whose height and width are multiples of [`NetSpec::alignment`].
@@ -121,11 +126,11 @@ pub fn forward_burn(spec: &NetSpec, weights: &Weights, input: &Planes) -> Planes
 pub fn layers_burn(spec: &NetSpec, weights: &Weights, input: &Planes) -> Vec<Activation> {
     let device = crate::device();
     let net = UNet::from_weights(spec, weights, &device);
-    let mut made: Vec<Planes> =
-        net.layers(net.padded(to_tensor(&[input], &device))).into_iter().map(to_planes).collect();
-    if let Some(last) = made.last_mut() {
-        *last = last.window(0, 0, input.height(), input.width());
-    }
+    let x = net.padded(to_tensor(&[input], &device));
+    let mut made = net.layers(x.clone());
+    let last =
+        made.pop().map(|last| to_planes(net.image(x, last)).window(0, 0, input.height(), input.width()));
+    let made = made.into_iter().map(to_planes).chain(last);
     spec.layers()
         .into_iter()
         .zip(made)
@@ -153,7 +158,8 @@ pub(crate) fn to_planes(tensor: Tensor<4>) -> Planes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deepshade_infer::{ChannelOrder, Comparison, Reach, parity, reference};
+    use deepshade_infer::{ChannelOrder, Colour, Comparison, Filter, Reach, parity, reference};
+    use deepshade_shaders::Effect;
 
     const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
 
@@ -165,13 +171,22 @@ mod tests {
         }
     }
 
+    /// A network for depth of field that predicts kernels.
+    fn filtering(order: ChannelOrder, colour: Colour, filter: Filter) -> NetSpec {
+        let published = NetSpec::published(Effect::Dof, order, REACH).expect("the paper has one");
+        NetSpec { colour, filter: Some(filter), ..published }
+    }
+
     #[test]
     fn layers_are_the_references() {
-        let spec = NetSpec { levels: 3, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) };
-        let weights = Weights::random(&spec, 4);
-        let input = parity::noise(spec.input_channels(), 21, 30, 7);
-        let expected = reference::layers(&spec, &weights, &input);
-        assert_eq!(parity::first_difference(&expected, &layers_burn(&spec, &weights, &input)), None);
+        let order = ChannelOrder::Interleaved;
+        let ao = NetSpec { levels: 3, ..NetSpec::ao(order, REACH) };
+        for spec in [ao, filtering(order, Colour::Mono, Filter { levels: 5, kernel: 1 })] {
+            let weights = Weights::random(&spec, 4);
+            let input = parity::noise(spec.input_channels(), 21, 30, 7);
+            let expected = reference::layers(&spec, &weights, &input);
+            assert_eq!(parity::first_difference(&expected, &layers_burn(&spec, &weights, &input)), None);
+        }
     }
 
     #[test]
@@ -190,6 +205,8 @@ mod tests {
                 ao.clone(),
                 NetSpec { levels: 1, ..ao.clone() },
                 NetSpec { levels: 3, kernel: 5, u0: 4, ..ao },
+                filtering(order, Colour::Mono, Filter { levels: 4, kernel: 3 }),
+                filtering(order, Colour::Rgb, Filter { levels: 5, kernel: 1 }),
             ];
             for (seed, spec) in specs.iter().enumerate() {
                 let weights = Weights::random(spec, seed as u32);

@@ -8,6 +8,7 @@
 
 pub mod ceilings;
 pub mod conv;
+mod filter;
 pub mod operand;
 mod plan;
 pub mod shape;

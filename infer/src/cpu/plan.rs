@@ -2,7 +2,7 @@
 
 use super::conv;
 use super::operand::{Image, Operand};
-use super::{Network, Stage, conv_shape};
+use super::{Network, Stage, conv_shape, filter};
 use crate::forward::{ForwardError, Tile, Tiling};
 use crate::{Activation, Source};
 use deepshade_shaders::Planes;
@@ -45,14 +45,22 @@ impl Plan {
     /// If the input is of another size than the plan.
     pub fn run(&mut self, input: &Planes) -> Result<Planes, ForwardError> {
         self.check(input)?;
-        let mut image =
-            Planes::filled(self.network.spec.output_channels(), input.height(), input.width(), 0.0);
+        let channels = self.network.spec.last_channels();
+        let mut made = Planes::filled(channels, input.height(), input.width(), 0.0);
         for tile in 0..self.tiling.tiles.len() {
             let input = self.window(input, tile);
             (0..self.maps.len()).for_each(|layer| self.run_layer(layer, &input));
-            self.keep(tile, &mut image);
+            self.keep(tile, &mut made);
         }
-        Ok(image)
+        Ok(self.image(input, made))
+    }
+
+    /// The network's image, given what its last convolution makes.
+    fn image(&self, input: &Planes, made: Planes) -> Planes {
+        match self.network.spec.filter {
+            None => made,
+            Some(filter) => filter::filtered(&self.network.spec, filter, input, &made),
+        }
     }
 
     /// What every layer makes, as [`reference::layers`](crate::reference::layers) gives it; none if in tiles.
@@ -148,16 +156,16 @@ impl Plan {
         conv::forward(shape, &operand, &stage.weights, &stage.bias, leak, &mut rest[0]);
     }
 
-    /// Copies what a tile makes of the image out of the last layer's map.
-    fn keep(&self, tile: usize, image: &mut Planes) {
+    /// Copies what a tile makes out of the last layer's map.
+    fn keep(&self, tile: usize, whole: &mut Planes) {
         let Tile { origin: [top, left], keep: [rows, columns] } = &self.tiling.tiles[tile];
         let [height, width] = self.tiling.frame;
-        let image_width = image.width();
+        let whole_width = whole.width();
         let map = &self.maps[self.maps.len() - 1];
         for (channel, plane) in map.chunks_exact(height * width).enumerate() {
             for row in rows.clone() {
                 let made = &plane[(row - top) * width + columns.start - left..][..columns.len()];
-                image.plane_mut(channel)[row * image_width..][columns.clone()].copy_from_slice(made);
+                whole.plane_mut(channel)[row * whole_width..][columns.clone()].copy_from_slice(made);
             }
         }
     }

@@ -3,12 +3,13 @@
 //! The kernels are those that [`Network`](super::Network) runs on GPUs, from a planar buffer to a planar buffer, of the
 //! shapes that are guessed to be best within WebGPU's limits.
 
-use super::kernel;
 use super::maps::{self, MapId};
 use super::packing::{BLOCK, Packed};
 use super::{ForwardError, Options, Precision, Shape, Variant, io};
+use super::{filter, kernel};
 use crate::{Layer, Model, NetSpec, Source};
-use deepshade_shaders::wgsl::convolution::{Convolution, WORKGROUP};
+use deepshade_shaders::wgsl::TILE;
+use deepshade_shaders::wgsl::convolution::{Convolution, Reading, WORKGROUP, Writing};
 use deepshade_shaders::wgsl::uniforms::NetLayer;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -40,10 +41,14 @@ pub fn wgsl_files(model: &Model, precision: Precision) -> Result<Vec<File>, Forw
         let stem = format!("{index:02}_{}", layer.name);
         // A host gives each map a buffer of its own, so that what is read is not written.
         let convolution = Convolution { arena: false, ..kernel::convolution(spec, index, *shape, &options)? };
-        passes.push(pass(&layers, index, *shape, &packed, &stem));
+        passes.push(pass(spec, &layers, index, *shape, &packed, &stem));
         files.push((format!("{stem}.wgsl"), (heading(&layers, index) + &convolution.source()).into_bytes()));
         files.push((format!("{stem}.reads.bin"), bytemuck::cast_slice(&packed.reads).to_vec()));
         files.push((format!("{stem}.weights.bin"), bytemuck::cast_slice(&packed.weights).to_vec()));
+    }
+    for (name, source, pass) in filter_passes(spec) {
+        files.push((name, source.into_bytes()));
+        passes.push(pass);
     }
     let maps: Vec<Value> = maps::maps(&layers).iter().map(|map| map_json(&layers, &shapes, map)).collect();
     let inputs: Vec<&str> = spec.inputs.iter().map(|attribute| attribute.name()).collect();
@@ -52,6 +57,7 @@ pub fn wgsl_files(model: &Model, precision: Precision) -> Result<Vec<File>, Forw
         "input_channels": spec.input_channels(), "output_channels": spec.output_channels(),
         "alignment": spec.alignment(), "leak": spec.leak, "half": precision == Precision::F16,
         "uniform": uniform_fields(), "maps": maps, "passes": passes,
+        "filter": spec.filter.map(|filter| json!({ "taps": filter.tap_count(), "levels": filter.levels })),
     });
     files.push(("network.json".to_owned(), format!("{network:#}\n").into_bytes()));
     files.push(("HOST.md".to_owned(), HOST.as_bytes().to_vec()));
@@ -88,11 +94,12 @@ fn uniform_fields() -> Vec<Value> {
     NetLayer::LAYOUT.fields.iter().map(field).collect()
 }
 
-fn pass(layers: &[Layer], index: usize, shape: Shape, packed: &Packed, stem: &str) -> Value {
+fn pass(spec: &NetSpec, layers: &[Layer], index: usize, shape: Shape, packed: &Packed, stem: &str) -> Value {
     let layer = &layers[index];
     let mut bindings = json!({ "0": "uniform", "1": "reads", "2": "weights" });
-    bindings["3"] =
-        if layer.activation { json!(map_name(layers, MapId::Made(index))) } else { json!("output") };
+    let last = if spec.filter.is_some() { "kernels" } else { "output" };
+    bindings["3"] = if layer.activation { json!(map_name(layers, MapId::Made(index))) } else { json!(last) };
+    let channels = if layer.activation { spec.input_channels() } else { spec.last_channels() };
     let sources = maps::read_by(layer);
     for (binding, id) in (4..).zip(&sources) {
         bindings[binding.to_string()] = json!(map_name(layers, *id));
@@ -107,8 +114,34 @@ fn pass(layers: &[Layer], index: usize, shape: Shape, packed: &Packed, stem: &st
         "layer": layer.name, "file": format!("{stem}.wgsl"), "level": layer.level,
         "reads": format!("{stem}.reads.bin"), "weights": format!("{stem}.weights.bin"),
         "tile": shape.pixels.map(|pixels| WORKGROUP * pixels), "workgroups_z": packed.reads.len(),
-        "stride": packed.stride / 4, "bindings": bindings,
+        "stride": packed.stride / 4, "channels": channels, "bindings": bindings,
     })
+}
+
+/// The passes of the network's filter: name and source of the file, and what `network.json` says of it.
+fn filter_passes(spec: &NetSpec) -> Vec<(String, String, Value)> {
+    let Some(filter) = filter::of(spec) else { return Vec::new() };
+    let first = spec.layers().len();
+    let pass = |index: usize, name: String, level: u32, source: String, bindings: Value| {
+        let file = format!("{:02}_{name}.wgsl", first + index);
+        let heading =
+            format!("// Pass `{name}` of the filter, written by deepshade; HOST.md says how it is run.\n\n");
+        let json = json!({
+            "layer": name, "file": file, "level": level, "tile": [TILE, TILE], "workgroups_z": 1, "stride": 0,
+            "channels": spec.input_channels(), "bindings": bindings,
+        });
+        (file, heading + &source, json)
+    };
+    let light = json!({ "0": "uniform", "3": "pyramid", "4": "input" });
+    let halve = json!({ "0": "uniform", "3": "pyramid" });
+    let gather = json!({ "0": "uniform", "1": "kernels", "2": "pyramid", "3": "output" });
+    let mut passes = vec![pass(0, "light".to_owned(), 0, filter.light(&Reading::Planes), light)];
+    for level in 1..filter.levels {
+        let name = format!("light{level}");
+        passes.push(pass(passes.len(), name, level, filter.halve(level), halve.clone()));
+    }
+    passes.push(pass(passes.len(), "gather".to_owned(), 0, filter.gather(Writing::Planes), gather));
+    passes
 }
 
 /// What stands at the head of a layer's kernel.

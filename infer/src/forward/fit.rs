@@ -78,9 +78,12 @@ pub fn check_size(network: &Network, height: usize, width: usize) -> Result<(), 
     if height == 0 || width == 0 {
         return error(first, "has no pixel to read".to_owned());
     }
-    let buffers = [network.input == InputKind::Buffer, network.output == OutputKind::Buffer];
-    let ends = [(first, spec.input_channels()), (last, spec.output_channels())];
-    for (layer, channels) in ends.into_iter().zip(buffers).filter(|(_, buffer)| *buffer).map(|(end, _)| end) {
+    let buffers = [
+        (first, spec.input_channels(), network.input == InputKind::Buffer),
+        (last, spec.output_channels(), network.output == OutputKind::Buffer),
+        (last, spec.last_channels(), spec.filter.is_some()),
+    ];
+    for (layer, channels, _) in buffers.into_iter().filter(|(_, _, is_bound)| *is_bound) {
         let bytes = (channels as u64) * (height as u64) * (width as u64) * size_of::<f32>() as u64;
         let limit = limits.max_storage_buffer_binding_size;
         if bytes > limit {

@@ -4,8 +4,9 @@ use super::ForwardError;
 use crate::input::channel_unit;
 use crate::{Colour, NetSpec, Scaling};
 use deepshade_shaders::gpu::GpuError;
-use deepshade_shaders::wgsl::convolution::TextureChannel;
+use deepshade_shaders::wgsl::convolution::{FIRST_TEXTURE, TextureChannel};
 use deepshade_shaders::{Attribute, AttributeKind, Channel};
+use wgpu::BindingResource;
 
 /// Where a network's input is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -105,6 +106,36 @@ impl Input<'_> {
                 views.iter().try_for_each(|view| check_texture("input", view, size))
             }
             _ => Err(refused("input", format!("the network was made for {kind:?}"))),
+        }
+    }
+}
+
+impl<'a> Input<'a> {
+    /// What lengths and light are multiplied by as they are read, and which run reads.
+    pub(super) const fn scaling(&self) -> (Scaling, u32) {
+        match self {
+            Self::Buffer(_) => (Scaling { length: 1.0, light: 1.0 }, 0),
+            Self::Textures { scaling, run, .. } => (*scaling, *run as u32),
+        }
+    }
+
+    /// What a pass that reads it binds, and where.
+    pub(super) fn bindings(&self) -> Vec<(u32, BindingResource<'a>)> {
+        match self {
+            Self::Buffer(buffer) => vec![(4, buffer.as_entire_binding())],
+            Self::Textures { views, .. } => {
+                (FIRST_TEXTURE..).zip(views.iter().map(BindingResource::TextureView)).collect()
+            }
+        }
+    }
+}
+
+impl<'a> Output<'a> {
+    /// What a pass that writes it binds.
+    pub(super) fn binding(&self) -> BindingResource<'a> {
+        match self {
+            Self::Buffer(buffer) => buffer.as_entire_binding(),
+            Self::Texture(view) => BindingResource::TextureView(view),
         }
     }
 }

@@ -43,7 +43,8 @@ fn writing(
     index: usize,
     options: &Options<'_>,
 ) -> Result<Writing, ForwardError> {
-    Ok(match (layers[index].activation, options.output.format(spec)?) {
+    let format = options.output.format(spec)?.filter(|_| spec.filter.is_none());
+    Ok(match (layers[index].activation, format) {
         (true, _) if has_means(layers, index) => Writing::MapAndMeans,
         (true, _) => Writing::Map,
         (false, None) => Writing::Planes,

@@ -2,7 +2,7 @@
 //! element of the result an invocation, nothing fused, nothing shared. Benchmarks measure the other kernels against it;
 //! nothing else is to use it.
 
-use super::ForwardError;
+use super::{ForwardError, Input, Options, Output, filter};
 use crate::{Layer, LayerWeights, Model, NetSpec, Source, Weights};
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::{self, BoundPass, Gpu, GpuError, Pass, Timing};
@@ -44,7 +44,10 @@ pub fn run_timed(
         return Err(ForwardError::Unfit);
     }
     let mut recorder = Recorder { gpu, spec: &model.spec, dispatches: Vec::new() };
-    let made = recorder.network(&model.weights, &padded(input, model.spec.alignment()))?;
+    let padded = padded(input, model.spec.alignment());
+    let read = recorder.read(&padded)?;
+    let made = recorder.network(&model.weights, &read)?;
+    let made = recorder.filtered(&read, made)?;
     let timing = gpu::time(&gpu.device, &gpu.queue, "naive", warm_up, timed, |encoder| {
         recorder.dispatches.iter().for_each(|(pass, workgroups)| pass.dispatch(encoder, *workgroups));
     })?;
@@ -63,11 +66,25 @@ fn padded(image: &Planes, alignment: usize) -> Planes {
 }
 
 impl Recorder<'_> {
-    fn network(&mut self, weights: &Weights, input: &Planes) -> Result<Image, GpuError> {
+    fn read(&self, input: &Planes) -> Result<Image, GpuError> {
         let buffer = gpu::storage(&self.gpu.device, "naive.input", input.data())?;
         let (channels, height, width) = (input.channels(), input.height(), input.width());
-        let mut image = Image { buffer, channels, height, width };
-        let input = image.clone();
+        Ok(Image { buffer, channels, height, width })
+    }
+
+    /// The image of what the last convolution makes.
+    fn filtered(&mut self, input: &Image, made: Image) -> Result<Image, ForwardError> {
+        let (device, spec) = (&self.gpu.device, self.spec);
+        let Some(passes) = filter::Passes::new(device, spec, &Options::default())? else { return Ok(made) };
+        let image = self.image(spec.output_channels(), made.height, made.width)?;
+        let room = passes.room(device, spec, [made.height, made.width], made.buffer)?;
+        let (from, to) = (Input::Buffer(&input.buffer), Output::Buffer(&image.buffer));
+        self.dispatches.extend(passes.bind(device, &room, from, to)?);
+        Ok(image)
+    }
+
+    fn network(&mut self, weights: &Weights, input: &Image) -> Result<Image, GpuError> {
+        let mut image = input.clone();
         let mut made: Vec<Image> = Vec::new();
         for (layer, weights) in self.spec.layers().iter().zip(&weights.0) {
             let source = match layer.source {

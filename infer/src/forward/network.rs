@@ -1,5 +1,6 @@
 //! A network on a device.
 
+use super::filter;
 use super::stage::{Stage, Stages};
 use super::{ForwardError, InputKind, OutputKind, Plan, Precision, Shape, Variant, variant};
 use crate::{Layer, NetSpec, Weights};
@@ -13,6 +14,7 @@ pub struct Network {
     pub(super) spec: NetSpec,
     pub(super) layers: Vec<Layer>,
     pub(super) stages: Vec<Stage>,
+    pub(super) filter: Option<filter::Passes>,
     pub(super) variant: Variant,
     pub(super) precision: Precision,
     pub(super) input: InputKind,
@@ -93,9 +95,10 @@ impl Network {
             Variant::Gpu(shapes) => stages.gpu(index, layer, shapes[index]),
         };
         let stages = layers.iter().enumerate().map(stage).collect::<Result<_, _>>()?;
+        let filter = filter::Passes::new(device, spec, options)?;
         let (device, spec, variant) = (device.clone(), spec.clone(), variant.clone());
         let Options { input, output, precision, .. } = *options;
-        Ok(Self { device, spec, layers, stages, variant, precision, input, output })
+        Ok(Self { device, spec, layers, stages, filter, variant, precision, input, output })
     }
 
     /// The network's spec.

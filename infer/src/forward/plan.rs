@@ -1,5 +1,6 @@
 //! A network on images of one size.
 
+use super::filter;
 use super::fit::{check_size, largest};
 use super::maps::{self, MapId};
 use super::stage::{Stage, StagePart};
@@ -22,6 +23,8 @@ pub struct Plan {
     pub(super) tiles: Vec<Tile>,
     pub(super) storage: Storage,
     pub(super) steps: Vec<Step>,
+    /// What makes the image of what the last convolution makes.
+    pub(super) filter: Option<(filter::Passes, filter::Room)>,
     weights: u64,
 }
 
@@ -30,7 +33,7 @@ pub struct Plan {
 pub struct Step {
     /// Index of its layer.
     pub layer: usize,
-    /// Whether it reads the caller's input and writes the caller's output.
+    /// Whether it reads the caller's input and makes what the caller gets, or the filter.
     pub callers: [bool; 2],
     /// What the kernel is told, but for where the tile lies.
     pub uniform: NetLayer,
@@ -59,7 +62,7 @@ pub enum Kernel {
 /// Memory of the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bytes {
-    /// Feature maps.
+    /// Feature maps, and what the filter works on.
     pub activations: u64,
     /// Weights.
     pub weights: u64,
@@ -84,6 +87,7 @@ impl Plan {
             storage,
             tiles: tiling.tiles,
             steps: Vec::new(),
+            filter: filtered(network, [height, width])?,
             weights: network.stages.iter().map(|stage| stage.bytes).sum(),
         };
         for (index, stage) in network.stages.iter().enumerate() {
@@ -97,7 +101,8 @@ impl Plan {
 
     /// Memory of the device that runs take.
     pub fn bytes(&self) -> Bytes {
-        Bytes { activations: self.storage.bytes(), weights: self.weights }
+        let filter = self.filter.as_ref().map_or(0, |(_, room)| room.bytes());
+        Bytes { activations: self.storage.bytes() + filter, weights: self.weights }
     }
 
     /// Number of tiles in which the image is run; 1 if as a whole.
@@ -150,7 +155,7 @@ impl Plan {
         let layer = &stage.layer;
         let [rows, columns] = frame.map(|size| (size >> layer.level) as u32);
         let callers = [layer.source == Source::Input, !layer.activation];
-        let channels = if callers[1] { self.spec.output_channels() } else { self.spec.input_channels() };
+        let channels = if callers[1] { self.spec.last_channels() } else { self.spec.input_channels() };
         let uniform = NetLayer {
             width: columns,
             height: rows,
@@ -202,4 +207,12 @@ impl Plan {
         }
         pass.bind_at(&self.device, resources.into_iter().chain(callers))
     }
+}
+
+/// The passes of a network's filter with their room.
+fn filtered(network: &Network, size: [usize; 2]) -> Result<Option<(filter::Passes, filter::Room)>, GpuError> {
+    let Some(passes) = &network.filter else { return Ok(None) };
+    let (device, spec) = (&network.device, &network.spec);
+    let kernels = gpu::empty::<f32>(device, "net.kernels", spec.last_channels() * size[0] * size[1])?;
+    Ok(Some((passes.clone(), passes.room(device, spec, size, kernels)?)))
 }

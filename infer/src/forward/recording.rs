@@ -3,9 +3,7 @@
 use super::plan::{Kernel, Plan, Step};
 use super::tiles::Tile;
 use super::{ForwardError, Input, Output};
-use crate::Scaling;
 use deepshade_shaders::gpu::{self, BoundPass};
-use deepshade_shaders::wgsl::convolution::FIRST_TEXTURE;
 use deepshade_shaders::wgsl::uniforms::NetLayer;
 use wgpu::BindingResource;
 
@@ -29,6 +27,7 @@ impl Recording {
         input.check(&plan.spec, plan.kinds.0, plan.size)?;
         output.check(&plan.spec, plan.kinds.1, plan.size)?;
         let layers = plan.spec.layers();
+        let made = plan.filter.as_ref().map_or(output, |(_, room)| Output::Buffer(&room.kernels));
         let mut dispatches = Vec::new();
         for (tile, step) in plan.tiles.iter().flat_map(|tile| plan.steps.iter().map(move |step| (tile, step)))
         {
@@ -38,10 +37,15 @@ impl Recording {
                     let uniform = uniform(step, tile, input);
                     let label = format!("net.{}", layers[step.layer].name);
                     let uniform = gpu::uniform(&plan.device, &label, &uniform)?;
-                    plan.bound(&layers, step, &uniform, callers(step, input, output))?
+                    plan.bound(&layers, step, &uniform, callers(step, input, made))?
                 }
             };
             dispatches.push(Dispatch { layer: step.layer, kernel, workgroups: step.workgroups });
+        }
+        if let Some((passes, room)) = &plan.filter {
+            let layer = layers.len() - 1;
+            let bound = passes.bind(&plan.device, room, input, output)?.into_iter();
+            dispatches.extend(bound.map(|(kernel, workgroups)| Dispatch { layer, kernel, workgroups }));
         }
         Ok(Self { dispatches })
     }
@@ -69,10 +73,7 @@ fn encode<'a>(dispatches: impl Iterator<Item = &'a Dispatch>, encoder: &mut wgpu
 fn uniform(step: &Step, tile: &Tile, input: Input<'_>) -> NetLayer {
     let [top, left] = tile.origin.map(|at| at as u32);
     let [rows, columns] = &tile.keep;
-    let (scaling, run) = match input {
-        Input::Buffer(_) => (Scaling { length: 1.0, light: 1.0 }, 0),
-        Input::Textures { scaling, run, .. } => (scaling, run as u32),
-    };
+    let (scaling, run) = input.scaling();
     NetLayer {
         length_scale: scaling.length,
         light_scale: scaling.light,
@@ -87,20 +88,11 @@ fn uniform(step: &Step, tile: &Tile, input: Input<'_>) -> NetLayer {
     }
 }
 
-/// What a step binds of the caller's.
-fn callers<'a>(step: &Step, input: Input<'a>, output: Output<'a>) -> Vec<(u32, BindingResource<'a>)> {
-    let mut resources = Vec::new();
-    match input {
-        _ if !step.callers[0] => {}
-        Input::Buffer(buffer) => resources.push((4, buffer.as_entire_binding())),
-        Input::Textures { views, .. } => {
-            resources.extend((FIRST_TEXTURE..).zip(views.iter().map(BindingResource::TextureView)));
-        }
-    }
-    match output {
-        _ if !step.callers[1] => {}
-        Output::Buffer(buffer) => resources.push((3, buffer.as_entire_binding())),
-        Output::Texture(view) => resources.push((3, BindingResource::TextureView(view))),
+/// What a step binds of the caller's; `made` is where the last convolution writes.
+fn callers<'a>(step: &Step, input: Input<'a>, made: Output<'a>) -> Vec<(u32, BindingResource<'a>)> {
+    let mut resources = if step.callers[0] { input.bindings() } else { Vec::new() };
+    if step.callers[1] {
+        resources.push((3, made.binding()));
     }
     resources
 }

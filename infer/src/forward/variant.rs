@@ -85,7 +85,8 @@ pub fn shapes(spec: &NetSpec, index: usize, output: OutputKind, room: u32) -> Ve
 
 /// Outputs that an invocation may make of a layer.
 fn outputs_at_once(spec: &NetSpec, layer: &Layer, output: OutputKind) -> Vec<u32> {
-    let channels = spec.output_channels();
+    let channels = spec.last_channels();
+    let output = if spec.filter.is_some() { OutputKind::Buffer } else { output };
     match (layer.activation, output) {
         (true, _) => {
             let of_group = (layer.outputs / layer.groups) as u32;

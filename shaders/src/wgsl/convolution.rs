@@ -4,6 +4,7 @@
 //! A kernel is a prelude of constants, how it stages, how it reads, how many outputs it makes at a time and where it
 //! writes them, joined as text.
 
+use super::filter::target;
 use super::uniforms::NetLayer;
 use std::fmt::Write;
 
@@ -157,8 +158,7 @@ impl Convolution {
         let scalar = if self.half { "f16" } else { "f32" };
         writeln!(prelude, "alias Texel = vec4<{scalar}>;").expect("writing to a string");
         if let Writing::Texture(format) = self.writing {
-            writeln!(prelude, "alias Target = texture_storage_2d<{format}, write>;")
-                .expect("writing to a string");
+            prelude.push_str(&target(format));
         }
         prelude + &NetLayer::LAYOUT.declaration()
     }
@@ -181,14 +181,19 @@ impl Convolution {
 impl Reading {
     fn source(&self) -> String {
         let parts = match self {
-            Self::Planes => vec![file!("shared/net_planes").to_owned(), file!("shared/net_input").to_owned()],
-            Self::Textures(textures) => {
-                vec![texture_channels(textures), file!("shared/net_input").to_owned()]
-            }
+            Self::Planes | Self::Textures(_) => vec![self.input(), file!("shared/net_input").to_owned()],
             Self::Map => vec![file!("convolution/read_map").to_owned()],
             Self::Joined => return file!("convolution/read_joined").to_owned(),
         };
         [parts, vec![file!("convolution/single").to_owned()]].concat().join("\n")
+    }
+
+    /// `input_channels`, four channels of a pixel of the network's input: from textures or, else, from planes.
+    pub(super) fn input(&self) -> String {
+        match self {
+            Self::Textures(textures) => texture_channels(textures),
+            _ => file!("shared/net_planes").to_owned(),
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! A model's card: what it was made from, how good it is, what it is not good for.
 
 use crate::TrainConfig;
-use deepshade_infer::{NetSpec, Scaling};
+use deepshade_infer::{Filter, NetSpec, Scaling};
 use deepshade_shaders::Channel;
 use std::fmt::Write;
 
@@ -55,6 +55,16 @@ fn scales(spec: &NetSpec) -> String {
     if said.is_empty() { "nothing".to_owned() } else { said.join("; ") }
 }
 
+/// What the last layer makes, in words.
+fn last_layer(spec: &NetSpec) -> String {
+    match spec.filter {
+        None => "makes the image".to_owned(),
+        Some(Filter { levels, kernel }) => {
+            format!("makes weights of the light, {kernel}x{kernel} at each of {levels} resolutions")
+        }
+    }
+}
+
 /// The card as Markdown.
 pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> String {
     let spec = &config.spec;
@@ -63,6 +73,7 @@ pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> Str
         ("Effect", spec.effect.to_string()),
         ("Reads", inputs.join(", ")),
         ("Scaled by", scales(spec)),
+        ("Last layer", last_layer(spec)),
         ("Weights", spec.weight_count().to_string()),
         ("Trained radius", format!("{} (in scaled positions)", spec.reach.radius)),
         (

@@ -2,6 +2,8 @@
 //!
 //! Padding to the network's alignment and cropping back are part of the graph, so that it runs on images of any size.
 
+mod filter;
+
 use super::proto::{
     AttributeProto, Dimension, Extent, FLOAT, GraphProto, INT64, ModelProto, NodeProto, OperatorSetIdProto,
     TensorProto, TensorShapeProto, TensorTypeProto, TypeProto, ValueInfoProto,
@@ -36,7 +38,12 @@ pub fn encode(model: &Model) -> Vec<u8> {
         graph.floats(&format!("{}.bias", layer.name), &[layer.outputs as i64], &weights.bias);
         outputs.push(graph.convolve(spec, layer, &input));
     }
-    graph.crop(outputs.last().expect("a network has a layer"), &size);
+    let last = outputs.last().expect("a network has a layer");
+    let image = match spec.filter {
+        None => last.clone(),
+        Some(filter) => graph.filter(spec, filter, last, &padded),
+    };
+    graph.crop(&image, &size);
     model_proto(spec, graph).encode_to_vec()
 }
 
@@ -112,6 +119,7 @@ impl Graph {
     /// The input continued by its edge to the right and below, to a multiple of `alignment`.
     fn pad(&mut self, size: &str, alignment: usize) -> String {
         self.ints("alignment", &[alignment as i64]);
+        self.ints("axes", &[2, 3]);
         self.ints("no_padding", &[0; 6]);
         let negative = self.node("Neg", "minus_size", &[size], vec![]);
         let missing = self.node("Mod", "missing", &[&negative, "alignment"], vec![]);
@@ -164,7 +172,6 @@ impl Graph {
     /// The graph's output: the image cut to the size of the input.
     fn crop(&mut self, input: &str, size: &str) {
         self.ints("corner", &[0, 0]);
-        self.ints("axes", &[2, 3]);
         self.node("Slice", OUTPUT, &[input, "corner", size, "axes"], vec![]);
     }
 

@@ -1,0 +1,161 @@
+//! A last layer that predicts kernels: the last convolution makes weights, and the image is the sum that they weight of the
+//! light that the network reads (Bako et al. 2017, "Kernel-predicting convolutional networks for denoising Monte Carlo
+//! renderings"; over several resolutions after Vogels et al. 2018, "Denoising with kernel prediction and asymmetric loss
+//! functions").
+//!
+//! What every form of a network computes, for an image of any size:
+//!
+//! - Level 0 of the pyramid is the light, continued at bottom and right by its last row and column up to a multiple of
+//!   [`NetSpec::alignment`], as the convolutions read it. Level l has the means of 2x2 pixels of level l - 1.
+//! - A level is read bilinearly between the centres of its pixels, and beyond its edge as at the edge. Pixel x of the image
+//!   lies at `(x + 0.5) / 2^l - 0.5` of level l, and the taps of a kernel are one pixel of the level apart.
+//! - A pixel's weights are the softmax of what the last convolution makes there: level by level, each level's kernel row by
+//!   row. All colour channels that a run makes have the same weights.
+
+use crate::{Colour, NetSpec, SpecError};
+use deepshade_shaders::{Attribute, Planes};
+use serde::{Deserialize, Serialize};
+
+/// Which pixels of the light an image is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Filter {
+    /// Levels of the pyramid; at most those of the network.
+    pub levels: usize,
+    /// Width and height of the kernel on every level; odd.
+    pub kernel: usize,
+}
+
+/// A pixel of the pyramid that an image's pixel is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tap {
+    /// Level of the pyramid.
+    pub level: usize,
+    /// Rows and columns of the level from where the image's pixel lies.
+    pub offset: [isize; 2],
+}
+
+impl Filter {
+    /// Number of weights that a pixel has.
+    pub const fn tap_count(&self) -> usize {
+        self.levels * self.kernel * self.kernel
+    }
+
+    /// The taps in the order of their weights.
+    pub fn taps(&self) -> impl Iterator<Item = Tap> + use<> {
+        let radius = (self.kernel / 2) as isize;
+        let offsets = move || (-radius..=radius).flat_map(move |y| (-radius..=radius).map(move |x| [y, x]));
+        (0..self.levels).flat_map(move |level| offsets().map(move |offset| Tap { level, offset }))
+    }
+}
+
+impl NetSpec {
+    /// The same network with a last layer that predicts kernels, for all colours at once: of one pixel on every level, or of
+    /// 5x5 pixels where there is one level only. None where the network reads no light.
+    pub fn predicting_kernels(&self) -> Option<Self> {
+        let kernel = if self.levels == 1 { 5 } else { 1 };
+        let filter = Some(Filter { levels: self.levels, kernel });
+        let spec = Self { filter, colour: Colour::Rgb, ..self.clone() };
+        spec.validate().is_ok().then_some(spec)
+    }
+
+    /// Which of the channels that a run reads are light, in their order.
+    pub fn light_channels(&self) -> Vec<usize> {
+        let mut lights = Vec::new();
+        let mut read = 0;
+        for attribute in &self.inputs {
+            let width = self.width(*attribute);
+            if *attribute == Attribute::Light {
+                lights.extend(read..read + width);
+            }
+            read += width;
+        }
+        lights
+    }
+
+    /// The light of a run's input, `[light channels, height, width]`.
+    pub fn light(&self, input: &Planes) -> Planes {
+        let lights = self.light_channels();
+        let data = lights.iter().flat_map(|channel| input.plane(*channel)).copied().collect();
+        Planes::from_data(lights.len(), input.height(), input.width(), data)
+    }
+
+    /// Whether the network has the light that its filter reads, and the levels.
+    pub(crate) fn validate_filter(&self) -> Result<(), SpecError> {
+        let Some(Filter { levels, kernel }) = self.filter else { return Ok(()) };
+        let range =
+            |name, found: usize, allowed| SpecError::Range { name, found: found.to_string(), allowed };
+        if !(1..=self.levels).contains(&levels) {
+            return Err(range("filter.levels", levels, "1 to `levels`"));
+        }
+        if !matches!(kernel, 1 | 3 | 5 | 7) {
+            return Err(range("filter.kernel", kernel, "1, 3, 5 or 7"));
+        }
+        let (lights, channels) = (self.light_channels().len(), self.output_channels());
+        if lights == channels { Ok(()) } else { Err(SpecError::Light { lights, channels }) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{ChannelOrder, Reach};
+    use deepshade_shaders::Effect;
+
+    const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+
+    fn published(effect: Effect) -> NetSpec {
+        NetSpec::published(effect, ChannelOrder::Interleaved, REACH).expect("the paper has one")
+    }
+
+    #[test]
+    fn taps_go_level_by_level_and_row_by_row() {
+        let filter = Filter { levels: 2, kernel: 3 };
+        let taps: Vec<Tap> = filter.taps().collect();
+        assert_eq!(taps.len(), filter.tap_count());
+        assert_eq!(taps[1], Tap { level: 0, offset: [-1, 0] });
+        assert_eq!(taps[4], Tap { level: 0, offset: [0, 0] });
+        assert_eq!(taps[9 + 5], Tap { level: 1, offset: [0, 1] });
+    }
+
+    #[test]
+    fn the_light_is_what_the_image_is_of() {
+        let channels = |effect| published(effect).light_channels();
+        assert_eq!((channels(Effect::Dof), channels(Effect::Multi)), (vec![2], vec![8, 9, 10]));
+        assert!(channels(Effect::Ao).is_empty());
+        let input = Planes::from_fn(3, 1, 2, |c, _, x| (10 * c + x) as f32);
+        assert_eq!(published(Effect::Dof).light(&input).data(), [20.0, 21.0]);
+    }
+
+    #[test]
+    fn the_last_layer_makes_a_weight_a_tap() {
+        let dof = published(Effect::Dof);
+        let filter = Some(Filter { levels: 5, kernel: 3 });
+        let spec = NetSpec { filter, ..dof.clone() };
+        assert_eq!(spec.validate(), Ok(()));
+        assert_eq!(spec.weight_count() - dof.weight_count(), 44 * (48 * 9 + 1));
+        assert_eq!((spec.output_channels(), spec.runs()), (1, 3));
+    }
+
+    #[test]
+    fn networks_that_read_light_can_predict_kernels() {
+        let taps = |effect| {
+            published(effect).predicting_kernels().and_then(|spec| spec.filter).map(|f| f.tap_count())
+        };
+        assert_eq!((taps(Effect::Dof), taps(Effect::Aa), taps(Effect::Gi)), (Some(5), Some(25), None));
+        let dof = published(Effect::Dof).predicting_kernels().expect("it reads light");
+        assert_eq!((dof.input_channels(), dof.last_channels(), dof.runs()), (5, 5, 1));
+    }
+
+    #[test]
+    fn a_filter_of_what_is_not_there_is_named() {
+        let filtered = |effect, levels, kernel| {
+            let filter = Some(Filter { levels, kernel });
+            let spec = NetSpec { filter, ..published(effect) };
+            spec.validate().expect_err("it cannot be").to_string()
+        };
+        assert!(filtered(Effect::Dof, 6, 1).starts_with("`filter.levels` is 6"));
+        assert!(filtered(Effect::Dof, 5, 2).starts_with("`filter.kernel` is 2"));
+        assert!(filtered(Effect::Ao, 5, 1).contains("0 channels of light"));
+    }
+}

@@ -1,0 +1,105 @@
+//! What the field learned since the thesis, each as an option of the same network on the same data: first weights that pass
+//! the light on, and a last layer that predicts kernels.
+
+use super::exam::SIMILARITY;
+use super::lab::{Lab, scores};
+use super::plot::{Line, Plot};
+use super::table::{Row, Table};
+use anyhow::{Context, Result, ensure};
+use deepshade_dataset::Vary;
+use deepshade_dataset::vary::Textures;
+use deepshade_infer::{Cost, Filter, NetSpec};
+use deepshade_shaders::Effect;
+use deepshade_train::TrainConfig;
+
+/// Effects whose image is a filter of the light that the network reads.
+const EFFECTS: [Effect; 4] = [Effect::Dof, Effect::MotionBlur, Effect::Sss, Effect::Aa];
+
+/// A network to be compared.
+struct Choice {
+    /// What its run and its figure are called.
+    name: String,
+    label: String,
+    settings: TrainConfig,
+}
+
+/// Trains a network with each option.
+///
+/// # Errors
+/// If data, training or testing fail.
+pub fn run(lab: &Lab, effect: Effect) -> Result<Table> {
+    let name = format!("options-{effect}");
+    let [recipe, test_recipe] = lab.recipes_of(effect, vary(effect)?);
+    let exam = lab.exam(&name, &test_recipe)?;
+    let settings = lab.settings(&lab.data(&name, &recipe)?)?;
+    let (mut rows, mut lines) = (Vec::new(), Vec::new());
+    for Choice { name: option, label, settings } in choices(lab, &settings)? {
+        let network = lab.network(&format!("{name}-{option}"), &settings)?;
+        let (scores, cost) = (scores(&exam, &network)?, multiply_adds(&settings.spec));
+        lines.push(Line::dotted(&label, vec![(cost, scores.dssim())]));
+        let values = [&scores.similarity()[..], &[scores.l1, scores.flip, cost, network.seconds]].concat();
+        rows.push(Row::new(format!("ssim_{}", option.replace('-', "_")), label, &values));
+    }
+    let trivial = exam.trivial()?;
+    let values = [&trivial.similarity()[..], &[trivial.l1, trivial.flip, 0.0]].concat();
+    rows.push(Row::new("ssim_trivial", "nothing: the light as it is", &values));
+    let more = [("L1", 4), ("FLIP", 4), ("multiply-adds a pixel", 0), ("training s", 1)];
+    Ok(Table {
+        title: "What was learned since, as options of a network that filters light",
+        rows_are: "network",
+        columns: [&SIMILARITY[..], &more].concat(),
+        rows,
+        plot: Plot {
+            x: "multiply-adds a pixel of the image, all colours",
+            is_logarithmic: true,
+            y: "DSSIM on test scenes",
+            lines,
+            level: None,
+        },
+    })
+}
+
+/// What the effect's own recipes vary.
+fn vary(effect: Effect) -> Result<Vary> {
+    ensure!(EFFECTS.contains(&effect), "`options` is for {EFFECTS:?}, whose image is a filter of light");
+    Ok(Vary {
+        materials: true,
+        textures: Some(Textures::Procedural(64)),
+        light: true,
+        lens: (effect == Effect::Dof).then_some([1.0, 12.0]),
+        motion: (effect == Effect::MotionBlur).then_some([1.0, 24.0]),
+        mean_free_path: (effect == Effect::Sss).then_some([0.001, 0.02]),
+        ..Vary::default()
+    })
+}
+
+/// The paper's network and those that differ from it in one thing.
+fn choices(lab: &Lab, paper: &TrainConfig) -> Result<Vec<Choice>> {
+    let choice = |name: &str, label: &str, spec: NetSpec| Choice {
+        name: name.to_owned(),
+        label: label.to_owned(),
+        settings: TrainConfig { spec, ..paper.clone() },
+    };
+    let spec = &paper.spec;
+    let mut random = choice("random", "the paper's, random first weights", spec.clone());
+    random.settings.start = Some(lab.random_start(paper)?);
+    let mut choices = vec![random, choice("paper", "the paper's, begun as the identity", spec.clone())];
+    for (kernel, levels) in [(1, spec.levels), (3, spec.levels), (5, 1)] {
+        let filter = Filter { levels, kernel };
+        let label = format!("kernels of {kernel}x{kernel} on {levels} level(s)");
+        if filter.tap_count() > 1 {
+            let spec = NetSpec { filter: Some(filter), ..spec.clone() };
+            choices.push(choice(&format!("kernel{kernel}-of{levels}"), &label, spec));
+        }
+    }
+    let all_colours = spec.predicting_kernels().context("a network that filters light")?;
+    choices.push(choice("kernels-rgb", "kernels, all colours at once", all_colours));
+    Ok(choices)
+}
+
+/// Multiply-adds a pixel of the effect's image, of all runs.
+fn multiply_adds(spec: &NetSpec) -> f64 {
+    const EDGE: usize = 256;
+    let cost: Cost = spec.costs(EDGE, EDGE).into_iter().sum();
+    (cost.multiply_adds * spec.runs() as u64) as f64 / (EDGE * EDGE) as f64
+}
