@@ -1,19 +1,28 @@
 //! What the field learned since the thesis, each as an option of the same network on the same data: first weights that pass
-//! the light on, and a last layer that predicts kernels.
+//! the light on, a last layer that predicts kernels, a stem that works at half the resolution, masked convolutions.
 
 use super::exam::SIMILARITY;
 use super::lab::{Lab, scores};
 use super::plot::{Line, Plot};
 use super::table::{Row, Table};
 use anyhow::{Context, Result, ensure};
-use deepshade_dataset::Vary;
 use deepshade_dataset::vary::Textures;
+use deepshade_dataset::{Dataset, Vary};
 use deepshade_infer::{Cost, Filter, NetSpec};
-use deepshade_shaders::Effect;
+use deepshade_shaders::{Effect, GBuffer, Planes};
 use deepshade_train::TrainConfig;
+use deepshade_train::options::{Kind, Variant};
+use std::sync::Arc;
+use std::time::Instant;
 
 /// Effects whose image is a filter of the light that the network reads.
 const EFFECTS: [Effect; 4] = [Effect::Dof, Effect::MotionBlur, Effect::Sss, Effect::Aa];
+
+/// Networks of other shapes than a spec can say.
+const KINDS: [(Kind, &str, &str); 2] = [
+    (Kind::SpaceToDepth, "space-to-depth", "the paper's at half the resolution, space to depth"),
+    (Kind::Masked, "masked", "the paper's, masked convolutions"),
+];
 
 /// A network to be compared.
 struct Choice {
@@ -38,6 +47,18 @@ pub fn run(lab: &Lab, effect: Effect) -> Result<Table> {
         let (scores, cost) = (scores(&exam, &network)?, multiply_adds(&settings.spec));
         lines.push(Line::dotted(&label, vec![(cost, scores.dssim())]));
         let values = [&scores.similarity()[..], &[scores.l1, scores.flip, cost, network.seconds]].concat();
+        rows.push(Row::new(format!("ssim_{}", option.replace('-', "_")), label, &values));
+    }
+    for (kind, option, label) in KINDS {
+        note!("network `{name}-{option}`: {} steps", settings.steps);
+        let start = Instant::now();
+        let source = Arc::new(Dataset::open(&settings.dataset)?);
+        let network = Variant::train(kind, &settings, source)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let scores = exam.scores(|gbuffer, radius| image(&network, &settings.spec, gbuffer, radius))?;
+        let cost = kind.multiply_adds(&settings.spec) * settings.spec.runs() as f64;
+        lines.push(Line::dotted(label, vec![(cost, scores.dssim())]));
+        let values = [&scores.similarity()[..], &[scores.l1, scores.flip, cost, seconds]].concat();
         rows.push(Row::new(format!("ssim_{}", option.replace('-', "_")), label, &values));
     }
     let trivial = exam.trivial()?;
@@ -95,6 +116,16 @@ fn choices(lab: &Lab, paper: &TrainConfig) -> Result<Vec<Choice>> {
     let all_colours = spec.predicting_kernels().context("a network that filters light")?;
     choices.push(choice("kernels-rgb", "kernels, all colours at once", all_colours));
     Ok(choices)
+}
+
+/// What a network of another shape makes of a g-buffer.
+fn image(network: &Variant, spec: &NetSpec, gbuffer: &GBuffer, radius: f32) -> Result<Planes> {
+    let (scaling, seen) = (spec.scaling(gbuffer, radius)?, gbuffer.seen()?);
+    let run = |run| Ok(network.image(&spec.input(gbuffer, scaling, run)?, &seen));
+    let runs = (0..spec.runs()).map(run).collect::<Result<Vec<_>>>()?;
+    let mut image = spec.image(&runs, scaling);
+    spec.set_background(gbuffer, &mut image)?;
+    Ok(image)
 }
 
 /// Multiply-adds a pixel of the effect's image, of all runs.

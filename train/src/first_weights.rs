@@ -2,7 +2,7 @@
 
 use crate::rng::{Purpose, Rng};
 use deepshade_infer::weights::LayerWeights;
-use deepshade_infer::{NetSpec, Source, Weights};
+use deepshade_infer::{Layer, NetSpec, Source, Weights};
 
 /// Weights of the layer that makes the image, over those of other layers.
 const IMAGE_SCALE: f64 = 0.01;
@@ -13,17 +13,27 @@ const IMAGE_SCALE: f64 = 0.01;
 /// filters light starts with the image that it is given. Where kernels are predicted all weights are random: a softmax that
 /// starts near that image, with one weight far above all others, has no gradient by which to leave it.
 pub fn first_weights(spec: &NetSpec, seed: u64) -> Weights {
-    let mut weights = random_weights(spec, seed);
+    of_layers(spec, &spec.layers(), &spec.light_channels(), seed)
+}
+
+/// As [`first_weights`], for layers that differ from those of the spec in their numbers of channels, the first of which reads
+/// the light in these channels.
+pub(crate) fn of_layers(spec: &NetSpec, layers: &[Layer], lights: &[usize], seed: u64) -> Weights {
+    let mut weights = random(spec, layers, seed);
     if spec.effect.filters_light() && spec.filter.is_none() {
-        pass_light(spec, &mut weights);
+        pass_light(layers, spec.kernel, lights, &mut weights);
     }
     weights
 }
 
 /// As [`first_weights`], without the image that a network is given.
 pub fn random_weights(spec: &NetSpec, seed: u64) -> Weights {
+    random(spec, &spec.layers(), seed)
+}
+
+fn random(spec: &NetSpec, layers: &[Layer], seed: u64) -> Weights {
     let area = spec.kernel * spec.kernel;
-    let layers = spec.layers().into_iter().enumerate().map(|(index, layer)| {
+    let layers = layers.iter().enumerate().map(|(index, layer)| {
         let fan_in = (layer.inputs / layer.groups * area) as f64;
         let (scale, bias) = if layer.activation || spec.filter.is_some() {
             (1.0, 0.0)
@@ -41,23 +51,21 @@ pub fn random_weights(spec: &NetSpec, seed: u64) -> Weights {
 
 /// Makes the first kernels of the first layer hand on the channels of light, which no activation changes as no light is
 /// negative, and the last layer add them to its image.
-fn pass_light(spec: &NetSpec, weights: &mut Weights) {
-    let layers = spec.layers();
+fn pass_light(layers: &[Layer], kernel: usize, lights: &[usize], weights: &mut Weights) {
     let (Some(first), Some(last), [down, .., up]) = (layers.first(), layers.last(), &mut weights.0[..])
     else {
         return;
     };
-    let lights = spec.light_channels();
     if first.groups != 1 || last.groups != 1 || lights.len() != last.outputs || lights.len() > first.outputs {
         return;
     }
-    let area = spec.kernel * spec.kernel;
+    let area = kernel * kernel;
     // Channels of the first layer, among those that the last one reads.
     let skip = match last.source {
         Source::Joined { .. } => last.inputs - first.outputs,
         _ => 0,
     };
-    for (index, light) in lights.into_iter().enumerate() {
+    for (index, light) in lights.iter().enumerate() {
         let kernel = &mut down.weight[index * first.inputs * area..][..first.inputs * area];
         kernel.fill(0.0);
         kernel[light * area + area / 2] = 1.0;

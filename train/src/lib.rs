@@ -17,8 +17,8 @@ pub mod loss;
 pub mod metrics;
 pub mod net;
 pub mod optim;
+pub mod options;
 mod pairs;
-#[cfg(any(test, feature = "vulkan"))]
 mod plain;
 pub mod regressors;
 mod rng;

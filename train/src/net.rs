@@ -7,7 +7,7 @@ use burn::module::{Module, Param, ParamId};
 use burn::tensor::ops::PadMode;
 use burn::tensor::{Device, Tensor, TensorData};
 use deepshade_infer::weights::LayerWeights;
-use deepshade_infer::{Activation, NetSpec, Source, Weights};
+use deepshade_infer::{Activation, Layer, NetSpec, Source, Weights};
 use deepshade_shaders::Planes;
 
 /// A convolution's weights and biases.
@@ -25,6 +25,8 @@ pub struct UNet {
     convs: Vec<Conv>,
     #[module(skip)]
     spec: NetSpec,
+    #[module(skip)]
+    layers: Vec<Layer>,
 }
 
 impl UNet {
@@ -36,7 +38,16 @@ impl UNet {
     /// A network with these weights, which must [fit](Weights::fit) the spec.
     pub fn from_weights(spec: &NetSpec, weights: &Weights, device: &Device) -> Self {
         debug_assert!(weights.fit(spec), "weights of another spec");
-        let layers = spec.layers();
+        Self::with_layers(spec, spec.layers(), weights, device)
+    }
+
+    /// A network whose layers differ from those of the spec in their numbers of channels.
+    pub(crate) fn with_layers(
+        spec: &NetSpec,
+        layers: Vec<Layer>,
+        weights: &Weights,
+        device: &Device,
+    ) -> Self {
         let convs = layers.iter().zip(&weights.0).enumerate().map(|(index, (layer, weights))| {
             let shape = [layer.outputs, layer.inputs / layer.groups, spec.kernel, spec.kernel];
             let weight = Tensor::from_data(TensorData::new(weights.weight.clone(), shape), device);
@@ -48,7 +59,7 @@ impl UNet {
                 bias: Param::initialized(id(1), bias.set_require_grad(device.is_autodiff())),
             }
         });
-        Self { convs: convs.collect(), spec: spec.clone() }
+        Self { convs: convs.collect(), spec: spec.clone(), layers }
     }
 
     /// The weights as plain arrays.
@@ -59,6 +70,16 @@ impl UNet {
             bias: numbers(conv.bias.val().into_data()),
         };
         Weights(self.convs.iter().map(layer).collect())
+    }
+
+    /// The layers with their weights and biases.
+    pub(crate) fn parts(&self) -> impl Iterator<Item = (&Layer, Tensor<4>, Tensor<1>)> {
+        self.layers.iter().zip(&self.convs).map(|(layer, conv)| (layer, conv.weight.val(), conv.bias.val()))
+    }
+
+    /// The network's spec.
+    pub(crate) const fn spec(&self) -> &NetSpec {
+        &self.spec
     }
 
     /// Images of any size: the input is padded with its edge to a multiple of [`NetSpec::alignment`] to the right
@@ -91,9 +112,9 @@ impl UNet {
     }
 
     /// What every layer makes of images whose height and width are multiples of [`NetSpec::alignment`].
-    fn layers(&self, x: Tensor<4>) -> Vec<Tensor<4>> {
+    pub(crate) fn layers(&self, x: Tensor<4>) -> Vec<Tensor<4>> {
         let mut outputs: Vec<Tensor<4>> = Vec::with_capacity(self.convs.len());
-        for (layer, conv) in self.spec.layers().iter().zip(&self.convs) {
+        for (layer, conv) in self.layers.iter().zip(&self.convs) {
             let leak = if layer.activation { self.spec.leak } else { 1.0 };
             let (weight, bias) = (conv.weight.val(), conv.bias.val());
             let made = |index: usize| outputs[index].clone();

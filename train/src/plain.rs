@@ -13,10 +13,16 @@ pub fn convolve(x: Tensor<4>, weight: Tensor<4>, bias: Tensor<1>, pooled: bool, 
     let groups = x.dims()[1] / inputs;
     let options = ConvOptions::new([1, 1], [kernel / 2; 2], [1, 1], groups);
     let sums = conv2d(x, weight, Some(bias), options);
-    if leak == 1.0 { sums } else { leaky_relu(sums, leak.into()) }
+    if leak == 1.0 { sums } else { leaky(sums, leak) }
+}
+
+/// Leaky ReLU.
+pub fn leaky(x: Tensor<4>, leak: f32) -> Tensor<4> {
+    leaky_relu(x, leak.into())
 }
 
 /// As `kernels::convolve_joined`.
+#[cfg(any(test, feature = "vulkan"))]
 pub fn convolve_joined(
     [coarse, fine]: [Tensor<4>; 2],
     weight: Tensor<4>,
@@ -28,7 +34,7 @@ pub fn convolve_joined(
 }
 
 /// Doubling and concatenation. burn's `interpolate` has no gradient on its GPU backends; slices and blends have.
-fn join(coarse: Tensor<4>, fine: Tensor<4>, groups: usize) -> Tensor<4> {
+pub fn join(coarse: Tensor<4>, fine: Tensor<4>, groups: usize) -> Tensor<4> {
     let doubled = double_along(double_along(coarse, 2), 3);
     let [batch, channels, height, width] = fine.dims();
     let joined = [batch, channels + doubled.dims()[1], height, width];

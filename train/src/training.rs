@@ -74,14 +74,14 @@ pub fn train_on(
 }
 
 /// Which pairs are trained on, and which of those held apart measure it.
-struct Split {
-    training: Vec<usize>,
+pub(crate) struct Split {
+    pub(crate) training: Vec<usize>,
     validation: Vec<usize>,
 }
 
 impl Split {
     /// At most `most` pairs for validation, spread evenly over those that are held apart.
-    fn new(source: &dyn PairSource, most: usize) -> Result<Self, TrainError> {
+    pub(crate) fn new(source: &dyn PairSource, most: usize) -> Result<Self, TrainError> {
         let (training, held) = (source.training(), source.validation());
         if training.is_empty() || held.is_empty() {
             let problem = format!(
