@@ -167,7 +167,7 @@ fn a_plan_runs_again_and_again_with_other_buffers() {
         .expect("runs");
         let image = plan.image(&gpu.queue, &target).expect("reads");
         let expected = reference::forward(&model.spec, &model.weights, &input);
-        let comparison = deepshade_infer::Comparison::new(&expected, &image);
+        let comparison = Comparison::new(&expected, &image);
         assert!(comparison.agrees(), "{comparison:?}");
     }
 }
@@ -238,7 +238,7 @@ fn the_yardstick_is_right_too() {
         let input = noise(6, 21, 34, 1);
         let expected = reference::forward(&model.spec, &model.weights, &input);
         let (image, timing) = forward::naive::run_timed(&gpu, &model, &input, 0, 1).expect("runs");
-        let comparison = deepshade_infer::Comparison::new(&expected, &image);
+        let comparison = Comparison::new(&expected, &image);
         assert!(comparison.agrees() && timing.milliseconds > 0.0, "{comparison:?}");
     }
 }
@@ -253,7 +253,7 @@ fn a_runner_makes_every_images_own_image() {
         let input = noise(6, 21, 34, seed);
         let (image, _) = runner.run_timed(&gpu.queue, &input, 1, 1).expect("runs");
         let expected = reference::forward(&model.spec, &model.weights, &input);
-        let comparison = deepshade_infer::Comparison::new(&expected, &image);
+        let comparison = Comparison::new(&expected, &image);
         assert!(comparison.agrees(), "{seed}: {comparison:?}");
     }
     let error = runner.run_timed(&gpu.queue, &noise(5, 21, 34, 1), 0, 1).expect_err("five channels");
@@ -303,7 +303,7 @@ fn what_cannot_run_is_named() {
     let error = network.plan_within(300, 300, 1000).expect_err("too little");
     assert!(error.to_string().contains("no tile of it has feature maps of at most 1000 bytes"), "{error}");
     let plan = network.plan(16, 16).expect("fits");
-    let small = deepshade_shaders::gpu::empty::<f32>(&gpu.device, "small", 16 * 16).expect("fits");
+    let small = gpu::empty::<f32>(&gpu.device, "small", 16 * 16).expect("fits");
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let error = plan.encode(&mut encoder, &small, &small).expect_err("six channels do not fit");
     assert_eq!(error.to_string(), "`deepshade.net.input`: a buffer of 1024 bytes; 6144 are needed");
