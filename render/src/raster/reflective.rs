@@ -49,7 +49,7 @@ impl ReflectiveMap {
         Ok(Self { image, step, texels })
     }
 
-    /// Says from where the light looks: one of [`Frame::light_views`](super::Frame::light_views), with as many texels as this
+    /// Says from where the light looks: one of [`World::light_views`], with as many texels as this
     /// map has.
     pub fn set(&self, queue: &wgpu::Queue, view: &FrameView) {
         self.image.set(queue, view);

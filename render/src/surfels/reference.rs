@@ -15,7 +15,7 @@ const MOST_A_PATCH: f32 = 4096.0;
 /// How far a surfel's chance has to rise above its threshold until it is as large as it gets, as a share.
 const RISE: f32 = 0.25;
 /// One over the plastic number, and over its square.
-const STRIDE: Vec2 = Vec2::new(0.754_877_67, 0.569_840_29);
+const STRIDE: Vec2 = Vec2::new(0.754_877_7, 0.569_840_3);
 
 /// A disk in camera space.
 #[derive(Clone, Copy, Debug, PartialEq)]

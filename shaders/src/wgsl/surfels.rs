@@ -21,9 +21,6 @@ table! {
     /// The nodes above.
     SURFELS_PARENTS: "surfels.parents", file "surfels/parents", constants [], uniforms [TreeLevel],
         shared ["surfel", "surfel_tree"];
-    /// What is seen in each tile of a level.
-    SURFEL_TILES: "surfel.tiles", file "methods/surfel/tiles", constants [], uniforms [SplatLevel],
-        shared ["random", "surface", "interleaved"];
     /// Ambient occlusion of a level.
     SURFEL_OCCLUSION: "surfel.occlusion", file "methods/surfel/splat", constants [CHANNELS = 1], uniforms [SplatLevel],
         shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree",

@@ -1,14 +1,14 @@
 //! Shading by surfels: deep screen space.
 //!
-//! Nalbach, Ritschel and Seidel, "Deep Screen Space", I3D 2014 (thesis chapter 4). Surfels ([`surfels`](crate::surfels)) stand
+//! Nalbach, Ritschel and Seidel, "Deep Screen Space", I3D 2014 (thesis chapter 4). Surfels ([`crate::surfels`]) stand
 //! for the whole scene; each does to every pixel what a disk of its size does. Near ones do it to every pixel; those
 //! farther away than a threshold epsilon of effect allows do it to one pixel of four, of sixteen and so on, four, sixteen
 //! times as large each: shells around a surfel, splatted to the levels of an interleaved framebuffer ([`shells`]). Levels
 //! are blurred and added up.
 //!
-//! The splatting is turned round: a workgroup takes 8x8 pixels of a sub-buffer and walks a tree over its surfels. What is
-//! summed up is the same as with splats that are blended, always in the same order; there is no list of splats that could
-//! become too long, nothing to shuffle or unshuffle, and a tile's box does what the paper's pyramid of positions does.
+//! The splatting is turned round: a pixel walks a tree over the surfels of its sub-buffer. What is summed up is the same as
+//! with splats that are blended, always in the same order; there is no list of splats that could become too long, nothing to
+//! shuffle or unshuffle, and nothing to cull, since only what reaches the pixel is met.
 //!
 //! Limits. What hides behind something occludes too: two sheets one behind the other occlude twice. A far group of surfels
 //! is taken to look like the one of it that was drawn.
@@ -54,10 +54,10 @@ impl Parameters {
     /// Those of a quality: smaller surfels, and more of their effect on every pixel.
     pub fn of(quality: Quality) -> Self {
         let (scale, threshold) = match quality {
-            Quality::Low => (0.016, 0.2),
-            Quality::Medium => (0.010, 0.1),
-            Quality::High => (0.007, 0.06),
-            Quality::Ultra => (0.005, 0.02),
+            Quality::Low => (0.020, 0.3),
+            Quality::Medium => (0.014, 0.2),
+            Quality::High => (0.010, 0.1),
+            Quality::Ultra => (0.006, 0.05),
         };
         Self {
             surfels: surfels::Parameters { scale, near: 0.25 },

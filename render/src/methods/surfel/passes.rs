@@ -7,7 +7,7 @@ use crate::screen::{Inputs, MethodStep, View};
 use crate::surfels::{Cloud, cloud};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{self, Shader, TILE, uniforms};
+use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
 use deepshade_shaders::{Attribute, Effect};
 
 /// The shaders that make an effect of what all have in common.
@@ -25,7 +25,6 @@ pub struct Shaders {
 #[derive(Clone, Debug)]
 pub struct Passes {
     surfels: crate::surfels::Passes,
-    tiles: Pass,
     splat: Pass,
     blur: Blur,
     add: Pass,
@@ -73,7 +72,6 @@ impl Passes {
         };
         Ok(Self {
             surfels: crate::surfels::Passes::new(device, shaders.leaves)?,
-            tiles: Pass::new(device, wgsl::SURFEL_TILES.name, &wgsl::SURFEL_TILES.source())?,
             splat: with_channels(shaders.splat)?,
             blur: Blur::new(device, effect)?,
             add: with_channels(shaders.add)?,
@@ -128,26 +126,17 @@ impl Passes {
         let gbuffer = inputs.gbuffer;
         let surface = [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
         let [position, normal, valid] = surface;
-        let [columns_of_tiles, rows_of_tiles] = tiles([gbuffer.width(), gbuffer.height()], level);
-        let sub_buffers = 1u32 << (2 * level);
-        let in_lines = (columns_of_tiles * rows_of_tiles * sub_buffers).div_ceil(64);
-        let lines = [in_lines.min(65_535), in_lines.div_ceil(65_535), 1];
-        let tiles = [(0, splat), (1, position), (3, valid)];
         let reads = [
             (0, splat),
             (1, position),
             (2, normal),
             (3, valid),
-            (4, &room.tiles),
-            (5, &cloud.totals),
-            (6, &cloud.surfels),
-            (7, &cloud.nodes),
+            (4, &cloud.totals),
+            (5, &cloud.surfels),
+            (6, &cloud.nodes),
         ];
-        let groups = [columns_of_tiles, rows_of_tiles, sub_buffers];
-        let mut steps = vec![
-            MethodStep::bind_at(device, &self.tiles, lines, &tiles, &[(4, &room.tiles)])?,
-            MethodStep::bind_at(device, &self.splat, groups, &reads, &[(8, &room.sums)])?,
-        ];
+        let groups = groups_of_level([gbuffer.width(), gbuffer.height()], level);
+        let mut steps = vec![MethodStep::bind_at(device, &self.splat, groups, &reads, &[(7, &room.sums)])?];
         steps.extend(self.blur.steps_between(
             device,
             gbuffer,
@@ -161,15 +150,14 @@ impl Passes {
     }
 }
 
-/// Columns and rows of tiles of a level's sub-buffers.
-fn tiles(size: [usize; 2], level: usize) -> [u32; 2] {
-    size.map(|pixels| (pixels as u32).div_ceil(1 << level).div_ceil(shells::SUB_TILE))
+/// Workgroups that cover the sub-buffers of a level: columns, rows, sub-buffers.
+fn groups_of_level(size: [usize; 2], level: usize) -> [u32; 3] {
+    let [columns, rows] = size.map(|pixels| (pixels as u32).div_ceil(1 << level).div_ceil(TILE));
+    [columns, rows, 1 << (2 * level)]
 }
 
 /// What lies between the passes; every level uses it again.
 struct Room {
-    /// `[tiles, 8]`.
-    tiles: wgpu::Buffer,
     /// `[channels, height, width]`.
     sums: wgpu::Buffer,
     /// `[channels, height, width]`.
@@ -179,13 +167,7 @@ struct Room {
 impl Room {
     fn new(device: &wgpu::Device, inputs: &Inputs<'_>, channels: usize) -> Result<Self, GpuError> {
         let (height, width) = (inputs.gbuffer.height(), inputs.gbuffer.width());
-        let on_level = |level: usize| tiles([width, height], level).iter().product::<u32>() << (2 * level);
-        let most = (0..super::MOST_LEVELS as usize).map(on_level).max().unwrap_or(0);
         let image = |label: &str| gpu::empty::<f32>(device, label, channels * height * width);
-        Ok(Self {
-            tiles: gpu::empty::<[f32; 8]>(device, "surfel.tiles", most as usize)?,
-            sums: image("surfel.sums")?,
-            half_blurred: image("surfel.half_blurred")?,
-        })
+        Ok(Self { sums: image("surfel.sums")?, half_blurred: image("surfel.half_blurred")? })
     }
 }

@@ -6,21 +6,15 @@ use deepshade_shaders::random::hash;
 use deepshade_shaders::wgsl::uniforms;
 use glam::UVec2;
 
-/// Pixels of a workgroup's edge in a sub-buffer.
-pub const SUB_TILE: u32 = 8;
-
 /// What the passes of a level read. A surfel does something up to `reach` times its radius (its effect distance) as it is;
 /// on level l it stands for 4^l, so its radius and with it the shell are 2^l times as large.
 pub fn level(parameters: &Parameters, reach: f32, level: u32, view: &View) -> uniforms::SplatLevel {
-    let sub_buffer = |pixels: usize| (pixels as u32).div_ceil(1 << level).div_ceil(SUB_TILE);
     let enlarged = (1u32 << level) as f32;
     uniforms::SplatLevel {
         width: view.width as u32,
         height: view.height as u32,
         level,
         seed: view.seed,
-        tile_columns: sub_buffer(view.width),
-        tile_rows: sub_buffer(view.height),
         last: u32::from(level + 1 == parameters.levels),
         nearest: if level == 0 { 0.0 } else { 0.5 * enlarged * reach },
         farthest: enlarged * reach,

@@ -31,10 +31,6 @@ uniforms! {
         level: u32,
         /// Chooses which pixel is in which sub-buffer.
         seed: u32,
-        /// Tiles in a row of a sub-buffer.
-        tile_columns: u32,
-        /// Rows of them.
-        tile_rows: u32,
         /// 1 on the last level, whose shell has no outer end but the effect's.
         last: u32,
         /// Where the shell begins, over a surfel's effect distance.

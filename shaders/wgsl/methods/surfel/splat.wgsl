@@ -1,14 +1,19 @@
 // Shell splatting (thesis 4.2.2) of one level, turned round: each pixel of a sub-buffer adds up what the surfels do to it that
 // this sub-buffer gets, one of 4^l, 4^l times as large, and in whose shell it is. A tree over the surfels leaves out those that
-// reach no pixel of the tile, so the work is that of splats, without blending, in an order that is always the same.
+// do not reach it, so the work is that of splats, without blending, in an order that is always the same.
 
 @group(0) @binding(0) var<uniform> level: SplatLevel;
-@group(0) @binding(4) var<storage, read> tiles: array<array<vec4f, 2>>;
-@group(0) @binding(5) var<storage, read> totals: Totals;
-@group(0) @binding(6) var<storage, read> surfels: array<Surfel>;
-@group(0) @binding(7) var<storage, read> nodes: array<Node>;
+@group(0) @binding(4) var<storage, read> totals: Totals;
+@group(0) @binding(5) var<storage, read> surfels: array<Surfel>;
+@group(0) @binding(6) var<storage, read> nodes: array<Node>;
 // [CHANNELS, height, width]
-@group(0) @binding(8) var<storage, read_write> sums: array<f32>;
+@group(0) @binding(7) var<storage, read_write> sums: array<f32>;
+
+// A place in the walk through the tree, from left to right.
+struct Walk {
+    height: u32,
+    index: u32,
+}
 
 // How far surfels of a node, or one alone, do something on this level.
 fn outer(distance: f32) -> f32 {
@@ -18,17 +23,31 @@ fn outer(distance: f32) -> f32 {
     return min(level.reach, distance * level.farthest);
 }
 
-// Squared distance of two boxes.
-fn apart(tile: array<vec4f, 2>, node: Node) -> f32 {
-    let gap = max(max(tile[0].xyz - node.high.xyz, node.low.xyz - tile[1].xyz), vec3f(0.0));
-    return dot(gap, gap);
+// Whether a surfel below a node may do something at a point.
+fn reaches(node: Node, position: vec3f) -> bool {
+    let gap = max(max(position - node.high.xyz, node.low.xyz - position), vec3f(0.0));
+    let reach = outer(node.low.w);
+    return dot(gap, gap) <= reach * reach;
 }
 
-@compute @workgroup_size(SUB_TILE, SUB_TILE)
+// The next node that is not below this one.
+fn after(walk: Walk) -> Walk {
+    var next = Walk(walk.height, walk.index + 1u);
+    while (next.index & 3u) == 0u && next.height < HEIGHT {
+        next = Walk(next.height + 1u, next.index >> 2u);
+    }
+    return next;
+}
+
+// Whether there are surfels at or after a place.
+fn goes_on(walk: Walk) -> bool {
+    return (walk.height < HEIGHT || walk.index == 0u) && first_surfel(walk.height, walk.index) < totals.kept;
+}
+
+@compute @workgroup_size(TILE, TILE)
 fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
     let sub_buffer = group.z;
-    let tile = tiles[(sub_buffer * level.tile_rows + group.y) * level.tile_columns + group.x];
-    let pixel = interleaved_pixel(sub_buffer, group.xy * SUB_TILE + local.xy, level.level, level.seed);
+    let pixel = interleaved_pixel(sub_buffer, group.xy * TILE + local.xy, level.level, level.seed);
     if any(pixel >= vec2u(level.width, level.height)) {
         return;
     }
@@ -39,45 +58,38 @@ fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
         let position = surface_position(at, pixels);
         let normal = surface_normal(at, pixels);
         let leaves = bounded(level.level, pixel);
-        var height = HEIGHT;
-        var index = 0u;
-        loop {
-            if first_surfel(height, index) >= totals.kept {
-                break;
-            }
-            let node = nodes[node_index(height, index)];
-            let reach = outer(node.low.w);
-            if apart(tile, node) <= reach * reach {
-                if height > leaves {
-                    height -= 1u;
-                    index *= 4u;
-                    continue;
-                }
-                let first = first_surfel(height, index) + sub_buffer;
-                for (var i = 0u; i < LEAF; i++) {
-                    let which = first + (i << (2u * leaves));
-                    if which >= totals.kept {
-                        break;
-                    }
-                    let surfel = surfels[which];
-                    let way = surfel.place.xyz - position;
-                    let squared = dot(way, way);
-                    let distance = effect_distance(surfel);
-                    let inner = distance * level.nearest;
-                    let farthest = outer(distance);
-                    if squared >= inner * inner && squared < farthest * farthest {
-                        sum = added(sum, surfel, surfel.place.w * level.enlarged, way, squared, normal);
-                    }
+        var walk = Walk(HEIGHT, 0u);
+        while goes_on(walk) {
+            // To the next leaf, so that all invocations of a workgroup look at leaves together.
+            while goes_on(walk) {
+                if !reaches(nodes[node_index(walk.height, walk.index)], position) {
+                    walk = after(walk);
+                } else if walk.height > leaves {
+                    walk = Walk(walk.height - 1u, 4u * walk.index);
+                } else {
+                    break;
                 }
             }
-            index += 1u;
-            while (index & 3u) == 0u && height < HEIGHT {
-                index >>= 2u;
-                height += 1u;
-            }
-            if height == HEIGHT {
+            if !goes_on(walk) {
                 break;
             }
+            let first = first_surfel(walk.height, walk.index) + sub_buffer;
+            for (var i = 0u; i < LEAF; i++) {
+                let which = first + (i << (2u * leaves));
+                if which >= totals.kept {
+                    break;
+                }
+                let surfel = surfels[which];
+                let way = surfel.place.xyz - position;
+                let squared = dot(way, way);
+                let distance = effect_distance(surfel);
+                let inner = distance * level.nearest;
+                let farthest = outer(distance);
+                if squared >= inner * inner && squared < farthest * farthest {
+                    sum = added(sum, surfel, surfel.place.w * level.enlarged, way, squared, normal);
+                }
+            }
+            walk = after(walk);
         }
     }
     write_sum(sum, at, pixels);
