@@ -64,7 +64,10 @@ pub fn run(args: &Args) -> Result<()> {
     check_folder(&args.out)?;
     let gpu = Gpu::new()?;
     let model = Model::load(&args.model)?;
-    note!("1. {} beside gtao, hbao and truth, on scenes of families it was not trained on", args.model.display());
+    note!(
+        "1. {} beside gtao, hbao and truth, on scenes of families it was not trained on",
+        args.model.display()
+    );
     let comparison = compare_on_test_scenes(args, &gpu, &model)?;
     let page = comparison.write(&args.out)?;
     let mut figures = Figures::new("demo");
