@@ -156,14 +156,6 @@ pub fn open(effect: Effect, names: &[&str], setup: Setup<'_>) -> Result<Vec<Box<
         .collect()
 }
 
-/// Opens all methods of an effect.
-///
-/// # Errors
-/// As [`open`].
-pub fn open_all(effect: Effect, setup: Setup<'_>) -> Result<Vec<Box<dyn Method>>> {
-    open(effect, &names_of(effect), setup)
-}
-
 /// Whether an effect has all of these methods, each named once.
 ///
 /// # Errors
@@ -227,7 +219,7 @@ mod tests {
         let model = Model { weights: Weights::random(&spec, 1), spec };
         let names = names_of(Effect::Ao);
         let setup = Setup { gpu: &gpu, model: Some(&model), quality: Quality::High };
-        let methods = open_all(Effect::Ao, setup).expect("methods");
+        let methods = open(Effect::Ao, &names, setup).expect("methods");
         let opened: Vec<&str> = methods.iter().map(|method| method.name()).collect();
         assert_eq!(opened, names[..names.len() - 1]);
 
