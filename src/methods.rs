@@ -60,7 +60,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 21] = [
+const ALL: [Entry; 22] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -86,6 +86,10 @@ const ALL: [Entry; 21] = [
     }),
     screen(Effect::Gi, "ssgi", |gpu, quality| {
         Ok(Box::new(ssgi::Ssgi::new(gpu, ssgi::Parameters::of(quality))?))
+    }),
+    screen(Effect::Gi, "surfel", |gpu, quality| {
+        let parameters = surfel::Parameters::of(quality);
+        Ok(Box::new(surfel::indirect::SurfelIndirect::new(gpu, surfel::indirect::Indirect(parameters))?))
     }),
     screen(Effect::Ibl, "prefiltered", |gpu, quality| {
         Ok(Box::new(prefiltered::Prefiltered::new(gpu, prefiltered::Parameters::of(quality))?))

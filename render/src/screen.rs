@@ -15,6 +15,7 @@ pub use gbuffer::GpuGBuffer;
 pub use plan::{MethodStep, Plan, Step, Workgroups};
 pub use reprojection::Reprojection;
 
+use crate::bvh::TracedScene;
 use crate::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
 use crate::raster::World;
 use crate::scene::{Camera, Environment, Scene};
@@ -69,7 +70,7 @@ pub struct PlainInputs<'a> {
     /// What shines from infinitely far away.
     pub environment: Option<&'a Environment>,
     /// The scene, for methods that look beyond the screen.
-    pub scene: Option<&'a Scene>,
+    pub scene: Option<&'a TracedScene>,
 }
 
 /// The contents of buffers, one after the other.

@@ -2,7 +2,8 @@
 
 use super::{HEIGHT, LEAF, MOST, Patch, Surfel};
 use crate::raster::World;
-use crate::screen::{MethodStep, Workgroups};
+use crate::raster::light::{Lights, shadow_sampler};
+use crate::screen::{MethodStep, Step, Workgroups};
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{self, Shader, uniforms};
 use wgpu::BufferUsages;
@@ -27,6 +28,46 @@ pub struct Passes {
     place: Pass,
     leaves: Pass,
     parents: Pass,
+}
+
+/// The pass that lights surfels, compiled for a number of lights.
+#[derive(Clone, Debug)]
+pub struct LightPass(Pass);
+
+impl LightPass {
+    /// Compiles it for a scene.
+    ///
+    /// # Errors
+    /// If the device refuses it.
+    pub fn new(device: &wgpu::Device, world: &World) -> Result<Self, GpuError> {
+        let source = wgsl::SURFELS_LIGHT.specialised(&[("LIGHTS", world.gpu_lights.count as u32)]);
+        Ok(Self(Pass::new(device, wgsl::SURFELS_LIGHT.name, &source)?))
+    }
+
+    /// The pass bound to a scene's lights and their maps.
+    ///
+    /// # Errors
+    /// If the device refuses a binding.
+    pub fn step(
+        &self,
+        device: &wgpu::Device,
+        world: &World,
+        cloud: &Cloud,
+        view: &wgpu::Buffer,
+    ) -> Result<MethodStep, GpuError> {
+        let Lights { records, map_views, pictures, .. } = &world.gpu_lights;
+        let sampler = shadow_sampler(device);
+        let buffers = [view, &cloud.patches, &cloud.totals, records, map_views, pictures];
+        let mut resources: Vec<_> = buffers.map(|buffer| buffer.as_entire_binding()).into();
+        resources.extend([
+            wgpu::BindingResource::TextureView(&world.shadows.maps),
+            wgpu::BindingResource::Sampler(&sampler),
+            cloud.surfels.as_entire_binding(),
+        ]);
+        let pass = self.0.bind(device, &resources)?;
+        let workgroups = Workgroups::Counted(cloud.totals.clone(), SURFEL_GROUPS);
+        Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![cloud.surfels.clone()] })
+    }
 }
 
 /// The surfels of a frame on the GPU.

@@ -5,7 +5,7 @@
 //! parts stay the same whatever the camera does, so that surfels do not jump when it moves. They are ordered along a curve
 //! through space (Morton 1966), so that surfels that follow one another lie together.
 
-use crate::raster::geometry::Draw;
+use crate::raster::geometry::{Draw, draws_of};
 use crate::scene::{Material, Mesh, Scene};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3, Vec4};
@@ -62,6 +62,11 @@ pub fn patches(scene: &Scene, draws: &[Draw]) -> Vec<Patch> {
     // A stable order: patches of one place stay in that of the scene.
     placed.par_sort_by_key(|(place, _)| *place);
     placed.into_iter().map(|(_, patch)| patch).collect()
+}
+
+/// The parts of a scene that stays.
+pub fn of_scene(scene: &Scene) -> Vec<Patch> {
+    patches(scene, &draws_of(scene))
 }
 
 fn patch(scene: &Scene, mesh: &Mesh, first_vertex: u32, triangle: usize, part: u32) -> Patch {

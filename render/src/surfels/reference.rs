@@ -2,6 +2,8 @@
 
 use super::patches::{Patch, weights};
 use super::{MOST, Parameters};
+use crate::bvh::TracedScene;
+use crate::path::lights::Arrival;
 use crate::scene::{Camera, Mesh, Scene};
 use crate::screen::View;
 use deepshade_shaders::random::{hash, random};
@@ -17,6 +19,9 @@ const RISE: f32 = 0.25;
 /// One over the plastic number, and over its square.
 const STRIDE: Vec2 = Vec2::new(0.754_877_7, 0.569_840_3);
 
+/// How far a point is lifted off its own surface before light is looked for, over the scene's diagonal.
+const LIFT: f32 = 1e-5;
+
 /// A disk in camera space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disk {
@@ -28,6 +33,8 @@ pub struct Disk {
     pub normal: Vec3,
     /// Index of the patch that it stands for a part of.
     pub patch: u32,
+    /// Diffusely reflected radiance on the side of the normal and on the other; black until it is [lit](lit).
+    pub sent: [Vec3; 2],
 }
 
 /// A patch as a camera sees it.
@@ -143,6 +150,7 @@ pub fn disks(
                 radius: it.radius * share.sqrt(),
                 normal: it.normal(),
                 patch: index,
+                sent: [Vec3::ZERO; 2],
             }
         })
     };
@@ -170,9 +178,28 @@ pub fn vertices<'a>(meshes: impl IntoIterator<Item = &'a Mesh>, camera: &Camera)
 
 /// The surfels of a scene that stays, for a view.
 pub fn surfels(scene: &Scene, parameters: &Parameters, view: &View) -> Vec<Disk> {
-    let patches = super::patches::patches(scene, &crate::raster::geometry::draws_of(scene));
+    let patches = super::patches::of_scene(scene);
     let vertices = vertices(scene.meshes.iter(), &view.camera);
     let settings = parameters.settings(view);
     let amounts = amounts(&patches, &vertices, &settings, view);
     disks(&patches, &vertices, &amounts, &settings)
+}
+
+/// Disks that send the light of a scene's lamps, with exact shadows.
+pub fn lit(scene: &TracedScene, patches: &[Patch], disks: Vec<Disk>, camera: &Camera) -> Vec<Disk> {
+    let light = |disk: Disk| {
+        let (point, normal) = (camera.position + camera.rotation * disk.place, camera.rotation * disk.normal);
+        let mut received = [Vec3::ZERO; 2];
+        for light in &scene.scene().lights {
+            let Arrival { direction, distance, irradiance } = Arrival::new(scene.scene(), light, point);
+            let cosine = normal.dot(direction);
+            let lifted = point + normal * cosine.signum() * LIFT * scene.diagonal();
+            if irradiance != Vec3::ZERO && !scene.blocked(lifted, direction, distance) {
+                received[usize::from(cosine < 0.0)] += irradiance * cosine.abs();
+            }
+        }
+        let reflected = Vec3::from_array(patches[disk.patch as usize].colour) / PI;
+        Disk { sent: received.map(|received| received * reflected), ..disk }
+    };
+    disks.into_par_iter().map(light).collect()
 }

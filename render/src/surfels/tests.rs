@@ -1,11 +1,10 @@
 //! Surfels stand for the surface: their areas, sizes and places, and the passes against the plain version.
 
-use super::patches::{area_of, patches};
+use super::patches::{area_of, of_scene};
 use super::reference::{self, Disk, roulette};
 use super::{Cloud, HEIGHT, LEAF, MOST, Parameters, Passes, Patch, Surfel, cloud};
 use crate::methods::proving;
 use crate::raster::World;
-use crate::raster::geometry::draws_of;
 use crate::raster::view::perspective;
 use crate::scene::procedural::Family;
 use crate::scene::{Material, Mesh, Scene};
@@ -183,7 +182,7 @@ fn the_passes_make_what_the_plain_version_does() {
         let mut view = view(0.1 * scene.bounds().diagonal());
         view.camera.position = scene.bounds().centre();
         let made = made(&gpu, &scene, &PARAMETERS, &view);
-        assert_eq!(made.patches, patches(&scene, &draws_of(&scene)));
+        assert_eq!(made.patches, of_scene(&scene));
         let settings = PARAMETERS.settings(&view);
         let vertices = reference::vertices(scene.meshes.iter(), &view.camera);
         let amounts = reference::amounts(&made.patches, &vertices, &settings, &view);

@@ -5,7 +5,7 @@ use super::{Shader, uniforms};
 table! {
     /// How many surfels each patch gets.
     SURFELS_MEASURE: "surfels.measure", file "surfels/measure", constants [], uniforms [Surfels, FrameView],
-        shared ["view", "random", "surfel", "surfel_patch"];
+        shared ["view", "random", "surfel", "surfel_patch_record", "surfel_patch"];
     /// Sums of 64 numbers each.
     SURFELS_SUM: "surfels.sum", file "surfels/sum", constants [], uniforms [], shared [];
     /// Where each of a few sums begins, and how many surfels there are.
@@ -14,7 +14,7 @@ table! {
     SURFELS_BEGIN: "surfels.begin", file "surfels/begin", constants [], uniforms [], shared [];
     /// Where surfels are.
     SURFELS_PLACE: "surfels.place", file "surfels/place", constants [], uniforms [Surfels, FrameView],
-        shared ["view", "random", "packing", "surfel", "surfel_patch"];
+        shared ["view", "random", "packing", "surfel", "surfel_patch_record", "surfel_patch"];
     /// The lowest nodes of the tree, of surfels that reach as far as they are large.
     SURFELS_LEAVES: "surfels.leaves", file "surfels/leaves", constants [], uniforms [],
         shared ["surfel", "surfel_tree", "surfel_reach_by_radius"];
@@ -28,4 +28,17 @@ table! {
     /// The sum of all levels of ambient occlusion.
     SURFEL_OPENNESS: "surfel.openness", file "methods/surfel/add", constants [CHANNELS = 1], uniforms [LevelSum],
         shared ["surfel_openness"];
+    /// Direct light that surfels reflect.
+    SURFELS_LIGHT: "surfels.light", file "surfels/light", constants [LIGHTS = 1],
+        uniforms [FrameView, LightRecord], shared ["view", "packing", "surfel", "surfel_patch_record", "lights", "shadow"];
+    /// The lowest nodes of the tree, of surfels that send light.
+    SURFELS_LIT_LEAVES: "surfels.lit_leaves", file "surfels/leaves", constants [], uniforms [],
+        shared ["surfel", "surfel_tree", "surfel_reach_if_lit"];
+    /// Indirect light of a level.
+    SURFEL_LIGHT: "surfel.light", file "methods/surfel/splat", constants [CHANNELS = 3], uniforms [SplatLevel],
+        shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree", "surfel_reach_if_lit",
+                "surfel_light"];
+    /// The sum of all levels of indirect light.
+    SURFEL_INDIRECT: "surfel.indirect", file "methods/surfel/add", constants [CHANNELS = 3], uniforms [LevelSum],
+        shared ["surfel_sum"];
 }

@@ -1,5 +1,4 @@
-// Patches: equal parts of a triangle, four times as many with each halving of its edges, so that none is much larger than
-// what is seen as one distance. How many surfels each gets, and where they lie.
+// How many surfels a patch gets, and where they lie.
 
 // Numbers of a vertex, of which the first three are its position in world space.
 const POSED = 16u;
@@ -9,16 +8,6 @@ const MOST = 4096.0;
 const RISE = 0.25;
 // Makes the mean over all thresholds right: 1 / (4 (ln 1.25 + 1 / 1.25 - 1) + 1 / 1.25).
 const LARGEST = 1.12035501;
-
-struct Patch {
-    corners: array<u32, 3>,
-    // Halvings in the upper four bits; below them, two bits a halving, which quarter.
-    part: u32,
-    // Diffuse reflectance.
-    colour: array<f32, 3>,
-    // Share of it that is there: alpha.
-    coverage: f32,
-}
 
 struct Laid {
     // The whole triangle's corners, camera space.

@@ -10,12 +10,15 @@
 //! with splats that are blended, always in the same order; there is no list of splats that could become too long, nothing to
 //! shuffle or unshuffle, and nothing to cull, since only what reaches the pixel is met.
 //!
+//! Methods: [`occlusion`] and [`indirect`] light.
+//!
 //! Limits. What hides behind something occludes too: two sheets one behind the other occlude twice. A far group of surfels
 //! is taken to look like the one of it that was drawn.
 //!
 //! Unlike [`gtao`](super::gtao) and [`hbao`](super::hbao) it knows what the camera does not see: behind it, beside the image,
 //! behind something in front, and surfaces seen from their edge.
 
+pub mod indirect;
 pub mod occlusion;
 pub mod passes;
 pub mod reference;

@@ -1,8 +1,10 @@
 //! Ambient occlusion by surfels (thesis 4.3): the sum of their form factors.
 
 use super::{Parameters, passes, reference};
+use crate::bvh::TracedScene;
 use crate::methods::Surface;
 use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use crate::surfels;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl;
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
@@ -13,11 +15,6 @@ pub struct Occlusion(pub Parameters);
 
 /// The method, compiled for a device.
 pub type SurfelOcclusion = Compiled<Occlusion>;
-
-/// Over its radius, the distance of a disk at which its form factor is a threshold, seen face to face: `r^2 / (r^2 + d^2)`.
-pub fn reach(threshold: f32) -> f32 {
-    (1.0 / threshold - 1.0).sqrt()
-}
 
 impl Technique for Occlusion {
     const NAME: &'static str = "surfel";
@@ -31,13 +28,13 @@ impl Technique for Occlusion {
             leaves: &wgsl::SURFELS_LEAVES,
             splat: &wgsl::SURFEL_OCCLUSION,
             add: &wgsl::SURFEL_OPENNESS,
+            lit: false,
         };
         passes::Passes::new(device, &shaders, Self::EFFECT)
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-        let parameters = self.0.sane();
-        passes::uniforms(&parameters, Self::EFFECT, reach(parameters.threshold), view)
+        passes::uniforms(&self.0.sane(), Self::EFFECT, view)
     }
 
     fn steps(
@@ -53,8 +50,9 @@ impl Technique for Occlusion {
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
         let surface = Surface::of(inputs.gbuffer)?;
-        let scene = inputs.scene.cloned().unwrap_or_default();
-        let disks = crate::surfels::reference::surfels(&scene, &self.0.surfels, view);
+        let laid_out =
+            |scene: &TracedScene| surfels::reference::surfels(scene.scene(), &self.0.surfels, view);
+        let disks = inputs.scene.map_or_else(Vec::new, laid_out);
         Ok(vec![reference::openness(&surface, &disks, &self.0.sane(), view).data().to_vec()])
     }
 }

@@ -4,7 +4,7 @@ use super::{Parameters, shells};
 use crate::methods::blur::Blur;
 use crate::raster::view::perspective;
 use crate::screen::{Inputs, MethodStep, View};
-use crate::surfels::{Cloud, cloud};
+use crate::surfels::cloud::{self, Cloud, LightPass};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
@@ -19,6 +19,8 @@ pub struct Shaders {
     pub splat: &'static Shader,
     /// What the sum of all levels means.
     pub add: &'static Shader,
+    /// Whether surfels are lit first.
+    pub lit: bool,
 }
 
 /// The compiled passes.
@@ -29,6 +31,7 @@ pub struct Passes {
     blur: Blur,
     add: Pass,
     channels: usize,
+    lit: bool,
 }
 
 /// Uniforms before those of the levels of the tree: surfels, view.
@@ -36,13 +39,13 @@ const BEFORE_TREE: usize = 2;
 /// Uniforms of a level of the framebuffer: splat, blur along rows and along columns, sum.
 const OF_LEVEL: usize = 4;
 
-/// The contents of the passes' uniform buffers; a surfel does something up to `reach` times its effect distance.
-pub fn uniforms(parameters: &Parameters, effect: Effect, reach: f32, view: &View) -> Vec<Vec<u8>> {
+/// The contents of the passes' uniform buffers.
+pub fn uniforms(parameters: &Parameters, effect: Effect, view: &View) -> Vec<Vec<u8>> {
     let camera = perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE);
     let mut all = vec![bytes_of(&parameters.surfels.settings(view)).to_vec(), bytes_of(&camera).to_vec()];
     all.extend(cloud::tree_levels().map(|level| bytes_of(&level).to_vec()));
     for level in 0..parameters.levels {
-        all.push(bytes_of(&shells::level(parameters, reach, level, view)).to_vec());
+        all.push(bytes_of(&shells::level(parameters, level, view)).to_vec());
         let blurs = parameters.blur_of(level).settings(view, effect);
         all.extend(blurs.map(|blur| bytes_of(&uniforms::Blur { background: 0.0, ..blur }).to_vec()));
         all.push(bytes_of(&sum(parameters, effect, level, view)).to_vec());
@@ -76,6 +79,7 @@ impl Passes {
             blur: Blur::new(device, effect)?,
             add: with_channels(shaders.add)?,
             channels,
+            lit: shaders.lit,
         })
     }
 
@@ -100,6 +104,9 @@ impl Passes {
         let (first, tree) = first.split_at(BEFORE_TREE);
         let of_surfels = cloud::Uniforms { settings: &first[0], view: &first[1] };
         let mut steps = self.surfels.surfel_steps(device, world, &cloud, of_surfels)?;
+        if self.lit {
+            steps.push(LightPass::new(device, world)?.step(device, world, &cloud, &first[1])?);
+        }
         steps.extend(self.surfels.tree_steps(device, &cloud, tree)?);
         let room = Room::new(device, inputs, self.channels)?;
         for (level, uniforms) in levels.chunks_exact(OF_LEVEL).enumerate() {

@@ -1,12 +1,12 @@
 //! Shading by surfels in plain Rust: shells without a tree, and brute force without shells.
 
-use super::{Parameters, occlusion, shells};
+use super::{Parameters, shells};
 use crate::methods::{Surface, blur};
 use crate::screen::View;
 use crate::surfels::reference::Disk;
 use deepshade_shaders::wgsl::uniforms;
 use deepshade_shaders::{Effect, Planes};
-use glam::{IVec2, UVec2, Vec3};
+use glam::{UVec2, Vec3};
 use rayon::prelude::*;
 
 /// The form factor from a point with a normal to a disk, whichever side of it is seen (Wallace, Elmquist and Haines 1989);
@@ -17,73 +17,122 @@ pub fn form_factor(way: Vec3, normal: Vec3, disk_normal: Vec3, radius: f32) -> f
     radius * radius * facing / (squared.max(1e-20) * (squared + radius * radius))
 }
 
-/// What all disks within `reach` metres occlude of each pixel's hemisphere, one by one: `[1, height, width]`.
-pub fn occlusion(surface: &Surface, disks: &[Disk], reach: f32) -> Planes {
+/// What a disk does to a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Shade<const CHANNELS: usize> {
+    /// How far it does something, but for a factor that is the same for all.
+    pub distance: fn(&Disk) -> f32,
+    /// What it does, with another radius than its own, to a point with a normal; `way` leads to its middle.
+    pub of: fn(disk: &Disk, radius: f32, way: Vec3, normal: Vec3) -> [f32; CHANNELS],
+}
+
+/// Occlusion.
+pub const OCCLUSION: Shade<1> = Shade {
+    distance: |disk| disk.radius,
+    of: |disk, radius, way, normal| [form_factor(way, normal, disk.normal, radius)],
+};
+
+/// Light, irradiance over pi.
+pub const LIGHT: Shade<3> = Shade {
+    distance: |disk| if disk.sent == [Vec3::ZERO; 2] { 0.0 } else { disk.radius },
+    of: |disk, radius, way, normal| {
+        let sent = disk.sent[usize::from(way.dot(disk.normal) >= 0.0)];
+        (sent * form_factor(way, normal, disk.normal, radius)).to_array()
+    },
+};
+
+/// What all disks within `reach` metres do to each pixel, one by one: `[channels, height, width]`.
+pub fn brute_force<const CHANNELS: usize>(
+    surface: &Surface,
+    disks: &[Disk],
+    shade: Shade<CHANNELS>,
+    reach: f32,
+) -> Planes {
     surface.image(0.0, |pixel| {
         let (position, normal) = (surface.position_at(pixel), surface.normal_at(pixel));
         let ways = disks.iter().map(|disk| (disk, disk.place - position));
         let near = ways.filter(|(_, way)| way.length_squared() < reach * reach);
-        [near.map(|(disk, way)| form_factor(way, normal, disk.normal, disk.radius)).sum()]
+        near.map(|(disk, way)| (shade.of)(disk, disk.radius, way, normal)).fold([0.0; CHANNELS], plus)
     })
 }
 
-/// What the disks of the shells of one level occlude, before the blur: `[1, height, width]`.
-pub fn level_occlusion(surface: &Surface, disks: &[Disk], level: &uniforms::SplatLevel) -> Planes {
-    let count = 1u32 << (2 * level.level);
-    let mut image = Planes::filled(1, surface.height, surface.width, 0.0);
+/// What the disks of the shells of one level do, before the blur: `[channels, height, width]`.
+pub fn level_sums<const CHANNELS: usize>(
+    surface: &Surface,
+    disks: &[Disk],
+    shade: Shade<CHANNELS>,
+    level: &uniforms::SplatLevel,
+) -> Planes {
+    let mut image = Planes::filled(CHANNELS, surface.height, surface.width, 0.0);
     let size = UVec2::new(level.width, level.height);
     let places = UVec2::new(size.x.div_ceil(1 << level.level), size.y.div_ceil(1 << level.level));
     let at_place = |(sub_buffer, place): (u32, UVec2)| {
         let pixel = shells::pixel(sub_buffer, place, level.level, level.seed);
-        (pixel.cmplt(size).all()).then(|| (pixel, shell_occlusion(surface, disks, level, sub_buffer, pixel)))
+        pixel.cmplt(size).all().then(|| (pixel, shell_sum(surface, disks, shade, level, sub_buffer, pixel)))
     };
     let in_sub_buffer = |sub_buffer| {
         (0..places.x * places.y).map(move |i| (sub_buffer, UVec2::new(i % places.x, i / places.x)))
     };
-    let sums: Vec<(UVec2, f32)> =
-        (0..count).into_par_iter().flat_map_iter(in_sub_buffer).filter_map(at_place).collect();
-    let width = surface.width;
+    let sub_buffers = (0..1u32 << (2 * level.level)).into_par_iter();
+    let sums: Vec<_> = sub_buffers.flat_map_iter(in_sub_buffer).filter_map(at_place).collect();
     for (pixel, sum) in sums {
-        image.data_mut()[pixel.y as usize * width + pixel.x as usize] = sum;
+        for (channel, value) in sum.into_iter().enumerate() {
+            image.plane_mut(channel)[pixel.y as usize * surface.width + pixel.x as usize] = value;
+        }
     }
     image
 }
 
-/// What a sub-buffer's disks occlude of one of its pixels.
-fn shell_occlusion(
+/// What a sub-buffer's disks do to one of its pixels.
+fn shell_sum<const CHANNELS: usize>(
     surface: &Surface,
     disks: &[Disk],
+    shade: Shade<CHANNELS>,
     level: &uniforms::SplatLevel,
     sub_buffer: u32,
     pixel: UVec2,
-) -> f32 {
-    let at: IVec2 = pixel.as_ivec2();
+) -> [f32; CHANNELS] {
+    let at = pixel.as_ivec2();
     if !surface.valid_at(at) {
-        return 0.0;
+        return [0.0; CHANNELS];
     }
     let (position, normal) = (surface.position_at(at), surface.normal_at(at));
     let its = disks.iter().skip(sub_buffer as usize).step_by(1 << (2 * level.level));
     let does = |disk: &Disk| {
-        let way = disk.place - position;
-        let outer = if level.last == 1 { level.reach } else { level.reach.min(disk.radius * level.farthest) };
+        let (way, reaches) = (disk.place - position, (shade.distance)(disk));
+        let outer = if level.last == 1 { level.reach } else { level.reach.min(reaches * level.farthest) };
         let distance = way.length_squared();
-        let inside = distance >= (disk.radius * level.nearest).powi(2) && distance < outer * outer;
-        if inside { form_factor(way, normal, disk.normal, disk.radius * level.enlarged) } else { 0.0 }
+        let inside = distance >= (reaches * level.nearest).powi(2) && distance < outer * outer;
+        if inside { (shade.of)(disk, disk.radius * level.enlarged, way, normal) } else { [0.0; CHANNELS] }
     };
-    its.map(does).sum()
+    its.map(does).fold([0.0; CHANNELS], plus)
 }
 
-/// What is open of each pixel's hemisphere: [`Passes`](super::passes::Passes) in plain Rust, `[1, height, width]`.
-pub fn openness(surface: &Surface, disks: &[Disk], parameters: &Parameters, view: &View) -> Planes {
-    let mut sum = vec![0.0; surface.height * surface.width];
+fn plus<const CHANNELS: usize>(a: [f32; CHANNELS], b: [f32; CHANNELS]) -> [f32; CHANNELS] {
+    std::array::from_fn(|channel| a[channel] + b[channel])
+}
+
+/// The sum of all levels, each blurred: `[channels, height, width]`, 0 where no surface is seen.
+pub fn sums<const CHANNELS: usize>(
+    surface: &Surface,
+    disks: &[Disk],
+    shade: Shade<CHANNELS>,
+    parameters: &Parameters,
+    view: &View,
+) -> Planes {
+    let mut sum = Planes::filled(CHANNELS, surface.height, surface.width, 0.0);
     for level in 0..parameters.levels {
-        let shell = shells::level(parameters, occlusion::reach(parameters.threshold), level, view);
-        let noisy = level_occlusion(surface, disks, &shell);
+        let noisy = level_sums(surface, disks, shade, &shells::level(parameters, level, view));
         let blurs = parameters.blur_of(level).settings(view, Effect::Ao);
         let blurs = blurs.map(|blur| uniforms::Blur { background: 0.0, ..blur });
         let [_, smooth] = blur::smooth(surface, &blurs, &noisy);
-        sum.iter_mut().zip(smooth.data()).for_each(|(sum, value)| *sum += value);
+        sum.data_mut().iter_mut().zip(smooth.data()).for_each(|(sum, value)| *sum += value);
     }
-    let width = surface.width;
-    surface.image(1.0, |at| [(1.0 - sum[at.y as usize * width + at.x as usize]).clamp(0.0, 1.0)])
+    sum
+}
+
+/// What is open of each pixel's hemisphere, `[1, height, width]`.
+pub fn openness(surface: &Surface, disks: &[Disk], parameters: &Parameters, view: &View) -> Planes {
+    let sum = sums(surface, disks, OCCLUSION, parameters, view);
+    surface.image(1.0, |at| [(1.0 - sum.at(0, at.y as usize, at.x as usize)).clamp(0.0, 1.0)])
 }

@@ -1,7 +1,8 @@
 //! Shells against brute force, closed forms, and the passes against the plain version.
 
+use super::indirect::{Indirect, SurfelIndirect};
 use super::occlusion::{Occlusion, SurfelOcclusion};
-use super::reference::{form_factor, level_occlusion, occlusion as brute_force, openness};
+use super::reference::{LIGHT, OCCLUSION, brute_force, form_factor, level_sums, openness};
 use super::{MOST_LEVELS, Parameters, shells};
 use crate::bvh::TracedScene;
 use crate::gbuffer;
@@ -9,13 +10,14 @@ use crate::method::{Frame, Method, Repeats};
 use crate::methods::proving::{Tolerance, agree, camera, gbuffer_of, plane, prove_comparator, view};
 use crate::methods::{Quality, Surface, blur};
 use crate::scene::procedural::Family;
-use crate::scene::{Camera, Material, Mesh, Scene};
+use crate::scene::{Camera, Light, Material, Mesh, Scene};
 use crate::screen::{PlainInputs, ScreenMethod, View};
 use crate::surfels;
 use crate::surfels::reference::Disk;
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
-use glam::{UVec2, Vec3};
+use glam::{IVec2, UVec2, Vec3};
+use std::f32::consts::{PI, TAU};
 
 /// Surfels as fine as tests can afford, without a blur.
 const SHARP: Parameters = Parameters {
@@ -59,6 +61,7 @@ fn floor_under_disks() -> (Surface, Vec<Disk>) {
         radius: 0.02 + 0.02 * number(i, 3),
         normal: Vec3::new(number(i, 4) - 0.5, number(i, 5) - 0.5, number(i, 6) - 0.5).normalize(),
         patch: i,
+        sent: [Vec3::ZERO; 2],
     };
     (Surface::of(&gbuffer).expect("a surface"), (0..3000).map(disk).collect())
 }
@@ -66,8 +69,7 @@ fn floor_under_disks() -> (Surface, Vec<Disk>) {
 fn levels_of(surface: &Surface, disks: &[Disk], parameters: &Parameters, view: &View) -> Planes {
     let mut sum = Planes::filled(1, surface.height, surface.width, 0.0);
     for level in 0..parameters.levels {
-        let level = shells::level(parameters, super::occlusion::reach(parameters.threshold), level, view);
-        let one = level_occlusion(surface, disks, &level);
+        let one = level_sums(surface, disks, OCCLUSION, &shells::level(parameters, level, view));
         sum.data_mut().iter_mut().zip(one.data()).for_each(|(sum, value)| *sum += value);
     }
     sum
@@ -78,14 +80,14 @@ fn without_a_threshold_levels_are_brute_force() {
     let (surface, disks) = floor_under_disks();
     let parameters = Parameters { threshold: 1e-9, ..SHARP };
     let sum = levels_of(&surface, &disks, &parameters, &view(24, 32, 3.0));
-    let right = brute_force(&surface, &disks, 3.0);
+    let right = brute_force(&surface, &disks, OCCLUSION, 3.0);
     assert_eq!(agree(&sum, &right, Tolerance { usual: 1e-5, worst: 1e-4 }), Ok(()));
 }
 
 #[test]
 fn shells_are_brute_force_in_the_mean() {
     let (surface, disks) = floor_under_disks();
-    let right = brute_force(&surface, &disks, 3.0);
+    let right = brute_force(&surface, &disks, OCCLUSION, 3.0);
     let seeds = 64;
     let mut sum = vec![[0.0f64; 2]; right.data().len()];
     for seed in 0..seeds {
@@ -112,7 +114,7 @@ fn shells_are_brute_force_in_the_mean() {
 fn disk_mesh(middle: Vec3, radius: f32) -> Mesh {
     let corners = 128u32;
     let corner = |i: u32| {
-        let (sin, cos) = (i as f32 / corners as f32 * std::f32::consts::TAU).sin_cos();
+        let (sin, cos) = (i as f32 / corners as f32 * TAU).sin_cos();
         middle + radius * Vec3::new(cos, 0.0, sin)
     };
     let positions = [middle].into_iter().chain((0..corners).map(corner)).collect();
@@ -177,8 +179,8 @@ fn a_sphere_hides_its_solid_angle_twice() {
 fn sphere_mesh(middle: Vec3, radius: f32) -> Mesh {
     let (rings, segments) = (48u32, 96u32);
     let at = |ring: u32, segment: u32| {
-        let (sin, cos) = (ring as f32 / rings as f32 * std::f32::consts::PI).sin_cos();
-        let (s, c) = (segment as f32 / segments as f32 * std::f32::consts::TAU).sin_cos();
+        let (sin, cos) = (ring as f32 / rings as f32 * PI).sin_cos();
+        let (s, c) = (segment as f32 / segments as f32 * TAU).sin_cos();
         middle + radius * Vec3::new(sin * c, cos, sin * s)
     };
     let positions =
@@ -242,7 +244,7 @@ fn the_passes_make_what_the_plain_version_does() {
         let [image, again] =
             [0, 1].map(|_| Method::shade(&method, &frame, Repeats::ONCE).expect("an image").image);
         assert_eq!(image.data(), again.data(), "{family:?}: the same frame twice");
-        let inputs = PlainInputs { gbuffer: &gbuffer, environment: None, scene: Some(scene.scene()) };
+        let inputs = PlainInputs { gbuffer: &gbuffer, environment: None, scene: Some(&scene) };
         let right = method.reference(&inputs, &view).expect("attributes").pop().expect("an image");
         let right = Planes::from_data(1, size[0], size[1], right);
         assert_eq!(agree(&image, &right, tolerance), Ok(()), "{family:?}");
@@ -266,4 +268,76 @@ fn fewer_levels_and_a_smaller_threshold_agree_with_more_of_both() {
     };
     let [fine, coarse] = [off(&shade(0.02, 4)), off(&shade(0.4, 4))];
     assert!(fine < 0.03 && fine < coarse, "{fine} and {coarse}");
+}
+
+/// A white floor and a white wall at x = 1 that faces it, lit from the left, seen from above.
+fn corner() -> (TracedScene, View, deepshade_shaders::GBuffer) {
+    let square = |corners: [[f32; 3]; 4]| Mesh {
+        positions: corners.map(Vec3::from_array).to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    };
+    let floor = square([[-4., 0., 4.], [1., 0., 4.], [1., 0., -4.], [-4., 0., -4.]]);
+    let wall = square([[1., 0., 4.], [1., 2., 4.], [1., 2., -4.], [1., 0., -4.]]);
+    let light =
+        Light::Directional { direction: Vec3::X, irradiance: Vec3::new(2.0, 1.0, 0.5) * PI, pattern: None };
+    let scene = Scene { lights: vec![light], ..scene_of(vec![floor, wall]) };
+    let scene = TracedScene::new(scene).expect("two squares");
+    let camera = Camera::look_at(Vec3::new(-1.0, 2.5, 1.5), Vec3::new(0.0, 0.0, 0.0));
+    let view = View { camera, radius: 20.0, ..view(48, 64, 1.0) };
+    let gbuffer = gbuffer::render(&scene, &camera, 48, 64, Occlusion::default_attributes());
+    (scene, view, gbuffer)
+}
+
+#[test]
+fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
+    let (scene, view, gbuffer) = corner();
+    let fine = surfels::Parameters { scale: 0.02, near: 0.01 };
+    let disks = surfels::reference::surfels(scene.scene(), &fine, &view);
+    let disks =
+        surfels::reference::lit(&scene, &surfels::patches::of_scene(scene.scene()), disks, &view.camera);
+    let surface = Surface::of(&gbuffer).expect("a surface");
+    let light = brute_force(&surface, &disks, LIGHT, 20.0);
+    // A wall of height H at distance d sends radiance L: L (1 - d / sqrt(d^2 + H^2)) / 2, were it endless; seen from its middle
+    // it is so within 4 %.
+    let mut compared = 0;
+    for (index, valid) in surface.valid.data().iter().enumerate() {
+        let at = IVec2::new((index % 64) as i32, (index / 64) as i32);
+        let place = view.camera.position + view.camera.rotation * surface.position_at(at);
+        if *valid < 0.5 || place.y > 1e-3 || place.z.abs() > 1.0 || !(-0.5..0.7).contains(&place.x) {
+            continue;
+        }
+        let distance = 1.0 - place.x;
+        let share = 0.5 * (1.0 - distance / (distance * distance + 4.0).sqrt());
+        for (channel, radiance) in [2.0, 1.0, 0.5].into_iter().enumerate() {
+            let found = light.at(channel, at.y as usize, at.x as usize) / (radiance * share);
+            assert!((0.9..1.05).contains(&found), "{found} of the light at {place}");
+        }
+        compared += 1;
+    }
+    assert!(compared > 200, "{compared}");
+}
+
+#[test]
+fn the_passes_light_as_the_plain_version_does() {
+    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+    let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
+    let parameters = Parameters { surfels: coarse, levels: 4, ..Parameters::default() };
+    let method = SurfelIndirect::new(&gpu, Indirect(parameters)).expect("valid shaders");
+    let (scene, view, gbuffer) = corner();
+    let frame = Frame {
+        scene: &scene,
+        camera: &view.camera,
+        gbuffer: &gbuffer,
+        radius: view.radius,
+        seed: view.seed,
+    };
+    let image = Method::shade(&method, &frame, Repeats::ONCE).expect("an image").image;
+    let inputs = PlainInputs { gbuffer: &gbuffer, environment: None, scene: Some(&scene) };
+    let right = method.reference(&inputs, &view).expect("attributes").pop().expect("an image");
+    let right = Planes::from_data(3, 48, 64, right);
+    // Shadow maps end within a texel of where shadows do; radiance has nine bits.
+    let tolerance = Tolerance { usual: 5e-3, worst: 0.1 };
+    assert_eq!(agree(&image, &right, tolerance), Ok(()));
+    prove_comparator(&right, tolerance);
 }

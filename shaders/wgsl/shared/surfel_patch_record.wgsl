@@ -1,0 +1,12 @@
+// Patches: equal parts of a triangle, four times as many with each halving of its edges, so that none is much larger than
+// what is seen as one distance.
+
+struct Patch {
+    corners: array<u32, 3>,
+    // Halvings in the upper four bits; below them, two bits a halving, which quarter.
+    part: u32,
+    // Diffuse reflectance.
+    colour: array<f32, 3>,
+    // Share of it that is there: alpha.
+    coverage: f32,
+}

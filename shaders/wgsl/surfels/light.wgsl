@@ -1,0 +1,42 @@
+// Direct light that surfels reflect diffusely, on either side, with shadows by the lights' maps (thesis 4.3, "One-bounce
+// Indirect Illumination").
+
+@group(0) @binding(0) var<uniform> view: FrameView;
+@group(0) @binding(1) var<storage, read> patches: array<Patch>;
+@group(0) @binding(2) var<storage, read> totals: Totals;
+@group(0) @binding(3) var<storage, read> lights: array<LightRecord>;
+@group(0) @binding(4) var<storage, read> map_views: array<FrameView>;
+@group(0) @binding(5) var<storage, read> pictures: array<u32>;
+@group(0) @binding(6) var maps: texture_depth_2d_array;
+@group(0) @binding(7) var map_sampler: sampler_comparison;
+@group(0) @binding(8) var<storage, read_write> surfels: array<Surfel>;
+
+@compute @workgroup_size(64)
+fn light_surfels(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= totals.kept {
+        return;
+    }
+    let surfel = surfels[id.x];
+    let point = view.eye.xyz + from_view(surfel.place.xyz, view);
+    let normal = from_view(from_octahedron(unpack2x16snorm(surfel.normal)), view);
+    var front = vec3f(0.0);
+    var back = vec3f(0.0);
+    for (var i = 0u; i < LIGHTS; i++) {
+        let arrived = arrival(lights[i], point);
+        let cosine = dot(normal, arrived.direction);
+        if cosine == 0.0 || all(arrived.irradiance == vec3f(0.0)) {
+            continue;
+        }
+        let facing = select(-normal, normal, cosine > 0.0);
+        let received = arrived.irradiance * abs(cosine) * lit_share(lights[i], point, facing, arrived.direction);
+        if cosine > 0.0 {
+            front += received;
+        } else {
+            back += received;
+        }
+    }
+    let colour = patches[surfel.patch_index].colour;
+    let reflected = vec3f(colour[0], colour[1], colour[2]) / PI;
+    surfels[id.x].front = pack_radiance(front * reflected);
+    surfels[id.x].back = pack_radiance(back * reflected);
+}
