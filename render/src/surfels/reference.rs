@@ -33,7 +33,7 @@ pub struct Disk {
     pub normal: Vec3,
     /// Index of the patch that it stands for a part of.
     pub patch: u32,
-    /// Diffusely reflected radiance on the side of the normal and on the other; black until it is [lit](lit).
+    /// Diffusely reflected radiance on the side of the normal and on the other; black until it is [`lit`].
     pub sent: [Vec3; 2],
 }
 
