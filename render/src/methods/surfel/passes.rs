@@ -109,52 +109,41 @@ impl Passes {
         }
         steps.extend(self.surfels.tree_steps(device, &cloud, tree)?);
         let room = Room::new(device, inputs, self.channels)?;
+        let splatting = Splatting { device, inputs, cloud: &cloud, room: &room, image };
         for (level, uniforms) in levels.chunks_exact(OF_LEVEL).enumerate() {
-            steps.extend(self.level_steps(device, inputs, &cloud, &room, level, uniforms, image)?);
+            steps.extend(self.level_steps(splatting, level, uniforms)?);
         }
         Ok(steps)
     }
 
-    #[allow(
-        clippy::too_many_arguments,
-        reason = "each is a different thing that the passes of a level are bound to"
-    )]
     fn level_steps(
         &self,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        cloud: &Cloud,
-        room: &Room,
+        Splatting { device, inputs, cloud, room, image }: Splatting<'_>,
         level: usize,
         uniforms: &[wgpu::Buffer],
-        image: &wgpu::Buffer,
     ) -> Result<Vec<MethodStep>, GpuError> {
         let [splat, rows, columns, sum] = uniforms else { unreachable!("a level has four uniform buffers") };
-        let gbuffer = inputs.gbuffer;
+        let (gbuffer, Room { sums, half_blurred }) = (inputs.gbuffer, room);
         let surface = [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
-        let [position, normal, valid] = surface;
-        let reads = [
-            (0, splat),
-            (1, position),
-            (2, normal),
-            (3, valid),
-            (4, &cloud.totals),
-            (5, &cloud.surfels),
-            (6, &cloud.nodes),
-        ];
+        let scattered = [&cloud.totals, &cloud.surfels, &cloud.nodes];
+        let reads = [&[splat], &surface[..], &scattered].concat();
         let groups = groups_of_level([gbuffer.width(), gbuffer.height()], level);
-        let mut steps = vec![MethodStep::bind_at(device, &self.splat, groups, &reads, &[(7, &room.sums)])?];
-        steps.extend(self.blur.steps_between(
-            device,
-            gbuffer,
-            [rows, columns],
-            &room.half_blurred,
-            &room.sums,
-        )?);
+        let mut steps = vec![MethodStep::bind(device, &self.splat, groups, &reads, &[sums])?];
+        steps.extend(self.blur.steps_between(device, gbuffer, [rows, columns], half_blurred, sums)?);
         let whole = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
-        steps.push(MethodStep::bind(device, &self.add, whole, &[sum, valid, &room.sums], &[image])?);
+        steps.push(MethodStep::bind(device, &self.add, whole, &[sum, surface[2], sums], &[image])?);
         Ok(steps)
     }
+}
+
+/// What the passes of every level are bound to.
+#[derive(Clone, Copy)]
+struct Splatting<'a> {
+    device: &'a wgpu::Device,
+    inputs: &'a Inputs<'a>,
+    cloud: &'a Cloud,
+    room: &'a Room,
+    image: &'a wgpu::Buffer,
 }
 
 /// Workgroups that cover the sub-buffers of a level: columns, rows, sub-buffers.

@@ -169,9 +169,7 @@ fn closed_forms() {
 #[test]
 fn a_sphere_hides_its_solid_angle_twice() {
     // The near half and the far half, each as seen face on: surfels have no inside. A sphere straight above hides (r / d)^2.
-    let mut sphere = Family::Blobs.scene(0);
-    sphere.meshes = vec![sphere_mesh(Vec3::new(0.0, 2.0, 0.0), 0.5)].into();
-    sphere.materials = vec![Material::default()];
+    let sphere = scene_of(vec![sphere_mesh(Vec3::new(0.0, 2.0, 0.0), 0.5)]);
     let (found, once) = (occluded_at(&sphere, Vec3::ZERO, 0.004), 1.0 / 16.0);
     assert!((found / (2.0 * once) - 1.0).abs() < 0.03, "{found}, not twice {once}");
 }
