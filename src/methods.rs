@@ -78,8 +78,7 @@ const ALL: [Entry; 22] = [
         Ok(Box::new(hbao::Hbao::new(gpu, hbao::Parameters::of(quality))?))
     }),
     screen(Effect::Ao, "surfel", |gpu, quality| {
-        let parameters = surfel::Parameters::of(quality);
-        Ok(Box::new(surfel::occlusion::SurfelOcclusion::new(gpu, surfel::occlusion::Occlusion(parameters))?))
+        Ok(Box::new(surfel::occlusion::SurfelOcclusion::new(gpu, surfel::Parameters::of(quality).into())?))
     }),
     screen(Effect::Do, "ssdo", |gpu, quality| {
         Ok(Box::new(ssdo::Ssdo::new(gpu, ssdo::Parameters::of(quality))?))
@@ -88,8 +87,7 @@ const ALL: [Entry; 22] = [
         Ok(Box::new(ssgi::Ssgi::new(gpu, ssgi::Parameters::of(quality))?))
     }),
     screen(Effect::Gi, "surfel", |gpu, quality| {
-        let parameters = surfel::Parameters::of(quality);
-        Ok(Box::new(surfel::indirect::SurfelIndirect::new(gpu, surfel::indirect::Indirect(parameters))?))
+        Ok(Box::new(surfel::indirect::SurfelIndirect::new(gpu, surfel::Parameters::of(quality).into())?))
     }),
     screen(Effect::Ibl, "prefiltered", |gpu, quality| {
         Ok(Box::new(prefiltered::Prefiltered::new(gpu, prefiltered::Parameters::of(quality))?))

@@ -23,8 +23,11 @@ pub mod occlusion;
 pub mod passes;
 pub mod reference;
 pub mod shells;
+pub mod technique;
 #[cfg(test)]
 mod tests;
+
+pub use technique::{Surfel, SurfelEffect};
 
 use super::{Quality, blur};
 use crate::surfels;

@@ -1,7 +1,7 @@
 //! Shells against brute force, closed forms, and the passes against the plain version.
 
-use super::indirect::{Indirect, SurfelIndirect};
-use super::occlusion::{Occlusion, SurfelOcclusion};
+use super::indirect::SurfelIndirect;
+use super::occlusion::SurfelOcclusion;
 use super::reference::{LIGHT, OCCLUSION, brute_force, form_factor, level_sums, openness};
 use super::{MOST_LEVELS, Parameters, shells};
 use crate::bvh::TracedScene;
@@ -14,8 +14,8 @@ use crate::scene::{Camera, Light, Material, Mesh, Scene};
 use crate::screen::{PlainInputs, ScreenMethod, View};
 use crate::surfels;
 use crate::surfels::reference::Disk;
-use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{Attribute, GBuffer, Planes};
 use glam::{IVec2, UVec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
@@ -195,20 +195,34 @@ fn sphere_mesh(middle: Vec3, radius: f32) -> Mesh {
 }
 
 /// A procedural scene, from where it is seen, and its g-buffer.
-fn seen(family: Family, height: usize, width: usize) -> (TracedScene, View, deepshade_shaders::GBuffer) {
+fn seen(family: Family, height: usize, width: usize) -> (TracedScene, View, GBuffer) {
     let scene = TracedScene::new(family.scene(4)).expect("a scene");
     let bounds = scene.scene().bounds();
     let eye = bounds.centre() + 0.3 * bounds.size();
     let camera = Camera::look_at(eye, bounds.centre());
-    let gbuffer = gbuffer::render(&scene, &camera, height, width, Occlusion::default_attributes());
+    let gbuffer = gbuffer::render(&scene, &camera, height, width, ATTRIBUTES);
     let view = View { camera, radius: 0.1 * bounds.diagonal(), ..view(height, width, 1.0) };
     (scene, view, gbuffer)
 }
 
-impl Occlusion {
-    fn default_attributes() -> &'static [deepshade_shaders::Attribute] {
-        <Self as crate::screen::Technique>::ATTRIBUTES
-    }
+/// What surfel methods read of a g-buffer.
+const ATTRIBUTES: &[Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
+
+/// Proves that a method's passes make what its plain version does, and the same of the same frame twice.
+fn prove_twin(
+    method: &impl ScreenMethod,
+    (scene, view, gbuffer): &(TracedScene, View, GBuffer),
+    tolerance: Tolerance,
+) {
+    let frame = Frame { scene, camera: &view.camera, gbuffer, radius: view.radius, seed: view.seed };
+    let [image, again] =
+        [0, 1].map(|_| Method::shade(method, &frame, Repeats::ONCE).expect("an image").image);
+    assert_eq!(image.data(), again.data(), "the same frame twice");
+    let inputs = PlainInputs { gbuffer, environment: None, scene: Some(scene) };
+    let right = method.reference(&inputs, view).expect("attributes").pop().expect("an image");
+    let right = Planes::from_data(image.channels(), view.height, view.width, right);
+    assert_eq!(agree(&image, &right, tolerance), Ok(()));
+    prove_comparator(&right, tolerance);
 }
 
 #[test]
@@ -216,37 +230,15 @@ fn the_passes_make_what_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
     let tolerance = Tolerance { usual: 2e-3, worst: 0.1 };
-    let mut method = SurfelOcclusion::new(&gpu, Occlusion::default()).expect("valid shaders");
-    for (family, size, parameters) in [
-        (Family::StillLife, [43, 61], Parameters { surfels: coarse, levels: 4, ..Parameters::default() }),
-        (
-            Family::Room,
-            [64, 48],
-            Parameters { surfels: coarse, levels: 1, threshold: 0.2, ..Parameters::default() },
-        ),
-        (
-            Family::Shelves,
-            [37, 83],
-            Parameters { surfels: coarse, levels: 6, threshold: 0.1, ..Parameters::default() },
-        ),
+    let mut method = SurfelOcclusion::new(&gpu, Parameters::default().into()).expect("valid shaders");
+    for (family, [height, width], levels, threshold) in [
+        (Family::StillLife, [43, 61], 4, 0.06),
+        (Family::Room, [64, 48], 1, 0.2),
+        (Family::Shelves, [37, 83], 6, 0.1),
     ] {
-        let (scene, view, gbuffer) = seen(family, size[0], size[1]);
-        method = method.with(Occlusion(parameters));
-        let frame = Frame {
-            scene: &scene,
-            camera: &view.camera,
-            gbuffer: &gbuffer,
-            radius: view.radius,
-            seed: view.seed,
-        };
-        let [image, again] =
-            [0, 1].map(|_| Method::shade(&method, &frame, Repeats::ONCE).expect("an image").image);
-        assert_eq!(image.data(), again.data(), "{family:?}: the same frame twice");
-        let inputs = PlainInputs { gbuffer: &gbuffer, environment: None, scene: Some(&scene) };
-        let right = method.reference(&inputs, &view).expect("attributes").pop().expect("an image");
-        let right = Planes::from_data(1, size[0], size[1], right);
-        assert_eq!(agree(&image, &right, tolerance), Ok(()), "{family:?}");
-        prove_comparator(&right, tolerance);
+        let parameters = Parameters { surfels: coarse, levels, threshold, ..Parameters::default() };
+        method = method.with(parameters.into());
+        prove_twin(&method, &seen(family, height, width), tolerance);
     }
 }
 
@@ -269,7 +261,7 @@ fn fewer_levels_and_a_smaller_threshold_agree_with_more_of_both() {
 }
 
 /// A white floor and a white wall at x = 1 that faces it, lit from the left, seen from above.
-fn corner() -> (TracedScene, View, deepshade_shaders::GBuffer) {
+fn corner() -> (TracedScene, View, GBuffer) {
     let square = |corners: [[f32; 3]; 4]| Mesh {
         positions: corners.map(Vec3::from_array).to_vec(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
@@ -283,7 +275,7 @@ fn corner() -> (TracedScene, View, deepshade_shaders::GBuffer) {
     let scene = TracedScene::new(scene).expect("two squares");
     let camera = Camera::look_at(Vec3::new(-1.0, 2.5, 1.5), Vec3::new(0.0, 0.0, 0.0));
     let view = View { camera, radius: 20.0, ..view(48, 64, 1.0) };
-    let gbuffer = gbuffer::render(&scene, &camera, 48, 64, Occlusion::default_attributes());
+    let gbuffer = gbuffer::render(&scene, &camera, 48, 64, ATTRIBUTES);
     (scene, view, gbuffer)
 }
 
@@ -321,21 +313,7 @@ fn the_passes_light_as_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
     let parameters = Parameters { surfels: coarse, levels: 4, ..Parameters::default() };
-    let method = SurfelIndirect::new(&gpu, Indirect(parameters)).expect("valid shaders");
-    let (scene, view, gbuffer) = corner();
-    let frame = Frame {
-        scene: &scene,
-        camera: &view.camera,
-        gbuffer: &gbuffer,
-        radius: view.radius,
-        seed: view.seed,
-    };
-    let image = Method::shade(&method, &frame, Repeats::ONCE).expect("an image").image;
-    let inputs = PlainInputs { gbuffer: &gbuffer, environment: None, scene: Some(&scene) };
-    let right = method.reference(&inputs, &view).expect("attributes").pop().expect("an image");
-    let right = Planes::from_data(3, 48, 64, right);
+    let method = SurfelIndirect::new(&gpu, parameters.into()).expect("valid shaders");
     // Shadow maps end within a texel of where shadows do; radiance has nine bits.
-    let tolerance = Tolerance { usual: 5e-3, worst: 0.1 };
-    assert_eq!(agree(&image, &right, tolerance), Ok(()));
-    prove_comparator(&right, tolerance);
+    prove_twin(&method, &corner(), Tolerance { usual: 5e-3, worst: 0.1 });
 }

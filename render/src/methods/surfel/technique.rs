@@ -1,0 +1,74 @@
+//! What the effects that are shaded by surfels have in common as methods.
+
+use super::{Parameters, passes};
+use crate::bvh::TracedScene;
+use crate::methods::Surface;
+use crate::screen::{Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use crate::surfels::reference::{Disk, surfels};
+use deepshade_shaders::gpu::GpuError;
+use deepshade_shaders::{Attribute, Effect, MissingAttribute, Planes};
+use std::marker::PhantomData;
+
+/// An effect that surfels have on what is seen.
+pub trait SurfelEffect: Copy + Send + Sync {
+    /// What it is.
+    const EFFECT: Effect;
+
+    /// What its passes do in their own way.
+    fn shaders() -> passes::Shaders;
+
+    /// Its image of a scene's disks in plain Rust, `[channels, height, width]`.
+    fn plain(
+        surface: &Surface,
+        scene: &TracedScene,
+        disks: Vec<Disk>,
+        parameters: &Parameters,
+        view: &View,
+    ) -> Planes;
+}
+
+/// An effect by surfels, with what can be set.
+#[derive(Clone, Copy, Debug)]
+pub struct Surfel<E>(Parameters, PhantomData<E>);
+
+impl<E> From<Parameters> for Surfel<E> {
+    fn from(parameters: Parameters) -> Self {
+        Self(parameters.sane(), PhantomData)
+    }
+}
+
+impl<E: SurfelEffect> Technique for Surfel<E> {
+    const NAME: &'static str = "surfel";
+    const EFFECT: Effect = E::EFFECT;
+    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
+    const LOOKS_BEYOND: bool = true;
+    type Passes = passes::Passes;
+
+    fn compile(device: &wgpu::Device) -> Result<passes::Passes, GpuError> {
+        passes::Passes::new(device, &E::shaders(), E::EFFECT)
+    }
+
+    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
+        passes::uniforms(&self.0, E::EFFECT, view)
+    }
+
+    fn steps(
+        &self,
+        passes: &passes::Passes,
+        device: &wgpu::Device,
+        inputs: &Inputs<'_>,
+        uniforms: &[wgpu::Buffer],
+        output: &wgpu::Buffer,
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        passes.steps(device, inputs, uniforms, output)
+    }
+
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        let surface = Surface::of(inputs.gbuffer)?;
+        let shaded = |scene: &TracedScene| {
+            let disks = surfels(scene.scene(), &self.0.surfels, view);
+            E::plain(&surface, scene, disks, &self.0, view).data().to_vec()
+        };
+        Ok(inputs.scene.map(shaded).into_iter().collect())
+    }
+}
