@@ -114,7 +114,8 @@ const fn agreement(attribute: Attribute) -> (f32, f32) {
         Attribute::Normal | Attribute::WorldNormal | Attribute::Glossiness | Attribute::Motion => {
             (0.01, 0.004)
         }
-        _ => (2e-3, 0.004),
+        // An H100 has 0.0042 in the room: its rasteriser rounds otherwise than lavapipe.
+        _ => (2e-3, 0.006),
     }
 }
 

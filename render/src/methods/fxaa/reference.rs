@@ -40,6 +40,11 @@ fn luma_between(luma: &Planes, pixel: IVec2, across: IVec2, along: IVec2, distan
     0.5 * (first * (1.0 - part) + second * part)
 }
 
+/// Of two numbers that are alike but for rounding, every processor takes the first for the greater.
+fn is_first_more(first: f32, second: f32) -> bool {
+    first >= 0.9999 * second
+}
+
 /// How far an edge goes on in one direction, and by how much luma differs there from that of the edge.
 fn edge_end(lengths: &[f32], difference_at: impl Fn(f32) -> f32, threshold: f32) -> (f32, f32) {
     let mut distance = 0.0;
@@ -47,7 +52,7 @@ fn edge_end(lengths: &[f32], difference_at: impl Fn(f32) -> f32, threshold: f32)
     for length in lengths {
         distance += length;
         difference = difference_at(distance);
-        if difference.abs() >= threshold {
+        if is_first_more(difference.abs(), threshold) {
             break;
         }
     }
@@ -75,9 +80,9 @@ fn smooth_edges(picture: &Picture, luma: &Planes, settings: &Settings, pixel: IV
     // Which way the edge runs, and on which side of the pixel it is.
     let up_down = (nw + sw - 2.0 * w).abs() + 2.0 * (n + s - 2.0 * m).abs() + (ne + se - 2.0 * e).abs();
     let left_right = (nw + ne - 2.0 * n).abs() + 2.0 * (w + e - 2.0 * m).abs() + (sw + se - 2.0 * s).abs();
-    let horizontal = up_down >= left_right;
+    let horizontal = is_first_more(up_down, left_right);
     let (before, after) = if horizontal { (n, s) } else { (w, e) };
-    let side = if (before - m).abs() >= (after - m).abs() { -1 } else { 1 };
+    let side = if is_first_more((before - m).abs(), (after - m).abs()) { -1 } else { 1 };
     let across = side * if horizontal { IVec2::Y } else { IVec2::X };
     let along = if horizontal { IVec2::X } else { IVec2::Y };
     let beyond = if side < 0 { before } else { after };

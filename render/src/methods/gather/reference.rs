@@ -8,8 +8,8 @@ use std::f32::consts::PI;
 
 /// The cosine that seen surfaces have at least.
 const LEAST_COSINE: f32 = 0.05;
-/// Angle between a sample and the next, radians.
-const GOLDEN_ANGLE: f32 = 2.399_963_2;
+/// Angle between a sample and the next, turns.
+const GOLDEN_TURN: f32 = 0.381_966;
 /// The share of the profile that is left out.
 const LEFT_OUT: f32 = 1e-4;
 
@@ -97,7 +97,7 @@ fn gather_channel(
     for i in 0..settings.samples {
         let share = first + (1.0 - first) * (i as f32 + start) / settings.samples as f32;
         let radius = radius_of(share.min(1.0 - LEFT_OUT), d);
-        let angle = i as f32 * GOLDEN_ANGLE + turn * (2.0 * PI);
+        let angle = ((i as f32 * GOLDEN_TURN + turn).fract() - 0.5) * (2.0 * PI);
         let offset = (radius / size * Vec2::from_angle(angle) + 0.5).floor();
         let beyond = Vec2::splat((settings.width + settings.height) as f32);
         if offset == Vec2::ZERO || offset.abs().cmpgt(beyond).any() {

@@ -174,7 +174,8 @@ fn the_method_is_nearer_to_truth_than_white() {
 
     let faint = hbao.with(Parameters { strength: 0.0, ..Parameters::default() });
     let faint = faint.shade(&frame, Repeats::ONCE).expect("runs").image;
-    assert!(faint.data().iter().all(|value| *value == 1.0), "no strength, no occlusion");
+    // The blur divides by its weights, and GPUs divide to the last digits only nearly.
+    assert!(faint.data().iter().all(|value| (value - 1.0).abs() < 1e-6), "no strength, no occlusion");
 
     let lacking = gbuffer::render(&scene, &camera, 4, 4, &[Attribute::Position]);
     let frame = Frame { gbuffer: &lacking, ..frame };

@@ -7,7 +7,8 @@ use deepshade_shaders::{Planes, random, wgsl::uniforms};
 use glam::{IVec2, Vec2, Vec3};
 use std::f32::consts::TAU;
 
-const GOLDEN_ANGLE: f32 = 2.399_963_2;
+/// Angle between a direction and the next, turns.
+const GOLDEN_TURN: f32 = 0.381_966;
 
 /// Irradiance over pi before the blur, after that along rows, and after both, `[3, height, width]` each.
 pub fn shade(surface: &Surface, environment: &EnvironmentMap, settings: &Settings) -> [Planes; 3] {
@@ -63,7 +64,7 @@ fn light(surface: &Surface, environment: &EnvironmentMap, ssdo: &uniforms::Ssdo,
     for k in 0..ssdo.directions {
         // A spiral over the disk, lifted onto the hemisphere, has the density cosine / pi (Malley's method).
         let squared = (k as f32 + shift) / ssdo.directions as f32;
-        let angle = GOLDEN_ANGLE * k as f32 + TAU * turn;
+        let angle = TAU * ((GOLDEN_TURN * k as f32 + turn).fract() - 0.5);
         let disk = squared.sqrt() * Vec2::new(angle.cos(), angle.sin());
         let direction = disk.x * tangent + disk.y * bitangent + (1.0 - squared).sqrt() * normal;
         if !is_blocked(surface, ssdo, position, direction, draw(2 + k)) {

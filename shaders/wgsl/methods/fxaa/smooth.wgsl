@@ -28,6 +28,12 @@ fn luma_between(pixel: vec2i, across: vec2i, along: vec2i, distance: f32) -> f32
     return 0.5 * (first * (1.0 - part) + second * part);
 }
 
+// Of two numbers that are alike but for rounding, every processor takes the first for the greater: between flat colours ties
+// are common.
+fn is_first_more(first: f32, second: f32) -> bool {
+    return first >= 0.9999 * second;
+}
+
 // How far an edge goes on in one direction, and by how much luma differs there from that of the edge.
 fn edge_end(pixel: vec2i, across: vec2i, along: vec2i, middle: f32, threshold: f32) -> vec2f {
     var distance = 0.0;
@@ -36,7 +42,7 @@ fn edge_end(pixel: vec2i, across: vec2i, along: vec2i, middle: f32, threshold: f
     for (var step = 0u; step < steps; step++) {
         distance += lengths[step / 4u][step % 4u];
         difference = luma_between(pixel, across, along, distance) - middle;
-        if abs(difference) >= threshold {
+        if is_first_more(abs(difference), threshold) {
             break;
         }
     }
@@ -79,10 +85,10 @@ fn smooth_edges(@builtin(global_invocation_id) id: vec3u) {
     // Which way the edge runs, and on which side of the pixel it is.
     let up_down = abs(nw + sw - 2.0 * w) + 2.0 * abs(n + s - 2.0 * m) + abs(ne + se - 2.0 * e);
     let left_right = abs(nw + ne - 2.0 * n) + 2.0 * abs(w + e - 2.0 * m) + abs(sw + se - 2.0 * s);
-    let horizontal = up_down >= left_right;
+    let horizontal = is_first_more(up_down, left_right);
     let before = select(w, n, horizontal);
     let after = select(e, s, horizontal);
-    let side = select(1, -1, abs(before - m) >= abs(after - m));
+    let side = select(1, -1, is_first_more(abs(before - m), abs(after - m)));
     let across = side * select(vec2i(1, 0), vec2i(0, 1), horizontal);
     let along = select(vec2i(0, 1), vec2i(1, 0), horizontal);
     let beyond = select(after, before, side < 0);

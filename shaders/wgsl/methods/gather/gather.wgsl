@@ -6,8 +6,8 @@
 @group(0) @binding(6) var<storage, read_write> scattered: array<f32>;
 
 const PI = 3.14159265;
-// Angle between a sample and the next, radians: the golden section of the circle.
-const GOLDEN_ANGLE = 2.3999632;
+// Angle between a sample and the next, turns: the golden section of the circle.
+const GOLDEN_TURN = 0.381966;
 // The share of the profile that is left out: what is farther away than 26.8 mean free paths.
 const LEFT_OUT = 1e-4;
 
@@ -46,7 +46,7 @@ fn gather_channel(pixel: vec2i, centre: u32, channel: u32, d: f32) -> f32 {
     for (var i = 0u; i < samples; i++) {
         let share = first + (1.0 - first) * (f32(i) + start) / f32(settings.samples);
         let radius = radius_of(min(share, 1.0 - LEFT_OUT), d);
-        let angle = f32(i) * GOLDEN_ANGLE + turn * (2.0 * PI);
+        let angle = (fract(f32(i) * GOLDEN_TURN + turn) - 0.5) * (2.0 * PI);
         let offset = floor(radius / size * vec2f(cos(angle), sin(angle)) + 0.5);
         if all(offset == vec2f(0.0)) || any(abs(offset) > vec2f(f32(settings.width + settings.height))) {
             continue;

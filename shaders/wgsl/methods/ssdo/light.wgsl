@@ -7,7 +7,8 @@
 // Irradiance over pi, [3, height, width].
 @group(0) @binding(5) var<storage, read_write> irradiance: array<f32>;
 
-const GOLDEN_ANGLE = 2.39996323;
+// Angle between a direction and the next, turns: the golden section of the circle.
+const GOLDEN_TURN = 0.381966;
 
 // Whether a point in camera space is behind a surface that the camera sees, and no further than that is thick.
 fn is_hidden(point: vec3f) -> bool {
@@ -69,7 +70,7 @@ fn gather_light(@builtin(global_invocation_id) id: vec3u) {
         for (var k = 0u; k < directions; k++) {
             // A spiral over the disk, lifted onto the hemisphere, has the density cosine / pi (Malley's method).
             let squared = (f32(k) + shift) / f32(ssdo.directions);
-            let angle = GOLDEN_ANGLE * f32(k) + TAU * turn;
+            let angle = TAU * (fract(GOLDEN_TURN * f32(k) + turn) - 0.5);
             let disk = sqrt(squared) * vec2f(cos(angle), sin(angle));
             let direction = disk.x * tangent + disk.y * bitangent + sqrt(1.0 - squared) * normal;
             if !is_blocked(id.xy, position, direction, random(id.xy, ssdo.seed, 2u + k)) {
