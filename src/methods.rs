@@ -60,7 +60,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 22] = [
+const ALL: [Entry; 23] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -82,6 +82,12 @@ const ALL: [Entry; 22] = [
     }),
     screen(Effect::Do, "ssdo", |gpu, quality| {
         Ok(Box::new(ssdo::Ssdo::new(gpu, ssdo::Parameters::of(quality))?))
+    }),
+    screen(Effect::Do, "surfel", |gpu, quality| {
+        Ok(Box::new(surfel::directional::SurfelDirectional::new(
+            gpu,
+            surfel::Parameters::of(quality).into(),
+        )?))
     }),
     screen(Effect::Gi, "ssgi", |gpu, quality| {
         Ok(Box::new(ssgi::Ssgi::new(gpu, ssgi::Parameters::of(quality))?))

@@ -6,13 +6,16 @@ use super::variant::shapes;
 use super::{ForwardError, HALF_TOLERANCE, Network, Options, OutputKind, Precision, Shape, Variant};
 use crate::parity::{TOLERANCE, first_difference_within, noise};
 use crate::{Activation, NetSpec, Weights, reference};
-use deepshade_shaders::gpu::{Gpu, GpuError, PipelineCache, adapter_key};
+use deepshade_shaders::gpu::{self, Gpu, GpuError, PipelineCache, adapter_key};
 use std::io;
 use std::path::Path;
+use std::time::Duration;
 
 /// Runs of each kernel before the clock counts, and runs that count.
 const WARM_UP: usize = 1;
 const TIMED: usize = 3;
+/// How long the device is busy before.
+const WAKING: Duration = Duration::from_millis(100);
 /// Rows and columns of the image on which every kernel must be right before it is measured.
 const PROOF: [usize; 2] = [37, 53];
 
@@ -188,6 +191,7 @@ impl Trial<'_> {
             notes.push(format!("layer `{layer}` is wrong with {variant:?}"));
         }
         let mut right = true;
+        gpu::wake(&self.gpu.device, &self.gpu.queue, WAKING)?;
         let times = network.layer_times(&self.gpu.queue, self.size, WARM_UP, TIMED)?;
         Ok(times
             .into_iter()

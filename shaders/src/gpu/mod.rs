@@ -15,7 +15,7 @@ mod texture;
 mod timing;
 
 pub use buffer::{arena, empty, filled, read, read_part, storage, uniform, uniforms, write};
-pub use ceilings::{Ceilings, ceilings};
+pub use ceilings::{Ceilings, ceilings, wake};
 pub use device::{Gpu, adapter_key};
 pub use pass::{BoundPass, Pass, groups, submit};
 pub use pipeline_cache::PipelineCache;

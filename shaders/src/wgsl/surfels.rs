@@ -24,7 +24,7 @@ table! {
     /// Ambient occlusion of a level.
     SURFEL_OCCLUSION: "surfel.occlusion", file "methods/surfel/splat", constants [CHANNELS = 1], uniforms [SplatLevel],
         shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree",
-                "surfel_reach_by_radius", "surfel_occlusion"];
+                "surfel_reach_by_radius", "surfel_form_factor", "surfel_occlusion"];
     /// The sum of all levels of ambient occlusion.
     SURFEL_OPENNESS: "surfel.openness", file "methods/surfel/add", constants [CHANNELS = 1], uniforms [LevelSum],
         shared ["surfel_openness"];
@@ -37,8 +37,16 @@ table! {
     /// Indirect light of a level.
     SURFEL_LIGHT: "surfel.light", file "methods/surfel/splat", constants [CHANNELS = 3], uniforms [SplatLevel],
         shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree", "surfel_reach_if_lit",
-                "surfel_light"];
+                "surfel_form_factor", "surfel_colour", "surfel_light"];
     /// The sum of all levels of indirect light.
     SURFEL_INDIRECT: "surfel.indirect", file "methods/surfel/add", constants [CHANNELS = 3], uniforms [LevelSum],
         shared ["surfel_sum"];
+    /// Light of the environment that a level blocks.
+    SURFEL_BLOCKED: "surfel.blocked", file "methods/surfel/splat", constants [CHANNELS = 3, BLOCKED_HEIGHT = 16],
+        uniforms [SplatLevel, FrameView],
+        shared ["view", "random", "surface", "bounded", "packing", "interleaved", "environment", "surfel", "surfel_tree",
+                "surfel_reach_by_radius", "surfel_form_factor", "surfel_colour", "surfel_blocked"];
+    /// Light of the environment less what is blocked.
+    SURFEL_OPEN: "surfel.open", file "methods/surfel/open", constants [OPEN_HEIGHT = 32],
+        uniforms [LevelSum, FrameView], shared ["view", "environment"];
 }

@@ -5,7 +5,8 @@ use crate::kernels;
 use anyhow::Result;
 use deepshade_infer::forward::{ForwardError, Network, Precision};
 use deepshade_infer::{Cost, Model, cpu, parity};
-use deepshade_shaders::{gpu::Gpu, lists};
+use deepshade_shaders::gpu::{self, Gpu};
+use deepshade_shaders::lists;
 use serde::Serialize;
 
 /// Runs that are timed, after others that are not.
@@ -89,6 +90,7 @@ pub fn network(
 /// If the GPU does not run it.
 pub fn wgsl(gpu: &Gpu, model: &Model, [width, height]: [usize; 2]) -> Result<Vec<(String, f64)>> {
     let network = network(gpu, model, Precision::F32, [width, height])?;
+    gpu::wake(&gpu.device, &gpu.queue, super::rivals::WAKING)?;
     let times = network.layer_times(&gpu.queue, [height, width], 1, RUNS)?;
     Ok(times.into_iter().map(|(name, timing)| (name, timing.milliseconds)).collect())
 }

@@ -8,7 +8,7 @@ use anyhow::Result;
 use deepshade_infer::forward::Precision;
 use deepshade_infer::{Cost, Model, cpu, forward, parity};
 use deepshade_shaders::Planes;
-use deepshade_shaders::gpu::{Ceilings, Gpu, Timing};
+use deepshade_shaders::gpu::{self, Ceilings, Gpu, Timing};
 use serde::Serialize;
 use serde_json::json;
 use std::time::{Duration, Instant};
@@ -27,6 +27,8 @@ const FEWEST: usize = 3;
 /// Turns that engines take, and the pause before each.
 const TURNS: usize = 3;
 const PAUSE: Duration = Duration::from_millis(100);
+/// How long a graphics card is busy before it is measured.
+pub const WAKING: Duration = Duration::from_millis(500);
 
 /// What an engine took for a network.
 #[derive(Clone, Debug, Serialize)]
@@ -134,6 +136,7 @@ impl Race<'_> {
         let (gpu, ceilings) = self.devices.gpu;
         let (network, input) =
             (layers::network(gpu, &self.subject.model, precision, self.size)?, self.input());
+        gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
         let (_, once) = network.run_timed(&gpu.queue, &input, 1, 1)?;
         let fitting = self.effort.time.as_secs_f64() * 1e3 / once.milliseconds;
         let runs = (fitting as usize).clamp(FEWEST, self.effort.most);

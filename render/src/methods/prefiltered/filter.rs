@@ -14,7 +14,7 @@ use std::f32::consts::PI;
 pub const LEVELS: usize = 14;
 
 /// Rows of the coarsest map: bilinear interpolation of the cosine errs by a thousandth.
-const COARSEST: usize = 32;
+pub const COARSEST: usize = 32;
 
 /// Rows of a map within a lobe's standard deviation, `1 / sqrt(e + 1)`: they widen it by a 30th.
 const ROWS_A_DEVIATION: f32 = 2.0;
@@ -32,6 +32,11 @@ pub fn maps(environment: &Environment, tallest: usize) -> Vec<EnvironmentMap> {
     }
     let source = |height| sources.iter().find(|map| map.height() == height).expect("powers of two");
     heights().enumerate().map(|(level, height)| convolved(source(height), exponent(level))).collect()
+}
+
+/// Irradiance over pi for every normal: the coarsest map alone.
+pub fn diffuse(environment: &Environment) -> EnvironmentMap {
+    convolved(&EnvironmentMap::new(environment, COARSEST), exponent(0))
 }
 
 fn exponent(level: usize) -> f32 {

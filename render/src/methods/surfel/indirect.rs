@@ -4,10 +4,8 @@
 //! Unlike the paper's, shells are as wide for a dim surfel as for a bright one, so that the threshold has no unit; surfels
 //! without light are left out.
 
-use super::{Parameters, Surfel, SurfelEffect, passes, reference};
-use crate::bvh::TracedScene;
-use crate::methods::Surface;
-use crate::screen::{Compiled, View};
+use super::{Plain, Surfel, SurfelEffect, passes, reference};
+use crate::screen::Compiled;
 use crate::surfels::patches;
 use crate::surfels::reference::{Disk, lit};
 use deepshade_shaders::wgsl;
@@ -29,16 +27,12 @@ impl SurfelEffect for Indirect {
             splat: &wgsl::SURFEL_LIGHT,
             add: &wgsl::SURFEL_INDIRECT,
             lit: true,
+            open: None,
         }
     }
 
-    fn plain(
-        surface: &Surface,
-        scene: &TracedScene,
-        disks: Vec<Disk>,
-        parameters: &Parameters,
-        view: &View,
-    ) -> Planes {
+    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Planes {
+        let Plain { surface, scene, parameters, view, .. } = *plain;
         let disks = lit(scene, &patches::of_scene(scene.scene()), disks, &view.camera);
         reference::sums(surface, &disks, reference::LIGHT, parameters, view)
     }

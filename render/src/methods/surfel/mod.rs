@@ -10,7 +10,7 @@
 //! with splats that are blended, always in the same order; there is no list of splats that could become too long, nothing to
 //! shuffle or unshuffle, and nothing to cull, since only what reaches the pixel is met.
 //!
-//! Methods: [`occlusion`] and [`indirect`] light.
+//! Methods: [`occlusion`], [`directional`] occlusion and [`indirect`] light.
 //!
 //! Limits. What hides behind something occludes too: two sheets one behind the other occlude twice. A far group of surfels
 //! is taken to look like the one of it that was drawn.
@@ -18,6 +18,7 @@
 //! Unlike [`gtao`](super::gtao) and [`hbao`](super::hbao) it knows what the camera does not see: behind it, beside the image,
 //! behind something in front, and surfaces seen from their edge.
 
+pub mod directional;
 pub mod indirect;
 pub mod occlusion;
 pub mod passes;
@@ -27,7 +28,7 @@ pub mod technique;
 #[cfg(test)]
 mod tests;
 
-pub use technique::{Surfel, SurfelEffect};
+pub use technique::{Plain, Surfel, SurfelEffect};
 
 use super::{Quality, blur};
 use crate::surfels;

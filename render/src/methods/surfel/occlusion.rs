@@ -1,9 +1,7 @@
 //! Ambient occlusion by surfels (thesis 4.3): the sum of their form factors.
 
-use super::{Parameters, Surfel, SurfelEffect, passes, reference};
-use crate::bvh::TracedScene;
-use crate::methods::Surface;
-use crate::screen::{Compiled, View};
+use super::{Plain, Surfel, SurfelEffect, passes, reference};
+use crate::screen::Compiled;
 use crate::surfels::reference::Disk;
 use deepshade_shaders::wgsl;
 use deepshade_shaders::{Effect, Planes};
@@ -24,16 +22,11 @@ impl SurfelEffect for Occlusion {
             splat: &wgsl::SURFEL_OCCLUSION,
             add: &wgsl::SURFEL_OPENNESS,
             lit: false,
+            open: None,
         }
     }
 
-    fn plain(
-        surface: &Surface,
-        _scene: &TracedScene,
-        disks: Vec<Disk>,
-        parameters: &Parameters,
-        view: &View,
-    ) -> Planes {
-        reference::openness(surface, &disks, parameters, view)
+    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Planes {
+        reference::openness(plain.surface, &disks, plain.parameters, plain.view)
     }
 }

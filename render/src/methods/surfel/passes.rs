@@ -1,5 +1,6 @@
 //! What runs on the GPU: surfels and their tree, the levels one after the other, their blurs, their sum.
 
+use super::directional::Sky;
 use super::{Parameters, shells};
 use crate::methods::blur::Blur;
 use crate::raster::view::perspective;
@@ -21,6 +22,8 @@ pub struct Shaders {
     pub add: &'static Shader,
     /// Whether surfels are lit first.
     pub lit: bool,
+    /// What is open where the sum is what is blocked of the environment's light.
+    pub open: Option<&'static Shader>,
 }
 
 /// The compiled passes.
@@ -30,6 +33,7 @@ pub struct Passes {
     splat: Pass,
     blur: Blur,
     add: Pass,
+    open: Option<Pass>,
     channels: usize,
     lit: bool,
 }
@@ -78,6 +82,7 @@ impl Passes {
             splat: with_channels(shaders.splat)?,
             blur: Blur::new(device, effect)?,
             add: with_channels(shaders.add)?,
+            open: shaders.open.map(|shader| Pass::new(device, shader.name, &shader.source())).transpose()?,
             channels,
             lit: shaders.lit,
         })
@@ -109,16 +114,25 @@ impl Passes {
         }
         steps.extend(self.surfels.tree_steps(device, &cloud, tree)?);
         let room = Room::new(device, inputs, self.channels)?;
-        let splatting = Splatting { device, inputs, cloud: &cloud, room: &room, image };
+        let sky = self.open.as_ref().map(|_| Sky::new(inputs.environment).upload(device)).transpose()?;
+        let blocked = sky.as_ref().map(|[blocked, _]| [&first[1], blocked]);
+        let splatting = Splatting { device, inputs, cloud: &cloud, room: &room, blocked, image };
         for (level, uniforms) in levels.chunks_exact(OF_LEVEL).enumerate() {
             steps.extend(self.level_steps(splatting, level, uniforms)?);
+        }
+        if let (Some(pass), Some([_, open]), Some(size)) = (&self.open, &sky, levels.last()) {
+            let gbuffer = inputs.gbuffer;
+            let [normal, valid] = [Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
+            let whole = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
+            let reads = [size, &first[1], normal, valid, open];
+            steps.push(MethodStep::bind(device, pass, whole, &reads, &[image])?);
         }
         Ok(steps)
     }
 
     fn level_steps(
         &self,
-        Splatting { device, inputs, cloud, room, image }: Splatting<'_>,
+        Splatting { device, inputs, cloud, room, blocked, image }: Splatting<'_>,
         level: usize,
         uniforms: &[wgpu::Buffer],
     ) -> Result<Vec<MethodStep>, GpuError> {
@@ -127,8 +141,10 @@ impl Passes {
         let surface = [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
         let scattered = [&cloud.totals, &cloud.surfels, &cloud.nodes];
         let reads = [&[splat], &surface[..], &scattered].concat();
+        // The sum is binding 7, and what only some effects read comes after it.
+        let reads = (0..).zip(reads).chain((8..).zip(blocked.into_iter().flatten())).collect::<Vec<_>>();
         let groups = groups_of_level([gbuffer.width(), gbuffer.height()], level);
-        let mut steps = vec![MethodStep::bind(device, &self.splat, groups, &reads, &[sums])?];
+        let mut steps = vec![MethodStep::bind_at(device, &self.splat, groups, &reads, &[(7, sums)])?];
         steps.extend(self.blur.steps_between(device, gbuffer, [rows, columns], half_blurred, sums)?);
         let whole = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
         steps.push(MethodStep::bind(device, &self.add, whole, &[sum, surface[2], sums], &[image])?);
@@ -143,6 +159,8 @@ struct Splatting<'a> {
     inputs: &'a Inputs<'a>,
     cloud: &'a Cloud,
     room: &'a Room,
+    /// Camera and environment, for what the environment's light is blocked of.
+    blocked: Option<[&'a wgpu::Buffer; 2]>,
     image: &'a wgpu::Buffer,
 }
 

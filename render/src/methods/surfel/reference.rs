@@ -17,25 +17,28 @@ pub fn form_factor(way: Vec3, normal: Vec3, disk_normal: Vec3, radius: f32) -> f
     radius * radius * facing / (squared.max(1e-20) * (squared + radius * radius))
 }
 
+/// What a disk does, with another radius than its own, to a point with a normal; the way leads to its middle.
+pub type Does<'a, const CHANNELS: usize> = dyn Fn(&Disk, f32, Vec3, Vec3) -> [f32; CHANNELS] + Sync + 'a;
+
 /// What a disk does to a point.
-#[derive(Clone, Copy, Debug)]
-pub struct Shade<const CHANNELS: usize> {
+#[derive(Clone, Copy)]
+pub struct Shade<'a, const CHANNELS: usize> {
     /// How far it does something, but for a factor that is the same for all.
     pub distance: fn(&Disk) -> f32,
-    /// What it does, with another radius than its own, to a point with a normal; `way` leads to its middle.
-    pub of: fn(disk: &Disk, radius: f32, way: Vec3, normal: Vec3) -> [f32; CHANNELS],
+    /// What it does there.
+    pub of: &'a Does<'a, CHANNELS>,
 }
 
 /// Occlusion.
-pub const OCCLUSION: Shade<1> = Shade {
+pub const OCCLUSION: Shade<'_, 1> = Shade {
     distance: |disk| disk.radius,
-    of: |disk, radius, way, normal| [form_factor(way, normal, disk.normal, radius)],
+    of: &|disk, radius, way, normal| [form_factor(way, normal, disk.normal, radius)],
 };
 
 /// Light, irradiance over pi.
-pub const LIGHT: Shade<3> = Shade {
+pub const LIGHT: Shade<'_, 3> = Shade {
     distance: |disk| if disk.sent == [Vec3::ZERO; 2] { 0.0 } else { disk.radius },
-    of: |disk, radius, way, normal| {
+    of: &|disk, radius, way, normal| {
         let sent = disk.sent[usize::from(way.dot(disk.normal) >= 0.0)];
         (sent * form_factor(way, normal, disk.normal, radius)).to_array()
     },
@@ -45,7 +48,7 @@ pub const LIGHT: Shade<3> = Shade {
 pub fn brute_force<const CHANNELS: usize>(
     surface: &Surface,
     disks: &[Disk],
-    shade: Shade<CHANNELS>,
+    shade: Shade<'_, CHANNELS>,
     reach: f32,
 ) -> Planes {
     surface.image(0.0, |pixel| {
@@ -60,7 +63,7 @@ pub fn brute_force<const CHANNELS: usize>(
 pub fn level_sums<const CHANNELS: usize>(
     surface: &Surface,
     disks: &[Disk],
-    shade: Shade<CHANNELS>,
+    shade: Shade<'_, CHANNELS>,
     level: &uniforms::SplatLevel,
 ) -> Planes {
     let mut image = Planes::filled(CHANNELS, surface.height, surface.width, 0.0);
@@ -87,7 +90,7 @@ pub fn level_sums<const CHANNELS: usize>(
 fn shell_sum<const CHANNELS: usize>(
     surface: &Surface,
     disks: &[Disk],
-    shade: Shade<CHANNELS>,
+    shade: Shade<'_, CHANNELS>,
     level: &uniforms::SplatLevel,
     sub_buffer: u32,
     pixel: UVec2,
@@ -116,7 +119,7 @@ fn plus<const CHANNELS: usize>(a: [f32; CHANNELS], b: [f32; CHANNELS]) -> [f32; 
 pub fn sums<const CHANNELS: usize>(
     surface: &Surface,
     disks: &[Disk],
-    shade: Shade<CHANNELS>,
+    shade: Shade<'_, CHANNELS>,
     parameters: &Parameters,
     view: &View,
 ) -> Planes {

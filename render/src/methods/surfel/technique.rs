@@ -3,6 +3,7 @@
 use super::{Parameters, passes};
 use crate::bvh::TracedScene;
 use crate::methods::Surface;
+use crate::scene::Environment;
 use crate::screen::{Inputs, MethodStep, PlainInputs, Technique, View, Written};
 use crate::surfels::reference::{Disk, surfels};
 use deepshade_shaders::gpu::GpuError;
@@ -18,13 +19,22 @@ pub trait SurfelEffect: Copy + Send + Sync {
     fn shaders() -> passes::Shaders;
 
     /// Its image of a scene's disks in plain Rust, `[channels, height, width]`.
-    fn plain(
-        surface: &Surface,
-        scene: &TracedScene,
-        disks: Vec<Disk>,
-        parameters: &Parameters,
-        view: &View,
-    ) -> Planes;
+    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Planes;
+}
+
+/// What the plain version reads.
+#[derive(Clone, Copy)]
+pub struct Plain<'a> {
+    /// What is seen.
+    pub surface: &'a Surface,
+    /// All of the scene.
+    pub scene: &'a TracedScene,
+    /// The scene's environment, where it has one.
+    pub environment: Option<&'a Environment>,
+    /// What is set.
+    pub parameters: &'a Parameters,
+    /// From where it is seen.
+    pub view: &'a View,
 }
 
 /// An effect by surfels, with what can be set.
@@ -67,7 +77,9 @@ impl<E: SurfelEffect> Technique for Surfel<E> {
         let surface = Surface::of(inputs.gbuffer)?;
         let shaded = |scene: &TracedScene| {
             let disks = surfels(scene.scene(), &self.0.surfels, view);
-            E::plain(&surface, scene, disks, &self.0, view).data().to_vec()
+            let environment = inputs.environment;
+            let plain = Plain { surface: &surface, scene, environment, parameters: &self.0, view };
+            E::plain(&plain, disks).data().to_vec()
         };
         Ok(inputs.scene.map(shaded).into_iter().collect())
     }

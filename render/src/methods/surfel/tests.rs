@@ -1,5 +1,7 @@
 //! Shells against brute force, closed forms, and the passes against the plain version.
 
+mod directional;
+
 use super::indirect::SurfelIndirect;
 use super::occlusion::SurfelOcclusion;
 use super::reference::{LIGHT, OCCLUSION, brute_force, form_factor, level_sums, openness};
@@ -218,7 +220,8 @@ fn prove_twin(
     let [image, again] =
         [0, 1].map(|_| Method::shade(method, &frame, Repeats::ONCE).expect("an image").image);
     assert_eq!(image.data(), again.data(), "the same frame twice");
-    let inputs = PlainInputs { gbuffer, environment: None, scene: Some(scene) };
+    let inputs =
+        PlainInputs { gbuffer, environment: scene.scene().environment.as_deref(), scene: Some(scene) };
     let right = method.reference(&inputs, view).expect("attributes").pop().expect("an image");
     let right = Planes::from_data(image.channels(), view.height, view.width, right);
     assert_eq!(agree(&image, &right, tolerance), Ok(()));

@@ -1,0 +1,6 @@
+// The form factor from a point with a normal to a disk, whichever side of it is seen (Wallace, Elmquist and Haines 1989); `way`
+// leads to the disk's middle, and `squared` is its length squared.
+fn form_factor(surfel: Surfel, radius: f32, way: vec3f, squared: f32, normal: vec3f) -> f32 {
+    let facing = max(dot(way, normal), 0.0) * abs(dot(way, from_octahedron(unpack2x16snorm(surfel.normal))));
+    return radius * radius * facing / (max(squared, 1e-20) * (squared + radius * radius));
+}
