@@ -5,8 +5,8 @@ use anyhow::{Context, Result, bail, ensure};
 use deepshade_infer::Model;
 use deepshade_render::method::Method;
 use deepshade_render::methods::{
-    Quality, fxaa, gather, gtao, hbao, prefiltered, reconstruction, ring_gather, separable, ssdo, ssgi,
-    surfel,
+    Quality, bounced_z, fxaa, gather, gtao, hbao, prefiltered, reconstruction, ring_gather, separable, ssdo,
+    ssgi, surfel,
 };
 use deepshade_render::screen::ScreenMethod;
 use deepshade_shaders::Effect;
@@ -60,7 +60,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 23] = [
+const ALL: [Entry; 25] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -80,6 +80,12 @@ const ALL: [Entry; 23] = [
     screen(Effect::Ao, "surfel", |gpu, quality| {
         Ok(Box::new(surfel::occlusion::SurfelOcclusion::new(gpu, surfel::Parameters::of(quality).into())?))
     }),
+    screen(Effect::Ao, "bounced-z", |gpu, quality| {
+        Ok(Box::new(bounced_z::occlusion::BouncedOcclusion::new(
+            gpu,
+            bounced_z::Parameters::of(quality).into(),
+        )?))
+    }),
     screen(Effect::Do, "ssdo", |gpu, quality| {
         Ok(Box::new(ssdo::Ssdo::new(gpu, ssdo::Parameters::of(quality))?))
     }),
@@ -94,6 +100,12 @@ const ALL: [Entry; 23] = [
     }),
     screen(Effect::Gi, "surfel", |gpu, quality| {
         Ok(Box::new(surfel::indirect::SurfelIndirect::new(gpu, surfel::Parameters::of(quality).into())?))
+    }),
+    screen(Effect::Gi, "bounced-z", |gpu, quality| {
+        Ok(Box::new(bounced_z::indirect::BouncedIndirect::new(
+            gpu,
+            bounced_z::Parameters::of(quality).into(),
+        )?))
     }),
     screen(Effect::Ibl, "prefiltered", |gpu, quality| {
         Ok(Box::new(prefiltered::Prefiltered::new(gpu, prefiltered::Parameters::of(quality))?))
@@ -205,7 +217,10 @@ mod tests {
     fn methods_that_do_not_exist_are_named_with_those_that_do() {
         assert_eq!(checked(&["learned", "hbao", "truth"]), Ok(()));
         let error = checked(&["hbao", "ssao"]).expect_err("no such method");
-        assert_eq!(error, "effect `ao` has no method `ssao`; there are learned, gtao, hbao, surfel, truth");
+        assert_eq!(
+            error,
+            "effect `ao` has no method `ssao`; there are learned, gtao, hbao, surfel, bounced-z, truth"
+        );
         assert!(checked(&["hbao", "hbao"]).expect_err("twice").contains("twice"));
     }
 

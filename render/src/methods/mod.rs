@@ -3,6 +3,7 @@
 //! against, pass by pass. What several share is in files beside them.
 
 pub mod blur;
+pub mod bounced_z;
 pub mod environment_map;
 pub mod fxaa;
 pub mod gather;

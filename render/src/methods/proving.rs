@@ -1,6 +1,7 @@
 //! What tests of methods share: surfaces written down as formulas, and the comparison of a method's passes with its
 //! plain version.
 
+pub mod beyond;
 pub mod receiver;
 
 use crate::bvh::TracedScene;

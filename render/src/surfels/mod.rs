@@ -6,12 +6,14 @@
 //!
 //! - [`patches`] cuts a scene's surface into parts, once.
 //! - [`cloud`] lays surfels out on them, each frame, on the GPU, and puts a tree over them.
+//! - [`frame`] has all of these passes in order, with what they read.
 //! - [`reference`](mod@reference) is the slow, plain version.
 //!
 //! Unlike the paper's, no tessellation hardware is needed, no surfel is made that is thrown away, and surfels neither jump nor
 //! pop up when the camera moves, as each stays where it is and grows.
 
 pub mod cloud;
+pub mod frame;
 pub mod patches;
 pub mod reference;
 #[cfg(test)]

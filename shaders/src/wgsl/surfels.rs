@@ -24,7 +24,7 @@ table! {
     /// Ambient occlusion of a level.
     SURFEL_OCCLUSION: "surfel.occlusion", file "methods/surfel/splat", constants [CHANNELS = 1], uniforms [SplatLevel],
         shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree",
-                "surfel_reach_by_radius", "surfel_form_factor", "surfel_occlusion"];
+                "surfel_walk", "surfel_reach_by_radius", "surfel_form_factor", "surfel_occlusion"];
     /// The sum of all levels of ambient occlusion.
     SURFEL_OPENNESS: "surfel.openness", file "methods/surfel/add", constants [CHANNELS = 1], uniforms [LevelSum],
         shared ["surfel_openness"];
@@ -36,7 +36,7 @@ table! {
         shared ["surfel", "surfel_tree", "surfel_reach_if_lit"];
     /// Indirect light of a level.
     SURFEL_LIGHT: "surfel.light", file "methods/surfel/splat", constants [CHANNELS = 3], uniforms [SplatLevel],
-        shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree", "surfel_reach_if_lit",
+        shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree", "surfel_walk", "surfel_reach_if_lit",
                 "surfel_form_factor", "surfel_colour", "surfel_light"];
     /// The sum of all levels of indirect light.
     SURFEL_INDIRECT: "surfel.indirect", file "methods/surfel/add", constants [CHANNELS = 3], uniforms [LevelSum],
@@ -45,8 +45,19 @@ table! {
     SURFEL_BLOCKED: "surfel.blocked", file "methods/surfel/splat", constants [CHANNELS = 3, BLOCKED_HEIGHT = 16],
         uniforms [SplatLevel, FrameView],
         shared ["view", "random", "surface", "bounded", "packing", "interleaved", "environment", "surfel", "surfel_tree",
-                "surfel_reach_by_radius", "surfel_form_factor", "surfel_colour", "surfel_blocked"];
+                "surfel_walk", "surfel_reach_by_radius", "surfel_form_factor", "surfel_colour", "surfel_blocked"];
     /// Light of the environment less what is blocked.
     SURFEL_OPEN: "surfel.open", file "methods/surfel/open", constants [OPEN_HEIGHT = 32],
         uniforms [LevelSum, FrameView], shared ["view", "environment"];
+    /// What of a white sky a pixel's rays see past surfels.
+    BOUNCED_SKY: "bounced-z.sky", file "methods/bounced_z/trace", constants [], uniforms [Bounces],
+        shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree", "surfel_walk",
+                "bounced_sky"];
+    /// What light surfels send along a pixel's rays.
+    BOUNCED_LIGHT: "bounced-z.light", file "methods/bounced_z/trace", constants [], uniforms [Bounces],
+        shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree", "surfel_walk",
+                "bounced_light"];
+    /// What neighbouring pixels' rays say of a pixel.
+    BOUNCED_FILTER: "bounced-z.filter", file "methods/bounced_z/filter", constants [CHANNELS = 1], uniforms [BounceWindow],
+        shared ["surface", "bounded", "packing"];
 }

@@ -18,3 +18,10 @@ fn interleaved_pixel(sub_buffer: u32, place: vec2u, level: u32, seed: u32) -> ve
     let mask = (1u << level) - 1u;
     return (place << vec2u(level)) + vec2u(part & mask, part >> level);
 }
+
+// The number of a pixel among those of its square of 2^level x 2^level, in a random order that is the square's own.
+fn number_in_square(pixel: vec2u, level: u32, seed: u32) -> u32 {
+    let place = pixel >> vec2u(level);
+    let inside = pixel & vec2u((1u << level) - 1u);
+    return permuted(inside.x | inside.y << level, level, hash(place.x + hash(place.y + hash(level + hash(seed)))));
+}

@@ -3,9 +3,8 @@
 use super::directional::Sky;
 use super::{Parameters, shells};
 use crate::methods::blur::Blur;
-use crate::raster::view::perspective;
 use crate::screen::{Inputs, MethodStep, View};
-use crate::surfels::cloud::{self, Cloud, LightPass};
+use crate::surfels::{Cloud, frame};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
@@ -38,16 +37,12 @@ pub struct Passes {
     lit: bool,
 }
 
-/// Uniforms before those of the levels of the tree: surfels, view.
-const BEFORE_TREE: usize = 2;
 /// Uniforms of a level of the framebuffer: splat, blur along rows and along columns, sum.
 const OF_LEVEL: usize = 4;
 
 /// The contents of the passes' uniform buffers.
 pub fn uniforms(parameters: &Parameters, effect: Effect, view: &View) -> Vec<Vec<u8>> {
-    let camera = perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE);
-    let mut all = vec![bytes_of(&parameters.surfels.settings(view)).to_vec(), bytes_of(&camera).to_vec()];
-    all.extend(cloud::tree_levels().map(|level| bytes_of(&level).to_vec()));
+    let mut all: Vec<Vec<u8>> = frame::uniforms(&parameters.surfels, view).collect();
     for level in 0..parameters.levels {
         all.push(bytes_of(&shells::level(parameters, level, view)).to_vec());
         let blurs = parameters.blur_of(level).settings(view, effect);
@@ -99,23 +94,11 @@ impl Passes {
         uniforms: &[wgpu::Buffer],
         image: &wgpu::Buffer,
     ) -> Result<Vec<MethodStep>, GpuError> {
-        let missing = || GpuError::Refused {
-            label: "deepshade.surfel".to_owned(),
-            what: "there is no scene to lay surfels out on".to_owned(),
-        };
-        let world = inputs.world.ok_or_else(missing)?;
-        let cloud = Cloud::new(device, world.patches())?;
-        let (first, levels) = uniforms.split_at(BEFORE_TREE + crate::surfels::HEIGHT as usize);
-        let (first, tree) = first.split_at(BEFORE_TREE);
-        let of_surfels = cloud::Uniforms { settings: &first[0], view: &first[1] };
-        let mut steps = self.surfels.surfel_steps(device, world, &cloud, of_surfels)?;
-        if self.lit {
-            steps.push(LightPass::new(device, world)?.step(device, world, &cloud, &first[1])?);
-        }
-        steps.extend(self.surfels.tree_steps(device, &cloud, tree)?);
+        let (of_surfels, levels) = uniforms.split_at(frame::UNIFORMS);
+        let (cloud, mut steps) = frame::steps(&self.surfels, device, inputs.world, of_surfels, self.lit)?;
         let room = Room::new(device, inputs, self.channels)?;
         let sky = self.open.as_ref().map(|_| Sky::new(inputs.environment).upload(device)).transpose()?;
-        let blocked = sky.as_ref().map(|[blocked, _]| [&first[1], blocked]);
+        let blocked = sky.as_ref().map(|[blocked, _]| [&of_surfels[1], blocked]);
         let splatting = Splatting { device, inputs, cloud: &cloud, room: &room, blocked, image };
         for (level, uniforms) in levels.chunks_exact(OF_LEVEL).enumerate() {
             steps.extend(self.level_steps(splatting, level, uniforms)?);
@@ -124,7 +107,7 @@ impl Passes {
             let gbuffer = inputs.gbuffer;
             let [normal, valid] = [Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
             let whole = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
-            let reads = [size, &first[1], normal, valid, open];
+            let reads = [size, &of_surfels[1], normal, valid, open];
             steps.push(MethodStep::bind(device, pass, whole, &reads, &[image])?);
         }
         Ok(steps)

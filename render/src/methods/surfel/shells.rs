@@ -7,7 +7,7 @@ use deepshade_shaders::wgsl::uniforms;
 use glam::UVec2;
 
 /// Over its radius, the distance of a disk at which its form factor is a threshold, seen face to face: `r^2 / (r^2 + d^2)`.
-fn reach(threshold: f32) -> f32 {
+pub fn reach(threshold: f32) -> f32 {
     (1.0 / threshold - 1.0).sqrt()
 }
 

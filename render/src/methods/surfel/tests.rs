@@ -6,18 +6,16 @@ use super::indirect::SurfelIndirect;
 use super::occlusion::SurfelOcclusion;
 use super::reference::{LIGHT, OCCLUSION, brute_force, form_factor, level_sums, openness};
 use super::{MOST_LEVELS, Parameters, shells};
-use crate::bvh::TracedScene;
-use crate::gbuffer;
-use crate::method::{Frame, Method, Repeats};
-use crate::methods::proving::{Tolerance, agree, camera, gbuffer_of, plane, prove_comparator, view};
+use crate::methods::proving::beyond::{corner, disk_mesh, prove_twin, scene_of, seen};
+use crate::methods::proving::{Tolerance, agree, camera, gbuffer_of, plane, view};
 use crate::methods::{Quality, Surface, blur};
 use crate::scene::procedural::Family;
-use crate::scene::{Camera, Light, Material, Mesh, Scene};
-use crate::screen::{PlainInputs, ScreenMethod, View};
+use crate::scene::{Camera, Mesh, Scene};
+use crate::screen::View;
 use crate::surfels;
 use crate::surfels::reference::Disk;
+use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
-use deepshade_shaders::{Attribute, GBuffer, Planes};
 use glam::{IVec2, UVec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
@@ -112,25 +110,6 @@ fn shells_are_brute_force_in_the_mean() {
     assert!(bias.abs() < 0.01, "{bias}");
 }
 
-/// A regular polygon with many corners around a point, facing down.
-fn disk_mesh(middle: Vec3, radius: f32) -> Mesh {
-    let corners = 128u32;
-    let corner = |i: u32| {
-        let (sin, cos) = (i as f32 / corners as f32 * TAU).sin_cos();
-        middle + radius * Vec3::new(cos, 0.0, sin)
-    };
-    let positions = [middle].into_iter().chain((0..corners).map(corner)).collect();
-    Mesh {
-        positions,
-        triangles: (0..corners).map(|i| [0, 1 + i, 1 + (i + 1) % corners]).collect(),
-        ..Mesh::default()
-    }
-}
-
-fn scene_of(meshes: Vec<Mesh>) -> Scene {
-    Scene { meshes: meshes.into(), materials: vec![Material::default()], ..Scene::default() }
-}
-
 /// What is occluded of an upward hemisphere at a point, by brute force over the surfels of a scene.
 fn occluded_at(scene: &Scene, at: Vec3, scale: f32) -> f32 {
     let parameters = surfels::Parameters { scale, near: 0.01 };
@@ -196,38 +175,6 @@ fn sphere_mesh(middle: Vec3, radius: f32) -> Mesh {
     mesh
 }
 
-/// A procedural scene, from where it is seen, and its g-buffer.
-fn seen(family: Family, height: usize, width: usize) -> (TracedScene, View, GBuffer) {
-    let scene = TracedScene::new(family.scene(4)).expect("a scene");
-    let bounds = scene.scene().bounds();
-    let eye = bounds.centre() + 0.3 * bounds.size();
-    let camera = Camera::look_at(eye, bounds.centre());
-    let gbuffer = gbuffer::render(&scene, &camera, height, width, ATTRIBUTES);
-    let view = View { camera, radius: 0.1 * bounds.diagonal(), ..view(height, width, 1.0) };
-    (scene, view, gbuffer)
-}
-
-/// What surfel methods read of a g-buffer.
-const ATTRIBUTES: &[Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
-
-/// Proves that a method's passes make what its plain version does, and the same of the same frame twice.
-fn prove_twin(
-    method: &impl ScreenMethod,
-    (scene, view, gbuffer): &(TracedScene, View, GBuffer),
-    tolerance: Tolerance,
-) {
-    let frame = Frame { scene, camera: &view.camera, gbuffer, radius: view.radius, seed: view.seed };
-    let [image, again] =
-        [0, 1].map(|_| Method::shade(method, &frame, Repeats::ONCE).expect("an image").image);
-    assert_eq!(image.data(), again.data(), "the same frame twice");
-    let inputs =
-        PlainInputs { gbuffer, environment: scene.scene().environment.as_deref(), scene: Some(scene) };
-    let right = method.reference(&inputs, view).expect("attributes").pop().expect("an image");
-    let right = Planes::from_data(image.channels(), view.height, view.width, right);
-    assert_eq!(agree(&image, &right, tolerance), Ok(()));
-    prove_comparator(&right, tolerance);
-}
-
 #[test]
 fn the_passes_make_what_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
@@ -261,25 +208,6 @@ fn fewer_levels_and_a_smaller_threshold_agree_with_more_of_both() {
     };
     let [fine, coarse] = [off(&shade(0.02, 4)), off(&shade(0.4, 4))];
     assert!(fine < 0.03 && fine < coarse, "{fine} and {coarse}");
-}
-
-/// A white floor and a white wall at x = 1 that faces it, lit from the left, seen from above.
-fn corner() -> (TracedScene, View, GBuffer) {
-    let square = |corners: [[f32; 3]; 4]| Mesh {
-        positions: corners.map(Vec3::from_array).to_vec(),
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        ..Mesh::default()
-    };
-    let floor = square([[-4., 0., 4.], [1., 0., 4.], [1., 0., -4.], [-4., 0., -4.]]);
-    let wall = square([[1., 0., 4.], [1., 2., 4.], [1., 2., -4.], [1., 0., -4.]]);
-    let light =
-        Light::Directional { direction: Vec3::X, irradiance: Vec3::new(2.0, 1.0, 0.5) * PI, pattern: None };
-    let scene = Scene { lights: vec![light], ..scene_of(vec![floor, wall]) };
-    let scene = TracedScene::new(scene).expect("two squares");
-    let camera = Camera::look_at(Vec3::new(-1.0, 2.5, 1.5), Vec3::new(0.0, 0.0, 0.0));
-    let view = View { camera, radius: 20.0, ..view(48, 64, 1.0) };
-    let gbuffer = gbuffer::render(&scene, &camera, 48, 64, ATTRIBUTES);
-    (scene, view, gbuffer)
 }
 
 #[test]

@@ -56,4 +56,42 @@ uniforms! {
         /// What is where no surface is seen.
         background: f32,
     }
+
+    /// What `methods/bounced_z/trace` reads.
+    Bounces {
+        /// Columns of the image.
+        width: u32,
+        /// Rows of the image.
+        height: u32,
+        /// Directions of a pixel.
+        directions: u32,
+        /// Levels of the interleaved framebuffer.
+        levels: u32,
+        /// Chooses directions, and which pixel meets which surfels.
+        seed: u32,
+        /// Where the shell of the finest level ends, over a surfel's radius.
+        shell: f32,
+        /// How much larger than its own is the radius that rays meet.
+        cover: f32,
+        /// How far the effect reaches, metres.
+        reach: f32,
+    }
+
+    /// What `methods/bounced_z/filter` reads.
+    BounceWindow {
+        /// Columns of the image.
+        width: u32,
+        /// Rows of the image.
+        height: u32,
+        /// Directions of a pixel.
+        directions: u32,
+        /// Pixels on every side that are filtered together.
+        radius: i32,
+        /// The Gaussian's exponent of a distance of one pixel.
+        falloff: f32,
+        /// Factor, one over metres, of a distance from the tangent plane before it is squared into the exponent.
+        sharpness: f32,
+        /// What is where no surface is seen.
+        background: f32,
+    }
 }

@@ -9,11 +9,8 @@
 // [CHANNELS, height, width]
 @group(0) @binding(7) var<storage, read_write> sums: array<f32>;
 
-// A place in the walk through the tree, from left to right.
-struct Walk {
-    height: u32,
-    index: u32,
-}
+// What the walk asks nodes about: where a pixel's surface is.
+alias Query = vec3f;
 
 // How far surfels of a node, or one alone, do something on this level.
 fn outer(distance: f32) -> f32 {
@@ -24,24 +21,10 @@ fn outer(distance: f32) -> f32 {
 }
 
 // Whether a surfel below a node may do something at a point.
-fn reaches(node: Node, position: vec3f) -> bool {
+fn reaches(node: Node, position: Query) -> bool {
     let gap = max(max(position - node.high.xyz, node.low.xyz - position), vec3f(0.0));
     let reach = outer(node.low.w);
     return dot(gap, gap) <= reach * reach;
-}
-
-// The next node that is not below this one.
-fn after(walk: Walk) -> Walk {
-    var next = Walk(walk.height, walk.index + 1u);
-    while (next.index & 3u) == 0u && next.height < HEIGHT {
-        next = Walk(next.height + 1u, next.index >> 2u);
-    }
-    return next;
-}
-
-// Whether there are surfels at or after a place.
-fn goes_on(walk: Walk) -> bool {
-    return (walk.height < HEIGHT || walk.index == 0u) && first_surfel(walk.height, walk.index) < totals.kept;
 }
 
 @compute @workgroup_size(TILE, TILE)
@@ -58,21 +41,8 @@ fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
         let position = surface_position(at, pixels);
         let normal = surface_normal(at, pixels);
         let leaves = bounded(level.level, pixel);
-        var walk = Walk(HEIGHT, 0u);
+        var walk = next_leaf(Walk(HEIGHT, 0u), leaves, position);
         while goes_on(walk) {
-            // To the next leaf, so that all invocations of a workgroup look at leaves together.
-            while goes_on(walk) {
-                if !reaches(nodes[node_index(walk.height, walk.index)], position) {
-                    walk = after(walk);
-                } else if walk.height > leaves {
-                    walk = Walk(walk.height - 1u, 4u * walk.index);
-                } else {
-                    break;
-                }
-            }
-            if !goes_on(walk) {
-                break;
-            }
             let first = first_surfel(walk.height, walk.index) + sub_buffer;
             for (var i = 0u; i < LEAF; i++) {
                 let which = first + (i << (2u * leaves));
@@ -89,7 +59,7 @@ fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
                     sum = added(sum, surfel, surfel.place.w * level.enlarged, way, squared, normal);
                 }
             }
-            walk = after(walk);
+            walk = next_leaf(after(walk), leaves, position);
         }
     }
     write_sum(sum, at, pixels);

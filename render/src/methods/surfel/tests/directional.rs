@@ -2,11 +2,16 @@
 
 use super::super::directional::SurfelDirectional;
 use super::*;
+use crate::bvh::TracedScene;
+use crate::gbuffer;
+use crate::method::{Frame, Method, Repeats};
+use crate::methods::proving::beyond::ATTRIBUTES;
 use crate::methods::proving::{self, mean_difference};
 use crate::path::proving::{spotted, with_environment};
 use crate::path::{self, Sampling, Shot};
 use crate::scene::Environment;
-use deepshade_shaders::Effect;
+use crate::screen::ScreenMethod;
+use deepshade_shaders::{Effect, GBuffer};
 
 const COARSE: surfels::Parameters = surfels::Parameters { scale: 0.03, near: 0.25 };
 

@@ -1,0 +1,77 @@
+//! What the effects that are shaded by a bounced z-buffer have in common as methods.
+
+use super::{Parameters, passes, reference};
+use crate::bvh::TracedScene;
+use crate::methods::Surface;
+use crate::screen::{Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use crate::surfels::patches;
+use crate::surfels::reference::{Disk, lit, surfels};
+use deepshade_shaders::gpu::GpuError;
+use deepshade_shaders::wgsl::Shader;
+use deepshade_shaders::{Attribute, Effect, MissingAttribute};
+use glam::Vec3;
+use std::marker::PhantomData;
+
+/// An effect that the nearest surfels have on what is seen.
+pub trait BouncedEffect: Copy + Send + Sync {
+    /// What it is.
+    const EFFECT: Effect;
+    /// Whether surfels are lit first.
+    const LIT: bool;
+
+    /// The pass of its rays.
+    fn shader() -> &'static Shader;
+
+    /// The radiance that arrives along a ray in a direction, of the disk that it meets or of none.
+    fn arriving(met: Option<&Disk>, direction: Vec3) -> Vec3;
+}
+
+/// An effect by a bounced z-buffer, with what can be set.
+#[derive(Clone, Copy, Debug)]
+pub struct BouncedZ<E>(Parameters, PhantomData<E>);
+
+impl<E> From<Parameters> for BouncedZ<E> {
+    fn from(parameters: Parameters) -> Self {
+        Self(parameters.sane(), PhantomData)
+    }
+}
+
+impl<E: BouncedEffect> Technique for BouncedZ<E> {
+    const NAME: &'static str = "bounced-z";
+    const EFFECT: Effect = E::EFFECT;
+    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
+    const LOOKS_BEYOND: bool = true;
+    type Passes = passes::Passes;
+
+    fn compile(device: &wgpu::Device) -> Result<passes::Passes, GpuError> {
+        passes::Passes::new::<E>(device)
+    }
+
+    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
+        passes::uniforms(&self.0, E::EFFECT, view)
+    }
+
+    fn steps(
+        &self,
+        passes: &passes::Passes,
+        device: &wgpu::Device,
+        inputs: &Inputs<'_>,
+        uniforms: &[wgpu::Buffer],
+        output: &wgpu::Buffer,
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        passes.steps(device, inputs, self.0.directions, uniforms, output)
+    }
+
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        let surface = Surface::of(inputs.gbuffer)?;
+        let shaded = |scene: &TracedScene| {
+            let disks = surfels(scene.scene(), &self.0.surfels, view);
+            let disks = match E::LIT {
+                true => lit(scene, &patches::of_scene(scene.scene()), disks, &view.camera),
+                false => disks,
+            };
+            reference::shade::<E>(&surface, &disks, &self.0, view).data().to_vec()
+        };
+        Ok(inputs.scene.map(shaded).into_iter().collect())
+    }
+}

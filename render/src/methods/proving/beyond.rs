@@ -1,0 +1,83 @@
+//! Scenes for methods that look beyond the screen, and the comparison of what their passes make of one with their plain
+//! version.
+
+use super::{Tolerance, agree, prove_comparator, view};
+use crate::bvh::TracedScene;
+use crate::gbuffer;
+use crate::method::{Frame, Method, Repeats};
+use crate::scene::procedural::Family;
+use crate::scene::{Camera, Light, Material, Mesh, Scene};
+use crate::screen::{PlainInputs, ScreenMethod, View};
+use deepshade_shaders::{Attribute, GBuffer, Planes};
+use glam::Vec3;
+use std::f32::consts::{PI, TAU};
+
+/// A regular polygon with many corners around a point, facing down.
+pub fn disk_mesh(middle: Vec3, radius: f32) -> Mesh {
+    let corners = 128u32;
+    let corner = |i: u32| {
+        let (sin, cos) = (i as f32 / corners as f32 * TAU).sin_cos();
+        middle + radius * Vec3::new(cos, 0.0, sin)
+    };
+    let positions = [middle].into_iter().chain((0..corners).map(corner)).collect();
+    Mesh {
+        positions,
+        triangles: (0..corners).map(|i| [0, 1 + i, 1 + (i + 1) % corners]).collect(),
+        ..Mesh::default()
+    }
+}
+
+pub fn scene_of(meshes: Vec<Mesh>) -> Scene {
+    Scene { meshes: meshes.into(), materials: vec![Material::default()], ..Scene::default() }
+}
+
+/// A white floor and a white wall at x = 1 that faces it, lit from the left, seen from above.
+pub fn corner() -> (TracedScene, View, GBuffer) {
+    let square = |corners: [[f32; 3]; 4]| Mesh {
+        positions: corners.map(Vec3::from_array).to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    };
+    let floor = square([[-4., 0., 4.], [1., 0., 4.], [1., 0., -4.], [-4., 0., -4.]]);
+    let wall = square([[1., 0., 4.], [1., 2., 4.], [1., 2., -4.], [1., 0., -4.]]);
+    let light =
+        Light::Directional { direction: Vec3::X, irradiance: Vec3::new(2.0, 1.0, 0.5) * PI, pattern: None };
+    let scene = Scene { lights: vec![light], ..scene_of(vec![floor, wall]) };
+    let scene = TracedScene::new(scene).expect("two squares");
+    let camera = Camera::look_at(Vec3::new(-1.0, 2.5, 1.5), Vec3::new(0.0, 0.0, 0.0));
+    let view = View { camera, radius: 20.0, ..view(48, 64, 1.0) };
+    let gbuffer = gbuffer::render(&scene, &camera, 48, 64, ATTRIBUTES);
+    (scene, view, gbuffer)
+}
+
+/// A procedural scene, from where it is seen, and its g-buffer.
+pub fn seen(family: Family, height: usize, width: usize) -> (TracedScene, View, GBuffer) {
+    let scene = TracedScene::new(family.scene(4)).expect("a scene");
+    let bounds = scene.scene().bounds();
+    let eye = bounds.centre() + 0.3 * bounds.size();
+    let camera = Camera::look_at(eye, bounds.centre());
+    let gbuffer = gbuffer::render(&scene, &camera, height, width, ATTRIBUTES);
+    let view = View { camera, radius: 0.1 * bounds.diagonal(), ..view(height, width, 1.0) };
+    (scene, view, gbuffer)
+}
+
+/// What surfel methods read of a g-buffer.
+pub const ATTRIBUTES: &[Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
+
+/// Proves that a method's passes make what its plain version does, and the same of the same frame twice.
+pub fn prove_twin(
+    method: &impl ScreenMethod,
+    (scene, view, gbuffer): &(TracedScene, View, GBuffer),
+    tolerance: Tolerance,
+) {
+    let frame = Frame { scene, camera: &view.camera, gbuffer, radius: view.radius, seed: view.seed };
+    let [image, again] =
+        [0, 1].map(|_| Method::shade(method, &frame, Repeats::ONCE).expect("an image").image);
+    assert_eq!(image.data(), again.data(), "the same frame twice");
+    let inputs =
+        PlainInputs { gbuffer, environment: scene.scene().environment.as_deref(), scene: Some(scene) };
+    let right = method.reference(&inputs, view).expect("attributes").pop().expect("an image");
+    let right = Planes::from_data(image.channels(), view.height, view.width, right);
+    assert_eq!(agree(&image, &right, tolerance), Ok(()));
+    prove_comparator(&right, tolerance);
+}

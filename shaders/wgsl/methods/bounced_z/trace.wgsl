@@ -1,0 +1,163 @@
+// The bounced z-buffer (thesis 6.2 and 6.3), one invocation for each of a pixel's directions: along it, the nearest surfel of the
+// finest level that has one. As with splats, level l has one of 4^l surfels, another one for each pixel of a square.
+// Rays walk a tree over the surfels. The plain version is render/src/methods/bounced_z/reference.rs.
+
+@group(0) @binding(0) var<uniform> bounces: Bounces;
+@group(0) @binding(4) var<storage, read> totals: Totals;
+@group(0) @binding(5) var<storage, read> surfels: array<Surfel>;
+@group(0) @binding(6) var<storage, read> nodes: array<Node>;
+// Octahedral, two snorm16: [directions, height, width].
+@group(0) @binding(7) var<storage, read_write> directions: array<u32>;
+// What arrives from there, as `pack_radiance` has it: [directions, height, width].
+@group(0) @binding(8) var<storage, read_write> arrived: array<u32>;
+
+// The pixels of a square of 4 x 4 share one spiral of directions.
+const SQUARE = 2u;
+const IN_SQUARE = 16u;
+// Angle between a direction of the spiral and the next, turns: the golden section of the circle.
+const GOLDEN_TURN = 0.381966;
+const TAU = 6.2831853;
+// Sine of the least angle between the way to a surfel and either surface: the point's own surface does not hide it.
+const LEAST_SINE = 1e-3;
+// The level of what is not met.
+const NONE = 0xffffffffu;
+
+// What a ray has met so far.
+struct Hit {
+    // That of the shell around the surfel which the ray's origin is in, or NONE.
+    level: u32,
+    distance: f32,
+    surfel: u32,
+}
+
+// What the walk asks nodes about.
+struct Query {
+    origin: vec3f,
+    normal: vec3f,
+    direction: vec3f,
+    // One over the direction's components.
+    inverse: vec3f,
+    level: u32,
+}
+
+// How far the middles of surfels are that are met on a level, if the largest has this radius.
+fn outer(level: u32, radius: f32) -> f32 {
+    let enlarged = radius * f32(1u << level);
+    return select(enlarged * bounces.shell, bounces.reach + enlarged * bounces.cover, level + 1u == bounces.levels);
+}
+
+// Whether a ray may meet a surfel below a node: one of its disks reaches beyond its box by its radius.
+fn reaches(node: Node, ray: Query) -> bool {
+    let gap = max(max(ray.origin - node.high.xyz, node.low.xyz - ray.origin), vec3f(0.0));
+    let farthest = outer(ray.level, node.low.w);
+    let widened = node.low.w * f32(1u << ray.level) * bounces.cover;
+    let a = (node.low.xyz - widened - ray.origin) * ray.inverse;
+    let b = (node.high.xyz + widened - ray.origin) * ray.inverse;
+    let first = min(a, b);
+    let last = max(a, b);
+    let enters = max(max(first.x, first.y), max(first.z, 0.0));
+    let leaves = min(min(last.x, last.y), min(last.z, bounces.reach));
+    // Rounding may not lose what is met at a corner.
+    return dot(gap, gap) <= farthest * farthest && enters <= leaves * 1.00001;
+}
+
+// Whether one hit is in front of another: the finer level wins, and of a level the nearer.
+fn precedes(a: Hit, b: Hit) -> bool {
+    if a.level != b.level {
+        return a.level < b.level;
+    }
+    return a.distance < b.distance || (a.distance == b.distance && a.surfel < b.surfel);
+}
+
+// Where a ray meets a surfel, as large as the shell wants that its origin is in, but of no coarser level than the ray's.
+fn met(which: u32, ray: Query) -> Hit {
+    let none = Hit(NONE, 0.0, 0u);
+    let surfel = surfels[which];
+    let way = surfel.place.xyz - ray.origin;
+    let squared = dot(way, way);
+    let farthest = outer(ray.level, surfel.place.w);
+    let surfel_normal = from_octahedron(unpack2x16snorm(surfel.normal));
+    let height = dot(way, surfel_normal);
+    let least = LEAST_SINE * sqrt(squared);
+    let slope = dot(ray.direction, surfel_normal);
+    if squared >= farthest * farthest || dot(way, ray.normal) <= least || abs(height) <= least || abs(slope) < 1e-6 {
+        return none;
+    }
+    let finest_shell = max(surfel.place.w * bounces.shell, 1e-18);
+    let shells_out = ceil(0.5 * log2(squared / (finest_shell * finest_shell)));
+    let level = u32(clamp(shells_out, 0.0, f32(ray.level)));
+    let radius = surfel.place.w * f32(1u << level) * bounces.cover;
+    let distance = height / slope;
+    let off = distance * ray.direction - way;
+    if distance <= 0.0 || distance >= bounces.reach || dot(off, off) >= radius * radius {
+        return none;
+    }
+    return Hit(level, distance, which);
+}
+
+// What a ray meets among the surfels of one level that a pixel has, or what it has met before.
+fn nearest(ray: Query, first: u32, before: Hit, pixel: vec2u) -> Hit {
+    var hit = before;
+    let leaves = bounded(ray.level, pixel);
+    var walk = next_leaf(Walk(HEIGHT, 0u), leaves, ray);
+    while goes_on(walk) {
+        let begin = first_surfel(walk.height, walk.index) + first;
+        for (var i = 0u; i < LEAF; i++) {
+            let which = begin + (i << (2u * leaves));
+            if which >= totals.kept {
+                break;
+            }
+            let other = met(which, ray);
+            if precedes(other, hit) {
+                hit = other;
+            }
+        }
+        walk = next_leaf(after(walk), leaves, ray);
+    }
+    return hit;
+}
+
+// A direction of a pixel: a spiral over the disk, lifted onto the hemisphere, has the density cosine / pi (Malley's method).
+fn direction_of(pixel: vec2u, number: u32, normal: vec3f) -> vec3f {
+    let square = pixel >> vec2u(SQUARE);
+    let which = f32(IN_SQUARE * number + number_in_square(pixel, SQUARE, hash(bounces.seed)));
+    let squared = (which + random(square, bounces.seed, 0u)) / f32(IN_SQUARE * bounces.directions);
+    let angle = TAU * (fract(GOLDEN_TURN * which + random(square, bounces.seed, 1u)) - 0.5);
+    let disk = sqrt(squared) * vec2f(cos(angle), sin(angle));
+    // Two tangents (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
+    let sign = select(-1.0, 1.0, normal.z >= 0.0);
+    let a = -1.0 / (sign + normal.z);
+    let b = normal.x * normal.y * a;
+    let tangent = vec3f(1.0 + sign * normal.x * normal.x * a, sign * b, -sign * normal.x);
+    let bitangent = vec3f(b, sign + normal.y * normal.y * a, -normal.y);
+    return disk.x * tangent + disk.y * bitangent + sqrt(1.0 - squared) * normal;
+}
+
+// One over it, and a large number where it is nothing.
+fn inverse_of(direction: vec3f) -> vec3f {
+    return 1.0 / select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
+}
+
+@compute @workgroup_size(TILE, TILE)
+fn trace(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= bounces.width || id.y >= bounces.height {
+        return;
+    }
+    let pixel = id.xy;
+    let pixels = bounces.width * bounces.height;
+    let at = pixel.y * bounces.width + pixel.x;
+    if !surface_valid(at) {
+        return;
+    }
+    let position = surface_position(at, pixels);
+    let normal = surface_normal(at, pixels);
+    let direction = direction_of(pixel, id.z, normal);
+    let levels = bounded(bounces.levels, pixel);
+    var hit = Hit(NONE, 0.0, 0u);
+    for (var level = 0u; level < levels; level++) {
+        let ray = Query(position, normal, direction, inverse_of(direction), level);
+        hit = nearest(ray, number_in_square(pixel, level, bounces.seed), hit, pixel);
+    }
+    directions[at + id.z * pixels] = pack2x16snorm(to_octahedron(direction));
+    arrived[at + id.z * pixels] = pack_radiance(arriving(hit, direction));
+}
