@@ -77,7 +77,7 @@ fn it_is_nearer_to_truth_than_light_that_nothing_blocks() {
     let shot = Shot::new(&scene, &camera, [height, width], view.radius);
     let truth = path::render(Effect::Do, &shot, Sampling::one(256, 1)).mean;
     let [found, nothing_near] = [view.radius, 1e-3 * view.radius].map(|radius| {
-        let seen = (scene.clone(), View { radius, ..view.clone() }, gbuffer.clone());
+        let seen = (scene.clone(), View { radius, ..view }, gbuffer.clone());
         mean_difference(&image(&method(), &seen), &truth)
     });
     assert!(nothing_near > 0.03 && found < 0.5 * nothing_near, "open {nothing_near}, surfels {found}");
