@@ -14,7 +14,7 @@ use std::f32::consts::PI;
 pub const LEVELS: usize = 14;
 
 /// Rows of the coarsest map: bilinear interpolation of the cosine errs by a thousandth.
-pub const COARSEST: usize = 32;
+const COARSEST: usize = 32;
 
 /// Rows of a map within a lobe's standard deviation, `1 / sqrt(e + 1)`: they widen it by a 30th.
 const ROWS_A_DEVIATION: f32 = 2.0;
