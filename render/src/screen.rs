@@ -9,6 +9,7 @@ mod compiled;
 mod gbuffer;
 mod plan;
 pub mod reprojection;
+pub mod upsampling;
 
 pub use compiled::{Compiled, Technique};
 pub use gbuffer::GpuGBuffer;

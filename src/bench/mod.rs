@@ -8,6 +8,7 @@ mod net;
 #[cfg(feature = "train")]
 mod pytorch;
 mod rays;
+mod surfel;
 #[cfg(feature = "train")]
 mod train;
 
@@ -26,6 +27,8 @@ pub enum Verb {
     Rays(rays::Args),
     /// Milliseconds of every pass of a live frame, frames a second, memory.
     Frame(Box<frame::Args>),
+    /// Milliseconds and memory of shading by surfels, stage by stage; thresholds, levels, resolution.
+    Surfel(Box<surfel::Args>),
     /// Training pairs an hour and a core, and where the time goes.
     Dataset(dataset::Args),
 }
@@ -42,6 +45,7 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Train(args) => train::run(args),
         Verb::Rays(args) => rays::run(args),
         Verb::Frame(args) => frame::run(args),
+        Verb::Surfel(args) => surfel::run(args),
         Verb::Dataset(args) => dataset::run(args),
     }
 }

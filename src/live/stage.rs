@@ -13,7 +13,7 @@ use glam::{Mat3, Vec3};
 use std::f32::consts::TAU;
 
 /// A scene in motion.
-#[derive(clap::Args)]
+#[derive(clap::Args, Default)]
 #[command(next_help_heading = "Animation")]
 pub struct Args {
     /// How far the camera goes around what it looks at, degrees, over the whole sequence; 0 by default.

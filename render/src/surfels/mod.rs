@@ -4,7 +4,7 @@
 //! image: near ones are small and far ones large, but those behind others, behind the camera and seen from their edge are
 //! there too, so that shading by them misses nothing.
 //!
-//! - [`patches`] cuts a scene's surface into parts, once.
+//! - [`patches`] cuts a scene's surface into parts, once; [`closed`] tells bodies from sheets.
 //! - [`cloud`] lays surfels out on them, each frame, on the GPU, and puts a tree over them.
 //! - [`frame`] has all of these passes in order, with what they read.
 //! - [`reference`](mod@reference) is the slow, plain version.
@@ -12,6 +12,7 @@
 //! Unlike the paper's, no tessellation hardware is needed, no surfel is made that is thrown away, and surfels neither jump nor
 //! pop up when the camera moves, as each stays where it is and grows.
 
+pub mod closed;
 pub mod cloud;
 pub mod frame;
 pub mod patches;
@@ -34,7 +35,7 @@ pub struct Surfel {
     pub place: [f32; 3],
     /// Metres.
     pub radius: f32,
-    /// Unit vector, octahedral, two snorm16.
+    /// Unit vector, octahedral, two snorm16, of which the lowest bit is 1 where the surface is open, so that its back is seen too.
     pub normal: u32,
     /// Diffusely reflected radiance on the side of the normal, shared exponent.
     pub front: u32,

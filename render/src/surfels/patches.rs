@@ -5,6 +5,7 @@
 //! parts stay the same whatever the camera does, so that surfels do not jump when it moves. They are ordered along a curve
 //! through space (Morton 1966), so that surfels that follow one another lie together.
 
+use super::closed::closed;
 use crate::raster::geometry::{Draw, draws_of};
 use crate::scene::{Material, Mesh, Scene};
 use bytemuck::{Pod, Zeroable};
@@ -17,13 +18,16 @@ use rayon::prelude::*;
 pub struct Patch {
     /// Vertices of the triangle, among those of all meshes on the GPU.
     pub corners: [u32; 3],
-    /// Halvings in the upper four bits; below them, two bits a halving: which quarter.
+    /// Halvings in the upper four bits; [`OPEN`]; in the lowest bits, two a halving: which quarter.
     pub part: u32,
     /// Diffuse reflectance, the mean over the part.
     pub colour: [f32; 3],
     /// Share of the part that is there: alpha.
     pub coverage: f32,
 }
+
+/// The bit of a part that is set where the surface is no closed one.
+pub const OPEN: u32 = 1 << 27;
 
 /// The scene's surface is cut into about so many parts, beside triangles that are smaller than one.
 const PARTS: f32 = (1 << 17) as f32;
@@ -43,6 +47,7 @@ pub fn patches(scene: &Scene, draws: &[Draw]) -> Vec<Patch> {
     let bounds = scene.bounds();
     let size = bounds.size().max_element().max(f32::MIN_POSITIVE);
     let largest = area_of(scene) / PARTS;
+    let closed: Vec<Vec<bool>> = scene.meshes.iter().map(closed).collect();
     let mut placed: Vec<(u64, Patch)> = draws
         .par_iter()
         .flat_map(|draw| {
@@ -50,9 +55,10 @@ pub fn patches(scene: &Scene, draws: &[Draw]) -> Vec<Patch> {
             (0..mesh.triangles.len()).into_par_iter().map(move |triangle| (draw, mesh, triangle))
         })
         .flat_map_iter(|(draw, mesh, triangle)| {
-            let halvings = halvings(area(mesh.corners(triangle)) / largest);
+            let (closed, halvings) = (&closed, halvings(area(mesh.corners(triangle)) / largest));
             (0..1u32 << (2 * halvings)).map(move |quarters| {
-                let part = halvings << 28 | quarters;
+                let open = if closed[draw.mesh as usize][triangle] { 0 } else { OPEN };
+                let part = halvings << 28 | open | quarters;
                 let middle = weights(part).into_iter().sum::<Vec3>() / 3.0;
                 let at = mixed(mesh.corners(triangle), middle);
                 (morton((at - bounds.min) / size), patch(scene, mesh, draw.first_vertex, triangle, part))
@@ -144,6 +150,15 @@ pub fn area_of(scene: &Scene) -> f32 {
     let of_mesh =
         |mesh: &Mesh| (0..mesh.triangles.len()).map(|t| f64::from(area(mesh.corners(t)))).sum::<f64>();
     scene.meshes.iter().map(of_mesh).sum::<f64>() as f32
+}
+
+/// The area of what is there of all patches, m²; `vertices` are those of the scene.
+pub fn covered_area(patches: &[Patch], vertices: &[Vec3]) -> f64 {
+    let of_patch = |patch: &Patch| {
+        let whole = area(patch.corners.map(|corner| vertices[corner as usize]));
+        f64::from(whole * patch.coverage) * (-2.0 * f64::from(patch.part >> 28)).exp2()
+    };
+    patches.iter().map(of_patch).sum()
 }
 
 /// The place of a point of the unit cube along Morton's curve: the bits of its coordinates, interleaved.

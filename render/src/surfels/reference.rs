@@ -1,6 +1,6 @@
 //! Laying surfels out, in plain Rust: what the passes of `shaders/wgsl/surfels` do, without a tree.
 
-use super::patches::{Patch, weights};
+use super::patches::{OPEN, Patch, weights};
 use super::{MOST, Parameters};
 use crate::bvh::TracedScene;
 use crate::path::lights::Arrival;
@@ -31,6 +31,8 @@ pub struct Disk {
     pub radius: f32,
     /// Unit vector.
     pub normal: Vec3,
+    /// Whether its back is seen too, since its surface is no closed one.
+    pub open: bool,
     /// Index of the patch that it stands for a part of.
     pub patch: u32,
     /// Diffusely reflected radiance on the side of the normal and on the other; black until it is [`lit`].
@@ -149,6 +151,7 @@ pub fn disks(
                 place: it.inset() * weights,
                 radius: it.radius * share.sqrt(),
                 normal: it.normal(),
+                open: patch.part & OPEN != 0,
                 patch: index,
                 sent: [Vec3::ZERO; 2],
             }

@@ -2,6 +2,9 @@
 
 use super::{GpuError, PipelineCache, catch};
 
+/// What every label begins with.
+const LABEL: &str = "deepshade.";
+
 /// A compiled compute shader with one entry point and one bind group.
 #[derive(Clone, Debug)]
 pub struct Pass {
@@ -38,7 +41,7 @@ impl Pass {
         wgsl: &str,
         cache: Option<&PipelineCache>,
     ) -> Result<Self, GpuError> {
-        let label = format!("deepshade.{label}");
+        let label = format!("{LABEL}{label}");
         let pipeline = catch(device, || {
             let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(&label),
@@ -118,6 +121,11 @@ impl BoundPass {
     pub fn dispatch_counted_in(&self, pass: &mut wgpu::ComputePass<'_>, counts: &wgpu::Buffer, offset: u64) {
         self.set_in(pass);
         pass.dispatch_workgroups_indirect(counts, offset);
+    }
+
+    /// Whether it runs the shader of that name.
+    pub fn is_of(&self, shader: &str) -> bool {
+        self.label.strip_prefix(LABEL).is_some_and(|name| name == shader)
     }
 
     fn set_in(&self, pass: &mut wgpu::ComputePass<'_>) {

@@ -68,7 +68,7 @@ mod occlusion;
 mod post;
 mod surfels;
 
-pub use frame::{Chosen, FrameView, LightRecord, MaterialRecord, Pose, Reprojection};
+pub use frame::{Chosen, FrameView, LightRecord, MaterialRecord, Pose, Reprojection, Upsampling};
 pub use indirect::Prefiltered;
 pub use nets::{NaiveLayer, NetLayer};
 pub use occlusion::{Blur, Hbao, Slices, Ssdo};

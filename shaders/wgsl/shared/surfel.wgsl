@@ -8,7 +8,7 @@ const HEIGHT = 8u;
 struct Surfel {
     // Where its middle is; its radius.
     place: vec4f,
-    // Octahedral, two snorm16.
+    // Octahedral, two snorm16; the lowest bit is 1 where the surface is open, so that its back is seen too.
     normal: u32,
     // Diffusely reflected radiance on the side of the normal and on the other, as `pack_radiance` has it.
     front: u32,

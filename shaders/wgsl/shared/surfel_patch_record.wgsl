@@ -3,7 +3,7 @@
 
 struct Patch {
     corners: array<u32, 3>,
-    // Halvings in the upper four bits; below them, two bits a halving, which quarter.
+    // Halvings in the upper four bits; below them, 1 where the surface is open; in the lowest bits, two a halving, which quarter.
     part: u32,
     // Diffuse reflectance.
     colour: array<f32, 3>,

@@ -79,5 +79,7 @@ fn place(@builtin(global_invocation_id) id: vec3u) {
     }
     let weights = it.weights * vec3f(1.0 - at.x - at.y, at);
     let normal = normalize(cross(it.corners[1] - it.corners[0], it.corners[2] - it.corners[0]));
-    surfels[id.x] = Surfel(vec4f(inset * weights, radius), pack2x16snorm(to_octahedron(normal)), 0u, 0u, index);
+    let open = (patches[index].part >> 27u) & 1u;
+    let packed_normal = (pack2x16snorm(to_octahedron(normal)) & 0xfffffffeu) | open;
+    surfels[id.x] = Surfel(vec4f(inset * weights, radius), packed_normal, 0u, 0u, index);
 }

@@ -99,6 +99,7 @@ fn sheet(height: f32, sent: f32) -> Vec<Disk> {
         place: Vec3::new(f32::from(i % 40) * 0.1 - 1.95, height, f32::from(i / 40) * 0.1 - 1.95),
         radius: 0.058,
         normal: -Vec3::Y,
+        open: true,
         patch: 0,
         sent: [Vec3::splat(sent), Vec3::ZERO],
     };
@@ -121,7 +122,7 @@ fn sheets_behind_one_another_occlude_like_one() {
                 (0..count).flat_map(|i| sheet(height + 1e-3 * f32::from(i), 0.0)).collect();
             let hidden = 1.0 - arriving::<Occlusion>(&disks, Vec3::ZERO, &FEW).x;
             assert!((hidden - right).abs() < 0.03, "{count} at {height}: {hidden}, not {right}");
-            let factor = |disk: &Disk| form_factor(disk.place, Vec3::Y, disk.normal, disk.radius);
+            let factor = |disk: &Disk| form_factor(disk.place, Vec3::Y, disk, disk.radius);
             let added: f32 = disks.iter().map(factor).sum();
             assert!(added > 0.97 * f32::from(count) * right, "{added} without visibility");
         }

@@ -51,7 +51,7 @@ impl Sky {
 
     /// What a disk hides of it, irradiance over pi, as [`reference::Shade::of`] is given it.
     pub fn behind(&self, camera: &Camera, disk: &Disk, radius: f32, way: Vec3, normal: Vec3) -> Vec3 {
-        let share = reference::form_factor(way, normal, disk.normal, radius);
+        let share = reference::form_factor(way, normal, disk, radius);
         if share == 0.0 {
             Vec3::ZERO
         } else {

@@ -3,8 +3,13 @@
 //! Nalbach, Ritschel and Seidel, "Deep Screen Space", I3D 2014 (thesis chapter 4). Surfels ([`crate::surfels`]) stand
 //! for the whole scene; each does to every pixel what a disk of its size does. Near ones do it to every pixel; those
 //! farther away than a threshold epsilon of effect allows do it to one pixel of four, of sixteen and so on, four, sixteen
-//! times as large each: shells around a surfel, splatted to the levels of an interleaved framebuffer ([`shells`]). Levels
+//! times as much each: shells around a surfel, splatted to the levels of an interleaved framebuffer ([`shells`]). Levels
 //! are blurred and added up.
+//!
+//! In the paper a surfel is as much larger as it stands for others, and a large disk hides less than the small ones together:
+//! what is farther than a shell or two grows too bright. Here it keeps its size and counts for all, so that the mean is right
+//! at every threshold (colonnade:1, 0.6 m, against all surfels on all pixels: a difference of 0.058 in place of 0.088 at a
+//! threshold of 0.2, 0.126 in place of 0.244 at 0.8).
 //!
 //! The splatting is turned round: a pixel walks a tree over the surfels of its sub-buffer. What is summed up is the same as
 //! with splats that are blended, always in the same order; there is no list of splats that could become too long, nothing to

@@ -9,11 +9,12 @@ use deepshade_shaders::{Effect, Planes};
 use glam::{UVec2, Vec3};
 use rayon::prelude::*;
 
-/// The form factor from a point with a normal to a disk, whichever side of it is seen (Wallace, Elmquist and Haines 1989);
-/// `way` leads to the disk's middle.
-pub fn form_factor(way: Vec3, normal: Vec3, disk_normal: Vec3, radius: f32) -> f32 {
+/// The form factor from a point with a normal to a disk, with another radius than its own (Wallace, Elmquist and Haines 1989);
+/// `way` leads to the disk's middle. Of closed surfaces only fronts count.
+pub fn form_factor(way: Vec3, normal: Vec3, disk: &Disk, radius: f32) -> f32 {
     let squared = way.length_squared();
-    let facing = way.dot(normal).max(0.0) * way.dot(disk_normal).abs();
+    let towards = -way.dot(disk.normal);
+    let facing = way.dot(normal).max(0.0) * if disk.open { towards.abs() } else { towards.max(0.0) };
     radius * radius * facing / (squared.max(1e-20) * (squared + radius * radius))
 }
 
@@ -32,7 +33,7 @@ pub struct Shade<'a, const CHANNELS: usize> {
 /// Occlusion.
 pub const OCCLUSION: Shade<'_, 1> = Shade {
     distance: |disk| disk.radius,
-    of: &|disk, radius, way, normal| [form_factor(way, normal, disk.normal, radius)],
+    of: &|disk, radius, way, normal| [form_factor(way, normal, disk, radius)],
 };
 
 /// Light, irradiance over pi.
@@ -40,7 +41,7 @@ pub const LIGHT: Shade<'_, 3> = Shade {
     distance: |disk| if disk.sent == [Vec3::ZERO; 2] { 0.0 } else { disk.radius },
     of: &|disk, radius, way, normal| {
         let sent = disk.sent[usize::from(way.dot(disk.normal) >= 0.0)];
-        (sent * form_factor(way, normal, disk.normal, radius)).to_array()
+        (sent * form_factor(way, normal, disk, radius)).to_array()
     },
 };
 
@@ -106,9 +107,9 @@ fn shell_sum<const CHANNELS: usize>(
         let outer = if level.last == 1 { level.reach } else { level.reach.min(reaches * level.farthest) };
         let distance = way.length_squared();
         let inside = distance >= (reaches * level.nearest).powi(2) && distance < outer * outer;
-        if inside { (shade.of)(disk, disk.radius * level.enlarged, way, normal) } else { [0.0; CHANNELS] }
+        if inside { (shade.of)(disk, disk.radius, way, normal) } else { [0.0; CHANNELS] }
     };
-    its.map(does).fold([0.0; CHANNELS], plus)
+    its.map(does).fold([0.0; CHANNELS], plus).map(|sum| sum * level.stands_for)
 }
 
 fn plus<const CHANNELS: usize>(a: [f32; CHANNELS], b: [f32; CHANNELS]) -> [f32; CHANNELS] {

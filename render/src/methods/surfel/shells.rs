@@ -12,7 +12,7 @@ pub fn reach(threshold: f32) -> f32 {
 }
 
 /// What the passes of a level read. A surfel does something worth the threshold up to [`reach`] times its radius, as it is; on
-/// level l it stands for 4^l, so its radius and with it the shell are 2^l times as large.
+/// level l it stands for 4^l, so that the shell is 2^l times as large.
 pub fn level(parameters: &Parameters, level: u32, view: &View) -> uniforms::SplatLevel {
     let (enlarged, reach) = ((1u32 << level) as f32, reach(parameters.threshold));
     uniforms::SplatLevel {
@@ -23,7 +23,7 @@ pub fn level(parameters: &Parameters, level: u32, view: &View) -> uniforms::Spla
         last: u32::from(level + 1 == parameters.levels),
         nearest: if level == 0 { 0.0 } else { 0.5 * enlarged * reach },
         farthest: enlarged * reach,
-        enlarged,
+        stands_for: enlarged * enlarged,
         reach: view.radius,
     }
 }

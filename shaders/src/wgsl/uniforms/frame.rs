@@ -122,4 +122,18 @@ uniforms! {
         /// Standard deviations of the pixels around, beyond which what was is cut off.
         clip: f32,
     }
+
+    /// What `frame/upsample` reads.
+    Upsampling {
+        /// Columns of the image.
+        width: u32,
+        /// Rows of the image.
+        height: u32,
+        /// Columns of the smaller one.
+        small_width: u32,
+        /// Rows of the smaller one.
+        small_height: u32,
+        /// The image where no surface is seen.
+        background: f32,
+    }
 }

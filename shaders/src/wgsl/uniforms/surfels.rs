@@ -37,8 +37,8 @@ uniforms! {
         nearest: f32,
         /// Where it ends.
         farthest: f32,
-        /// How much larger a surfel is taken.
-        enlarged: f32,
+        /// How many surfels one stands for.
+        stands_for: f32,
         /// How far the effect reaches, metres.
         reach: f32,
     }

@@ -1,5 +1,5 @@
 // Shell splatting (thesis 4.2.2) of one level, turned round: each pixel of a sub-buffer adds up what the surfels do to it that
-// this sub-buffer gets, one of 4^l, 4^l times as large, and in whose shell it is. A tree over the surfels leaves out those that
+// this sub-buffer gets, one of 4^l that stands for all, and in whose shell it is. A tree over the surfels leaves out those that
 // do not reach it, so the work is that of splats, without blending, in an order that is always the same.
 
 @group(0) @binding(0) var<uniform> level: SplatLevel;
@@ -56,11 +56,11 @@ fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
                 let inner = distance * level.nearest;
                 let farthest = outer(distance);
                 if squared >= inner * inner && squared < farthest * farthest {
-                    sum = added(sum, surfel, surfel.place.w * level.enlarged, way, squared, normal);
+                    sum = added(sum, surfel, surfel.place.w, way, squared, normal);
                 }
             }
             walk = next_leaf(after(walk), leaves, position);
         }
     }
-    write_sum(sum, at, pixels);
+    write_sum(sum * level.stands_for, at, pixels);
 }

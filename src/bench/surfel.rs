@@ -1,0 +1,232 @@
+//! `deepshade bench surfel`: what shading by surfels costs, stage by stage, and what its hierarchy saves: the tables and sweeps
+//! of "Deep Screen Space" and "The Bounced Z-Buffer" (thesis Tables 4.1, 4.2, 6.1, 6.2, Figures 4.11, 4.12), on a scene of
+//! one's own.
+
+mod stages;
+mod subject;
+mod sweeps;
+
+use crate::arguments::Size;
+use crate::figures::Figures;
+use crate::{methods, table};
+use anyhow::{Context, Result, ensure};
+use deepshade_render::methods::{Quality, surfel};
+use deepshade_render::scene::SceneSource;
+use deepshade_render::screen::{Plan, ScreenMethod};
+use deepshade_shaders::gpu::{self, Gpu};
+use deepshade_shaders::{Attribute, Effect};
+use serde_json::json;
+use stages::{Cost, Stage};
+use std::path::PathBuf;
+use std::time::Duration;
+use subject::Subject;
+use sweeps::Row;
+
+/// The methods that shade by surfels.
+const METHODS: [&str; 2] = ["surfel", "bounced-z"];
+/// Of which size the figures are that depend on one: that of the thesis' Table 6.2.
+const PAPER: Size = Size { width: 768, height: 512 };
+/// How long a GPU is kept busy before it is measured.
+const WAKING: Duration = Duration::from_millis(500);
+
+/// Milliseconds and memory of shading by surfels, stage by stage; what thresholds, levels and the interleaved framebuffer do to it.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:\n  \
+    deepshade bench surfel --json surfel.json\n  \
+    deepshade bench surfel --scene sponza.gltf --sizes 768x512,1920x1080 --effects ao,gi --radius 0.7\n\n\
+    In the JSON file ms_STAGE_EFFECT is of `surfel` and ms_bounced_z_STAGE_EFFECT of `bounced-z`, of the first size; \
+    ratio_fullres is the time of ambient occlusion with every surfel on every pixel over that with levels, and memory_mb what \
+    the passes of ambient occlusion write at 768x512, surfels and their tree included. area_error is by how much the areas of \
+    the surfels miss that of the scene's surface.")]
+pub struct Args {
+    /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
+    #[arg(long, default_value = "colonnade:1")]
+    scene: SceneSource,
+    /// Sizes of the image.
+    #[arg(long, value_delimiter = ',', default_value = "768x512")]
+    sizes: Vec<Size>,
+    /// Effects; by default all that surfels shade.
+    #[arg(long, value_delimiter = ',')]
+    effects: Vec<Effect>,
+    /// How far effects reach, metres; by default 5 % of the scene's diagonal.
+    #[arg(long, value_parser = crate::arguments::positive)]
+    radius: Option<f32>,
+    /// How much time methods may take for a better image: low, medium, high or ultra.
+    #[arg(long, default_value = "medium")]
+    quality: Quality,
+    /// Timed runs of each stage; by default 20 on a graphics card and 1 on a software adapter.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    runs: Option<u16>,
+    /// Leaves out the sweeps of threshold, levels and resolution.
+    #[arg(long)]
+    no_sweeps: bool,
+    #[command(flatten)]
+    viewpoint: crate::views::Viewpoint,
+    /// Writes the figures here as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+/// A method of an effect at a size, and what it costs.
+struct Measured {
+    effect: Effect,
+    method: &'static str,
+    size: Size,
+    cost: Cost,
+}
+
+/// Measures and prints.
+///
+/// # Errors
+/// If the scene cannot be read, an effect is not shaded by surfels, or the device fails.
+pub fn run(args: &Args) -> Result<()> {
+    let gpu = Gpu::new()?;
+    let effects = effects(args)?;
+    let runs = args.runs.map_or(if gpu.is_software() { 1 } else { 20 }, usize::from);
+    let methods = opened(&gpu, &effects, args.quality)?;
+    let attributes: Vec<Attribute> = methods.iter().flat_map(|method| method.attributes()).copied().collect();
+    let staged = subject::staged(args, &effects)?;
+    let subject = |size: Size| Subject::new(&gpu, &staged, args.radius, size, &attributes);
+    let subjects: Vec<(Size, Subject<'_>)> =
+        args.sizes.iter().map(|size| Ok((*size, subject(*size)?))).collect::<Result<_>>()?;
+    let mut measured = Vec::new();
+    for (size, subject) in &subjects {
+        gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
+        for method in &methods {
+            measured.push(Measured::new(method, subject, *size, runs)?);
+        }
+    }
+    let (size, first) = subjects.first().context("--sizes names no size")?;
+    let area = first.area_error(args.quality)?;
+    let memory = match measured.iter().find(|one| one.is(Effect::Ao, METHODS[0], PAPER)) {
+        Some(found) => found.cost.megabytes,
+        None => memory(&gpu, &subject(PAPER)?, args.quality)?,
+    };
+    let usual = surfel::Parameters::of(args.quality);
+    let mut sweeps = Vec::new();
+    if !args.no_sweeps {
+        let half = subject(Size { width: size.width / 2, height: size.height / 2 })?;
+        note!("threshold, levels and resolution of ao by surfel at {size}");
+        sweeps = sweeps::run(&gpu, [first, &half], usual, runs)?;
+    }
+
+    let mut figures = Figures::new("bench surfel");
+    figures.set("area_error", area);
+    figures.set("memory_mb", memory);
+    let ratio = sweeps::ratio_fullres(&sweeps, &usual);
+    ratio.iter().for_each(|ratio| figures.set("ratio_fullres", *ratio));
+    measured.iter().filter(|one| one.size == *size).for_each(|one| one.set(&mut figures));
+    figures.detail("scene", json!(args.scene.to_string()));
+    figures.detail("radius", json!(first.view.radius));
+    figures.detail("adapter", json!(gpu.info.name));
+    figures.detail("quality", json!(args.quality.name()));
+    figures.detail("triangles", json!(first.triangles()));
+    figures.detail("patches", json!(first.patches()));
+    figures.detail("runs", json!(runs));
+    figures.detail("costs", measured.iter().map(Measured::to_json).collect());
+    figures.detail("sweeps", sweeps.iter().map(Row::to_json).collect());
+    figures.write(args.json.as_deref())?;
+
+    say!(
+        "{} of {} triangles in {} patches, radius {:.3} m, on {}",
+        args.scene,
+        first.triangles(),
+        first.patches(),
+        first.view.radius,
+        gpu.info.name
+    )?;
+    say!("{}", table::aligned(&cost_rows(&measured)))?;
+    if !sweeps.is_empty() {
+        say!("\n{}", table::aligned(&sweeps::table(&sweeps)))?;
+    }
+    ratio
+        .iter()
+        .try_for_each(|ratio| say!("every surfel on every pixel takes {ratio:.1} times as long as levels"))?;
+    say!("the areas of all surfels are {:+.2} % off the surface's", 100.0 * area)?;
+    say!("ambient occlusion at {PAPER}: {memory:.1} MB")
+}
+
+/// The effects asked for, or all that are shaded by surfels.
+fn effects(args: &Args) -> Result<Vec<Effect>> {
+    let shaded = |effect: Effect| methods::screen_names(effect).contains(&METHODS[0]);
+    let none = args.effects.iter().find(|effect| !shaded(**effect));
+    ensure!(none.is_none(), "no surfels shade `{}`", none.map_or("", |effect| effect.name()));
+    Ok(match args.effects.as_slice() {
+        [] => Effect::ALL.into_iter().filter(|effect| shaded(*effect)).collect(),
+        asked => asked.to_vec(),
+    })
+}
+
+/// The methods of the effects.
+fn opened(gpu: &Gpu, effects: &[Effect], quality: Quality) -> Result<Vec<Box<dyn ScreenMethod>>> {
+    let of = |effect: Effect| {
+        METHODS
+            .into_iter()
+            .filter(move |name| methods::screen_names(effect).contains(name))
+            .map(move |name| (effect, name))
+    };
+    let all = effects.iter().flat_map(|effect| of(*effect));
+    all.map(|(effect, name)| methods::open_screen(effect, name, gpu, quality)).collect()
+}
+
+/// Megabytes of ambient occlusion on a frame.
+fn memory(gpu: &Gpu, subject: &Subject<'_>, quality: Quality) -> Result<f64> {
+    let method = methods::open_screen(Effect::Ao, METHODS[0], gpu, quality)?;
+    let plan = Plan::new(&*method, &subject.inputs(), &subject.view)?;
+    Ok(stages::megabytes(&plan, subject.patches()))
+}
+
+impl Measured {
+    fn new(method: &dyn ScreenMethod, subject: &Subject<'_>, size: Size, runs: usize) -> Result<Self> {
+        let (effect, method_name) = (method.effect(), method.name());
+        note!("{effect} by {method_name} at {size}");
+        let plan = Plan::new(method, &subject.inputs(), &subject.view);
+        let cost = plan.and_then(|plan| Cost::of(method.gpu(), &plan, subject.patches(), runs));
+        let cost = cost.with_context(|| format!("{effect} by `{method_name}`"))?;
+        Ok(Self { effect, method: method_name, size, cost })
+    }
+
+    fn is(&self, effect: Effect, method: &str, size: Size) -> bool {
+        (self.effect, self.method, self.size) == (effect, method, size)
+    }
+
+    /// Milliseconds under the names that figures have.
+    fn set(&self, figures: &mut Figures) {
+        let method =
+            if self.method == METHODS[0] { String::new() } else { self.method.replace('-', "_") + "_" };
+        let effect = self.effect.name().replace('-', "_");
+        let stages = self.cost.stages.iter().map(|(stage, time)| (stage.name(), *time));
+        for (stage, time) in stages.chain([("total", self.cost.total)]) {
+            figures.set(&format!("ms_{method}{stage}_{effect}"), time);
+        }
+    }
+
+    fn to_json(&self) -> serde_json::Value {
+        let stages: serde_json::Map<_, _> =
+            self.cost.stages.iter().map(|(stage, time)| (stage.name().to_owned(), json!(time))).collect();
+        json!({
+            "effect": self.effect.name(), "method": self.method, "size": self.size.to_string(), "ms": stages,
+            "ms_total": self.cost.total, "megabytes": self.cost.megabytes, "surfels": self.cost.surfels[0],
+            "surfels_wanted": self.cost.surfels[1],
+        })
+    }
+}
+
+fn cost_rows(measured: &[Measured]) -> Vec<Vec<String>> {
+    let head = ["effect", "method", "size", "surfels"].into_iter();
+    let head = head.chain(Stage::ALL.map(Stage::name)).chain(["total ms", "MB"]);
+    let mut rows = vec![head.map(str::to_owned).collect::<Vec<String>>()];
+    for Measured { effect, method, size, cost } in measured {
+        let mut row =
+            vec![effect.to_string(), (*method).to_owned(), size.to_string(), cost.surfels[0].to_string()];
+        row.extend(Stage::ALL.map(|stage| {
+            cost.stages
+                .iter()
+                .find(|(other, _)| *other == stage)
+                .map_or(String::new(), |(_, time)| format!("{time:.2}"))
+        }));
+        row.extend([format!("{:.2}", cost.total), format!("{:.1}", cost.megabytes)]);
+        rows.push(row);
+    }
+    rows
+}
