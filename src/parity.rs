@@ -176,7 +176,7 @@ impl Check<'_> {
             ("onnxruntime", self.onnxruntime_layers(model, file, input)?, TOLERANCE),
         ];
         for Wgsl { form, network, share } in kernels {
-            forms.push((form, forward::run_layers_of(network, &self.gpu.queue, input)?, *share));
+            forms.push((form, forward::run_layers(network, &self.gpu.queue, input)?, *share));
         }
         for (form, layers, share) in forms {
             if let Some((layer, difference)) = parity::first_difference_within(&plain, &layers, share) {

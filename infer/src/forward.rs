@@ -37,7 +37,7 @@ mod tuning_file;
 mod tuning_key;
 mod variant;
 
-pub use convenience::{Runner, run, run_layers, run_layers_of};
+pub use convenience::{Runner, run, run_layers};
 pub use deepshade_shaders::wgsl::convolution::Shape;
 pub use files::{File, wgsl_files};
 pub use io::{Input, InputKind, Output, OutputKind};

@@ -76,7 +76,7 @@ pub(crate) fn layer(
 }
 
 /// The image continued at bottom and right by its last row and column, up to a multiple of `alignment`.
-fn padded(image: &Planes, alignment: usize) -> Planes {
+pub(crate) fn padded(image: &Planes, alignment: usize) -> Planes {
     let (height, width) = (image.height(), image.width());
     Planes::from_fn(
         image.channels(),

@@ -2,9 +2,9 @@
 
 use deepshade_infer::forward::{Input, Options, Output, OutputKind, Precision, Variant};
 use deepshade_infer::parity::{Comparison, noise};
-use deepshade_infer::{ChannelOrder, NetSpec, Network, Reach, Weights, reference};
-use deepshade_shaders::Planes;
+use deepshade_infer::{ChannelOrder, Filter, NetSpec, Network, Reach, Weights, reference};
 use deepshade_shaders::gpu::{self, Gpu};
+use deepshade_shaders::{Effect, Planes};
 
 const REACH: Reach = Reach { radius: 2.0, diagonal_share: 0.05, height: 512 };
 
@@ -14,6 +14,12 @@ fn gpu() -> Gpu {
 
 fn spec(levels: usize) -> NetSpec {
     NetSpec { levels, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) }
+}
+
+/// Of a network that predicts kernels.
+fn filtering() -> NetSpec {
+    let dof = NetSpec::published(Effect::Dof, ChannelOrder::Interleaved, REACH).expect("it has one");
+    NetSpec { levels: 2, filter: Some(Filter { levels: 2, kernel: 3 }), ..dof }
 }
 
 fn network(gpu: &Gpu, spec: &NetSpec, variant: Option<Variant>, precision: Precision) -> Network {
@@ -38,18 +44,20 @@ fn image_within(gpu: &Gpu, network: &Network, input: &Planes, bytes: u64) -> (Pl
 #[test]
 fn tiles_make_what_the_whole_makes_bit_for_bit() {
     let gpu = gpu();
-    let staged = Variant::gpu(&gpu.device.limits(), &spec(3), OutputKind::Buffer);
-    for (variant, precision) in
-        [(Variant::Software, Precision::F32), (staged.clone(), Precision::F32), (staged, Precision::F16)]
-    {
-        let network = network(&gpu, &spec(3), Some(variant), precision);
-        for (height, width) in [(130, 203), (61, 150)] {
-            let input = noise(6, height, width, 3);
-            let (whole, one) = image_within(&gpu, &network, &input, u64::MAX);
-            let bytes = network.plan(height, width).expect("fits").bytes().activations;
-            let (tiled, tiles) = image_within(&gpu, &network, &input, bytes / 2);
-            assert!(one == 1 && tiles > 1);
-            assert_eq!(whole, tiled, "{height}x{width} in {tiles} tiles, {precision:?}");
+    for spec in [spec(3), filtering()] {
+        let staged = Variant::gpu(&gpu.device.limits(), &spec, OutputKind::Buffer);
+        for (variant, precision) in
+            [(Variant::Software, Precision::F32), (staged.clone(), Precision::F32), (staged, Precision::F16)]
+        {
+            let network = network(&gpu, &spec, Some(variant), precision);
+            for (height, width) in [(130, 203), (61, 150)] {
+                let input = noise(spec.input_channels(), height, width, 3);
+                let (whole, one) = image_within(&gpu, &network, &input, u64::MAX);
+                let bytes = network.plan(height, width).expect("fits").bytes().activations;
+                let (tiled, tiles) = image_within(&gpu, &network, &input, bytes / 2);
+                assert!(one == 1 && tiles > 1);
+                assert_eq!(whole, tiled, "{height}x{width} in {tiles} tiles, {precision:?}");
+            }
         }
     }
 }
@@ -59,18 +67,22 @@ fn a_device_of_narrow_limits_gets_tiles() {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
     let adapter = adapter.expect("an adapter");
-    let required_limits =
-        wgpu::Limits { max_storage_buffer_binding_size: 1 << 20, ..wgpu::Limits::default() };
-    let descriptor = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
-    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).expect("a device");
-    let gpu = Gpu { device, queue, info: adapter.get_info() };
-    let variant = Variant::gpu(&gpu.device.limits(), &spec(2), OutputKind::Buffer);
-    let network = network(&gpu, &spec(2), Some(variant), Precision::F32);
-    let input = noise(6, 150, 260, 3);
-    let (image, tiles) = image_within(&gpu, &network, &input, u64::MAX);
-    assert!(tiles > 1, "down0 makes 1.2 MB");
-    let expected = reference::forward(&spec(2), &Weights::random(&spec(2), 5), &input);
-    assert!(Comparison::new(&expected, &image).agrees());
+    let buffers = wgpu::Limits { max_storage_buffer_binding_size: 1 << 20, ..wgpu::Limits::default() };
+    let workgroups = wgpu::Limits { max_compute_workgroups_per_dimension: 16, ..wgpu::Limits::default() };
+    // At 150x260 a map of down0 has 1.2 MB, kernels of 18 taps 2.8 MB, and 16 workgroups are 128 pixels.
+    for (spec, required_limits) in [(spec(2), buffers.clone()), (filtering(), buffers), (spec(2), workgroups)]
+    {
+        let descriptor = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).expect("a device");
+        let gpu = Gpu { device, queue, info: adapter.get_info() };
+        let variant = Variant::gpu(&gpu.device.limits(), &spec, OutputKind::Buffer);
+        let network = network(&gpu, &spec, Some(variant), Precision::F32);
+        let input = noise(spec.input_channels(), 150, 260, 3);
+        let (image, tiles) = image_within(&gpu, &network, &input, u64::MAX);
+        assert!(tiles > 1);
+        let expected = reference::forward(&spec, &Weights::random(&spec, 5), &input);
+        assert!(Comparison::new(&expected, &image).agrees());
+    }
 }
 
 #[test]

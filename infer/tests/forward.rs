@@ -43,7 +43,7 @@ fn layers(
     input: &Planes,
 ) -> Vec<Activation> {
     let network = network(gpu, model, variant, precision);
-    forward::run_layers_of(&network, &gpu.queue, input).expect("runs")
+    forward::run_layers(&network, &gpu.queue, input).expect("runs")
 }
 
 fn assert_agrees(gpu: &Gpu, spec: NetSpec, sizes: &[(usize, usize)]) {
@@ -55,7 +55,7 @@ fn assert_agrees(gpu: &Gpu, spec: NetSpec, sizes: &[(usize, usize)]) {
         let expected = reference::layers(&model.spec, &model.weights, &input);
         let what = format!("{:?} at {height}x{width}", model.spec);
         for network in &networks {
-            let made = forward::run_layers_of(network, &gpu.queue, &input).expect("runs");
+            let made = forward::run_layers(network, &gpu.queue, &input).expect("runs");
             assert_eq!(made.len(), expected.len());
             assert_eq!(first_difference(&expected, &made), None, "{what} by {:?}", network.variant());
         }

@@ -45,14 +45,15 @@ fn texture(gpu: &Gpu, planes: &Planes) -> wgpu::TextureView {
     texture.create_view(&TextureViewDescriptor::default())
 }
 
-/// The network's image, from textures into a texture.
-fn image_by_textures(
+/// The network's images, from textures into a texture, of one recording whose input is scaled anew for each.
+fn images_by_textures(
     gpu: &Gpu,
     network: &Network,
-    input: Input<'_>,
+    (views, run): (&[wgpu::TextureView], usize),
+    scalings: &[Scaling],
     size: [usize; 2],
     format: TextureFormat,
-) -> Planes {
+) -> Vec<Planes> {
     let [height, width] = size;
     let image = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("image"),
@@ -68,14 +69,28 @@ fn image_by_textures(
     let plan = network.plan_within(height, width, bytes / 2).expect("fits in tiles");
     assert!(plan.tiles() > 1);
     let target = image.create_view(&TextureViewDescriptor::default());
+    let input = Input::Textures { views, scaling: scalings[0], run };
     let recording = plan.bind(input, Output::Texture(&target)).expect("what the network was made for");
-    gpu::submit(&gpu.device, &gpu.queue, "net", |encoder| recording.encode(encoder)).expect("runs");
+    let mut images = Vec::new();
+    for (frame, scaling) in scalings.iter().enumerate() {
+        if frame > 0 {
+            recording.set_scaling(&gpu.queue, *scaling);
+        }
+        gpu::submit(&gpu.device, &gpu.queue, "net", |encoder| recording.encode(encoder)).expect("runs");
+        images.push(read(gpu, network, &image, size));
+    }
+    images
+}
+
+/// The network's image that a texture holds.
+fn read(gpu: &Gpu, network: &Network, image: &wgpu::Texture, [height, width]: [usize; 2]) -> Planes {
+    let format = image.format();
     let elements = match format {
         TextureFormat::Rgba16Float => {
-            let halves = gpu::read_texture_array::<f16>(&gpu.device, &gpu.queue, &image).expect("reads");
+            let halves = gpu::read_texture_array::<f16>(&gpu.device, &gpu.queue, image).expect("reads");
             halves.into_iter().map(f16::to_f32).collect()
         }
-        _ => gpu::read_texture_array(&gpu.device, &gpu.queue, &image).expect("reads"),
+        _ => gpu::read_texture_array(&gpu.device, &gpu.queue, image).expect("reads"),
     };
     let (components, channels) = (usize::from(format.components()), network.spec().output_channels());
     let rest = |texel: &[f32]| {
@@ -123,14 +138,17 @@ fn textures_give_what_buffers_give() {
         let network = Network::with(&gpu.device, &spec, &weights, &options).expect("compiles");
         for run in 0..spec.runs() {
             let scaling = Scaling { light: 0.7, ..spec.scaling(&gbuffer, radius).expect("all is there") };
-            let input = Input::Textures { views: &views, scaling, run };
-            let image = image_by_textures(&gpu, &network, input, [height, width], format);
-            let planes = spec.input(&gbuffer, scaling, run).expect("all is there");
+            let scalings = [scaling, Scaling { length: 0.5 * scaling.length, light: 0.3 }];
+            let input = (&views[..], run);
+            let images = images_by_textures(&gpu, &network, input, &scalings, [height, width], format);
             // A conversion to half floats may cut off, so that values, below 8, are off by at most 2^-10 of that.
             let share = if format == TextureFormat::Rgba16Float { 8e-3 } else { TOLERANCE };
-            let expected = reference::forward(&spec, &weights, &planes);
-            let comparison = Comparison::within(&expected, &image, share);
-            assert!(comparison.agrees(), "{spec:?}, run {run}: {comparison:?}");
+            for (scaling, image) in scalings.into_iter().zip(images) {
+                let planes = spec.input(&gbuffer, scaling, run).expect("all is there");
+                let expected = reference::forward(&spec, &weights, &planes);
+                let comparison = Comparison::within(&expected, &image, share);
+                assert!(comparison.agrees(), "{spec:?}, run {run}, {scaling:?}: {comparison:?}");
+            }
         }
         let colours = spec.inputs.iter().any(|attribute| attribute.kind() == AttributeKind::Colour);
         assert_eq!(

@@ -27,19 +27,12 @@ pub fn run(gpu: &Gpu, model: &Model, input: &Planes) -> Result<Planes, ForwardEr
     runner.plan.image(&gpu.queue, &runner.output)
 }
 
-/// What every layer makes on the way to the network's image, as [`crate::reference::layers`] gives it.
+/// What every layer of a network from buffers to buffers makes on the way to its image, as
+/// [`crate::reference::layers`] gives it.
 ///
 /// # Errors
 /// If the input is not the network's, too large to be run as a whole, or the GPU refuses.
-pub fn run_layers(gpu: &Gpu, model: &Model, input: &Planes) -> Result<Vec<Activation>, ForwardError> {
-    run_layers_of(&Network::new(&gpu.device, &model.spec, &model.weights)?, &gpu.queue, input)
-}
-
-/// As [`run_layers`], of a network from buffers to buffers.
-///
-/// # Errors
-/// If the input is not the network's, too large to be run as a whole, or the GPU refuses.
-pub fn run_layers_of(
+pub fn run_layers(
     network: &Network,
     queue: &wgpu::Queue,
     input: &Planes,

@@ -1,9 +1,11 @@
-//! The passes of [`crate::filter`] on a device: the pyramid of the light, and the image that is gathered from it by the
-//! kernels that the last convolution has left. They run on the whole image once all its tiles are made.
+//! The passes of [`crate::filter`] on a device: the pyramid of the light, which is that of the whole image, and what a tile
+//! keeps of the image, gathered from it by the kernels that the tile's last convolution has left.
 
 use super::io;
+use super::recording::Told;
+use super::tiles::Tile;
 use super::{ForwardError, Input, InputKind, Options, Output};
-use crate::{NetSpec, Scaling};
+use crate::NetSpec;
 use deepshade_shaders::gpu::{self, BoundPass, GpuError, Pass};
 use deepshade_shaders::wgsl::convolution::{Reading, Writing};
 use deepshade_shaders::wgsl::filter::Filter;
@@ -25,7 +27,7 @@ pub struct Passes {
 /// What they work on, for images of one size.
 #[derive(Debug)]
 pub struct Room {
-    /// What the last convolution makes, planar `[taps, height, width]`.
+    /// What the last convolution makes of a tile, planar `[taps, rows, columns]` of what the tile keeps.
     pub kernels: Buffer,
     /// The light, level after level.
     pyramid: Buffer,
@@ -76,45 +78,62 @@ impl Passes {
         Ok(Room { kernels, pyramid, size, frame })
     }
 
-    /// The passes that make the image of `input` from the kernels in the room, with how many workgroups run of each.
-    pub fn bind(
+    /// The passes that make the pyramid of `input`, with how many workgroups run of each; and what the first of them is
+    /// told.
+    pub fn bind_pyramid(
         &self,
         device: &Device,
         room: &Room,
         input: Input<'_>,
-        output: Output<'_>,
-    ) -> Result<Vec<(BoundPass, [u32; 3])>, GpuError> {
+    ) -> Result<(Vec<(BoundPass, [u32; 3])>, Told), GpuError> {
         let workgroups = |level: usize| {
             let [height, width] = room.frame.map(|size| size >> level);
             gpu::groups(height, width, TILE)
         };
-        let mut bound = vec![(self.bind_light(device, room, input)?, workgroups(0))];
+        let (light, told) = self.bind_light(device, room, input)?;
+        let mut bound = vec![(light, workgroups(0))];
         for (level, pass) in (1..).zip(&self.halve) {
             let uniform = gpu::uniform(device, "net.halve", &room.uniform(level))?;
             let resources = [(0, uniform.as_entire_binding()), (3, room.pyramid.as_entire_binding())];
             bound.push((pass.bind_at(device, resources)?, workgroups(level)));
         }
-        let uniform = gpu::uniform(device, "net.gather", &room.uniform(0))?;
+        Ok((bound, told))
+    }
+
+    /// The pass that makes what a tile keeps of the image, with how many workgroups run.
+    pub fn bind_gather(
+        &self,
+        device: &Device,
+        room: &Room,
+        tile: &Tile,
+        output: Output<'_>,
+    ) -> Result<(BoundPass, [u32; 3]), GpuError> {
+        let uniform = gpu::uniform(device, "net.gather", &tile.placed(room.uniform(0)))?;
         let [uniform, kernels, pyramid] =
             [&uniform, &room.kernels, &room.pyramid].map(Buffer::as_entire_binding);
         let gather = self.gather.bind(device, &[uniform, kernels, pyramid, output.binding()])?;
-        bound.push((gather, workgroups(0)));
-        Ok(bound)
+        let [rows, columns] = &tile.keep;
+        Ok((gather, gpu::groups(rows.len(), columns.len(), TILE)))
     }
 
-    fn bind_light(&self, device: &Device, room: &Room, input: Input<'_>) -> Result<BoundPass, GpuError> {
-        let (Scaling { length, light }, run) = input.scaling();
-        let uniform = NetLayer {
-            channels: self.inputs,
-            length_scale: length,
-            light_scale: light,
-            run,
-            ..room.uniform(0)
-        };
-        let uniform = gpu::uniform(device, "net.light", &uniform)?;
-        let mut resources = vec![(0, uniform.as_entire_binding()), (3, room.pyramid.as_entire_binding())];
+    fn bind_light(
+        &self,
+        device: &Device,
+        room: &Room,
+        input: Input<'_>,
+    ) -> Result<(BoundPass, Told), GpuError> {
+        let told =
+            Told::new(device, "net.light", input, NetLayer { channels: self.inputs, ..room.uniform(0) })?;
+        let mut resources = vec![(0, told.binding()), (3, room.pyramid.as_entire_binding())];
         resources.extend(input.bindings());
-        self.light.bind_at(device, resources)
+        Ok((self.light.bind_at(device, resources)?, told))
+    }
+
+    /// Bytes of the kernels of a tile whose frame has that size, and of the pyramid of a whole image.
+    pub fn bytes(&self, spec: &NetSpec, tile: [usize; 2], image: [usize; 2]) -> [u64; 2] {
+        let image = image.map(|size| size.next_multiple_of(spec.alignment()));
+        let kernels = spec.last_channels() * tile[0] * tile[1];
+        [kernels, self.filter.pyramid_numbers(image)].map(|numbers| (numbers * size_of::<f32>()) as u64)
     }
 }
 

@@ -1,4 +1,4 @@
-//! Whether an image's feature maps have room on a device, and in which tiles.
+//! Whether an image's feature maps, and what a filter works on, have room on a device, and in which tiles.
 
 use super::maps;
 use super::packing::BLOCK;
@@ -7,12 +7,13 @@ use super::tiles::Tiling;
 use super::{ForwardError, InputKind, Network, OutputKind, Precision, Variant};
 use crate::Layer;
 use deepshade_shaders::gpu::GpuError;
+use deepshade_shaders::wgsl::TILE;
 
 /// Bytes of feature maps with which it is no use to go on where a device has no memory left.
 const LEAST: u64 = 1 << 20;
 
-/// The largest tiles of an image of `[height, width]` whose feature maps take at most that many bytes and for which
-/// `make` gets memory, and what it makes. Where the device has too little left, half as much is tried.
+/// The largest tiles of an image of `[height, width]` with which all takes at most that many bytes and for which `make`
+/// gets memory for their frame, maps and room, and what it makes. Where the device has too little left, half as much is tried.
 ///
 /// # Errors
 /// If no tile is small enough, the device has not even memory for a mebibyte, or it refuses for another reason.
@@ -20,18 +21,18 @@ pub fn largest<T>(
     network: &Network,
     size: [usize; 2],
     mut limit: u64,
-    mut make: impl FnMut(Vec<SizedMap>, Room) -> Result<T, GpuError>,
+    mut make: impl FnMut([usize; 2], Vec<SizedMap>, Room) -> Result<T, GpuError>,
 ) -> Result<(Tiling, T), ForwardError> {
     loop {
         let [height, width] = size;
         let too_little = ForwardError::Memory { width, height, limit };
-        let Some(tiling) = Tiling::new(&network.spec, size, |frame| fits(network, frame, limit)) else {
+        let Some(tiling) = Tiling::new(&network.spec, size, |frame| fits(network, size, frame, limit)) else {
             return Err(too_little);
         };
         let maps = sized_maps(network, tiling.frame);
         let room = room(network, &maps).ok_or(too_little)?;
-        let half = room.bytes() / 2;
-        match make(maps, room) {
+        let half = bytes(network, size, tiling.frame, &room) / 2;
+        match make(tiling.frame, maps, room) {
             Err(GpuError::Memory { .. }) if half >= LEAST => limit = half,
             made => return Ok((tiling, made?)),
         }
@@ -60,13 +61,36 @@ pub fn room(network: &Network, maps: &[SizedMap]) -> Option<Room> {
     }
 }
 
-/// Whether a frame's feature maps are within the device's limits and that many bytes.
-pub fn fits(network: &Network, frame: [usize; 2], bytes: u64) -> bool {
-    let most = network.device.limits().max_texture_dimension_2d as usize;
+/// Bytes of an image's run in tiles of that frame, whose maps have that room.
+fn bytes(network: &Network, size: [usize; 2], frame: [usize; 2], room: &Room) -> u64 {
+    let [kernels, pyramid] = filter_bytes(network, size, frame);
+    room.bytes() + kernels + pyramid
+}
+
+/// Of those the ones of a filter: of a tile's kernels, and of the image's pyramid.
+fn filter_bytes(network: &Network, size: [usize; 2], frame: [usize; 2]) -> [u64; 2] {
+    network.filter.as_ref().map_or([0; 2], |passes| passes.bytes(&network.spec, frame, size))
+}
+
+/// Whether an image can be run in tiles of a frame, within the device's limits and that many bytes.
+pub fn fits(network: &Network, size: [usize; 2], frame: [usize; 2], most: u64) -> bool {
+    let limits = network.device.limits();
     let textures = network.variant == Variant::Software;
+    let side = limits.max_texture_dimension_2d as usize;
+    let [kernels, _] = filter_bytes(network, size, frame);
     let maps = sized_maps(network, frame);
-    !(textures && frame.into_iter().any(|size| size > most))
-        && room(network, &maps).is_some_and(|room| room.bytes() <= bytes)
+    !(textures && frame.into_iter().any(|size| size > side))
+        && dispatches(&limits, frame)
+        && kernels <= limits.max_storage_buffer_binding_size
+        && room(network, &maps).is_some_and(|room| bytes(network, size, frame, &room) <= most)
+}
+
+/// Whether a device dispatches enough workgroups for a frame; no pass has any that make fewer than [`TILE`] pixels along
+/// an axis.
+fn dispatches(limits: &wgpu::Limits, frame: [usize; 2]) -> bool {
+    frame
+        .into_iter()
+        .all(|size| size.div_ceil(TILE as usize) <= limits.max_compute_workgroups_per_dimension as usize)
 }
 
 /// Checks what tiles cannot help.
@@ -78,17 +102,20 @@ pub fn check_size(network: &Network, height: usize, width: usize) -> Result<(), 
     if height == 0 || width == 0 {
         return error(first, "has no pixel to read".to_owned());
     }
+    let bytes = |channels: usize| (channels * height * width * size_of::<f32>()) as u64;
+    let [_, pyramid] = filter_bytes(network, [height, width], [0; 2]);
     let buffers = [
-        (first, spec.input_channels(), network.input == InputKind::Buffer),
-        (last, spec.output_channels(), network.output == OutputKind::Buffer),
-        (last, spec.last_channels(), spec.filter.is_some()),
+        (first, bytes(spec.input_channels()), network.input == InputKind::Buffer),
+        (last, bytes(spec.output_channels()), network.output == OutputKind::Buffer),
+        (last, pyramid, spec.filter.is_some()),
     ];
-    for (layer, channels, _) in buffers.into_iter().filter(|(_, _, is_bound)| *is_bound) {
-        let bytes = (channels as u64) * (height as u64) * (width as u64) * size_of::<f32>() as u64;
-        let limit = limits.max_storage_buffer_binding_size;
-        if bytes > limit {
-            return error(layer, format!("binds a buffer of {bytes} bytes; the device allows {limit}"));
-        }
+    let limit = limits.max_storage_buffer_binding_size;
+    for (layer, bytes, _) in buffers.into_iter().filter(|(_, bytes, is_bound)| *is_bound && *bytes > limit) {
+        return error(layer, format!("binds a buffer of {bytes} bytes; the device allows {limit}"));
+    }
+    // The pyramid is not made in tiles.
+    if spec.filter.is_some() && !dispatches(&limits, [height, width]) {
+        return error(last, "filters more pixels along an axis than the device dispatches".to_owned());
     }
     Ok(())
 }
@@ -113,8 +140,8 @@ mod tests {
     fn with_left(
         left: u64,
         tried: &mut Vec<u64>,
-    ) -> impl FnMut(Vec<SizedMap>, Room) -> Result<u64, GpuError> {
-        move |_, room| {
+    ) -> impl FnMut([usize; 2], Vec<SizedMap>, Room) -> Result<u64, GpuError> {
+        move |_, _, room| {
             let bytes = room.bytes();
             tried.push(bytes);
             let label = "maps".to_owned();
@@ -138,13 +165,23 @@ mod tests {
     }
 
     #[test]
+    fn a_frame_beyond_what_a_device_dispatches_is_cut() {
+        let network = network(None);
+        let most = network.device.limits().max_compute_workgroups_per_dimension as usize;
+        let width = 2 * most * TILE as usize;
+        let (tiling, _) =
+            largest(&network, [1, width], u64::MAX, with_left(1 << 40, &mut Vec::new())).expect("in tiles");
+        assert!(tiling.tiles.len() > 1 && tiling.frame[1].div_ceil(TILE as usize) <= most);
+    }
+
+    #[test]
     fn a_device_without_memory_is_an_error_before_long() {
         let network = network(None);
         let mut tried = Vec::new();
         let error = largest(&network, [600, 900], u64::MAX, with_left(0, &mut tried)).expect_err("no memory");
         assert!(matches!(error, ForwardError::Gpu(GpuError::Memory { .. })), "{error}");
         assert!((2..8).contains(&tried.len()) && tried.last() < Some(&(2 * LEAST)), "{tried:?}");
-        let refuse = |_, _| -> Result<(), GpuError> {
+        let refuse = |_, _, _| -> Result<(), GpuError> {
             Err(GpuError::Refused { label: "maps".to_owned(), what: "for another reason".to_owned() })
         };
         let error = largest(&network, [600, 900], u64::MAX, refuse).expect_err("not memory");

@@ -2,7 +2,9 @@
 //! element of the result an invocation, nothing fused, nothing shared. Benchmarks measure the other kernels against it;
 //! nothing else is to use it.
 
+use super::tiles::Tile;
 use super::{ForwardError, Input, Options, Output, filter};
+use crate::reference::padded;
 use crate::{Layer, LayerWeights, Model, NetSpec, Source, Weights};
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::{self, BoundPass, Gpu, GpuError, Pass, Timing};
@@ -56,15 +58,6 @@ pub fn run_timed(
     Ok((whole.window(0, 0, input.height(), input.width()), timing))
 }
 
-/// The image continued at bottom and right by its last row and column.
-fn padded(image: &Planes, alignment: usize) -> Planes {
-    let [height, width] = [image.height(), image.width()];
-    let [rows, columns] = [height, width].map(|size| size.next_multiple_of(alignment));
-    Planes::from_fn(image.channels(), rows, columns, |c, y, x| {
-        image.at(c, y.min(height - 1), x.min(width - 1))
-    })
-}
-
 impl Recorder<'_> {
     fn read(&self, input: &Planes) -> Result<Image, GpuError> {
         let buffer = gpu::storage(&self.gpu.device, "naive.input", input.data())?;
@@ -78,8 +71,9 @@ impl Recorder<'_> {
         let Some(passes) = filter::Passes::new(device, spec, &Options::default())? else { return Ok(made) };
         let image = self.image(spec.output_channels(), made.height, made.width)?;
         let room = passes.room(device, spec, [made.height, made.width], made.buffer)?;
-        let (from, to) = (Input::Buffer(&input.buffer), Output::Buffer(&image.buffer));
-        self.dispatches.extend(passes.bind(device, &room, from, to)?);
+        let whole = Tile { origin: [0; 2], keep: [0..made.height, 0..made.width] };
+        self.dispatches.extend(passes.bind_pyramid(device, &room, Input::Buffer(&input.buffer))?.0);
+        self.dispatches.push(passes.bind_gather(device, &room, &whole, Output::Buffer(&image.buffer))?);
         Ok(image)
     }
 

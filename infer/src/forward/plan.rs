@@ -23,7 +23,7 @@ pub struct Plan {
     pub(super) tiles: Vec<Tile>,
     pub(super) storage: Storage,
     pub(super) steps: Vec<Step>,
-    /// What makes the image of what the last convolution makes.
+    /// What makes the image of what the last convolution makes of a tile.
     pub(super) filter: Option<(filter::Passes, filter::Room)>,
     weights: u64,
 }
@@ -76,8 +76,9 @@ impl Plan {
         limit: u64,
     ) -> Result<Self, ForwardError> {
         check_size(network, height, width)?;
-        let (tiling, storage) = largest(network, [height, width], limit, |maps, room| {
-            Storage::new(&network.device, maps, room, network.precision)
+        let (tiling, (storage, filter)) = largest(network, [height, width], limit, |frame, maps, room| {
+            let storage = Storage::new(&network.device, maps, room, network.precision)?;
+            Ok((storage, filtered(network, [height, width], frame)?))
         })?;
         let mut plan = Self {
             device: network.device.clone(),
@@ -87,7 +88,7 @@ impl Plan {
             storage,
             tiles: tiling.tiles,
             steps: Vec::new(),
-            filter: filtered(network, [height, width])?,
+            filter,
             weights: network.stages.iter().map(|stage| stage.bytes).sum(),
         };
         for (index, stage) in network.stages.iter().enumerate() {
@@ -209,10 +210,14 @@ impl Plan {
     }
 }
 
-/// The passes of a network's filter with their room.
-fn filtered(network: &Network, size: [usize; 2]) -> Result<Option<(filter::Passes, filter::Room)>, GpuError> {
+/// The passes of a network's filter with their room, for images of a size in tiles of a frame.
+fn filtered(
+    network: &Network,
+    size: [usize; 2],
+    frame: [usize; 2],
+) -> Result<Option<(filter::Passes, filter::Room)>, GpuError> {
     let Some(passes) = &network.filter else { return Ok(None) };
     let (device, spec) = (&network.device, &network.spec);
-    let kernels = gpu::empty::<f32>(device, "net.kernels", spec.last_channels() * size[0] * size[1])?;
+    let kernels = gpu::empty::<f32>(device, "net.kernels", spec.last_channels() * frame[0] * frame[1])?;
     Ok(Some((passes.clone(), passes.room(device, spec, size, kernels)?)))
 }

@@ -3,14 +3,17 @@
 use super::plan::{Kernel, Plan, Step};
 use super::tiles::Tile;
 use super::{ForwardError, Input, Output};
-use deepshade_shaders::gpu::{self, BoundPass};
+use crate::{Layer, Scaling};
+use deepshade_shaders::gpu::{self, BoundPass, GpuError};
 use deepshade_shaders::wgsl::uniforms::NetLayer;
-use wgpu::BindingResource;
+use wgpu::{BindingResource, Buffer, Device, Queue};
 
 /// A network on an image that the caller keeps in buffers or textures. Recording it makes nothing anew.
 #[derive(Debug)]
 pub struct Recording {
     dispatches: Vec<Dispatch>,
+    /// What kernels are told that read the caller's textures.
+    told: Vec<Told>,
 }
 
 /// A kernel, and how many workgroups of it run.
@@ -22,32 +25,79 @@ pub(super) struct Dispatch {
     workgroups: [u32; 3],
 }
 
+/// What a kernel is told that reads the caller's input.
+#[derive(Debug)]
+pub(super) struct Told {
+    uniform: Buffer,
+    layer: NetLayer,
+}
+
 impl Recording {
     pub(super) fn new(plan: &Plan, input: Input<'_>, output: Output<'_>) -> Result<Self, ForwardError> {
         input.check(&plan.spec, plan.kinds.0, plan.size)?;
         output.check(&plan.spec, plan.kinds.1, plan.size)?;
         let layers = plan.spec.layers();
-        let made = plan.filter.as_ref().map_or(output, |(_, room)| Output::Buffer(&room.kernels));
-        let mut dispatches = Vec::new();
-        for (tile, step) in plan.tiles.iter().flat_map(|tile| plan.steps.iter().map(move |step| (tile, step)))
-        {
-            let kernel = match &step.kernel {
-                Kernel::Bound(bound) => bound.clone(),
-                Kernel::Open { .. } => {
-                    let uniform = uniform(step, tile, input);
-                    let label = format!("net.{}", layers[step.layer].name);
-                    let uniform = gpu::uniform(&plan.device, &label, &uniform)?;
-                    plan.bound(&layers, step, &uniform, callers(step, input, made))?
-                }
-            };
-            dispatches.push(Dispatch { layer: step.layer, kernel, workgroups: step.workgroups });
-        }
+        let last = layers.len() - 1;
+        let mut recording = Self { dispatches: Vec::new(), told: Vec::new() };
         if let Some((passes, room)) = &plan.filter {
-            let layer = layers.len() - 1;
-            let bound = passes.bind(&plan.device, room, input, output)?.into_iter();
-            dispatches.extend(bound.map(|(kernel, workgroups)| Dispatch { layer, kernel, workgroups }));
+            let (bound, told) = passes.bind_pyramid(&plan.device, room, input)?;
+            recording.told.push(told);
+            recording.dispatches.extend(bound.into_iter().map(|(kernel, workgroups)| Dispatch {
+                layer: last,
+                kernel,
+                workgroups,
+            }));
         }
-        Ok(Self { dispatches })
+        for tile in &plan.tiles {
+            for step in &plan.steps {
+                recording.add(plan, &layers, tile, step, input, output)?;
+            }
+            if let Some((passes, room)) = &plan.filter {
+                let (kernel, workgroups) = passes.bind_gather(&plan.device, room, tile, output)?;
+                recording.dispatches.push(Dispatch { layer: last, kernel, workgroups });
+            }
+        }
+        Ok(recording)
+    }
+
+    /// Adds a step of a tile.
+    fn add(
+        &mut self,
+        plan: &Plan,
+        layers: &[Layer],
+        tile: &Tile,
+        step: &Step,
+        input: Input<'_>,
+        output: Output<'_>,
+    ) -> Result<(), ForwardError> {
+        let kernel = match &step.kernel {
+            Kernel::Bound(bound) => bound.clone(),
+            Kernel::Open { .. } => {
+                let (made, layer) = match &plan.filter {
+                    Some((_, room)) if step.callers[1] => {
+                        (Output::Buffer(&room.kernels), tile.placed_alone(step.uniform))
+                    }
+                    _ => (output, tile.placed(step.uniform)),
+                };
+                let label = format!("net.{}", layers[step.layer].name);
+                let told = Told::new(&plan.device, &label, input, layer)?;
+                let kernel = plan.bound(layers, step, &told.uniform, callers(step, input, made))?;
+                self.told.extend(step.callers[0].then_some(told));
+                kernel
+            }
+        };
+        self.dispatches.push(Dispatch { layer: step.layer, kernel, workgroups: step.workgroups });
+        Ok(())
+    }
+
+    /// What lengths and light are multiplied by from the next submission on, as they are read from textures: what a renderer
+    /// changes from frame to frame. Nothing is made anew. A buffer holds what is scaled already, so that it changes nothing.
+    pub fn set_scaling(&self, queue: &Queue, scaling: Scaling) {
+        for Told { uniform, layer } in &self.told {
+            let Scaling { length: length_scale, light: light_scale } = scaling;
+            let layer = NetLayer { length_scale, light_scale, ..*layer };
+            queue.write_buffer(uniform, 0, bytemuck::bytes_of(&layer));
+        }
     }
 
     /// Records the run. As many networks as wanted go into one encoder.
@@ -61,30 +111,25 @@ impl Recording {
     }
 }
 
+impl Told {
+    /// Of a kernel that reads `input`: how it is scaled, too.
+    pub fn new(device: &Device, label: &str, input: Input<'_>, layer: NetLayer) -> Result<Self, GpuError> {
+        let (Scaling { length: length_scale, light: light_scale }, run) = input.scaling();
+        let layer = NetLayer { length_scale, light_scale, run, ..layer };
+        Ok(Self { uniform: gpu::uniform(device, label, &layer)?, layer })
+    }
+
+    /// What its kernel binds.
+    pub fn binding(&self) -> BindingResource<'_> {
+        self.uniform.as_entire_binding()
+    }
+}
+
 fn encode<'a>(dispatches: impl Iterator<Item = &'a Dispatch>, encoder: &mut wgpu::CommandEncoder) {
     let descriptor = wgpu::ComputePassDescriptor { label: Some("deepshade.net"), timestamp_writes: None };
     let mut pass = encoder.begin_compute_pass(&descriptor);
     for Dispatch { kernel, workgroups, .. } in dispatches {
         kernel.dispatch_in(&mut pass, *workgroups);
-    }
-}
-
-/// What the kernel of a step is told for a tile.
-fn uniform(step: &Step, tile: &Tile, input: Input<'_>) -> NetLayer {
-    let [top, left] = tile.origin.map(|at| at as u32);
-    let [rows, columns] = &tile.keep;
-    let (scaling, run) = input.scaling();
-    NetLayer {
-        length_scale: scaling.length,
-        light_scale: scaling.light,
-        run,
-        origin_x: left,
-        origin_y: top,
-        keep_left: columns.start as u32,
-        keep_right: columns.end as u32,
-        keep_top: rows.start as u32,
-        keep_bottom: rows.end as u32,
-        ..step.uniform
     }
 }
 

@@ -1,6 +1,7 @@
 //! An image in tiles that together make the same as the whole.
 
 use crate::NetSpec;
+use deepshade_shaders::wgsl::uniforms::NetLayer;
 use std::ops::Range;
 
 /// A part of an image that is run by itself.
@@ -10,6 +11,42 @@ pub struct Tile {
     pub origin: [usize; 2],
     /// Rows and columns of the image that it makes.
     pub keep: [Range<usize>; 2],
+}
+
+impl Tile {
+    /// What a kernel is told, with where the tile lies.
+    pub fn placed(&self, layer: NetLayer) -> NetLayer {
+        let [top, left] = self.origin.map(|at| at as u32);
+        let [rows, columns] = &self.keep;
+        NetLayer {
+            origin_x: left,
+            origin_y: top,
+            keep_left: columns.start as u32,
+            keep_right: columns.end as u32,
+            keep_top: rows.start as u32,
+            keep_bottom: rows.end as u32,
+            ..layer
+        }
+    }
+
+    /// What a kernel is told that writes what the tile keeps as an image of its own.
+    pub fn placed_alone(&self, layer: NetLayer) -> NetLayer {
+        let [rows, columns] = self.keep.clone().map(|kept| kept.len() as u32);
+        // The frame begins before what is kept. Shaders take these bits for a signed number.
+        let [top, left] =
+            [0, 1].map(|axis| (self.origin[axis] as u32).wrapping_sub(self.keep[axis].start as u32));
+        NetLayer {
+            image_width: columns,
+            image_height: rows,
+            origin_x: left,
+            origin_y: top,
+            keep_left: 0,
+            keep_top: 0,
+            keep_right: columns,
+            keep_bottom: rows,
+            ..layer
+        }
+    }
 }
 
 /// Tiles of one size that cover an image.

@@ -1,8 +1,8 @@
 // The image of a network that predicts kernels (Bako et al. 2017, over several resolutions after Vogels et al. 2018): the
-// light, weighted by the softmax of what the last convolution makes.
+// light, weighted by the softmax of what the last convolution makes. Of what a tile keeps.
 
 @group(0) @binding(0) var<uniform> layer: NetLayer;
-// Planar `[LEVELS * KERNEL * KERNEL, image_height, image_width]`.
+// Planar `[LEVELS * KERNEL * KERNEL, rows, columns]` of the pixels that are kept.
 @group(0) @binding(1) var<storage, read> kernels: array<f32>;
 // Level after level, planar `[CHANNELS, height, width]` of the level's frame.
 @group(0) @binding(2) var<storage, read> pyramid: array<f32>;
@@ -43,7 +43,10 @@ fn between(level: Level, offset: vec2<i32>) -> vec4<f32> {
 }
 
 fn made_by_net(tap: u32, pixel: vec2<u32>) -> f32 {
-    return kernels[(tap * layer.image_height + pixel.y) * layer.image_width + pixel.x];
+    let first = vec2(layer.keep_left, layer.keep_top);
+    let size = vec2(layer.keep_right, layer.keep_bottom) - first;
+    let at = pixel - first;
+    return kernels[(tap * size.y + at.y) * size.x + at.x];
 }
 
 // What is subtracted before powers are taken, so that none overflows.
@@ -57,8 +60,8 @@ fn largest(pixel: vec2<u32>) -> f32 {
 
 @compute @workgroup_size(TILE, TILE)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let pixel = id.xy;
-    if (pixel.x >= layer.image_width || pixel.y >= layer.image_height) {
+    let pixel = id.xy + vec2(layer.keep_left, layer.keep_top);
+    if (pixel.x >= layer.keep_right || pixel.y >= layer.keep_bottom) {
         return;
     }
     let most = largest(pixel);
