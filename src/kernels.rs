@@ -7,8 +7,8 @@ use deepshade_shaders::gpu::{Gpu, PipelineCache};
 use etcetera::BaseStrategy;
 use std::path::PathBuf;
 
-/// A network from buffers to buffers with its fastest kernels for images of about `[height, width]`, in 32-bit floats where no kernel in half floats works.
-/// What cannot be remembered is measured again next time.
+/// A network from buffers to buffers with its fastest kernels for images of about `[height, width]`, in 32-bit floats where
+/// no kernel in half floats works. What cannot be remembered is measured again next time.
 ///
 /// # Errors
 /// If the device refuses the network; [`ForwardError::NoKernel`] if no kernel works there.
@@ -28,24 +28,16 @@ pub fn fastest(
     for note in note.into_iter().chain(other) {
         note!("{note}");
     }
-    let mut options = Options { precision, cache: Some(&cache), ..Options::default() };
+    let options = Options { precision, cache: Some(&cache), ..Options::default() };
     if let Ok(None) = tuning.variant(spec, &options, size) {
         note!("measuring which kernels are fastest on {}, once", gpu.info.name);
-        for note in tuning.measure(gpu, spec, &options, size)? {
-            note!("{note}");
-        }
-        remember(&path, tuning.save(&path));
     }
-    options.variant = match tuning.variant(spec, &options, size) {
-        Err(error @ ForwardError::NoKernel { .. }) if precision == Precision::F16 => {
-            note!("{error}");
-            remember(&folder, cache.save());
-            return fastest(gpu, model, Precision::F32, size);
-        }
-        found => found?,
-    };
-    let network = Network::with(&gpu.device, spec, weights, &options)?;
+    let made = tuning.network(gpu, model, &options, size);
+    // Where no kernel works, too.
+    remember(&path, tuning.save(&path));
     remember(&folder, cache.save());
+    let (network, notes) = made?;
+    notes.iter().for_each(|note| note!("{note}"));
     Ok(network)
 }
 

@@ -4,7 +4,7 @@
 //! `cargo run --release -p deepshade-infer --example embed -- models/ao models/ao`
 
 use deepshade_infer::forward::{Input, InputKind, Options, Output, OutputKind, Precision, Tuning};
-use deepshade_infer::{Model, Network, Scaling};
+use deepshade_infer::{Model, Scaling};
 use deepshade_shaders::gpu::{Gpu, PipelineCache};
 use etcetera::BaseStrategy;
 use half::f16;
@@ -34,20 +34,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     for folder in std::env::args().skip(1) {
         // Once a model: compile its kernels and upload its weights.
         let model = Model::load(Path::new(&folder))?;
-        let mut options = Options {
+        let options = Options {
             input: InputKind::Textures,
             output: OutputKind::Texture(TextureFormat::Rgba16Float),
             precision: if half { Precision::F16 } else { Precision::F32 },
             cache: Some(&cache),
             ..Options::default()
         };
-        if let Ok(None) = tuning.variant(&model.spec, &options, size) {
-            tuning.measure(&gpu, &model.spec, &options, size)?.iter().for_each(|note| eprintln!("{note}"));
-            tuning.save(&cache_folder.join("tuning.json"))?;
-        }
-        // An error where no kernel works on a device: then in 32-bit floats, or on the CPU (`cpu::Network`).
-        options.variant = tuning.variant(&model.spec, &options, size)?;
-        let network = Network::with(device, &model.spec, &model.weights, &options)?;
+        // In 32-bit floats where no kernel in half floats works, and an error where none does at all: then there is the CPU
+        // (`cpu::Network`).
+        let (network, notes) = tuning.network(&gpu, &model, &options, size)?;
+        notes.iter().for_each(|note| eprintln!("{note}"));
 
         // Once a size: feature maps. A limit on them would cut the image into tiles (`Network::plan_within`).
         let plan = network.plan(size[0], size[1])?;
@@ -63,8 +60,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         recordings.push(plan.bind(input, Output::Texture(&image.create_view(&Default::default())))?);
     }
     cache.save()?;
+    tuning.save(&cache_folder.join("tuning.json"))?;
 
-    // Every frame: render the g-buffer, record the networks, use the images. Nothing is allocated here.
+    // Every frame: render the g-buffer, record the networks, use the images. Nothing is allocated here, not even where
+    // another frame's light is exposed otherwise (`Recording::set_scaling`).
     for _frame in 0..3 {
         let mut encoder = device.create_command_encoder(&Default::default());
         recordings.iter().for_each(|recording| recording.encode(&mut encoder));

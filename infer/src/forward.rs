@@ -22,6 +22,7 @@ mod filter;
 mod fit;
 mod io;
 pub mod kernel;
+mod limits;
 mod maps;
 pub mod naive;
 mod network;
@@ -49,6 +50,7 @@ pub use tuning::Tuning;
 pub use variant::{Precision, Variant};
 
 use deepshade_shaders::gpu::GpuError;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Largest difference of an image that was made with feature maps in half floats, as a share of max(1, rms of the
@@ -118,6 +120,16 @@ pub enum ForwardError {
     /// A set of kernels that cannot do what is asked for.
     #[error("{0}")]
     Variant(&'static str),
+    /// A device that allows too little, whatever the image: ask wgpu for more when the device is made.
+    #[error("the device's `{name}` is {allowed}; the network's kernels need {needed}")]
+    Limit {
+        /// Which of wgpu's limits.
+        name: &'static str,
+        /// What is needed.
+        needed: u32,
+        /// What the device allows.
+        allowed: u32,
+    },
     /// A shape that a layer's kernel does not have, or not on this device.
     #[error("layer `{layer}` has no kernel of {shape:?} here")]
     Shape {
@@ -127,7 +139,7 @@ pub enum ForwardError {
         shape: Shape,
     },
     /// Measuring found no kernel of a layer that works: [`Tuning::variant`]. Another [`Precision`] may, and the CPU does.
-    #[error("no kernel of layer `{layer}` works in {precision:?} on {device}")]
+    #[error("no kernel of layer `{layer}` works in {precision:?} on {device}{}", remembered(file.as_deref()))]
     NoKernel {
         /// Name of the layer.
         layer: String,
@@ -135,8 +147,17 @@ pub enum ForwardError {
         precision: Precision,
         /// Adapter and driver.
         device: String,
+        /// What remembers it.
+        file: Option<PathBuf>,
     },
     /// The GPU refuses.
     #[error(transparent)]
     Gpu(#[from] GpuError),
+}
+
+/// Where it is remembered that no kernel works, in words.
+fn remembered(file: Option<&Path>) -> String {
+    let file =
+        file.map(|file| format!(", as {} remembers; without that file it is measured again", file.display()));
+    file.unwrap_or_default()
 }

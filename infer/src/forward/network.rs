@@ -2,7 +2,7 @@
 
 use super::filter;
 use super::stage::{Stage, Stages};
-use super::{ForwardError, InputKind, OutputKind, Plan, Precision, Shape, Variant, variant};
+use super::{ForwardError, InputKind, OutputKind, Plan, Precision, Shape, Variant, limits, variant};
 use crate::{Layer, NetSpec, Weights};
 use deepshade_shaders::gpu::PipelineCache;
 use std::collections::HashMap;
@@ -57,8 +57,9 @@ impl Network {
     /// for software adapters, it has the others.
     ///
     /// # Errors
-    /// If the weights are not the spec's, a layer is beyond the device's limits, the options ask for what the device or
-    /// the kernels cannot do, or the device refuses.
+    /// If the weights are not the spec's, a layer is beyond the device's limits, the device allows fewer storage buffers in a
+    /// kernel than the five that most networks need ([`ForwardError::Limit`]; WebGPU's default is eight), the options ask for
+    /// what the device or the kernels cannot do, or the device refuses.
     pub fn with(
         device: &wgpu::Device,
         spec: &NetSpec,
@@ -88,6 +89,7 @@ impl Network {
         variant: &Variant,
     ) -> Result<Self, ForwardError> {
         check(device, spec, variant, options)?;
+        limits::check(&device.limits(), spec, variant, options)?;
         let layers = spec.layers();
         let mut stages = Stages { device, spec, weights, options, compiled: HashMap::new() };
         let stage = |(index, layer)| match variant {
@@ -109,6 +111,11 @@ impl Network {
     /// Its kernels.
     pub const fn variant(&self) -> &Variant {
         &self.variant
+    }
+
+    /// How it keeps feature maps.
+    pub const fn precision(&self) -> Precision {
+        self.precision
     }
 
     /// Prepares runs on images of a size: the feature maps between the layers. Where the whole image's would be beyond

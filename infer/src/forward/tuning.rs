@@ -1,14 +1,14 @@
 //! Which kernels are the fastest on a device: measured once, remembered in a file.
 
-use super::tuning_file::{Measured, Timed, TuningFile};
-use super::tuning_key::keys;
+use super::tuning_file::{Fails, Measured, Timed, TuningFile};
+use super::tuning_key::{keys, network_key};
 use super::variant::shapes;
 use super::{ForwardError, HALF_TOLERANCE, Network, Options, OutputKind, Precision, Shape, Variant};
 use crate::parity::{TOLERANCE, first_difference_within, noise};
-use crate::{Activation, NetSpec, Weights, reference};
+use crate::{Activation, Model, NetSpec, Weights, reference};
 use deepshade_shaders::gpu::{self, Gpu, GpuError, PipelineCache, adapter_key};
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Runs of each kernel before the clock counts, and runs that count.
@@ -23,20 +23,21 @@ const PROOF: [usize; 2] = [37, 53];
 #[derive(Debug)]
 pub struct Tuning {
     file: TuningFile,
+    path: Option<PathBuf>,
     device: String,
-    workgroup_bytes: u32,
+    limits: wgpu::Limits,
 }
 
 impl Tuning {
     /// Nothing measured yet.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self::of(device, TuningFile::default())
+        Self::of(device, TuningFile::default(), None)
     }
 
     /// What a file remembers of a device, and in words why a file was of no use. A missing file remembers nothing.
     pub fn load(device: &wgpu::Device, path: &Path) -> (Self, Option<String>) {
         let (file, note) = TuningFile::load(path);
-        (Self::of(device, file), note)
+        (Self::of(device, file, Some(path.to_owned())), note)
     }
 
     /// Writes all into a file, whose folder is made where there is none.
@@ -58,26 +59,32 @@ impl Tuning {
         options: &Options<'_>,
         size: [usize; 2],
     ) -> Result<Option<Variant>, ForwardError> {
-        let keys = keys(spec, options.precision, size, self.workgroup_bytes);
-        let Some(found) = self.file.devices.get(&self.device) else { return Ok(None) };
-        let layers: Option<Vec<&Measured>> = keys.iter().map(|key| found.get(key)).collect();
-        let Some(layers) = layers else { return Ok(None) };
+        let keys = keys(spec, options.precision, size, &self.limits);
+        let Some(known) = self.file.devices.get(&self.device) else { return Ok(None) };
+        let fails = known.networks.get(&network_key(&keys)).cloned().unwrap_or_default();
+        let layers: Vec<Measured> =
+            keys.iter().map(|key| known.layers.get(key).copied().unwrap_or_default()).collect();
         let fastest: Option<Vec<Timed>> = layers.iter().map(|layer| layer.fastest).collect();
+        let fastest = fastest.filter(|_| fails.gpu.is_none());
+        if fastest.is_none() && fails.gpu.is_none() {
+            return Ok(None);
+        }
         let software: Option<f64> = layers.iter().map(|layer| layer.software).sum();
         let gpu: Option<f64> = fastest.as_ref().map(|all| all.iter().map(|one| one.milliseconds).sum());
-        if let Some(software) = software.filter(|_| options.buffers())
+        if let Some(software) = software.filter(|_| options.buffers() && !fails.software)
             && gpu.is_none_or(|gpu| software < gpu)
         {
             return Ok(Some(Variant::Software));
         }
         let Some(fastest) = fastest else {
-            let index = layers.iter().position(|layer| layer.fastest.is_none()).unwrap_or(0);
-            let (layer, device) = (spec.layers().swap_remove(index).name, self.device.clone());
-            return Err(ForwardError::NoKernel { layer, precision: options.precision, device });
+            let (layer, precision) = (fails.gpu.unwrap_or_default(), options.precision);
+            let (device, file) = (self.device.clone(), self.path.clone());
+            return Err(ForwardError::NoKernel { layer, precision, device, file });
         };
         let shape = |(index, timed): (usize, Timed)| {
             let shape = Shape { outputs: timed.outputs, pixels: timed.pixels, staged: timed.staged };
-            let known = shapes(spec, index, options.output, self.workgroup_bytes);
+            let room = self.limits.max_compute_workgroup_storage_size;
+            let known = shapes(spec, index, options.output, room);
             // Where the image goes decides what its layer may have, and a file may hold nonsense.
             if known.contains(&shape) { Some(shape) } else { known.first().copied() }
         };
@@ -85,13 +92,45 @@ impl Tuning {
         Ok(shapes.map(Variant::Gpu))
     }
 
+    /// A network with its fastest kernels for images of about a size, `[height, width]`, measured where they are not known; in
+    /// 32-bit floats where none in half floats works. With it the notes of [`Tuning::measure`].
+    ///
+    /// # Errors
+    /// As [`Tuning::variant`], [`Tuning::measure`] and [`Network::with`].
+    pub fn network(
+        &mut self,
+        gpu: &Gpu,
+        model: &Model,
+        options: &Options<'_>,
+        size: [usize; 2],
+    ) -> Result<(Network, Vec<String>), ForwardError> {
+        let Model { spec, weights } = model;
+        let mut notes = match self.variant(spec, options, size) {
+            Ok(None) => self.measure(gpu, spec, options, size)?,
+            _ => Vec::new(),
+        };
+        match self.variant(spec, options, size) {
+            Err(error @ ForwardError::NoKernel { .. }) if options.precision == Precision::F16 => {
+                notes.push(error.to_string());
+                let options = Options { precision: Precision::F32, ..options.clone() };
+                let (network, more) = self.network(gpu, model, &options, size)?;
+                notes.extend(more);
+                Ok((network, notes))
+            }
+            variant => {
+                let options = Options { variant: variant?, ..options.clone() };
+                Ok((Network::with(&gpu.device, spec, weights, &options)?, notes))
+            }
+        }
+    }
+
     /// Measures all kernels that the layers of a network may have on images of a size, `[height, width]`, in the options'
     /// precision and through their cache, from buffers to buffers. A kernel counts only if the driver accepts it, it runs,
     /// and what it makes of a small image is what the reference makes of it; the notes say which do not. That none of a
-    /// layer's counts is remembered too.
+    /// layer's counts is remembered too, of this network.
     ///
     /// # Errors
-    /// If nothing runs, and not for a driver's refusal alone: the device has no such precision, or fails.
+    /// If nothing runs, and not for a driver's refusal alone: the device has no such precision, allows too little, or fails.
     pub fn measure(
         &mut self,
         gpu: &Gpu,
@@ -105,15 +144,29 @@ impl Tuning {
         let Options { precision, cache, .. } = *options;
         let trial = Trial { gpu, spec, weights, expected, size, precision, cache };
         let mut notes = Vec::new();
-        let layers = trial.layers(&mut notes)?;
-        let keys = keys(spec, precision, size, self.workgroup_bytes);
-        self.file.devices.entry(self.device.clone()).or_default().extend(keys.into_iter().zip(layers));
+        let measured = trial.layers(&mut notes)?;
+        self.remember(spec, precision, size, &measured);
         Ok(notes)
     }
 
-    fn of(device: &wgpu::Device, file: TuningFile) -> Self {
-        let workgroup_bytes = device.limits().max_compute_workgroup_storage_size;
-        Self { file, device: adapter_key(&device.adapter_info()), workgroup_bytes }
+    /// Keeps what was measured of a network's layers. What was measured of them in another network stays where this one
+    /// brought nothing.
+    fn remember(&mut self, spec: &NetSpec, precision: Precision, size: [usize; 2], measured: &[Measured]) {
+        let keys = keys(spec, precision, size, &self.limits);
+        let known = self.file.devices.entry(self.device.clone()).or_default();
+        let wrong = measured.iter().position(|layer| layer.fastest.is_none());
+        let fails = Fails {
+            software: measured.iter().any(|layer| layer.software.is_none()),
+            gpu: wrong.map(|index| spec.layers().swap_remove(index).name),
+        };
+        known.networks.insert(network_key(&keys), fails);
+        for (key, measured) in keys.into_iter().zip(measured) {
+            known.layers.entry(key).or_default().update(*measured);
+        }
+    }
+
+    fn of(device: &wgpu::Device, file: TuningFile, path: Option<PathBuf>) -> Self {
+        Self { file, path, device: adapter_key(&device.adapter_info()), limits: device.limits() }
     }
 }
 
@@ -181,7 +234,7 @@ impl Trial<'_> {
         };
         let network = Network::with(&self.gpu.device, self.spec, &self.weights, &options)?;
         let input = noise(self.spec.input_channels(), PROOF[0], PROOF[1], 1);
-        let made = super::run_layers_of(&network, &self.gpu.queue, &input)?;
+        let made = super::run_layers(&network, &self.gpu.queue, &input)?;
         let share = match self.precision {
             Precision::F32 => TOLERANCE,
             Precision::F16 => HALF_TOLERANCE,

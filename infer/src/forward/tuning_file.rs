@@ -23,18 +23,43 @@ pub struct Timed {
     pub milliseconds: f64,
 }
 
-/// What was measured of a layer.
+/// What was measured of a layer; nothing says that nothing is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measured {
-    /// Milliseconds of the software kernel; none where there is none, or it does not work.
+    /// Milliseconds of the software kernel.
     pub software: Option<f64>,
-    /// The fastest of the kernels for GPUs; none if none works, or none of a layer before.
+    /// The fastest of the kernels for GPUs.
     pub fastest: Option<Timed>,
 }
 
-/// Layers in words, with what was measured of them.
-pub type Layers = BTreeMap<String, Measured>;
+impl Measured {
+    /// Takes what was measured anew. What was not stays.
+    pub fn update(&mut self, newer: Self) {
+        self.software = newer.software.or(self.software);
+        self.fastest = newer.fastest.or(self.fastest);
+    }
+}
+
+/// What of a network does not work, measured as a whole: a layer's kernel is known to work only where all before it do.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fails {
+    /// Whether the software kernels do not.
+    pub software: bool,
+    /// The first layer of which no kernel for GPUs does.
+    pub gpu: Option<String>,
+}
+
+/// What was measured on a device.
+#[derive(Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Known {
+    /// Layers in words, with what was measured of them. Networks share them.
+    pub layers: BTreeMap<String, Measured>,
+    /// Networks that were measured.
+    pub networks: BTreeMap<String, Fails>,
+}
 
 /// The whole file.
 #[derive(Debug, Serialize, Deserialize)]
@@ -43,7 +68,7 @@ pub struct TuningFile {
     /// Version of the program whose kernels were measured.
     version: String,
     /// Adapters with their drivers.
-    pub devices: BTreeMap<String, Layers>,
+    pub devices: BTreeMap<String, Known>,
 }
 
 impl Default for TuningFile {

@@ -68,9 +68,7 @@ fn shapes_that_no_kernel_has_are_not_taken_from_a_file() {
     let mut tuning = Tuning::new(&device);
     let nonsense = Timed { outputs: 5, pixels: [7, 0], staged: true, milliseconds: 1.0 };
     let measured = Measured { software: Some(0.5), fastest: Some(nonsense) };
-    let keys = keys(&spec(), Precision::F32, SIZE, tuning.workgroup_bytes);
-    let layers = keys.into_iter().map(|key| (key, measured)).collect();
-    tuning.file.devices.insert(tuning.device.clone(), layers);
+    tuning.remember(&spec(), Precision::F32, SIZE, &[measured; 3]);
     assert_eq!(chosen(&tuning), Some(Variant::gpu(&device.limits(), &spec(), OutputKind::Buffer)));
     let buffers = tuning.variant(&spec(), &Options::default(), SIZE);
     assert_eq!(buffers.expect("works"), Some(Variant::Software), "which is faster");
@@ -96,27 +94,81 @@ fn a_wrong_kernel_is_never_chosen() {
 }
 
 #[test]
-fn that_no_kernel_works_is_remembered_and_an_error() {
-    // A device on which no workgroup of ours has room.
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
-    let adapter = adapter.expect("an adapter");
-    let required_limits =
-        wgpu::Limits { max_compute_invocations_per_workgroup: 32, ..wgpu::Limits::default() };
-    let descriptor = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
-    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).expect("a device");
-    let gpu = Gpu { device, queue, info: adapter.get_info() };
+fn that_no_kernel_works_is_remembered_and_an_error_that_names_the_file() {
+    let gpu = gpu();
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("tuning.json");
-    let mut tuning = Tuning::new(&gpu.device);
-    let notes = tuning.measure(&gpu, &spec(), &Options::default(), SIZE).expect("a refusal is no failure");
-    let candidates = Variant::candidates(&gpu.device.limits(), &spec(), OutputKind::Buffer).len();
-    assert_eq!(notes.len(), 1 + candidates, "every one is tried and noted: {notes:?}");
-    assert!(notes.iter().all(|note| note.starts_with("refused with")), "{notes:?}");
+    let (mut tuning, _) = Tuning::load(&gpu.device, &path);
+    tuning.remember(&spec(), Precision::F32, SIZE, &[Measured::default(); 3]);
     tuning.save(&path).expect("written");
     let (loaded, _) = Tuning::load(&gpu.device, &path);
     let error = loaded.variant(&spec(), &Options::default(), SIZE).expect_err("none works");
     assert!(matches!(&error, ForwardError::NoKernel { layer, .. } if layer == "down0"), "{error}");
+    assert!(error.to_string().contains(&format!("as {} remembers", path.display())), "{error}");
+}
+
+#[test]
+fn where_no_half_floats_work_a_network_has_32_bits() {
+    let gpu = gpu();
+    assert!(
+        gpu.device.features().contains(wgpu::Features::SHADER_F16),
+        "lavapipe and GPUs of today have them"
+    );
+    let mut tuning = Tuning::new(&gpu.device);
+    tuning.remember(&spec(), Precision::F16, SIZE, &[Measured::default(); 3]);
+    let model = Model { weights: Weights::random(&spec(), 2), spec: spec() };
+    let options = Options { precision: Precision::F16, ..Options::default() };
+    let (network, notes) = tuning.network(&gpu, &model, &options, SIZE).expect("32 bits do");
+    assert_eq!(network.precision(), Precision::F32);
+    assert!(notes[0].starts_with("no kernel of layer `down0` works in F16"), "{notes:?}");
+}
+
+#[test]
+fn a_network_that_fails_spoils_no_other() {
+    let gpu = gpu();
+    let mut tuning = Tuning::new(&gpu.device);
+    let shape = shapes(&spec(), 0, OutputKind::Buffer, tuning.limits.max_compute_workgroup_storage_size)[0];
+    let Shape { outputs, pixels, staged } = shape;
+    let works =
+        Measured { software: Some(0.5), fastest: Some(Timed { outputs, pixels, staged, milliseconds: 1.0 }) };
+    tuning.remember(&spec(), Precision::F32, SIZE, &[works; 3]);
+    let before = chosen(&tuning);
+    // It begins with the same layer.
+    let deeper = NetSpec { levels: 3, ..spec() };
+    let layers = |spec: &NetSpec| keys(spec, Precision::F32, SIZE, &tuning.limits);
+    assert_eq!(layers(&deeper)[0], layers(&spec())[0]);
+    tuning.remember(&deeper, Precision::F32, SIZE, &[Measured::default(); 5]);
+    assert_eq!(chosen(&tuning), before);
+    let buffers = tuning.variant(&spec(), &Options::default(), SIZE);
+    assert_eq!(buffers.expect("works"), Some(Variant::Software));
+    tuning.variant(&deeper, &Options::default(), SIZE).expect_err("it does not work");
+    // Measured again, such as by another driver of the same name.
+    tuning.remember(&deeper, Precision::F32, SIZE, &[works; 5]);
+    assert_eq!(tuning.variant(&deeper, &Options::default(), SIZE).expect("works"), Some(Variant::Software));
+}
+
+#[test]
+fn a_device_that_allows_too_little_is_an_error_and_nothing_to_remember() {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
+    let adapter = adapter.expect("an adapter");
+    let default = wgpu::Limits::default();
+    let invocations = wgpu::Limits { max_compute_invocations_per_workgroup: 32, ..default.clone() };
+    for (required_limits, name) in [
+        (invocations, "`max_compute_invocations_per_workgroup` is 32; the network's kernels need 64"),
+        (
+            wgpu::Limits::downlevel_defaults(),
+            "`max_storage_buffers_per_shader_stage` is 4; the network's kernels need 5",
+        ),
+    ] {
+        let descriptor = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).expect("a device");
+        let gpu = Gpu { device, queue, info: adapter.get_info() };
+        let mut tuning = Tuning::new(&gpu.device);
+        let error = tuning.measure(&gpu, &spec(), &Options::default(), SIZE).expect_err("too little");
+        assert!(error.to_string().contains(name), "{error}");
+        assert!(tuning.file.devices.is_empty());
+    }
 }
 
 #[test]
