@@ -7,16 +7,27 @@ use crate::{Filter, Layer, NetSpec, Source};
 pub struct Cost {
     /// Multiplications with additions; two floating-point operations each.
     pub multiply_adds: u64,
-    /// Numbers that it reads or writes at least once: what the layers that it reads have made, what it makes, pooled
-    /// where the next level reads it so, and its weights.
-    pub numbers: u64,
+    /// Numbers of feature maps that it reads or writes at least once: what the layers that it reads have made, what it
+    /// makes, pooled where the next level reads it so.
+    pub maps: u64,
+    /// Other such numbers: the network's input, its image, weights, and what a filter works on. 32-bit floats where the
+    /// network runs in WGSL, however it keeps its maps.
+    pub others: u64,
+}
+
+impl Cost {
+    /// All numbers that are read or written at least once.
+    pub const fn numbers(&self) -> u64 {
+        self.maps + self.others
+    }
 }
 
 impl std::iter::Sum for Cost {
     fn sum<I: Iterator<Item = Self>>(costs: I) -> Self {
         costs.fold(Self::default(), |sum, cost| Self {
             multiply_adds: sum.multiply_adds + cost.multiply_adds,
-            numbers: sum.numbers + cost.numbers,
+            maps: sum.maps + cost.maps,
+            others: sum.others + cost.others,
         })
     }
 }
@@ -33,20 +44,24 @@ impl NetSpec {
         };
         let cost = |layer: &Layer| {
             let frame = pixels(layer.level);
+            let made = layer.outputs * frame;
             let read = match layer.source {
-                Source::Input => layer.inputs * height * width,
+                Source::Input => 0,
                 Source::Plain(_) | Source::Pooled(_) => layer.inputs * frame,
                 Source::Joined { coarse, skip } => {
                     layers[coarse].outputs * pixels(layer.level + 1) + layers[skip].outputs * frame
                 }
             };
+            let input = if layer.source == Source::Input { layer.inputs * height * width } else { 0 };
             let is_pooled =
                 layers.iter().any(|other| matches!(other.source, Source::Pooled(of) if layers[of] == *layer));
             let pooled = if is_pooled { layer.outputs * pixels(layer.level + 1) } else { 0 };
+            let (map, image) = if layer.activation { (made, 0) } else { (0, made) };
             let weights = layer.weight_count(self.kernel);
             Cost {
                 multiply_adds: ((weights - layer.outputs) * frame) as u64,
-                numbers: (read + layer.outputs * frame + pooled + weights) as u64,
+                maps: (read + map + pooled) as u64,
+                others: (input + image + weights) as u64,
             }
         };
         let mut costs: Vec<Cost> = layers.iter().map(cost).collect();
@@ -60,10 +75,11 @@ impl NetSpec {
     fn filter_cost(&self, filter: Filter, pixels: usize) -> Cost {
         let on_a_level = filter.kernel * filter.kernel;
         let multiply_adds = on_a_level + 5 * on_a_level * (filter.levels - 1);
-        let numbers = filter.tap_count() + 2 * self.output_channels();
+        let others = filter.tap_count() + 2 * self.output_channels();
         Cost {
             multiply_adds: (self.output_channels() * multiply_adds * pixels) as u64,
-            numbers: (numbers * pixels) as u64,
+            maps: 0,
+            others: (others * pixels) as u64,
         }
     }
 }
@@ -83,8 +99,9 @@ mod tests {
         // Level 0: 6 channels in, 8 out and their means, then 16 of half the size and 8 in, 1 out.
         let pixels = 512 * 768;
         let layers = spec.costs(512, 768);
-        assert_eq!(layers[0].numbers, 6 * pixels + 8 * pixels + 2 * pixels + 440);
-        assert_eq!(layers[10].numbers, 4 * pixels + 8 * pixels + pixels + 217);
+        let numbers = |index: usize| (layers[index].maps, layers[index].others);
+        assert_eq!(numbers(0), (8 * pixels + 2 * pixels, 6 * pixels + 440));
+        assert_eq!(numbers(10), (4 * pixels + 8 * pixels, pixels + 217));
     }
 
     #[test]

@@ -24,7 +24,7 @@ fn no_network_computes_or_moves_more_than_the_ceilings() {
     for (which, timing) in [("naive", naive), ("for GPUs", staged)] {
         let seconds = timing.milliseconds * 1e-3;
         let (computed, moved) =
-            (2.0 * cost.multiply_adds as f64 / seconds, 4.0 * cost.numbers as f64 / seconds);
+            (2.0 * cost.multiply_adds as f64 / seconds, 4.0 * cost.numbers() as f64 / seconds);
         assert!(computed < multiply_add, "{which}: {computed} operations a second of {multiply_add}");
         assert!(moved < copy, "{which}: {moved} bytes a second of {copy}");
         // A ceiling that nothing comes near is none.

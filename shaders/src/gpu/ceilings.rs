@@ -17,6 +17,8 @@ const SUMS: usize = 32;
 const LEAST: f64 = 10.0;
 /// Runs that are timed.
 const RUNS: usize = 5;
+/// How long a device is busy before it is measured.
+const WAKING: Duration = Duration::from_millis(500);
 /// Runs that keep a device busy while the next ones are recorded.
 const WAKING_RUNS: usize = 64;
 
@@ -29,11 +31,12 @@ pub struct Ceilings {
     pub multiply_add: f64,
 }
 
-/// Measures a device's ceilings, in well under a second on a GPU and some seconds on a software adapter.
+/// Measures a device's ceilings, in about a second on a GPU and some seconds on a software adapter.
 ///
 /// # Errors
 /// If the device has no room for two buffers of 128 MiB, or of what its limits allow, or is lost.
 pub fn ceilings(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Ceilings, GpuError> {
+    wake(device, queue, WAKING)?;
     Ok(Ceilings { copy: copy(device, queue)?, multiply_add: multiply_add(device, queue)? })
 }
 

@@ -1,12 +1,14 @@
 //! Which network fits into so many milliseconds: predicted from measured layers, then run.
 
+use super::rivals::WAKING;
 use super::subjects::{self, random};
 use super::{Args, PAPER, layers};
 use crate::engine::Engine;
 use crate::figures::Figures;
 use anyhow::{Context, Result};
 use deepshade_infer::{Cost, Model, NetSpec, parity};
-use deepshade_shaders::{gpu::Gpu, lists};
+use deepshade_shaders::gpu::{self, Gpu};
+use deepshade_shaders::lists;
 use glam::{DMat3, DVec3};
 
 /// Kernels on level 0 of networks that are considered.
@@ -80,6 +82,7 @@ fn multiply_adds(spec: &NetSpec, [width, height]: [usize; 2]) -> u64 {
 fn actual(gpu: &Gpu, spec: &NetSpec, [width, height]: [usize; 2]) -> Result<f64> {
     let engine = Engine::new(Some(gpu), &random(spec.clone()))?;
     let input = parity::noise(spec.input_channels(), height, width, 1);
+    gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
     Ok(engine.run(&input, 1, 5)?.1.milliseconds)
 }
 
@@ -119,7 +122,7 @@ impl CostModel {
 }
 
 fn features(cost: Cost) -> DVec3 {
-    DVec3::new(cost.multiply_adds as f64 * 1e-6, cost.numbers as f64 * 1e-6, 1.0)
+    DVec3::new(cost.multiply_adds as f64 * 1e-6, cost.numbers() as f64 * 1e-6, 1.0)
 }
 
 /// Milliseconds of the layers on the engine that runs networks here.

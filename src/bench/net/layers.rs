@@ -45,7 +45,7 @@ pub fn rows(gpu: &Gpu, subject: &Subject, size: [usize; 2]) -> Result<Vec<Row>> 
         engine,
         milliseconds,
         gflops: 2.0 * cost.multiply_adds as f64 / milliseconds * 1e-6,
-        gigabytes: 4.0 * cost.numbers as f64 / milliseconds * 1e-6,
+        gigabytes: 4.0 * cost.numbers() as f64 / milliseconds * 1e-6,
     };
     let times = [("wgsl", wgsl(gpu, &subject.model, size)?), ("cpu", cpu_times(&subject.model, size)?)];
     let rows = times.into_iter().flat_map(|(engine, times)| {

@@ -4,7 +4,7 @@ use super::super::pytorch;
 use super::layers;
 use super::subjects::Subject;
 use crate::onnxruntime;
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use deepshade_infer::forward::Precision;
 use deepshade_infer::{Cost, Model, cpu, forward, parity};
 use deepshade_shaders::Planes;
@@ -29,6 +29,18 @@ const TURNS: usize = 3;
 const PAUSE: Duration = Duration::from_millis(100);
 /// How long a graphics card is busy before it is measured.
 pub const WAKING: Duration = Duration::from_millis(500);
+
+/// Bytes that an engine keeps a number in.
+#[derive(Clone, Copy, Debug)]
+struct Bytes {
+    /// Of a feature map.
+    map: u64,
+    /// Of all else.
+    other: u64,
+}
+
+/// All in 32-bit floats.
+const SINGLE: Bytes = Bytes { map: 4, other: 4 };
 
 /// What an engine took for a network.
 #[derive(Clone, Debug, Serialize)]
@@ -113,8 +125,9 @@ impl Race<'_> {
     pub fn naive(&self) -> Option<Measurement> {
         let run = || {
             let gpu = self.devices.gpu.0;
+            gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
             let (_, timing) = forward::naive::run_timed(gpu, &self.subject.model, &self.input(), 1, FEWEST)?;
-            Ok(self.measurement("naive", &timing, Some(self.devices.gpu.1), 4))
+            Ok(self.measurement("naive", &timing, Some(self.devices.gpu.1), SINGLE))
         };
         self.said("naive", run())
     }
@@ -136,12 +149,17 @@ impl Race<'_> {
         let (gpu, ceilings) = self.devices.gpu;
         let (network, input) =
             (layers::network(gpu, &self.subject.model, precision, self.size)?, self.input());
+        let kept = network.precision();
+        ensure!(
+            kept == precision,
+            "no kernel works in {precision:?}; it would be that in {kept:?} once more"
+        );
         gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
         let (_, once) = network.run_timed(&gpu.queue, &input, 1, 1)?;
         let fitting = self.effort.time.as_secs_f64() * 1e3 / once.milliseconds;
         let runs = (fitting as usize).clamp(FEWEST, self.effort.most);
         let (_, timing) = network.run_timed(&gpu.queue, &input, 1, runs)?;
-        let bytes = if precision == Precision::F16 { 2 } else { 4 };
+        let bytes = if precision == Precision::F16 { Bytes { map: 2, other: 4 } } else { SINGLE };
         Ok(self.measurement(engine, &timing, Some(ceilings), bytes))
     }
 
@@ -157,8 +175,9 @@ impl Race<'_> {
         if let Some(session) = &mut session {
             engines.push(("onnxruntime", Box::new(|| session.image(&input).map(drop))));
         }
-        let made =
-            |(engine, timing): (&str, Timing)| self.measurement(engine, &timing, Some(self.devices.cpu), 4);
+        let made = |(engine, timing): (&str, Timing)| {
+            self.measurement(engine, &timing, Some(self.devices.cpu), SINGLE)
+        };
         Ok(in_turns(engines, self.effort)?.into_iter().map(made).collect())
     }
 
@@ -172,7 +191,8 @@ impl Race<'_> {
             let on_processor = report.device == pytorch::PROCESSOR;
             let timing = Timing { milliseconds: row.milliseconds, p95: row.p95, by_gpu: !on_processor };
             let ceilings = on_processor.then_some(self.devices.cpu);
-            self.measurement(&row.engine, &timing, ceilings, if on_processor { 4 } else { 2 })
+            let bytes = if on_processor { SINGLE } else { Bytes { map: 2, other: 2 } };
+            self.measurement(&row.engine, &timing, ceilings, bytes)
         };
         Ok(report.made.iter().map(made).collect())
     }
@@ -182,13 +202,13 @@ impl Race<'_> {
         engine: &str,
         timing: &Timing,
         ceilings: Option<Ceilings>,
-        bytes: usize,
+        bytes: Bytes,
     ) -> Measurement {
         let [width, height] = self.size;
         let cost: Cost = self.subject.model.spec.costs(height, width).into_iter().sum();
         let seconds = timing.milliseconds * 1e-3;
         let operations = 2.0 * cost.multiply_adds as f64 / seconds;
-        let moved = bytes as f64 * cost.numbers as f64 / seconds;
+        let moved = (bytes.map * cost.maps + bytes.other * cost.others) as f64 / seconds;
         Measurement {
             network: self.subject.name.clone(),
             size: self.size,
