@@ -106,7 +106,8 @@ fn network(spec: &NetSpec) -> Value {
         })
     };
     json!({
-        "kernel": spec.kernel, "leak": spec.leak, "alignment": spec.alignment(),
+        "kernel": spec.kernel, "leak": spec.leak, "alignment": spec.alignment(), "filter": spec.filter,
+        "lights": spec.light_channels(),
         "layers": layers.iter().map(layer).collect::<Vec<_>>(),
     })
 }

@@ -57,9 +57,12 @@ pub fn run(args: &Args) -> Result<()> {
     let more = json!({ "mode": "train", "batch": batch, "crop": crop, "runs": steps, "seconds": 1e3 });
     let model = Model { weights: Weights::random(&config.spec, 1), spec: config.spec.clone() };
     let rival = args.pytorch.run(&model, threads, more)?;
-    let rival = rival.and_then(|report| Some((report.made.first()?.milliseconds * 1e-3, report)));
-    if let Some((theirs, report)) = &rival {
-        figures.set("seconds_step_pytorch", *theirs);
+    let rivals = rival.iter().flat_map(|report| &report.made);
+    for row in rivals.clone() {
+        figures.set(&format!("seconds_step_{}", row.engine), row.milliseconds * 1e-3);
+    }
+    let fastest = rivals.map(|row| row.milliseconds * 1e-3).reduce(f64::min);
+    if let (Some(theirs), Some(report)) = (fastest, &rival) {
         figures.set("ratio_step_pytorch", seconds / theirs);
         figures.detail("pytorch", json!({ "version": report.version, "device": report.device }));
     }
@@ -68,8 +71,11 @@ pub fn run(args: &Args) -> Result<()> {
     say!("network   {effect}, {weights} weights, batches of {batch} images of {crop} x {crop}")?;
     say!("training  {:.2} images a second, {threads} threads, median of {steps}", times.images_per_second)?;
     parts.iter().try_for_each(|(part, milliseconds)| say!("{part:<9} {milliseconds:.1} ms a batch"))?;
-    let Some((theirs, report)) = &rival else { return Ok(()) };
+    let (Some(theirs), Some(report)) = (fastest, &rival) else { return Ok(()) };
     let (version, device) = (&report.version, &report.device);
-    say!("PyTorch   {:.2} images a second ({version}, {device})", batch as f64 / theirs)?;
-    say!("a step takes {:.2} of PyTorch's", seconds / theirs)
+    for row in &report.made {
+        let images = batch as f64 / (row.milliseconds * 1e-3);
+        say!("{:<16} {images:.2} images a second ({version}, {device})", row.engine)?;
+    }
+    say!("a step takes {:.2} of that of PyTorch's faster one", seconds / theirs)
 }

@@ -52,7 +52,7 @@ pub struct Args {
     #[arg(long, value_delimiter = ',')]
     sizes: Vec<Size>,
     /// Seconds for each engine, network and size.
-    #[arg(long, default_value_t = 2.0, value_parser = crate::arguments::positive)]
+    #[arg(long, default_value_t = 2.0, value_parser = crate::arguments::within(0.001..=86_400.0))]
     seconds: f32,
     /// Most timed runs of each.
     #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u16).range(3..=2000))]
