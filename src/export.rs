@@ -1,6 +1,7 @@
 //! `deepshade export`: from a training run to a model folder.
 
-use crate::figures::{Figures, write_atomically};
+use crate::figures::Figures;
+use crate::wgsl_folder;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::vary::Surroundings;
 use deepshade_dataset::{Manifest, Recipe};
@@ -64,9 +65,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     if let Some(folder) = &args.wgsl {
         let precision = if args.half { Precision::F16 } else { Precision::F32 };
-        for (file, bytes) in wgsl_files(&model, precision)? {
-            write_atomically(&folder.join(file), &bytes)?;
-        }
+        wgsl_folder::replace(folder, &wgsl_files(&model, precision)?)?;
     }
     let weights = model.spec.weight_count();
     let mut figures = Figures::new("export");

@@ -42,6 +42,8 @@ mod table;
 mod train;
 mod tune;
 mod views;
+#[cfg(feature = "train")]
+mod wgsl_folder;
 
 /// Learned, analytic and path-traced screen-space shading side by side.
 #[derive(Parser)]
