@@ -199,9 +199,61 @@ impl Cache {
         let pair = Arc::new(read.map_err(|problem| TrainError::Pair { index, problem })?);
         let bytes = pair.bytes();
         if self.room.fetch_update(Relaxed, Relaxed, |room| room.checked_sub(bytes)).is_ok() {
-            // Two threads may have read it at once; the pairs are equal.
-            let _ = self.pairs[index].set(Arc::clone(&pair));
+            // Two threads may have read it at once. The pairs are equal; the later one takes no room.
+            if self.pairs[index].set(Arc::clone(&pair)).is_err() {
+                self.room.fetch_add(bytes, Relaxed);
+            }
         }
         Ok(pair)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use deepshade_infer::{ChannelOrder, Reach};
+    use std::sync::Barrier;
+    use std::sync::atomic::Ordering;
+
+    /// A pair that two threads read at once.
+    struct Meeting(Barrier);
+
+    impl PairSource for Meeting {
+        fn hash(&self) -> Result<String, String> {
+            Ok("meeting".to_owned())
+        }
+
+        fn count(&self) -> usize {
+            1
+        }
+
+        fn training(&self) -> Vec<usize> {
+            vec![0]
+        }
+
+        fn validation(&self) -> Vec<usize> {
+            Vec::new()
+        }
+
+        fn read(&self, _: usize) -> Result<Pair, String> {
+            self.0.wait();
+            let attributes = vec![Attribute::Normal, Attribute::Position, Attribute::Valid];
+            let gbuffer = GBuffer::new(attributes, Planes::filled(7, 4, 4, 1.0));
+            Ok(Pair { gbuffer, target: Planes::filled(1, 4, 4, 0.5), radius: 1.0 })
+        }
+    }
+
+    #[test]
+    fn a_pair_that_is_read_twice_takes_its_room_once() {
+        let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 4 };
+        let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
+        let cache = Cache::new(Arc::new(Meeting(Barrier::new(2))), spec, 1000);
+        std::thread::scope(|scope| {
+            let other = scope.spawn(|| cache.pair(0).expect("reads"));
+            cache.pair(0).expect("reads");
+            other.join().expect("ends");
+        });
+        let bytes = cache.pair(0).expect("kept").bytes();
+        assert_eq!(cache.room.load(Ordering::Relaxed), 1000 - bytes);
     }
 }

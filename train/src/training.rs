@@ -10,7 +10,7 @@ use crate::{TrainConfig, TrainError, files};
 use burn::optim::{GradientsParams, ModuleOptimizer};
 use burn::tensor::{Bytes, Device};
 use deepshade_dataset::{Dataset, progress};
-use deepshade_infer::{Model, Weights};
+use deepshade_infer::{Model, NetSpec, Weights};
 use deepshade_shaders::lists;
 use indicatif::ProgressBar;
 use std::fs::File;
@@ -67,6 +67,10 @@ pub fn train_on(
     let split = Split::new(&*source, config.validation_pairs)?;
     let data_hash = source.hash().map_err(TrainError::Data)?;
     let config = &TrainConfig { data_hash, ..config.clone() };
+    // Before the run's folder is claimed: what is refused leaves no folder that remembers it.
+    if !folder.join(CHECKPOINT_FILE).exists() {
+        first_weights(config)?;
+    }
     let metrics = files::take(folder)?;
     config.claim(folder)?;
     let cache = Arc::new(Cache::new(source, config.spec.clone(), config.cache_megabytes << 20));
@@ -266,12 +270,25 @@ impl<'a> Run<'a> {
 
 /// What a run begins with.
 fn first_net(config: &TrainConfig, device: &Device) -> Result<UNet, TrainError> {
-    let spec = &config.spec;
-    let Some(folder) = &config.start else { return Ok(UNet::random(spec, config.seed, device)) };
-    let Model { weights, .. } = Model::load(folder)?;
-    match weights.fit(spec) {
-        true => Ok(UNet::from_weights(spec, &weights, device)),
-        false => Err(TrainError::damaged(folder, "is not of this network's shape")),
+    Ok(match first_weights(config)? {
+        Some(weights) => UNet::from_weights(&config.spec, &weights, device),
+        None => UNet::random(&config.spec, config.seed, device),
+    })
+}
+
+/// The weights of the network that a run begins with; none where it begins with random ones.
+fn first_weights(config: &TrainConfig) -> Result<Option<Weights>, TrainError> {
+    let Some(folder) = &config.start else { return Ok(None) };
+    let Model { spec, weights } = Model::load(folder)?;
+    let own = &config.spec;
+    // Weights mean the same in a network that reads the same in the same order, whatever it learns to make of it.
+    let same = NetSpec { effect: own.effect, reach: own.reach, ..spec } == *own && weights.fit(own);
+    match same {
+        true => Ok(Some(weights)),
+        false => Err(TrainError::damaged(
+            folder,
+            "is another network: but for effect and reach its spec must be that of the one that is trained",
+        )),
     }
 }
 

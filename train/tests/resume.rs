@@ -2,7 +2,7 @@
 //! bit; and what of a run is exported.
 
 use deepshade_dataset::Pair;
-use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach};
+use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, Weights};
 use deepshade_shaders::{Attribute, GBuffer, Planes};
 use deepshade_train::checkpoint::{Checkpoint, Progress};
 use deepshade_train::export::{Facts, export};
@@ -341,6 +341,34 @@ fn a_run_that_gets_no_better_stops_early_and_stays_stopped() {
             (Ending::Stopped, 8, 2)
         );
     }
+}
+
+#[test]
+fn a_start_that_cannot_be_leaves_the_folder_to_another_command() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let [run, ours, other] = ["run", "ours", "other"].map(|name| scratch.path().join(name));
+    let config = TrainConfig { steps: 1, ..config(ADAMW) };
+    let save = |spec: &NetSpec, folder: &Path| {
+        Model { weights: Weights::random(spec, 4), spec: spec.clone() }.save(folder).expect("written");
+    };
+    save(&config.spec, &ours);
+    // Its weights have the same shapes and another meaning.
+    save(&NetSpec { channel_order: ChannelOrder::Contiguous, ..config.spec.clone() }, &other);
+    let starting = |start: &Path| {
+        train_on(
+            &TrainConfig { start: Some(start.to_owned()), ..config.clone() },
+            Synthetic::new(ENOUGH),
+            &run,
+        )
+    };
+    let error = starting(&scratch.path().join("missing")).expect_err("nothing is there").to_string();
+    assert!(error.contains("missing"), "{error}");
+    let error = starting(&other).expect_err("another order").to_string();
+    assert!(error.contains("other is another network"), "{error}");
+    assert!(!run.exists());
+    starting(&ours).expect("trains");
+    std::fs::remove_dir_all(&ours).expect("deleted");
+    starting(&ours).expect("a run that has begun does not read it again");
 }
 
 #[test]

@@ -242,3 +242,37 @@ fn narrow(row: &mut [f32], out: &mut [f32]) {
         out[x] = 0.75 * (row[2 * x + 1] + row[2 * x + 2]) + 0.25 * (row[2 * x] + row[2 * x + 3]);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use deepshade_infer::parity;
+
+    #[test]
+    fn the_bits_do_not_depend_on_threads() {
+        let shape =
+            ConvShape { batch: 4, groups: 2, inputs: 8, outputs: 16, height: 130, width: 70, kernel: 3 };
+        let images = shape.batch * shape.groups;
+        assert!(shape.stripes().len() > images, "images are cut, so that there are shares to be added");
+        let noise =
+            |channels, height, width, seed| parity::noise(channels, height, width, seed).data().to_vec();
+        let [x, y, dy] = [(shape.inputs, 1), (shape.outputs, 2), (shape.outputs, 3)]
+            .map(|(channels, seed)| noise(images * channels, shape.height, shape.width, seed));
+        let weight = noise(shape.groups * shape.outputs * shape.inputs, shape.kernel, shape.kernel, 4);
+        let [data, made] = [&x, &y].map(|data| &data[..]);
+        let channels = shape.groups * shape.inputs;
+        let image = Image { data, channels, height: shape.height, width: shape.width };
+        let gradients = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            let made = Made { weight: &weight, y: made, dy: &dy, leak: 0.01 };
+            let Gradients { operand, weight, bias } =
+                pool.install(|| backward(shape, &Operand::Plain(image), made, true));
+            let all = operand.concat().into_iter().chain(weight).chain(bias);
+            all.map(f32::to_bits).collect::<Vec<u32>>()
+        };
+        let alone = gradients(1);
+        for threads in [2, 7] {
+            assert!(gradients(threads) == alone, "with {threads} threads");
+        }
+    }
+}
