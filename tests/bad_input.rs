@@ -235,6 +235,7 @@ fn settings_that_make_no_sense() {
         refused("bench train --crop 8000000", "--crop");
         refused("bench train --crop 8192 --batch 1000", "`batch`");
         refused("bench train --crop 12", "`crop`");
+        refused("bench net --seconds 1e20", "--seconds");
     }
 }
 

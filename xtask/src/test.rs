@@ -20,7 +20,7 @@ type Step = (&'static str, &'static [&'static str]);
 
 /// Lints and documentation are of what people build, training on the CPU's own kernels included. Training on Vulkan
 /// leaves these kernels out: its step compiles what is there instead.
-const STEPS: [Step; 7] = [
+const STEPS: [Step; 8] = [
     ("formatting", &["fmt", "--all", "--check"]),
     ("clippy", &["clippy", "--release", "--locked", "--workspace", "--all-targets", "--", "-D", "warnings"]),
     (
@@ -41,6 +41,21 @@ const STEPS: [Step; 7] = [
         &["clippy", "--release", "--locked", "--features", "embree", "--", "-D", "warnings"],
     ),
     ("tests", &["test", "--release", "--locked", "--workspace", "--no-fail-fast"]),
+    (
+        "networks in another program",
+        &[
+            "run",
+            "--release",
+            "--locked",
+            "-p",
+            "deepshade-infer",
+            "--example",
+            "embed",
+            "--",
+            "models/ao",
+            "models/ao",
+        ],
+    ),
 ];
 
 /// Sets up and runs every check in order, up to the first that fails.
