@@ -4,6 +4,7 @@ use deepshade_infer::forward::ForwardError;
 use deepshade_infer::parity::{first_difference, noise, rms};
 use deepshade_infer::{ChannelOrder, Colour, Filter, NetSpec, Reach, Weights, cpu, reference};
 use deepshade_shaders::Effect;
+use std::time::Instant;
 
 const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
 const ORDERS: [ChannelOrder; 2] = [ChannelOrder::Contiguous, ChannelOrder::Interleaved];
@@ -78,6 +79,22 @@ fn networks_that_predict_kernels() {
     for spec in filtering() {
         assert_agrees(&spec, &[(32, 64), (37, 83), (1, 1), (17, 3)]);
     }
+}
+
+#[test]
+fn a_filter_is_timed_with_the_last_layer() {
+    // Kernels of one pixel, and 49 taps: the filter takes most of the time.
+    let spec = NetSpec { kernel: 1, filter: Some(Filter { levels: 1, kernel: 7 }), ..filtering()[3].clone() };
+    let mut plan = network(&spec, &Weights::random(&spec, 3)).plan(256, 256).expect("room");
+    let input = noise(spec.input_channels(), 256, 256, 1);
+    let least = |of: &mut dyn FnMut() -> f64| (0..5).map(|_| of()).fold(f64::INFINITY, f64::min);
+    let layers = least(&mut || plan.layer_times(&input).expect("runs").iter().map(|(_, time)| time).sum());
+    let whole = least(&mut || {
+        let start = Instant::now();
+        plan.run(&input).expect("runs");
+        start.elapsed().as_secs_f64() * 1e3
+    });
+    assert!(layers > 0.6 * whole, "layers take {layers} ms, the whole {whole}");
 }
 
 #[test]

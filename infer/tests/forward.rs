@@ -183,9 +183,12 @@ fn every_shape_of_kernels() {
         let expected = reference::layers(&model.spec, &model.weights, &input);
         let candidates = Variant::candidates(&gpu.device.limits(), &model.spec, OutputKind::Buffer);
         assert!(candidates.len() > 5);
-        for variant in candidates {
-            let made = layers(&gpu, &model, &variant, Precision::F32, &input);
-            assert_eq!(first_difference(&expected, &made), None, "{variant:?}");
+        for (precision, share) in [(Precision::F32, TOLERANCE), (Precision::F16, HALF_TOLERANCE)] {
+            for variant in &candidates {
+                let made = layers(&gpu, &model, variant, precision, &input);
+                let difference = first_difference_within(&expected, &made, share);
+                assert_eq!(difference, None, "{variant:?}, {precision:?}");
+            }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Textures instead of buffers: a renderer's g-buffer in, an image out.
 
-use deepshade_infer::forward::{Input, InputKind, Options, Output, OutputKind};
+use deepshade_infer::forward::{HALF_TOLERANCE, Input, InputKind, Options, Output, OutputKind, Precision};
 use deepshade_infer::parity::{Comparison, TOLERANCE, noise};
 use deepshade_infer::{ChannelOrder, Colour, Filter, NetSpec, Network, Reach, Scaling, Weights, reference};
 use deepshade_shaders::gpu::{self, Gpu};
@@ -100,6 +100,11 @@ fn read(gpu: &Gpu, network: &Network, image: &wgpu::Texture, [height, width]: [u
     Planes::from_fn(channels, height, width, |c, y, x| elements[(y * width + x) * components + c])
 }
 
+/// All of a network's runs in 32-bit floats, and one in half floats, which lavapipe and GPUs of today have.
+fn runs(spec: &NetSpec) -> Vec<(Precision, usize)> {
+    (0..spec.runs()).map(|run| (Precision::F32, run)).chain([(Precision::F16, 0)]).collect()
+}
+
 #[test]
 fn textures_give_what_buffers_give() {
     let gpu = gpu();
@@ -134,20 +139,24 @@ fn textures_give_what_buffers_give() {
             .collect();
         let weights = Weights::random(&spec, 5);
         let output = OutputKind::Texture(format);
-        let options = Options { input: InputKind::Textures, output, ..Options::default() };
-        let network = Network::with(&gpu.device, &spec, &weights, &options).expect("compiles");
-        for run in 0..spec.runs() {
+        for (precision, run) in runs(&spec) {
+            let options = Options { input: InputKind::Textures, output, precision, ..Options::default() };
+            let network = Network::with(&gpu.device, &spec, &weights, &options).expect("compiles");
             let scaling = Scaling { light: 0.7, ..spec.scaling(&gbuffer, radius).expect("all is there") };
             let scalings = [scaling, Scaling { length: 0.5 * scaling.length, light: 0.3 }];
             let input = (&views[..], run);
             let images = images_by_textures(&gpu, &network, input, &scalings, [height, width], format);
             // A conversion to half floats may cut off, so that values, below 8, are off by at most 2^-10 of that.
-            let share = if format == TextureFormat::Rgba16Float { 8e-3 } else { TOLERANCE };
+            let of_image = if format == TextureFormat::Rgba16Float { 8e-3 } else { TOLERANCE };
+            let share = if precision == Precision::F16 { of_image + HALF_TOLERANCE } else { of_image };
             for (scaling, image) in scalings.into_iter().zip(images) {
                 let planes = spec.input(&gbuffer, scaling, run).expect("all is there");
                 let expected = reference::forward(&spec, &weights, &planes);
                 let comparison = Comparison::within(&expected, &image, share);
-                assert!(comparison.agrees(), "{spec:?}, run {run}, {scaling:?}: {comparison:?}");
+                assert!(
+                    comparison.agrees(),
+                    "{spec:?}, run {run}, {precision:?}, {scaling:?}: {comparison:?}"
+                );
             }
         }
         let colours = spec.inputs.iter().any(|attribute| attribute.kind() == AttributeKind::Colour);

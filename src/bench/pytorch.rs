@@ -116,12 +116,38 @@ fn network(spec: &NetSpec) -> Value {
 mod tests {
     use super::*;
     use deepshade_infer::{ChannelOrder, Reach, Weights};
+    use deepshade_shaders::Effect;
+
+    /// A Python that has PyTorch, where there is one; `cargo xtask test` says at its end whether there was.
+    const PYTHON: &str = "DEEPSHADE_PYTHON";
+
+    const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.1, height: 64 };
+
+    fn random(spec: NetSpec) -> Model {
+        Model { weights: Weights::random(&spec, 1), spec }
+    }
+
+    #[test]
+    fn pytorch_makes_the_references_image_and_is_timed() {
+        let Ok(python) = std::env::var(PYTHON) else { return };
+        let args = Args { python: Some(python) };
+        let published =
+            |effect| NetSpec::published(effect, ChannelOrder::Interleaved, REACH).expect("it has one");
+        let filtering = published(Effect::Dof).predicting_kernels().expect("it reads light");
+        let infer = json!({ "mode": "infer", "size": [64, 48], "runs": 3, "seconds": 0.1 });
+        let train = json!({ "mode": "train", "batch": 1, "crop": 32, "runs": 3, "seconds": 0.1 });
+        for (spec, job) in [(filtering, infer), (published(Effect::Ao), train)] {
+            let report = args.run(&random(spec), 1, job).expect("runs").expect("a Python is named");
+            let engines: Vec<&str> =
+                report.made.iter().map(|row| row.engine.trim_end_matches("_half")).collect();
+            assert_eq!(engines, ["pytorch", "pytorch_compiled"]);
+            assert!(report.made.iter().all(|row| row.milliseconds > 0.0 && row.p95 >= row.milliseconds));
+        }
+    }
 
     #[test]
     fn a_program_that_is_no_python_with_pytorch_is_an_error_that_names_it() {
-        let spec =
-            NetSpec::ao(ChannelOrder::Interleaved, Reach { radius: 1.0, diagonal_share: 0.1, height: 64 });
-        let model = Model { weights: Weights::random(&spec, 1), spec };
+        let model = random(NetSpec::ao(ChannelOrder::Interleaved, REACH));
         // They end without reading the job, which is larger than a pipe holds.
         for program in ["true", "false", "/no/such/python"] {
             let args = Args { python: Some(program.to_owned()) };

@@ -78,6 +78,10 @@ pub fn run() -> Result<()> {
     if let Some(folder) = real_data::data() {
         println!("Real scenes and images were read from {}", folder.display());
     }
+    // As does the test beside PyTorch, which is large.
+    if let Some(python) = std::env::var_os("DEEPSHADE_PYTHON") {
+        println!("PyTorch was run by {}", python.display());
+    }
     Ok(())
 }
 

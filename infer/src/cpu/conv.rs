@@ -9,6 +9,12 @@ use super::shape::{ConvShape, Scale, Stripe};
 use super::stripe::{self, Packed};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
+use std::cell::RefCell;
+
+thread_local! {
+    /// A thread keeps it from stripe to stripe and from run to run.
+    static BUFFER: RefCell<Buffer> = RefCell::default();
+}
 
 /// Convolution, bias, leaky ReLU (`leak` 1 for none) into `y`, `[batch, groups * outputs, height, width]`.
 pub fn forward(
@@ -22,8 +28,10 @@ pub fn forward(
     let mut stripes = shape.stripes();
     let channels: Vec<usize> = (0..shape.groups * shape.outputs).collect();
     shape.deal(&mut stripes, shape.outputs, y, &channels, Scale::Same);
-    stripes.into_par_iter().for_each_init(Buffer::default, |buffer, stripe| {
-        Arch::new().dispatch(Forward { shape, operand, weights, bias, leak, stripe, buffer });
+    stripes.into_par_iter().for_each(|stripe| {
+        BUFFER.with_borrow_mut(|buffer| {
+            Arch::new().dispatch(Forward { shape, operand, weights, bias, leak, stripe, buffer });
+        });
     });
 }
 

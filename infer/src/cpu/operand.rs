@@ -115,7 +115,7 @@ fn widen(row: &mut [f32], out: &mut [f32]) {
     }
 }
 
-/// Room for the rows of one stripe; a thread keeps it from stripe to stripe.
+/// Room for the rows of one stripe, to be used again for others.
 #[derive(Debug, Default)]
 pub struct Buffer {
     rows: Vec<f32>,

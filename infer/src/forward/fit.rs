@@ -123,13 +123,15 @@ pub fn check_size(network: &Network, height: usize, width: usize) -> Result<(), 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ChannelOrder, NetSpec, Reach, Weights};
+    use crate::{ChannelOrder, Filter, NetSpec, Reach, Weights};
+    use deepshade_shaders::Effect;
     use deepshade_shaders::gpu::Gpu;
+
+    const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
 
     fn network(variant: Option<Variant>) -> Network {
         let gpu = Gpu::new().expect("an adapter; a software one will do");
-        let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
-        let spec = NetSpec { levels: 2, ..NetSpec::ao(ChannelOrder::Interleaved, reach) };
+        let spec = NetSpec { levels: 2, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) };
         let variant =
             variant.unwrap_or_else(|| Variant::gpu(&gpu.device.limits(), &spec, OutputKind::Buffer));
         let options = crate::forward::Options { variant: Some(variant), ..Default::default() };
@@ -161,6 +163,37 @@ mod tests {
                 largest(&network, [600, 900], u64::MAX, with_left(bytes / 3, &mut tried)).expect("in tiles");
             assert!(tiling.tiles.len() > 1 && taken <= bytes / 3);
             assert!(tried[0] == bytes && tried.windows(2).all(|two| two[1] <= two[0] / 2), "{tried:?}");
+        }
+    }
+
+    #[test]
+    fn predicted_kernels_have_room_within_the_limits_of_webgpu() {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
+        let device = adapter.expect("an adapter");
+        let device = pollster::block_on(device.request_device(&wgpu::DeviceDescriptor::default()));
+        let (device, _) = device.expect("a device of WebGPU's limits");
+        let dof = NetSpec::published(Effect::Dof, ChannelOrder::Interleaved, REACH).expect("it has one");
+        let dof = dof.predicting_kernels().expect("it reads light");
+        let filter = Some(Filter { levels: 5, kernel: 3 });
+        let taps_45 = NetSpec { filter, ..dof.clone() };
+        for (spec, size) in [(dof, [2160, 3840]), (taps_45, [1080, 1920])] {
+            let variant = Some(Variant::gpu(&device.limits(), &spec, OutputKind::Buffer));
+            let options =
+                crate::forward::Options { variant, input: InputKind::Textures, ..Default::default() };
+            let network =
+                Network::with(&device, &spec, &Weights::random(&spec, 1), &options).expect("compiles");
+            check_size(&network, size[0], size[1]).expect("no buffer of the whole image is too large");
+            let most = 400_000_000;
+            let mut taken = 0;
+            let make = |frame, _, room: Room| {
+                taken = bytes(&network, size, frame, &room);
+                Ok(())
+            };
+            let (tiling, ()) = largest(&network, size, most, make).expect("in tiles");
+            let [kernels, _] = filter_bytes(&network, size, tiling.frame);
+            assert!(tiling.tiles.len() > 1 && taken <= most);
+            assert!(kernels <= device.limits().max_storage_buffer_binding_size);
         }
     }
 

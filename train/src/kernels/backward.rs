@@ -122,7 +122,7 @@ fn stripes<'a>(shape: ConvShape, operand: &Operand<'_>, gradients: &'a mut [Vec<
     stripes
 }
 
-/// Room for what a stripe reads; a thread keeps it from stripe to stripe.
+/// Room for what a stripe reads, kept for further ones as long as rayon gives them to a thread in one piece.
 #[derive(Default)]
 struct Buffers {
     x: Buffer,
