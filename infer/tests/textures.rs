@@ -100,9 +100,11 @@ fn read(gpu: &Gpu, network: &Network, image: &wgpu::Texture, [height, width]: [u
     Planes::from_fn(channels, height, width, |c, y, x| elements[(y * width + x) * components + c])
 }
 
-/// All of a network's runs in 32-bit floats, and one in half floats, which lavapipe and GPUs of today have.
+/// All of a network's runs in 32-bit floats, and one in half floats, which lavapipe and GPUs of today have. Not where kernels
+/// are predicted: an error in them makes one of the image that grows with the light, of which the tolerance knows nothing.
 fn runs(spec: &NetSpec) -> Vec<(Precision, usize)> {
-    (0..spec.runs()).map(|run| (Precision::F32, run)).chain([(Precision::F16, 0)]).collect()
+    let half = spec.filter.is_none().then_some((Precision::F16, 0));
+    (0..spec.runs()).map(|run| (Precision::F32, run)).chain(half).collect()
 }
 
 #[test]
