@@ -35,6 +35,9 @@ pub struct Room {
     frame: [usize; 2],
 }
 
+/// A pass with how many workgroups of it run.
+type Bound = (BoundPass, [u32; 3]);
+
 /// The passes of a network's filter; none where it makes its image itself.
 pub fn of(spec: &NetSpec) -> Option<Filter> {
     let crate::Filter { levels, kernel } = spec.filter?;
@@ -78,14 +81,13 @@ impl Passes {
         Ok(Room { kernels, pyramid, size, frame })
     }
 
-    /// The passes that make the pyramid of `input`, with how many workgroups run of each; and what the first of them is
-    /// told.
+    /// The passes that make the pyramid of `input`, and what the first of them is told.
     pub fn bind_pyramid(
         &self,
         device: &Device,
         room: &Room,
         input: Input<'_>,
-    ) -> Result<(Vec<(BoundPass, [u32; 3])>, Told), GpuError> {
+    ) -> Result<(Vec<Bound>, Told), GpuError> {
         let workgroups = |level: usize| {
             let [height, width] = room.frame.map(|size| size >> level);
             gpu::groups(height, width, TILE)
@@ -100,14 +102,14 @@ impl Passes {
         Ok((bound, told))
     }
 
-    /// The pass that makes what a tile keeps of the image, with how many workgroups run.
+    /// The pass that makes what a tile keeps of the image.
     pub fn bind_gather(
         &self,
         device: &Device,
         room: &Room,
         tile: &Tile,
         output: Output<'_>,
-    ) -> Result<(BoundPass, [u32; 3]), GpuError> {
+    ) -> Result<Bound, GpuError> {
         let uniform = gpu::uniform(device, "net.gather", &tile.placed(room.uniform(0)))?;
         let [uniform, kernels, pyramid] =
             [&uniform, &room.kernels, &room.pyramid].map(Buffer::as_entire_binding);

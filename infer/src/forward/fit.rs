@@ -110,7 +110,8 @@ pub fn check_size(network: &Network, height: usize, width: usize) -> Result<(), 
         (last, pyramid, spec.filter.is_some()),
     ];
     let limit = limits.max_storage_buffer_binding_size;
-    for (layer, bytes, _) in buffers.into_iter().filter(|(_, bytes, is_bound)| *is_bound && *bytes > limit) {
+    let mut bound = buffers.into_iter().filter(|(_, _, is_bound)| *is_bound);
+    if let Some((layer, bytes, _)) = bound.find(|(_, bytes, _)| *bytes > limit) {
         return error(layer, format!("binds a buffer of {bytes} bytes; the device allows {limit}"));
     }
     // The pyramid is not made in tiles.
