@@ -4,53 +4,63 @@
 use crate::scene::Mesh;
 use rayon::prelude::*;
 
+/// Vertices nearer than this share of the mesh's diagonal are at one place.
+const ONE_PLACE: f32 = 1e-5;
+
 /// Of each triangle of a mesh, whether the surface that it is connected to has no edge: beside each of its triangles, the way
-/// round that triangles that share an edge have, lies another one. Vertices at one place are one.
+/// round that triangles that share an edge have, lies another one. Vertices at one place are one: seams are no edges.
 pub fn closed(mesh: &Mesh) -> Vec<bool> {
     let places = places(mesh);
     let corners = |triangle: &[u32; 3]| triangle.map(|vertex| places[vertex as usize]);
-    let mut surfaces = Surfaces::new(places.len());
+    let mut surfaces = Forest::new(places.len());
     let mut edges = Vec::with_capacity(3 * mesh.triangles.len());
     for [a, b, c] in mesh.triangles.iter().map(corners) {
         surfaces.join(a, b);
         surfaces.join(b, c);
-        edges.extend([(a, b), (b, c), (c, a)].map(|(from, to)| (from.min(to), from.max(to), from < to)));
+        let sides = [(a, b), (b, c), (c, a)].into_iter().filter(|(from, to)| from != to);
+        edges.extend(sides.map(|(from, to)| (from.min(to), from.max(to), from < to)));
     }
     edges.par_sort_unstable();
     let mut open = vec![false; places.len()];
     for edge in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
         let forwards = edge.iter().filter(|(.., forwards)| *forwards).count();
         if 2 * forwards != edge.len() {
-            open[surfaces.of(edge[0].0) as usize] = true;
+            open[surfaces.root(edge[0].0) as usize] = true;
         }
     }
-    mesh.triangles.iter().map(|triangle| !open[surfaces.of(corners(triangle)[0]) as usize]).collect()
+    mesh.triangles.iter().map(|triangle| !open[surfaces.root(corners(triangle)[0]) as usize]).collect()
 }
 
-/// Of each vertex the first one that is where it is.
+/// Of each vertex the one that stands for all at its place. Places are the cells of a grid, and of three more that lie a quarter
+/// of a cell farther along each axis: of two vertices a rounding error apart, one of them has both in one cell.
 fn places(mesh: &Mesh) -> Vec<u32> {
-    // 0 and -0 are one place.
-    let bits = |vertex: u32| (mesh.positions[vertex as usize] + 0.0).to_array().map(f32::to_bits);
+    let bounds = mesh.bounds();
+    let cell = (ONE_PLACE * bounds.diagonal()).max(f32::MIN_POSITIVE);
+    let mut places = Forest::new(mesh.positions.len());
     let mut order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
-    order.par_sort_unstable_by_key(|vertex| (bits(*vertex), *vertex));
-    let mut places = vec![0; order.len()];
-    for together in order.chunk_by(|a, b| bits(*a) == bits(*b)) {
-        together.iter().for_each(|vertex| places[*vertex as usize] = together[0]);
+    for quarters in [0.0, 0.25, 0.5, 0.75] {
+        let of = |vertex: u32| {
+            ((mesh.positions[vertex as usize] - bounds.min) / cell + quarters).to_array().map(|at| at as u32)
+        };
+        order.par_sort_unstable_by_key(|vertex| (of(*vertex), *vertex));
+        for together in order.chunk_by(|a, b| of(*a) == of(*b)) {
+            together.iter().for_each(|vertex| places.join(together[0], *vertex));
+        }
     }
-    places
+    (0..mesh.positions.len() as u32).map(|vertex| places.root(vertex)).collect()
 }
 
-/// Vertices that edges connect, as a forest: each leads to another one, and the root to itself.
-struct Surfaces(Vec<u32>);
+/// What of some numbered things belongs together: each leads to another one, and the root to itself.
+struct Forest(Vec<u32>);
 
-impl Surfaces {
-    fn new(vertices: usize) -> Self {
-        Self((0..vertices as u32).collect())
+impl Forest {
+    fn new(count: usize) -> Self {
+        Self((0..count as u32).collect())
     }
 
-    /// The root of a vertex.
-    fn of(&mut self, vertex: u32) -> u32 {
-        let mut at = vertex;
+    /// What stands for all that belong together with one.
+    fn root(&mut self, one: u32) -> u32 {
+        let mut at = one;
         while self.0[at as usize] != at {
             // Half of the way is cut each time.
             self.0[at as usize] = self.0[self.0[at as usize] as usize];
@@ -60,7 +70,7 @@ impl Surfaces {
     }
 
     fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.of(a), self.of(b));
+        let (a, b) = (self.root(a), self.root(b));
         self.0[a.max(b) as usize] = a.min(b);
     }
 }
@@ -92,6 +102,19 @@ mod tests {
         let mut nothing = body;
         nothing.triangles.clear();
         assert!(closed(&nothing).is_empty());
+    }
+
+    #[test]
+    fn rounding_opens_no_seam() {
+        // A turn of a full circle does not quite end where it began.
+        let mut body = tetrahedron(Vec3::splat(0.371));
+        for (index, position) in body.positions.iter_mut().enumerate() {
+            *position +=
+                3e-7 * Vec3::new(index as f32 % 3.0 - 1.0, index as f32 % 2.0, 1.0 - index as f32 % 3.0);
+        }
+        assert_eq!(closed(&body), [true; 4]);
+        body.positions[0] += 1e-3;
+        assert_eq!(closed(&body), [false; 4]);
     }
 
     #[test]
