@@ -60,7 +60,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 25] = [
+const ALL: [Entry; 26] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -115,6 +115,9 @@ const ALL: [Entry; 25] = [
     }),
     screen(Effect::Sss, "gather", |gpu, quality| {
         Ok(Box::new(gather::Gather::new(gpu, gather::Parameters::of(quality))?))
+    }),
+    screen(Effect::Subsurface, "surfel", |gpu, quality| {
+        Ok(Box::new(surfel::scattering::SurfelScattering::new(gpu, surfel::Parameters::of(quality).into())?))
     }),
     screen(Effect::Dof, "ring-gather", |gpu, quality| {
         Ok(Box::new(ring_gather::RingGather::new(gpu, ring_gather::Parameters::of(quality))?))

@@ -14,7 +14,7 @@ use std::f32::consts::PI;
 const TILE: usize = BUNDLE.isqrt();
 
 /// Ids are modulo this, so that half floats hold them exactly.
-const OBJECT_IDS: u32 = 2048;
+pub const OBJECT_IDS: u32 = 2048;
 
 /// Renders some attributes. Where nothing is seen, all of them are 0.
 pub fn render(

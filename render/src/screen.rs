@@ -17,11 +17,13 @@ pub use plan::{MethodStep, Plan, Step, Workgroups};
 pub use reprojection::Reprojection;
 
 use crate::bvh::TracedScene;
+
 use crate::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
 use crate::raster::World;
 use crate::scene::{Camera, Environment, Scene};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
+use std::borrow::Cow;
 
 /// From where an image is seen, and what else a method's passes are told about it.
 #[derive(Clone, Copy, Debug)]
@@ -131,8 +133,9 @@ impl<M: ScreenMethod + ?Sized> Method for M {
         let method = ScreenMethod::name(self);
         let failed = |source: GpuError| MethodError::Gpu { method, source };
         let Gpu { device, queue, .. } = self.gpu();
-        let gbuffer = GpuGBuffer::upload(device, frame.gbuffer, self.attributes())
-            .map_err(|error| error.of_method(method))?;
+        let seen = seen(self, frame);
+        let gbuffer =
+            GpuGBuffer::upload(device, &seen, self.attributes()).map_err(|error| error.of_method(method))?;
         let view = View::from(frame);
         let world = self.looks_beyond().then(|| world(self.gpu(), frame.scene.scene(), &view));
         let world = world.transpose().map_err(failed)?;
@@ -149,6 +152,16 @@ impl<M: ScreenMethod + ?Sized> Method for M {
         let device = self.gpu().info.name.clone();
         Ok(Shaded { image, milliseconds: timing.milliseconds, clock, device })
     }
+}
+
+/// What a method reads of a frame's g-buffer: one that looks beyond the screen knows the scene, so that what the g-buffer does not
+/// hold is rendered for it.
+fn seen<'a, M: ScreenMethod + ?Sized>(method: &M, frame: &Frame<'a>) -> Cow<'a, GBuffer> {
+    let (gbuffer, wanted) = (frame.gbuffer, method.attributes());
+    if !method.looks_beyond() || wanted.iter().all(|attribute| gbuffer.attributes().contains(attribute)) {
+        return Cow::Borrowed(gbuffer);
+    }
+    Cow::Owned(crate::gbuffer::render(frame.scene, frame.camera, gbuffer.height(), gbuffer.width(), wanted))
 }
 
 /// Edge of shadow maps of stills, texels.

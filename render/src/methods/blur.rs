@@ -51,12 +51,11 @@ pub struct Blur {
 }
 
 impl Blur {
-    /// Compiles the pass for images of an effect.
+    /// Compiles the pass for images of so many channels.
     ///
     /// # Errors
     /// If the device refuses it.
-    pub fn new(device: &wgpu::Device, effect: Effect) -> Result<Self, GpuError> {
-        let channels = effect.channels();
+    pub fn new(device: &wgpu::Device, channels: usize) -> Result<Self, GpuError> {
         let source = wgsl::BLUR.specialised(&[("CHANNELS", channels as u32)]);
         Ok(Self { pass: Pass::new(device, wgsl::BLUR.name, &source)?, channels })
     }
@@ -100,7 +99,7 @@ impl Blur {
     }
 }
 
-/// The blur of `image`, `[channels, height, width]` with one or three channels, along rows, and of that along columns:
+/// The blur of `image`, `[channels, height, width]` with one, three or six channels, along rows, and of that along columns:
 /// what [`Blur::steps`] makes.
 pub fn smooth(surface: &Surface, [rows, columns]: &[uniforms::Blur; 2], image: &Planes) -> [Planes; 2] {
     let along_rows = along(surface, rows, image);
@@ -112,7 +111,8 @@ pub fn smooth(surface: &Surface, [rows, columns]: &[uniforms::Blur; 2], image: &
 fn along(surface: &Surface, blur: &uniforms::Blur, noisy: &Planes) -> Planes {
     match noisy.channels() {
         1 => surface.image(blur.background, |centre| smoothed::<1>(surface, blur, noisy, centre)),
-        _ => surface.image(blur.background, |centre| smoothed::<3>(surface, blur, noisy, centre)),
+        3 => surface.image(blur.background, |centre| smoothed::<3>(surface, blur, noisy, centre)),
+        _ => surface.image(blur.background, |centre| smoothed::<6>(surface, blur, noisy, centre)),
     }
 }
 

@@ -50,7 +50,7 @@ impl Passes {
     /// # Errors
     /// If the device refuses them.
     pub fn new(device: &wgpu::Device, march: &Shader, effect: Effect) -> Result<Self, GpuError> {
-        let blur = Blur::new(device, effect)?;
+        let blur = Blur::new(device, effect.channels())?;
         Ok(Self { march: Pass::new(device, march.name, &march.source())?, blur })
     }
 

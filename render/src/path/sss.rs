@@ -106,7 +106,7 @@ fn patches(shot: &Shot<'_>) -> Vec<Option<Patch>> {
 }
 
 /// Christensen and Burley's profile for the scale `d` at distance `r > 0`, per square metre.
-fn profile(r: f32, d: f32) -> f32 {
+pub fn profile(r: f32, d: f32) -> f32 {
     // The two exponentials in one: the first is the second's third power.
     let slow = (-r / (3.0 * d)).exp();
     (slow * slow * slow + slow) / (8.0 * PI * d * r)

@@ -30,6 +30,15 @@ pub struct Passes {
     parents: Pass,
 }
 
+/// What of the lights surfels send.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lit {
+    /// What they reflect diffusely.
+    Reflected,
+    /// What they receive, as white ones reflect it.
+    Received,
+}
+
 /// The pass that lights surfels, compiled for a number of lights.
 #[derive(Clone, Debug)]
 pub struct LightPass(Pass);
@@ -39,8 +48,10 @@ impl LightPass {
     ///
     /// # Errors
     /// If the device refuses it.
-    pub fn new(device: &wgpu::Device, world: &World) -> Result<Self, GpuError> {
-        let source = wgsl::SURFELS_LIGHT.specialised(&[("LIGHTS", world.gpu_lights.count as u32)]);
+    pub fn new(device: &wgpu::Device, world: &World, lit: Lit) -> Result<Self, GpuError> {
+        let white = u32::from(lit == Lit::Received);
+        let lights = world.gpu_lights.count as u32;
+        let source = wgsl::SURFELS_LIGHT.specialised(&[("LIGHTS", lights), ("WHITE", white)]);
         Ok(Self(Pass::new(device, wgsl::SURFELS_LIGHT.name, &source)?))
     }
 
@@ -186,7 +197,7 @@ impl Cloud {
     /// If the device has no room.
     pub fn new(device: &wgpu::Device, patches: &[Patch]) -> Result<Self, GpuError> {
         // A binding holds at least one, which is nowhere.
-        let nothing = [Patch { corners: [0; 3], part: 0, colour: [0.0; 3], coverage: 0.0 }];
+        let nothing = [Patch { corners: [0; 3], part: 0, colour: [0.0; 3], coverage: 0.0, object: 0 }];
         let patches = if patches.is_empty() { &nothing } else { patches };
         let count = patches.len();
         let [in_blocks, in_all] = [count.div_ceil(BLOCK), count.div_ceil(BLOCK * BLOCK)];

@@ -1,6 +1,6 @@
 //! Everything that lays out a frame's surfels, in order: the surfels, their light where it is wanted, their tree.
 
-use super::cloud::{self, Cloud, LightPass};
+use super::cloud::{self, Cloud, LightPass, Lit};
 use super::{HEIGHT, Parameters, Passes};
 use crate::raster::World;
 use crate::raster::view::perspective;
@@ -27,7 +27,7 @@ pub fn steps(
     device: &wgpu::Device,
     world: Option<&World>,
     uniforms: &[wgpu::Buffer],
-    lit: bool,
+    lit: Option<Lit>,
 ) -> Result<(Cloud, Vec<MethodStep>), GpuError> {
     let missing = || GpuError::Refused {
         label: "deepshade.surfel".to_owned(),
@@ -37,8 +37,8 @@ pub fn steps(
     let [settings, view, tree @ ..] = uniforms else { unreachable!("surfels and view come first") };
     let cloud = Cloud::new(device, world.patches())?;
     let mut steps = passes.surfel_steps(device, world, &cloud, cloud::Uniforms { settings, view })?;
-    if lit {
-        steps.push(LightPass::new(device, world)?.step(device, world, &cloud, view)?);
+    if let Some(lit) = lit {
+        steps.push(LightPass::new(device, world, lit)?.step(device, world, &cloud, view)?);
     }
     steps.extend(passes.tree_steps(device, &cloud, tree)?);
     Ok((cloud, steps))

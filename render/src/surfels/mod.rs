@@ -20,7 +20,7 @@ pub mod reference;
 #[cfg(test)]
 mod tests;
 
-pub use cloud::{Cloud, Passes};
+pub use cloud::{Cloud, Lit, Passes};
 pub use patches::Patch;
 
 use crate::screen::View;

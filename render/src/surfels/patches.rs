@@ -6,6 +6,7 @@
 //! through space (Morton 1966), so that surfels that follow one another lie together.
 
 use super::closed::closed;
+use crate::gbuffer::OBJECT_IDS;
 use crate::raster::geometry::{Draw, draws_of};
 use crate::scene::{Material, Mesh, Scene};
 use bytemuck::{Pod, Zeroable};
@@ -24,6 +25,8 @@ pub struct Patch {
     pub colour: [f32; 3],
     /// Share of the part that is there: alpha.
     pub coverage: f32,
+    /// The mesh that it is part of, as [`Attribute::ObjectId`](deepshade_shaders::Attribute::ObjectId) counts them.
+    pub object: u32,
 }
 
 /// The bit of a part that is set where the surface is no closed one.
@@ -61,7 +64,7 @@ pub fn patches(scene: &Scene, draws: &[Draw]) -> Vec<Patch> {
                 let part = halvings << 28 | open | quarters;
                 let middle = weights(part).into_iter().sum::<Vec3>() / 3.0;
                 let at = mixed(mesh.corners(triangle), middle);
-                (morton((at - bounds.min) / size), patch(scene, mesh, draw.first_vertex, triangle, part))
+                (morton((at - bounds.min) / size), patch(scene, draw, triangle, part))
             })
         })
         .collect();
@@ -75,7 +78,8 @@ pub fn of_scene(scene: &Scene) -> Vec<Patch> {
     patches(scene, &draws_of(scene))
 }
 
-fn patch(scene: &Scene, mesh: &Mesh, first_vertex: u32, triangle: usize, part: u32) -> Patch {
+fn patch(scene: &Scene, draw: &Draw, triangle: usize, part: u32) -> Patch {
+    let mesh = &scene.meshes[draw.mesh as usize];
     let material = scene.material(mesh.material);
     let corners = weights(part);
     let asked = SAMPLES.map(|sample| mixed(corners, Vec3::from_array(sample)));
@@ -89,10 +93,11 @@ fn patch(scene: &Scene, mesh: &Mesh, first_vertex: u32, triangle: usize, part: u
         coverage += opacity;
     }
     Patch {
-        corners: mesh.triangles[triangle].map(|vertex| first_vertex + vertex),
+        corners: mesh.triangles[triangle].map(|vertex| draw.first_vertex + vertex),
         part,
         colour: (colour / f32::max(coverage, f32::MIN_POSITIVE)).to_array(),
         coverage: coverage / asked.len() as f32,
+        object: draw.mesh % OBJECT_IDS,
     }
 }
 

@@ -24,12 +24,12 @@ table! {
     /// Ambient occlusion of a level.
     SURFEL_OCCLUSION: "surfel.occlusion", file "methods/surfel/splat", constants [CHANNELS = 1], uniforms [SplatLevel],
         shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree",
-                "surfel_walk", "surfel_reach_by_radius", "surfel_form_factor", "surfel_occlusion"];
+                "surfel_walk", "surfel_reach_by_radius", "surfel_form_factor", "surfel_receiver", "surfel_occlusion"];
     /// The sum of all levels of ambient occlusion.
     SURFEL_OPENNESS: "surfel.openness", file "methods/surfel/add", constants [CHANNELS = 1], uniforms [LevelSum],
         shared ["surfel_openness"];
     /// Direct light that surfels reflect.
-    SURFELS_LIGHT: "surfels.light", file "surfels/light", constants [LIGHTS = 1],
+    SURFELS_LIGHT: "surfels.light", file "surfels/light", constants [LIGHTS = 1, WHITE = 0],
         uniforms [FrameView, LightRecord], shared ["view", "packing", "surfel", "surfel_patch_record", "lights", "shadow"];
     /// The lowest nodes of the tree, of surfels that send light.
     SURFELS_LIT_LEAVES: "surfels.lit_leaves", file "surfels/leaves", constants [], uniforms [],
@@ -37,7 +37,7 @@ table! {
     /// Indirect light of a level.
     SURFEL_LIGHT: "surfel.light", file "methods/surfel/splat", constants [CHANNELS = 3], uniforms [SplatLevel],
         shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree", "surfel_walk", "surfel_reach_if_lit",
-                "surfel_form_factor", "surfel_colour", "surfel_light"];
+                "surfel_form_factor", "surfel_receiver", "surfel_colour", "surfel_light"];
     /// The sum of all levels of indirect light.
     SURFEL_INDIRECT: "surfel.indirect", file "methods/surfel/add", constants [CHANNELS = 3], uniforms [LevelSum],
         shared ["surfel_sum"];
@@ -45,10 +45,19 @@ table! {
     SURFEL_BLOCKED: "surfel.blocked", file "methods/surfel/splat", constants [CHANNELS = 3, BLOCKED_HEIGHT = 16],
         uniforms [SplatLevel, FrameView],
         shared ["view", "random", "surface", "bounded", "packing", "interleaved", "environment", "surfel", "surfel_tree",
-                "surfel_walk", "surfel_reach_by_radius", "surfel_form_factor", "surfel_colour", "surfel_blocked"];
+                "surfel_walk", "surfel_reach_by_radius", "surfel_form_factor", "surfel_receiver", "surfel_colour",
+                "surfel_blocked"];
     /// Light of the environment less what is blocked.
     SURFEL_OPEN: "surfel.open", file "methods/surfel/open", constants [OPEN_HEIGHT = 32],
         uniforms [LevelSum, FrameView], shared ["view", "environment"];
+    /// What scatters below each pixel.
+    SURFEL_BODIES: "surfel.bodies", file "methods/surfel/bodies", constants [], uniforms [LevelSum], shared [];
+    /// Light that objects on a level give through themselves.
+    SURFEL_GIVEN: "surfel.given", file "methods/surfel/splat", constants [CHANNELS = 6], uniforms [SplatLevel],
+        shared ["random", "bounded", "packing", "interleaved", "surfel", "surfel_patch_record", "surfel_tree", "surfel_walk",
+                "surfel_reach_by_radius", "surfel_scattering"];
+    /// Scattered light.
+    SURFEL_SCATTER: "surfel.scatter", file "methods/surfel/scatter", constants [], uniforms [LevelSum], shared [];
     /// What of a white sky a pixel's rays see past surfels.
     BOUNCED_SKY: "bounced-z.sky", file "methods/bounced_z/trace", constants [], uniforms [Bounces],
         shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree", "surfel_walk",

@@ -9,4 +9,6 @@ struct Patch {
     colour: array<f32, 3>,
     // Share of it that is there: alpha.
     coverage: f32,
+    // The mesh that it is part of, as object ids count them.
+    object: u32,
 }

@@ -2,7 +2,7 @@
 
 use super::{BouncedEffect, Parameters};
 use crate::screen::{Inputs, MethodStep, View};
-use crate::surfels::{self, frame};
+use crate::surfels::{self, Lit, frame};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{self, TILE};
@@ -14,7 +14,7 @@ pub struct Passes {
     surfels: surfels::Passes,
     trace: Pass,
     filter: Pass,
-    lit: bool,
+    lit: Option<Lit>,
 }
 
 /// The contents of the passes' uniform buffers.
@@ -36,7 +36,7 @@ impl Passes {
             surfels: surfels::Passes::new(device, &wgsl::SURFELS_LEAVES)?,
             trace: Pass::new(device, trace.name, &trace.source())?,
             filter: Pass::new(device, filter.name, &filter_source)?,
-            lit: E::LIT,
+            lit: E::LIT.then_some(Lit::Reflected),
         })
     }
 

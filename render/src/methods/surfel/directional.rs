@@ -1,5 +1,6 @@
 //! Directional occlusion by surfels (thesis 4.3): the environment's irradiance less what surfels block of it.
 
+use super::around::Ending;
 use super::{Plain, Surfel, SurfelEffect, passes, reference};
 use crate::methods::environment_map::EnvironmentMap;
 use crate::methods::prefiltered::filter;
@@ -8,7 +9,7 @@ use crate::screen::Compiled;
 use crate::surfels::reference::Disk;
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl;
-use deepshade_shaders::{Effect, Planes};
+use deepshade_shaders::{Effect, MissingAttribute, Planes};
 use glam::Vec3;
 
 /// Rows of the map that says what a surfel hides: as coarse as the solid angle of those that matter.
@@ -68,22 +69,28 @@ impl SurfelEffect for Directional {
             leaves: &wgsl::SURFELS_LEAVES,
             splat: &wgsl::SURFEL_BLOCKED,
             add: &wgsl::SURFEL_INDIRECT,
-            lit: false,
-            open: Some(&wgsl::SURFEL_OPEN),
+            channels: 3,
+            lit: None,
+            ending: Ending::Open(&wgsl::SURFEL_OPEN),
         }
     }
 
-    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Planes {
+    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Result<Planes, MissingAttribute> {
         let (sky, camera) = (Sky::new(plain.environment), &plain.view.camera);
-        let hides =
-            |disk: &Disk, radius, way, normal| sky.behind(camera, disk, radius, way, normal).to_array();
-        let shade = reference::Shade { distance: reference::OCCLUSION.distance, of: &hides };
+        let hides = |disk: &Disk, radius, way, receiver: reference::Receiver| {
+            sky.behind(camera, disk, radius, way, receiver.normal).to_array()
+        };
+        let shade = reference::Shade {
+            of: &hides,
+            distance: reference::OCCLUSION.distance,
+            reach: &|_| f32::INFINITY,
+        };
         let blocked = reference::sums(plain.surface, &disks, shade, plain.parameters, plain.view);
-        plain.surface.image(0.0, |at| {
+        Ok(plain.surface.image(0.0, |at| {
             let hidden =
                 Vec3::from_array(std::array::from_fn(|c| blocked.at(c, at.y as usize, at.x as usize)));
             let open = sky.open.radiance(camera.rotation * plain.surface.normal_at(at));
             (open - hidden).max(Vec3::ZERO).to_array()
-        })
+        }))
     }
 }

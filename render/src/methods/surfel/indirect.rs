@@ -4,12 +4,13 @@
 //! Unlike the paper's, shells are as wide for a dim surfel as for a bright one, so that the threshold has no unit; surfels
 //! without light are left out.
 
+use super::around::Ending;
 use super::{Plain, Surfel, SurfelEffect, passes, reference};
 use crate::screen::Compiled;
-use crate::surfels::patches;
 use crate::surfels::reference::{Disk, lit};
+use crate::surfels::{Lit, patches};
 use deepshade_shaders::wgsl;
-use deepshade_shaders::{Effect, Planes};
+use deepshade_shaders::{Effect, MissingAttribute, Planes};
 
 /// The effect.
 #[derive(Clone, Copy, Debug)]
@@ -26,14 +27,15 @@ impl SurfelEffect for Indirect {
             leaves: &wgsl::SURFELS_LIT_LEAVES,
             splat: &wgsl::SURFEL_LIGHT,
             add: &wgsl::SURFEL_INDIRECT,
-            lit: true,
-            open: None,
+            channels: 3,
+            lit: Some(Lit::Reflected),
+            ending: Ending::Sum,
         }
     }
 
-    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Planes {
+    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Result<Planes, MissingAttribute> {
         let Plain { surface, scene, parameters, view, .. } = *plain;
         let disks = lit(scene, &patches::of_scene(scene.scene()), disks, &view.camera);
-        reference::sums(surface, &disks, reference::LIGHT, parameters, view)
+        Ok(reference::sums(surface, &disks, reference::LIGHT, parameters, view))
     }
 }

@@ -23,11 +23,13 @@
 //! Unlike [`gtao`](super::gtao) and [`hbao`](super::hbao) it knows what the camera does not see: behind it, beside the image,
 //! behind something in front, and surfaces seen from their edge.
 
+pub mod around;
 pub mod directional;
 pub mod indirect;
 pub mod occlusion;
 pub mod passes;
 pub mod reference;
+pub mod scattering;
 pub mod shells;
 pub mod technique;
 #[cfg(test)]

@@ -1,10 +1,11 @@
 //! Ambient occlusion by surfels (thesis 4.3): the sum of their form factors.
 
+use super::around::Ending;
 use super::{Plain, Surfel, SurfelEffect, passes, reference};
 use crate::screen::Compiled;
 use crate::surfels::reference::Disk;
 use deepshade_shaders::wgsl;
-use deepshade_shaders::{Effect, Planes};
+use deepshade_shaders::{Effect, MissingAttribute, Planes};
 
 /// The effect.
 #[derive(Clone, Copy, Debug)]
@@ -21,12 +22,13 @@ impl SurfelEffect for Occlusion {
             leaves: &wgsl::SURFELS_LEAVES,
             splat: &wgsl::SURFEL_OCCLUSION,
             add: &wgsl::SURFEL_OPENNESS,
-            lit: false,
-            open: None,
+            channels: 1,
+            lit: None,
+            ending: Ending::Sum,
         }
     }
 
-    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Planes {
-        reference::openness(plain.surface, &disks, plain.parameters, plain.view)
+    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Result<Planes, MissingAttribute> {
+        Ok(reference::openness(plain.surface, &disks, plain.parameters, plain.view))
     }
 }

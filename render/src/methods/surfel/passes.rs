@@ -1,10 +1,10 @@
 //! What runs on the GPU: surfels and their tree, the levels one after the other, their blurs, their sum.
 
-use super::directional::Sky;
+use super::around::{Around, Ending};
 use super::{Parameters, shells};
 use crate::methods::blur::Blur;
 use crate::screen::{Inputs, MethodStep, View};
-use crate::surfels::{Cloud, frame};
+use crate::surfels::{Cloud, Lit, frame};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
@@ -19,10 +19,12 @@ pub struct Shaders {
     pub splat: &'static Shader,
     /// What the sum of all levels means.
     pub add: &'static Shader,
-    /// Whether surfels are lit first.
-    pub lit: bool,
-    /// What is open where the sum is what is blocked of the environment's light.
-    pub open: Option<&'static Shader>,
+    /// Of the sums.
+    pub channels: usize,
+    /// What of the lights surfels send, where they are lit first.
+    pub lit: Option<Lit>,
+    /// What the sums become.
+    pub ending: Ending<&'static Shader>,
 }
 
 /// The compiled passes.
@@ -32,9 +34,9 @@ pub struct Passes {
     splat: Pass,
     blur: Blur,
     add: Pass,
-    open: Option<Pass>,
     channels: usize,
-    lit: bool,
+    lit: Option<Lit>,
+    ending: Ending<Pass>,
 }
 
 /// Uniforms of a level of the framebuffer: splat, blur along rows and along columns, sum.
@@ -63,23 +65,23 @@ fn sum(parameters: &Parameters, effect: Effect, level: u32, view: &View) -> unif
 }
 
 impl Passes {
-    /// Compiles them for images of an effect.
+    /// Compiles them.
     ///
     /// # Errors
     /// If the device refuses them.
-    pub fn new(device: &wgpu::Device, shaders: &Shaders, effect: Effect) -> Result<Self, GpuError> {
-        let channels = effect.channels();
+    pub fn new(device: &wgpu::Device, shaders: &Shaders) -> Result<Self, GpuError> {
+        let channels = shaders.channels;
         let with_channels = |shader: &Shader| {
             Pass::new(device, shader.name, &shader.specialised(&[("CHANNELS", channels as u32)]))
         };
         Ok(Self {
             surfels: crate::surfels::Passes::new(device, shaders.leaves)?,
             splat: with_channels(shaders.splat)?,
-            blur: Blur::new(device, effect)?,
+            blur: Blur::new(device, channels)?,
             add: with_channels(shaders.add)?,
-            open: shaders.open.map(|shader| Pass::new(device, shader.name, &shader.source())).transpose()?,
             channels,
             lit: shaders.lit,
+            ending: shaders.ending.compiled(device)?,
         })
     }
 
@@ -97,40 +99,36 @@ impl Passes {
         let (of_surfels, levels) = uniforms.split_at(frame::UNIFORMS);
         let (cloud, mut steps) = frame::steps(&self.surfels, device, inputs.world, of_surfels, self.lit)?;
         let room = Room::new(device, inputs, self.channels)?;
-        let sky = self.open.as_ref().map(|_| Sky::new(inputs.environment).upload(device)).transpose()?;
-        let blocked = sky.as_ref().map(|[blocked, _]| [&of_surfels[1], blocked]);
-        let splatting = Splatting { device, inputs, cloud: &cloud, room: &room, blocked, image };
+        let [.., size] = levels else { unreachable!("there is a level") };
+        let around = Around::new(device, &self.ending, inputs, &cloud, [size, &of_surfels[1]], image)?;
+        let Around { before, after, .. } = &around;
+        steps.extend_from_slice(before);
+        let splatting = Splatting { device, inputs, cloud: &cloud, room: &room, around: &around };
         for (level, uniforms) in levels.chunks_exact(OF_LEVEL).enumerate() {
             steps.extend(self.level_steps(splatting, level, uniforms)?);
         }
-        if let (Some(pass), Some([_, open]), Some(size)) = (&self.open, &sky, levels.last()) {
-            let gbuffer = inputs.gbuffer;
-            let [normal, valid] = [Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
-            let whole = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
-            let reads = [size, &of_surfels[1], normal, valid, open];
-            steps.push(MethodStep::bind(device, pass, whole, &reads, &[image])?);
-        }
+        steps.extend_from_slice(after);
         Ok(steps)
     }
 
     fn level_steps(
         &self,
-        Splatting { device, inputs, cloud, room, blocked, image }: Splatting<'_>,
+        Splatting { device, inputs, cloud, room, around }: Splatting<'_>,
         level: usize,
         uniforms: &[wgpu::Buffer],
     ) -> Result<Vec<MethodStep>, GpuError> {
         let [splat, rows, columns, sum] = uniforms else { unreachable!("a level has four uniform buffers") };
         let (gbuffer, Room { sums, half_blurred }) = (inputs.gbuffer, room);
-        let surface = [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
-        let scattered = [&cloud.totals, &cloud.surfels, &cloud.nodes];
-        let reads = [&[splat], &surface[..], &scattered].concat();
+        let [position, normal, third] = &around.receivers;
+        let reads = [splat, position, normal, third, &cloud.totals, &cloud.surfels, &cloud.nodes];
         // The sum is binding 7, and what only some effects read comes after it.
-        let reads = (0..).zip(reads).chain((8..).zip(blocked.into_iter().flatten())).collect::<Vec<_>>();
+        let reads = (0..).zip(reads).chain((8..).zip(&around.more)).collect::<Vec<_>>();
         let groups = groups_of_level([gbuffer.width(), gbuffer.height()], level);
         let mut steps = vec![MethodStep::bind_at(device, &self.splat, groups, &reads, &[(7, sums)])?];
         steps.extend(self.blur.steps_between(device, gbuffer, [rows, columns], half_blurred, sums)?);
         let whole = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
-        steps.push(MethodStep::bind(device, &self.add, whole, &[sum, surface[2], sums], &[image])?);
+        let valid = gbuffer.buffer(Attribute::Valid);
+        steps.push(MethodStep::bind(device, &self.add, whole, &[sum, valid, sums], &[&around.total])?);
         Ok(steps)
     }
 }
@@ -142,9 +140,7 @@ struct Splatting<'a> {
     inputs: &'a Inputs<'a>,
     cloud: &'a Cloud,
     room: &'a Room,
-    /// Camera and environment, for what the environment's light is blocked of.
-    blocked: Option<[&'a wgpu::Buffer; 2]>,
-    image: &'a wgpu::Buffer,
+    around: &'a Around,
 }
 
 /// Workgroups that cover the sub-buffers of a level: columns, rows, sub-buffers.

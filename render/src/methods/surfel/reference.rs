@@ -6,7 +6,7 @@ use crate::screen::View;
 use crate::surfels::reference::Disk;
 use deepshade_shaders::wgsl::uniforms;
 use deepshade_shaders::{Effect, Planes};
-use glam::{UVec2, Vec3};
+use glam::{IVec2, UVec2, Vec3};
 use rayon::prelude::*;
 
 /// The form factor from a point with a normal to a disk, with another radius than its own (Wallace, Elmquist and Haines 1989);
@@ -18,14 +18,25 @@ pub fn form_factor(way: Vec3, normal: Vec3, disk: &Disk, radius: f32) -> f32 {
     radius * radius * facing / (squared.max(1e-20) * (squared + radius * radius))
 }
 
-/// What a disk does, with another radius than its own, to a point with a normal; the way leads to its middle.
-pub type Does<'a, const CHANNELS: usize> = dyn Fn(&Disk, f32, Vec3, Vec3) -> [f32; CHANNELS] + Sync + 'a;
+/// The surface of a pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct Receiver {
+    /// The pixel.
+    pub pixel: IVec2,
+    /// Its unit normal, camera space.
+    pub normal: Vec3,
+}
+
+/// What a disk does, with another radius than its own, to what a pixel shows; the way leads to its middle.
+pub type Does<'a, const CHANNELS: usize> = dyn Fn(&Disk, f32, Vec3, Receiver) -> [f32; CHANNELS] + Sync + 'a;
 
 /// What a disk does to a point.
 #[derive(Clone, Copy)]
 pub struct Shade<'a, const CHANNELS: usize> {
     /// How far it does something, but for a factor that is the same for all.
     pub distance: fn(&Disk) -> f32,
+    /// How far disks do something to what a pixel shows, metres, if not as far as the effect reaches.
+    pub reach: &'a (dyn Fn(IVec2) -> f32 + Sync + 'a),
     /// What it does there.
     pub of: &'a Does<'a, CHANNELS>,
 }
@@ -33,15 +44,17 @@ pub struct Shade<'a, const CHANNELS: usize> {
 /// Occlusion.
 pub const OCCLUSION: Shade<'_, 1> = Shade {
     distance: |disk| disk.radius,
-    of: &|disk, radius, way, normal| [form_factor(way, normal, disk, radius)],
+    reach: &|_| f32::INFINITY,
+    of: &|disk, radius, way, receiver| [form_factor(way, receiver.normal, disk, radius)],
 };
 
 /// Light, irradiance over pi.
 pub const LIGHT: Shade<'_, 3> = Shade {
     distance: |disk| if disk.sent == [Vec3::ZERO; 2] { 0.0 } else { disk.radius },
-    of: &|disk, radius, way, normal| {
+    reach: &|_| f32::INFINITY,
+    of: &|disk, radius, way, receiver| {
         let sent = disk.sent[usize::from(way.dot(disk.normal) >= 0.0)];
-        (sent * form_factor(way, normal, disk, radius)).to_array()
+        (sent * form_factor(way, receiver.normal, disk, radius)).to_array()
     },
 };
 
@@ -53,10 +66,11 @@ pub fn brute_force<const CHANNELS: usize>(
     reach: f32,
 ) -> Planes {
     surface.image(0.0, |pixel| {
-        let (position, normal) = (surface.position_at(pixel), surface.normal_at(pixel));
+        let receiver = Receiver { pixel, normal: surface.normal_at(pixel) };
+        let (position, reach) = (surface.position_at(pixel), reach.min((shade.reach)(pixel)));
         let ways = disks.iter().map(|disk| (disk, disk.place - position));
         let near = ways.filter(|(_, way)| way.length_squared() < reach * reach);
-        near.map(|(disk, way)| (shade.of)(disk, disk.radius, way, normal)).fold([0.0; CHANNELS], plus)
+        near.map(|(disk, way)| (shade.of)(disk, disk.radius, way, receiver)).fold([0.0; CHANNELS], plus)
     })
 }
 
@@ -100,14 +114,15 @@ fn shell_sum<const CHANNELS: usize>(
     if !surface.valid_at(at) {
         return [0.0; CHANNELS];
     }
-    let (position, normal) = (surface.position_at(at), surface.normal_at(at));
+    let receiver = Receiver { pixel: at, normal: surface.normal_at(at) };
+    let (position, reach) = (surface.position_at(at), level.reach.min((shade.reach)(at)));
     let its = disks.iter().skip(sub_buffer as usize).step_by(1 << (2 * level.level));
     let does = |disk: &Disk| {
         let (way, reaches) = (disk.place - position, (shade.distance)(disk));
-        let outer = if level.last == 1 { level.reach } else { level.reach.min(reaches * level.farthest) };
+        let outer = if level.last == 1 { reach } else { reach.min(reaches * level.farthest) };
         let distance = way.length_squared();
         let inside = distance >= (reaches * level.nearest).powi(2) && distance < outer * outer;
-        if inside { (shade.of)(disk, disk.radius, way, normal) } else { [0.0; CHANNELS] }
+        if inside { (shade.of)(disk, disk.radius, way, receiver) } else { [0.0; CHANNELS] }
     };
     its.map(does).fold([0.0; CHANNELS], plus).map(|sum| sum * level.stands_for)
 }

@@ -7,25 +7,32 @@ use crate::scene::Environment;
 use crate::screen::{Inputs, MethodStep, PlainInputs, Technique, View, Written};
 use crate::surfels::reference::{Disk, surfels};
 use deepshade_shaders::gpu::GpuError;
-use deepshade_shaders::{Attribute, Effect, MissingAttribute, Planes};
+use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
 use std::marker::PhantomData;
 
 /// An effect that surfels have on what is seen.
 pub trait SurfelEffect: Copy + Send + Sync {
     /// What it is.
     const EFFECT: Effect;
+    /// What it reads of a g-buffer.
+    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
 
     /// What its passes do in their own way.
     fn shaders() -> passes::Shaders;
 
     /// Its image of a scene's disks in plain Rust, `[channels, height, width]`.
-    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Planes;
+    ///
+    /// # Errors
+    /// If the g-buffer lacks an attribute.
+    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Result<Planes, MissingAttribute>;
 }
 
 /// What the plain version reads.
 #[derive(Clone, Copy)]
 pub struct Plain<'a> {
-    /// What is seen.
+    /// All that is seen.
+    pub gbuffer: &'a GBuffer,
+    /// Where surfaces are seen.
     pub surface: &'a Surface,
     /// All of the scene.
     pub scene: &'a TracedScene,
@@ -50,12 +57,12 @@ impl<E> From<Parameters> for Surfel<E> {
 impl<E: SurfelEffect> Technique for Surfel<E> {
     const NAME: &'static str = "surfel";
     const EFFECT: Effect = E::EFFECT;
-    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
+    const ATTRIBUTES: &'static [Attribute] = E::ATTRIBUTES;
     const LOOKS_BEYOND: bool = true;
     type Passes = passes::Passes;
 
     fn compile(device: &wgpu::Device) -> Result<passes::Passes, GpuError> {
-        passes::Passes::new(device, &E::shaders(), E::EFFECT)
+        passes::Passes::new(device, &E::shaders())
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
@@ -78,9 +85,10 @@ impl<E: SurfelEffect> Technique for Surfel<E> {
         let shaded = |scene: &TracedScene| {
             let disks = surfels(scene.scene(), &self.0.surfels, view);
             let environment = inputs.environment;
-            let plain = Plain { surface: &surface, scene, environment, parameters: &self.0, view };
-            E::plain(&plain, disks).data().to_vec()
+            let (gbuffer, surface, parameters) = (inputs.gbuffer, &surface, &self.0);
+            let plain = Plain { gbuffer, surface, scene, environment, parameters, view };
+            Ok(E::plain(&plain, disks)?.data().to_vec())
         };
-        Ok(inputs.scene.map(shaded).into_iter().collect())
+        inputs.scene.map(shaded).into_iter().collect()
     }
 }

@@ -1,6 +1,7 @@
 //! Shells against brute force, closed forms, and the passes against the plain version.
 
 mod directional;
+mod scattering;
 
 use super::indirect::SurfelIndirect;
 use super::occlusion::SurfelOcclusion;

@@ -9,21 +9,21 @@
 // [CHANNELS, height, width]
 @group(0) @binding(7) var<storage, read_write> sums: array<f32>;
 
-// What the walk asks nodes about: where a pixel's surface is.
-alias Query = vec3f;
+// What the walk asks nodes about: the surface of a pixel.
+alias Query = Receiver;
 
-// How far surfels of a node, or one alone, do something on this level.
-fn outer(distance: f32) -> f32 {
+// How far surfels of a node, or one alone, do something to a receiver on this level.
+fn outer(distance: f32, receiver: Receiver) -> f32 {
     if level.last == 1u {
-        return level.reach;
+        return receiver.reach;
     }
-    return min(level.reach, distance * level.farthest);
+    return min(receiver.reach, distance * level.farthest);
 }
 
-// Whether a surfel below a node may do something at a point.
-fn reaches(node: Node, position: Query) -> bool {
-    let gap = max(max(position - node.high.xyz, node.low.xyz - position), vec3f(0.0));
-    let reach = outer(node.low.w);
+// Whether a surfel below a node may do something to a receiver.
+fn reaches(node: Node, receiver: Query) -> bool {
+    let gap = max(max(receiver.position - node.high.xyz, node.low.xyz - receiver.position), vec3f(0.0));
+    let reach = outer(node.low.w, receiver);
     return dot(gap, gap) <= reach * reach;
 }
 
@@ -37,11 +37,10 @@ fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
     let pixels = level.width * level.height;
     let at = pixel.y * level.width + pixel.x;
     var sum = nothing();
-    if surface_valid(at) {
-        let position = surface_position(at, pixels);
-        let normal = surface_normal(at, pixels);
+    let receiver = receiver_at(at, pixels);
+    if receiver.reach > 0.0 {
         let leaves = bounded(level.level, pixel);
-        var walk = next_leaf(Walk(HEIGHT, 0u), leaves, position);
+        var walk = next_leaf(Walk(HEIGHT, 0u), leaves, receiver);
         while goes_on(walk) {
             let first = first_surfel(walk.height, walk.index) + sub_buffer;
             for (var i = 0u; i < LEAF; i++) {
@@ -50,16 +49,16 @@ fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
                     break;
                 }
                 let surfel = surfels[which];
-                let way = surfel.place.xyz - position;
+                let way = surfel.place.xyz - receiver.position;
                 let squared = dot(way, way);
                 let distance = effect_distance(surfel);
                 let inner = distance * level.nearest;
-                let farthest = outer(distance);
+                let farthest = outer(distance, receiver);
                 if squared >= inner * inner && squared < farthest * farthest {
-                    sum = added(sum, surfel, surfel.place.w, way, squared, normal);
+                    sum = added(sum, surfel, surfel.place.w, way, squared, receiver);
                 }
             }
-            walk = next_leaf(after(walk), leaves, position);
+            walk = next_leaf(after(walk), leaves, receiver);
         }
     }
     write_sum(sum * level.stands_for, at, pixels);

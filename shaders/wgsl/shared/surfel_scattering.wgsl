@@ -1,0 +1,57 @@
+// What a surfel gives a point through the body below both (thesis 4.3, "Multiple Scattering"): a share of its light, for
+// red, green and blue apart, by the profile of Christensen and Burley 2015 at its distance times its area; and that share.
+
+@group(0) @binding(1) var<storage, read> position_planes: array<f32>;
+// [4, height, width]: how far light goes below the surface, metres, red, green and blue; the object.
+@group(0) @binding(2) var<storage, read> bodies: array<f32>;
+@group(0) @binding(3) var<storage, read> patches: array<Patch>;
+
+// Beyond so many lengths less than a thousandth of the profile is left: 3 exp(-r / (3 d)) / 4.
+const SUPPORT = 19.9;
+
+struct Receiver {
+    position: vec3f,
+    // Metres; 0 where nothing is seen or no light enters.
+    reach: f32,
+    // The profile's `d` of each colour, metres.
+    scales: vec3f,
+    object: f32,
+}
+
+fn receiver_at(at: u32, pixels: u32) -> Receiver {
+    let position = vec3f(position_planes[at], position_planes[at + pixels], position_planes[at + 2u * pixels]);
+    let scales = vec3f(bodies[at], bodies[at + pixels], bodies[at + 2u * pixels]);
+    let reach = min(level.reach, SUPPORT * max(scales.x, max(scales.y, scales.z)));
+    return Receiver(position, reach, scales, bodies[at + 3u * pixels]);
+}
+
+// Light, and the shares of the profile that it came by.
+fn nothing() -> mat2x3f {
+    return mat2x3f(vec3f(0.0), vec3f(0.0));
+}
+
+// The profile (exp(-r / d) + exp(-r / (3 d))) / (8 pi d r) times the area of a disk; of a colour that does not enter, 0.
+fn profile_share(radius: f32, distance: f32, scales: vec3f) -> vec3f {
+    let d = max(scales, vec3f(1e-20));
+    let slow = exp(-distance / (3.0 * d));
+    return select(vec3f(0.0), (slow * slow * slow + slow) * (radius * radius / (8.0 * distance)) / d, scales > vec3f(0.0));
+}
+
+fn added(sum: mat2x3f, surfel: Surfel, radius: f32, way: vec3f, squared: f32, receiver: Receiver) -> mat2x3f {
+    let distance = sqrt(squared);
+    // What is nearer than a surfel is large is the pixel's own.
+    if distance <= surfel.place.w || f32(patches[surfel.patch_index].object) != receiver.object {
+        return sum;
+    }
+    let share = profile_share(radius, distance, receiver.scales);
+    // No light falls on the inside of a body.
+    let light = unpack_radiance(surfel.front) + unpack_radiance(surfel.back);
+    return sum + mat2x3f(share * light, share);
+}
+
+fn write_sum(sum: mat2x3f, at: u32, pixels: u32) {
+    for (var c = 0u; c < 3u; c++) {
+        sums[at + c * pixels] = sum[0][c];
+        sums[at + (c + 3u) * pixels] = sum[1][c];
+    }
+}
