@@ -24,7 +24,7 @@ pub enum Stage {
 }
 
 /// Which shader belongs to which stage.
-static SHADERS: [(Stage, &Shader); 19] = [
+static SHADERS: [(Stage, &Shader); 22] = [
     (Stage::Surfels, &wgsl::SURFELS_MEASURE),
     (Stage::Surfels, &wgsl::SURFELS_SUM),
     (Stage::Surfels, &wgsl::SURFELS_TOTAL),
@@ -37,6 +37,8 @@ static SHADERS: [(Stage, &Shader); 19] = [
     (Stage::Splat, &wgsl::SURFEL_OCCLUSION),
     (Stage::Splat, &wgsl::SURFEL_LIGHT),
     (Stage::Splat, &wgsl::SURFEL_BLOCKED),
+    (Stage::Splat, &wgsl::SURFEL_BODIES),
+    (Stage::Splat, &wgsl::SURFEL_GIVEN),
     (Stage::Splat, &wgsl::BOUNCED_SKY),
     (Stage::Splat, &wgsl::BOUNCED_LIGHT),
     (Stage::Blur, &wgsl::BLUR),
@@ -44,6 +46,7 @@ static SHADERS: [(Stage, &Shader); 19] = [
     (Stage::Sum, &wgsl::SURFEL_OPENNESS),
     (Stage::Sum, &wgsl::SURFEL_INDIRECT),
     (Stage::Sum, &wgsl::SURFEL_OPEN),
+    (Stage::Sum, &wgsl::SURFEL_SCATTER),
 ];
 
 impl Stage {
