@@ -171,7 +171,11 @@ mod tests {
             let cost = Cost::of(&gpu, &plan, subject.patches(), 1).expect("times");
             let has = |stage| cost.stages.iter().any(|(other, _)| *other == stage);
             assert!(has(Stage::Surfels) && has(Stage::Splat), "{name}: {cost:?}");
-            assert_eq!(has(Stage::Light), matches!(method.effect(), Effect::Gi | Effect::Subsurface), "{name}");
+            assert_eq!(
+                has(Stage::Light),
+                matches!(method.effect(), Effect::Gi | Effect::Subsurface),
+                "{name}"
+            );
             assert!(cost.surfels[0] > 100 && cost.surfels[0] <= cost.surfels[1], "{name}: {cost:?}");
             let sum: f64 = cost.stages.iter().map(|(_, time)| time).sum();
             assert!(sum > 0.0 && cost.total > 0.0 && cost.megabytes > 1.0, "{name}: {cost:?}");

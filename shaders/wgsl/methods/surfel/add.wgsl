@@ -14,13 +14,8 @@ fn add(@builtin(global_invocation_id) id: vec3u) {
     let pixels = level.width * level.height;
     let at = id.y * level.width + id.x;
     for (var c = 0u; c < CHANNELS; c++) {
-        var sum = sums[at + c * pixels];
-        if level.first == 0u {
-            sum += image[at + c * pixels];
-        }
-        if level.last == 1u {
-            sum = select(level.background, meaning(sum), valid_plane[at] > 0.5);
-        }
-        image[at + c * pixels] = sum;
+        let sum = sums[at + c * pixels] + select(image[at + c * pixels], 0.0, level.first == 1u);
+        let whole = select(level.background, meaning(sum), valid_plane[at] > 0.5);
+        image[at + c * pixels] = select(sum, whole, level.last == 1u);
     }
 }

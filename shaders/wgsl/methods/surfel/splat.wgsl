@@ -14,10 +14,7 @@ alias Query = Receiver;
 
 // How far surfels of a node, or one alone, do something to a receiver on this level.
 fn outer(distance: f32, receiver: Receiver) -> f32 {
-    if level.last == 1u {
-        return receiver.reach;
-    }
-    return min(receiver.reach, distance * level.farthest);
+    return select(min(receiver.reach, distance * level.farthest), receiver.reach, level.last == 1u);
 }
 
 // Whether a surfel below a node may do something to a receiver.
