@@ -10,6 +10,9 @@
 //! A pixel's own object gives and no other, from its far side too. The paper bounds the reach by what a surfel sends; here it is
 //! where the receiver's profile ends, [`SUPPORT`].
 //!
+//! Not finished: on a body that is lit in part it is no nearer to truth than light that is not scattered at all (a mean difference
+//! of 0.226 against 0.205 in a scene of one body).
+//!
 //! Limits. A sheet without thickness lets through all that falls on its other side. Bodies are as if the space between two of
 //! their points were full, and dark ones as if none of their light escaped elsewhere, so that ridges are too dark. Light
 //! farther than [`SUPPORT`] lengths or the effect's radius is left to the pixel.

@@ -8,13 +8,11 @@ use super::*;
 use crate::bvh::TracedScene;
 use crate::gbuffer;
 use crate::method::{Frame, Method, Repeats};
-use crate::methods::proving::mean_difference;
 use crate::methods::separable::kernel;
 use crate::path::proving::quad;
-use crate::path::{self, Sampling, Shot};
 use crate::scene::{Light, Material, MaterialId};
 use crate::screen::ScreenMethod;
-use deepshade_shaders::{Attribute, Effect, GBuffer};
+use deepshade_shaders::{Attribute, GBuffer};
 
 type Seen = (TracedScene, View, GBuffer);
 
@@ -262,22 +260,6 @@ fn without_surfels_or_ways_below_light_stays_where_it_is() {
     assert!(!is_light(&image(&method, &seen), gbuffer), "and else it goes elsewhere");
 }
 
-/// A still life of wax under a lamp.
-fn still_life() -> Seen {
-    let mut scene = Family::StillLife.scene(3);
-    let (middle, diagonal) = (scene.bounds().centre(), scene.bounds().diagonal());
-    for material in &mut scene.materials {
-        material.mean_free_path = diagonal * Vec3::new(0.01, 0.005, 0.0);
-    }
-    scene.lights = vec![Light::Point {
-        position: middle + diagonal * Vec3::new(0.3, 0.5, 0.2),
-        intensity: Vec3::splat(diagonal * diagonal),
-        range: f32::INFINITY,
-    }];
-    let camera = Camera::look_at(middle + diagonal * Vec3::new(0.2, 0.2, 0.3), middle);
-    looked_at(scene, camera, [43, 61], 0.5 * diagonal)
-}
-
 #[test]
 fn the_passes_scatter_as_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
@@ -289,24 +271,6 @@ fn the_passes_scatter_as_the_plain_version_does() {
     scene.materials[0].mean_free_path = Vec3::new(0.01, 0.004, 0.0);
     let seen = looked_at(scene, camera, [43, 61], 0.2);
     prove_twin(&SurfelScattering::new(&gpu, parameters.into()).expect("valid shaders"), &seen, tolerance);
-}
-
-#[test]
-fn it_is_nearer_to_truth_than_light_that_is_not_scattered() {
-    let parameters = Parameters { blur: Parameters::default().blur, ..parameters(0.015, 4) };
-    let above = Camera::look_at(Vec3::new(0.06, -0.14, 0.24), Vec3::new(0.01, 0.0, 0.0));
-    for (name, seen) in
-        [("partly lit", looked_at(one_body(), above, [43, 61], 0.2)), ("still life", still_life())]
-    {
-        let found = plain(&seen, &parameters);
-        let (scene, view, gbuffer) = &seen;
-        let shot = Shot::new(scene, &view.camera, [view.height, view.width], view.radius);
-        let light = gbuffer.select(&[Attribute::DiffuseLight]).expect("light");
-        let truth = path::render(Effect::Subsurface, &shot, Sampling::one(256, 1)).mean;
-        let [found, nothing] = [&found, &light].map(|image| mean_difference(image, &truth));
-        println!("{name}: {found}, without scattering {nothing}");
-        assert!(found < 0.8 * nothing, "{name}: {found}, without scattering {nothing}");
-    }
 }
 
 #[test]
