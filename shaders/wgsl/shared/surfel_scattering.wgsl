@@ -2,15 +2,22 @@
 // red, green and blue apart, by the profile of Christensen and Burley 2015 at its distance times its area; and that share.
 
 @group(0) @binding(1) var<storage, read> position_planes: array<f32>;
+@group(0) @binding(2) var<storage, read> normal_planes: array<f32>;
 // [4, height, width]: how far light goes below the surface, metres, red, green and blue; the object.
-@group(0) @binding(2) var<storage, read> bodies: array<f32>;
-@group(0) @binding(3) var<storage, read> patches: array<Patch>;
+@group(0) @binding(3) var<storage, read> bodies: array<f32>;
+@group(0) @binding(8) var<storage, read> patches: array<Patch>;
 
 // Beyond so many lengths less than a thousandth of the profile is left: 3 exp(-r / (3 d)) / 4.
 const SUPPORT = 19.9;
 
+// A closed surface is met from within if that is so from below the pixel's: so far, over the distance, and over the height above
+// it, that what lies in a plane or a hollow is.
+const BELOW_PLANE = 0.02;
+const BELOW_HOLLOW = 3.0;
+
 struct Receiver {
     position: vec3f,
+    normal: vec3f,
     // Metres; 0 where nothing is seen or no light enters.
     reach: f32,
     // The profile's `d` of each colour, metres.
@@ -20,9 +27,10 @@ struct Receiver {
 
 fn receiver_at(at: u32, pixels: u32) -> Receiver {
     let position = vec3f(position_planes[at], position_planes[at + pixels], position_planes[at + 2u * pixels]);
+    let normal = vec3f(normal_planes[at], normal_planes[at + pixels], normal_planes[at + 2u * pixels]);
     let scales = vec3f(bodies[at], bodies[at + pixels], bodies[at + 2u * pixels]);
     let reach = min(level.reach, SUPPORT * max(scales.x, max(scales.y, scales.z)));
-    return Receiver(position, reach, scales, bodies[at + 3u * pixels]);
+    return Receiver(position, normal, reach, scales, bodies[at + 3u * pixels]);
 }
 
 // Light, and the shares of the profile that it came by.
@@ -41,6 +49,11 @@ fn added(sum: mat2x3f, surfel: Surfel, radius: f32, way: vec3f, squared: f32, re
     let distance = sqrt(squared);
     // What is nearer than a surfel is large is the pixel's own.
     if distance <= surfel.place.w || f32(patches[surfel.patch_index].object) != receiver.object {
+        return sum;
+    }
+    let below = BELOW_PLANE * distance + BELOW_HOLLOW * max(dot(way, receiver.normal), 0.0);
+    let outwards = dot(way + below * receiver.normal, from_octahedron(unpack2x16snorm(surfel.normal)));
+    if outwards < 0.0 && (surfel.normal & 1u) == 0u {
         return sum;
     }
     let share = profile_share(radius, distance, receiver.scales);

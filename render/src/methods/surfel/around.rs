@@ -102,8 +102,14 @@ impl Around {
                 let before = vec![MethodStep::bind(device, bodies, whole, &reads, &[&below])?];
                 let reads = [size, valid, &total, light, colour];
                 let after = vec![MethodStep::bind(device, scatter, whole, &reads, &[image])?];
-                let [position, ..] = receivers;
-                Self { before, receivers: [position, below, cloud.patches.clone()], total, after, ..plain }
+                let [position, normal, _] = receivers;
+                Self {
+                    before,
+                    receivers: [position, normal, below],
+                    more: vec![cloud.patches.clone()],
+                    total,
+                    after,
+                }
             }
         })
     }

@@ -4,17 +4,15 @@
 //! The profile is that of Christensen and Burley 2015, fitted to random walks, in place of the dipole: through a slab of white
 //! wax one mean free path thick the dipole lets 0.81 of the light, the profile 0.62, and truth 0.55. What surfels do not give
 //! stays with the pixel's own light: with the shares `w` of the profile that the surfels have, `E (1 - sum of w) + sum of w E_i`. So
-//! even light stays as it is, whatever the surfels, and a thin body sends back less by as much as it lets through. Surfels
-//! nearer than one is large are left to the pixel.
+//! even light stays as it is, whatever the surfels, and a thin body sends back less by as much as it lets through. Where the
+//! shares are more than all of the profile, as with layers one behind the other, each takes its part of what is left: of such a
+//! slab that makes 0.46. Surfels nearer than one is large are left to the pixel.
 //!
-//! A pixel's own object gives and no other, from its far side too. The paper bounds the reach by what a surfel sends; here it is
-//! where the receiver's profile ends, [`SUPPORT`].
+//! A pixel's own object gives and no other, from its far side too; of closed surfaces those that are met from within. The paper
+//! bounds the reach by what a surfel sends; here it is where the receiver's profile ends, [`SUPPORT`].
 //!
-//! Not finished: on a body that is lit in part it is no nearer to truth than light that is not scattered at all (a mean difference
-//! of 0.226 against 0.205 in a scene of one body).
-//!
-//! Limits. A sheet without thickness lets through all that falls on its other side. Bodies are as if the space between two of
-//! their points were full, and dark ones as if none of their light escaped elsewhere, so that ridges are too dark. Light
+//! Limits. A sheet without thickness lets through all that falls on its other side. Between two points of a body nothing is in
+//! the way. What is absorbed is that of a half space, of thin bodies and ridges less in truth, which are too dark therefore. Light
 //! farther than [`SUPPORT`] lengths or the effect's radius is left to the pixel.
 //!
 //! It is no method for [`Effect::Sss`], whose truth knows what the image shows and nothing else: what surfels know beyond that
@@ -35,6 +33,10 @@ use std::f32::consts::PI;
 
 /// Beyond so many lengths less than a thousandth of the profile is left: `3 exp(-r / (3 d)) / 4`.
 pub const SUPPORT: f32 = 19.9;
+/// A closed surface is met from within if that is so from below the pixel's: so far, over the distance, and over the height above
+/// it, that what lies in a plane or a hollow is.
+const BELOW_PLANE: f32 = 0.02;
+const BELOW_HOLLOW: f32 = 3.0;
 
 /// The effect.
 #[derive(Clone, Copy, Debug)]
@@ -75,9 +77,10 @@ impl SurfelEffect for Scattering {
         let white = |patch| Patch { colour: [1.0; 3], ..patch };
         let patches: Vec<Patch> = patches::of_scene(plain.scene.scene()).into_iter().map(white).collect();
         let disks = lit(plain.scene, &patches, disks, &plain.view.camera);
-        let gives = |disk: &Disk, radius: f32, way: Vec3, Receiver { pixel, .. }: Receiver| {
+        let gives = |disk: &Disk, radius: f32, way: Vec3, Receiver { pixel, normal }: Receiver| {
             let object = objects.at(0, pixel.y as usize, pixel.x as usize);
-            match object == patches[disk.patch as usize].object as f32 {
+            let is_own = object == patches[disk.patch as usize].object as f32;
+            match is_own && met_from_within(disk, way, normal) {
                 true => given(disk, radius, way, scales(pixel)),
                 false => [0.0; 6],
             }
@@ -88,8 +91,10 @@ impl SurfelEffect for Scattering {
         Ok(plain.surface.image(0.0, |at| {
             let [x, y] = [at.x as usize, at.y as usize];
             std::array::from_fn::<f32, 3, _>(|c| {
-                let left = own.at(c, y, x) * (1.0 - sums.at(c + 3, y, x));
-                (left + colours.at(c, y, x) * sums.at(c, y, x)).max(0.0)
+                let share = sums.at(c + 3, y, x);
+                let taken = taken(share);
+                let left = own.at(c, y, x) * (1.0 - taken * share);
+                (left + taken * colours.at(c, y, x) * sums.at(c, y, x)).max(0.0)
             })
         }))
     }
@@ -100,6 +105,20 @@ impl SurfelEffect for Scattering {
 pub fn shape(colour: Vec3) -> Vec3 {
     let off = colour - 0.8;
     1.9 - colour + 3.5 * off * off
+}
+
+/// Whether a disk that the way leads to is met from within its body, below a surface with a normal; of a surface that is not
+/// closed every disk is.
+pub fn met_from_within(disk: &Disk, way: Vec3, normal: Vec3) -> bool {
+    let below = BELOW_PLANE * way.length() + BELOW_HOLLOW * way.dot(normal).max(0.0);
+    disk.open || (way + below * normal).dot(disk.normal) >= 0.0
+}
+
+/// The part of the shares of the profile that counts, of so much in all. What layers one behind the other have beyond all of the
+/// profile does not add up: each takes its part of what is left.
+fn taken(share: f32) -> f32 {
+    let beyond = (share - 1.0).max(1e-3);
+    (1.0 - (-beyond).exp()) / beyond
 }
 
 /// What a disk gives, taken with another radius than its own: light, and the shares of the profile that it comes by. What is nearer

@@ -21,8 +21,12 @@ fn scatter(@builtin(global_invocation_id) id: vec3u) {
         let here = at + c * pixels;
         var light = image_size.background;
         if valid_plane[at] > 0.5 {
-            let left = diffuse_light_planes[here] * (1.0 - sums[here + 3u * pixels]);
-            light = max(left + diffuse_planes[here] * sums[here], 0.0);
+            let share = sums[here + 3u * pixels];
+            // What layers one behind the other have beyond all of the profile does not add up: each takes its part of what is left.
+            let beyond = max(share - 1.0, 1e-3);
+            let taken = (1.0 - exp(-beyond)) / beyond;
+            let left = diffuse_light_planes[here] * (1.0 - taken * share);
+            light = max(left + taken * diffuse_planes[here] * sums[here], 0.0);
         }
         image[here] = light;
     }

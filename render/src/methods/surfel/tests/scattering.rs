@@ -2,17 +2,19 @@
 //! known to go through, bodies apart, and the passes against the plain version.
 
 use super::super::reference::{OCCLUSION, Receiver, Shade, sums};
-use super::super::scattering::{SUPPORT, Scattering, SurfelScattering, given, shape};
+use super::super::scattering::{SUPPORT, Scattering, SurfelScattering, given, met_from_within, shape};
 use super::super::{Plain, SurfelEffect};
 use super::*;
 use crate::bvh::TracedScene;
 use crate::gbuffer;
 use crate::method::{Frame, Method, Repeats};
+use crate::methods::proving::mean_difference;
 use crate::methods::separable::kernel;
 use crate::path::proving::quad;
+use crate::path::{self, Sampling, Shot};
 use crate::scene::{Light, Material, MaterialId};
 use crate::screen::ScreenMethod;
-use deepshade_shaders::{Attribute, GBuffer};
+use deepshade_shaders::{Attribute, Effect, GBuffer};
 
 type Seen = (TracedScene, View, GBuffer);
 
@@ -38,17 +40,6 @@ fn from_above() -> Camera {
 fn sheet([from, to]: [f32; 2], z: f32, material: u32) -> Mesh {
     let corners = [(from, -0.2), (to, -0.2), (to, 0.2), (from, 0.2)];
     Mesh { material: MaterialId(material), ..quad(corners.map(|(x, y)| Vec3::new(x, y, z))) }
-}
-
-/// Two meshes as one.
-fn joined(a: &Mesh, b: &Mesh) -> Mesh {
-    let after = a.positions.len() as u32;
-    let moved = b.triangles.iter().map(|corners| corners.map(|corner| corner + after));
-    Mesh {
-        positions: [&a.positions[..], &b.positions].concat(),
-        triangles: a.triangles.iter().copied().chain(moved).collect(),
-        ..a.clone()
-    }
 }
 
 fn sun(direction: Vec3) -> Light {
@@ -189,24 +180,23 @@ fn a_slab_lets_through_about_what_is_known_and_loses_nothing() {
             image.data().iter().sum::<f32>() / image.data().len() as f32
         };
         let [through, back] = [Vec3::Z, Vec3::NEG_Z].map(mean);
-        assert!((through - known).abs() < 0.09, "{paths}: {through} and not {known}");
+        assert!((through / known - 1.0).abs() < 0.25, "{paths}: {through} and not {known}");
         assert!((through + back - 1.0).abs() < 0.01, "{paths}: {through} and {back}");
     }
 }
 
-/// Two thick slabs on the floor of nothing, side by side, the left one shaded by a roof.
-fn bodies() -> Scene {
-    let block = |from: f32, to: f32| {
+/// Blocks of wax from one x to another and a roof over what is left of x = 0, in light from above.
+fn blocks(ends: &[[f32; 2]]) -> Scene {
+    let block = |[from, to]: &[f32; 2]| {
         let at = |x, z| [(x, -0.2, z), (x, 0.2, z)].map(|(x, y, z)| Vec3::new(x, y, z));
-        let [a, b, c, d] = [at(from, -0.1), at(to, -0.1), at(to, 0.0), at(from, 0.0)];
-        let positions = [a, b, c, d].concat();
+        let positions = [at(*from, -0.1), at(*to, -0.1), at(*to, 0.0), at(*from, 0.0)].concat();
         let side = |a: u32, b: u32| [[a, b, b + 1], [a, b + 1, a + 1]];
         let triangles = [side(0, 2), side(2, 4), side(4, 6), side(6, 0)].concat();
         Mesh { positions, triangles, ..Mesh::default() }
     };
-    let roof = Mesh { material: MaterialId(1), ..sheet([-0.3, -0.001], 0.3, 1) };
+    let roof = sheet([-0.3, 0.0], 0.3, 1);
     Scene {
-        meshes: vec![block(-0.1, -0.001), block(0.001, 0.1), roof].into(),
+        meshes: ends.iter().map(block).chain([roof]).collect::<Vec<Mesh>>().into(),
         materials: vec![wax(0.8, Vec3::splat(0.01)), wax(0.8, Vec3::ZERO)],
         lights: vec![Light::Directional {
             direction: Vec3::NEG_Z,
@@ -217,12 +207,8 @@ fn bodies() -> Scene {
     }
 }
 
-/// The two as one.
-fn one_body() -> Scene {
-    let two = bodies();
-    let [left, right, roof] = &two.meshes[..] else { unreachable!("two bodies and a roof") };
-    Scene { meshes: vec![joined(left, right), roof.clone()].into(), ..two }
-}
+const TWO: &[[f32; 2]] = &[[-0.1, -0.001], [0.001, 0.1]];
+const ONE: &[[f32; 2]] = &[[-0.1, 0.1]];
 
 #[test]
 fn light_does_not_go_from_one_body_to_another() {
@@ -231,19 +217,41 @@ fn light_does_not_go_from_one_body_to_another() {
         vertical_fov: 0.5,
         ..Camera::look_at(Vec3::Z, Vec3::ZERO)
     };
-    let seen = looked_at(bodies(), camera, [32, 48], 0.2);
+    let seen = looked_at(blocks(TWO), camera, [32, 48], 0.2);
     let dark_half =
         |image: &Planes| (0..32 * 48).filter(|i| i % 48 < 23).map(|i| image.plane(0)[i]).fold(0.0, f32::max);
     let apart = plain(&seen, &parameters(0.03, 3));
     assert_eq!(dark_half(&apart), 0.0);
     assert!(apart.data().iter().any(|light| *light > 0.1), "the other is lit");
-    let one = looked_at(one_body(), camera, [32, 48], 0.2);
+    let one = looked_at(blocks(ONE), camera, [32, 48], 0.2);
     assert!(dark_half(&plain(&one, &parameters(0.03, 3))) > 0.01, "within one body it does");
 }
 
 #[test]
+fn closed_surfaces_are_met_from_within() {
+    let met = |place: Vec3, normal: Vec3, open: bool| {
+        let disk =
+            Disk { place, radius: 0.1, normal: normal.normalize(), open, patch: 0, sent: [Vec3::ZERO; 2] };
+        met_from_within(&disk, place, Vec3::Y)
+    };
+    for aside in [0.1, 1.0, 20.0] {
+        let beside = Vec3::X * aside;
+        assert!(met(beside, Vec3::Y, false), "in the same plane");
+        assert!(met(beside - Vec3::Y, -Vec3::Y, false), "the far side of a slab");
+        assert!(!met(beside - Vec3::Y, Vec3::Y, false), "what lies below that, from outside");
+        assert!(met(beside - Vec3::Y, Vec3::Y, true), "a sheet has no outside");
+    }
+    // On a ball and in a hollow of radius 1.
+    for angle in [0.1f32, 0.5, 1.0] {
+        let (sin, cos) = angle.sin_cos();
+        assert!(met(Vec3::new(sin, cos - 1.0, 0.0), Vec3::new(sin, cos, 0.0), false), "ball, {angle}");
+        assert!(met(Vec3::new(sin, 1.0 - cos, 0.0), Vec3::new(-sin, cos, 0.0), false), "hollow, {angle}");
+    }
+}
+
+#[test]
 fn without_surfels_or_ways_below_light_stays_where_it_is() {
-    let seen = looked_at(bodies(), from_above(), [SIZE; 2], 0.1);
+    let seen = looked_at(blocks(TWO), from_above(), [SIZE; 2], 0.1);
     let (scene, view, gbuffer) = &seen;
     let surface = &Surface::of(gbuffer).expect("a surface");
     let plain = Plain { gbuffer, surface, scene, environment: None, parameters: &SHARP, view };
@@ -253,11 +261,27 @@ fn without_surfels_or_ways_below_light_stays_where_it_is() {
     assert!(is_light(&Scattering::plain(&plain, vec![]).expect("attributes"), gbuffer));
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let method = SurfelScattering::new(&gpu, parameters(0.03, 3).into()).expect("valid shaders");
-    let mut opaque = bodies();
+    let mut opaque = blocks(TWO);
     opaque.materials[0].mean_free_path = Vec3::ZERO;
     let opaque = looked_at(opaque, from_above(), [SIZE; 2], 0.1);
     assert!(is_light(&image(&method, &opaque), &opaque.2));
     assert!(!is_light(&image(&method, &seen), gbuffer), "and else it goes elsewhere");
+}
+
+/// A still life of wax under a lamp.
+fn still_life() -> Seen {
+    let mut scene = Family::StillLife.scene(3);
+    let (middle, diagonal) = (scene.bounds().centre(), scene.bounds().diagonal());
+    for material in &mut scene.materials {
+        material.mean_free_path = diagonal * Vec3::new(0.01, 0.005, 0.0);
+    }
+    scene.lights = vec![Light::Point {
+        position: middle + diagonal * Vec3::new(0.3, 0.5, 0.2),
+        intensity: Vec3::splat(diagonal * diagonal),
+        range: f32::INFINITY,
+    }];
+    let camera = Camera::look_at(middle + diagonal * Vec3::new(0.2, 0.2, 0.3), middle);
+    looked_at(scene, camera, [43, 61], 0.5 * diagonal)
 }
 
 #[test]
@@ -267,10 +291,27 @@ fn the_passes_scatter_as_the_plain_version_does() {
     // Of radiances up to about 4. Shadow maps end within a texel of where shadows do; radiance has nine bits.
     let tolerance = Tolerance { usual: 2e-2, worst: 0.5 };
     let camera = Camera::look_at(Vec3::new(0.06, -0.14, 0.24), Vec3::new(0.01, 0.0, 0.0));
-    let mut scene = one_body();
+    let mut scene = blocks(ONE);
     scene.materials[0].mean_free_path = Vec3::new(0.01, 0.004, 0.0);
     let seen = looked_at(scene, camera, [43, 61], 0.2);
     prove_twin(&SurfelScattering::new(&gpu, parameters.into()).expect("valid shaders"), &seen, tolerance);
+}
+
+#[test]
+fn it_is_nearer_to_truth_than_light_that_is_not_scattered() {
+    let parameters = Parameters { blur: Parameters::default().blur, ..parameters(0.015, 4) };
+    let above = Camera::look_at(Vec3::new(0.06, -0.14, 0.24), Vec3::new(0.01, 0.0, 0.0));
+    for (name, seen) in
+        [("partly lit", looked_at(blocks(ONE), above, [43, 61], 0.2)), ("still life", still_life())]
+    {
+        let found = plain(&seen, &parameters);
+        let (scene, view, gbuffer) = &seen;
+        let shot = Shot::new(scene, &view.camera, [view.height, view.width], view.radius);
+        let light = gbuffer.select(&[Attribute::DiffuseLight]).expect("light");
+        let truth = path::render(Effect::Subsurface, &shot, Sampling::one(256, 1)).mean;
+        let [found, nothing] = [&found, &light].map(|image| mean_difference(image, &truth));
+        assert!(found < 0.8 * nothing, "{name}: {found}, without scattering {nothing}");
+    }
 }
 
 #[test]
