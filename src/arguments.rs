@@ -1,6 +1,7 @@
 //! What command lines hold, read and checked.
 
 use anyhow::{Result, ensure};
+use deepshade_shaders::atomic_file;
 use glam::Vec3;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -42,6 +43,13 @@ pub fn place(text: &str) -> Result<Vec3, String> {
     }
 }
 
+/// Reads the name of a file to be written, and refuses what could not be: better now than when all work is done.
+pub fn written_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    atomic_file::check(&path).map_err(|error| error.to_string())?;
+    Ok(path)
+}
+
 /// Reads the name of a PNG file to be written.
 pub fn png_file(text: &str) -> Result<PathBuf, String> {
     file_of_kind(text, "png")
@@ -64,7 +72,7 @@ fn file_of_kind(text: &str, kind: &str) -> Result<PathBuf, String> {
         Some(found) if !found.eq_ignore_ascii_case(kind) => {
             Err(format!("what is written is of the kind .{kind}"))
         }
-        _ => Ok(path),
+        _ => written_file(text),
     }
 }
 
@@ -146,6 +154,20 @@ mod tests {
         for wrong in ["768", "768x", "15x16", "x512", "9000x16", "16x-16"] {
             assert!(wrong.parse::<Size>().is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn files_that_cannot_be_written_are_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name).display().to_string();
+        std::fs::write(path("file"), b"x").expect("written");
+        assert!(written_file(&path("new.json")).is_ok() && written_file(&path("deep/new.json")).is_ok());
+        assert!(written_file(&path("file")).is_ok(), "it is replaced");
+        for wrong in ["", "file/new.json", "file/deep/new.json"] {
+            let error = written_file(&path(wrong)).expect_err(wrong);
+            assert!(!error.contains(atomic_file::TEMPORARY_PREFIX), "{error}");
+        }
+        assert_eq!(std::fs::read_dir(folder.path()).expect("listed").count(), 1);
     }
 
     #[test]

@@ -77,7 +77,7 @@ pub struct Args {
     #[command(flatten)]
     time: exposure_time::Args,
     /// Writes the figures here as JSON.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
     #[command(flatten)]
     additions: Additions,

@@ -65,7 +65,7 @@ pub struct Args {
     #[arg(long, default_value_t = 64, value_parser = RangedU64ValueParser::<usize>::new().range(16..=1024))]
     height: usize,
     /// Writes the figures here as JSON.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
 }
 

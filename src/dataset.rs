@@ -60,7 +60,7 @@ pub struct Generate {
     #[arg(long)]
     out: PathBuf,
     /// Writes the figures here as JSON.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
 }
 
@@ -71,7 +71,7 @@ pub struct Verify {
     /// Folder of the dataset.
     dataset: PathBuf,
     /// Writes the figures here as JSON.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
 }
 
@@ -93,7 +93,7 @@ pub struct Show {
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=64))]
     pairs: u16,
     /// Writes the figures here as JSON.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
 }
 
@@ -111,7 +111,7 @@ pub struct Testset {
     #[arg(long)]
     out: PathBuf,
     /// Writes the figures here as JSON.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
 }
 

@@ -70,7 +70,7 @@ pub struct Args {
     #[arg(long, requires = "all")]
     page: Option<PathBuf>,
     /// Writes the figures here as JSON.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
 }
 

@@ -48,7 +48,7 @@ pub struct Args {
     #[arg(long, default_value = "experiments")]
     out: PathBuf,
     /// Writes the figures here as JSON: one a row of the table.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
 }
 

@@ -85,7 +85,7 @@ pub struct Args {
     #[arg(long, default_value_t = 0)]
     seed: u32,
     /// Writes the figures here as JSON.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
     #[command(flatten)]
     additions: Additions,

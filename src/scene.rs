@@ -23,7 +23,7 @@ pub struct Args {
     #[arg(long)]
     list: bool,
     /// Writes the figures here as JSON.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
 }
 

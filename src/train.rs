@@ -76,7 +76,7 @@ pub struct Args {
     #[arg(long, value_parser = positive)]
     diagonal_share: Option<f32>,
     /// Writes the figures here as JSON.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
 }
 

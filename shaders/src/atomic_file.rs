@@ -4,10 +4,15 @@ use crate::own_file::folder;
 use std::fs::OpenOptions;
 use std::io::{self, Write};
 use std::path::Path;
+use tempfile::NamedTempFile;
 
 /// What names of temporary files and folders start with. A killed program leaves some behind; whoever owns a folder may delete
 /// them there.
 pub const TEMPORARY_PREFIX: &str = ".deepshade-";
+
+/// Modes on Unix of files that others may read, as far as the process's mask lets them, and of those that nobody else may.
+const OPEN: u32 = 0o666;
+const PRIVATE: u32 = 0o600;
 
 /// Writes a whole file, replacing one of that name. A link stays, and what it leads to is replaced. What is no regular
 /// file, such as a pipe or a device (`/dev/stdout`), cannot be replaced and is written into.
@@ -17,8 +22,7 @@ pub const TEMPORARY_PREFIX: &str = ".deepshade-";
 /// the new name last, at the very end, is the new file there in spite of an error. The error does not say which file:
 /// the caller does.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    // What the process's mask leaves of that.
-    write_with(path, bytes, 0o666)
+    write_with(path, bytes, OPEN)
 }
 
 /// As [`write()`], a file that on Unix nobody but its owner may read or write.
@@ -26,7 +30,24 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// # Errors
 /// As [`write()`].
 pub fn write_private(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    write_with(path, bytes, 0o600)
+    write_with(path, bytes, PRIVATE)
+}
+
+/// Finds out whether [`write()`] could write a file, its folder made where that is missing: what can be known before there
+/// is anything to write.
+///
+/// # Errors
+/// If it could not.
+pub fn check(path: &Path) -> io::Result<()> {
+    let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    match path.metadata() {
+        Ok(found) if found.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+        Ok(found) if !found.is_file() => Ok(()),
+        _ => {
+            let nearest = path.ancestors().find(|path| folder(path).exists()).unwrap_or(&path);
+            temporary(folder(nearest), PRIVATE).map(drop)
+        }
+    }
 }
 
 fn write_with(path: &Path, bytes: &[u8], mode: u32) -> io::Result<()> {
@@ -57,18 +78,26 @@ pub fn delete_temporaries(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-#[cfg_attr(not(unix), expect(unused_variables, reason = "only Unix has modes"))]
 fn replace(path: &Path, bytes: &[u8], mode: u32) -> io::Result<()> {
     let folder = folder(path);
+    let file = temporary(folder, mode)?;
+    file.as_file().write_all(bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|error| error.error)?;
+    sync_folder(folder)
+}
+
+/// A temporary file in a folder. An error does not name it, which would mean nothing to anybody.
+#[cfg_attr(not(unix), expect(unused_variables, reason = "only Unix has modes"))]
+fn temporary(folder: &Path, mode: u32) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(TEMPORARY_PREFIX);
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(mode));
-    let mut file = builder.tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    file.persist(path).map_err(|error| error.error)?;
-    sync_folder(folder)
+    builder.tempfile_in(folder).map_err(|error| {
+        let cause = error.get_ref().and_then(|named| named.source()?.downcast_ref::<io::Error>());
+        cause.and_then(io::Error::raw_os_error).map_or(error, io::Error::from_raw_os_error)
+    })
 }
 
 /// Makes new names in a folder last through a power cut; only Unix lets a folder be synced.
@@ -101,6 +130,21 @@ mod tests {
         assert!(write(&taken, b"x").is_err(), "a folder has that name");
         assert!(write(&folder.path().join("missing/a.txt"), b"x").is_err());
         assert_eq!(std::fs::read_dir(folder.path()).expect("listed").count(), 1);
+    }
+
+    #[test]
+    fn what_can_be_written_is_told_before() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        std::fs::write(path("file"), b"x").expect("written");
+        check(&path("new")).expect("a new file");
+        check(&path("deep/deeper/new")).expect("folders can be made");
+        check(&path("file")).expect("it is replaced");
+        for wrong in ["", "file/new", "file/deep/new"] {
+            let error = check(&path(wrong)).expect_err(wrong).to_string();
+            assert!(!error.contains(TEMPORARY_PREFIX), "{error}");
+        }
+        assert_eq!(std::fs::read_dir(folder.path()).expect("listed").count(), 1, "nothing is left");
     }
 
     #[test]

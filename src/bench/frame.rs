@@ -62,7 +62,7 @@ pub struct Args {
     #[arg(long, default_value_t = 0.04, value_parser = crate::arguments::positive)]
     shutter: f32,
     /// Writes the figures here as JSON.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
     #[command(flatten)]
     stage: stage::Args,
