@@ -50,6 +50,15 @@ impl Engine {
         }
     }
 
+    /// The engine that ran the last image, as figures name it: `wgsl` or `cpu`.
+    #[cfg(feature = "train")]
+    pub fn name(&self) -> &'static str {
+        match &*self.runner.borrow() {
+            Some((_, Runner::Wgsl(_))) => "wgsl",
+            _ => "cpu",
+        }
+    }
+
     /// One run's image, `[output channels, height, width]`, of its input, `[input channels, height, width]`, and how
     /// long it took: the median of `timed` runs, at least one, after `warm_up` others, without the way to a graphics
     /// card and back.

@@ -26,6 +26,15 @@ pub struct Args {
 }
 
 impl Args {
+    /// Whether there is a library, which is then loaded.
+    ///
+    /// # Errors
+    /// If one is named, and is none.
+    pub fn is_there(&self) -> Result<bool> {
+        let found = found(self.onnxruntime.as_deref());
+        found.map(|_| environment(self.onnxruntime.as_deref())).transpose().map(|loaded| loaded.is_some())
+    }
+
     /// Loads a network.
     ///
     /// # Errors
@@ -96,8 +105,7 @@ fn environment(wanted: Option<&Path>) -> Result<Environment> {
 
 /// The library's path, from the first source that names one.
 fn library(wanted: Option<&Path>) -> Result<PathBuf> {
-    let named = wanted.map(Path::to_owned).or_else(|| std::env::var_os(VARIABLE).map(PathBuf::from));
-    match named.or_else(installed) {
+    match found(wanted) {
         Some(library) if library.is_file() => Ok(library),
         Some(library) => bail!("onnxruntime: no file {}", library.display()),
         None => bail!(
@@ -105,6 +113,12 @@ fn library(wanted: Option<&Path>) -> Result<PathBuf> {
              package `onnxruntime` and name the file (libonnxruntime.so.1.31.1) by --onnxruntime or {VARIABLE}"
         ),
     }
+}
+
+/// The path that the first source names, whatever is there.
+fn found(wanted: Option<&Path>) -> Option<PathBuf> {
+    let variable = || std::env::var_os(VARIABLE).filter(|path| !path.is_empty()).map(PathBuf::from);
+    wanted.map(Path::to_owned).or_else(variable).or_else(installed)
 }
 
 /// What `cargo xtask test` installed in the target folder that this program lies in.

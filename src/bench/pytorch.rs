@@ -46,6 +46,11 @@ pub struct Row {
 }
 
 impl Args {
+    /// Whether a Python is named.
+    pub const fn is_asked_for(&self) -> bool {
+        self.python.is_some()
+    }
+
     /// Runs a job, where a Python is named: `more` is what [`SCRIPT`] wants to know beside the network. It refuses to
     /// measure a network that does not make the image that the reference makes.
     ///
@@ -79,7 +84,8 @@ impl Args {
         let complaint = String::from_utf8_lossy(&output.stderr);
         let last = complaint.lines().last().unwrap_or_default();
         ensure!(output.status.success(), "--python {python}: {last}");
-        Ok(Some(serde_json::from_slice(&output.stdout).with_context(|| format!("--python {python}"))?))
+        let report = serde_json::from_slice(&output.stdout);
+        Ok(Some(report.with_context(|| format!("--python {python}: no Python, or it printed no figures"))?))
     }
 }
 

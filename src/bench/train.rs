@@ -27,14 +27,14 @@ pub struct Args {
     #[command(flatten)]
     pytorch: pytorch::Args,
     /// Writes the figures here as JSON.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
 }
 
 /// Measures and prints.
 ///
 /// # Errors
-/// If a setting makes no sense.
+/// If a setting makes no sense, or PyTorch fails; our own figures are printed and written before.
 pub fn run(args: &Args) -> Result<()> {
     let (batch, crop, steps) = (args.batch, args.crop, usize::from(args.steps));
     let reach = Reach { radius: 1.0, diagonal_share: 0.1, height: crop };
@@ -42,40 +42,85 @@ pub fn run(args: &Args) -> Result<()> {
     let config = TrainConfig { batch, crop, ..TrainConfig::new(spec, PathBuf::new()) };
     config.check()?;
     let times = bench::bench(&config, steps)?;
-
-    let (threads, weights) = (rayon::current_num_threads(), config.spec.weight_count());
-    let parts = [("forward", times.forward), ("backward", times.backward), ("update", times.update)]
-        .map(|(part, time)| (part, time.as_secs_f64() * 1e3));
-    let seconds = batch as f64 / times.images_per_second;
-    let mut figures = Figures::new("bench train");
-    figures.set("images_per_second", times.images_per_second);
-    figures.set("seconds_step_ao", seconds);
-    for (part, milliseconds) in parts {
-        figures.set(&format!("ms_{part}"), milliseconds);
+    if args.pytorch.is_asked_for() {
+        note!("our own steps took {:.3} s each; now PyTorch", batch as f64 / times.images_per_second);
     }
-    figures.detail("size", json!({ "batch": batch, "crop": crop, "steps": steps, "weights": weights }));
     let more = json!({ "mode": "train", "batch": batch, "crop": crop, "runs": steps, "seconds": 1e3 });
     let model = Model { weights: Weights::random(&config.spec, 1), spec: config.spec.clone() };
-    let rival = args.pytorch.run(&model, threads, more)?;
-    let rivals = rival.iter().flat_map(|report| &report.made);
-    for row in rivals.clone() {
-        figures.set(&format!("seconds_step_{}", row.engine), row.milliseconds * 1e-3);
+    let (rival, failure) = match args.pytorch.run(&model, rayon::current_num_threads(), more) {
+        Ok(rival) => (rival, Ok(())),
+        Err(error) => (None, Err(error)),
+    };
+    let measured = Measured { config, steps, times, rival };
+    let written = measured.figures().write(args.json.as_deref());
+    let said = measured.say();
+    written.and(failure).and(said)
+}
+
+/// What was measured.
+struct Measured {
+    config: TrainConfig,
+    steps: usize,
+    times: bench::StepTimes,
+    rival: Option<pytorch::Report>,
+}
+
+impl Measured {
+    /// Seconds of a step.
+    fn seconds(&self) -> f64 {
+        self.config.batch as f64 / self.times.images_per_second
     }
-    let fastest = rivals.map(|row| row.milliseconds * 1e-3).reduce(f64::min);
-    if let (Some(theirs), Some(report)) = (fastest, &rival) {
-        figures.set("ratio_step_pytorch", seconds / theirs);
-        figures.detail("pytorch", json!({ "version": report.version, "device": report.device }));
+
+    /// Seconds of a step of PyTorch's faster form, with the report that has it.
+    fn fastest(&self) -> Option<(f64, &pytorch::Report)> {
+        let report = self.rival.as_ref()?;
+        let seconds = report.made.iter().map(|row| row.milliseconds * 1e-3);
+        Some((seconds.reduce(f64::min)?, report))
     }
-    figures.write(args.json.as_deref())?;
-    let effect = config.spec.effect;
-    say!("network   {effect}, {weights} weights, batches of {batch} images of {crop} x {crop}")?;
-    say!("training  {:.2} images a second, {threads} threads, median of {steps}", times.images_per_second)?;
-    parts.iter().try_for_each(|(part, milliseconds)| say!("{part:<9} {milliseconds:.1} ms a batch"))?;
-    let (Some(theirs), Some(report)) = (fastest, &rival) else { return Ok(()) };
-    let (version, device) = (&report.version, &report.device);
-    for row in &report.made {
-        let images = batch as f64 / (row.milliseconds * 1e-3);
-        say!("{:<16} {images:.2} images a second ({version}, {device})", row.engine)?;
+
+    /// Milliseconds of the parts of a step.
+    fn parts(&self) -> [(&'static str, f64); 3] {
+        let times = &self.times;
+        [("forward", times.forward), ("backward", times.backward), ("update", times.update)]
+            .map(|(part, time)| (part, time.as_secs_f64() * 1e3))
     }
-    say!("a step takes {:.2} of that of PyTorch's faster one", seconds / theirs)
+
+    fn figures(&self) -> Figures {
+        let (TrainConfig { batch, crop, spec, .. }, seconds) = (&self.config, self.seconds());
+        let mut figures = Figures::new("bench train");
+        figures.set("images_per_second", self.times.images_per_second);
+        figures.set("seconds_step_ao", seconds);
+        for (part, milliseconds) in self.parts() {
+            figures.set(&format!("ms_{part}"), milliseconds);
+        }
+        let weights = spec.weight_count();
+        figures
+            .detail("size", json!({ "batch": batch, "crop": crop, "steps": self.steps, "weights": weights }));
+        if let Some((theirs, report)) = self.fastest() {
+            for row in &report.made {
+                figures.set(&format!("seconds_step_{}", row.engine), row.milliseconds * 1e-3);
+            }
+            figures.set("ratio_step_pytorch", seconds / theirs);
+            figures.detail("pytorch", json!({ "version": report.version, "device": report.device }));
+        }
+        figures
+    }
+
+    fn say(&self) -> Result<()> {
+        let TrainConfig { batch, crop, spec, .. } = &self.config;
+        let (effect, weights, threads) = (spec.effect, spec.weight_count(), rayon::current_num_threads());
+        let (images, steps) = (self.times.images_per_second, self.steps);
+        say!("network   {effect}, {weights} weights, batches of {batch} images of {crop} x {crop}")?;
+        say!("training  {images:.2} images a second, {threads} threads, median of {steps}")?;
+        self.parts()
+            .iter()
+            .try_for_each(|(part, milliseconds)| say!("{part:<9} {milliseconds:.1} ms a batch"))?;
+        let Some((theirs, report)) = self.fastest() else { return Ok(()) };
+        let (version, device) = (&report.version, &report.device);
+        for row in &report.made {
+            let images = *batch as f64 / (row.milliseconds * 1e-3);
+            say!("{:<16} {images:.2} images a second ({version}, {device})", row.engine)?;
+        }
+        say!("a step takes {:.2} of that of PyTorch's faster one", self.seconds() / theirs)
+    }
 }

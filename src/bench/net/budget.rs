@@ -1,11 +1,13 @@
-//! Which network fits into so many milliseconds: predicted from measured layers, then run.
+//! Which network fits into so many milliseconds: of those like the paper's with other numbers of kernels and levels, the
+//! one with the most multiply-adds whose run takes at most so long. What measured layers predict only spares the runs of
+//! networks that are far too large.
 
 use super::rivals::WAKING;
 use super::subjects::{self, random};
 use super::{Args, PAPER, layers};
 use crate::engine::Engine;
 use crate::figures::Figures;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use deepshade_infer::{Cost, Model, NetSpec, parity};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::lists;
@@ -19,8 +21,12 @@ const MOST_LEVELS: usize = 6;
 const MOST_WORK: u64 = 60_000;
 /// Networks whose layers are measured.
 const MEASURED: usize = 4;
+/// How many times as long as predicted a network may fit in: predictions are off by less.
+const SLACK: f64 = 2.0;
+/// Runs that are timed, after one that is not.
+const RUNS: usize = 9;
 
-/// Finds the largest network of an effect's kind that fits, and runs it.
+/// Finds the largest network of an effect's kind that fits, and says what it is.
 ///
 /// # Errors
 /// If not exactly one network and one size are asked for, or none fits.
@@ -31,37 +37,106 @@ pub fn run(args: &Args, gpu: &Gpu, budget: f32) -> Result<()> {
     let size = [size.width, size.height];
     let published = subjects::published(*effect)?;
     let kin = kin(&published);
+    let most = kin.iter().map(|spec| multiply_adds(spec, size)).max();
+    note!("times of the layers of {MEASURED} networks, for predictions");
     let model = CostModel::measured(gpu, &kin)?;
     let runs = published.runs() as f64;
-    let predicted = |spec: NetSpec| (runs * model.milliseconds(&spec, size), spec);
-    let mut candidates: Vec<(f64, NetSpec)> = kin.into_iter().map(predicted).collect();
-    let least = candidates.iter().map(|(milliseconds, _)| *milliseconds).fold(f64::INFINITY, f64::min);
-    candidates.retain(|(milliseconds, _)| *milliseconds <= budget.into());
-    candidates.sort_by_key(|(_, spec)| multiply_adds(spec, size));
-    // The largest first; what takes longer than predicted makes room for the next smaller one.
-    let (predicted, actual, spec) = loop {
-        let none =
-            || format!("no network of this kind takes at most {budget} ms; the fastest, about {least:.2}");
-        let (predicted, spec) = candidates.pop().with_context(none)?;
-        let actual = runs * actual(gpu, &spec, size)?;
-        note!("u0 {}, {} levels: predicted {predicted:.2} ms, run {actual:.2} ms", spec.u0, spec.levels);
-        if actual <= budget.into() {
-            break (predicted, actual, spec);
-        }
+    let candidate = |spec: NetSpec| Candidate {
+        predicted: runs * model.milliseconds(&spec, size),
+        multiply_adds: multiply_adds(&spec, size),
+        spec,
     };
+    let candidates = kin.into_iter().map(candidate).collect();
+    let (candidate, timed) = largest(candidates, budget.into(), |tried| timed(gpu, tried, size))?;
+    let is_largest = Some(candidate.multiply_adds) == most;
+    let choice = Choice { budget, size, candidate, timed, is_largest };
+    let written = choice.figures().write(args.json.as_deref());
+    let said = choice.say();
+    written.and(said)
+}
 
-    let mut figures = Figures::new("bench net --budget");
-    figures.set("budget", budget.into());
-    figures.set("predicted", predicted);
-    figures.set("actual", actual);
-    figures.set("u0", spec.u0 as f64);
-    figures.set("levels", spec.levels as f64);
-    figures.set("weights", spec.weight_count() as f64);
-    figures.write(args.json.as_deref())?;
-    let [width, height] = size;
-    let (u0, levels, weights) = (spec.u0, spec.levels, spec.weight_count());
-    say!("{effect} at {width}x{height} within {budget} ms: u0 {u0}, {levels} levels, {weights} weights")?;
-    say!("predicted {predicted:.2} ms, run {actual:.2} ms, all colour channels together")
+/// What was found.
+struct Choice {
+    budget: f32,
+    size: [usize; 2],
+    candidate: Candidate,
+    timed: Timed,
+    /// Whether no larger network is considered.
+    is_largest: bool,
+}
+
+impl Choice {
+    fn multiply_adds_pixel(&self) -> f64 {
+        let runs = self.candidate.spec.runs() as f64;
+        let pixels = self.size.iter().product::<usize>() as f64;
+        (runs * self.candidate.multiply_adds as f64 / pixels).round()
+    }
+
+    fn figures(&self) -> Figures {
+        let Candidate { spec, predicted, .. } = &self.candidate;
+        let mut figures = Figures::new("bench net --budget");
+        figures.set("budget", self.budget.into());
+        figures.set("predicted", *predicted);
+        figures.set("actual", self.timed.milliseconds);
+        figures.set("u0", spec.u0 as f64);
+        figures.set("levels", spec.levels as f64);
+        figures.set("weights", spec.weight_count() as f64);
+        figures.set("multiply_adds_pixel", self.multiply_adds_pixel());
+        figures.detail("engine", self.timed.engine.into());
+        figures.detail("device", self.timed.device.as_str().into());
+        figures.detail("largest_considered", self.is_largest.into());
+        figures
+    }
+
+    fn say(&self) -> Result<()> {
+        let Self {
+            budget, size: [width, height], candidate: Candidate { spec, predicted, .. }, timed, ..
+        } = self;
+        let NetSpec { effect, u0, levels, .. } = spec;
+        let (weights, work) = (spec.weight_count(), self.multiply_adds_pixel());
+        say!("{effect} at {width}x{height} within {budget} ms: u0 {u0}, {levels} levels, {weights} weights")?;
+        say!(
+            "{u0} kernels on the first of {levels} resolutions; of all that fit the most multiply-adds: {work} a pixel"
+        )?;
+        if self.is_largest {
+            say!("no larger network is considered")?;
+        }
+        let Timed { milliseconds, engine, device } = timed;
+        say!("predicted {predicted:.2} ms, run {milliseconds:.2} ms, all colour channels together")?;
+        say!("run by {engine} on {device}")
+    }
+}
+
+/// A network that is considered.
+struct Candidate {
+    spec: NetSpec,
+    /// Milliseconds that it should take.
+    predicted: f64,
+    multiply_adds: u64,
+}
+
+/// The candidate with the most multiply-adds whose run takes at most `budget` milliseconds, with what it took. Those
+/// predicted to take more than [`SLACK`] times as long are not run. For the same predictions and times a greater budget
+/// never gives a smaller network, since whatever fits into the smaller one is also tried with the greater.
+///
+/// # Errors
+/// If a run fails, or none fits.
+fn largest(
+    mut candidates: Vec<Candidate>,
+    budget: f64,
+    mut run: impl FnMut(&Candidate) -> Result<Timed>,
+) -> Result<(Candidate, Timed)> {
+    let mut fastest = candidates.iter().map(|tried| tried.predicted).fold(f64::INFINITY, f64::min);
+    candidates.retain(|tried| tried.predicted <= SLACK * budget);
+    candidates.sort_by_key(|tried| tried.multiply_adds);
+    while let Some(tried) = candidates.pop() {
+        let timed = run(&tried)?;
+        if timed.milliseconds <= budget {
+            return Ok((tried, timed));
+        }
+        fastest = fastest.min(timed.milliseconds);
+    }
+    anyhow::bail!("no network of this kind takes at most {budget} ms; the fastest takes about {fastest:.2}")
 }
 
 /// Networks like one, of other widths and depths.
@@ -78,12 +153,22 @@ fn multiply_adds(spec: &NetSpec, [width, height]: [usize; 2]) -> u64 {
     spec.costs(height, width).into_iter().sum::<Cost>().multiply_adds
 }
 
-/// Median of some runs, milliseconds.
-fn actual(gpu: &Gpu, spec: &NetSpec, [width, height]: [usize; 2]) -> Result<f64> {
+/// What the runs of a network came to.
+struct Timed {
+    /// Median, milliseconds, of all colour channels together.
+    milliseconds: f64,
+    engine: &'static str,
+    device: String,
+}
+
+fn timed(gpu: &Gpu, tried: &Candidate, [width, height]: [usize; 2]) -> Result<Timed> {
+    let Candidate { spec, predicted, .. } = tried;
     let engine = Engine::new(Some(gpu), &random(spec.clone()))?;
     let input = parity::noise(spec.input_channels(), height, width, 1);
     gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
-    Ok(engine.run(&input, 1, 5)?.1.milliseconds)
+    let milliseconds = spec.runs() as f64 * engine.run(&input, 1, RUNS)?.1.milliseconds;
+    note!("u0 {}, {} levels: predicted {predicted:.2} ms, run {milliseconds:.2} ms", spec.u0, spec.levels);
+    Ok(Timed { milliseconds, engine: engine.name(), device: engine.device() })
 }
 
 /// Milliseconds of a layer as a sum of shares of its multiply-adds, of the numbers that it moves, and of a constant.
@@ -146,6 +231,37 @@ mod tests {
         assert!((model.0 - shares).abs().max_element() < 1e-3, "{model:?}");
         let expected: f64 = spec.costs(1080, 1920).iter().map(|cost| features(*cost).dot(shares)).sum();
         assert!((model.milliseconds(&spec, [1920, 1080]) / expected - 1.0).abs() < 1e-3);
+    }
+
+    /// Networks whose runs take other times than predicted, by multiply-adds.
+    fn candidates() -> Vec<(Candidate, f64)> {
+        let spec = subjects::spec(Effect::Ao).expect("it has one");
+        let made = |(multiply_adds, predicted, actual)| {
+            (Candidate { spec: spec.clone(), predicted, multiply_adds }, actual)
+        };
+        [(9, 9.0, 12.0), (1, 1.0, 0.5), (7, 6.0, 5.0), (3, 4.0, 2.5), (5, 2.0, 3.0)].map(made).into()
+    }
+
+    fn chosen(budget: f64) -> Result<u64> {
+        let times: Vec<(u64, f64)> =
+            candidates().into_iter().map(|(tried, actual)| (tried.multiply_adds, actual)).collect();
+        let actual = |tried: &Candidate| {
+            let found = times.iter().find(|(multiply_adds, _)| *multiply_adds == tried.multiply_adds);
+            let milliseconds = found.expect("a candidate").1;
+            Ok(Timed { milliseconds, engine: "cpu", device: String::new() })
+        };
+        let candidates = candidates().into_iter().map(|(tried, _)| tried).collect();
+        Ok(largest(candidates, budget, actual)?.0.multiply_adds)
+    }
+
+    #[test]
+    fn the_largest_is_chosen_by_what_it_took_and_more_time_never_gives_a_smaller_one() {
+        let budgets = [0.5, 2.5, 3.0, 4.9, 5.0, 11.9, 12.0, 1e6];
+        let sizes: Vec<u64> = budgets.map(|budget| chosen(budget).expect("one fits")).into();
+        assert_eq!(sizes, [1, 3, 5, 5, 7, 7, 9, 9]);
+        let error = chosen(0.4).expect_err("none fits").to_string();
+        assert!(error.ends_with("the fastest takes about 1.00"), "{error}");
+        assert!(chosen(0.49).is_err());
     }
 
     #[test]

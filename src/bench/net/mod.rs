@@ -5,24 +5,30 @@
 
 mod budget;
 mod layers;
+mod measurement;
 mod page;
+mod peaks;
 mod rivals;
 mod subjects;
+mod turns;
 
 use super::pytorch;
 use crate::arguments::Size;
 use crate::figures::{Figures, write_atomically};
 use crate::onnxruntime;
-use anyhow::Result;
+use anyhow::{Result, ensure};
+use deepshade_infer::Model;
 use deepshade_infer::forward::{Network, Options, OutputKind, Variant};
-use deepshade_infer::{Model, cpu};
 use deepshade_shaders::Effect;
-use deepshade_shaders::gpu::{self, Ceilings, Gpu};
-use rivals::{Devices, Effort, Measurement, Race};
+use deepshade_shaders::gpu::Gpu;
+use measurement::Measurement;
+use peaks::Peaks;
+use rivals::{Devices, Race};
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Duration;
 use subjects::Subject;
+use turns::Effort;
 
 /// The size of the paper's times, which figures are of.
 const PAPER: [usize; 2] = [768, 512];
@@ -38,16 +44,23 @@ const NAIVE: ([usize; 2], Effect) = ([256, 256], Effect::Ao);
     deepshade bench net --json net.json --page net.html\n  \
     deepshade bench net --networks ao,gi --sizes 1920x1080 --python python3 --layers\n  \
     deepshade bench net --networks ao --budget 4 --sizes 1920x1080\n\n\
-    Networks without a folder in --models have random weights, which take as long. A mono network is timed on one \
-    colour channel. By default sizes are 256x256, 768x512, 1280x720, 1920x1080 and 3840x2160 on a graphics card, and \
-    the first two on a software adapter.")]
+    Networks without a folder in --models are the paper's, with random weights. For the same layers these take as long \
+    as trained ones, but those shipped for dof and motion-blur predict kernels, which takes longer than the paper's last \
+    layer. A mono network is timed on one colour channel. By default sizes are 256x256, 768x512, 1280x720, 1920x1080 and \
+    3840x2160 on a graphics card, and the first two on a software adapter.\n\n\
+    Rates of bytes may be above the peak, which is that of memory, where an image is so small that caches hold it. \
+    Engines that fail are named at the end, after what the others took, and the code is then 1.\n\n\
+    --budget needs exactly one of --networks and one of --sizes, and takes --threads and --json beside them, nothing \
+    else. Of networks like the paper's with other numbers of kernels on the first level (u0 in net.json) and of levels it \
+    finds the one with the most multiply-adds whose run, on the engine that runs networks on this machine, takes at most \
+    so long. More multiply-adds may be fewer weights: those of the first level work on the most pixels.")]
 pub struct Args {
     /// Effects whose networks are measured; by default all of the paper's Table 7.1.
     #[arg(long, value_delimiter = ',')]
     networks: Vec<Effect>,
-    /// Folder of trained networks, each in a folder with its effect's name.
-    #[arg(long, default_value = "models")]
-    models: PathBuf,
+    /// Folder of trained networks, each in a folder with its effect's name [default: models, where there is one]
+    #[arg(long)]
+    models: Option<PathBuf>,
     /// Sizes of the images, columns x rows.
     #[arg(long, value_delimiter = ',')]
     sizes: Vec<Size>,
@@ -63,7 +76,8 @@ pub struct Args {
     /// Times of every layer too, in WGSL and on the CPU.
     #[arg(long)]
     layers: bool,
-    /// Which network of the effect's kind takes so many milliseconds, by what its layers should take; then runs it.
+    /// Finds the largest network of the effect's kind that takes at most so many milliseconds, all colour channels
+    /// together; see below.
     #[arg(long, value_name = "MILLISECONDS", value_parser = crate::arguments::positive,
         conflicts_with_all = ["models", "seconds", "runs", "layers", "onnxruntime", "python", "page"])]
     budget: Option<f32>,
@@ -72,17 +86,18 @@ pub struct Args {
     #[command(flatten)]
     pytorch: pytorch::Args,
     /// Writes the table here as a page.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::written_file)]
     page: Option<PathBuf>,
     /// Writes the figures here as JSON.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
 }
 
 /// Measures and prints.
 ///
 /// # Errors
-/// If a model cannot be read, there is no onnxruntime, or the GPU fails.
+/// If a model cannot be read, the GPU fails, an onnxruntime that is named is none, or an engine did not run; what the
+/// others took is printed and written before.
 pub fn run(args: &Args) -> Result<()> {
     let gpu = Gpu::new()?;
     // Everything on the processor has as many threads as its rivals.
@@ -95,27 +110,22 @@ pub fn run(args: &Args) -> Result<()> {
 
 fn measure(args: &Args, gpu: &Gpu) -> Result<()> {
     let scratch = tempfile::tempdir()?;
-    let subjects = subjects::subjects(&args.networks, &args.models, scratch.path())?;
-    let devices = Devices {
-        gpu: (gpu, gpu::ceilings(&gpu.device, &gpu.queue)?),
-        cpu: Ceilings { multiply_add: cpu::ceilings::multiply_add(), copy: cpu::ceilings::copy() },
-        onnxruntime: &args.onnxruntime,
-        pytorch: &args.pytorch,
-        threads: args.threads(),
-    };
-    let mut bench = Bench { figures: Figures::new("bench net"), made: Vec::new(), layers: Vec::new() };
-    for subject in &subjects {
-        for size in sizes(args, gpu) {
-            note!("{} at {}x{}", subject.name, size[0], size[1]);
-            bench.add(&Race { subject, size, effort: args.effort(), devices: &devices });
-            if args.layers {
-                bench.layers.extend(layers::rows(gpu, subject, size)?);
-            }
-        }
+    let subjects = subjects::subjects(&args.networks, args.models.as_deref(), scratch.path())?;
+    let onnxruntime = args.onnxruntime.is_there()?.then_some(&args.onnxruntime);
+    if onnxruntime.is_none() {
+        note!("no onnxruntime is here or named (--onnxruntime): it is left out");
     }
-    bench.figures.detail("shipped", json!(subjects::shipped(&subjects)));
+    let devices = Devices { gpu, onnxruntime, pytorch: &args.pytorch, threads: args.threads() };
+    note!("what the devices can do at best");
+    let mut bench = Bench::new(gpu)?;
     if let Some(bytes) = ao_bytes(gpu, &subjects)? {
         bench.figures.set("bytes_ao_1080p", bytes as f64);
+    }
+    bench.figures.detail("shipped", json!(subjects::trained(&subjects)));
+    for subject in &subjects {
+        for size in sizes(args, gpu) {
+            bench.add(&Race { subject, size, effort: args.effort(), devices: &devices }, args.layers);
+        }
     }
     bench.finish(args, &devices)
 }
@@ -141,28 +151,48 @@ impl Args {
 /// What has been measured so far.
 struct Bench {
     figures: Figures,
+    peaks: Peaks,
     made: Vec<Measurement>,
     layers: Vec<layers::Row>,
+    /// What was not measured, and why.
+    failed: Vec<String>,
 }
 
 impl Bench {
-    fn add(&mut self, race: &Race<'_>) {
-        let mut made = race.run();
+    fn new(gpu: &Gpu) -> Result<Self> {
+        let (figures, peaks) = (Figures::new("bench net"), Peaks::measured(gpu)?);
+        Ok(Self { figures, peaks, made: Vec::new(), layers: Vec::new(), failed: Vec::new() })
+    }
+
+    fn add(&mut self, race: &Race<'_>, with_layers: bool) {
+        let mut outcome = race.run();
         let network = &race.subject.name;
         if (race.size, race.subject.model.spec.effect) == NAIVE {
-            made.extend(race.naive());
-            self.set_ratio(&format!("ratio_naive_wgsl_{network}"), &made, ["naive", "wgsl"]);
+            race.add_naive(&mut outcome);
+            self.set_ratio(&format!("ratio_naive_wgsl_{network}"), &outcome.made, ["naive", "wgsl"]);
         }
         if race.size == PAPER {
-            for row in &made {
+            for row in &outcome.made {
                 self.figures.set(&format!("ms_{}_{network}", row.engine), row.milliseconds);
             }
             for engine in ["wgsl", "cpu"] {
                 let name = format!("ratio_{engine}_onnxruntime_{network}");
-                self.set_ratio(&name, &made, [engine, "onnxruntime"]);
+                self.set_ratio(&name, &outcome.made, [engine, "onnxruntime"]);
             }
         }
-        self.made.extend(made);
+        self.made.extend(outcome.made);
+        self.failed.extend(outcome.failed);
+        if with_layers {
+            self.add_layers(race);
+        }
+    }
+
+    fn add_layers(&mut self, race: &Race<'_>) {
+        note!("{}: layers", race.name());
+        match layers::rows(race.devices.gpu, race.subject, race.size) {
+            Ok(rows) => self.layers.extend(rows),
+            Err(error) => self.failed.push(format!("{}: layers: {error:#}", race.name())),
+        }
     }
 
     fn set_ratio(&mut self, name: &str, made: &[Measurement], [ours, theirs]: [&str; 2]) {
@@ -172,46 +202,48 @@ impl Bench {
         }
     }
 
+    /// Writes and prints what was measured, whichever of both fails, and names what was not.
     fn finish(mut self, args: &Args, devices: &Devices<'_>) -> Result<()> {
-        let (gpu, card) = devices.gpu;
-        for (engine, peak) in [("wgsl", card), ("cpu", devices.cpu)] {
+        self.peaks.set_shares(devices.gpu, &mut self.made);
+        let written = self.write(args, devices);
+        let said = self.say(devices);
+        written?;
+        ensure!(self.failed.is_empty(), "not measured:\n{}", self.failed.join("\n"));
+        said
+    }
+
+    fn write(&mut self, args: &Args, devices: &Devices<'_>) -> Result<()> {
+        for (engine, peak) in [("wgsl", self.peaks.adapter), ("cpu", self.peaks.processor)] {
             self.figures.set(&format!("peak_gflops_{engine}"), peak.multiply_add * 1e-9);
             self.figures.set(&format!("peak_gigabytes_{engine}"), peak.copy * 1e-9);
         }
-        let info = &gpu.info;
+        let info = &devices.gpu.info;
         self.figures.detail("adapter", json!({ "name": info.name, "driver": info.driver_info }));
         self.figures.detail("threads", json!(devices.threads));
         self.figures.detail("measurements", json!(self.made));
         self.figures.detail("layers", json!(self.layers));
+        self.figures.detail("failed", json!(self.failed));
         self.figures.write(args.json.as_deref())?;
-        if let Some(path) = &args.page {
-            write_atomically(path, page::render(&self.figures, &self.made, &self.layers, gpu)?.as_bytes())?;
-        }
+        let Some(path) = &args.page else { return Ok(()) };
+        let page = page::render(&self.figures, &self.made, &self.layers, devices.gpu)?;
+        write_atomically(path, page.as_bytes())
+    }
+
+    fn say(&self, devices: &Devices<'_>) -> Result<()> {
         say!(
-            "network      size       engine                 ms      p95  GFLOP/s  of peak    GB/s  of peak"
+            "network      weights size       engine                 ms      p95  GFLOP/s  of peak    GB/s  of peak"
         )?;
         self.made.iter().try_for_each(|row| say!("{row}"))?;
         self.layers.iter().try_for_each(|row| say!("{row}"))?;
-        for (engine, peak) in [("WGSL", card), ("processor", devices.cpu)] {
+        for (engine, peak) in [("WGSL", self.peaks.adapter), ("processor", self.peaks.processor)] {
             let (flops, bytes) = (peak.multiply_add * 1e-9, peak.copy * 1e-9);
             say!("{engine} at best {flops:.1} GFLOP/s multiplying and adding, {bytes:.1} GB/s copying")?;
         }
         if let Some(bytes) = self.figures.get("bytes_ao_1080p") {
             say!("ao at 1920x1080: feature maps of {:.1} MB", bytes * 1e-6)?;
         }
-        say!("WGSL on {} ({}), the rest on {} threads", info.name, info.driver_info, devices.threads)
-    }
-}
-
-impl std::fmt::Display for Measurement {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { network, size: [width, height], engine, milliseconds, p95, gflops, gigabytes, .. } = self;
-        let (flops, bytes) = (self.of_peak_flops(), self.of_peak_bytes());
-        let size = format!("{width}x{height}");
-        write!(
-            f,
-            "{network:<12} {size:<10} {engine:<18} {milliseconds:>8.2} {p95:>8.2} {gflops:>8.1} {flops:>8} {gigabytes:>7.1} {bytes:>8}"
-        )
+        let (info, threads) = (&devices.gpu.info, devices.threads);
+        say!("WGSL on {} ({}), the rest on {threads} threads", info.name, info.driver_info)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The table of measurements as a page that needs nothing else.
 
 use super::layers::Row;
-use super::rivals::Measurement;
+use super::measurement::Measurement;
 use crate::figures::Figures;
 use anyhow::Result;
 use askama::Template;
@@ -14,7 +14,8 @@ use deepshade_shaders::gpu::Gpu;
 pub fn render(figures: &Figures, made: &[Measurement], layers: &[Row], gpu: &Gpu) -> Result<String> {
     let mut groups: Vec<Group<'_>> = Vec::new();
     for row in made {
-        let name = format!("{}, {} x {}", row.network.replace('_', "-"), row.size[0], row.size[1]);
+        let [network, weights] = [&row.network.replace('_', "-"), row.weights()];
+        let name = format!("{network}, {weights} weights, {} x {}", row.size[0], row.size[1]);
         match groups.last_mut().filter(|group| group.name == name) {
             Some(group) => group.rows.push(row),
             None => groups.push(Group { name, rows: vec![row] }),

@@ -2,31 +2,18 @@
 
 use super::super::pytorch;
 use super::layers;
+use super::measurement::{Device, Measurement};
 use super::subjects::Subject;
+use super::turns::{Effort, FEWEST, Work, in_turns};
 use crate::onnxruntime;
 use anyhow::{Result, ensure};
 use deepshade_infer::forward::Precision;
 use deepshade_infer::{Cost, Model, cpu, forward, parity};
 use deepshade_shaders::Planes;
-use deepshade_shaders::gpu::{self, Ceilings, Gpu, Timing};
-use serde::Serialize;
+use deepshade_shaders::gpu::{self, Gpu, Timing};
 use serde_json::json;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-/// How long and how often an engine is measured.
-#[derive(Clone, Copy, Debug)]
-pub struct Effort {
-    /// Time for each engine's runs, after one that does not count.
-    pub time: Duration,
-    /// Most runs that count.
-    pub most: usize,
-}
-
-/// Fewest runs that count.
-const FEWEST: usize = 3;
-/// Turns that engines take, and the pause before each.
-const TURNS: usize = 3;
-const PAUSE: Duration = Duration::from_millis(100);
 /// How long a graphics card is busy before it is measured.
 pub const WAKING: Duration = Duration::from_millis(500);
 
@@ -42,55 +29,12 @@ struct Bytes {
 /// All in 32-bit floats.
 const SINGLE: Bytes = Bytes { map: 4, other: 4 };
 
-/// What an engine took for a network.
-#[derive(Clone, Debug, Serialize)]
-pub struct Measurement {
-    /// The network.
-    pub network: String,
-    /// Columns and rows of the image.
-    pub size: [usize; 2],
-    /// The engine.
-    pub engine: String,
-    /// Median, milliseconds.
-    pub milliseconds: f64,
-    /// 95th percentile, milliseconds.
-    pub p95: f64,
-    /// Which clock: `timestamps` or `wall clock`.
-    pub clock: &'static str,
-    /// Billions of floating-point operations a second.
-    pub gflops: f64,
-    /// Billions of bytes a second, of those that must move at least.
-    pub gigabytes: f64,
-    /// The first rate as a share of what the device can do at best, where that was measured.
-    pub share_flops: Option<f64>,
-    /// The second rate as such a share.
-    pub share_bytes: Option<f64>,
-}
-
-impl Measurement {
-    /// The share of the peak of operations, in words.
-    pub fn of_peak_flops(&self) -> String {
-        per_cent(self.share_flops)
-    }
-
-    /// The share of the peak of bytes, in words.
-    pub fn of_peak_bytes(&self) -> String {
-        per_cent(self.share_bytes)
-    }
-}
-
-fn per_cent(share: Option<f64>) -> String {
-    share.map_or_else(|| "-".to_owned(), |share| format!("{:.1} %", 100.0 * share))
-}
-
 /// What engines run on.
 pub struct Devices<'a> {
-    /// The device of WGSL, and what it can do at best.
-    pub gpu: (&'a Gpu, Ceilings),
-    /// What the processor can do at best.
-    pub cpu: Ceilings,
-    /// The library of the rival.
-    pub onnxruntime: &'a onnxruntime::Args,
+    /// The device of WGSL.
+    pub gpu: &'a Gpu,
+    /// The library of the rival, where there is one.
+    pub onnxruntime: Option<&'a onnxruntime::Args>,
     /// The other rival.
     pub pytorch: &'a pytorch::Args,
     /// Threads of all that run on the processor.
@@ -109,35 +53,62 @@ pub struct Race<'a> {
     pub devices: &'a Devices<'a>,
 }
 
+/// What came of a race.
+#[derive(Debug, Default)]
+pub struct Outcome {
+    /// What was measured.
+    pub made: Vec<Measurement>,
+    /// What was not, and why.
+    pub failed: Vec<String>,
+}
+
 impl Race<'_> {
-    /// Measures all engines; what does not run is said and left out.
-    pub fn run(&self) -> Vec<Measurement> {
-        let mut made = Vec::new();
-        for (engine, precision) in precisions(self.devices.gpu.0) {
-            made.extend(self.said(engine, self.wgsl(engine, precision)));
+    /// Measures all engines; what does not run is left out of what is made.
+    pub fn run(&self) -> Outcome {
+        let mut outcome = Outcome::default();
+        for (engine, precision) in precisions(self.devices.gpu) {
+            self.begin(engine);
+            self.add(&mut outcome, engine, self.wgsl(engine, precision));
         }
-        made.extend(self.said("cpu", self.on_processor()).into_iter().flatten());
-        made.extend(self.said("pytorch", self.pytorch()).into_iter().flatten());
-        made
+        self.begin(if self.devices.onnxruntime.is_some() { "cpu and onnxruntime" } else { "cpu" });
+        for (engine, made) in self.on_processor() {
+            self.add(&mut outcome, engine, made);
+        }
+        if self.devices.pytorch.is_asked_for() {
+            self.begin("pytorch");
+            self.add(&mut outcome, "pytorch", self.pytorch());
+        }
+        outcome
     }
 
-    /// Measures the forward pass as one writes it first.
-    pub fn naive(&self) -> Option<Measurement> {
-        let run = || {
-            let gpu = self.devices.gpu.0;
-            gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
-            let (_, timing) = forward::naive::run_timed(gpu, &self.subject.model, &self.input(), 1, FEWEST)?;
-            Ok(self.measurement("naive", &timing, Some(self.devices.gpu.1), SINGLE))
-        };
-        self.said("naive", run())
+    /// Measures the forward pass as one writes it first, too.
+    pub fn add_naive(&self, outcome: &mut Outcome) {
+        self.begin("naive");
+        self.add(outcome, "naive", self.naive());
     }
 
-    fn said<T>(&self, engine: &str, made: Result<T>) -> Option<T> {
+    /// Which network at which size.
+    pub fn name(&self) -> String {
         let [width, height] = self.size;
-        made.inspect_err(|error| {
-            note!("{} at {width}x{height}: {engine}: {error:#}", self.subject.name);
-        })
-        .ok()
+        format!("{} at {width}x{height}", self.subject.name)
+    }
+
+    fn begin(&self, engine: &str) {
+        note!("{}: {engine}", self.name());
+    }
+
+    fn add(&self, outcome: &mut Outcome, engine: &str, made: Result<impl IntoIterator<Item = Measurement>>) {
+        match made {
+            Ok(made) => outcome.made.extend(made),
+            Err(error) => outcome.failed.push(format!("{}: {engine}: {error:#}", self.name())),
+        }
+    }
+
+    fn naive(&self) -> Result<[Measurement; 1]> {
+        let gpu = self.devices.gpu;
+        gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
+        let (_, timing) = forward::naive::run_timed(gpu, &self.subject.model, &self.input(), 1, FEWEST)?;
+        Ok([self.measurement("naive", &timing, Some(Device::Adapter), SINGLE)])
     }
 
     fn input(&self) -> Planes {
@@ -145,10 +116,9 @@ impl Race<'_> {
         parity::noise(self.subject.model.spec.input_channels(), height, width, 1)
     }
 
-    fn wgsl(&self, engine: &str, precision: Precision) -> Result<Measurement> {
-        let (gpu, ceilings) = self.devices.gpu;
-        let (network, input) =
-            (layers::network(gpu, &self.subject.model, precision, self.size)?, self.input());
+    fn wgsl(&self, engine: &str, precision: Precision) -> Result<[Measurement; 1]> {
+        let (gpu, input) = (self.devices.gpu, self.input());
+        let network = layers::network(gpu, &self.subject.model, precision, self.size)?;
         let kept = network.precision();
         ensure!(
             kept == precision,
@@ -160,25 +130,33 @@ impl Race<'_> {
         let runs = (fitting as usize).clamp(FEWEST, self.effort.most);
         let (_, timing) = network.run_timed(&gpu.queue, &input, 1, runs)?;
         let bytes = if precision == Precision::F16 { Bytes { map: 2, other: 4 } } else { SINGLE };
-        Ok(self.measurement(engine, &timing, Some(ceilings), bytes))
+        Ok([self.measurement(engine, &timing, Some(Device::Adapter), bytes)])
     }
 
     /// Our engine and, where there is one, onnxruntime, in turns: what disturbs the machine disturbs both.
-    fn on_processor(&self) -> Result<Vec<Measurement>> {
-        let Model { spec, weights } = &self.subject.model;
-        let ([width, height], input) = (self.size, self.input());
-        let mut plan = cpu::Network::new(spec, weights)?.plan(height, width)?;
-        let session = self.devices.onnxruntime.session(&self.subject.onnx, self.devices.threads);
-        let mut session = self.said("rival", session);
-        let cpu = || Ok(plan.run(&input).map(drop)?);
-        let mut engines: Vec<(&str, Work<'_>)> = vec![("cpu", Box::new(cpu))];
-        if let Some(session) = &mut session {
-            engines.push(("onnxruntime", Box::new(|| session.image(&input).map(drop))));
+    fn on_processor(&self) -> Vec<(&'static str, Result<[Measurement; 1]>)> {
+        let input = self.input();
+        let mut engines = vec![("cpu", self.cpu(&input))];
+        if let Some(library) = self.devices.onnxruntime {
+            engines.push(("onnxruntime", self.onnxruntime(library, &input)));
         }
-        let made = |(engine, timing): (&str, Timing)| {
-            self.measurement(engine, &timing, Some(self.devices.cpu), SINGLE)
+        let made = |(engine, timing): (&'static str, Result<Timing>)| {
+            let made = |timing| [self.measurement(engine, &timing, Some(Device::Processor), SINGLE)];
+            (engine, timing.map(made))
         };
-        Ok(in_turns(engines, self.effort)?.into_iter().map(made).collect())
+        in_turns(engines, self.effort).into_iter().map(made).collect()
+    }
+
+    fn cpu<'a>(&self, input: &'a Planes) -> Result<Work<'a>> {
+        let Model { spec, weights } = &self.subject.model;
+        let [width, height] = self.size;
+        let mut plan = cpu::Network::new(spec, weights)?.plan(height, width)?;
+        Ok(Box::new(move || Ok(plan.run(input).map(drop)?)))
+    }
+
+    fn onnxruntime<'a>(&self, library: &onnxruntime::Args, input: &'a Planes) -> Result<Work<'a>> {
+        let mut session = library.session(&self.subject.onnx, self.devices.threads)?;
+        Ok(Box::new(move || session.image(input).map(drop)))
     }
 
     fn pytorch(&self) -> Result<Vec<Measurement>> {
@@ -190,9 +168,9 @@ impl Race<'_> {
         let made = |row: &pytorch::Row| {
             let on_processor = report.device == pytorch::PROCESSOR;
             let timing = Timing { milliseconds: row.milliseconds, p95: row.p95, by_gpu: !on_processor };
-            let ceilings = on_processor.then_some(self.devices.cpu);
+            let device = on_processor.then_some(Device::Processor);
             let bytes = if on_processor { SINGLE } else { Bytes { map: 2, other: 2 } };
-            self.measurement(&row.engine, &timing, ceilings, bytes)
+            self.measurement(&row.engine, &timing, device, bytes)
         };
         Ok(report.made.iter().map(made).collect())
     }
@@ -201,7 +179,7 @@ impl Race<'_> {
         &self,
         engine: &str,
         timing: &Timing,
-        ceilings: Option<Ceilings>,
+        device: Option<Device>,
         bytes: Bytes,
     ) -> Measurement {
         let [width, height] = self.size;
@@ -211,15 +189,17 @@ impl Race<'_> {
         let moved = (bytes.map * cost.maps + bytes.other * cost.others) as f64 / seconds;
         Measurement {
             network: self.subject.name.clone(),
+            trained: self.subject.trained,
             size: self.size,
             engine: engine.to_owned(),
             milliseconds: timing.milliseconds,
             p95: timing.p95,
             clock: if timing.by_gpu { "timestamps" } else { "wall clock" },
+            device,
             gflops: operations * 1e-9,
             gigabytes: moved * 1e-9,
-            share_flops: ceilings.map(|ceilings| operations / ceilings.multiply_add),
-            share_bytes: ceilings.map(|ceilings| moved / ceilings.copy),
+            share_flops: None,
+            share_bytes: None,
         }
     }
 }
@@ -231,29 +211,4 @@ fn precisions(gpu: &Gpu) -> Vec<(&'static str, Precision)> {
         Precision::F16 if !gpu.is_software() => vec![single, ("wgsl_half", Precision::F16)],
         _ => vec![single],
     }
-}
-
-type Work<'a> = Box<dyn FnMut() -> Result<()> + 'a>;
-
-/// Runs the engines in turns. Each turn begins with a pause, since onnxruntime's threads wait for more work by
-/// spinning, and with a run that does not count.
-fn in_turns<'a>(mut engines: Vec<(&'a str, Work<'_>)>, effort: Effort) -> Result<Vec<(&'a str, Timing)>> {
-    let mut times = vec![Vec::new(); engines.len()];
-    for _ in 0..TURNS {
-        for ((_, engine), times) in engines.iter_mut().zip(&mut times) {
-            std::thread::sleep(PAUSE);
-            engine()?;
-            let turn = Instant::now();
-            let (fewest, most) = (FEWEST.div_ceil(TURNS), effort.most.div_ceil(TURNS));
-            for run in 0..most {
-                if run >= fewest && turn.elapsed() > effort.time / TURNS as u32 {
-                    break;
-                }
-                let start = Instant::now();
-                engine()?;
-                times.push(start.elapsed().as_secs_f64() * 1e3);
-            }
-        }
-    }
-    Ok(engines.iter().zip(times).map(|((name, _), times)| (*name, Timing::new(times, false))).collect())
 }

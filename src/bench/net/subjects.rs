@@ -1,10 +1,12 @@
-//! The networks that are measured: those of the paper's Table 7.1, with shipped weights where there are some.
+//! The networks that are measured: trained ones where there are some, else those of the paper's Table 7.1.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, Weights};
 use deepshade_shaders::Effect;
 use std::path::{Path, PathBuf};
 
+/// Where trained networks are by default, each in a folder with its effect's name.
+pub const MODELS: &str = "models";
 /// Chooses random weights.
 const SEED: u32 = 1;
 
@@ -16,24 +18,30 @@ pub struct Subject {
     pub model: Model,
     /// Its ONNX file.
     pub onnx: PathBuf,
-    /// Whether its weights are shipped; else they are random, which takes as long.
-    pub shipped: bool,
+    /// Whether its weights are trained; else they are random.
+    pub trained: bool,
 }
 
-/// The networks of some effects, or of all that the paper has one for. Files that are not shipped are written to
-/// `scratch`.
+/// The networks of some effects, or of all that the paper has one for: the trained ones of a folder, by default
+/// [`MODELS`], others with random weights, whose files are written to `scratch`.
 ///
 /// # Errors
-/// If the paper has no network for an effect, or a file cannot be read or written.
-pub fn subjects(effects: &[Effect], models: &Path, scratch: &Path) -> Result<Vec<Subject>> {
+/// If the paper has no network for an effect, a file cannot be read or written, or a folder that was named has none of
+/// them.
+pub fn subjects(effects: &[Effect], models: Option<&Path>, scratch: &Path) -> Result<Vec<Subject>> {
     let published: Vec<Effect> = Effect::ALL.into_iter().filter(|effect| spec(*effect).is_some()).collect();
     let effects = if effects.is_empty() { &published } else { effects };
-    effects.iter().map(|effect| subject(*effect, models, scratch)).collect()
+    let folder = models.unwrap_or(Path::new(MODELS));
+    let subjects: Vec<Subject> =
+        effects.iter().map(|effect| subject(*effect, folder, scratch)).collect::<Result<_>>()?;
+    let is_idle = models.is_some() && !subjects.iter().any(|subject| subject.trained);
+    ensure!(!is_idle, "--models {}: no folder there holds a network of these effects", folder.display());
+    Ok(subjects)
 }
 
-/// Names of those with shipped weights.
-pub fn shipped(subjects: &[Subject]) -> Vec<&str> {
-    subjects.iter().filter(|subject| subject.shipped).map(|subject| subject.name.as_str()).collect()
+/// Names of those with trained weights.
+pub fn trained(subjects: &[Subject]) -> Vec<&str> {
+    subjects.iter().filter(|subject| subject.trained).map(|subject| subject.name.as_str()).collect()
 }
 
 /// The paper's network for an effect.
@@ -66,15 +74,15 @@ pub fn figure_name(effect: Effect) -> String {
 
 fn subject(effect: Effect, models: &Path, scratch: &Path) -> Result<Subject> {
     let folder = models.join(effect.name());
-    let shipped = folder.join("net.json").exists();
+    let trained = folder.join("net.json").exists();
     let name = figure_name(effect);
-    if shipped {
+    if trained {
         let onnx = folder.join("model.onnx");
-        return Ok(Subject { name, model: Model::load(&folder)?, onnx, shipped });
+        return Ok(Subject { name, model: Model::load(&folder)?, onnx, trained });
     }
     let model = random(published(effect)?);
     let onnx = scratch.join(format!("{name}.onnx"));
     std::fs::write(&onnx, deepshade_train::export::onnx::encode(&model))
         .with_context(|| onnx.display().to_string())?;
-    Ok(Subject { name, model, onnx, shipped })
+    Ok(Subject { name, model, onnx, trained })
 }
