@@ -20,6 +20,7 @@ const LICENCE: &str = "MIT OR Apache-2.0";
 /// Turns a training run into a model folder: weights, spec, ONNX file, card, and an image to check runtimes with; or a
 /// model folder into WGSL files for any engine.
 #[derive(clap::Args)]
+#[command(group(clap::ArgGroup::new("source").required(true).args(["run", "model"])))]
 #[command(after_help = "Examples:\n  \
     deepshade export --run runs/ao --out models/ao --metrics eval.json\n  \
     deepshade export --model models/ao --wgsl shaders/ao\n\n\
@@ -27,13 +28,13 @@ const LICENCE: &str = "MIT OR Apache-2.0";
     they bind, and HOST.md, which says what a host must do.")]
 pub struct Args {
     /// Folder of the training run.
-    #[arg(long, required_unless_present = "model", requires = "out")]
+    #[arg(long, requires = "out")]
     run: Option<PathBuf>,
     /// Folder of the model to be written.
-    #[arg(long, requires = "run")]
+    #[arg(long, requires = "run", conflicts_with = "model")]
     out: Option<PathBuf>,
     /// Folder of a model that is there.
-    #[arg(long, conflicts_with = "run", requires = "wgsl")]
+    #[arg(long, requires = "wgsl")]
     model: Option<PathBuf>,
     /// Folder for WGSL files, which are replaced.
     #[arg(long)]
@@ -48,7 +49,7 @@ pub struct Args {
     #[arg(long)]
     metrics: Option<PathBuf>,
     /// Writes the figures here as JSON.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
 }
 

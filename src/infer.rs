@@ -18,7 +18,8 @@ use std::path::PathBuf;
     after_help = "Example:\n  deepshade infer --model models/ao --gbuffer in.exr --out out.exr --radius 0.5\n\n\
     The file needs the network's inputs as layers, for ambient occlusion `normal.X/Y/Z` and `position.X/Y/Z`: in camera \
     space, metres, y up, the camera looking down -z. No surface is seen where a layer `valid` is 0 or, in a file without \
-    that layer, where all inputs are 0; nor, in any file, where one of the inputs is not finite."
+    that layer, where all inputs are 0; nor, in any file, where one of the inputs is not finite. The README's section `Your \
+    own g-buffers` states unit, sign and space of every layer that a network may read."
 )]
 pub struct Args {
     /// Folder of the network.
@@ -36,7 +37,7 @@ pub struct Args {
     #[arg(long, value_parser = positive)]
     radius: Option<f32>,
     /// Writes the figures here as JSON.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
 }
 

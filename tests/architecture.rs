@@ -1,5 +1,7 @@
-//! What ARCHITECTURE.md promises: who imports whom, where burn may be, how long a file may be.
+//! What ARCHITECTURE.md promises: who imports whom, where burn may be, how long a file may be; and that what people read
+//! about g-buffers has every channel.
 
+use deepshade_shaders::Attribute;
 use serde::Deserialize;
 use std::{
     collections::BTreeSet,
@@ -129,4 +131,26 @@ fn source_files(folder: &Path) -> Vec<PathBuf> {
         }
     }
     files
+}
+
+#[test]
+fn every_channel_of_a_gbuffer_is_explained_to_users_and_to_hosts_alike() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let explained = |file: &str| {
+        let text = std::fs::read_to_string(root.join(file)).expect(file);
+        let (_, table) = text.split_once("| layer | channels | what, in which unit |").expect("a table");
+        let rows = table.lines().skip(2).take_while(|line| line.starts_with('|'));
+        rows.map(str::to_owned).collect::<Vec<_>>()
+    };
+    let rows = explained("README.md");
+    assert_eq!(rows, explained("infer/src/forward/host.md"));
+    let named: Vec<String> = rows.iter().map(|row| row.split('|').take(3).collect()).collect();
+    let expected = Attribute::ALL.map(|attribute| match attribute.components() {
+        [""] => format!(" `{}`  ", attribute.name()),
+        components => format!(" `{}`  `{}` ", attribute.name(), components.join(" ")),
+    });
+    assert_eq!(
+        named.iter().map(|row| row.trim_end()).collect::<Vec<_>>(),
+        expected.each_ref().map(|row| row.trim_end())
+    );
 }

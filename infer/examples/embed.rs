@@ -16,6 +16,10 @@ const SIZE: Extent3d = Extent3d { width: 321, height: 203, depth_or_array_layers
 
 fn main() -> Result<(), Box<dyn Error>> {
     let size = [SIZE.height as usize, SIZE.width as usize];
+    let folders: Vec<String> = std::env::args().skip(1).collect();
+    if folders.is_empty() {
+        return Err("which networks? name their folders, such as models/ao".into());
+    }
 
     // A renderer has a device and a queue of its own. Of its features SHADER_F16 halves the memory of feature maps, and
     // PIPELINE_CACHE makes later starts faster; deepshade runs without either.
@@ -31,9 +35,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     cache_note.iter().chain(&tuning_note).for_each(|note| eprintln!("{note}"));
 
     let mut recordings = Vec::new();
-    for folder in std::env::args().skip(1) {
+    for folder in &folders {
         // Once a model: compile its kernels and upload its weights.
-        let model = Model::load(Path::new(&folder))?;
+        let model = Model::load(Path::new(folder))?;
         let options = Options {
             input: InputKind::Textures,
             output: OutputKind::Texture(TextureFormat::Rgba16Float),

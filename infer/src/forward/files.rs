@@ -99,7 +99,12 @@ fn pass(spec: &NetSpec, layers: &[Layer], index: usize, shape: Shape, packed: &P
     let mut bindings = json!({ "0": "uniform", "1": "reads", "2": "weights" });
     let last = if spec.filter.is_some() { "kernels" } else { "output" };
     bindings["3"] = if layer.activation { json!(map_name(layers, MapId::Made(index))) } else { json!(last) };
-    let channels = if layer.activation { spec.input_channels() } else { spec.last_channels() };
+    // Of the planar buffer that is read or written; between them layers have maps alone.
+    let channels = match (layer.activation, layer.source) {
+        (false, _) => spec.last_channels(),
+        (true, Source::Input) => spec.input_channels(),
+        (true, _) => 0,
+    };
     let sources = maps::read_by(layer);
     for (binding, id) in (4..).zip(&sources) {
         bindings[binding.to_string()] = json!(map_name(layers, *id));
