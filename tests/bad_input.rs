@@ -224,6 +224,8 @@ fn settings_that_make_no_sense() {
     refused("compare --scene stairs:7 --out report --model gone", "gone");
     refused("dataset verify gone", "gone");
     refused("eval --model gone", "gone");
+    case.write("file", "x");
+    refused("scene stairs:7 --json file/scene.json", "--json");
     #[cfg(feature = "train")]
     {
         for minutes in ["0", "-1", "nan", "1e300", "soon"] {
@@ -236,6 +238,10 @@ fn settings_that_make_no_sense() {
         refused("bench train --crop 8192 --batch 1000", "`batch`");
         refused("bench train --crop 12", "`crop`");
         refused("bench net --seconds 1e20", "--seconds");
+        refused("bench net --networks aa --models gone", "--models gone");
+        refused("bench net --networks aa --onnxruntime gone.so", "gone.so");
+        refused("export", "--model");
+        refused("export --model model --wgsl kernels --out model2", "--out");
     }
 }
 

@@ -134,7 +134,7 @@ fn from_a_recipe_to_a_network_that_is_compared() {
     let ssim = |name: &str| tuned[name].as_f64().expect("a number");
     assert!(ssim("ssim_tuned") >= ssim("ssim_default"));
 
-    let net = "bench net --models . --networks ao --sizes 768x512 --seconds 0.1 --runs 3 --page net.html";
+    let net = "bench net --networks ao --sizes 768x512 --seconds 0.1 --runs 3 --page net.html";
     let measured = chain.figures(
         net,
         &["ms_wgsl_ao", "ms_cpu_ao", "ms_onnxruntime_ao", "ratio_cpu_onnxruntime_ao", "bytes_ao_1080p"],
@@ -155,6 +155,13 @@ fn from_a_recipe_to_a_network_that_is_compared() {
         assert!(chain.path("kernels").join(file).is_file(), "{file}");
     }
     chain.figures("bench train --crop 64 --batch 1 --steps 1", &["images_per_second", "seconds_step_ao"]);
+    let output = chain.run(
+        &mut Command::new(PROGRAM),
+        "bench train --crop 64 --batch 1 --steps 1 --python gone --json kept.json",
+    );
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(!output.status.success() && said.contains("images a second"), "our own figures are kept: {said}");
+    assert!(chain.path("kept.json").is_file());
     chain.figures(
         "bench rays --size 64 --runs 1",
         &[

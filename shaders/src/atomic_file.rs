@@ -87,17 +87,15 @@ fn replace(path: &Path, bytes: &[u8], mode: u32) -> io::Result<()> {
     sync_folder(folder)
 }
 
-/// A temporary file in a folder. An error does not name it, which would mean nothing to anybody.
+/// A temporary file in a folder. It is opened here, since an error of the crate's own names it, which means nothing to
+/// anybody.
 #[cfg_attr(not(unix), expect(unused_variables, reason = "only Unix has modes"))]
 fn temporary(folder: &Path, mode: u32) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(TEMPORARY_PREFIX);
+    let mut options = OpenOptions::new();
+    options.write(true).create_new(true);
     #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(mode));
-    builder.tempfile_in(folder).map_err(|error| {
-        let cause = error.get_ref().and_then(|named| named.source()?.downcast_ref::<io::Error>());
-        cause.and_then(io::Error::raw_os_error).map_or(error, io::Error::from_raw_os_error)
-    })
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, mode);
+    tempfile::Builder::new().prefix(TEMPORARY_PREFIX).make_in(folder, |path| options.open(path))
 }
 
 /// Makes new names in a folder last through a power cut; only Unix lets a folder be synced.

@@ -52,7 +52,7 @@ const NAIVE: ([usize; 2], Effect) = ([256, 256], Effect::Ao);
     Engines that fail are named at the end, after what the others took, and the code is then 1.\n\n\
     --budget needs exactly one of --networks and one of --sizes, and takes --threads and --json beside them, nothing \
     else. Of networks like the paper's with other numbers of kernels on the first level (u0 in net.json) and of levels it \
-    finds the one with the most multiply-adds whose run, on the engine that runs networks on this machine, takes at most \
+    finds the one with the most multiply-adds whose fastest run, on the engine that runs networks on this machine, takes at most \
     so long. More multiply-adds may be fewer weights: those of the first level work on the most pixels.")]
 pub struct Args {
     /// Effects whose networks are measured; by default all of the paper's Table 7.1.
