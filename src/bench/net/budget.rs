@@ -1,6 +1,6 @@
 //! Which network fits into so many milliseconds: of those like the paper's with other numbers of kernels and levels, the
-//! one with the most multiply-adds whose fastest run takes at most so long. What measured layers predict only spares the runs of
-//! networks that are far too large.
+//! one with the most multiply-adds whose fastest run takes at most so long. What measured layers predict only spares the
+//! runs of networks that are far too large.
 
 use super::rivals::WAKING;
 use super::subjects::{self, random};
