@@ -63,7 +63,7 @@ pub struct Args {
     #[command(flatten)]
     viewpoint: crate::views::Viewpoint,
     /// Writes the figures here as JSON.
-    #[arg(long)]
+    #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
 }
 
