@@ -5,8 +5,8 @@ use anyhow::{Context, Result, bail, ensure};
 use deepshade_infer::Model;
 use deepshade_render::method::Method;
 use deepshade_render::methods::{
-    Quality, bounced_z, fxaa, gather, gtao, hbao, prefiltered, reconstruction, ring_gather, separable, ssdo,
-    ssgi, surfel,
+    Quality, aov, bounced_z, fxaa, gather, gtao, hbao, prefiltered, reconstruction, ring_gather, separable,
+    ssdo, ssgi, surfel,
 };
 use deepshade_render::screen::ScreenMethod;
 use deepshade_shaders::Effect;
@@ -60,7 +60,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 26] = [
+const ALL: [Entry; 28] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -85,6 +85,10 @@ const ALL: [Entry; 26] = [
             gpu,
             bounced_z::Parameters::of(quality).into(),
         )?))
+    }),
+    screen(Effect::Ao, "aov", |gpu, _| Ok(Box::new(aov::OcclusionVolumes::new(gpu, aov::Volumes)?))),
+    screen(Effect::Ao, "aov-bounced-z", |gpu, quality| {
+        Ok(Box::new(aov::BouncedVolumes::new(gpu, aov::bounced::Parameters::of(quality))?))
     }),
     screen(Effect::Do, "ssdo", |gpu, quality| {
         Ok(Box::new(ssdo::Ssdo::new(gpu, ssdo::Parameters::of(quality))?))
@@ -222,7 +226,7 @@ mod tests {
         let error = checked(&["hbao", "ssao"]).expect_err("no such method");
         assert_eq!(
             error,
-            "effect `ao` has no method `ssao`; there are learned, gtao, hbao, surfel, bounced-z, truth"
+            "effect `ao` has no method `ssao`; there are learned, gtao, hbao, surfel, bounced-z, aov, aov-bounced-z, truth"
         );
         assert!(checked(&["hbao", "hbao"]).expect_err("twice").contains("twice"));
     }

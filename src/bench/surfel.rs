@@ -13,6 +13,7 @@ use anyhow::{Context, Result, ensure};
 use deepshade_render::methods::{Quality, surfel};
 use deepshade_render::scene::SceneSource;
 use deepshade_render::screen::{Plan, ScreenMethod};
+use deepshade_render::surfels::Patch;
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, Effect};
 use serde_json::json;
@@ -22,8 +23,8 @@ use std::time::Duration;
 use subject::Subject;
 use sweeps::Row;
 
-/// The methods that shade by surfels.
-const METHODS: [&str; 2] = ["surfel", "bounced-z"];
+/// The methods that shade by surfels, and those that shade by triangles in the same way.
+const METHODS: [&str; 4] = ["surfel", "bounced-z", "aov", "aov-bounced-z"];
 /// Of which size the figures are that depend on one: that of the thesis' Table 6.2.
 const PAPER: Size = Size { width: 768, height: 512 };
 /// How long a GPU is kept busy before it is measured.
@@ -34,9 +35,9 @@ const WAKING: Duration = Duration::from_millis(500);
 #[command(after_help = "Examples:\n  \
     deepshade bench surfel --json surfel.json\n  \
     deepshade bench surfel --scene sponza.gltf --sizes 768x512,1920x1080 --effects ao,gi --radius 0.7\n\n\
-    In the JSON file ms_STAGE_EFFECT is of `surfel` and ms_bounced_z_STAGE_EFFECT of `bounced-z`, of the first size; \
+    In the JSON file ms_STAGE_EFFECT is of `surfel` and ms_METHOD_STAGE_EFFECT of the others, such as ms_bounced_z_splat_ao, of the first size; \
     ratio_fullres is the time of ambient occlusion with every surfel on every pixel over that with levels, and memory_mb what \
-    the passes of ambient occlusion write at 768x512, surfels and their tree included. area_error is by how much the areas of \
+    the passes of ambient occlusion write at 768x512, surfels and their tree included, and the patches that they lie on. area_error is by how much the areas of \
     the surfels miss that of the scene's surface.")]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
@@ -100,8 +101,9 @@ pub fn run(args: &Args) -> Result<()> {
     let area = first.area_error(args.quality)?;
     let memory = match measured.iter().find(|one| one.is(Effect::Ao, METHODS[0], PAPER)) {
         Some(found) => found.cost.megabytes,
-        None => memory(&gpu, &subject(PAPER)?, args.quality)?,
+        None => Measured::new(&*methods::open_screen(Effect::Ao, METHODS[0], &gpu, args.quality)?, &subject(PAPER)?, PAPER, 1)?.cost.megabytes,
     };
+    let memory = memory + (first.patches() * size_of::<Patch>()) as f64 * 1e-6;
     let usual = surfel::Parameters::of(args.quality);
     let mut sweeps = Vec::new();
     if !args.no_sweeps {
@@ -169,19 +171,12 @@ fn opened(gpu: &Gpu, effects: &[Effect], quality: Quality) -> Result<Vec<Box<dyn
     all.map(|(effect, name)| methods::open_screen(effect, name, gpu, quality)).collect()
 }
 
-/// Megabytes of ambient occlusion on a frame.
-fn memory(gpu: &Gpu, subject: &Subject<'_>, quality: Quality) -> Result<f64> {
-    let method = methods::open_screen(Effect::Ao, METHODS[0], gpu, quality)?;
-    let plan = Plan::new(&*method, &subject.inputs(), &subject.view)?;
-    Ok(stages::megabytes(&plan, subject.patches()))
-}
-
 impl Measured {
     fn new(method: &dyn ScreenMethod, subject: &Subject<'_>, size: Size, runs: usize) -> Result<Self> {
         let (effect, method_name) = (method.effect(), method.name());
         note!("{effect} by {method_name} at {size}");
         let plan = Plan::new(method, &subject.inputs(), &subject.view);
-        let cost = plan.and_then(|plan| Cost::of(method.gpu(), &plan, subject.patches(), runs));
+        let cost = plan.and_then(|plan| Cost::of(method.gpu(), &plan, runs));
         let cost = cost.with_context(|| format!("{effect} by `{method_name}`"))?;
         Ok(Self { effect, method: method_name, size, cost })
     }

@@ -2,6 +2,7 @@
 //! march from random directions [`march`] does), `reference.rs` is the slow, plain version that the GPU is checked
 //! against, pass by pass. What several share is in files beside them.
 
+pub mod aov;
 pub mod blur;
 pub mod bounced_z;
 pub mod environment_map;

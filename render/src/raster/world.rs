@@ -8,7 +8,7 @@ use super::shadow::{self, MapPlan, Seen, ShadowPass};
 use super::texture::Textures;
 use crate::scene::gltf::Rig;
 use crate::scene::{AnimatedScene, Bounds, Camera, Light, Scene};
-use crate::surfels::patches::{Patch, patches};
+use crate::surfels::{Patch, patches};
 use deepshade_shaders::gpu::{Gpu, GpuError, Stamps};
 use deepshade_shaders::wgsl::uniforms::FrameView;
 use std::sync::OnceLock;
@@ -105,7 +105,12 @@ impl World {
 
     /// The parts of its surface that surfels are laid out on; made when they are asked for first.
     pub fn patches(&self) -> &[Patch] {
-        self.patches.get_or_init(|| patches(&self.scene, &self.geometry.draws))
+        self.patches.get_or_init(|| patches::patches(&self.scene, &self.geometry.draws))
+    }
+
+    /// Its surface in about so many parts, beside triangles that are smaller than one.
+    pub fn cut(&self, parts: f32) -> Vec<Patch> {
+        patches::cut(&self.scene, &self.geometry.draws, parts)
     }
 
     /// Records the pass that moves vertices, where any move.

@@ -1,6 +1,6 @@
 //! The passes that lay surfels out: how many each patch gets, where each begins, where they lie, and the tree over them.
 
-use super::{HEIGHT, LEAF, MOST, Patch, Surfel};
+use super::{HEIGHT, LEAF, MOST, Patch, Surfel, groups, vertices};
 use crate::raster::World;
 use crate::raster::light::{Lights, shadow_sampler};
 use crate::screen::{MethodStep, Step, Workgroups};
@@ -8,10 +8,6 @@ use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{self, Shader, uniforms};
 use wgpu::BufferUsages;
 
-/// Invocations of a workgroup.
-const WORKGROUP: u32 = 64;
-/// Most workgroups along an axis that every device has.
-const MOST_GROUPS: u32 = 65_535;
 /// Numbers that a pass sums up.
 const BLOCK: usize = 64;
 /// Byte of [`Cloud::totals`] at which the workgroups for one invocation a surfel stand, and for one a leaf.
@@ -21,6 +17,7 @@ const LEAF_GROUPS: u64 = 20;
 /// The compiled passes.
 #[derive(Clone, Debug)]
 pub struct Passes {
+    vertices: Pass,
     measure: Pass,
     sum: Pass,
     total: Pass,
@@ -84,6 +81,8 @@ impl LightPass {
 /// The surfels of a frame on the GPU.
 #[derive(Clone, Debug)]
 pub struct Cloud {
+    /// The scene's vertices in camera space, `[vertices, 3]` f32.
+    vertices: wgpu::Buffer,
     /// The patches of the scene, [`Patch`].
     pub patches: wgpu::Buffer,
     /// How many surfels each gets, `[patches]` f32; the last one is the fraction of one.
@@ -118,6 +117,7 @@ impl Passes {
     pub fn new(device: &wgpu::Device, leaves: &Shader) -> Result<Self, GpuError> {
         let pass = |shader: &Shader| Pass::new(device, shader.name, &shader.source());
         Ok(Self {
+            vertices: vertices::pass(device)?,
             measure: pass(&wgsl::SURFELS_MEASURE)?,
             sum: pass(&wgsl::SURFELS_SUM)?,
             total: pass(&wgsl::SURFELS_TOTAL)?,
@@ -131,7 +131,7 @@ impl Passes {
     /// The passes that make surfels, in order.
     ///
     /// # Errors
-    /// If the device refuses a binding: the vertices of large scenes are more than some can bind.
+    /// If the device refuses a binding.
     pub fn surfel_steps(
         &self,
         device: &wgpu::Device,
@@ -139,23 +139,25 @@ impl Passes {
         cloud: &Cloud,
         Uniforms { settings, view }: Uniforms<'_>,
     ) -> Result<Vec<MethodStep>, GpuError> {
-        let Cloud { patches, amounts, starts, totals, surfels, sums: [blocks, all], count, .. } = cloud;
-        let posed = &world.geometry.posed;
+        let Cloud { vertices, patches, amounts, starts, totals, surfels, sums: [blocks, all], count, .. } =
+            cloud;
         let step = |pass: &Pass, invocations: usize, reads: &[&wgpu::Buffer], writes: &[&wgpu::Buffer]| {
             MethodStep::bind(device, pass, groups(invocations), reads, writes)
         };
         let [in_blocks, in_all] = [count.div_ceil(BLOCK), count.div_ceil(BLOCK * BLOCK)];
-        let place = [settings, view, posed, patches, amounts, starts, totals];
+        let place = [settings, vertices, patches, amounts, starts, totals];
         let counted = Workgroups::Counted(totals.clone(), SURFEL_GROUPS);
-        Ok(vec![
-            step(&self.measure, *count, &[settings, view, posed, patches], &[amounts, starts])?,
+        let mut steps = vertices::steps(device, &self.vertices, [view, &world.geometry.posed, vertices])?;
+        steps.extend([
+            step(&self.measure, *count, &[settings, view, vertices, patches], &[amounts, starts])?,
             step(&self.sum, in_blocks, &[starts], &[blocks])?,
             step(&self.sum, in_all, &[blocks], &[all])?,
             step(&self.total, 1, &[], &[all, totals])?,
             step(&self.begin, in_all, &[all], &[blocks])?,
             step(&self.begin, in_blocks, &[blocks], &[starts])?,
             MethodStep::bind(device, &self.place, counted, &place, &[surfels])?,
-        ])
+        ]);
+        Ok(steps)
     }
 
     /// The passes that put a tree over them; `levels` are uniforms of the heights from 1 on.
@@ -191,18 +193,19 @@ pub fn tree_levels() -> impl Iterator<Item = uniforms::TreeLevel> {
 }
 
 impl Cloud {
-    /// Room for the surfels of a scene with these patches.
+    /// Room for the surfels of a scene.
     ///
     /// # Errors
     /// If the device has no room.
-    pub fn new(device: &wgpu::Device, patches: &[Patch]) -> Result<Self, GpuError> {
+    pub fn new(device: &wgpu::Device, world: &World) -> Result<Self, GpuError> {
+        let patches = world.patches();
         // A binding holds at least one, which is nowhere.
-        let nothing = [Patch { corners: [0; 3], part: 0, colour: [0.0; 3], coverage: 0.0, object: 0 }];
-        let patches = if patches.is_empty() { &nothing } else { patches };
+        let patches = if patches.is_empty() { &[Patch::NOWHERE] } else { patches };
         let count = patches.len();
         let [in_blocks, in_all] = [count.div_ceil(BLOCK), count.div_ceil(BLOCK * BLOCK)];
         let indirect = BufferUsages::STORAGE | BufferUsages::INDIRECT | BufferUsages::COPY_SRC;
         Ok(Self {
+            vertices: vertices::room(device, &world.geometry.posed)?,
             patches: gpu::storage(device, "surfels.patches", patches)?,
             amounts: gpu::empty::<f32>(device, "surfels.amounts", count)?,
             starts: gpu::empty::<u32>(device, "surfels.starts", count)?,
@@ -229,15 +232,19 @@ impl Cloud {
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
         let [blocks, all] = &self.sums;
-        [&self.patches, &self.amounts, &self.starts, &self.totals, &self.surfels, &self.nodes, blocks, all]
-            .map(wgpu::Buffer::size)
-            .iter()
-            .sum()
+        [
+            &self.vertices,
+            &self.patches,
+            &self.amounts,
+            &self.starts,
+            &self.totals,
+            &self.surfels,
+            &self.nodes,
+            blocks,
+            all,
+        ]
+        .map(wgpu::Buffer::size)
+        .iter()
+        .sum()
     }
-}
-
-/// Workgroups of so many invocations at least, in two dimensions where one is not enough.
-fn groups(invocations: usize) -> [u32; 3] {
-    let groups = (invocations as u32).div_ceil(WORKGROUP);
-    [groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1]
 }

@@ -18,6 +18,18 @@ pub fn uniforms(parameters: &Parameters, view: &View) -> impl Iterator<Item = Ve
     first.into_iter().chain(cloud::tree_levels().map(|level| bytes_of(&level).to_vec()))
 }
 
+/// The scene of a method that looks beyond the screen.
+///
+/// # Errors
+/// If there is none.
+pub fn scene(world: Option<&World>) -> Result<&World, GpuError> {
+    let missing = || GpuError::Refused {
+        label: "deepshade.scene".to_owned(),
+        what: "there is no scene whose surface a method could read".to_owned(),
+    };
+    world.ok_or_else(missing)
+}
+
 /// The surfels of a scene, and the passes that lay them out; `uniforms` are the [`UNIFORMS`].
 ///
 /// # Errors
@@ -29,13 +41,9 @@ pub fn steps(
     uniforms: &[wgpu::Buffer],
     lit: Option<Lit>,
 ) -> Result<(Cloud, Vec<MethodStep>), GpuError> {
-    let missing = || GpuError::Refused {
-        label: "deepshade.surfel".to_owned(),
-        what: "there is no scene to lay surfels out on".to_owned(),
-    };
-    let world = world.ok_or_else(missing)?;
+    let world = scene(world)?;
     let [settings, view, tree @ ..] = uniforms else { unreachable!("surfels and view come first") };
-    let cloud = Cloud::new(device, world.patches())?;
+    let cloud = Cloud::new(device, world)?;
     let mut steps = passes.surfel_steps(device, world, &cloud, cloud::Uniforms { settings, view })?;
     if let Some(lit) = lit {
         steps.push(LightPass::new(device, world, lit)?.step(device, world, &cloud, view)?);

@@ -5,6 +5,7 @@
 //! there too, so that shading by them misses nothing.
 //!
 //! - [`patches`] cuts a scene's surface into parts, once; [`closed`] tells bodies from sheets.
+//! - [`vertices`] moves a scene's vertices to camera space.
 //! - [`cloud`] lays surfels out on them, each frame, on the GPU, and puts a tree over them.
 //! - [`frame`] has all of these passes in order, with what they read.
 //! - [`reference`](mod@reference) is the slow, plain version.
@@ -15,13 +16,15 @@
 pub mod closed;
 pub mod cloud;
 pub mod frame;
+pub mod patch;
 pub mod patches;
 pub mod reference;
 #[cfg(test)]
 mod tests;
+pub mod vertices;
 
 pub use cloud::{Cloud, Lit, Passes};
-pub use patches::Patch;
+pub use patch::Patch;
 
 use crate::screen::View;
 use bytemuck::{Pod, Zeroable};
@@ -51,6 +54,17 @@ pub const LEAF: usize = 16;
 pub const HEIGHT: u32 = 8;
 /// Most surfels of a frame. Where more are wanted each stands for more area.
 pub const MOST: usize = LEAF << (2 * HEIGHT);
+
+/// Invocations of a workgroup of passes over vertices, patches and surfels.
+const WORKGROUP: u32 = 64;
+/// Most workgroups along an axis that every device has.
+const MOST_GROUPS: u32 = 65_535;
+
+/// Workgroups of so many invocations at least, in two dimensions where one is not enough.
+pub(crate) fn groups(invocations: usize) -> [u32; 3] {
+    let groups = (invocations as u32).div_ceil(WORKGROUP);
+    [groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1]
+}
 
 /// How finely a scene is laid out.
 #[derive(Clone, Copy, Debug, PartialEq)]

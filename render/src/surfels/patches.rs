@@ -6,36 +6,15 @@
 //! through space (Morton 1966), so that surfels that follow one another lie together.
 
 use super::closed::closed;
+use super::patch::{MOST_HALVINGS, Patch};
 use crate::gbuffer::OBJECT_IDS;
 use crate::raster::geometry::{Draw, draws_of};
 use crate::scene::{Material, Mesh, Scene};
-use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
-/// A part of a triangle, as `shared/surfel_patch.wgsl` has it.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Patch {
-    /// Vertices of the triangle, among those of all meshes on the GPU.
-    pub corners: [u32; 3],
-    /// Halvings in the upper four bits; [`OPEN`]; in the lowest bits, two a halving: which quarter.
-    pub part: u32,
-    /// Diffuse reflectance, the mean over the part.
-    pub colour: [f32; 3],
-    /// Share of the part that is there: alpha.
-    pub coverage: f32,
-    /// The mesh that it is part of, as [`Attribute::ObjectId`](deepshade_shaders::Attribute::ObjectId) counts them.
-    pub object: u32,
-}
-
-/// The bit of a part that is set where the surface is no closed one.
-pub const OPEN: u32 = 1 << 27;
-
 /// The scene's surface is cut into about so many parts, beside triangles that are smaller than one.
 const PARTS: f32 = (1 << 17) as f32;
-/// Edges are halved no more often.
-const MOST_HALVINGS: u32 = 9;
 
 /// Where on a part its material is asked: the middles of its four quarters.
 const SAMPLES: [[f32; 3]; 4] = [
@@ -47,9 +26,14 @@ const SAMPLES: [[f32; 3]; 4] = [
 
 /// The parts of all triangles of a scene whose meshes are drawn as `draws` says.
 pub fn patches(scene: &Scene, draws: &[Draw]) -> Vec<Patch> {
+    cut(scene, draws, PARTS)
+}
+
+/// As [`patches`], about `parts` of them beside triangles that are smaller than one.
+pub fn cut(scene: &Scene, draws: &[Draw], parts: f32) -> Vec<Patch> {
     let bounds = scene.bounds();
     let size = bounds.size().max_element().max(f32::MIN_POSITIVE);
-    let largest = area_of(scene) / PARTS;
+    let largest = area_of(scene) / parts;
     let closed: Vec<Vec<bool>> = scene.meshes.iter().map(closed).collect();
     let mut placed: Vec<(u64, Patch)> = draws
         .par_iter()
@@ -59,12 +43,13 @@ pub fn patches(scene: &Scene, draws: &[Draw]) -> Vec<Patch> {
         })
         .flat_map_iter(|(draw, mesh, triangle)| {
             let (closed, halvings) = (&closed, halvings(area(mesh.corners(triangle)) / largest));
+            let corners = mesh.triangles[triangle].map(|vertex| draw.first_vertex + vertex);
             (0..1u32 << (2 * halvings)).map(move |quarters| {
-                let open = if closed[draw.mesh as usize][triangle] { 0 } else { OPEN };
-                let part = halvings << 28 | open | quarters;
-                let middle = weights(part).into_iter().sum::<Vec3>() / 3.0;
+                let patch = Patch::new(corners, draw.mesh % OBJECT_IDS, halvings, quarters);
+                let patch = if closed[draw.mesh as usize][triangle] { patch } else { patch.opened() };
+                let middle = patch.weights().into_iter().sum::<Vec3>() / 3.0;
                 let at = mixed(mesh.corners(triangle), middle);
-                (morton((at - bounds.min) / size), patch(scene, draw, triangle, part))
+                (morton((at - bounds.min) / size), painted(patch, scene, mesh, triangle))
             })
         })
         .collect();
@@ -75,13 +60,18 @@ pub fn patches(scene: &Scene, draws: &[Draw]) -> Vec<Patch> {
 
 /// The parts of a scene that stays.
 pub fn of_scene(scene: &Scene) -> Vec<Patch> {
-    patches(scene, &draws_of(scene))
+    cut_scene(scene, PARTS)
 }
 
-fn patch(scene: &Scene, draw: &Draw, triangle: usize, part: u32) -> Patch {
-    let mesh = &scene.meshes[draw.mesh as usize];
+/// About so many parts of a scene that stays.
+pub fn cut_scene(scene: &Scene, parts: f32) -> Vec<Patch> {
+    cut(scene, &draws_of(scene), parts)
+}
+
+/// A part of a triangle with what its material says.
+fn painted(patch: Patch, scene: &Scene, mesh: &Mesh, triangle: usize) -> Patch {
     let material = scene.material(mesh.material);
-    let corners = weights(part);
+    let corners = patch.weights();
     let asked = SAMPLES.map(|sample| mixed(corners, Vec3::from_array(sample)));
     // Where nothing varies, one answer is enough.
     let asked = if varies(material, mesh) { &asked[..] } else { &asked[3..] };
@@ -92,13 +82,7 @@ fn patch(scene: &Scene, draw: &Draw, triangle: usize, part: u32) -> Patch {
         colour += opacity * material.surface(&scene.textures, uvs, vertex_colour).diffuse;
         coverage += opacity;
     }
-    Patch {
-        corners: mesh.triangles[triangle].map(|vertex| draw.first_vertex + vertex),
-        part,
-        colour: (colour / f32::max(coverage, f32::MIN_POSITIVE)).to_array(),
-        coverage: coverage / asked.len() as f32,
-        object: draw.mesh % OBJECT_IDS,
-    }
+    patch.painted(colour / f32::max(coverage, f32::MIN_POSITIVE), coverage / asked.len() as f32)
 }
 
 /// Whether a material says different things of different points of a triangle.
@@ -116,23 +100,6 @@ fn attributes(mesh: &Mesh, triangle: usize, at: Vec3) -> ([Vec2; 2], Vec4) {
     let colour = |vertex: usize| mesh.colours.get(vertex).copied().unwrap_or(Vec4::ONE);
     let colour = colour(vertices[0]) * at.x + colour(vertices[1]) * at.y + colour(vertices[2]) * at.z;
     ([uv(0), uv(1)], colour)
-}
-
-/// Of a part, how its corners are mixed of the triangle's.
-pub fn weights(part: u32) -> [Vec3; 3] {
-    let mut corners = [Vec3::X, Vec3::Y, Vec3::Z];
-    let halvings = part >> 28;
-    for halving in (0..halvings).rev() {
-        let [a, b, c] = corners;
-        let middles = [0.5 * (b + c), 0.5 * (c + a), 0.5 * (a + b)];
-        corners = match part >> (2 * halving) & 3 {
-            0 => [a, middles[2], middles[1]],
-            1 => [middles[2], b, middles[0]],
-            2 => [middles[1], middles[0], c],
-            _ => middles,
-        };
-    }
-    corners
 }
 
 /// The point of a triangle with these weights of its corners.
@@ -161,7 +128,7 @@ pub fn area_of(scene: &Scene) -> f32 {
 pub fn covered_area(patches: &[Patch], vertices: &[Vec3]) -> f64 {
     let of_patch = |patch: &Patch| {
         let whole = area(patch.corners.map(|corner| vertices[corner as usize]));
-        f64::from(whole * patch.coverage) * (-2.0 * f64::from(patch.part >> 28)).exp2()
+        f64::from(whole * patch.coverage()) * (-2.0 * f64::from(patch.halvings())).exp2()
     };
     patches.iter().map(of_patch).sum()
 }
@@ -187,23 +154,6 @@ fn morton(at: Vec3) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn quarters_tile_a_triangle() {
-        let triangle = [Vec3::ZERO, Vec3::new(3.0, 1.0, 0.0), Vec3::new(0.5, 2.0, 1.0)];
-        let laid = |part: u32| weights(part).map(|corner| mixed(triangle, corner));
-        for halvings in 0..5u32 {
-            let parts: Vec<_> =
-                (0..1 << (2 * halvings)).map(|quarters| laid(halvings << 28 | quarters)).collect();
-            let wanted = area(triangle) / parts.len() as f32;
-            assert!(parts.iter().all(|part| (area(*part) - wanted).abs() < 1e-5 * wanted));
-            let normal = |part: [Vec3; 3]| (part[1] - part[0]).cross(part[2] - part[0]).normalize();
-            assert!(parts.iter().all(|part| normal(*part).dot(normal(triangle)) > 0.999), "turned over");
-            let mean =
-                parts.iter().map(|part| part.iter().sum::<Vec3>() / 3.0).sum::<Vec3>() / parts.len() as f32;
-            assert!(mean.distance(triangle.iter().sum::<Vec3>() / 3.0) < 1e-5);
-        }
-    }
 
     #[test]
     fn large_triangles_are_cut_until_they_fit() {

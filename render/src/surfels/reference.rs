@@ -1,7 +1,6 @@
 //! Laying surfels out, in plain Rust: what the passes of `shaders/wgsl/surfels` do, without a tree.
 
-use super::patches::{OPEN, Patch, weights};
-use super::{MOST, Parameters};
+use super::{MOST, Parameters, Patch};
 use crate::bvh::TracedScene;
 use crate::path::lights::Arrival;
 use crate::scene::{Camera, Mesh, Scene};
@@ -50,9 +49,9 @@ struct Laid {
 impl Laid {
     fn new(patch: &Patch, vertices: &[Vec3], settings: &uniforms::Surfels) -> Self {
         let [a, b, c] = patch.corners.map(|corner| vertices[corner as usize]);
-        let [x, y, z] = weights(patch.part);
+        let [x, y, z] = patch.weights();
         let (corners, weights) = (Mat3::from_cols(a, b, c), Mat3::from_cols(x, y, z));
-        let area = 0.5 * (b - a).cross(c - a).length() * (-2.0 * (patch.part >> 28) as f32).exp2();
+        let area = 0.5 * (b - a).cross(c - a).length() * (-2.0 * patch.halvings() as f32).exp2();
         let depth = -(corners * (weights * Vec3::splat(1.0 / 3.0))).z;
         let radius = settings.slope * ((depth - settings.near).abs() + settings.near);
         Self { corners, weights, area, radius: radius.max((area / (PI * MOST_A_PATCH)).sqrt()) }
@@ -146,12 +145,12 @@ pub fn disks(
             let at = (Vec2::from(offset) + STRIDE * (number + 1) as f32).fract();
             let at = if at.x + at.y > 1.0 { Vec2::ONE - at } else { at };
             let weights = it.weights * Vec3::new(1.0 - at.x - at.y, at.x, at.y);
-            let share = (amount - number as f32).clamp(0.0, 1.0) * patch.coverage;
+            let share = (amount - number as f32).clamp(0.0, 1.0) * patch.coverage();
             Disk {
                 place: it.inset() * weights,
                 radius: it.radius * share.sqrt(),
                 normal: it.normal(),
-                open: patch.part & OPEN != 0,
+                open: patch.is_open(),
                 patch: index,
                 sent: [Vec3::ZERO; 2],
             }
@@ -201,7 +200,7 @@ pub fn lit(scene: &TracedScene, patches: &[Patch], disks: Vec<Disk>, camera: &Ca
                 received[usize::from(cosine < 0.0)] += irradiance * cosine.abs();
             }
         }
-        let reflected = Vec3::from_array(patches[disk.patch as usize].colour) / PI;
+        let reflected = patches[disk.patch as usize].colour() / PI;
         Disk { sent: received.map(|received| received * reflected), ..disk }
     };
     disks.into_par_iter().map(light).collect()

@@ -131,7 +131,7 @@ fn made(gpu: &Gpu, scene: &Scene, parameters: &Parameters, view: &View) -> Made 
     let Gpu { device, queue, .. } = gpu;
     let world = World::new(gpu, &scene.clone().into(), None).expect("a scene");
     let passes = Passes::new(device, &wgsl::SURFELS_LEAVES).expect("valid shaders");
-    let cloud = Cloud::new(device, world.patches()).expect("room");
+    let cloud = Cloud::new(device, &world).expect("room");
     let camera = perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE);
     let settings = gpu::uniform(device, "settings", &parameters.settings(view)).expect("room");
     let camera = gpu::uniform(device, "camera", &camera).expect("room");

@@ -16,3 +16,4 @@ mod real_data;
 mod shaded;
 mod shapes;
 mod since;
+mod surfels;

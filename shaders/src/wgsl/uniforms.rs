@@ -73,4 +73,6 @@ pub use indirect::Prefiltered;
 pub use nets::{NaiveLayer, NetLayer};
 pub use occlusion::{Blur, Hbao, Slices, Ssdo};
 pub use post::{Fxaa, Gather, Reconstruction, RingGather, Separable};
-pub use surfels::{BounceWindow, Bounces, LevelSum, SplatLevel, Surfels, TreeLevel};
+pub use surfels::{
+    BounceWindow, Bounces, FacetRays, FacetSlice, FacetSum, LevelSum, SplatLevel, Surfels, TreeLevel,
+};

@@ -1,9 +1,9 @@
 // Surfels: disks that stand for a scene's surface (thesis 4.2.1), in camera space, metres.
 
 const PI = 3.14159265;
-// Leaves of the tree hold so many surfels that lie one after the other; each node above has four children.
+// Leaves of the tree hold so many surfels that lie one after the other; each node above has four children. The root is at
+// HEIGHT.
 const LEAF = 16u;
-const HEIGHT = 8u;
 
 struct Surfel {
     // Where its middle is; its radius.

@@ -1,7 +1,5 @@
 // How many surfels a patch gets, and where they lie.
 
-// Numbers of a vertex, of which the first three are its position in world space.
-const POSED = 16u;
 // A patch gets no more surfels; each is larger then.
 const MOST = 4096.0;
 // How far a surfel's chance has to rise above its threshold until it is as large as it gets, as a share.
@@ -17,31 +15,6 @@ struct Laid {
     area: f32,
     // Of a surfel of the size that is wanted there.
     radius: f32,
-}
-
-fn camera_space(vertex: u32) -> vec3f {
-    let first = vertex * POSED;
-    return to_view(vec3f(posed[first], posed[first + 1u], posed[first + 2u]) - view.eye.xyz, view);
-}
-
-// The weights of a patch's corners.
-fn patch_weights(part: u32) -> mat3x3f {
-    var at = mat3x3f(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
-    let halvings = part >> 28u;
-    for (var i = 0u; i < halvings; i++) {
-        let quarter = (part >> (2u * (halvings - 1u - i))) & 3u;
-        let middles = mat3x3f(0.5 * (at[1] + at[2]), 0.5 * (at[2] + at[0]), 0.5 * (at[0] + at[1]));
-        if quarter == 3u {
-            at = middles;
-        } else {
-            at = mat3x3f(
-                select(middles[(3u - quarter) % 3u], at[0], quarter == 0u),
-                select(middles[(5u - quarter) % 3u], at[1], quarter == 1u),
-                select(middles[(4u - quarter) % 3u], at[2], quarter == 2u),
-            );
-        }
-    }
-    return at;
 }
 
 // r* = s tan(alpha / 2) (d + d_near) with the unsigned distance to the near plane (thesis 4.2.1), so that what is behind the

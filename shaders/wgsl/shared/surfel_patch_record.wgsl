@@ -3,12 +3,28 @@
 
 struct Patch {
     corners: array<u32, 3>,
-    // Halvings in the upper four bits; below them, 1 where the surface is open; in the lowest bits, two a halving, which quarter.
+    // Halvings in the upper four bits; below them, 1 where the surface is open; nine bits of coverage; in the lower eighteen, two
+    // bits a halving, which quarter.
     part: u32,
-    // Diffuse reflectance.
-    colour: array<f32, 3>,
-    // Share of it that is there: alpha.
-    coverage: f32,
+    // Eleven, eleven and ten bits of the root of red, green and blue.
+    colour: u32,
     // The mesh that it is part of, as object ids count them.
     object: u32,
+}
+
+// Share of a part that is there: alpha.
+fn part_coverage(part: u32) -> f32 {
+    return f32(extractBits(part, 18u, 9u)) / 511.0;
+}
+
+// Whether its back is seen too, since its surface is no closed one.
+fn part_is_open(part: u32) -> bool {
+    return extractBits(part, 27u, 1u) == 1u;
+}
+
+// Diffuse reflectance.
+fn patch_colour(one: Patch) -> vec3f {
+    let parts = vec3u(extractBits(one.colour, 0u, 11u), extractBits(one.colour, 11u, 11u), extractBits(one.colour, 22u, 10u));
+    let root = vec3f(parts) / vec3f(2047.0, 2047.0, 1023.0);
+    return root * root;
 }

@@ -1,5 +1,5 @@
-// Direct light that surfels reflect diffusely, or, if WHITE is 1, would if they were white, on either side, with shadows by the lights' maps (thesis 4.3, "One-bounce
-// Indirect Illumination").
+// Direct light that surfels reflect diffusely, or, if WHITE is 1, would if they were white, on either side, with shadows by the
+// lights' maps (thesis 4.3, "One-bounce Indirect Illumination").
 
 @group(0) @binding(0) var<uniform> view: FrameView;
 @group(0) @binding(1) var<storage, read> patches: array<Patch>;
@@ -35,8 +35,7 @@ fn light_surfels(@builtin(global_invocation_id) id: vec3u) {
             back += received;
         }
     }
-    let colour = patches[surfel.patch_index].colour;
-    let reflected = select(vec3f(colour[0], colour[1], colour[2]), vec3f(1.0), WHITE == 1u) / PI;
+    let reflected = select(patch_colour(patches[surfel.patch_index]), vec3f(1.0), WHITE == 1u) / PI;
     surfels[id.x].front = pack_radiance(front * reflected);
     surfels[id.x].back = pack_radiance(back * reflected);
 }

@@ -5,7 +5,7 @@
 
 @group(0) @binding(0) var<uniform> settings: Surfels;
 @group(0) @binding(1) var<uniform> view: FrameView;
-@group(0) @binding(2) var<storage, read> posed: array<f32>;
+@group(0) @binding(2) var<storage, read> vertices: array<f32>;
 @group(0) @binding(3) var<storage, read> patches: array<Patch>;
 @group(0) @binding(4) var<storage, read_write> amounts: array<f32>;
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;

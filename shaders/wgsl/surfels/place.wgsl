@@ -3,13 +3,12 @@
 // are moved inwards by a surfel's radius, so that disks do not stand over its edges (thesis 4.2.1).
 
 @group(0) @binding(0) var<uniform> settings: Surfels;
-@group(0) @binding(1) var<uniform> view: FrameView;
-@group(0) @binding(2) var<storage, read> posed: array<f32>;
-@group(0) @binding(3) var<storage, read> patches: array<Patch>;
-@group(0) @binding(4) var<storage, read> amounts: array<f32>;
-@group(0) @binding(5) var<storage, read> starts: array<u32>;
-@group(0) @binding(6) var<storage, read> totals: Totals;
-@group(0) @binding(7) var<storage, read_write> surfels: array<Surfel>;
+@group(0) @binding(1) var<storage, read> vertices: array<f32>;
+@group(0) @binding(2) var<storage, read> patches: array<Patch>;
+@group(0) @binding(3) var<storage, read> amounts: array<f32>;
+@group(0) @binding(4) var<storage, read> starts: array<u32>;
+@group(0) @binding(5) var<storage, read> totals: Totals;
+@group(0) @binding(6) var<storage, read_write> surfels: array<Surfel>;
 
 // One over the plastic number, and over its square.
 const STRIDE = vec2f(0.75487767, 0.56984029);
@@ -62,7 +61,7 @@ fn place(@builtin(global_invocation_id) id: vec3u) {
     let index = patch_of(wanted);
     let number = wanted - starts[index];
     let it = laid(patches[index]);
-    let share = clamp(amounts[index] - f32(number), 0.0, 1.0) * patches[index].coverage;
+    let share = clamp(amounts[index] - f32(number), 0.0, 1.0) * part_coverage(patches[index].part);
     let spread = f32(totals.wanted) / f32(totals.kept);
     let radius = it.radius * sqrt(share * spread);
 
@@ -79,7 +78,7 @@ fn place(@builtin(global_invocation_id) id: vec3u) {
     }
     let weights = it.weights * vec3f(1.0 - at.x - at.y, at);
     let normal = normalize(cross(it.corners[1] - it.corners[0], it.corners[2] - it.corners[0]));
-    let open = (patches[index].part >> 27u) & 1u;
+    let open = select(0u, 1u, part_is_open(patches[index].part));
     let packed_normal = (pack2x16snorm(to_octahedron(normal)) & 0xfffffffeu) | open;
     surfels[id.x] = Surfel(vec4f(inset * weights, radius), packed_normal, 0u, 0u, index);
 }

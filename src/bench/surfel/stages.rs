@@ -1,7 +1,6 @@
 //! What a plan's passes are for, what each kind of them takes, and what memory they write.
 
 use deepshade_render::screen::{MethodStep, Plan};
-use deepshade_render::surfels::Patch;
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 use deepshade_shaders::wgsl::{self, Shader};
 
@@ -9,7 +8,7 @@ use deepshade_shaders::wgsl::{self, Shader};
 /// sub-buffers are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Surfels are laid out.
+    /// Surfels are laid out, or facets of ambient occlusion volumes.
     Surfels,
     /// Their direct light.
     Light,
@@ -24,16 +23,19 @@ pub enum Stage {
 }
 
 /// Which shader belongs to which stage.
-static SHADERS: [(Stage, &Shader); 22] = [
+static SHADERS: [(Stage, &Shader); 27] = [
+    (Stage::Surfels, &wgsl::SURFELS_VERTICES),
     (Stage::Surfels, &wgsl::SURFELS_MEASURE),
     (Stage::Surfels, &wgsl::SURFELS_SUM),
     (Stage::Surfels, &wgsl::SURFELS_TOTAL),
     (Stage::Surfels, &wgsl::SURFELS_BEGIN),
     (Stage::Surfels, &wgsl::SURFELS_PLACE),
+    (Stage::Surfels, &wgsl::AOV_FACETS),
     (Stage::Light, &wgsl::SURFELS_LIGHT),
     (Stage::Tree, &wgsl::SURFELS_LEAVES),
     (Stage::Tree, &wgsl::SURFELS_LIT_LEAVES),
     (Stage::Tree, &wgsl::SURFELS_PARENTS),
+    (Stage::Tree, &wgsl::AOV_PARENTS),
     (Stage::Splat, &wgsl::SURFEL_OCCLUSION),
     (Stage::Splat, &wgsl::SURFEL_LIGHT),
     (Stage::Splat, &wgsl::SURFEL_BLOCKED),
@@ -41,6 +43,8 @@ static SHADERS: [(Stage, &Shader); 22] = [
     (Stage::Splat, &wgsl::SURFEL_GIVEN),
     (Stage::Splat, &wgsl::BOUNCED_SKY),
     (Stage::Splat, &wgsl::BOUNCED_LIGHT),
+    (Stage::Splat, &wgsl::AOV_OCCLUSION),
+    (Stage::Splat, &wgsl::AOV_TRACE),
     (Stage::Blur, &wgsl::BLUR),
     (Stage::Blur, &wgsl::BOUNCED_FILTER),
     (Stage::Sum, &wgsl::SURFEL_OPENNESS),
@@ -84,7 +88,7 @@ pub struct Cost {
     pub stages: Vec<(Stage, f64)>,
     /// Of all, one after the other without a pause.
     pub total: f64,
-    /// Of what its passes write, surfels and their tree among it, and of the patches.
+    /// Of what its passes write, surfels and their tree among it.
     pub megabytes: f64,
     /// Surfels that there are, and that there would be with room for all.
     pub surfels: [u32; 2],
@@ -95,7 +99,7 @@ impl Cost {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn of(gpu: &Gpu, plan: &Plan, patches: usize, runs: usize) -> Result<Self, GpuError> {
+    pub fn of(gpu: &Gpu, plan: &Plan, runs: usize) -> Result<Self, GpuError> {
         let Gpu { device, queue, .. } = gpu;
         let warm_up = usize::from(runs > 1);
         let time = |record: &dyn Fn(&mut wgpu::CommandEncoder)| {
@@ -117,17 +121,17 @@ impl Cost {
             }
         }
         let total = time(&|encoder| plan.encode(encoder))?;
-        Ok(Self { stages, total, megabytes: megabytes(plan, patches), surfels: surfels(gpu, plan)? })
+        Ok(Self { stages, total, megabytes: megabytes(plan), surfels: surfels(gpu, plan)? })
     }
 }
 
-/// Megabytes of all that a plan's passes write, and of the patches that they read.
-pub fn megabytes(plan: &Plan, patches: usize) -> f64 {
+/// Megabytes of all that a plan's passes write.
+fn megabytes(plan: &Plan) -> f64 {
     let mut written: Vec<&wgpu::Buffer> = plan.steps().iter().flat_map(|step| &step.writes).collect();
     written.sort_unstable();
     written.dedup();
     let bytes: u64 = written.into_iter().map(wgpu::Buffer::size).sum();
-    (bytes + (patches * size_of::<Patch>()) as u64) as f64 * 1e-6
+    bytes as f64 * 1e-6
 }
 
 /// How many surfels the last frame has, and how many it would have with room for all.
@@ -168,7 +172,7 @@ mod tests {
             let name = format!("{} by {}", method.effect(), method.name());
             let plan = Plan::new(method, &subject.inputs(), &subject.view).expect("a plan");
             assert!(plan.steps().iter().all(|step| Stage::of(step).is_some()), "{name}");
-            let cost = Cost::of(&gpu, &plan, subject.patches(), 1).expect("times");
+            let cost = Cost::of(&gpu, &plan, 1).expect("times");
             let has = |stage| cost.stages.iter().any(|(other, _)| *other == stage);
             assert!(has(Stage::Surfels) && has(Stage::Splat), "{name}: {cost:?}");
             assert_eq!(
@@ -176,7 +180,8 @@ mod tests {
                 matches!(method.effect(), Effect::Gi | Effect::Subsurface),
                 "{name}"
             );
-            assert!(cost.surfels[0] > 100 && cost.surfels[0] <= cost.surfels[1], "{name}: {cost:?}");
+            assert_eq!(cost.surfels[0] > 100, !method.name().starts_with("aov"), "{name}: {cost:?}");
+            assert!(cost.surfels[0] <= cost.surfels[1], "{name}: {cost:?}");
             let sum: f64 = cost.stages.iter().map(|(_, time)| time).sum();
             assert!(sum > 0.0 && cost.total > 0.0 && cost.megabytes > 1.0, "{name}: {cost:?}");
         }

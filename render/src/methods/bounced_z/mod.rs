@@ -113,14 +113,18 @@ impl Parameters {
             reach: view.radius,
         }
     }
+}
 
-    /// What the filter reads.
-    pub fn window(&self, effect: Effect, view: &View) -> uniforms::BounceWindow {
-        let [uniforms::Blur { width, height, radius, falloff, sharpness, background, .. }, _] =
-            self.filter.settings(view, effect);
-        let directions = self.directions;
-        // Of an effect that reaches nowhere it would be infinite.
-        let sharpness = sharpness.min(1e18);
-        uniforms::BounceWindow { width, height, directions, radius, falloff, sharpness, background }
-    }
+/// What the filter reads that brings together so many directions of each pixel.
+pub fn window(
+    filter: &blur::Parameters,
+    directions: u32,
+    effect: Effect,
+    view: &View,
+) -> uniforms::BounceWindow {
+    let [uniforms::Blur { width, height, radius, falloff, sharpness, background, .. }, _] =
+        filter.settings(view, effect);
+    // Of an effect that reaches nowhere it would be infinite.
+    let sharpness = sharpness.min(1e18);
+    uniforms::BounceWindow { width, height, directions, radius, falloff, sharpness, background }
 }

@@ -19,8 +19,8 @@ pub struct Passes {
 
 /// The contents of the passes' uniform buffers.
 pub fn uniforms(parameters: &Parameters, effect: Effect, view: &View) -> Vec<Vec<u8>> {
-    let own =
-        [bytes_of(&parameters.bounces(view)).to_vec(), bytes_of(&parameters.window(effect, view)).to_vec()];
+    let window = super::window(&parameters.filter, parameters.directions, effect, view);
+    let own = [bytes_of(&parameters.bounces(view)).to_vec(), bytes_of(&window).to_vec()];
     frame::uniforms(&parameters.surfels, view).chain(own).collect()
 }
 

@@ -5,9 +5,9 @@ use crate::methods::Surface;
 use crate::methods::surfel::shells;
 use crate::screen::View;
 use crate::surfels::reference::Disk;
-use deepshade_shaders::Planes;
 use deepshade_shaders::random::{hash, random};
 use deepshade_shaders::wgsl::uniforms;
+use deepshade_shaders::{Effect, Planes};
 use glam::{IVec2, UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::TAU;
@@ -68,12 +68,12 @@ pub fn number_in_square(pixel: UVec2, level: u32, seed: u32) -> u32 {
     shells::permuted(inside.x | inside.y << level, level, key)
 }
 
-/// The direction of a number that a pixel with a normal looks into.
-pub fn direction_of(bounces: &uniforms::Bounces, pixel: UVec2, number: u32, normal: Vec3) -> Vec3 {
+/// The direction of a number that a pixel with a normal looks into, of so many and by a seed.
+pub fn direction_of(pixel: UVec2, number: u32, [directions, seed]: [u32; 2], normal: Vec3) -> Vec3 {
     let square = pixel >> SQUARE;
-    let which = (IN_SQUARE * number + number_in_square(pixel, SQUARE, hash(bounces.seed))) as f32;
-    let draw = |dimension| random(square.x, square.y, bounces.seed, dimension);
-    let squared = (which + draw(0)) / (IN_SQUARE * bounces.directions) as f32;
+    let which = (IN_SQUARE * number + number_in_square(pixel, SQUARE, hash(seed))) as f32;
+    let draw = |dimension| random(square.x, square.y, seed, dimension);
+    let squared = (which + draw(0)) / (IN_SQUARE * directions) as f32;
     let angle = TAU * ((GOLDEN_TURN * which + draw(1)).fract() - 0.5);
     let disk = squared.sqrt() * Vec2::new(angle.cos(), angle.sin());
     // Two tangents (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
@@ -119,7 +119,7 @@ fn samples<E: BouncedEffect>(
 ) -> Vec<Sample> {
     let (origin, normal) = (surface.position_at(at), surface.normal_at(at));
     let sample = |number| {
-        let direction = direction_of(bounces, at.as_uvec2(), number, normal);
+        let direction = direction_of(at.as_uvec2(), number, [bounces.directions, bounces.seed], normal);
         let met = met(bounces, disks, &Ray { origin, normal, direction }, at.as_uvec2());
         Sample { direction, arrived: E::arriving(met, direction) }
     };
@@ -134,16 +134,24 @@ pub fn shade<E: BouncedEffect>(
     view: &View,
 ) -> Planes {
     let bounces = parameters.bounces(view);
-    let pixel = |index: usize| IVec2::new((index % view.width) as i32, (index / view.width) as i32);
-    let seen = |at: IVec2| match surface.valid_at(at) {
-        true => samples::<E>(surface, disks, &bounces, at),
-        false => Vec::new(),
-    };
+    let window = super::window(&parameters.filter, parameters.directions, E::EFFECT, view);
+    reconstruction(surface, &window, E::EFFECT, |at| samples::<E>(surface, disks, &bounces, at))
+}
+
+/// An effect by the samples of all pixels, `[channels, height, width]`.
+pub fn reconstruction(
+    surface: &Surface,
+    window: &uniforms::BounceWindow,
+    effect: Effect,
+    samples: impl Fn(IVec2) -> Vec<Sample> + Sync,
+) -> Planes {
+    let (height, width) = (surface.height, surface.width);
+    let pixel = |index: usize| IVec2::new((index % width) as i32, (index / width) as i32);
+    let seen = |at: IVec2| if surface.valid_at(at) { samples(at) } else { Vec::new() };
     let traced: Vec<Vec<Sample>> =
-        (0..view.height * view.width).into_par_iter().map(|index| seen(pixel(index))).collect();
-    let window = parameters.window(E::EFFECT, view);
-    let image = surface.image(window.background, |at| reconstructed(surface, &traced, &window, at));
-    Planes::from_fn(E::EFFECT.channels(), view.height, view.width, |c, y, x| image.at(c, y, x))
+        (0..height * width).into_par_iter().map(|index| seen(pixel(index))).collect();
+    let image = surface.image(window.background, |at| reconstructed(surface, &traced, window, at));
+    Planes::from_fn(effect.channels(), height, width, |c, y, x| image.at(c, y, x))
 }
 
 /// What the samples of a pixel and of those around it say of it: `filter.wgsl`.

@@ -45,7 +45,9 @@ fn pixels_of_a_square_have_all_numbers() {
 fn directions(parameters: &Parameters, normal: Vec3) -> impl Iterator<Item = (UVec2, Vec3)> {
     let bounces = parameters.bounces(&view(32, 32, 100.0));
     let of_pixel = move |pixel| {
-        (0..bounces.directions).map(move |number| (pixel, direction_of(&bounces, pixel, number, normal)))
+        (0..bounces.directions).map(move |number| {
+            (pixel, direction_of(pixel, number, [bounces.directions, bounces.seed], normal))
+        })
     };
     (0..32 * 32).map(|i| UVec2::new(i % 32, i / 32)).flat_map(of_pixel)
 }

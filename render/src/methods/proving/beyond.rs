@@ -27,6 +27,29 @@ pub fn disk_mesh(middle: Vec3, radius: f32) -> Mesh {
     }
 }
 
+/// A sphere, facing outwards.
+pub fn sphere_mesh(middle: Vec3, radius: f32) -> Mesh {
+    let (rings, segments) = (48u32, 96u32);
+    let at = |ring: u32, segment: u32| {
+        let (sin, cos) = (ring as f32 / rings as f32 * PI).sin_cos();
+        // All corners of a pole are one place.
+        let sin = if ring == rings { 0.0 } else { sin };
+        let (s, c) = (segment as f32 / segments as f32 * TAU).sin_cos();
+        middle + radius * Vec3::new(sin * c, cos, sin * s)
+    };
+    let positions =
+        (0..=rings).flat_map(|ring| (0..segments).map(move |segment| at(ring, segment))).collect();
+    let quad = |i: u32| {
+        let (ring, segment) = (i / segments, i % segments);
+        let [a, b] = [segment, (segment + 1) % segments].map(|segment| ring * segments + segment);
+        [[a, b, a + segments], [b, b + segments, a + segments]]
+    };
+    let mut mesh =
+        Mesh { positions, triangles: (0..rings * segments).flat_map(quad).collect(), ..Mesh::default() };
+    mesh.drop_degenerate_triangles();
+    mesh
+}
+
 pub fn scene_of(meshes: Vec<Mesh>) -> Scene {
     Scene { meshes: meshes.into(), materials: vec![Material::default()], ..Scene::default() }
 }

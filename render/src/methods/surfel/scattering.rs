@@ -74,8 +74,8 @@ impl SurfelEffect for Scattering {
         let (objects, own) = (seen(Attribute::ObjectId)?, seen(Attribute::DiffuseLight)?);
         let scales = |at| vector(&lengths, at).max(Vec3::ZERO) / shape(vector(&colours, at));
 
-        let white = |patch| Patch { colour: [1.0; 3], ..patch };
-        let patches: Vec<Patch> = patches::of_scene(plain.scene.scene()).into_iter().map(white).collect();
+        let patches: Vec<Patch> =
+            patches::of_scene(plain.scene.scene()).into_iter().map(Patch::white).collect();
         let disks = lit(plain.scene, &patches, disks, &plain.view.camera);
         let gives = |disk: &Disk, radius: f32, way: Vec3, Receiver { pixel, normal }: Receiver| {
             let object = objects.at(0, pixel.y as usize, pixel.x as usize);

@@ -7,7 +7,7 @@ use super::indirect::SurfelIndirect;
 use super::occlusion::SurfelOcclusion;
 use super::reference::{LIGHT, OCCLUSION, brute_force, form_factor, level_sums, openness};
 use super::{MOST_LEVELS, Parameters, shells};
-use crate::methods::proving::beyond::{corner, disk_mesh, prove_twin, scene_of, seen};
+use crate::methods::proving::beyond::{corner, disk_mesh, prove_twin, scene_of, seen, sphere_mesh};
 use crate::methods::proving::{Tolerance, agree, camera, gbuffer_of, plane, view};
 use crate::methods::{Quality, Surface, blur};
 use crate::scene::procedural::Family;
@@ -18,7 +18,6 @@ use crate::surfels::reference::Disk;
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
 use glam::{IVec2, UVec2, Vec3};
-use std::f32::consts::{PI, TAU};
 
 /// Surfels as fine as tests can afford, without a blur.
 const SHARP: Parameters = Parameters {
@@ -163,26 +162,6 @@ fn a_sphere_hides_its_solid_angle_once() {
     sphere.triangles.remove(0);
     let holed = hidden(sphere);
     assert!((holed - 2.0).abs() < 0.06, "{holed} of what a sphere hides");
-}
-
-fn sphere_mesh(middle: Vec3, radius: f32) -> Mesh {
-    let (rings, segments) = (48u32, 96u32);
-    let at = |ring: u32, segment: u32| {
-        let (sin, cos) = (ring as f32 / rings as f32 * PI).sin_cos();
-        let (s, c) = (segment as f32 / segments as f32 * TAU).sin_cos();
-        middle + radius * Vec3::new(sin * c, cos, sin * s)
-    };
-    let positions =
-        (0..=rings).flat_map(|ring| (0..segments).map(move |segment| at(ring, segment))).collect();
-    let quad = |i: u32| {
-        let (ring, segment) = (i / segments, i % segments);
-        let [a, b] = [segment, (segment + 1) % segments].map(|segment| ring * segments + segment);
-        [[a, b, a + segments], [b, b + segments, a + segments]]
-    };
-    let mut mesh =
-        Mesh { positions, triangles: (0..rings * segments).flat_map(quad).collect(), ..Mesh::default() };
-    mesh.drop_degenerate_triangles();
-    mesh
 }
 
 #[test]

@@ -77,6 +77,40 @@ uniforms! {
         reach: f32,
     }
 
+    /// What `methods/aov/occlusion` reads.
+    FacetSum {
+        /// Columns of the image.
+        width: u32,
+        /// Rows of the image.
+        height: u32,
+        /// How far the effect reaches, metres.
+        reach: f32,
+        /// What is where no surface is seen.
+        background: f32,
+    }
+
+    /// The facets of one run of `methods/aov/occlusion`.
+    FacetSlice {
+        /// Which of the nodes that are as high as a slice.
+        index: u32,
+        /// 1 for the last one.
+        last: u32,
+    }
+
+    /// What `methods/aov/trace` reads.
+    FacetRays {
+        /// Columns of the image.
+        width: u32,
+        /// Rows of the image.
+        height: u32,
+        /// Directions of a pixel.
+        directions: u32,
+        /// Chooses directions.
+        seed: u32,
+        /// How far the effect reaches, metres.
+        reach: f32,
+    }
+
     /// What `methods/bounced_z/filter` reads.
     BounceWindow {
         /// Columns of the image.

@@ -11,12 +11,6 @@
 // What arrives from there, as `pack_radiance` has it: [directions, height, width].
 @group(0) @binding(8) var<storage, read_write> arrived: array<u32>;
 
-// The pixels of a square of 4 x 4 share one spiral of directions.
-const SQUARE = 2u;
-const IN_SQUARE = 16u;
-// Angle between a direction of the spiral and the next, turns: the golden section of the circle.
-const GOLDEN_TURN = 0.381966;
-const TAU = 6.2831853;
 // Sine of the least angle between the way to a surfel and either surface: the point's own surface does not hide it.
 const LEAST_SINE = 1e-3;
 // The level of what is not met.
@@ -117,27 +111,6 @@ fn nearest(ray: Query, first: u32, before: Hit, pixel: vec2u) -> Hit {
     return hit;
 }
 
-// A direction of a pixel: a spiral over the disk, lifted onto the hemisphere, has the density cosine / pi (Malley's method).
-fn direction_of(pixel: vec2u, number: u32, normal: vec3f) -> vec3f {
-    let square = pixel >> vec2u(SQUARE);
-    let which = f32(IN_SQUARE * number + number_in_square(pixel, SQUARE, hash(bounces.seed)));
-    let squared = (which + random(square, bounces.seed, 0u)) / f32(IN_SQUARE * bounces.directions);
-    let angle = TAU * (fract(GOLDEN_TURN * which + random(square, bounces.seed, 1u)) - 0.5);
-    let disk = sqrt(squared) * vec2f(cos(angle), sin(angle));
-    // Two tangents (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
-    let sign = select(-1.0, 1.0, normal.z >= 0.0);
-    let a = -1.0 / (sign + normal.z);
-    let b = normal.x * normal.y * a;
-    let tangent = vec3f(1.0 + sign * normal.x * normal.x * a, sign * b, -sign * normal.x);
-    let bitangent = vec3f(b, sign + normal.y * normal.y * a, -normal.y);
-    return disk.x * tangent + disk.y * bitangent + sqrt(1.0 - squared) * normal;
-}
-
-// One over it, and a large number where it is nothing.
-fn inverse_of(direction: vec3f) -> vec3f {
-    return 1.0 / select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
-}
-
 @compute @workgroup_size(TILE, TILE)
 fn trace(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= bounces.width || id.y >= bounces.height {
@@ -151,7 +124,7 @@ fn trace(@builtin(global_invocation_id) id: vec3u) {
     }
     let position = surface_position(at, pixels);
     let normal = surface_normal(at, pixels);
-    let direction = direction_of(pixel, id.z, normal);
+    let direction = direction_of(pixel, id.z, vec2u(bounces.directions, bounces.seed), normal);
     let levels = bounded(bounces.levels, pixel);
     var hit = Hit(NONE, 0.0, 0u);
     for (var level = 0u; level < levels; level++) {

@@ -1,0 +1,106 @@
+//! Ambient occlusion volumes: what all facets within reach occlude, added up.
+
+use super::facets::{self, Facets};
+use super::reference;
+use crate::bvh::TracedScene;
+use crate::methods::Surface;
+use crate::raster::view::perspective;
+use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use crate::surfels::{LEAF, frame};
+use bytemuck::bytes_of;
+use deepshade_shaders::gpu::{self, GpuError, Pass};
+use deepshade_shaders::wgsl::{self, TILE, uniforms};
+use deepshade_shaders::{Attribute, Effect, MissingAttribute};
+
+/// Facets of one run over the image: those below a node of the tree that is as high as `SLICE` of the shader says. lavapipe ends
+/// loops after 65,535 turns, of which a facet takes five or six.
+const SLICE: usize = LEAF << (2 * 4);
+
+/// The method, which has nothing to set: no sample is drawn, so that more time would not make it better.
+#[derive(Clone, Copy, Debug)]
+pub struct Volumes;
+
+/// The method, compiled for a device.
+pub type OcclusionVolumes = Compiled<Volumes>;
+
+/// The compiled passes.
+#[derive(Clone, Debug)]
+pub struct Passes {
+    facets: facets::Passes,
+    occlusion: Pass,
+}
+
+impl Passes {
+    /// The passes over the image, a slice of the facets after the other.
+    fn occlusion_steps(
+        &self,
+        device: &wgpu::Device,
+        inputs: &Inputs<'_>,
+        Facets { facets, nodes, count }: &Facets,
+        image_size: &wgpu::Buffer,
+        image: &wgpu::Buffer,
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let gbuffer = inputs.gbuffer;
+        let surface = [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
+        let groups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
+        let slices = count.div_ceil(SLICE);
+        let step = |index: usize| {
+            let last = u32::from(index + 1 == slices);
+            let slice = uniforms::FacetSlice { index: index as u32, last };
+            let slice = gpu::uniform(device, "aov.slice", &slice)?;
+            let reads = [&[image_size], &surface[..], &[&slice, facets, nodes]].concat();
+            MethodStep::bind(device, &self.occlusion, groups, &reads, &[image])
+        };
+        (0..slices).map(step).collect()
+    }
+}
+
+impl Technique for Volumes {
+    const NAME: &'static str = "aov";
+    const EFFECT: Effect = Effect::Ao;
+    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
+    const LOOKS_BEYOND: bool = true;
+    type Passes = Passes;
+
+    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
+        let shader = &wgsl::AOV_OCCLUSION;
+        let occlusion = Pass::new(device, shader.name, &shader.source())?;
+        Ok(Passes { facets: facets::Passes::new(device)?, occlusion })
+    }
+
+    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
+        let camera = perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE);
+        let sum = uniforms::FacetSum {
+            width: view.width as u32,
+            height: view.height as u32,
+            reach: view.radius,
+            background: Self::EFFECT.background().unwrap_or(0.0),
+        };
+        vec![bytes_of(&camera).to_vec(), bytes_of(&sum).to_vec()]
+    }
+
+    fn steps(
+        &self,
+        passes: &Passes,
+        device: &wgpu::Device,
+        inputs: &Inputs<'_>,
+        uniforms: &[wgpu::Buffer],
+        output: &wgpu::Buffer,
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let [view, image_size] = uniforms else {
+            unreachable!("camera and image have a uniform buffer each")
+        };
+        let (facets, mut steps) = passes.facets.steps(device, frame::scene(inputs.world)?, view)?;
+        steps.extend(passes.occlusion_steps(device, inputs, &facets, image_size, output)?);
+        Ok(steps)
+    }
+
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        let surface = Surface::of(inputs.gbuffer)?;
+        let shaded = |scene: &TracedScene| {
+            let facets = reference::facets(scene.scene(), &view.camera);
+            reference::openness(&surface, &facets, view.radius).data().to_vec()
+        };
+        Ok(inputs.scene.map(shaded).into_iter().collect())
+    }
+}

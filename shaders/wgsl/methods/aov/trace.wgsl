@@ -1,0 +1,84 @@
+// The bounced z-buffer over facets (thesis 6.2), one invocation for each of a pixel's directions: whether a facet within reach
+// hides the sky there. Of the nearest it matters only that there is one, so that the first that is met ends the walk.
+
+@group(0) @binding(0) var<uniform> rays: FacetRays;
+@group(0) @binding(4) var<storage, read> facets: array<Facet>;
+@group(0) @binding(5) var<storage, read> nodes: array<Node>;
+// Octahedral, two snorm16: [directions, height, width].
+@group(0) @binding(6) var<storage, read_write> directions: array<u32>;
+// What arrives from there, as `pack_radiance` has it: [directions, height, width].
+@group(0) @binding(7) var<storage, read_write> arrived: array<u32>;
+
+// All facets.
+var<private> totals: Totals;
+
+// What the walk asks nodes about.
+struct Query {
+    origin: vec3f,
+    direction: vec3f,
+    // One over the direction's components.
+    inverse: vec3f,
+}
+
+// Whether a ray may meet a facet below a node.
+fn reaches(node: Node, ray: Query) -> bool {
+    let a = (node.low.xyz - ray.origin) * ray.inverse;
+    let b = (node.high.xyz - ray.origin) * ray.inverse;
+    let first = min(a, b);
+    let last = max(a, b);
+    let enters = max(max(first.x, first.y), max(first.z, 0.0));
+    let leaves = min(min(last.x, last.y), min(last.z, rays.reach));
+    // Rounding may not lose what is met at a corner, nor a box without depth.
+    return enters <= leaves * 1.00001 + 1e-6 * rays.reach;
+}
+
+// Whether a ray meets a facet within reach (Moeller and Trumbore 1997), from either side.
+fn meets(facet: Facet, ray: Query) -> bool {
+    let a = point(facet.a);
+    let first = point(facet.b) - a;
+    let second = point(facet.c) - a;
+    let across = cross(ray.direction, second);
+    let size = dot(first, across);
+    let way = ray.origin - a;
+    let u = dot(way, across) / size;
+    let upwards = cross(way, first);
+    let v = dot(ray.direction, upwards) / size;
+    let distance = dot(second, upwards) / size;
+    return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0 && distance < rays.reach;
+}
+
+// Whether a ray meets a part of a facet that is there: of one that is half transparent half of the rays do.
+fn is_hidden(ray: Query, pixel: vec2u, number: u32) -> bool {
+    var walk = next_leaf(Walk(HEIGHT, 0u), 0u, ray);
+    while goes_on(walk) {
+        let begin = first_surfel(0u, walk.index);
+        for (var i = begin; i < min(begin + LEAF, totals.kept); i++) {
+            let facet = facets[i];
+            if meets(facet, ray) && random(pixel, hash(rays.seed + i), number) < part_coverage(facet.part) {
+                return true;
+            }
+        }
+        walk = next_leaf(after(walk), 0u, ray);
+    }
+    return false;
+}
+
+@compute @workgroup_size(TILE, TILE)
+fn trace(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= rays.width || id.y >= rays.height {
+        return;
+    }
+    let pixel = id.xy;
+    let pixels = rays.width * rays.height;
+    let at = pixel.y * rays.width + pixel.x;
+    if !surface_valid(at) {
+        return;
+    }
+    let normal = surface_normal(at, pixels);
+    let origin = lifted(surface_position(at, pixels), normal, rays.reach);
+    let direction = direction_of(pixel, id.z, vec2u(rays.directions, rays.seed), normal);
+    totals.kept = arrayLength(&facets);
+    let hidden = is_hidden(Query(origin, direction, inverse_of(direction)), pixel, id.z);
+    directions[at + id.z * pixels] = pack2x16snorm(to_octahedron(direction));
+    arrived[at + id.z * pixels] = pack_radiance(vec3f(select(1.0, 0.0, hidden)));
+}
