@@ -8,7 +8,7 @@ use crate::arguments::Size;
 use crate::{figures::Figures, onnxruntime};
 use anyhow::{Context, Result, bail};
 use deepshade_infer::forward::{HALF_TOLERANCE, Network, Options, OutputKind, Precision, Variant};
-use deepshade_infer::parity::{self, Activation, Comparison, Parity, TOLERANCE};
+use deepshade_infer::parity::{self, Activation, Comparison, Parity, TOLERANCE, Tolerance};
 use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, Weights, cpu, forward, reference};
 use deepshade_shaders::{Effect, Planes, gpu::Gpu};
 use deepshade_train::export::{ONNX_FILE, onnx};
@@ -25,8 +25,8 @@ const EXPLANATION: &str = "largest differences from onnxruntime's image of a pix
 #[command(after_help = "Example:\n  \
     deepshade parity --model models/ao --sizes 256x256,768x512,203x117 --json parity.json\n\n\
     Random weights are tried in both orders in which channels of two resolutions may follow each other: contiguous (all \
-    of the coarser, then all of the finer) and interleaved (group by group). Each form may differ by 1e-4, half floats by \
-    more, of the image's root mean square or of 1, whichever is greater.")]
+    of the coarser, then all of the finer) and interleaved (group by group). Each form may differ by 1e-4 of the image's root mean \
+    square or of 1, whichever is greater, half floats by 2.5e-3 of its largest magnitude or of 1.")]
 pub struct Args {
     /// Folder of a network; without it, random weights only.
     #[arg(long)]
@@ -128,8 +128,8 @@ struct Check<'a> {
 struct Wgsl {
     form: &'static str,
     network: Network,
-    /// The share of its rms by which the image may differ.
-    share: f32,
+    /// How far the image may be off.
+    tolerance: Tolerance,
 }
 
 impl Check<'_> {
@@ -151,9 +151,9 @@ impl Check<'_> {
                 ("cpu", Comparison::new(&oracle, &cpu)),
                 ("burn", Comparison::new(&oracle, &burn)),
             ];
-            for Wgsl { form, network, share } in &kernels {
+            for Wgsl { form, network, tolerance } in &kernels {
                 let (made, _) = network.run_timed(&self.gpu.queue, &input, 0, 1)?;
-                comparisons.push((form, Comparison::within(&oracle, &made, *share)));
+                comparisons.push((form, Comparison::within(&oracle, &made, *tolerance)));
             }
             // How far onnxruntime is from the reference is what the reference's column says.
             let columns = comparisons.iter().filter(|(form, _)| *form != "onnxruntime");
@@ -186,11 +186,11 @@ impl Check<'_> {
             ("burn", deepshade_train::layers_burn(&model.spec, &model.weights, input), TOLERANCE),
             ("onnxruntime", self.onnxruntime_layers(model, file, input)?, TOLERANCE),
         ];
-        for Wgsl { form, network, share } in kernels {
-            forms.push((form, forward::run_layers(network, &self.gpu.queue, input)?, *share));
+        for Wgsl { form, network, tolerance } in kernels {
+            forms.push((form, forward::run_layers(network, &self.gpu.queue, input)?, *tolerance));
         }
-        for (form, layers, share) in forms {
-            if let Some((layer, difference)) = parity::first_difference_within(&plain, &layers, share) {
+        for (form, layers, tolerance) in forms {
+            if let Some((layer, difference)) = parity::first_difference_within(&plain, &layers, tolerance) {
                 let Comparison { max_abs, tolerance } = difference;
                 self.faults.push(format!(
                     "{what}: {form} differs from the reference first in layer `{layer}`: {max_abs:e} > {tolerance:e}"
@@ -238,9 +238,9 @@ fn kernels(gpu: &Gpu, model: &Model) -> Result<Vec<Wgsl>> {
     if gpu.device.features().contains(wgpu::Features::SHADER_F16) {
         kinds.push(("wgsl_half", for_cards(), Precision::F16, HALF_TOLERANCE));
     }
-    let made = |(form, variant, precision, share)| {
+    let made = |(form, variant, precision, tolerance)| {
         let options = Options { variant: Some(variant), precision, ..Options::default() };
-        Ok(Wgsl { form, network: Network::with(&gpu.device, spec, weights, &options)?, share })
+        Ok(Wgsl { form, network: Network::with(&gpu.device, spec, weights, &options)?, tolerance })
     };
     kinds.into_iter().map(made).collect()
 }

@@ -49,15 +49,16 @@ pub(crate) use tiles::{Tile, Tiling};
 pub use tuning::Tuning;
 pub use variant::{Precision, Variant};
 
+use crate::parity::Tolerance;
 use deepshade_shaders::gpu::GpuError;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Largest difference of an image that was made with feature maps in half floats, as a share of max(1, rms of the
-/// reference): a half float has 11 bits, so a map's elements are off by at most 2^-12 of themselves, 2.4e-4. A layer
-/// averages its inputs' errors, which have either sign, and adds its own; of the eleven layers of a network for ambient
-/// occlusion each adds about 1e-4 rms, and the largest of a million normally distributed errors is five times the rms.
-pub const HALF_TOLERANCE: f32 = 5e-3;
+/// How far an image that was made with feature maps in half floats may be off. A half float has 11 bits, so that a map's
+/// elements are off by at most 2^-12 of themselves, 2.4e-4. Every layer passes its inputs' errors on, which have either sign,
+/// and adds its own: ten times that of the largest element. Networks with random weights come to a fourth of it at most; a
+/// trained one whose last layer predicts kernels, the exponents of which errors go into, to nine tenths.
+pub const HALF_TOLERANCE: Tolerance = Tolerance { of_rms: 0.0, of_largest: 2.5e-3 };
 
 /// Why a network does not run on a device.
 #[derive(Debug, Error)]

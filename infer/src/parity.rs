@@ -5,8 +5,24 @@ use crate::{ModelError, NetSpec};
 use deepshade_shaders::{Planes, random::random};
 use std::path::Path;
 
-/// Largest difference allowed, as a share of max(1, rms of the reference).
-pub const TOLERANCE: f32 = 1e-4;
+/// How far elements of an image may be off: so much as these shares of the reference come to together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Of its rms, or of 1 if that is greater.
+    pub of_rms: f32,
+    /// Of its largest magnitude, or of 1 if that is greater.
+    pub of_largest: f32,
+}
+
+/// What 32-bit floats may do.
+pub const TOLERANCE: Tolerance = Tolerance { of_rms: 1e-4, of_largest: 0.0 };
+
+impl Tolerance {
+    /// The largest difference that a reference allows.
+    fn of(self, reference: &Planes) -> f32 {
+        self.of_rms * rms(reference).max(1.0) + self.of_largest * largest(reference).max(1.0)
+    }
+}
 
 /// What a layer made: its image after the activation, `[outputs, height, width]` of its level of the padded frame.
 /// The last layer's image is cropped to the size of the network's input.
@@ -23,7 +39,7 @@ pub struct Activation {
 pub struct Comparison {
     /// Largest absolute difference of two elements; infinite where the shapes differ or a number is not finite.
     pub max_abs: f32,
-    /// Largest difference allowed: a share, [`TOLERANCE`] where none is stated, of max(1, rms of the reference).
+    /// Largest difference allowed: by [`TOLERANCE`] where nothing else is stated.
     pub tolerance: f32,
 }
 
@@ -33,8 +49,8 @@ impl Comparison {
         Self::within(reference, image, TOLERANCE)
     }
 
-    /// As [`Comparison::new`], with another share allowed.
-    pub fn within(reference: &Planes, image: &Planes, share: f32) -> Self {
+    /// As [`Comparison::new`], with another tolerance.
+    pub fn within(reference: &Planes, image: &Planes, tolerance: Tolerance) -> Self {
         let difference =
             |(a, b): (&f32, &f32)| if (a - b).is_finite() { (a - b).abs() } else { f32::INFINITY };
         let max_abs = if reference.same_shape(image) {
@@ -42,7 +58,7 @@ impl Comparison {
         } else {
             f32::INFINITY
         };
-        Self { max_abs, tolerance: share * rms(reference).max(1.0) }
+        Self { max_abs, tolerance: tolerance.of(reference) }
     }
 
     /// Whether the difference is within the tolerance.
@@ -57,16 +73,16 @@ pub fn first_difference(reference: &[Activation], made: &[Activation]) -> Option
     first_difference_within(reference, made, TOLERANCE)
 }
 
-/// As [`first_difference`], with another share than [`TOLERANCE`] allowed.
+/// As [`first_difference`], with another tolerance.
 pub fn first_difference_within(
     reference: &[Activation],
     made: &[Activation],
-    share: f32,
+    tolerance: Tolerance,
 ) -> Option<(String, Comparison)> {
     let missing = Activation { layer: String::new(), planes: Planes::filled(0, 0, 0, 0.0) };
     reference.iter().enumerate().find_map(|(index, reference)| {
         let made = made.get(index).filter(|made| made.layer == reference.layer).unwrap_or(&missing);
-        let comparison = Comparison::within(&reference.planes, &made.planes, share);
+        let comparison = Comparison::within(&reference.planes, &made.planes, tolerance);
         (!comparison.agrees()).then(|| (reference.layer.clone(), comparison))
     })
 }
@@ -75,6 +91,11 @@ pub fn first_difference_within(
 pub fn rms(image: &Planes) -> f32 {
     let sum: f64 = image.data().iter().map(|value| f64::from(*value).powi(2)).sum();
     (sum / image.data().len().max(1) as f64).sqrt() as f32
+}
+
+/// Largest magnitude of all elements.
+fn largest(image: &Planes) -> f32 {
+    image.data().iter().fold(0.0, |largest, value| largest.max(value.abs()))
 }
 
 /// Random numbers, evenly distributed in [-sqrt(3), sqrt(3)) and so of rms 1: an input for comparisons.

@@ -183,10 +183,10 @@ fn every_shape_of_kernels() {
         let expected = reference::layers(&model.spec, &model.weights, &input);
         let candidates = Variant::candidates(&gpu.device.limits(), &model.spec, OutputKind::Buffer);
         assert!(candidates.len() > 5);
-        for (precision, share) in [(Precision::F32, TOLERANCE), (Precision::F16, HALF_TOLERANCE)] {
+        for (precision, tolerance) in [(Precision::F32, TOLERANCE), (Precision::F16, HALF_TOLERANCE)] {
             for variant in &candidates {
                 let made = layers(&gpu, &model, variant, precision, &input);
-                let difference = first_difference_within(&expected, &made, share);
+                let difference = first_difference_within(&expected, &made, tolerance);
                 assert_eq!(difference, None, "{variant:?}, {precision:?}");
             }
         }
@@ -217,7 +217,7 @@ fn a_wrong_layer_is_found_where_it_is() {
     let input = noise(6, 24, 24, 1);
     let expected = reference::layers(&model.spec, &model.weights, &input);
     let guess = guess(&gpu, &model.spec);
-    for (variant, precision, share) in [
+    for (variant, precision, tolerance) in [
         (Variant::Software, Precision::F32, TOLERANCE),
         (guess.clone(), Precision::F32, TOLERANCE),
         (guess, Precision::F16, HALF_TOLERANCE),
@@ -227,7 +227,7 @@ fn a_wrong_layer_is_found_where_it_is() {
             wrong.weights.0[index].weight.reverse();
             let made = layers(&gpu, &wrong, &variant, precision, &input);
             let (found, _) =
-                first_difference_within(&expected, &made, share).expect("the weights are reversed");
+                first_difference_within(&expected, &made, tolerance).expect("the weights are reversed");
             assert_eq!(found, layer.name);
         }
     }

@@ -1,7 +1,7 @@
 //! Textures instead of buffers: a renderer's g-buffer in, an image out.
 
 use deepshade_infer::forward::{HALF_TOLERANCE, Input, InputKind, Options, Output, OutputKind, Precision};
-use deepshade_infer::parity::{Comparison, TOLERANCE, noise};
+use deepshade_infer::parity::{Comparison, TOLERANCE, Tolerance, noise};
 use deepshade_infer::{ChannelOrder, Colour, Filter, NetSpec, Network, Reach, Scaling, Weights, reference};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, AttributeKind, Effect, GBuffer, Planes};
@@ -149,12 +149,13 @@ fn textures_give_what_buffers_give() {
             let input = (&views[..], run);
             let images = images_by_textures(&gpu, &network, input, &scalings, [height, width], format);
             // A conversion to half floats may cut off, so that values, below 8, are off by at most 2^-10 of that.
-            let of_image = if format == TextureFormat::Rgba16Float { 8e-3 } else { TOLERANCE };
-            let share = if precision == Precision::F16 { of_image + HALF_TOLERANCE } else { of_image };
+            let of_rms = if format == TextureFormat::Rgba16Float { 8e-3 } else { TOLERANCE.of_rms };
+            let kind = if precision == Precision::F16 { HALF_TOLERANCE } else { TOLERANCE };
+            let tolerance = Tolerance { of_rms, ..kind };
             for (scaling, image) in scalings.into_iter().zip(images) {
                 let planes = spec.input(&gbuffer, scaling, run).expect("all is there");
                 let expected = reference::forward(&spec, &weights, &planes);
-                let comparison = Comparison::within(&expected, &image, share);
+                let comparison = Comparison::within(&expected, &image, tolerance);
                 assert!(
                     comparison.agrees(),
                     "{spec:?}, run {run}, {precision:?}, {scaling:?}: {comparison:?}"

@@ -211,11 +211,11 @@ fn a_host_that_knows_the_files_alone_makes_the_networks_image() {
         let mut wrong = model.clone();
         wrong.weights.0[0].weight.reverse();
         let kinds = [(Precision::F32, TOLERANCE), (Precision::F16, HALF_TOLERANCE)];
-        for (precision, share) in kinds.into_iter().filter(|(kind, _)| half || *kind == Precision::F32) {
+        for (precision, tolerance) in kinds.into_iter().filter(|(kind, _)| half || *kind == Precision::F32) {
             let compare = |model: &Model| {
                 let files = wgsl_files(model, precision).expect("files");
                 let made = Host::new(&gpu, &files, [width, height]).run(&input);
-                Comparison::within(&expected, &made, share)
+                Comparison::within(&expected, &made, tolerance)
             };
             let comparison = compare(&model);
             assert!(comparison.agrees(), "{:?}, {precision:?}: {comparison:?}", model.spec.effect);

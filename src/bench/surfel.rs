@@ -101,7 +101,16 @@ pub fn run(args: &Args) -> Result<()> {
     let area = first.area_error(args.quality)?;
     let memory = match measured.iter().find(|one| one.is(Effect::Ao, METHODS[0], PAPER)) {
         Some(found) => found.cost.megabytes,
-        None => Measured::new(&*methods::open_screen(Effect::Ao, METHODS[0], &gpu, args.quality)?, &subject(PAPER)?, PAPER, 1)?.cost.megabytes,
+        None => {
+            Measured::new(
+                &*methods::open_screen(Effect::Ao, METHODS[0], &gpu, args.quality)?,
+                &subject(PAPER)?,
+                PAPER,
+                1,
+            )?
+            .cost
+            .megabytes
+        }
     };
     let memory = memory + (first.patches() * size_of::<Patch>()) as f64 * 1e-6;
     let usual = surfel::Parameters::of(args.quality);

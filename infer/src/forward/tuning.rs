@@ -235,11 +235,11 @@ impl Trial<'_> {
         let network = Network::with(&self.gpu.device, self.spec, &self.weights, &options)?;
         let input = noise(self.spec.input_channels(), PROOF[0], PROOF[1], 1);
         let made = super::run_layers(&network, &self.gpu.queue, &input)?;
-        let share = match self.precision {
+        let tolerance = match self.precision {
             Precision::F32 => TOLERANCE,
             Precision::F16 => HALF_TOLERANCE,
         };
-        let wrong = first_difference_within(&self.expected, &made, share).map(|(layer, _)| layer);
+        let wrong = first_difference_within(&self.expected, &made, tolerance).map(|(layer, _)| layer);
         if let Some(layer) = &wrong {
             notes.push(format!("layer `{layer}` is wrong with {variant:?}"));
         }

@@ -140,7 +140,10 @@ mod tests {
             assert!((painted.colour() - colour).abs().max_element() < 1e-3, "{colour}");
             assert!((painted.coverage() - coverage).abs() < 1e-3, "{coverage}");
             assert_eq!((painted.halvings(), painted.weights()), (9, part.weights()));
-            assert_eq!((painted.white().colour(), painted.white().coverage()), (Vec3::ONE, painted.coverage()));
+            assert_eq!(
+                (painted.white().colour(), painted.white().coverage()),
+                (Vec3::ONE, painted.coverage())
+            );
         }
     }
 }

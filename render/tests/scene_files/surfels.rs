@@ -94,7 +94,7 @@ fn surfels_at(gpu: &Gpu, path: &Path, time: f32) -> Vec<Surfel> {
     let uniforms: Vec<wgpu::Buffer> = frame::uniforms(&fine, &view(100.0))
         .map(|bytes| gpu::uniforms(device, "test", &bytes).expect("room"))
         .collect();
-    let (cloud, steps) = frame::steps(&passes, device, Some(&world), &uniforms, false).expect("room");
+    let (cloud, steps) = frame::steps(&passes, device, Some(&world), &uniforms, None).expect("room");
     gpu::submit(device, queue, "test", |encoder| {
         steps.iter().for_each(|MethodStep { step, .. }| step.encode(encoder, "test", None));
     })

@@ -15,6 +15,7 @@ use crate::path::{self, Sampling, Shot};
 use crate::scene::{Light, Material, MaterialId};
 use crate::screen::ScreenMethod;
 use deepshade_shaders::{Attribute, Effect, GBuffer};
+use std::f32::consts::PI;
 
 type Seen = (TracedScene, View, GBuffer);
 
