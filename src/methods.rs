@@ -60,7 +60,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 28] = [
+const ALL: [Entry; 30] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -110,6 +110,12 @@ const ALL: [Entry; 28] = [
             gpu,
             bounced_z::Parameters::of(quality).into(),
         )?))
+    }),
+    screen(Effect::Glossy, "surfel", |gpu, quality| {
+        Ok(Box::new(surfel::glossy::SurfelGlossy::new(gpu, surfel::Parameters::of(quality).into())?))
+    }),
+    screen(Effect::Glossy, "bounced-z", |gpu, quality| {
+        Ok(Box::new(bounced_z::glossy::BouncedGlossy::new(gpu, bounced_z::Parameters::of(quality).into())?))
     }),
     screen(Effect::Ibl, "prefiltered", |gpu, quality| {
         Ok(Box::new(prefiltered::Prefiltered::new(gpu, prefiltered::Parameters::of(quality))?))

@@ -49,12 +49,11 @@ pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
     #[arg(long)]
     scene: SceneSource,
-    /// What is computed: ao, do, gi, ibl, sss, subsurface, dof, motion-blur, aa, multi, fog-direct, fog-indirect,
-    /// fog-multiple or path; the README says what each of them is.
+    /// What is computed: ao, do, gi, glossy, ibl, sss, subsurface, dof, motion-blur, aa, multi, fog-direct,
+    /// fog-indirect, fog-multiple or path; the README says what each of them is.
     #[arg(long, default_value = "path")]
     effect: Effect,
-    /// Which of the effect's light: of path emitted, direct, first-indirect (after one bounce) or rest; of gi glossy (what
-    /// the specular lobe reflects, in place of the irradiance that arrives).
+    /// Which of the effect's light: of path emitted, direct, first-indirect (after one bounce) or rest.
     #[arg(long, default_value = "all")]
     part: String,
     #[command(flatten)]
@@ -152,7 +151,7 @@ pub fn run(args: &Args) -> Result<()> {
         "{}: {} ({}), {} samples a pixel in {seconds:.1} s",
         exr.display(),
         args.effect,
-        part.unit(args.effect),
+        args.effect.unit(),
         estimate.samples
     )?;
     say!("mean {:.4}, noise {:.2} % of the values", mean(&estimate.mean), 100.0 * noise.sqrt())?;
@@ -228,7 +227,7 @@ fn provenance(
         ("medium", args.additions.medium_in_words()),
         ("effect", args.effect.to_string()),
         ("part", part.to_string()),
-        ("units", part.unit(args.effect).to_owned()),
+        ("units", args.effect.unit().to_owned()),
         ("radius_metres", radius.to_string()),
         ("samples", samples.to_string()),
         ("scramblings", SCRAMBLINGS.to_string()),

@@ -19,6 +19,7 @@ pub const fn attributes(effect: Effect) -> &'static [Attribute] {
         Effect::Do => &[WorldNormal, Normal, Position, Valid],
         // The diffuse colour is for looking at the indirect light as it is added to an image.
         Effect::Gi => &[Normal, Position, DiffuseLight, Diffuse, Valid],
+        Effect::Glossy => &[Position, Normal, Specular, Glossiness, DiffuseLight, Valid],
         Effect::Ibl => &[WorldNormal, ToCamera, Diffuse, Specular, Glossiness, Valid],
         Effect::Sss => &[Position, MeanFreePath, Light, Valid],
         // The walk below the surface ends where it began in another direction, and takes on the surface's colour.

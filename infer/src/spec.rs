@@ -178,7 +178,8 @@ impl NetSpec {
             Effect::Ibl => (&[WorldNormal, ToCamera, Diffuse, Specular, Glossiness], 300, 1, 1, Colour::Rgb),
             Effect::Do => (&[WorldNormal, Normal, Position], 16, 5, 3, Colour::Rgb),
             Effect::Real => (&[Normal], 16, 5, 5, Colour::Rgb),
-            Effect::Subsurface
+            Effect::Glossy
+            | Effect::Subsurface
             | Effect::FogDirect
             | Effect::FogIndirect
             | Effect::FogMultiple

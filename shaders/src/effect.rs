@@ -15,6 +15,9 @@ pub enum Effect {
     /// Diffuse indirect light: irradiance, divided by pi, of light that was reflected diffusely once within a radius,
     /// RGB. Times the diffuse colour it is the indirect radiance (thesis 7.4).
     Gi,
+    /// Glossy indirect light: the radiance that a surface's specular lobe reflects to the eye of light that was reflected
+    /// diffusely once within a radius, RGB (thesis 4.3).
+    Glossy,
     /// Image-based lighting: radiance reflected from an environment map that nothing blocks, by the Phong model, RGB.
     Ibl,
     /// Subsurface scattering in screen space: direct light gathered from the image's other pixels by Christensen's
@@ -44,10 +47,11 @@ pub enum Effect {
 
 impl Effect {
     /// Every effect.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Ao,
         Self::Do,
         Self::Gi,
+        Self::Glossy,
         Self::Ibl,
         Self::Sss,
         Self::Subsurface,
@@ -68,6 +72,7 @@ impl Effect {
             Self::Ao => "ao",
             Self::Do => "do",
             Self::Gi => "gi",
+            Self::Glossy => "glossy",
             Self::Ibl => "ibl",
             Self::Sss => "sss",
             Self::Subsurface => "subsurface",
@@ -96,7 +101,7 @@ impl Effect {
     pub const fn background(self) -> Option<f32> {
         match self {
             Self::Ao => Some(1.0),
-            Self::Do | Self::Gi | Self::Ibl | Self::Sss | Self::Subsurface => Some(0.0),
+            Self::Do | Self::Gi | Self::Glossy | Self::Ibl | Self::Sss | Self::Subsurface => Some(0.0),
             Self::Dof
             | Self::MotionBlur
             | Self::Aa
@@ -117,6 +122,7 @@ impl Effect {
             Self::Ao
             | Self::Do
             | Self::Gi
+            | Self::Glossy
             | Self::Ibl
             | Self::FogDirect
             | Self::FogIndirect
@@ -133,6 +139,7 @@ impl Effect {
             Self::Ao
             | Self::Do
             | Self::Gi
+            | Self::Glossy
             | Self::Ibl
             | Self::Subsurface
             | Self::FogDirect

@@ -102,14 +102,8 @@ pub fn run(args: &Args) -> Result<()> {
     let memory = match measured.iter().find(|one| one.is(Effect::Ao, METHODS[0], PAPER)) {
         Some(found) => found.cost.megabytes,
         None => {
-            Measured::new(
-                &*methods::open_screen(Effect::Ao, METHODS[0], &gpu, args.quality)?,
-                &subject(PAPER)?,
-                PAPER,
-                1,
-            )?
-            .cost
-            .megabytes
+            let method = methods::open_screen(Effect::Ao, METHODS[0], &gpu, args.quality)?;
+            Measured::new(method.as_ref(), &subject(PAPER)?, PAPER, 1)?.cost.megabytes
         }
     };
     let memory = memory + (first.patches() * size_of::<Patch>()) as f64 * 1e-6;

@@ -4,7 +4,7 @@ use anyhow::{Result, bail};
 use deepshade_shaders::Effect;
 
 /// Effects that reach no further than a radius.
-pub const RADIUS: &[Effect] = &[Effect::Ao, Effect::Do, Effect::Gi, Effect::Multi];
+pub const RADIUS: &[Effect] = &[Effect::Ao, Effect::Do, Effect::Gi, Effect::Glossy, Effect::Multi];
 /// Effects of a moment that lasts.
 pub const SHUTTER: &[Effect] = &[Effect::MotionBlur];
 /// Effects of light on its way through a medium.
@@ -26,6 +26,7 @@ pub const LENS: &[Effect] = &[
 pub const ENVIRONMENT: &[Effect] = &[
     Effect::Do,
     Effect::Gi,
+    Effect::Glossy,
     Effect::Ibl,
     Effect::Dof,
     Effect::MotionBlur,

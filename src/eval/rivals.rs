@@ -67,7 +67,7 @@ pub const fn trivial_name(effect: Effect) -> &'static str {
     match effect {
         Effect::Ao => "white",
         // The camera of a capture knows of no light.
-        Effect::Do | Effect::Gi | Effect::Ibl | Effect::Real => "black",
+        Effect::Do | Effect::Gi | Effect::Glossy | Effect::Ibl | Effect::Real => "black",
         _ => "light",
     }
 }

@@ -171,6 +171,7 @@ const fn title(effect: Effect) -> &'static str {
         Effect::Ao => "Ambient occlusion",
         Effect::Do => "Directional occlusion",
         Effect::Gi => "Diffuse indirect light",
+        Effect::Glossy => "Indirect light in glossy surfaces",
         Effect::Ibl => "Image-based lighting",
         Effect::Sss => "Subsurface scattering in screen space",
         Effect::Subsurface => "Subsurface scattering",

@@ -14,7 +14,7 @@ const fn keys(effect: Effect) -> (Option<&'static str>, &'static [&'static str])
         Effect::Ao => (None, &[]),
         Effect::Do => (Some("environment"), &[]),
         Effect::Ibl => (Some("environment"), &["materials", "textures"]),
-        Effect::Gi => (None, SHADING),
+        Effect::Gi | Effect::Glossy => (None, SHADING),
         Effect::Aa => (None, BY_LAMPS),
         Effect::Sss | Effect::Subsurface => (Some("mean_free_path"), BY_LAMPS),
         Effect::Dof | Effect::Multi => (Some("lens"), BY_LAMPS),

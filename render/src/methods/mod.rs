@@ -10,6 +10,7 @@ pub mod fxaa;
 pub mod gather;
 pub mod gtao;
 pub mod hbao;
+pub mod lobe;
 pub mod march;
 mod picture;
 pub mod prefiltered;

@@ -21,13 +21,13 @@ mod phong;
 #[cfg(test)]
 mod tests;
 
+pub use fresnel::Fresnel;
+pub use ggx::Ggx;
 pub use phong::Phong;
 
 use super::sampler::{Stream, cosine_hemisphere, frame};
 use crate::intersection::SurfacePoint;
 use crate::scene::{Gloss, Surface};
-use fresnel::Fresnel;
-use ggx::Ggx;
 use glam::{Mat3, Vec3};
 use phong::mirrored;
 use std::f32::consts::FRAC_1_PI;

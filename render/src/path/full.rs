@@ -37,7 +37,7 @@ impl Integrator for FullPath<'_> {
             Part::Direct => split(stream).direct,
             Part::FirstIndirect => split(stream).first_indirect,
             Part::Rest => split(stream).rest,
-            Part::All | Part::Glossy => self.transport.radiance(origin, direction, stream),
+            Part::All => self.transport.radiance(origin, direction, stream),
         }
     }
 }

@@ -6,9 +6,7 @@
 //! direct light and not counted. Times the receiver's diffuse colour it is radiance. Blended surfaces send, and let
 //! through, by their opacity, as in [`Transport`](super::transport::Transport).
 //!
-//! Receivers may also be glossy: then it is the radiance that the receiver's specular lobe reflects to the eye of that
-//! same light. Radiance of a lobe is no irradiance, so the effect `gi` is that of [`Receiver::Diffuse`], and programs
-//! that want the other make their integrator with [`Receiver::Glossy`].
+//! The effect `glossy` is the radiance that the receiver's specular lobe reflects to the eye of that same light.
 
 use super::Shot;
 use super::at_surface::{SurfaceEffect, Visible};

@@ -136,9 +136,7 @@ pub fn integrator<'a>(effect: Effect, shot: &Shot<'a>) -> Box<dyn Integrator + '
     match effect {
         Effect::Ao => Box::new(AtSurface::new(shot, Ao::new(shot))),
         Effect::Do => Box::new(AtSurface::new(shot, Directional::new(shot))),
-        Effect::Gi if shot.part == Part::Glossy => {
-            Box::new(AtSurface::new(shot, Gi::new(shot, Receiver::Glossy)))
-        }
+        Effect::Glossy => Box::new(AtSurface::new(shot, Gi::new(shot, Receiver::Glossy))),
         Effect::Gi => Box::new(AtSurface::new(shot, Gi::new(shot, Receiver::Diffuse))),
         Effect::Ibl => Box::new(AtSurface::new(shot, Ibl::new(shot))),
         Effect::Sss => Box::new(ScreenSpaceScattering::new(shot)),

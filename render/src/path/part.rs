@@ -16,14 +16,11 @@ pub enum Part {
     FirstIndirect,
     /// Of `path`: light that was reflected or scattered more often.
     Rest,
-    /// Of `gi`: radiance that the specular lobe reflects to the eye, in place of the irradiance that arrives.
-    Glossy,
 }
 
 impl Part {
     /// Every part.
-    pub const ALL: [Self; 6] =
-        [Self::All, Self::Emitted, Self::Direct, Self::FirstIndirect, Self::Rest, Self::Glossy];
+    pub const ALL: [Self; 5] = [Self::All, Self::Emitted, Self::Direct, Self::FirstIndirect, Self::Rest];
 
     /// Its name on the command line and in files.
     pub const fn name(self) -> &'static str {
@@ -33,15 +30,6 @@ impl Part {
             Self::Direct => "direct",
             Self::FirstIndirect => "first-indirect",
             Self::Rest => "rest",
-            Self::Glossy => "glossy",
-        }
-    }
-
-    /// What the numbers of this part of an effect's image mean.
-    pub const fn unit(self, effect: Effect) -> &'static str {
-        match self {
-            Self::Glossy => "radiance",
-            Self::All | Self::Emitted | Self::Direct | Self::FirstIndirect | Self::Rest => effect.unit(),
         }
     }
 
@@ -62,7 +50,6 @@ impl Part {
         match self {
             Self::All => true,
             Self::Emitted | Self::Direct | Self::FirstIndirect | Self::Rest => effect == Effect::Path,
-            Self::Glossy => effect == Effect::Gi,
         }
     }
 }
@@ -103,12 +90,11 @@ mod tests {
     #[test]
     fn parts_belong_to_effects() {
         for part in Part::ALL {
-            let effect = if part == Part::Glossy { Effect::Gi } else { Effect::Path };
-            assert_eq!(Part::named(part.name(), effect), Ok(part));
+            assert_eq!(Part::named(part.name(), Effect::Path), Ok(part));
             assert_eq!(part.is_of(Effect::Ao), part == Part::All);
         }
         let refused = |name| Part::named(name, Effect::Gi).expect_err("none of its parts");
-        assert_eq!(refused("rest"), "gi has no part `rest`; there is all, glossy");
-        assert!(Part::Direct.is_of(Effect::Path) && !Part::Glossy.is_of(Effect::Path));
+        assert_eq!(refused("rest"), "gi has no part `rest`; there is all");
+        assert!(Part::Direct.is_of(Effect::Path));
     }
 }

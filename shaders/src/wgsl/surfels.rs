@@ -26,7 +26,7 @@ table! {
     /// Ambient occlusion of a level.
     SURFEL_OCCLUSION: "surfel.occlusion", file "methods/surfel/splat", constants [CHANNELS = 1, HEIGHT = 8], uniforms [SplatLevel],
         shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree",
-                "surfel_walk", "surfel_reach_by_radius", "surfel_form_factor", "surfel_receiver", "surfel_occlusion"];
+                "surfel_walk", "surfel_reach_by_radius", "surfel_facing", "surfel_form_factor", "surfel_receiver", "surfel_occlusion"];
     /// The sum of all levels of ambient occlusion.
     SURFEL_OPENNESS: "surfel.openness", file "methods/surfel/add", constants [CHANNELS = 1], uniforms [LevelSum],
         shared ["surfel_openness"];
@@ -39,7 +39,13 @@ table! {
     /// Indirect light of a level.
     SURFEL_LIGHT: "surfel.light", file "methods/surfel/splat", constants [CHANNELS = 3, HEIGHT = 8], uniforms [SplatLevel],
         shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree", "surfel_walk", "surfel_reach_if_lit",
-                "surfel_form_factor", "surfel_receiver", "surfel_colour", "surfel_light"];
+                "surfel_facing", "surfel_form_factor", "surfel_receiver", "surfel_colour", "surfel_light"];
+    /// What glossy receivers read of each pixel.
+    GLOSS: "gloss", file "methods/gloss", constants [], uniforms [], shared [];
+    /// Light of a level that glossy surfaces reflect.
+    SURFEL_GLOSSY: "surfel.glossy", file "methods/surfel/splat", constants [CHANNELS = 3, HEIGHT = 8], uniforms [SplatLevel],
+        shared ["random", "glossy_surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree", "surfel_walk", "surfel_reach_if_lit",
+                "surfel_facing", "lobe", "surfel_colour", "surfel_glossy"];
     /// The sum of all levels of indirect light.
     SURFEL_INDIRECT: "surfel.indirect", file "methods/surfel/add", constants [CHANNELS = 3], uniforms [LevelSum],
         shared ["surfel_sum"];
@@ -47,7 +53,7 @@ table! {
     SURFEL_BLOCKED: "surfel.blocked", file "methods/surfel/splat", constants [CHANNELS = 3, BLOCKED_HEIGHT = 16, HEIGHT = 8],
         uniforms [SplatLevel, FrameView],
         shared ["view", "random", "surface", "bounded", "packing", "interleaved", "environment", "surfel", "surfel_tree",
-                "surfel_walk", "surfel_reach_by_radius", "surfel_form_factor", "surfel_receiver", "surfel_colour",
+                "surfel_walk", "surfel_reach_by_radius", "surfel_facing", "surfel_form_factor", "surfel_receiver", "surfel_colour",
                 "surfel_blocked"];
     /// Light of the environment less what is blocked.
     SURFEL_OPEN: "surfel.open", file "methods/surfel/open", constants [OPEN_HEIGHT = 32],
@@ -63,14 +69,21 @@ table! {
     /// What of a white sky a pixel's rays see past surfels.
     BOUNCED_SKY: "bounced-z.sky", file "methods/bounced_z/trace", constants [HEIGHT = 8], uniforms [Bounces],
         shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree", "surfel_walk",
-                "bounced_directions", "bounced_sky"];
+                "tangents", "bounced_directions", "bounced_matte", "bounced_sky"];
     /// What light surfels send along a pixel's rays.
     BOUNCED_LIGHT: "bounced-z.light", file "methods/bounced_z/trace", constants [HEIGHT = 8], uniforms [Bounces],
         shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree", "surfel_walk",
-                "bounced_directions", "bounced_light"];
+                "tangents", "bounced_directions", "bounced_matte", "bounced_light"];
+    /// The same along directions that glossy surfaces reflect to the eye.
+    BOUNCED_GLOSSY: "bounced-z.glossy", file "methods/bounced_z/trace", constants [HEIGHT = 8], uniforms [Bounces],
+        shared ["random", "glossy_surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree", "surfel_walk",
+                "tangents", "bounced_directions", "lobe", "bounced_glossy", "bounced_light"];
     /// What neighbouring pixels' rays say of a pixel.
     BOUNCED_FILTER: "bounced-z.filter", file "methods/bounced_z/filter", constants [CHANNELS = 1], uniforms [BounceWindow],
-        shared ["surface", "bounded", "packing"];
+        shared ["surface", "bounded", "packing", "tangents", "bounced_matte"];
+    /// The same of glossy surfaces.
+    BOUNCED_GLOSSY_FILTER: "bounced-z.glossy_filter", file "methods/bounced_z/filter", constants [CHANNELS = 3],
+        uniforms [BounceWindow], shared ["glossy_surface", "bounded", "packing", "tangents", "lobe", "bounced_glossy"];
     /// Facets, and the lowest nodes of the tree over them.
     AOV_FACETS: "aov.facets", file "methods/aov/facets", constants [HEIGHT = 10], uniforms [],
         shared ["surfel", "surfel_patch_record", "patch_corners", "surfel_tree", "facet"];
@@ -85,5 +98,5 @@ table! {
     /// Which of a pixel's rays facets hide.
     AOV_TRACE: "aov.trace", file "methods/aov/trace", constants [HEIGHT = 10], uniforms [FacetRays],
         shared ["random", "surface", "packing", "interleaved", "surfel", "surfel_patch_record", "surfel_tree",
-                "surfel_walk", "facet", "bounced_directions"];
+                "surfel_walk", "facet", "tangents", "bounced_directions", "bounced_matte"];
 }

@@ -5,8 +5,8 @@
 // A map of BLOCKED_HEIGHT rows.
 @group(0) @binding(9) var<storage, read> environment: array<vec4f>;
 
-fn added(sum: vec3f, surfel: Surfel, radius: f32, way: vec3f, squared: f32, receiver: Receiver) -> vec3f {
-    let share = form_factor(surfel, radius, way, squared, receiver.normal);
+fn added(sum: vec3f, surfel: Surfel, way: vec3f, squared: f32, receiver: Receiver) -> vec3f {
+    let share = form_factor(surfel, way, squared, receiver.normal);
     if share == 0.0 {
         return sum;
     }

@@ -45,7 +45,7 @@ fn profile_share(radius: f32, distance: f32, scales: vec3f) -> vec3f {
     return select(vec3f(0.0), (slow * slow * slow + slow) * (radius * radius / (8.0 * distance)) / d, scales > vec3f(0.0));
 }
 
-fn added(sum: mat2x3f, surfel: Surfel, radius: f32, way: vec3f, squared: f32, receiver: Receiver) -> mat2x3f {
+fn added(sum: mat2x3f, surfel: Surfel, way: vec3f, squared: f32, receiver: Receiver) -> mat2x3f {
     let distance = sqrt(squared);
     // What is nearer than a surfel is large is the pixel's own.
     if distance <= surfel.place.w || f32(patches[surfel.patch_index].object) != receiver.object {
@@ -56,7 +56,7 @@ fn added(sum: mat2x3f, surfel: Surfel, radius: f32, way: vec3f, squared: f32, re
     if outwards < 0.0 && (surfel.normal & 1u) == 0u {
         return sum;
     }
-    let share = profile_share(radius, distance, receiver.scales);
+    let share = profile_share(surfel.place.w, distance, receiver.scales);
     // No light falls on the inside of a body.
     let light = unpack_radiance(surfel.front) + unpack_radiance(surfel.back);
     return sum + mat2x3f(share * light, share);

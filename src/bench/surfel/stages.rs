@@ -23,7 +23,7 @@ pub enum Stage {
 }
 
 /// Which shader belongs to which stage.
-static SHADERS: [(Stage, &Shader); 27] = [
+static SHADERS: [(Stage, &Shader); 31] = [
     (Stage::Surfels, &wgsl::SURFELS_VERTICES),
     (Stage::Surfels, &wgsl::SURFELS_MEASURE),
     (Stage::Surfels, &wgsl::SURFELS_SUM),
@@ -38,15 +38,19 @@ static SHADERS: [(Stage, &Shader); 27] = [
     (Stage::Tree, &wgsl::AOV_PARENTS),
     (Stage::Splat, &wgsl::SURFEL_OCCLUSION),
     (Stage::Splat, &wgsl::SURFEL_LIGHT),
+    (Stage::Splat, &wgsl::GLOSS),
+    (Stage::Splat, &wgsl::SURFEL_GLOSSY),
     (Stage::Splat, &wgsl::SURFEL_BLOCKED),
     (Stage::Splat, &wgsl::SURFEL_BODIES),
     (Stage::Splat, &wgsl::SURFEL_GIVEN),
     (Stage::Splat, &wgsl::BOUNCED_SKY),
     (Stage::Splat, &wgsl::BOUNCED_LIGHT),
+    (Stage::Splat, &wgsl::BOUNCED_GLOSSY),
     (Stage::Splat, &wgsl::AOV_OCCLUSION),
     (Stage::Splat, &wgsl::AOV_TRACE),
     (Stage::Blur, &wgsl::BLUR),
     (Stage::Blur, &wgsl::BOUNCED_FILTER),
+    (Stage::Blur, &wgsl::BOUNCED_GLOSSY_FILTER),
     (Stage::Sum, &wgsl::SURFEL_OPENNESS),
     (Stage::Sum, &wgsl::SURFEL_INDIRECT),
     (Stage::Sum, &wgsl::SURFEL_OPEN),
@@ -177,7 +181,7 @@ mod tests {
             assert!(has(Stage::Surfels) && has(Stage::Splat), "{name}: {cost:?}");
             assert_eq!(
                 has(Stage::Light),
-                matches!(method.effect(), Effect::Gi | Effect::Subsurface),
+                matches!(method.effect(), Effect::Gi | Effect::Glossy | Effect::Subsurface),
                 "{name}"
             );
             assert_eq!(cost.surfels[0] > 100, !method.name().starts_with("aov"), "{name}: {cost:?}");

@@ -69,7 +69,7 @@ pub fn run(
     let shaded = |subject: &Subject<'_>, parameters: Parameters| {
         let method = method.with(parameters.into());
         let plan = Plan::new(&method, &subject.inputs(), &subject.view)?;
-        let cost = Cost::of(gpu, &plan, subject.patches(), runs)?;
+        let cost = Cost::of(gpu, &plan, runs)?;
         Ok::<_, GpuError>((plan, cost.total))
     };
     let image = |plan: &Plan| -> Result<Planes, GpuError> { made(gpu, subject, plan.output()) };

@@ -4,7 +4,8 @@ use super::bounced::Parameters;
 use super::facets::patches_of_scene;
 use super::polygon::form_factor;
 use crate::methods::Surface;
-use crate::methods::bounced_z::reference::{Sample, direction_of, reconstruction};
+use crate::methods::bounced_z::reference::{Sample, place_on_disk, reconstruction};
+use crate::methods::bounced_z::{Matte, Reflector};
 use crate::scene::{Camera, Scene};
 use crate::screen::View;
 use crate::surfels::reference::vertices;
@@ -93,14 +94,20 @@ pub fn distance(corners: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<f32
 }
 
 /// The samples of a pixel: 1 where no facet is met.
-fn samples(surface: &Surface, facets: &[Facet], rays: &uniforms::FacetRays, at: IVec2) -> Vec<Sample> {
-    let normal = surface.normal_at(at);
+fn samples(
+    surface: &Surface,
+    facets: &[Facet],
+    rays: &uniforms::FacetRays,
+    at: IVec2,
+    matte: Matte,
+) -> Vec<Sample> {
+    let Matte(normal) = matte;
     let origin = lifted(surface.position_at(at), normal, rays.reach);
     let pixel = at.as_uvec2();
     let near: Vec<(usize, &Facet)> =
         facets.iter().enumerate().filter(|(_, facet)| facet.is_near(origin, rays.reach)).collect();
     let sample = |number| {
-        let direction = direction_of(pixel, number, [rays.directions, rays.seed], normal);
+        let direction = matte.direction(place_on_disk(pixel, number, [rays.directions, rays.seed]));
         let is_met = |&(index, facet): &(usize, &Facet)| {
             let met = distance(facet.corners, origin, direction).is_some_and(|far| far < rays.reach);
             let seed = hash(rays.seed.wrapping_add(index as u32));
@@ -115,5 +122,8 @@ fn samples(surface: &Surface, facets: &[Facet], rays: &uniforms::FacetRays, at: 
 /// Ambient occlusion by a bounced z-buffer, `[1, height, width]`.
 pub fn visible_sky(surface: &Surface, facets: &[Facet], parameters: &Parameters, view: &View) -> Planes {
     let rays = parameters.rays(view);
-    reconstruction(surface, &parameters.window(view), Effect::Ao, |at| samples(surface, facets, &rays, at))
+    let matte = |at| Some(Matte(surface.normal_at(at)));
+    reconstruction(surface, &parameters.window(view), Effect::Ao, &matte, |at, matte| {
+        samples(surface, facets, &rays, at, *matte)
+    })
 }

@@ -4,8 +4,9 @@ use super::bounced::Parameters;
 use super::reference::{Facet, MOST_HIDDEN, compensated, distance, facets, lifted, occluded};
 use super::{BouncedVolumes, OcclusionVolumes, Volumes};
 use crate::method::{Frame, Method, Repeats};
-use crate::methods::bounced_z::reference::direction_of;
-use crate::methods::proving::beyond::{ATTRIBUTES, disk_mesh, prove_twin, scene_of, seen, sphere_mesh};
+use crate::methods::bounced_z::reference::place_on_disk;
+use crate::methods::bounced_z::{Matte, Reflector};
+use crate::methods::proving::beyond::{disk_mesh, prove_twin, scene_of, seen, sphere_mesh};
 use crate::methods::proving::{Tolerance, camera, gbuffer_of, mean_difference, plane, view};
 use crate::methods::{Quality, blur};
 use crate::path::{self, Sampling, Shot};
@@ -24,7 +25,8 @@ fn hidden(scene: &Scene, reach: f32) -> [f32; 2] {
     let is_met = |direction| {
         facets.iter().any(|facet| distance(facet.corners, at, direction).is_some_and(|far| far < reach))
     };
-    let directions = (0..64 * 64).map(|i| direction_of(UVec2::new(i % 64, i / 64), 0, [1, 5], Vec3::Y));
+    let directions =
+        (0..64 * 64).map(|i| Matte(Vec3::Y).direction(place_on_disk(UVec2::new(i % 64, i / 64), 0, [1, 5])));
     let met = directions.filter(|direction| is_met(*direction)).count();
     [occluded(&facets, at, Vec3::Y, reach), met as f32 / 4096.0]
 }
@@ -98,7 +100,7 @@ fn above_floor(gpu: &Gpu, scene: Scene, radius: f32) -> [Vec<f32>; 2] {
     let image = |method: &dyn ScreenMethod| {
         let gbuffer = floor();
         let world = World::new(gpu, &scene.clone().into(), None).expect("a scene");
-        let there = GpuGBuffer::upload(&gpu.device, &gbuffer, ATTRIBUTES).expect("attributes");
+        let there = GpuGBuffer::upload(&gpu.device, &gbuffer, method.attributes()).expect("attributes");
         let inputs = Inputs { gbuffer: &there, environment: None, world: Some(&world) };
         let plan = Plan::new(method, &inputs, &view(24, 32, radius)).expect("room");
         gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");

@@ -1,11 +1,14 @@
 //! Diffuse indirect light of one bounce by a bounced z-buffer: what the nearest surfels send, lit by the scene's lights with
 //! shadows. Surfels without light hide those behind them, so none is left out.
 
-use super::{BouncedEffect, BouncedZ};
+use super::technique::{Reflectors, Shaders};
+use super::{BouncedEffect, BouncedZ, Matte};
+use crate::methods::Surface;
+use crate::methods::surfel::reference::sent;
 use crate::screen::Compiled;
 use crate::surfels::reference::Disk;
-use deepshade_shaders::Effect;
-use deepshade_shaders::wgsl::{self, Shader};
+use deepshade_shaders::wgsl;
+use deepshade_shaders::{Effect, GBuffer, MissingAttribute};
 use glam::Vec3;
 
 /// The effect.
@@ -19,12 +22,17 @@ impl BouncedEffect for Indirect {
     const EFFECT: Effect = Effect::Gi;
     const LIT: bool = true;
 
-    fn shader() -> &'static Shader {
-        &wgsl::BOUNCED_LIGHT
+    type Reflector = Matte;
+
+    fn shaders() -> Shaders {
+        Shaders { trace: &wgsl::BOUNCED_LIGHT, filter: &wgsl::BOUNCED_FILTER }
+    }
+
+    fn reflectors<'a>(_: &GBuffer, surface: &'a Surface) -> Result<Reflectors<'a, Matte>, MissingAttribute> {
+        Ok(Box::new(|at| Some(Matte(surface.normal_at(at)))))
     }
 
     fn arriving(met: Option<&Disk>, direction: Vec3) -> Vec3 {
-        let sent = |disk: &Disk| disk.sent[usize::from(direction.dot(disk.normal) >= 0.0)];
-        met.map_or(Vec3::ZERO, sent)
+        met.map_or(Vec3::ZERO, |disk| sent(direction, disk))
     }
 }

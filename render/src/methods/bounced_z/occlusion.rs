@@ -1,10 +1,12 @@
 //! Ambient occlusion by a bounced z-buffer: the light of a white sky that nothing within the radius hides.
 
-use super::{BouncedEffect, BouncedZ};
+use super::technique::{Reflectors, Shaders};
+use super::{BouncedEffect, BouncedZ, Matte};
+use crate::methods::Surface;
 use crate::screen::Compiled;
 use crate::surfels::reference::Disk;
-use deepshade_shaders::Effect;
-use deepshade_shaders::wgsl::{self, Shader};
+use deepshade_shaders::wgsl;
+use deepshade_shaders::{Effect, GBuffer, MissingAttribute};
 use glam::Vec3;
 
 /// The effect.
@@ -18,8 +20,14 @@ impl BouncedEffect for Occlusion {
     const EFFECT: Effect = Effect::Ao;
     const LIT: bool = false;
 
-    fn shader() -> &'static Shader {
-        &wgsl::BOUNCED_SKY
+    type Reflector = Matte;
+
+    fn shaders() -> Shaders {
+        Shaders { trace: &wgsl::BOUNCED_SKY, filter: &wgsl::BOUNCED_FILTER }
+    }
+
+    fn reflectors<'a>(_: &GBuffer, surface: &'a Surface) -> Result<Reflectors<'a, Matte>, MissingAttribute> {
+        Ok(Box::new(|at| Some(Matte(surface.normal_at(at)))))
     }
 
     fn arriving(met: Option<&Disk>, _direction: Vec3) -> Vec3 {

@@ -1,6 +1,8 @@
 //! What runs on the GPU: surfels and their tree, the rays of every pixel, the filter.
 
+use super::technique::Shaders;
 use super::{BouncedEffect, Parameters};
+use crate::methods::lobe;
 use crate::screen::{Inputs, MethodStep, View};
 use crate::surfels::{self, Lit, frame};
 use bytemuck::bytes_of;
@@ -15,6 +17,8 @@ pub struct Passes {
     trace: Pass,
     filter: Pass,
     lit: Option<Lit>,
+    /// What gathers the gloss of receivers that are glossy.
+    gloss: Option<Pass>,
 }
 
 /// The contents of the passes' uniform buffers.
@@ -30,13 +34,14 @@ impl Passes {
     /// # Errors
     /// If the device refuses them.
     pub fn new<E: BouncedEffect>(device: &wgpu::Device) -> Result<Self, GpuError> {
-        let (trace, filter) = (E::shader(), &wgsl::BOUNCED_FILTER);
+        let Shaders { trace, filter } = E::shaders();
         let filter_source = filter.specialised(&[("CHANNELS", E::EFFECT.channels() as u32)]);
         Ok(Self {
             surfels: surfels::Passes::new(device, &wgsl::SURFELS_LEAVES)?,
             trace: Pass::new(device, trace.name, &trace.source())?,
             filter: Pass::new(device, filter.name, &filter_source)?,
             lit: E::LIT.then_some(Lit::Reflected),
+            gloss: E::ATTRIBUTES.contains(&Attribute::Glossiness).then(|| lobe::pass(device)).transpose()?,
         })
     }
 
@@ -60,7 +65,11 @@ impl Passes {
         let (height, width) = (gbuffer.height(), gbuffer.width());
         let samples = |label: &str| gpu::empty::<u32>(device, label, directions as usize * height * width);
         let (ways, arrived) = (samples("bounced-z.directions")?, samples("bounced-z.arrived")?);
-        let surface = [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
+        let [position, normal, valid] =
+            [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
+        let gloss = self.gloss.as_ref().map(|pass| lobe::step(device, pass, gbuffer)).transpose()?;
+        steps.extend(gloss.as_ref().map(|(_, step)| step.clone()));
+        let surface = [position, normal, gloss.as_ref().map_or(valid, |(gloss, _)| gloss)];
         let groups = gpu::groups(height, width, TILE);
         let rays = [groups[0], groups[1], directions];
         let met = [&cloud.totals, &cloud.surfels, &cloud.nodes];

@@ -1,6 +1,6 @@
 //! The bounced z-buffer in plain Rust: every ray against every disk of its sub-buffers, without a tree, and the filter.
 
-use super::{BouncedEffect, Parameters};
+use super::{BouncedEffect, Parameters, Reflector};
 use crate::methods::Surface;
 use crate::methods::surfel::shells;
 use crate::screen::View;
@@ -10,7 +10,6 @@ use deepshade_shaders::wgsl::uniforms;
 use deepshade_shaders::{Effect, Planes};
 use glam::{IVec2, UVec2, Vec2, Vec3};
 use rayon::prelude::*;
-use std::f32::consts::TAU;
 
 /// The pixels of a square of 4 x 4 share one spiral of directions.
 const SQUARE: u32 = 2;
@@ -21,8 +20,6 @@ const GOLDEN_TURN: f32 = 0.381_966;
 const LEAST_SINE: f32 = 1e-3;
 /// A neighbour counts the cosine of its normal to the pixel's to this power.
 const NORMAL_POWER: i32 = 8;
-/// Below this a cosine is rounding.
-const LEAST_COSINE: f32 = 1e-3;
 
 /// A direction that a pixel looks into, and what arrives from there.
 #[derive(Clone, Copy, Debug)]
@@ -68,17 +65,13 @@ pub fn number_in_square(pixel: UVec2, level: u32, seed: u32) -> u32 {
     shells::permuted(inside.x | inside.y << level, level, key)
 }
 
-/// The direction of a number that a pixel with a normal looks into, of so many and by a seed.
-pub fn direction_of(pixel: UVec2, number: u32, [directions, seed]: [u32; 2], normal: Vec3) -> Vec3 {
+/// A place on the disk that a number of a pixel has, of so many and by a seed: its radius squared, and its angle, turns.
+pub fn place_on_disk(pixel: UVec2, number: u32, [directions, seed]: [u32; 2]) -> Vec2 {
     let square = pixel >> SQUARE;
     let which = (IN_SQUARE * number + number_in_square(pixel, SQUARE, hash(seed))) as f32;
     let draw = |dimension| random(square.x, square.y, seed, dimension);
     let squared = (which + draw(0)) / (IN_SQUARE * directions) as f32;
-    let angle = TAU * ((GOLDEN_TURN * which + draw(1)).fract() - 0.5);
-    let disk = squared.sqrt() * Vec2::new(angle.cos(), angle.sin());
-    // Two tangents (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
-    let (tangent, bitangent) = normal.any_orthonormal_pair();
-    disk.x * tangent + disk.y * bitangent + (1.0 - squared).sqrt() * normal
+    Vec2::new(squared, (GOLDEN_TURN * which + draw(1)).fract() - 0.5)
 }
 
 /// The disk that a pixel's ray meets: the nearest of the finest level that has one.
@@ -115,68 +108,79 @@ fn samples<E: BouncedEffect>(
     surface: &Surface,
     disks: &[Disk],
     bounces: &uniforms::Bounces,
+    reflector: &E::Reflector,
     at: IVec2,
 ) -> Vec<Sample> {
     let (origin, normal) = (surface.position_at(at), surface.normal_at(at));
     let sample = |number| {
-        let direction = direction_of(at.as_uvec2(), number, [bounces.directions, bounces.seed], normal);
+        let place = place_on_disk(at.as_uvec2(), number, [bounces.directions, bounces.seed]);
+        let direction = reflector.direction(place);
         let met = met(bounces, disks, &Ray { origin, normal, direction }, at.as_uvec2());
         Sample { direction, arrived: E::arriving(met, direction) }
     };
     (0..bounces.directions).map(sample).collect()
 }
 
-/// The effect, `[channels, height, width]`.
+/// The effect, `[channels, height, width]`; `reflectors` says how each pixel's surface reflects, if it does.
 pub fn shade<E: BouncedEffect>(
     surface: &Surface,
+    reflectors: &(impl Fn(IVec2) -> Option<E::Reflector> + Sync),
     disks: &[Disk],
     parameters: &Parameters,
     view: &View,
 ) -> Planes {
     let bounces = parameters.bounces(view);
     let window = super::window(&parameters.filter, parameters.directions, E::EFFECT, view);
-    reconstruction(surface, &window, E::EFFECT, |at| samples::<E>(surface, disks, &bounces, at))
+    reconstruction(surface, &window, E::EFFECT, reflectors, |at, reflector| {
+        samples::<E>(surface, disks, &bounces, reflector, at)
+    })
 }
 
 /// An effect by the samples of all pixels, `[channels, height, width]`.
-pub fn reconstruction(
+pub fn reconstruction<R: Reflector>(
     surface: &Surface,
     window: &uniforms::BounceWindow,
     effect: Effect,
-    samples: impl Fn(IVec2) -> Vec<Sample> + Sync,
+    reflectors: &(impl Fn(IVec2) -> Option<R> + Sync),
+    samples: impl Fn(IVec2, &R) -> Vec<Sample> + Sync,
 ) -> Planes {
     let (height, width) = (surface.height, surface.width);
-    let pixel = |index: usize| IVec2::new((index % width) as i32, (index / width) as i32);
-    let seen = |at: IVec2| if surface.valid_at(at) { samples(at) } else { Vec::new() };
-    let traced: Vec<Vec<Sample>> =
-        (0..height * width).into_par_iter().map(|index| seen(pixel(index))).collect();
+    let traced = |index: usize| {
+        let at = IVec2::new((index % width) as i32, (index / width) as i32);
+        let reflector = surface.valid_at(at).then(|| reflectors(at)).flatten()?;
+        Some((reflector, samples(at, &reflector)))
+    };
+    let traced: Vec<Traced<R>> = (0..height * width).into_par_iter().map(traced).collect();
     let image = surface.image(window.background, |at| reconstructed(surface, &traced, window, at));
     Planes::from_fn(effect.channels(), height, width, |c, y, x| image.at(c, y, x))
 }
 
+/// How a pixel's surface reflects, and its samples; none where it does not.
+type Traced<R> = Option<(R, Vec<Sample>)>;
+
 /// What the samples of a pixel and of those around it say of it: `filter.wgsl`.
-fn reconstructed(
+fn reconstructed<R: Reflector>(
     surface: &Surface,
-    traced: &[Vec<Sample>],
+    traced: &[Traced<R>],
     window: &uniforms::BounceWindow,
     centre: IVec2,
 ) -> [f32; 3] {
+    let of = |at: IVec2| &traced[at.y as usize * surface.width + at.x as usize];
+    let Some((reflector, _)) = of(centre) else { return [window.background; 3] };
     let (position, normal) = (surface.position_at(centre), surface.normal_at(centre));
     let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
     let reach = -window.radius..=window.radius;
     for step in reach.clone().flat_map(|y| reach.clone().map(move |x| IVec2::new(x, y))) {
         let at = centre + step;
-        if !surface.contains(at) || !surface.valid_at(at) {
+        let Some((other, samples)) = surface.contains(at).then(|| of(at)).and_then(Option::as_ref) else {
             continue;
-        }
-        let other_normal = surface.normal_at(at);
+        };
         let off_plane = window.sharpness * normal.dot(surface.position_at(at) - position);
         let near = (-(window.falloff * step.length_squared() as f32 + off_plane * off_plane)).exp();
-        let alike = near * normal.dot(other_normal).max(0.0).powi(NORMAL_POWER);
-        for sample in &traced[at.y as usize * surface.width + at.x as usize] {
-            let drawn = other_normal.dot(sample.direction).max(LEAST_COSINE);
-            let weight = alike * normal.dot(sample.direction).max(LEAST_COSINE) / drawn;
-            sum += weight * sample.arrived;
+        let alike = near * normal.dot(surface.normal_at(at)).max(0.0).powi(NORMAL_POWER);
+        for Sample { direction, arrived } in samples {
+            let weight = alike * reflector.density(*direction) / other.density(*direction);
+            sum += weight * reflector.weight(*direction) * *arrived;
             weights += weight;
         }
     }

@@ -1,6 +1,6 @@
 //! What the effects that are shaded by a bounced z-buffer have in common as methods.
 
-use super::{Parameters, passes, reference};
+use super::{Parameters, Reflector, passes, reference};
 use crate::bvh::TracedScene;
 use crate::methods::Surface;
 use crate::screen::{Inputs, MethodStep, PlainInputs, Technique, View, Written};
@@ -8,19 +8,44 @@ use crate::surfels::patches;
 use crate::surfels::reference::{Disk, lit, surfels};
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::Shader;
-use deepshade_shaders::{Attribute, Effect, MissingAttribute};
-use glam::Vec3;
+use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
+use glam::{IVec2, Vec3};
 use std::marker::PhantomData;
+
+/// How the surface of each pixel reflects, if it does.
+pub type Reflectors<'a, R> = Box<dyn Fn(IVec2) -> Option<R> + Sync + 'a>;
+
+/// The shaders that make an effect of what all have in common.
+#[derive(Clone, Copy, Debug)]
+pub struct Shaders {
+    /// A pixel's rays.
+    pub trace: &'static Shader,
+    /// What brings neighbours' rays together.
+    pub filter: &'static Shader,
+}
 
 /// An effect that the nearest surfels have on what is seen.
 pub trait BouncedEffect: Copy + Send + Sync {
     /// What it is.
     const EFFECT: Effect;
+    /// What it reads of a g-buffer.
+    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
     /// Whether surfels are lit first.
     const LIT: bool;
+    /// How surfaces reflect.
+    type Reflector: Reflector;
 
-    /// The pass of its rays.
-    fn shader() -> &'static Shader;
+    /// The passes of its rays and of what brings them together.
+    fn shaders() -> Shaders;
+
+    /// How the surface of each pixel reflects, if it does.
+    ///
+    /// # Errors
+    /// If the g-buffer lacks an attribute.
+    fn reflectors<'a>(
+        gbuffer: &GBuffer,
+        surface: &'a Surface,
+    ) -> Result<Reflectors<'a, Self::Reflector>, MissingAttribute>;
 
     /// The radiance that arrives along a ray in a direction, of the disk that it meets or of none.
     fn arriving(met: Option<&Disk>, direction: Vec3) -> Vec3;
@@ -39,7 +64,7 @@ impl<E> From<Parameters> for BouncedZ<E> {
 impl<E: BouncedEffect> Technique for BouncedZ<E> {
     const NAME: &'static str = "bounced-z";
     const EFFECT: Effect = E::EFFECT;
-    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
+    const ATTRIBUTES: &'static [Attribute] = E::ATTRIBUTES;
     const LOOKS_BEYOND: bool = true;
     type Passes = passes::Passes;
 
@@ -64,13 +89,14 @@ impl<E: BouncedEffect> Technique for BouncedZ<E> {
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
         let surface = Surface::of(inputs.gbuffer)?;
+        let reflectors = E::reflectors(inputs.gbuffer, &surface)?;
         let shaded = |scene: &TracedScene| {
             let disks = surfels(scene.scene(), &self.0.surfels, view);
             let disks = match E::LIT {
                 true => lit(scene, &patches::of_scene(scene.scene()), disks, &view.camera),
                 false => disks,
             };
-            reference::shade::<E>(&surface, &disks, &self.0, view).data().to_vec()
+            reference::shade::<E>(&surface, &reflectors, &disks, &self.0, view).data().to_vec()
         };
         Ok(inputs.scene.map(shaded).into_iter().collect())
     }

@@ -2,8 +2,8 @@
 
 use super::indirect::{BouncedIndirect, Indirect};
 use super::occlusion::{BouncedOcclusion, Occlusion};
-use super::reference::{Ray, direction_of, met, number_in_square, shade};
-use super::{BouncedEffect, Parameters};
+use super::reference::{Ray, met, number_in_square, place_on_disk, shade};
+use super::{BouncedEffect, Matte, Parameters, Reflector};
 use crate::bvh::TracedScene;
 use crate::method::{Frame, Method, Repeats};
 use crate::methods::proving::beyond::{corner, disk_mesh, prove_twin, scene_of, seen};
@@ -41,12 +41,18 @@ fn pixels_of_a_square_have_all_numbers() {
     }
 }
 
+/// Surfaces that reflect by the cosine.
+fn matte(surface: &Surface) -> impl Fn(IVec2) -> Option<Matte> + Sync {
+    |at| Some(Matte(surface.normal_at(at)))
+}
+
 /// Directions from points with a normal, of all pixels of an image of 32 x 32.
 fn directions(parameters: &Parameters, normal: Vec3) -> impl Iterator<Item = (UVec2, Vec3)> {
     let bounces = parameters.bounces(&view(32, 32, 100.0));
     let of_pixel = move |pixel| {
         (0..bounces.directions).map(move |number| {
-            (pixel, direction_of(pixel, number, [bounces.directions, bounces.seed], normal))
+            let place = place_on_disk(pixel, number, [bounces.directions, bounces.seed]);
+            (pixel, Matte(normal).direction(place))
         })
     };
     (0..32 * 32).map(|i| UVec2::new(i % 32, i / 32)).flat_map(of_pixel)
@@ -124,7 +130,7 @@ fn sheets_behind_one_another_occlude_like_one() {
                 (0..count).flat_map(|i| sheet(height + 1e-3 * f32::from(i), 0.0)).collect();
             let hidden = 1.0 - arriving::<Occlusion>(&disks, Vec3::ZERO, &FEW).x;
             assert!((hidden - right).abs() < 0.03, "{count} at {height}: {hidden}, not {right}");
-            let factor = |disk: &Disk| form_factor(disk.place, Vec3::Y, disk, disk.radius);
+            let factor = |disk: &Disk| form_factor(disk.place, Vec3::Y, disk);
             let added: f32 = disks.iter().map(factor).sum();
             assert!(added > 0.97 * f32::from(count) * right, "{added} without visibility");
         }
@@ -175,7 +181,13 @@ fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
     let disks = surfels::reference::lit(&scene, &patches, disks, &view.camera);
     let surface = Surface::of(&gbuffer).expect("a surface");
     let filter = blur::Parameters { radius: 2, sharpness: 512.0 };
-    let image = shade::<Indirect>(&surface, &disks, &Parameters { directions: 4, filter, ..PLAIN }, &view);
+    let image = shade::<Indirect>(
+        &surface,
+        &matte(&surface),
+        &disks,
+        &Parameters { directions: 4, filter, ..PLAIN },
+        &view,
+    );
     // A wall of height H at distance d sends radiance L: L (1 - d / sqrt(d^2 + H^2)) / 2, were it endless; seen from its middle
     // it is so within 4 %.
     let (mut found, mut right, mut compared) = (Vec3::ZERO, Vec3::ZERO, 0);
@@ -202,7 +214,13 @@ fn without_a_threshold_levels_change_nothing() {
     let surface = Surface::of(&gbuffer).expect("a surface");
     let disks = surfels::reference::surfels(scene.scene(), &PLAIN.surfels, &view);
     let shaded = |threshold, levels| {
-        shade::<Occlusion>(&surface, &disks, &Parameters { threshold, levels, ..FEW }, &view)
+        shade::<Occlusion>(
+            &surface,
+            &matte(&surface),
+            &disks,
+            &Parameters { threshold, levels, ..FEW },
+            &view,
+        )
     };
     let exact = shaded(0.05, 1);
     assert_eq!(shaded(1e-9, 4).data(), exact.data());
@@ -218,7 +236,13 @@ fn bumpy() -> Surface {
 
 #[test]
 fn the_filter_keeps_an_even_sky() {
-    let image = shade::<Occlusion>(&bumpy(), &[], &Parameters::of(Quality::High), &view(40, 56, 1.0));
+    let image = shade::<Occlusion>(
+        &bumpy(),
+        &matte(&bumpy()),
+        &[],
+        &Parameters::of(Quality::High),
+        &view(40, 56, 1.0),
+    );
     assert!(image.data().iter().all(|open| (open - 1.0).abs() < 1e-5));
 }
 
@@ -233,7 +257,13 @@ fn the_filter_removes_noise() {
     let view = view(24, 32, 9.0);
     let shaded = |directions, radius| {
         let filter = blur::Parameters { radius, sharpness: 512.0 };
-        shade::<Occlusion>(&surface, &disks, &Parameters { directions, filter, ..PLAIN }, &view)
+        shade::<Occlusion>(
+            &surface,
+            &matte(&surface),
+            &disks,
+            &Parameters { directions, filter, ..PLAIN },
+            &view,
+        )
     };
     let right = shaded(1024, 0);
     let [noisy, filtered] = [0, 3].map(|radius| mean_difference(&shaded(4, radius), &right));

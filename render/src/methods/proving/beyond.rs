@@ -5,6 +5,7 @@ use super::{Tolerance, agree, prove_comparator, view};
 use crate::bvh::TracedScene;
 use crate::gbuffer;
 use crate::method::{Frame, Method, Repeats};
+use crate::methods::lobe;
 use crate::scene::procedural::Family;
 use crate::scene::{Camera, Light, Material, Mesh, Scene};
 use crate::screen::{PlainInputs, ScreenMethod, View};
@@ -85,7 +86,7 @@ pub fn seen(family: Family, height: usize, width: usize) -> (TracedScene, View, 
 }
 
 /// What surfel methods read of a g-buffer.
-pub const ATTRIBUTES: &[Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
+pub const ATTRIBUTES: &[Attribute] = lobe::ATTRIBUTES;
 
 /// Proves that a method's passes make what its plain version does, and the same of the same frame twice.
 pub fn prove_twin(

@@ -1,6 +1,7 @@
 //! What an effect has around the levels on the GPU: what splats read beside surfels, where the sum goes, and what is made of it.
 
 use super::directional::Sky;
+use crate::methods::lobe;
 use crate::screen::{Inputs, MethodStep};
 use crate::surfels::Cloud;
 use deepshade_shaders::Attribute;
@@ -12,6 +13,8 @@ use deepshade_shaders::wgsl::{Shader, TILE};
 pub enum Ending<P> {
     /// It is the image.
     Sum,
+    /// It is the image, of glossy receivers; with what gathers what splats read of them.
+    Reflected(P),
     /// What is open where it is what is blocked of the environment's light.
     Open(P),
     /// Scattered light where it is what bodies let through.
@@ -32,6 +35,7 @@ impl Ending<&'static Shader> {
         let pass = |shader: &Shader| Pass::new(device, shader.name, &shader.source());
         Ok(match self {
             Self::Sum => Ending::Sum,
+            Self::Reflected(gloss) => Ending::Reflected(pass(gloss)?),
             Self::Open(open) => Ending::Open(pass(open)?),
             Self::Scattered { bodies, scatter } => {
                 Ending::Scattered { bodies: pass(bodies)?, scatter: pass(scatter)? }
@@ -45,7 +49,7 @@ impl Ending<&'static Shader> {
 pub struct Around {
     /// Passes that run first.
     pub before: Vec<MethodStep>,
-    /// What splats read of pixels: position, normal and validity, or position, what scatters below, and patches.
+    /// What splats read of pixels: position, normal, and validity, gloss or what scatters below.
     pub receivers: [wgpu::Buffer; 3],
     /// What else splats read.
     pub more: Vec<wgpu::Buffer>,
@@ -82,6 +86,11 @@ impl Around {
         };
         Ok(match ending {
             Ending::Sum => plain,
+            Ending::Reflected(pass) => {
+                let (gloss, step) = lobe::step(device, pass, inputs.gbuffer)?;
+                let [position, normal, _] = receivers;
+                Self { before: vec![step], receivers: [position, normal, gloss], ..plain }
+            }
             Ending::Open(pass) => {
                 let [blocked, open] = Sky::new(inputs.environment).upload(device)?;
                 let reads = [size, view, normal, valid, &open];

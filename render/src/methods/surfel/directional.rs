@@ -51,8 +51,8 @@ impl Sky {
     }
 
     /// What a disk hides of it, irradiance over pi, as [`reference::Shade::of`] is given it.
-    pub fn behind(&self, camera: &Camera, disk: &Disk, radius: f32, way: Vec3, normal: Vec3) -> Vec3 {
-        let share = reference::form_factor(way, normal, disk, radius);
+    pub fn behind(&self, camera: &Camera, disk: &Disk, way: Vec3, normal: Vec3) -> Vec3 {
+        let share = reference::form_factor(way, normal, disk);
         if share == 0.0 {
             Vec3::ZERO
         } else {
@@ -77,8 +77,8 @@ impl SurfelEffect for Directional {
 
     fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Result<Planes, MissingAttribute> {
         let (sky, camera) = (Sky::new(plain.environment), &plain.view.camera);
-        let hides = |disk: &Disk, radius, way, receiver: reference::Receiver| {
-            sky.behind(camera, disk, radius, way, receiver.normal).to_array()
+        let hides = |disk: &Disk, _, way, receiver: reference::Receiver| {
+            sky.behind(camera, disk, way, receiver.normal).to_array()
         };
         let shade = reference::Shade {
             of: &hides,

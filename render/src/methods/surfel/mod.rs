@@ -15,7 +15,8 @@
 //! with splats that are blended, always in the same order; there is no list of splats that could become too long, nothing to
 //! shuffle or unshuffle, and nothing to cull, since only what reaches the pixel is met.
 //!
-//! Methods: [`occlusion`], [`directional`] occlusion, [`indirect`] light and subsurface [`scattering`].
+//! Methods: [`occlusion`], [`directional`] occlusion, [`indirect`] light, which [`glossy`] surfaces also reflect, and subsurface
+//! [`scattering`].
 //!
 //! Limits. What hides behind something occludes too: two sheets one behind the other occlude twice. A far group of surfels
 //! is taken to look like the one of it that was drawn.
@@ -25,6 +26,7 @@
 
 pub mod around;
 pub mod directional;
+pub mod glossy;
 pub mod indirect;
 pub mod occlusion;
 pub mod passes;

@@ -9,13 +9,23 @@ use deepshade_shaders::{Effect, Planes};
 use glam::{IVec2, UVec2, Vec3};
 use rayon::prelude::*;
 
-/// The form factor from a point with a normal to a disk, with another radius than its own (Wallace, Elmquist and Haines 1989);
-/// `way` leads to the disk's middle. Of closed surfaces only fronts count.
-pub fn form_factor(way: Vec3, normal: Vec3, disk: &Disk, radius: f32) -> f32 {
+/// The form factor from a point with a normal to a disk (Wallace, Elmquist and Haines 1989); `way` leads to the disk's middle.
+/// Of closed surfaces only fronts count.
+pub fn form_factor(way: Vec3, normal: Vec3, disk: &Disk) -> f32 {
     let squared = way.length_squared();
+    let area = disk.radius * disk.radius;
+    area * way.dot(normal).max(0.0) * facing(way, disk) / (squared.max(1e-20) * (squared + area))
+}
+
+/// By how much a disk faces where a way to its middle comes from: its cosine times the way's length.
+pub fn facing(way: Vec3, disk: &Disk) -> f32 {
     let towards = -way.dot(disk.normal);
-    let facing = way.dot(normal).max(0.0) * if disk.open { towards.abs() } else { towards.max(0.0) };
-    radius * radius * facing / (squared.max(1e-20) * (squared + radius * radius))
+    if disk.open { towards.abs() } else { towards.max(0.0) }
+}
+
+/// The radiance that a disk sends against a way to its middle.
+pub fn sent(way: Vec3, disk: &Disk) -> Vec3 {
+    disk.sent[usize::from(way.dot(disk.normal) >= 0.0)]
 }
 
 /// The surface of a pixel.
@@ -27,7 +37,7 @@ pub struct Receiver {
     pub normal: Vec3,
 }
 
-/// What a disk does, with another radius than its own, to what a pixel shows; the way leads to its middle.
+/// What a disk, which stands for so many, does to what a pixel shows; the way leads to its middle.
 pub type Does<'a, const CHANNELS: usize> = dyn Fn(&Disk, f32, Vec3, Receiver) -> [f32; CHANNELS] + Sync + 'a;
 
 /// What a disk does to a point.
@@ -45,18 +55,20 @@ pub struct Shade<'a, const CHANNELS: usize> {
 pub const OCCLUSION: Shade<'_, 1> = Shade {
     distance: |disk| disk.radius,
     reach: &|_| f32::INFINITY,
-    of: &|disk, radius, way, receiver| [form_factor(way, receiver.normal, disk, radius)],
+    of: &|disk, _, way, receiver| [form_factor(way, receiver.normal, disk)],
 };
 
 /// Light, irradiance over pi.
 pub const LIGHT: Shade<'_, 3> = Shade {
-    distance: |disk| if disk.sent == [Vec3::ZERO; 2] { 0.0 } else { disk.radius },
+    distance: lit_distance,
     reach: &|_| f32::INFINITY,
-    of: &|disk, radius, way, receiver| {
-        let sent = disk.sent[usize::from(way.dot(disk.normal) >= 0.0)];
-        (sent * form_factor(way, receiver.normal, disk, radius)).to_array()
-    },
+    of: &|disk, _, way, receiver| (sent(way, disk) * form_factor(way, receiver.normal, disk)).to_array(),
 };
+
+/// How far a disk sends light, but for a factor that is the same for all.
+pub fn lit_distance(disk: &Disk) -> f32 {
+    if disk.sent == [Vec3::ZERO; 2] { 0.0 } else { disk.radius }
+}
 
 /// What all disks within `reach` metres do to each pixel, one by one: `[channels, height, width]`.
 pub fn brute_force<const CHANNELS: usize>(
@@ -70,7 +82,7 @@ pub fn brute_force<const CHANNELS: usize>(
         let (position, reach) = (surface.position_at(pixel), reach.min((shade.reach)(pixel)));
         let ways = disks.iter().map(|disk| (disk, disk.place - position));
         let near = ways.filter(|(_, way)| way.length_squared() < reach * reach);
-        near.map(|(disk, way)| (shade.of)(disk, disk.radius, way, receiver)).fold([0.0; CHANNELS], plus)
+        near.map(|(disk, way)| (shade.of)(disk, 1.0, way, receiver)).fold([0.0; CHANNELS], plus)
     })
 }
 
@@ -122,7 +134,7 @@ fn shell_sum<const CHANNELS: usize>(
         let outer = if level.last == 1 { reach } else { reach.min(reaches * level.farthest) };
         let distance = way.length_squared();
         let inside = distance >= (reaches * level.nearest).powi(2) && distance < outer * outer;
-        if inside { (shade.of)(disk, disk.radius, way, receiver) } else { [0.0; CHANNELS] }
+        if inside { (shade.of)(disk, level.stands_for, way, receiver) } else { [0.0; CHANNELS] }
     };
     its.map(does).fold([0.0; CHANNELS], plus).map(|sum| sum * level.stands_for)
 }

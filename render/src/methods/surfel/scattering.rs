@@ -77,11 +77,11 @@ impl SurfelEffect for Scattering {
         let patches: Vec<Patch> =
             patches::of_scene(plain.scene.scene()).into_iter().map(Patch::white).collect();
         let disks = lit(plain.scene, &patches, disks, &plain.view.camera);
-        let gives = |disk: &Disk, radius: f32, way: Vec3, Receiver { pixel, normal }: Receiver| {
+        let gives = |disk: &Disk, _: f32, way: Vec3, Receiver { pixel, normal }: Receiver| {
             let object = objects.at(0, pixel.y as usize, pixel.x as usize);
             let is_own = object == patches[disk.patch as usize].object as f32;
             match is_own && met_from_within(disk, way, normal) {
-                true => given(disk, radius, way, scales(pixel)),
+                true => given(disk, way, scales(pixel)),
                 false => [0.0; 6],
             }
         };
@@ -121,14 +121,15 @@ fn taken(share: f32) -> f32 {
     (1.0 - (-beyond).exp()) / beyond
 }
 
-/// What a disk gives, taken with another radius than its own: light, and the shares of the profile that it comes by. What is nearer
-/// than it is large is the pixel's own. No light falls on the inside of a body, so both sides count.
-pub fn given(disk: &Disk, radius: f32, way: Vec3, scales: Vec3) -> [f32; 6] {
+/// What a disk gives: light, and the shares of the profile that it comes by. What is nearer than it is large is the pixel's own.
+/// No light falls on the inside of a body, so both sides count.
+pub fn given(disk: &Disk, way: Vec3, scales: Vec3) -> [f32; 6] {
     let distance = way.length();
     if distance <= disk.radius {
         return [0.0; 6];
     }
-    let share = scales.map(|d| if d > 0.0 { PI * radius * radius * profile(distance, d) } else { 0.0 });
+    let area = PI * disk.radius * disk.radius;
+    let share = scales.map(|d| if d > 0.0 { area * profile(distance, d) } else { 0.0 });
     let light = share * (disk.sent[0] + disk.sent[1]);
     [light.x, light.y, light.z, share.x, share.y, share.z]
 }

@@ -1,6 +1,7 @@
 //! Shells against brute force, closed forms, and the passes against the plain version.
 
 mod directional;
+mod glossy;
 mod scattering;
 
 use super::indirect::SurfelIndirect;
@@ -122,7 +123,7 @@ fn occluded_at(scene: &Scene, at: Vec3, scale: f32) -> f32 {
         View { camera: Camera { position: Vec3::new(0.0, 0.5, 3.0), ..camera() }, ..view(96, 128, 100.0) };
     let disks = surfels::reference::surfels(scene, &parameters, &view);
     let at = at - view.camera.position;
-    disks.iter().map(|disk| form_factor(disk.place - at, Vec3::Y, disk, disk.radius)).sum()
+    disks.iter().map(|disk| form_factor(disk.place - at, Vec3::Y, disk)).sum()
 }
 
 #[test]

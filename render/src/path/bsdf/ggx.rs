@@ -21,6 +21,12 @@ impl Ggx {
         Self { alpha: (roughness * roughness).max(NARROWEST_ALPHA) }
     }
 
+    /// These with so much added to alpha squared, which is 1 at most.
+    #[must_use]
+    pub fn widened(self, by: f32) -> Self {
+        Self { alpha: self.alpha.mul_add(self.alpha, by).sqrt().min(1.0) }
+    }
+
     /// What comes from one direction per steradian of another, without the cosine and Fresnel's share.
     pub fn reflectance(&self, viewer: Vec3, light: Vec3) -> f32 {
         let half = (viewer + light).normalize_or(Vec3::Z);

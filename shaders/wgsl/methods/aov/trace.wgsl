@@ -76,7 +76,7 @@ fn trace(@builtin(global_invocation_id) id: vec3u) {
     }
     let normal = surface_normal(at, pixels);
     let origin = lifted(surface_position(at, pixels), normal, rays.reach);
-    let direction = direction_of(pixel, id.z, vec2u(rays.directions, rays.seed), normal);
+    let direction = direction_of(Reflector(normal), place_on_disk(pixel, id.z, vec2u(rays.directions, rays.seed)));
     totals.kept = arrayLength(&facets);
     let hidden = is_hidden(Query(origin, direction, inverse_of(direction)), pixel, id.z);
     directions[at + id.z * pixels] = pack2x16snorm(to_octahedron(direction));

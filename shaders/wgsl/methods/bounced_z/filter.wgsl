@@ -1,5 +1,5 @@
-// Reconstruction (thesis 6.2.3): what arrives at a pixel is the mean of what arrives at its neighbours, weighed by how much of each
-// direction's light the pixel's own surface would reflect over the density that the neighbour has drawn the direction with.
+// Reconstruction (thesis 6.2.3): what a pixel's surface makes of what arrives at it and at its neighbours, each weighed by the
+// density that the pixel would have drawn its direction with over that which the neighbour has drawn it with.
 
 @group(0) @binding(0) var<uniform> window: BounceWindow;
 // Octahedral, two snorm16: [directions, height, width].
@@ -11,8 +11,6 @@
 
 // A neighbour whose normal is turned by 30 degrees counts a third.
 const NORMAL_POWER = 8.0;
-// Below this a cosine is rounding.
-const LEAST_COSINE = 1e-3;
 
 @compute @workgroup_size(TILE, TILE)
 fn reconstruct(@builtin(global_invocation_id) id: vec3u) {
@@ -22,10 +20,12 @@ fn reconstruct(@builtin(global_invocation_id) id: vec3u) {
     let pixels = window.width * window.height;
     let centre = id.y * window.width + id.x;
     var mean = vec3f(window.background);
-    if surface_valid(centre) {
+    let reflector = reflector_at(centre, pixels);
+    if surface_valid(centre) && reflects(reflector) {
         let position = surface_position(centre, pixels);
         let normal = surface_normal(centre, pixels);
-        var sum = vec4f(0.0);
+        var sum = vec3f(0.0);
+        var weights = 0.0;
         let reach = i32(bounded(u32(window.radius), id.xy));
         let count = bounded(window.directions, id.xy);
         for (var y = -reach; y <= reach; y++) {
@@ -35,7 +35,8 @@ fn reconstruct(@builtin(global_invocation_id) id: vec3u) {
                     continue;
                 }
                 let index = u32(at.y) * window.width + u32(at.x);
-                if !surface_valid(index) {
+                let other = reflector_at(index, pixels);
+                if !surface_valid(index) || !reflects(other) {
                     continue;
                 }
                 let other_normal = surface_normal(index, pixels);
@@ -45,13 +46,13 @@ fn reconstruct(@builtin(global_invocation_id) id: vec3u) {
                 for (var number = 0u; number < count; number++) {
                     let sample = index + number * pixels;
                     let direction = from_octahedron(unpack2x16snorm(directions[sample]));
-                    let drawn = max(dot(other_normal, direction), LEAST_COSINE);
-                    let weight = alike * max(dot(normal, direction), LEAST_COSINE) / drawn;
-                    sum += weight * vec4f(unpack_radiance(arrived[sample]), 1.0);
+                    let weight = alike * density_of(reflector, direction) / density_of(other, direction);
+                    sum += weight * weight_of(reflector, direction) * unpack_radiance(arrived[sample]);
+                    weights += weight;
                 }
             }
         }
-        mean = sum.xyz / sum.w;
+        mean = sum / weights;
     }
     for (var c = 0u; c < CHANNELS; c++) {
         image[centre + c * pixels] = mean[c];

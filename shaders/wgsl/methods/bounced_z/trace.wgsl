@@ -119,12 +119,13 @@ fn trace(@builtin(global_invocation_id) id: vec3u) {
     let pixel = id.xy;
     let pixels = bounces.width * bounces.height;
     let at = pixel.y * bounces.width + pixel.x;
-    if !surface_valid(at) {
+    let reflector = reflector_at(at, pixels);
+    if !surface_valid(at) || !reflects(reflector) {
         return;
     }
     let position = surface_position(at, pixels);
     let normal = surface_normal(at, pixels);
-    let direction = direction_of(pixel, id.z, vec2u(bounces.directions, bounces.seed), normal);
+    let direction = direction_of(reflector, place_on_disk(pixel, id.z, vec2u(bounces.directions, bounces.seed)));
     let levels = bounded(bounces.levels, pixel);
     var hit = Hit(NONE, 0.0, 0u);
     for (var level = 0u; level < levels; level++) {

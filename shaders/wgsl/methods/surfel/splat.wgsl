@@ -52,7 +52,7 @@ fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
                 let inner = distance * level.nearest;
                 let farthest = outer(distance, receiver);
                 if squared >= inner * inner && squared < farthest * farthest {
-                    sum = added(sum, surfel, surfel.place.w, way, squared, receiver);
+                    sum = added(sum, surfel, way, squared, receiver);
                 }
             }
             walk = next_leaf(after(walk), leaves, receiver);

@@ -93,7 +93,7 @@ fn given_by_a_plane(
     let disks = surfels::reference::surfels(scene.scene(), &parameters.surfels, &view);
     let lit = |disk: Disk| Disk { sent: [light(disk.place), Vec3::ZERO], ..disk };
     let disks: Vec<Disk> = disks.into_iter().map(lit).collect();
-    let gives = |disk: &Disk, radius: f32, way: Vec3, _: Receiver| given(disk, radius, way, lengths);
+    let gives = |disk: &Disk, _: f32, way: Vec3, _: Receiver| given(disk, way, lengths);
     let reach = |_: IVec2| SUPPORT * lengths.max_element();
     let shade = Shade { distance: OCCLUSION.distance, reach: &reach, of: &gives };
     (sums(&surface, &disks, shade, parameters, &view), disks)

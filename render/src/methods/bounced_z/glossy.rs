@@ -1,0 +1,43 @@
+//! Glossy indirect light by a bounced z-buffer: what a surface's specular lobe reflects to the eye of what the nearest surfels
+//! send. Directions are spread as the lobe's visible microfacets mirror the eye's.
+
+use super::technique::{Reflectors, Shaders};
+use super::{BouncedEffect, BouncedZ};
+use crate::methods::Surface;
+use crate::methods::lobe::{self, Gloss, Lobe};
+use crate::methods::surfel::reference::sent;
+use crate::screen::Compiled;
+use crate::surfels::reference::Disk;
+use deepshade_shaders::wgsl;
+use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
+use glam::Vec3;
+
+/// The effect.
+#[derive(Clone, Copy, Debug)]
+pub struct Glossy;
+
+/// The method, compiled for a device.
+pub type BouncedGlossy = Compiled<BouncedZ<Glossy>>;
+
+impl BouncedEffect for Glossy {
+    const EFFECT: Effect = Effect::Glossy;
+    const ATTRIBUTES: &'static [Attribute] = lobe::ATTRIBUTES;
+    const LIT: bool = true;
+    type Reflector = Lobe;
+
+    fn shaders() -> Shaders {
+        Shaders { trace: &wgsl::BOUNCED_GLOSSY, filter: &wgsl::BOUNCED_GLOSSY_FILTER }
+    }
+
+    fn reflectors<'a>(
+        gbuffer: &GBuffer,
+        surface: &'a Surface,
+    ) -> Result<Reflectors<'a, Lobe>, MissingAttribute> {
+        let gloss = Gloss::of(gbuffer)?;
+        Ok(Box::new(move |at| gloss.lobe_at(surface, at)))
+    }
+
+    fn arriving(met: Option<&Disk>, direction: Vec3) -> Vec3 {
+        met.map_or(Vec3::ZERO, |disk| sent(direction, disk))
+    }
+}

@@ -1,0 +1,61 @@
+//! Glossy indirect light by surfels (thesis 4.3): what a surface's specular lobe reflects to the eye of what surfels send.
+//!
+//! A surfel that stands for many is one direction where there are many, and as bright as all of them: a lobe that is narrower
+//! than what the surfel stands for looks large would be noise. It is made so much wider ([`WIDER`]), so that mirrors show
+//! surfels as blurred as they are coarse.
+
+use super::around::Ending;
+use super::reference::{Receiver, Shade, facing, lit_distance, sent};
+use super::{Plain, Surfel, SurfelEffect, passes, reference};
+use crate::methods::lobe::{self, Gloss};
+use crate::screen::Compiled;
+use crate::surfels::reference::{Disk, lit};
+use crate::surfels::{Lit, patches};
+use deepshade_shaders::wgsl;
+use deepshade_shaders::{Attribute, Effect, MissingAttribute, Planes};
+use glam::Vec3;
+use std::f32::consts::PI;
+
+/// What is added to alpha squared, over the squared angle of the radius that a surfel stands for: the variance of an even disk is a
+/// fourth of its radius squared, facets turn half as far as what they mirror, and alpha squared is twice a variance.
+const WIDER: f32 = 0.125;
+
+/// The effect.
+#[derive(Clone, Copy, Debug)]
+pub struct Glossy;
+
+/// The method, compiled for a device.
+pub type SurfelGlossy = Compiled<Surfel<Glossy>>;
+
+impl SurfelEffect for Glossy {
+    const EFFECT: Effect = Effect::Glossy;
+    const ATTRIBUTES: &'static [Attribute] = lobe::ATTRIBUTES;
+
+    fn shaders() -> passes::Shaders {
+        passes::Shaders {
+            leaves: &wgsl::SURFELS_LIT_LEAVES,
+            splat: &wgsl::SURFEL_GLOSSY,
+            add: &wgsl::SURFEL_INDIRECT,
+            channels: 3,
+            lit: Some(Lit::Reflected),
+            ending: Ending::Reflected(&wgsl::GLOSS),
+        }
+    }
+
+    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Result<Planes, MissingAttribute> {
+        let Plain { gbuffer, surface, scene, parameters, view, .. } = *plain;
+        let gloss = Gloss::of(gbuffer)?;
+        let disks = lit(scene, &patches::of_scene(scene.scene()), disks, &view.camera);
+        let reach = |at| gloss.lobe_at(surface, at).map_or(0.0, |_| f32::INFINITY);
+        let reflects = |disk: &Disk, stands_for: f32, way: Vec3, receiver: Receiver| {
+            let Some(lobe) = gloss.lobe_at(surface, receiver.pixel) else { return [0.0; 3] };
+            let (squared, area) = (way.length_squared().max(1e-20), disk.radius * disk.radius);
+            let lobe = lobe.widened(WIDER * area * stands_for / squared);
+            let light = way / squared.sqrt();
+            let seen = PI * area * facing(way, disk) / (squared.sqrt() * (squared + area));
+            (sent(way, disk) * lobe.density(light) * lobe.weight(light) * seen).to_array()
+        };
+        let shade = Shade { distance: lit_distance, reach: &reach, of: &reflects };
+        Ok(reference::sums(surface, &disks, shade, parameters, view))
+    }
+}

@@ -1,0 +1,95 @@
+//! Glossy receivers, of surfels and of the bounced z-buffer over them: against truth, and the passes against the plain version.
+
+use super::super::glossy::SurfelGlossy;
+use super::*;
+use crate::bvh::TracedScene;
+use crate::gbuffer;
+use crate::method::{Frame, Method, Repeats};
+use crate::methods::bounced_z::{self, glossy::BouncedGlossy};
+use crate::methods::lobe::ATTRIBUTES;
+use crate::methods::proving::mean_difference;
+use crate::path::{self, Sampling, Shot};
+use crate::scene::{Gloss, Material, MaterialId};
+use crate::screen::ScreenMethod;
+use deepshade_shaders::{Effect, GBuffer};
+
+/// The corner with a floor of glossy metal.
+fn corner_over(roughness: f32) -> (TracedScene, View, GBuffer) {
+    let (scene, view, _) = corner();
+    let mut scene = scene.scene().clone();
+    let metal = Material { metallic: 1.0, roughness, gloss: Gloss::Microfacets, ..Material::default() };
+    scene.materials.push(metal);
+    let mut meshes = scene.meshes.to_vec();
+    meshes[0].material = MaterialId(1);
+    scene.meshes = meshes.into();
+    let scene = TracedScene::new(scene).expect("two squares");
+    let gbuffer = gbuffer::render(&scene, &view.camera, view.height, view.width, ATTRIBUTES);
+    (scene, view, gbuffer)
+}
+
+fn image(method: &impl ScreenMethod, (scene, view, gbuffer): &(TracedScene, View, GBuffer)) -> Planes {
+    let frame = Frame { scene, camera: &view.camera, gbuffer, radius: view.radius, seed: view.seed };
+    Method::shade(method, &frame, Repeats::ONCE).expect("an image").image
+}
+
+fn mean(image: &Planes) -> f32 {
+    image.data().iter().sum::<f32>() / image.data().len() as f32
+}
+
+/// Mean over an image of the difference of two, over that of truth.
+fn off(image: &Planes, truth: &Planes) -> f32 {
+    mean_difference(image, truth) / mean(truth)
+}
+
+#[test]
+fn a_glossy_floor_mirrors_a_lit_wall_as_truth_does() {
+    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+    let surfel = SurfelGlossy::new(&gpu, Parameters::of(Quality::High).into()).expect("valid shaders");
+    let bounced = bounced_z::Parameters { directions: 8, ..bounced_z::Parameters::of(Quality::High) };
+    let bounced = BouncedGlossy::new(&gpu, bounced.into()).expect("valid shaders");
+    // Surfels that stand for many blur what a smooth floor mirrors.
+    for (roughness, most) in [(0.4, 0.5), (0.8, 0.2)] {
+        let seen = corner_over(roughness);
+        let (scene, view, _) = &seen;
+        let shot = Shot::new(scene, &view.camera, [view.height, view.width], view.radius);
+        let truth = path::render(Effect::Glossy, &shot, Sampling::one(256, 1)).mean;
+        let [surfel, bounced] = [image(&surfel, &seen), image(&bounced, &seen)];
+        let [ratio, ratio_bounced] = [&surfel, &bounced].map(|image| mean(image) / mean(&truth));
+        assert!((0.9..1.1).contains(&ratio), "{roughness}: {ratio} of it by surfels");
+        assert!((0.85..1.05).contains(&ratio_bounced), "{roughness}: {ratio_bounced} of it along rays");
+        let [far, far_bounced] = [off(&surfel, &truth), off(&bounced, &truth)];
+        assert!(far < most && far_bounced < 0.15, "{roughness}: {far} and {far_bounced} off");
+        assert!(far_bounced < far, "{roughness}: {far} and {far_bounced} off");
+        let other = path::render(Effect::Gi, &shot, Sampling::one(64, 1)).mean;
+        assert!(off(&other, &truth) > 0.4, "a matte floor would look so, too");
+    }
+}
+
+#[test]
+fn what_reflects_nothing_specularly_is_black() {
+    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+    let surfel = SurfelGlossy::new(&gpu, Parameters::default().into()).expect("valid shaders");
+    let bounced = BouncedGlossy::new(&gpu, bounced_z::Parameters::default().into()).expect("valid shaders");
+    let (scene, view, _) = corner();
+    let mut scene = scene.scene().clone();
+    scene.materials[0].gloss = Gloss::None;
+    let scene = TracedScene::new(scene).expect("two squares");
+    let gbuffer = gbuffer::render(&scene, &view.camera, view.height, view.width, ATTRIBUTES);
+    let matte = (scene, view, gbuffer);
+    assert!(image(&surfel, &matte).data().iter().all(|light| *light == 0.0));
+    assert!(image(&bounced, &matte).data().iter().all(|light| *light == 0.0));
+}
+
+#[test]
+fn the_passes_reflect_as_the_plain_versions_do() {
+    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+    let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
+    let seen = corner_over(0.5);
+    let parameters = Parameters { surfels: coarse, levels: 4, ..Parameters::default() };
+    let method = SurfelGlossy::new(&gpu, parameters.into()).expect("valid shaders");
+    // Shadow maps end within a texel of where shadows do; radiance has nine bits.
+    prove_twin(&method, &seen, Tolerance { usual: 1e-2, worst: 0.2 });
+    let parameters = bounced_z::Parameters { surfels: coarse, levels: 4, ..bounced_z::Parameters::default() };
+    let method = BouncedGlossy::new(&gpu, parameters.into()).expect("valid shaders");
+    prove_twin(&method, &seen, Tolerance { usual: 1e-2, worst: 0.2 });
+}

@@ -1,0 +1,69 @@
+// How what is seen at a pixel reflects light specularly to the eye: GGX microfacets with Schlick's Fresnel (glTF 2.0, appendix
+// B). The plain version is render/src/methods/lobe.rs.
+
+// Narrower lobes are below what directions resolve.
+const NARROWEST_ALPHA = 1e-3;
+const INVERSE_PI = 0.31830989;
+// The grazing reflectance is 1 for specular colours from here on.
+const FULL_GRAZING = 0.02;
+
+struct Lobe {
+    normal: vec3f,
+    // Unit direction to the eye.
+    viewer: vec3f,
+    // Reflectance at normal incidence.
+    specular: vec3f,
+    // Slope of the microfacets.
+    alpha: f32,
+}
+
+fn lobe_at(at: u32, position: vec3f, normal: vec3f) -> Lobe {
+    let roughness = 1.0 - gloss[at].w;
+    return Lobe(normal, normalize(-position), gloss[at].xyz, max(roughness * roughness, NARROWEST_ALPHA));
+}
+
+// Whether the eye is above it, which a normal that is bent may not be.
+fn shines(lobe: Lobe) -> bool {
+    return dot(lobe.normal, lobe.viewer) > 0.0;
+}
+
+// Smith's lambda, by the cosine of a direction to the normal.
+fn hidden_facets(cosine: f32, alpha: f32) -> f32 {
+    return 0.5 * (sqrt(1.0 + alpha * alpha * (1.0 / (cosine * cosine) - 1.0)) - 1.0);
+}
+
+// Area of the microfacets with a normal, per area and steradian.
+fn facet_density(lobe: Lobe, facet: vec3f) -> f32 {
+    let cosine = dot(lobe.normal, facet);
+    let off = facet - cosine * lobe.normal;
+    let all = dot(off, off) / (lobe.alpha * lobe.alpha) + cosine * cosine;
+    return INVERSE_PI / (lobe.alpha * lobe.alpha * all * all);
+}
+
+// The facets that mirror a direction to the eye.
+fn facet_between(lobe: Lobe, light: vec3f) -> vec3f {
+    return normalize(lobe.viewer + light);
+}
+
+fn fresnel(lobe: Lobe, facet: vec3f) -> vec3f {
+    let largest = max(lobe.specular.x, max(lobe.specular.y, lobe.specular.z));
+    let added = max(vec3f(min(largest / FULL_GRAZING, 1.0)) - lobe.specular, vec3f(0.0));
+    let off = clamp(1.0 - dot(lobe.viewer, facet), 0.0, 1.0);
+    return lobe.specular + added * (off * off) * (off * off) * off;
+}
+
+// Density with which visible facets mirror the eye's direction into one, per steradian (Heitz 2018).
+fn lobe_density(lobe: Lobe, light: vec3f) -> f32 {
+    let to_viewer = dot(lobe.normal, lobe.viewer);
+    return facet_density(lobe, facet_between(lobe, light)) / (4.0 * to_viewer * (1.0 + hidden_facets(to_viewer, lobe.alpha)));
+}
+
+// Reflectance times the cosine of light's direction over that density.
+fn lobe_weight(lobe: Lobe, light: vec3f) -> vec3f {
+    let to_light = dot(lobe.normal, light);
+    if to_light <= 0.0 {
+        return vec3f(0.0);
+    }
+    let visible = 1.0 + hidden_facets(dot(lobe.normal, lobe.viewer), lobe.alpha);
+    return fresnel(lobe, facet_between(lobe, light)) * visible / (visible + hidden_facets(to_light, lobe.alpha));
+}
