@@ -34,11 +34,12 @@ const WAKING: Duration = Duration::from_millis(500);
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     deepshade bench surfel --json surfel.json\n  \
-    deepshade bench surfel --scene sponza.gltf --sizes 768x512,1920x1080 --effects ao,gi --radius 0.7\n\n\
-    In the JSON file ms_STAGE_EFFECT is of `surfel` and ms_METHOD_STAGE_EFFECT of the others, such as ms_bounced_z_splat_ao, of the first size; \
-    ratio_fullres is the time of ambient occlusion with every surfel on every pixel over that with levels, and memory_mb what \
-    the passes of ambient occlusion write at 768x512, surfels and their tree included, and the patches that they lie on. area_error is by how much the areas of \
-    the surfels miss that of the scene's surface.")]
+    deepshade bench surfel --scene sponza.gltf --sizes 768x512,1920x1080 --effects ao,gi --methods surfel,bounced-z --radius 0.7\n\n\
+    In the JSON file ms_STAGE_EFFECT is of `surfel` and ms_METHOD_STAGE_EFFECT of the others, such as \
+    ms_bounced_z_splat_ao, of the first size; ratio_fullres is the time of ambient occlusion with every surfel on every \
+    pixel over that with levels, and memory_mb what the passes of ambient occlusion write at 768x512, surfels and their \
+    tree included, and the patches that they lie on. area_error is by how much the areas of the surfels miss that of the \
+    scene's surface.")]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
     #[arg(long, default_value = "colonnade:1")]
@@ -49,6 +50,9 @@ pub struct Args {
     /// Effects; by default all that surfels shade.
     #[arg(long, value_delimiter = ',')]
     effects: Vec<Effect>,
+    /// Methods; by default all.
+    #[arg(long, value_delimiter = ',', value_parser = METHODS, default_values = METHODS)]
+    methods: Vec<String>,
     /// How far effects reach, metres; by default 5 % of the scene's diagonal.
     #[arg(long, value_parser = crate::arguments::positive)]
     radius: Option<f32>,
@@ -84,7 +88,7 @@ pub fn run(args: &Args) -> Result<()> {
     let gpu = Gpu::new()?;
     let effects = effects(args)?;
     let runs = args.runs.map_or(if gpu.is_software() { 1 } else { 20 }, usize::from);
-    let methods = opened(&gpu, &effects, args.quality)?;
+    let methods = opened(args, &gpu, &effects)?;
     let attributes: Vec<Attribute> = methods.iter().flat_map(|method| method.attributes()).copied().collect();
     let staged = subject::staged(args, &effects)?;
     let subject = |size: Size| Subject::new(&gpu, &staged, args.radius, size, &attributes);
@@ -162,16 +166,17 @@ fn effects(args: &Args) -> Result<Vec<Effect>> {
     })
 }
 
-/// The methods of the effects.
-fn opened(gpu: &Gpu, effects: &[Effect], quality: Quality) -> Result<Vec<Box<dyn ScreenMethod>>> {
+/// The methods of the effects that were asked for.
+fn opened(args: &Args, gpu: &Gpu, effects: &[Effect]) -> Result<Vec<Box<dyn ScreenMethod>>> {
     let of = |effect: Effect| {
         METHODS
             .into_iter()
+            .filter(|name| args.methods.iter().any(|asked| asked == name))
             .filter(move |name| methods::screen_names(effect).contains(name))
             .map(move |name| (effect, name))
     };
     let all = effects.iter().flat_map(|effect| of(*effect));
-    all.map(|(effect, name)| methods::open_screen(effect, name, gpu, quality)).collect()
+    all.map(|(effect, name)| methods::open_screen(effect, name, gpu, args.quality)).collect()
 }
 
 impl Measured {

@@ -163,11 +163,12 @@ mod tests {
             #[command(flatten)]
             args: Args,
         }
-        let line = Line::try_parse_from(["deepshade", "--scene", "room:1"]).expect("a line");
+        let line =
+            Line::try_parse_from(["deepshade", "--scene", "room:1", "--quality", "low"]).expect("a line");
         let gpu = Gpu::new().expect("an adapter");
         let shaded = |effect: &Effect| methods::screen_names(*effect).contains(&METHODS[0]);
         let effects: Vec<Effect> = Effect::ALL.into_iter().filter(shaded).collect();
-        let methods = opened(&gpu, &effects, Quality::Low).expect("methods");
+        let methods = opened(&line.args, &gpu, &effects).expect("methods");
         let attributes: Vec<_> = methods.iter().flat_map(|method| method.attributes()).copied().collect();
         let staged = subject::staged(&line.args, &effects).expect("a room");
         let size = "64x48".parse().expect("a size");
