@@ -10,13 +10,16 @@ use crate::methods::proving::beyond::{corner, disk_mesh, prove_twin, scene_of, s
 use crate::methods::proving::{
     Tolerance, camera, gbuffer_of, mean_difference, plane, prove_comparator, still_life, view,
 };
+use crate::methods::surfel::occlusion::SurfelOcclusion;
 use crate::methods::surfel::reference::form_factor;
-use crate::methods::{Quality, Surface, blur};
+use crate::methods::{Quality, Surface, blur, surfel};
+use crate::path::{self, Sampling, Shot};
 use crate::scene::procedural::Family;
 use crate::scene::{Camera, Scene};
 use crate::screen::View;
 use crate::surfels;
 use crate::surfels::reference::Disk;
+use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
 use glam::{IVec2, UVec2, Vec3};
 use std::f32::consts::TAU;
@@ -310,4 +313,23 @@ fn where_nothing_is_met_all_is_open() {
     let image = method.shade(&Frame { scene: &elsewhere, radius: 1.0, ..frame }, Repeats::ONCE);
     let image = image.expect("an image").image;
     assert!(image.data().iter().all(|open| (open - 1.0).abs() < 1e-6), "no surfels");
+}
+
+#[test]
+fn it_is_nearer_to_truth_than_what_adds_all_surfels_up() {
+    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+    for family in [Family::StillLife, Family::Room] {
+        let (scene, view, gbuffer) = seen(family, 96, 128);
+        let frame =
+            Frame { scene: &scene, camera: &view.camera, gbuffer: &gbuffer, radius: view.radius, seed: 1 };
+        let shot = Shot::new(&scene, &view.camera, [96, 128], view.radius);
+        let truth = path::render(Effect::Ao, &shot, Sampling::one(128, 1)).mean;
+        let off = |method: &dyn Method| {
+            mean_difference(&method.shade(&frame, Repeats::ONCE).expect("an image").image, &truth)
+        };
+        let bounced = BouncedOcclusion::new(&gpu, Parameters::of(Quality::High).into()).expect("valid");
+        let surfel = SurfelOcclusion::new(&gpu, surfel::Parameters::of(Quality::High).into()).expect("valid");
+        let [near, far] = [off(&bounced), off(&surfel)];
+        assert!(near < 0.09 && near < 0.7 * far, "{family:?}: {near} off, all surfels {far}");
+    }
 }
