@@ -129,7 +129,7 @@ fn limits(recipe: &Recipe) -> Vec<String> {
         "Frames are independent; nothing keeps them steady over time.".to_owned(),
     ];
     limits.extend(match recipe.effect {
-        Effect::Ao | Effect::Do | Effect::Gi | Effect::Multi => {
+        Effect::Ao | Effect::Do | Effect::Gi | Effect::Glossy | Effect::Multi => {
             Some("Its radius is fixed; other radii work by scaling lengths and get worse the further they are from the trained one.")
         }
         Effect::Aa => Some("The paper's table gives this network 1.2 k weights, which its text does not lead to: it gives 609."),

@@ -5,7 +5,8 @@ use crate::recipe::{Recipe, Resolution};
 use crate::target::QUALITY;
 use crate::testset::TestSet;
 use crate::{Dataset, StagedScene, TargetMethod, contact_sheet, test_sheet, truth, verify};
-use deepshade_render::methods::ssgi::{Parameters, Ssgi};
+use deepshade_render::methods::ssgi::{self, Ssgi};
+use deepshade_render::methods::surfel::{self, occlusion::SurfelOcclusion};
 use deepshade_render::scene::procedural::Split;
 use deepshade_shaders::gpu::Gpu;
 use std::collections::BTreeMap;
@@ -94,15 +95,30 @@ fn made(recipe: &Recipe, folder: &Path, make: impl Fn(&Path) + Sync) -> PathBuf 
     one
 }
 
-/// The one method that shipped recipes aim at.
-fn ssgi() -> Ssgi {
-    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    Ssgi::new(&gpu, Parameters::of(QUALITY)).expect("valid shaders")
+/// The methods that shipped recipes aim at.
+struct Targets {
+    ssgi: Ssgi,
+    surfel: SurfelOcclusion,
 }
 
-/// What a recipe aims at, where that is not truth.
-fn target<'a>(recipe: &Recipe, ssgi: &'a Ssgi) -> Option<TargetMethod<'a>> {
-    recipe.target.as_ref().map(|_| ssgi as TargetMethod<'a>)
+impl Targets {
+    fn new() -> Self {
+        let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+        Self {
+            ssgi: Ssgi::new(&gpu, ssgi::Parameters::of(QUALITY)).expect("valid shaders"),
+            surfel: SurfelOcclusion::new(&gpu, surfel::Parameters::of(QUALITY).into())
+                .expect("valid shaders"),
+        }
+    }
+
+    /// What a recipe aims at, where that is not truth.
+    fn of(&self, recipe: &Recipe) -> Option<TargetMethod<'_>> {
+        let methods: [TargetMethod<'_>; 2] = [&self.ssgi, &self.surfel];
+        let name = recipe.target.as_ref()?;
+        let method =
+            methods.into_iter().find(|method| method.name() == name && method.effect() == recipe.effect);
+        Some(method.expect("one of these"))
+    }
 }
 
 /// A picture of some columns of images.
@@ -114,11 +130,11 @@ fn assert_is_picture(path: &Path) {
 
 #[test]
 fn every_training_recipe_gives_data_that_are_sound_and_shown() {
-    let (folder, ssgi) = (tempfile::tempdir().expect("a folder"), ssgi());
+    let (folder, targets) = (tempfile::tempdir().expect("a folder"), Targets::new());
     for recipe in all(Split::Train) {
         let effect = recipe.effect;
         let out = made(&recipe, folder.path(), |out| {
-            generate_by(&recipe, out, target(&recipe, &ssgi)).expect("generated");
+            generate_by(&recipe, out, targets.of(&recipe)).expect("generated");
         });
         assert_eq!(verify(&out).expect("verified").faults, [], "{effect}");
         let dataset = Dataset::open(&out).expect("a dataset");
@@ -144,11 +160,11 @@ fn every_training_recipe_gives_data_that_are_sound_and_shown() {
 
 #[test]
 fn every_recipe_for_testing_gives_a_test_set_that_is_read_and_shown() {
-    let (folder, ssgi) = (tempfile::tempdir().expect("a folder"), ssgi());
+    let (folder, targets) = (tempfile::tempdir().expect("a folder"), Targets::new());
     for recipe in all(Split::Test) {
         let effect = recipe.effect;
         let out = made(&recipe, folder.path(), |out| {
-            TestSet::generate_by(&recipe, out, target(&recipe, &ssgi)).expect("generated");
+            TestSet::generate_by(&recipe, out, targets.of(&recipe)).expect("generated");
         });
         let set = TestSet::open(&out).expect("a test set");
         let props = set.props().expect("props");

@@ -201,6 +201,18 @@ mod tests {
     }
 
     #[test]
+    fn a_share_of_the_largest_element_is_allowed_and_no_more() {
+        let image = Planes::from_data(1, 1, 3, vec![0.5, -8.0, 2.0]);
+        let tolerance = Tolerance { of_rms: 0.0, of_largest: 1e-3 };
+        let off = |by: f32| Planes::from_data(1, 1, 3, vec![0.5 + by, -8.0, 2.0]);
+        assert!(Comparison::within(&image, &off(7.9e-3), tolerance).agrees());
+        assert!(!Comparison::within(&image, &off(8.1e-3), tolerance).agrees());
+        let dim = Planes::filled(1, 1, 3, 0.01);
+        let near = Planes::filled(1, 1, 3, 0.0109);
+        assert!(Comparison::within(&dim, &near, tolerance).agrees(), "of 1 at least");
+    }
+
+    #[test]
     fn two_poisoned_images_do_not_agree() {
         let poisoned = Planes::filled(1, 2, 2, f32::NAN);
         assert!(!Comparison::new(&poisoned, &poisoned).agrees());

@@ -89,6 +89,7 @@ pub fn run(args: &Args) -> Result<()> {
     let effects = effects(args)?;
     let runs = args.runs.map_or(if gpu.is_software() { 1 } else { 20 }, usize::from);
     let methods = opened(args, &gpu, &effects)?;
+    ensure!(!methods.is_empty(), "none of these methods shades any of these effects");
     let attributes: Vec<Attribute> = methods.iter().flat_map(|method| method.attributes()).copied().collect();
     let staged = subject::staged(args, &effects)?;
     let subject = |size: Size| Subject::new(&gpu, &staged, args.radius, size, &attributes);
@@ -106,8 +107,9 @@ pub fn run(args: &Args) -> Result<()> {
     let memory = match measured.iter().find(|one| one.is(Effect::Ao, METHODS[0], PAPER)) {
         Some(found) => found.cost.megabytes,
         None => {
-            let method = methods::open_screen(Effect::Ao, METHODS[0], &gpu, args.quality)?;
-            Measured::new(method.as_ref(), &subject(PAPER)?, PAPER, 1)?.cost.megabytes
+            let (method, subject) =
+                (methods::open_screen(Effect::Ao, METHODS[0], &gpu, args.quality)?, subject(PAPER)?);
+            stages::megabytes(&Plan::new(method.as_ref(), &subject.inputs(), &subject.view)?)
         }
     };
     let memory = memory + (first.patches() * size_of::<Patch>()) as f64 * 1e-6;

@@ -197,5 +197,8 @@ fn the_recipes_of_the_project_are_sound() {
             "every family is used"
         );
         assert!(of_split().all(|recipe| (split == Split::Train) == (recipe.validation_share > 0.0)));
+        let without =
+            Effect::ALL.into_iter().find(|effect| !of_split().any(|recipe| recipe.effect == *effect));
+        assert_eq!(without, None, "every effect has a recipe of {split:?}");
     }
 }

@@ -14,7 +14,9 @@ const fn keys(effect: Effect) -> (Option<&'static str>, &'static [&'static str])
         Effect::Ao => (None, &[]),
         Effect::Do => (Some("environment"), &[]),
         Effect::Ibl => (Some("environment"), &["materials", "textures"]),
-        Effect::Gi | Effect::Glossy => (None, SHADING),
+        Effect::Gi => (None, SHADING),
+        // Materials that are drawn are of the Phong model, of which a g-buffer does not know.
+        Effect::Glossy => (None, &["textures", "light", "environment"]),
         Effect::Aa => (None, BY_LAMPS),
         Effect::Sss | Effect::Subsurface => (Some("mean_free_path"), BY_LAMPS),
         Effect::Dof | Effect::Multi => (Some("lens"), BY_LAMPS),

@@ -29,8 +29,8 @@ pub fn pass(device: &wgpu::Device) -> Result<Pass, GpuError> {
     Pass::new(device, wgsl::GLOSS.name, &wgsl::GLOSS.source())
 }
 
-/// That pass bound to a g-buffer, and what it writes, `[height, width]` of four: specular colour, black where no surface is seen,
-/// and glossiness.
+/// That pass bound to a g-buffer, and what it writes, `[height, width]` of four: specular colour, and glossiness, which is -1
+/// where no surface is seen.
 ///
 /// # Errors
 /// If the device has no room.
@@ -67,7 +67,7 @@ impl Gloss {
         Ok(Self { specular: planes(Attribute::Specular)?, glossiness: planes(Attribute::Glossiness)? })
     }
 
-    /// The lobe of a pixel; none where nothing is reflected to the eye.
+    /// The lobe of a pixel; none where the eye is below the surface, which a normal that is bent may lead to.
     pub fn lobe_at(&self, surface: &Surface, at: IVec2) -> Option<Lobe> {
         let [x, y] = [at.x as usize, at.y as usize];
         let specular = Vec3::from_array(std::array::from_fn(|c| self.specular.at(c, y, x)));
@@ -75,8 +75,7 @@ impl Gloss {
         let to_camera = Mat3::from_cols(tangent, bitangent, surface.normal_at(at));
         let viewer = to_camera.transpose() * -surface.position_at(at).normalize();
         let facets = Ggx::new(1.0 - self.glossiness.at(0, y, x));
-        let shines = specular.cmpgt(Vec3::ZERO).any() && viewer.z > 0.0;
-        shines.then(|| Lobe { to_camera, viewer, facets, fresnel: Fresnel::new(specular) })
+        (viewer.z > 0.0).then(|| Lobe { to_camera, viewer, facets, fresnel: Fresnel::new(specular) })
     }
 }
 
@@ -100,13 +99,26 @@ impl Lobe {
 
     /// Reflectance times the cosine of a direction over that density.
     pub fn weight(&self, direction: Vec3) -> Vec3 {
+        self.colour(direction) * self.visibility(direction)
+    }
+
+    /// Share of light from a direction that facets reflect which mirror it to the eye.
+    pub fn colour(&self, direction: Vec3) -> Vec3 {
+        let light = self.to_camera.transpose() * direction;
+        self.fresnel.reflected(self.viewer.dot((self.viewer + light).normalize_or(Vec3::Z)))
+    }
+
+    /// Share of light that the surface reflects where facets lie flat.
+    pub fn usual_colour(&self) -> Vec3 {
+        self.fresnel.reflected(self.viewer.z)
+    }
+
+    /// Share of what facets mirror that no other facet stops.
+    pub fn visibility(&self, direction: Vec3) -> f32 {
         let light = self.to_camera.transpose() * direction;
         if light.z <= 0.0 {
-            return Vec3::ZERO;
+            return 0.0;
         }
-        let facet = (self.viewer + light).normalize_or(Vec3::Z);
-        let reflectance =
-            self.facets.reflectance(self.viewer, light) / self.facets.density(self.viewer, light);
-        self.fresnel.reflected(self.viewer.dot(facet)) * reflectance * light.z
+        self.facets.reflectance(self.viewer, light) * light.z / self.facets.density(self.viewer, light)
     }
 }

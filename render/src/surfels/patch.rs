@@ -1,4 +1,5 @@
-//! A part of a triangle, in 24 bytes, since a scene has millions: which part of which triangle, and what its material says of it.
+//! A part of a triangle, in 24 bytes, since a scene has millions: which part of which triangle, and what its material says
+//! of it.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;

@@ -46,6 +46,9 @@ table! {
     SURFEL_GLOSSY: "surfel.glossy", file "methods/surfel/splat", constants [CHANNELS = 3, HEIGHT = 8], uniforms [SplatLevel],
         shared ["random", "glossy_surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree", "surfel_walk", "surfel_reach_if_lit",
                 "surfel_facing", "lobe", "surfel_colour", "surfel_glossy"];
+    /// That light in the colour of what reflects it.
+    SURFEL_REFLECT: "surfel.reflect", file "methods/surfel/reflect", constants [], uniforms [LevelSum],
+        shared ["glossy_surface", "lobe"];
     /// The sum of all levels of indirect light.
     SURFEL_INDIRECT: "surfel.indirect", file "methods/surfel/add", constants [CHANNELS = 3], uniforms [LevelSum],
         shared ["surfel_sum"];
@@ -73,11 +76,11 @@ table! {
     /// What light surfels send along a pixel's rays.
     BOUNCED_LIGHT: "bounced-z.light", file "methods/bounced_z/trace", constants [HEIGHT = 8], uniforms [Bounces],
         shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree", "surfel_walk",
-                "tangents", "bounced_directions", "bounced_matte", "bounced_light"];
+                "tangents", "bounced_directions", "bounced_matte", "surfel_facing", "bounced_light"];
     /// The same along directions that glossy surfaces reflect to the eye.
     BOUNCED_GLOSSY: "bounced-z.glossy", file "methods/bounced_z/trace", constants [HEIGHT = 8], uniforms [Bounces],
         shared ["random", "glossy_surface", "bounded", "packing", "interleaved", "surfel", "surfel_tree", "surfel_walk",
-                "tangents", "bounced_directions", "lobe", "bounced_glossy", "bounced_light"];
+                "tangents", "bounced_directions", "lobe", "bounced_glossy", "surfel_facing", "bounced_light"];
     /// What neighbouring pixels' rays say of a pixel.
     BOUNCED_FILTER: "bounced-z.filter", file "methods/bounced_z/filter", constants [CHANNELS = 1], uniforms [BounceWindow],
         shared ["surface", "bounded", "packing", "tangents", "bounced_matte"];

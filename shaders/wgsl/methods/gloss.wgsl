@@ -4,7 +4,7 @@
 @group(0) @binding(0) var<storage, read> valid: array<f32>;
 @group(0) @binding(1) var<storage, read> specular: array<f32>;
 @group(0) @binding(2) var<storage, read> glossiness: array<f32>;
-// [height, width]: specular colour, black where no surface is seen; glossiness.
+// [height, width]: specular colour; glossiness, -1 where no surface is seen.
 @group(0) @binding(3) var<storage, read_write> gloss: array<vec4f>;
 
 @compute @workgroup_size(64)
@@ -15,5 +15,5 @@ fn gather_gloss(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
         return;
     }
     let colour = vec3f(specular[at], specular[at + pixels], specular[at + 2u * pixels]);
-    gloss[at] = vec4f(select(vec3f(0.0), colour, valid[at] > 0.5), glossiness[at]);
+    gloss[at] = vec4f(colour, select(-1.0, glossiness[at], valid[at] > 0.5));
 }

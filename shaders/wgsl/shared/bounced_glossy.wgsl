@@ -23,7 +23,8 @@ fn direction_of(reflector: Reflector, place: vec2f) -> vec3f {
     let radius = sqrt(max(1.0 - height * height, 0.0));
     let angle = 6.2831853 * place.y;
     let cap = vec3f(radius * vec2f(cos(angle), sin(angle)), height) + stretched;
-    let facet = normalize(vec3f(reflector.alpha * cap.xy, cap.z));
+    let bent = vec3f(reflector.alpha * cap.xy, cap.z);
+    let facet = select(vec3f(0.0, 0.0, 1.0), normalize(bent), dot(bent, bent) > 0.0);
     return to_world * (facet * (2.0 * dot(viewer, facet)) - viewer);
 }
 
@@ -32,5 +33,5 @@ fn density_of(reflector: Reflector, direction: vec3f) -> f32 {
 }
 
 fn weight_of(reflector: Reflector, direction: vec3f) -> vec3f {
-    return lobe_weight(reflector, direction);
+    return fresnel(reflector, facet_between(reflector, direction)) * lobe_visibility(reflector, direction);
 }

@@ -2,7 +2,7 @@
 
 @group(0) @binding(1) var<storage, read> position_planes: array<f32>;
 @group(0) @binding(2) var<storage, read> normal_planes: array<f32>;
-// [height, width]: specular colour, black where nothing is reflected, and glossiness.
+// [height, width]: specular colour; glossiness, -1 where no surface is seen.
 @group(0) @binding(3) var<storage, read> gloss: array<vec4f>;
 
 // `index` is y * width + x, `pixels` height * width.
@@ -15,5 +15,5 @@ fn surface_normal(index: u32, pixels: u32) -> vec3f {
 }
 
 fn surface_valid(index: u32) -> bool {
-    return any(gloss[index].xyz > vec3f(0.0));
+    return gloss[index].w >= 0.0;
 }

@@ -23,8 +23,13 @@ fn lobe_at(at: u32, position: vec3f, normal: vec3f) -> Lobe {
 }
 
 // Whether the eye is above it, which a normal that is bent may not be.
-fn shines(lobe: Lobe) -> bool {
+fn is_seen(lobe: Lobe) -> bool {
     return dot(lobe.normal, lobe.viewer) > 0.0;
+}
+
+// Whether it reflects anything to the eye.
+fn shines(lobe: Lobe) -> bool {
+    return is_seen(lobe) && any(lobe.specular > vec3f(0.0));
 }
 
 // Smith's lambda, by the cosine of a direction to the normal.
@@ -42,7 +47,8 @@ fn facet_density(lobe: Lobe, facet: vec3f) -> f32 {
 
 // The facets that mirror a direction to the eye.
 fn facet_between(lobe: Lobe, light: vec3f) -> vec3f {
-    return normalize(lobe.viewer + light);
+    let between = lobe.viewer + light;
+    return select(lobe.normal, normalize(between), dot(between, between) > 0.0);
 }
 
 fn fresnel(lobe: Lobe, facet: vec3f) -> vec3f {
@@ -58,12 +64,13 @@ fn lobe_density(lobe: Lobe, light: vec3f) -> f32 {
     return facet_density(lobe, facet_between(lobe, light)) / (4.0 * to_viewer * (1.0 + hidden_facets(to_viewer, lobe.alpha)));
 }
 
-// Reflectance times the cosine of light's direction over that density.
-fn lobe_weight(lobe: Lobe, light: vec3f) -> vec3f {
+// Share of what those facets mirror that no other facet stops; of a white surface, reflectance times the cosine of light's
+// direction over that density.
+fn lobe_visibility(lobe: Lobe, light: vec3f) -> f32 {
     let to_light = dot(lobe.normal, light);
     if to_light <= 0.0 {
-        return vec3f(0.0);
+        return 0.0;
     }
     let visible = 1.0 + hidden_facets(dot(lobe.normal, lobe.viewer), lobe.alpha);
-    return fresnel(lobe, facet_between(lobe, light)) * visible / (visible + hidden_facets(to_light, lobe.alpha));
+    return visible / (visible + hidden_facets(to_light, lobe.alpha));
 }

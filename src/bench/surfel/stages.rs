@@ -23,7 +23,7 @@ pub enum Stage {
 }
 
 /// Which shader belongs to which stage.
-static SHADERS: [(Stage, &Shader); 31] = [
+static SHADERS: [(Stage, &Shader); 32] = [
     (Stage::Surfels, &wgsl::SURFELS_VERTICES),
     (Stage::Surfels, &wgsl::SURFELS_MEASURE),
     (Stage::Surfels, &wgsl::SURFELS_SUM),
@@ -54,6 +54,7 @@ static SHADERS: [(Stage, &Shader); 31] = [
     (Stage::Sum, &wgsl::SURFEL_OPENNESS),
     (Stage::Sum, &wgsl::SURFEL_INDIRECT),
     (Stage::Sum, &wgsl::SURFEL_OPEN),
+    (Stage::Sum, &wgsl::SURFEL_REFLECT),
     (Stage::Sum, &wgsl::SURFEL_SCATTER),
 ];
 
@@ -130,7 +131,7 @@ impl Cost {
 }
 
 /// Megabytes of all that a plan's passes write.
-fn megabytes(plan: &Plan) -> f64 {
+pub fn megabytes(plan: &Plan) -> f64 {
     let mut written: Vec<&wgpu::Buffer> = plan.steps().iter().flat_map(|step| &step.writes).collect();
     written.sort_unstable();
     written.dedup();

@@ -63,7 +63,8 @@ impl<'a> Subject<'a> {
         attributes: &[Attribute],
     ) -> Result<Self, GpuError> {
         let mut attributes = attributes.to_vec();
-        attributes.push(Attribute::Light);
+        // The frame shows light; areas, memory and sweeps are of ambient occlusion.
+        attributes.extend([Attribute::Light, Attribute::Position, Attribute::Normal, Attribute::Valid]);
         attributes.sort_unstable();
         attributes.dedup();
         let settings = Settings { height, width, attributes, shadow_size: SHADOW_SIZE };

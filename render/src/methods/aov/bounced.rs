@@ -15,7 +15,7 @@ use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
-    /// Directions of a pixel, 1 to [`bounced_z::MOST_DIRECTIONS`].
+    /// Directions of a pixel, brought into 1 to [`bounced_z::MOST_DIRECTIONS`].
     pub directions: u32,
     /// What brings neighbours' samples together.
     pub filter: blur::Parameters,
@@ -39,12 +39,16 @@ impl Parameters {
         Self { directions, filter }
     }
 
+    fn directions(&self) -> u32 {
+        self.directions.clamp(1, bounced_z::MOST_DIRECTIONS)
+    }
+
     /// What the rays read.
     pub fn rays(&self, view: &View) -> uniforms::FacetRays {
         uniforms::FacetRays {
             width: view.width as u32,
             height: view.height as u32,
-            directions: self.directions,
+            directions: self.directions(),
             seed: view.seed,
             reach: view.radius,
         }
@@ -52,7 +56,7 @@ impl Parameters {
 
     /// What the filter reads.
     pub fn window(&self, view: &View) -> uniforms::BounceWindow {
-        bounced_z::window(&self.filter, self.directions, Effect::Ao, view)
+        bounced_z::window(&self.filter, self.directions(), Effect::Ao, view)
     }
 }
 
@@ -94,11 +98,11 @@ impl Technique for Parameters {
         let surface = [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
         let (height, width) = (gbuffer.height(), gbuffer.width());
         let samples =
-            |label: &str| gpu::empty::<u32>(device, label, self.directions as usize * height * width);
+            |label: &str| gpu::empty::<u32>(device, label, self.directions() as usize * height * width);
         let (ways, arrived) = (samples("aov.directions")?, samples("aov.arrived")?);
         let [columns, rows, _] = gpu::groups(height, width, TILE);
         let reads = [&[rays], &surface[..], &[&facets.facets, &facets.nodes]].concat();
-        let all = [columns, rows, self.directions];
+        let all = [columns, rows, self.directions()];
         steps.push(MethodStep::bind(device, &passes.trace, all, &reads, &[&ways, &arrived])?);
         let reads = [&[window], &surface[..], &[&ways, &arrived]].concat();
         steps.push(MethodStep::bind(device, &passes.filter, [columns, rows, 1], &reads, &[output])?);

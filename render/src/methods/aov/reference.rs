@@ -122,8 +122,7 @@ fn samples(
 /// Ambient occlusion by a bounced z-buffer, `[1, height, width]`.
 pub fn visible_sky(surface: &Surface, facets: &[Facet], parameters: &Parameters, view: &View) -> Planes {
     let rays = parameters.rays(view);
-    let matte = |at| Some(Matte(surface.normal_at(at)));
-    reconstruction(surface, &parameters.window(view), Effect::Ao, &matte, |at, matte| {
+    reconstruction(surface, &parameters.window(view), Effect::Ao, &Matte::all_over(surface), |at, matte| {
         samples(surface, facets, &rays, at, *matte)
     })
 }

@@ -1,11 +1,11 @@
 //! Glossy indirect light by a bounced z-buffer: what a surface's specular lobe reflects to the eye of what the nearest surfels
 //! send. Directions are spread as the lobe's visible microfacets mirror the eye's.
 
+use super::indirect::Indirect;
 use super::technique::{Reflectors, Shaders};
 use super::{BouncedEffect, BouncedZ};
 use crate::methods::Surface;
 use crate::methods::lobe::{self, Gloss, Lobe};
-use crate::methods::surfel::reference::sent;
 use crate::screen::Compiled;
 use crate::surfels::reference::Disk;
 use deepshade_shaders::wgsl;
@@ -34,10 +34,10 @@ impl BouncedEffect for Glossy {
         surface: &'a Surface,
     ) -> Result<Reflectors<'a, Lobe>, MissingAttribute> {
         let gloss = Gloss::of(gbuffer)?;
-        Ok(Box::new(move |at| gloss.lobe_at(surface, at)))
+        Ok(Box::new(move |at| gloss.lobe_at(surface, at).filter(|lobe| lobe.usual_colour() != Vec3::ZERO)))
     }
 
     fn arriving(met: Option<&Disk>, direction: Vec3) -> Vec3 {
-        met.map_or(Vec3::ZERO, |disk| sent(direction, disk))
+        Indirect::arriving(met, direction)
     }
 }

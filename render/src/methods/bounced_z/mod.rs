@@ -14,14 +14,15 @@
 //! ambient occlusion as well, where the paper spreads them evenly: of an even sky the cosine leaves no noise at all, an even
 //! spread that of a variance of 1/3 a direction. The filter divides by the sum of its weights, so that it keeps an even sky.
 //!
-//! Methods: [`occlusion`] and [`indirect`] light, which [`glossy`] surfaces also reflect. What a pixel's surface makes of light, and
-//! so where it looks for it, is its [`Reflector`].
+//! Methods: [`occlusion`] and [`indirect`] light, which [`glossy`] surfaces also reflect. What a pixel's surface makes of
+//! light, and so where it looks for it, is its [`Reflector`].
 //!
 //! Limits. Disks whose areas add up to a surface's lie over one another in places and leave holes in others: a single sheet of
 //! them lets a part of the rays through ([`COVER`]), which is light lost to `gi`. Where it ends, disks stand over its edge, the
 //! more the coarser the level: thresholds are therefore smaller than those of [`surfel`](super::surfel). Few directions are
 //! noise, of bright things in a dark scene above all, and the filter turns it into blur. A far group of surfels is taken to look
-//! like the one of it that is met.//!
+//! like the one of it that is met.
+//!
 //! Unlike [`surfel`](super::surfel) it does not grow darker, or brighter, with every surface behind the first; it takes a few
 //! times as long.
 

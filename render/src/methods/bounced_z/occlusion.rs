@@ -27,7 +27,7 @@ impl BouncedEffect for Occlusion {
     }
 
     fn reflectors<'a>(_: &GBuffer, surface: &'a Surface) -> Result<Reflectors<'a, Matte>, MissingAttribute> {
-        Ok(Box::new(|at| Some(Matte(surface.normal_at(at)))))
+        Ok(Box::new(Matte::all_over(surface)))
     }
 
     fn arriving(met: Option<&Disk>, _direction: Vec3) -> Vec3 {

@@ -1,13 +1,15 @@
 //! What a pixel's surface makes of light, and where it looks for it: the plain versions of `shared/bounced_matte.wgsl` and
 //! `shared/bounced_glossy.wgsl`.
 
+use crate::methods::Surface;
 use crate::methods::lobe::Lobe;
-use glam::{Vec2, Vec3};
+use glam::{IVec2, Vec2, Vec3};
 use std::f32::consts::TAU;
 
 /// How a surface reflects.
 pub trait Reflector: Copy + Send + Sync {
-    /// A direction that it looks into, camera space, which a place on the disk leads to: its radius squared, and its angle, turns.
+    /// A direction that it looks into, camera space, which a place on the disk leads to: its radius squared, and its angle,
+    /// turns.
     fn direction(&self, place: Vec2) -> Vec3;
 
     /// The density of such directions, but for a factor that is the same for all; never 0.
@@ -20,6 +22,13 @@ pub trait Reflector: Copy + Send + Sync {
 /// By the cosine to a normal.
 #[derive(Clone, Copy, Debug)]
 pub struct Matte(pub Vec3);
+
+impl Matte {
+    /// That of every pixel.
+    pub fn all_over(surface: &Surface) -> impl Fn(IVec2) -> Option<Self> + Sync {
+        |at| Some(Self(surface.normal_at(at)))
+    }
+}
 
 /// Below this a cosine is rounding.
 const LEAST_COSINE: f32 = 1e-3;

@@ -44,11 +44,6 @@ fn pixels_of_a_square_have_all_numbers() {
     }
 }
 
-/// Surfaces that reflect by the cosine.
-fn matte(surface: &Surface) -> impl Fn(IVec2) -> Option<Matte> + Sync {
-    |at| Some(Matte(surface.normal_at(at)))
-}
-
 /// Directions from points with a normal, of all pixels of an image of 32 x 32.
 fn directions(parameters: &Parameters, normal: Vec3) -> impl Iterator<Item = (UVec2, Vec3)> {
     let bounces = parameters.bounces(&view(32, 32, 100.0));
@@ -186,7 +181,7 @@ fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
     let filter = blur::Parameters { radius: 2, sharpness: 512.0 };
     let image = shade::<Indirect>(
         &surface,
-        &matte(&surface),
+        &Matte::all_over(&surface),
         &disks,
         &Parameters { directions: 4, filter, ..PLAIN },
         &view,
@@ -219,7 +214,7 @@ fn without_a_threshold_levels_change_nothing() {
     let shaded = |threshold, levels| {
         shade::<Occlusion>(
             &surface,
-            &matte(&surface),
+            &Matte::all_over(&surface),
             &disks,
             &Parameters { threshold, levels, ..FEW },
             &view,
@@ -241,7 +236,7 @@ fn bumpy() -> Surface {
 fn the_filter_keeps_an_even_sky() {
     let image = shade::<Occlusion>(
         &bumpy(),
-        &matte(&bumpy()),
+        &Matte::all_over(&bumpy()),
         &[],
         &Parameters::of(Quality::High),
         &view(40, 56, 1.0),
@@ -262,7 +257,7 @@ fn the_filter_removes_noise() {
         let filter = blur::Parameters { radius, sharpness: 512.0 };
         shade::<Occlusion>(
             &surface,
-            &matte(&surface),
+            &Matte::all_over(&surface),
             &disks,
             &Parameters { directions, filter, ..PLAIN },
             &view,

@@ -85,7 +85,7 @@ pub fn seen(family: Family, height: usize, width: usize) -> (TracedScene, View, 
     (scene, view, gbuffer)
 }
 
-/// What surfel methods read of a g-buffer.
+/// What methods that look beyond the screen read of a g-buffer, glossy receivers all of it.
 pub const ATTRIBUTES: &[Attribute] = lobe::ATTRIBUTES;
 
 /// Proves that a method's passes make what its plain version does, and the same of the same frame twice.

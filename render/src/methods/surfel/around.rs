@@ -13,8 +13,13 @@ use deepshade_shaders::wgsl::{Shader, TILE};
 pub enum Ending<P> {
     /// It is the image.
     Sum,
-    /// It is the image, of glossy receivers; with what gathers what splats read of them.
-    Reflected(P),
+    /// What glossy receivers reflect where it is what they would if they were white.
+    Reflected {
+        /// What splats read of receivers.
+        gloss: P,
+        /// The image.
+        reflect: P,
+    },
     /// What is open where it is what is blocked of the environment's light.
     Open(P),
     /// Scattered light where it is what bodies let through.
@@ -35,7 +40,9 @@ impl Ending<&'static Shader> {
         let pass = |shader: &Shader| Pass::new(device, shader.name, &shader.source());
         Ok(match self {
             Self::Sum => Ending::Sum,
-            Self::Reflected(gloss) => Ending::Reflected(pass(gloss)?),
+            Self::Reflected { gloss, reflect } => {
+                Ending::Reflected { gloss: pass(gloss)?, reflect: pass(reflect)? }
+            }
             Self::Open(open) => Ending::Open(pass(open)?),
             Self::Scattered { bodies, scatter } => {
                 Ending::Scattered { bodies: pass(bodies)?, scatter: pass(scatter)? }
@@ -86,10 +93,12 @@ impl Around {
         };
         Ok(match ending {
             Ending::Sum => plain,
-            Ending::Reflected(pass) => {
-                let (gloss, step) = lobe::step(device, pass, inputs.gbuffer)?;
+            Ending::Reflected { gloss, reflect } => {
+                let (gloss, step) = lobe::step(device, gloss, inputs.gbuffer)?;
                 let [position, normal, _] = receivers;
-                Self { before: vec![step], receivers: [position, normal, gloss], ..plain }
+                let reads = [size, &position, &normal, &gloss];
+                let after = vec![MethodStep::bind(device, reflect, whole, &reads, &[image])?];
+                Self { before: vec![step], receivers: [position, normal, gloss], after, ..plain }
             }
             Ending::Open(pass) => {
                 let [blocked, open] = Sky::new(inputs.environment).upload(device)?;
