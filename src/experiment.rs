@@ -3,6 +3,7 @@
 
 mod exam;
 mod field_of_view;
+mod history;
 mod kernels;
 mod lab;
 mod losses;
@@ -71,6 +72,8 @@ enum Study {
     Regressors,
     /// What the field learned since, each as an option of a network that filters light.
     Options,
+    /// Networks that read what they made of the frame before, and how much they flicker.
+    History,
 }
 
 impl Study {
@@ -96,6 +99,7 @@ impl Study {
             Self::Radius => radius::run(lab),
             Self::Regressors => regressors::run(lab),
             Self::Options => options::run(lab, effect),
+            Self::History => history::run(lab),
         }
     }
 }
@@ -129,7 +133,10 @@ fn write(folder: &Path, table: &Table, lab: &Lab, seconds: f64) -> Result<()> {
     write_atomically(&folder.join("table.md"), markdown(table, lab, seconds).as_bytes())?;
     write_atomically(&folder.join("table.csv"), table.csv().as_bytes())?;
     write_atomically(&folder.join("plot.svg"), table.plot.svg(table.title)?.as_bytes())?;
-    write_atomically(&folder.join("curves.svg"), curves(lab).svg("Training")?.as_bytes())
+    match lab.runs().is_empty() {
+        true => Ok(()),
+        false => write_atomically(&folder.join("curves.svg"), curves(lab).svg("Training")?.as_bytes()),
+    }
 }
 
 /// The table with what it was made by.

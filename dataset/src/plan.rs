@@ -113,7 +113,9 @@ impl Recipe {
         let held_apart = if scenes > 1 {
             held_apart(scene, scenes, self.validation_share)
         } else {
-            held_apart(view, self.views_per_scene, self.validation_share)
+            // What follows each other stays together.
+            let frames = self.sequence.map_or(1, |sequence| sequence.frames);
+            held_apart(view / frames, self.views_per_scene / frames, self.validation_share)
         };
         let seed = mix(&[u64::from(self.seed), key, view as u64]) as u32;
         PlannedView { index: view, name: format!("{name}-{view:03}"), seed, held_apart }

@@ -50,6 +50,10 @@ pub struct Recipe {
     /// along its axis, and a scene has the same views at all of them; see [`crate::views::dolly`]. Without it 50.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub field_of_view: Option<f32>,
+    /// Views that follow each other, as the camera goes on a little, for networks that know what they made of the frame
+    /// before: as many of `views_per_scene` as there are frames belong together.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sequence: Option<Sequence>,
     /// Share of the scenes, or of the views where there is one scene only, that is held apart for validation.
     #[serde(default)]
     pub validation_share: f64,
@@ -98,6 +102,18 @@ pub struct Viewpoint {
     pub position: Vec3,
     /// What it looks at, world space, metres.
     pub target: Vec3,
+}
+
+/// A camera that goes on a little from frame to frame, always as fast.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sequence {
+    /// How many views follow each other.
+    pub frames: usize,
+    /// How far the camera turns from one to the next, degrees.
+    pub turn: f32,
+    /// How far it goes from one to the next, as a share of the diagonal of the scene's bounds.
+    pub step: f32,
 }
 
 /// How far an effect reaches.

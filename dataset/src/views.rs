@@ -13,6 +13,7 @@
 //! - no two planes hold more than [`MOST_ON_TWO_PLANES`] (a blank wall and its floor teach nothing).
 
 pub mod dolly;
+pub mod sequence;
 
 use crate::random::{mix, uniform};
 use crate::{DatasetError, Recipe};
@@ -47,8 +48,8 @@ const OUTLIERS: f32 = 0.01;
 /// How much of its diagonal the box is widened by on each side.
 const MARGIN: f32 = 0.1;
 
-/// The view of an index of a recipe's scene: that of [`sample_view`], or with the recipe's field of view one that
-/// [`dolly_zoom`](dolly::dolly_zoom) can make of it.
+/// The view of an index of a recipe's scene: that of [`sample_view`], with the recipe's field of view one that
+/// [`dolly_zoom`](dolly::dolly_zoom) can make of it, and in a sequence one that [`followed`](sequence::followed) can.
 ///
 /// # Errors
 /// If none of many sampled views is fit.
@@ -59,11 +60,19 @@ pub fn recipe_view(
     view: usize,
 ) -> Result<Camera, DatasetError> {
     let size = [recipe.resolution.height, recipe.resolution.width];
+    let stream = |view: usize| mix(&[u64::from(recipe.seed), scene_key, view as u64]);
+    if let Some(sequence) = recipe.sequence {
+        let stream = stream(view / sequence.frames);
+        let frame = view % sequence.frames;
+        return sample(scene, size, stream, |first| {
+            sequence::followed(scene, &first, size, stream, sequence, frame)
+        });
+    }
     let shown = |camera: Camera| match recipe.field_of_view {
         None => Some(camera),
         Some(degrees) => dolly::dolly_zoom(scene, &camera, degrees),
     };
-    sample(scene, size, mix(&[u64::from(recipe.seed), scene_key, view as u64]), shown)
+    sample(scene, size, stream(view), shown)
 }
 
 /// The view of an index of a scene, for an image of this size. The same for the same `seed`, `scene_key` and `view`.
@@ -120,7 +129,7 @@ const REASONS: [&str; 7] = [
     "surfaces are too near",
     "what it sees is too near or too far away",
     "it sees little but a plane or two",
-    "it cannot be had at every field of view",
+    "it cannot be had at every field of view, or be followed by the others of its sequence",
 ];
 /// Index into [`REASONS`] of a view of which its user makes none.
 const NOT_SHOWN: usize = 6;

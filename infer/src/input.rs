@@ -6,7 +6,9 @@
 
 use crate::{Colour, NetSpec};
 use deepshade_shaders::wgsl::convolution::Scale;
-use deepshade_shaders::{Attribute, AttributeKind, Channel, GBuffer, MissingAttribute, Planes, exposure};
+use deepshade_shaders::{
+    Attribute, AttributeKind, Channel, Effect, GBuffer, MissingAttribute, Planes, exposure,
+};
 
 /// What a frame's lengths and its light are multiplied by, so that the frame is to the network like those that it was
 /// trained with (thesis 7.5.1, "Range of Values" and "Effect Radius").
@@ -20,7 +22,7 @@ pub struct Scaling {
 
 impl NetSpec {
     /// What a frame of a g-buffer is multiplied by, for an effect that reaches `radius` metres: light such that 99 % of what
-    /// is not black is at most 1.
+    /// is not black is at most [`NetSpec::brightness`].
     ///
     /// # Errors
     /// If the g-buffer lacks light that the network reads.
@@ -29,9 +31,16 @@ impl NetSpec {
             self.inputs.iter().copied().filter(|input| unit(*input).scale == Scale::Light).collect();
         let light = match lights.is_empty() {
             true => 1.0,
-            false => exposure::of_values(gbuffer.select(&lights)?.data().iter().copied()),
+            false => self.brightness() * exposure::of_values(gbuffer.select(&lights)?.data().iter().copied()),
         };
         Ok(Scaling { length: self.reach.position_scale(radius), light })
+    }
+
+    /// How bright light is to the network. Light of one bounce is some six times fainter than that which it comes from (the
+    /// median of the training frames of `gi.toml`), and weights that make so faint an image are harder to learn, as an
+    /// optimiser's steps are alike for all.
+    pub fn brightness(&self) -> f32 {
+        if self.effect == Effect::Gi { 8.0 } else { 1.0 }
     }
 
     /// What one of the network's [runs](NetSpec::runs) reads of a g-buffer, `[input channels, height, width]`, so that
@@ -215,6 +224,9 @@ mod tests {
         assert_eq!((wide.at(0, 0, 0), wide.at(1, 0, 0)), (0.5, 1.5), "the circle, their ratio, stays");
         let ao = NetSpec::ao(ChannelOrder::Interleaved, REACH);
         assert_eq!(ao.scaling(&frame(9.0), 4.0), Ok(lengths(0.5)), "no light is read");
+        let brighter = NetSpec { effect: Effect::Gi, ..spec.clone() };
+        let light = brighter.scaling(&frame(0.5), 2.0).map(|scaling| scaling.light);
+        assert_eq!(light, Ok(8.0 * dim.light), "to make an image of fainter light");
         assert!(
             spec.scaling(&GBuffer::new(vec![Attribute::Valid], Planes::filled(1, 1, 1, 1.0)), 1.0).is_err()
         );

@@ -7,6 +7,7 @@ use deepshade_dataset::testset::gather;
 use deepshade_dataset::{SceneRecord, StagedScene, TestFrame, TestSet, truth};
 use deepshade_render::gbuffer;
 use deepshade_render::metrics::{exposed, flip, ssim};
+use deepshade_render::scene::Camera;
 use deepshade_shaders::{Effect, GBuffer, Planes};
 
 /// The frames of a test set.
@@ -20,6 +21,8 @@ struct Question {
     /// Which scene it is from.
     scene: usize,
     gbuffer: GBuffer,
+    /// Where it is seen from.
+    camera: Camera,
     /// How far the effect reaches, metres.
     radius: f32,
     /// What images are multiplied by before they are compared.
@@ -28,6 +31,15 @@ struct Question {
     truth: TestFrame,
     /// How far the halves of truth agree.
     ceiling: f64,
+}
+
+/// A frame that is kept whole: its g-buffer, camera, how far the effect reaches in metres, and truth.
+pub type WholeFrame<'a> = (&'a GBuffer, &'a Camera, f32, &'a Planes);
+
+impl Question {
+    fn whole(&self) -> Option<WholeFrame<'_>> {
+        Some((&self.gbuffer, &self.camera, self.radius, self.truth.whole.as_ref()?))
+    }
 }
 
 /// How near to truth images are: means over scenes.
@@ -83,6 +95,7 @@ impl Exam {
             questions.push(Question {
                 scene: scenes,
                 gbuffer: gbuffer::render(&scene, &record.camera, height, width, attributes),
+                camera: record.camera,
                 radius: record.radius,
                 exposure: record.exposure,
                 truth: set.frame(index)?,
@@ -103,9 +116,18 @@ impl Exam {
     /// # Errors
     /// If an image cannot be made.
     pub fn scores(&self, image: impl Fn(&GBuffer, f32) -> Result<Planes>) -> Result<Scores> {
+        let images = self.questions.iter().map(|Question { gbuffer, radius, .. }| image(gbuffer, *radius));
+        self.scores_of(images)
+    }
+
+    /// Scores of whoever makes these images of its frames.
+    ///
+    /// # Errors
+    /// If an image could not be made.
+    pub fn scores_of(&self, images: impl Iterator<Item = Result<Planes>>) -> Result<Scores> {
         let (mut ssims, mut l1s, mut l2s, mut flips) = (vec![], vec![], vec![], vec![]);
-        for Question { scene, gbuffer, radius, exposure, truth, .. } in &self.questions {
-            let image = exposed(&image(gbuffer, *radius)?, *exposure);
+        for (Question { scene, exposure, truth, .. }, image) in self.questions.iter().zip(images) {
+            let image = exposed(&image?, *exposure);
             let (tiles, expected) = (gather(&image, &truth.tiles), exposed(&truth.truth, *exposure));
             ssims.push((*scene, ssim(&tiles, &expected)));
             l1s.push((*scene, mean_difference(&tiles, &expected, f64::abs)));
@@ -117,6 +139,11 @@ impl Exam {
             false => estimate(&values).mean,
         });
         Ok(Scores { ssim: estimate(&ssims), l1, l2, flip })
+    }
+
+    /// The frames that are kept whole.
+    pub fn whole_frames(&self) -> Vec<WholeFrame<'_>> {
+        self.questions.iter().filter_map(Question::whole).collect()
     }
 
     /// Scores of whoever computes nothing.

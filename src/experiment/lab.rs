@@ -222,7 +222,8 @@ impl Lab {
         self.exam(BASE, &self.test_recipe)
     }
 
-    fn note(&self, line: String) {
+    /// Adds a line to the table's foot.
+    pub fn note(&self, line: String) {
         self.notes.borrow_mut().push(line);
     }
 

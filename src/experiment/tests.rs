@@ -117,3 +117,14 @@ fn options_of_a_network_that_filters_light() {
     assert!(of(5) < of(1) && of(1) < of(2), "one run for all colours against three");
     assert!(of(6) < of(1) && (of(7) - of(1)).abs() < 1.0, "half the resolution; masks are not counted");
 }
+
+#[test]
+fn networks_with_a_memory_are_compared_on_films() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = table(Study::History, folder.path());
+    let figures: Vec<&str> = table.rows.iter().map(|row| row.figure.as_str()).collect();
+    assert_eq!(figures, ["ssim_none", "ssim_mixed", "ssim_image", "ssim_kept", "ssim_trivial"]);
+    let flicker = |row: usize| table.rows[row].values[4];
+    assert!(flicker(1) < flicker(0) && flicker(0) > 0.0, "mixing calms");
+    assert_ne!(table.rows[2].values[0], table.rows[0].values[0], "another network");
+}

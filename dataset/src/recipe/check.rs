@@ -1,7 +1,7 @@
 //! What makes a recipe sound: values within limits, keys that mean something, families and scene files that are for
 //! what the recipe is for.
 
-use super::{FamilyShare, Radius, Recipe, Resolution, Viewpoint, split_name};
+use super::{FamilyShare, Radius, Recipe, Resolution, Sequence, Viewpoint, split_name};
 use crate::DatasetError;
 use crate::identity::Identity;
 use crate::views::dolly::FIELDS_OF_VIEW;
@@ -56,6 +56,12 @@ impl Recipe {
         let degrees = format!("{} to {} degrees", FIELDS_OF_VIEW.start(), FIELDS_OF_VIEW.end());
         let holds = self.field_of_view.is_none_or(|degrees| FIELDS_OF_VIEW.contains(&degrees));
         between("field_of_view", holds, &degrees)?;
+        if let Some(Sequence { frames, turn, step }) = self.sequence {
+            let holds = (2..=1000).contains(&frames) && self.views_per_scene.is_multiple_of(frames);
+            between("sequence.frames", holds, "2 to 1000, and `views_per_scene` a multiple of it")?;
+            between("sequence.turn", (0.0..=10.0).contains(&turn), "0 to 10 degrees")?;
+            between("sequence.step", (0.0..=0.1).contains(&step), "0 to 0.1 of the diagonal")?;
+        }
         if let Some(tiles) = self.tiles {
             let whole = tiles.samples.is_multiple_of(SCRAMBLINGS);
             let holds = whole && (SCRAMBLINGS..=MAX_SAMPLES).contains(&tiles.samples);
@@ -88,6 +94,14 @@ impl Recipe {
                 "`error` is for truth, and `target` names a method, whose images have no noise".to_owned()
             );
         }
+        let other = [
+            ("camera", self.camera.is_some()),
+            ("field_of_view", self.field_of_view.is_some()),
+            ("vary", self.vary.is_some()),
+        ];
+        if let (Some(_), Some((key, _))) = (self.sequence, other.into_iter().find(|(_, given)| *given)) {
+            return Err(format!("`sequence` moves the camera through a scene as it is: without `{key}`"));
+        }
         if self.split == Split::Test && self.validation_share > 0.0 {
             return Err(
                 "`validation_share` is for training: a recipe for testing holds nothing apart".to_owned()
@@ -111,6 +125,7 @@ impl Recipe {
             ("files", !self.files.is_empty()),
             ("test_recipes", !self.test_recipes.is_empty()),
             ("camera", self.camera.is_some()),
+            ("sequence", self.sequence.is_some()),
             ("vary", self.vary.is_some()),
             ("target", self.target.is_some()),
             ("error", self.error.is_some()),

@@ -59,6 +59,21 @@ fn absurd_values_are_refused_with_their_limits() {
         ("0.05", "-1.0", "`radius.diagonal` must be above 0"),
         ("views_per_scene = 2", "views_per_scene = 0", "1 to 1000000 views"),
         ("views_per_scene = 2", "views_per_scene = 400000", "1 to 1000000 views"),
+        (
+            "seed = 1",
+            "seed = 1\nsequence = { frames = 3, turn = 1.0, step = 0.0 }",
+            "`views_per_scene` a multiple of it",
+        ),
+        (
+            "seed = 1",
+            "seed = 1\nsequence = { frames = 2, turn = 30.0, step = 0.0 }",
+            "`sequence.turn` must be 0 to 10",
+        ),
+        (
+            "seed = 1",
+            "seed = 1\nfield_of_view = 50.0\nsequence = { frames = 2, turn = 1.0, step = 0.0 }",
+            "without `field_of_view`",
+        ),
         ("seed = 1", "seed = 1\nfield_of_view = 19.0", "`field_of_view` must be 20 to 90 degrees"),
         ("seed = 1", "seed = 1\nfield_of_view = nan", "`field_of_view` must be 20 to 90 degrees"),
         ("share = 0.25", "share = 0.75", "`validation_share` must be 0 to 0.5"),

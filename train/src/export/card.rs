@@ -44,7 +44,7 @@ fn scales(spec: &NetSpec) -> String {
         said.push(format!("lengths by {} over the radius in metres", spec.reach.radius));
     }
     if reacting(&factors(1.0, 2.0)) {
-        said.push("light such that 99 % of what is not black is at most 1".to_owned());
+        said.push(format!("light such that 99 % of what is not black is at most {}", spec.brightness()));
     }
     said.extend(
         plain

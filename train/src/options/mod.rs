@@ -1,6 +1,7 @@
 //! Networks of other shapes than a spec can say, for the study that compares them with the paper's. They are trained on the
 //! same crops in the same order; of their weights the last ones count, at the end of the rate's fall.
 
+pub mod history;
 mod masked;
 mod space_to_depth;
 

@@ -1,8 +1,9 @@
 //! The slow, plain version of `reproject.wgsl`, and what it is measured by.
 
+use crate::scene::Camera;
 use deepshade_shaders::Planes;
 use deepshade_shaders::wgsl::uniforms;
-use glam::{IVec2, Vec2};
+use glam::{IVec2, Vec2, Vec3};
 
 /// What two frames show of the same surfaces.
 #[derive(Clone, Copy, Debug)]
@@ -45,18 +46,20 @@ pub fn flicker(two: Two<'_>, current: &Planes, before: &Planes, depth_tolerance:
 }
 
 impl Two<'_> {
-    /// What a channel of the frame before showed of the surface of a pixel; `None` where that was not seen.
-    fn carried(self, history: &Planes, channel: usize, [y, x]: [usize; 2], tolerance: f32) -> Option<f32> {
+    /// Where the frame before showed the surface of a pixel: pixels by their index, each with its weight, and the sum of
+    /// these; `None` where it was not seen.
+    pub fn taps(self, [y, x]: [usize; 2], tolerance: f32) -> Option<([(usize, f32); 4], f32)> {
         let depth = self.since_before.at(3, y, x);
         let movement = Vec2::new(self.since_before.at(0, y, x), -self.since_before.at(1, y, x));
         let at = Vec2::new(x as f32, y as f32) - movement;
         let (corner, part) = (at.floor(), at - at.floor());
-        let (mut value, mut sum) = (0.0, 0.0);
-        for i in 0..4 {
-            let tap = corner.as_ivec2() + IVec2::new(i & 1, i >> 1);
-            let inside = tap.cmpge(IVec2::ZERO).all()
-                && (tap.x as usize) < history.width()
-                && (tap.y as usize) < history.height();
+        let [height, width] = [self.since_before.height(), self.since_before.width()];
+        let mut taps = [(0, 0.0); 4];
+        for (i, taken) in taps.iter_mut().enumerate() {
+            let (right, below) = (i & 1, i >> 1);
+            let tap = corner.as_ivec2() + IVec2::new(right as i32, below as i32);
+            let inside =
+                tap.cmpge(IVec2::ZERO).all() && (tap.x as usize) < width && (tap.y as usize) < height;
             if !inside {
                 continue;
             }
@@ -65,15 +68,40 @@ impl Two<'_> {
             if was <= 0.0 || (was - depth).abs() > tolerance * depth {
                 continue;
             }
-            let across = if i & 1 == 1 { part.x } else { 1.0 - part.x };
-            let down = if i >> 1 == 1 { part.y } else { 1.0 - part.y };
-            if across * down > 0.0 {
-                value += across * down * history.at(channel, row, column);
-            }
-            sum += across * down;
+            let across = if right == 1 { part.x } else { 1.0 - part.x };
+            let down = if below == 1 { part.y } else { 1.0 - part.y };
+            *taken = (row * width + column, across * down);
         }
-        (depth > 0.0 && sum > 0.01).then(|| value / sum)
+        let sum = taps.iter().map(|(_, weight)| weight).sum();
+        (depth > 0.0 && sum > 0.01).then_some((taps, sum))
     }
+
+    /// What a channel of the frame before showed of the surface of a pixel; `None` where that was not seen.
+    fn carried(self, history: &Planes, channel: usize, at: [usize; 2], tolerance: f32) -> Option<f32> {
+        let (taps, sum) = self.taps(at, tolerance)?;
+        let plane = history.plane(channel);
+        let weighted =
+            taps.iter().filter(|(_, weight)| *weight > 0.0).map(|(at, weight)| weight * plane[*at]);
+        Some(weighted.sum::<f32>() / sum)
+    }
+}
+
+/// What [`Two`] knows of a frame, of a scene at rest: from positions in camera space, `[3, height, width]`, of what is seen.
+pub fn since_at_rest(positions: &Planes, seen: &[bool], camera: &Camera, before: &Camera) -> Planes {
+    let [height, width] = [positions.height(), positions.width()];
+    let mut since = Planes::filled(4, height, width, 0.0);
+    for pixel in (0..height * width).filter(|pixel| seen[*pixel]) {
+        let place = Vec3::from_array([0, 1, 2].map(|axis| positions.plane(axis)[pixel]));
+        let then = before.to_camera(camera.position + camera.rotation * place);
+        let at = Vec2::new((pixel % width) as f32, (pixel / width) as f32) + 0.5;
+        // What was behind the camera had no positive depth, by which it counts as not seen.
+        let movement = at - before.project(then, height, width).unwrap_or(at);
+        let values = [movement.x, -movement.y, -place.z, -then.z];
+        for (channel, value) in values.into_iter().enumerate() {
+            since.plane_mut(channel)[pixel] = value;
+        }
+    }
+    since
 }
 
 /// Mean and standard deviation of a channel over the pixels around one.

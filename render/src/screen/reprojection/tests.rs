@@ -1,10 +1,12 @@
 //! Reprojection against closed forms, and the GPU against the reference.
 
-use super::reference::{Two, flicker, mixed};
+use super::reference::{Two, flicker, mixed, since_at_rest};
 use super::*;
 use crate::methods::proving::{Tolerance, agree, prove_comparator};
+use crate::scene::Camera;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Planes, random};
+use glam::{Vec2, Vec3};
 
 const HEIGHT: usize = 37;
 const WIDTH: usize = 53;
@@ -136,4 +138,31 @@ fn gpu_and_reference_agree_at_every_pixel() {
         assert_eq!(agree(&found, &wanted, TOLERANCE), Ok(()), "frame {frame}");
     }
     prove_comparator(&wanted, TOLERANCE);
+}
+
+#[test]
+fn of_a_scene_at_rest_the_cameras_tell_what_moved() {
+    // A wall 5 m before a camera that went half a metre to the right, and came a metre nearer.
+    let before = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z);
+    let camera = Camera { position: Vec3::new(0.5, 0.0, -1.0), ..before };
+    let focal = before.focal_length(HEIGHT);
+    let place = |y: usize, x: usize| {
+        let middle = Vec2::new(x as f32 + 0.5 - 0.5 * WIDTH as f32, 0.5 * HEIGHT as f32 - y as f32 - 0.5);
+        (middle * 5.0 / focal).extend(-5.0)
+    };
+    let positions = Planes::from_fn(3, HEIGHT, WIDTH, |c, y, x| place(y, x)[c]);
+    let mut seen = vec![true; HEIGHT * WIDTH];
+    seen[0] = false;
+    let since = since_at_rest(&positions, &seen, &camera, &before);
+    assert_eq!([0, 1, 2, 3].map(|channel| since.at(channel, 0, 0)), [0.0; 4], "nothing is seen there");
+    let now = place(10, 20).truncate() * focal / 5.0;
+    let then = (place(10, 20).truncate() + Vec2::new(0.5, 0.0)) * focal / 6.0;
+    let expected = [now.x - then.x, now.y - then.y, 5.0, 6.0];
+    for (channel, expected) in expected.into_iter().enumerate() {
+        assert!(
+            (since.at(channel, 10, 20) - expected).abs() < 1e-3,
+            "{channel}: {}",
+            since.at(channel, 10, 20)
+        );
+    }
 }

@@ -1,0 +1,71 @@
+//! What the cards of shipped networks say of their data: that they were trained and tested on scenes that are apart.
+
+use deepshade_dataset::Recipe;
+use deepshade_infer::Model;
+use deepshade_render::scene::procedural::{Family, Split};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Frames that a network is tested on at least.
+const LEAST_FRAMES: usize = 200;
+
+fn root(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// What a row of a card's tables says.
+fn row<'a>(card: &'a str, name: &str) -> &'a str {
+    let line = card.lines().find_map(|line| line.strip_prefix(&format!("| {name} | ")));
+    line.unwrap_or_else(|| panic!("a row `{name}` in {card}")).trim_end_matches([' ', '|'])
+}
+
+/// The scene families that a card names: the last words in brackets.
+fn families(card: &str) -> BTreeSet<String> {
+    let words = row(card, "Data").rsplit_once('(').expect("families in brackets").1;
+    words.trim_end_matches(')').split(", ").map(str::to_owned).collect()
+}
+
+fn recipe(name: &str) -> Recipe {
+    Recipe::load(&root("dataset/recipes").join(name)).expect("a sound recipe")
+}
+
+fn families_of(recipe: &Recipe) -> BTreeSet<String> {
+    recipe.families.iter().map(|share| share.name.clone()).collect()
+}
+
+#[test]
+fn no_network_was_tested_on_scenes_that_it_was_trained_on() {
+    let folders: Vec<PathBuf> = std::fs::read_dir(root("models"))
+        .expect("models")
+        .map(|entry| entry.expect("a folder").path())
+        .collect();
+    assert!(!folders.is_empty());
+    for folder in folders {
+        let name = folder.file_name().and_then(|name| name.to_str()).expect("a name");
+        let card = std::fs::read_to_string(folder.join("card.md")).expect("a card");
+        let [trained, tested] =
+            [format!("{name}.toml"), format!("{name}-test.toml")].map(|file| recipe(&file));
+        assert!(row(&card, "Data").contains(&format!("`{name}.toml`")), "{name}: made from its own recipe");
+        assert_eq!((trained.split, tested.split), (Split::Train, Split::Test), "{name}");
+        assert!(
+            trained.files.is_empty() && tested.files.is_empty(),
+            "{name}: files are told apart elsewhere"
+        );
+        assert_eq!(families(&card), families_of(&trained), "{name}: the card's families");
+        assert!(families(&card).is_disjoint(&families_of(&tested)), "{name}");
+        for family in families(&card) {
+            assert_eq!(Family::by_name(&family).expect("a family").split(), Split::Train, "{name}: {family}");
+        }
+        let frames: usize = row(&card, "frames").parse().expect("a number");
+        assert!(frames >= LEAST_FRAMES, "{name}: {frames} frames");
+        let weights = Model::load(&folder).expect("a model").spec.weight_count();
+        assert_eq!(row(&card, "Weights"), weights.to_string(), "{name}");
+    }
+}
+
+#[test]
+#[should_panic(expected = "the card's families")]
+fn a_card_that_names_other_scenes_is_found() {
+    let card = "| Data | `ao.toml`: 320 frames of 80 scenes (room, drapery) |";
+    assert_eq!(families(card), families_of(&recipe("ao.toml")), "the card's families");
+}
