@@ -37,7 +37,7 @@ pub use contact_sheet::{contact_sheet, test_sheet};
 pub use error::DatasetError;
 pub use generate::{Summary, generate, generate_by};
 pub use manifest::{Manifest, PairRecord};
-pub use origin::{DATA_VERSION, Origin};
+pub use origin::{Origin, data_version};
 pub use plan::Part;
 pub use read::{Dataset, Pair};
 pub use recipe::{Radius, Recipe};

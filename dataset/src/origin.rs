@@ -3,20 +3,26 @@
 use crate::plan::PlannedScene;
 use crate::{DatasetError, Recipe, vary};
 use deepshade_render::exr_file;
+use deepshade_shaders::Effect;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
-/// Version of what a recipe gives and of how it is described. To be increased whenever the same recipe may give other
-/// pixels than before, be it by other scenes, views or samples: data of another version are refused.
-pub const DATA_VERSION: u32 = 3;
+/// Version of what a recipe for an effect gives and of how it is described. To be increased whenever the same recipe may give
+/// other pixels than before, be it by other scenes, views or samples: data of another version are refused.
+pub const fn data_version(effect: Effect) -> u32 {
+    match effect {
+        Effect::Gi | Effect::Glossy => 4,
+        _ => 3,
+    }
+}
 
 /// What data were made by and from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Origin {
-    /// [`DATA_VERSION`] of the program that made them.
+    /// [`data_version`] of the program that made them.
     pub data_version: u32,
     /// Name and version of that program.
     pub program: String,
@@ -45,16 +51,26 @@ pub(crate) struct Versioned {
 #[derive(Default, Deserialize)]
 pub(crate) struct Version {
     data_version: Option<u32>,
+    recipe: Option<Purpose>,
+}
+
+/// As much of a recipe.
+#[derive(Deserialize)]
+struct Purpose {
+    effect: Option<String>,
 }
 
 impl Version {
     /// Whether data of this version in a file are read by this program.
     pub fn check_version(&self, path: &Path) -> Result<(), DatasetError> {
-        if self.data_version == Some(DATA_VERSION) {
+        let effect = self.recipe.as_ref().and_then(|recipe| recipe.effect.as_deref()?.parse().ok());
+        // What is of no effect that is known is refused for that, later.
+        let ours = data_version(effect.unwrap_or(Effect::Ao));
+        if self.data_version == Some(ours) {
             return Ok(());
         }
         let theirs = self.data_version.map_or_else(|| "0".to_owned(), |version| version.to_string());
-        Err(DatasetError::OtherVersion { path: path.to_owned(), theirs, ours: DATA_VERSION })
+        Err(DatasetError::OtherVersion { path: path.to_owned(), theirs, ours })
     }
 }
 
@@ -67,7 +83,7 @@ impl Origin {
         let props = vary::hashes(recipe)?;
         let hashes = plan.iter().filter_map(|planned| planned.scene.blake3.as_deref());
         Ok(Self {
-            data_version: DATA_VERSION,
+            data_version: data_version(recipe.effect),
             program: exr_file::PROGRAM.to_owned(),
             recipe_hash: recipe_hash(recipe, hashes.chain(props.values().map(String::as_str)))?,
             props,

@@ -1,7 +1,7 @@
 use super::*;
 use crate::journal::JOURNAL;
 use crate::shipped::{contents, shrunk};
-use crate::{DATA_VERSION, Dataset, contact_sheet, verify};
+use crate::{Dataset, contact_sheet, data_version, verify};
 use deepshade_render::exr_file;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{Clock, Method, MethodError, Repeats, Shaded};
@@ -151,7 +151,7 @@ fn data_of_another_version_and_absurd_manifests_are_refused() {
         std::fs::write(&path, sound.replacen(old, new, 1)).expect("written");
         Dataset::open(&out).expect_err("refused").to_string()
     };
-    let version = format!("\"data_version\": {DATA_VERSION}");
+    let version = format!("\"data_version\": {}", data_version(recipe.effect));
     let error = refused(&version, "\"data_version\": 999");
     assert!(error.contains("manifest.json: data of version 999"), "{error}");
     let error = generate(&recipe, &out).expect_err("another version").to_string();
@@ -352,4 +352,21 @@ fn a_method_can_be_what_pairs_aim_at() {
     let truth = Recipe { target: None, ..recipe.clone() };
     assert!(refused(&truth, Some(&method)).contains("`target` is truth, and `depths`"));
     assert!(refused(&recipe, Some(&Depths(Effect::Dof))).contains("computes dof, not ao"));
+}
+
+#[test]
+fn of_each_effect_there_is_a_version_of_its_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut recipe = shrunk("gi.toml");
+    recipe.views_per_scene = 1;
+    let out = folder.path().join("gi");
+    generate(&recipe, &out).expect("generated");
+    let path = out.join(MANIFEST);
+    let text = std::fs::read_to_string(&path).expect("read");
+    let stated = |effect: Effect| format!("\"data_version\": {}", data_version(effect));
+    assert_ne!(stated(Effect::Gi), stated(Effect::Ao));
+    let older = text.replace(&stated(Effect::Gi), &stated(Effect::Ao));
+    std::fs::write(&path, older).expect("written");
+    let error = Dataset::open(&out).expect_err("refused").to_string();
+    assert!(error.contains("data of version 3") && error.contains('4'), "{error}");
 }

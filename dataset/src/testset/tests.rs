@@ -1,5 +1,5 @@
 use super::*;
-use crate::{DATA_VERSION, StagedScene};
+use crate::{StagedScene, data_version};
 use deepshade_render::metrics::ssim;
 use deepshade_render::path::{Sampling, Shot, render};
 use deepshade_render::scene::procedural::{Family, Split};
@@ -95,7 +95,7 @@ fn a_changed_image_and_an_absurd_list_are_refused() {
 
     let path = out.join(LIST);
     let sound = std::fs::read_to_string(&path).expect("read");
-    let version = format!("\"data_version\": {DATA_VERSION}");
+    let version = format!("\"data_version\": {}", data_version(deepshade_shaders::Effect::Ao));
     for (old, new, what) in [
         ("\"one_in\": 4", "\"one_in\": 0", "`tiles.one_in` must be 1 to 64"),
         ("\"width\": 64", "\"width\": 99999999999", "`resolution.width` must be"),
