@@ -1,7 +1,7 @@
-//! Scattering by surfels: shares against the profile's integral, a step of light against its closed form, slabs against what is
-//! known to go through, bodies apart, and the passes against the plain version.
+//! Scattering by surfels: shares against the profile's integral, a step of light against its closed form, slabs against
+//! what is known to go through, bodies apart, and the passes against the plain version.
 
-use super::super::reference::{OCCLUSION, Receiver, Shade, sums};
+use super::super::reference::{Receiver, Shade, sums};
 use super::super::scattering::{SUPPORT, Scattering, SurfelScattering, given, met_from_within, shape};
 use super::super::{Plain, SurfelEffect};
 use super::*;
@@ -67,7 +67,7 @@ fn parameters(scale: f32, levels: u32) -> Parameters {
 
 fn plain((scene, view, gbuffer): &Seen, parameters: &Parameters) -> Planes {
     let surface = &Surface::of(gbuffer).expect("a surface");
-    let disks = surfels::reference::surfels(scene.scene(), &parameters.surfels, view);
+    let disks = surfels::reference::laid(scene, &parameters.surfels, view, Some(surfels::Lit::Received));
     let plain = Plain { gbuffer, surface, scene, environment: None, parameters, view };
     Scattering::plain(&plain, disks).expect("attributes")
 }
@@ -82,7 +82,8 @@ fn within(distance: f32) -> f32 {
     1.0 - 0.25 * (-distance).exp() - 0.75 * (-distance / 3.0).exp()
 }
 
-/// What surfels of a plane give its pixels by a profile of these lengths, where `light` says what falls on them; and the surfels.
+/// What surfels of a plane give its pixels by a profile of these lengths, where `light` says what falls on them; and
+/// the surfels.
 fn given_by_a_plane(
     lengths: Vec3,
     parameters: &Parameters,
@@ -95,7 +96,7 @@ fn given_by_a_plane(
     let disks: Vec<Disk> = disks.into_iter().map(lit).collect();
     let gives = |disk: &Disk, _: f32, way: Vec3, _: Receiver| given(disk, way, lengths);
     let reach = |_: IVec2| SUPPORT * lengths.max_element();
-    let shade = Shade { distance: OCCLUSION.distance, reach: &reach, of: &gives };
+    let shade = Shade { reach: &reach, of: &gives };
     (sums(&surface, &disks, shade, parameters, &view), disks)
 }
 
