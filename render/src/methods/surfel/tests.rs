@@ -8,8 +8,10 @@ use super::indirect::SurfelIndirect;
 use super::occlusion::SurfelOcclusion;
 use super::reference::{LIGHT, OCCLUSION, brute_force, form_factor, level_sums, openness};
 use super::{MOST_LEVELS, Parameters, shells};
-use crate::methods::proving::beyond::{corner, disk_mesh, prove_twin, scene_of, seen, sphere_mesh};
-use crate::methods::proving::{Tolerance, agree, camera, gbuffer_of, plane, view};
+use crate::methods::proving::beyond::{
+    corner, disk_mesh, prove_twin, scene_of, seen, shaded_by_surfels, sphere_mesh,
+};
+use crate::methods::proving::{Tolerance, agree, camera, gbuffer_of, plane, prove_comparator, view};
 use crate::methods::{Quality, Surface, blur};
 use crate::scene::procedural::Family;
 use crate::scene::{Camera, Mesh, Scene};
@@ -167,7 +169,7 @@ fn a_sphere_hides_its_solid_angle_once() {
 }
 
 #[test]
-fn the_passes_make_what_the_plain_version_does() {
+fn the_passes_make_of_their_surfels_what_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
     let tolerance = Tolerance { usual: 2e-3, worst: 0.1 };
@@ -179,7 +181,14 @@ fn the_passes_make_what_the_plain_version_does() {
     ] {
         let parameters = Parameters { surfels: coarse, levels, threshold, ..Parameters::default() };
         method = method.with(parameters.into());
-        prove_twin(&method, &seen(family, height, width), tolerance);
+        let seen = seen(family, height, width);
+        let (image, disks) = shaded_by_surfels(&method, &seen);
+        let (_, view, gbuffer) = &seen;
+        let surface = Surface::of(gbuffer).expect("a surface");
+        let right = openness(&surface, &disks, &parameters, view);
+        assert!(disks.len() > 500, "{} surfels", disks.len());
+        assert_eq!(agree(&image, &right, tolerance), Ok(()), "{family:?}");
+        prove_comparator(&right, tolerance);
     }
 }
 
