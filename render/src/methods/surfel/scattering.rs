@@ -7,8 +7,9 @@
 //! surfels do not give stays with the pixel's own light: with the shares `w` of the profile that the surfels have,
 //! `E (1 - sum of w) + sum of w E_i`. So even light stays as it is, whatever the surfels, and a thin body sends back
 //! less by as much as it lets through. Where the shares are more than all of the profile, as with layers one
-//! behind the other, each takes its part of what is left: of such a slab that makes 0.46.
-//! Surfels nearer than one is large are left to the pixel.
+//! behind the other, each takes its part of what is left: of such a slab that makes 0.47. Were all that one layer more
+//! has taken, it would be 0.62, and a scene with many layers worse off: in room:7 at 128x96 and medium quality the
+//! relative mean squared error is 0.28, and would be 0.36. Surfels nearer than one is large are left to the pixel.
 //!
 //! A pixel's own object gives and no other, from its far side too; of closed surfaces those that are met from within.
 //! The paper bounds the reach by what a surfel sends; here it is where the receiver's profile ends, [`SUPPORT`].
