@@ -6,7 +6,7 @@ use deepshade_infer::Model;
 use deepshade_render::method::Method;
 use deepshade_render::methods::{
     Quality, aov, bounced_z, fxaa, gather, gtao, hbao, prefiltered, reconstruction, ring_gather, separable,
-    ssdo, ssgi, surfel,
+    ssdo, ssgi, subsurface, surfel,
 };
 use deepshade_render::screen::ScreenMethod;
 use deepshade_shaders::Effect;
@@ -60,7 +60,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 30] = [
+const ALL: [Entry; 32] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -125,6 +125,18 @@ const ALL: [Entry; 30] = [
     }),
     screen(Effect::Sss, "gather", |gpu, quality| {
         Ok(Box::new(gather::Gather::new(gpu, gather::Parameters::of(quality))?))
+    }),
+    screen(Effect::Subsurface, "separable", |gpu, quality| {
+        Ok(Box::new(subsurface::SeparableSubsurface::new(
+            gpu,
+            subsurface::FromScreen(separable::Parameters::of(quality)),
+        )?))
+    }),
+    screen(Effect::Subsurface, "gather", |gpu, quality| {
+        Ok(Box::new(subsurface::GatherSubsurface::new(
+            gpu,
+            subsurface::FromScreen(gather::Parameters::of(quality)),
+        )?))
     }),
     screen(Effect::Subsurface, "surfel", |gpu, quality| {
         Ok(Box::new(surfel::scattering::SurfelScattering::new(gpu, surfel::Parameters::of(quality).into())?))

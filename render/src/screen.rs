@@ -168,7 +168,7 @@ fn seen<'a, M: ScreenMethod + ?Sized>(method: &M, frame: &Frame<'a>) -> Cow<'a, 
 const SHADOW_SIZE: usize = 2048;
 
 /// A scene that stays, with the shadow maps for a view drawn.
-fn world(gpu: &Gpu, scene: &Scene, view: &View) -> Result<World, GpuError> {
+pub(crate) fn world(gpu: &Gpu, scene: &Scene, view: &View) -> Result<World, GpuError> {
     let mut world = World::new(gpu, &scene.clone().into(), Some(SHADOW_SIZE))?;
     world.set(&gpu.queue, 0.0, 0.0, &view.camera, view.width as f32 / view.height as f32);
     gpu::submit(&gpu.device, &gpu.queue, "world", |encoder| world.encode_shadows(encoder, None))?;

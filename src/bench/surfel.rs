@@ -1,6 +1,6 @@
-//! `deepshade bench surfel`: what shading by surfels costs, stage by stage, and what its hierarchy saves: the tables and sweeps
-//! of "Deep Screen Space" and "The Bounced Z-Buffer" (thesis Tables 4.1, 4.2, 6.1, 6.2, Figures 4.11, 4.12), on a scene of
-//! one's own.
+//! `deepshade bench surfel`: what shading by surfels costs, stage by stage, and what its hierarchy saves: the tables
+//! and sweeps of "Deep Screen Space" and "The Bounced Z-Buffer" (thesis Tables 4.1, 4.2, 6.1, 6.2, Figures 4.11, 4.12),
+//! on a scene of one's own.
 
 mod stages;
 mod subject;
@@ -30,7 +30,8 @@ const PAPER: Size = Size { width: 768, height: 512 };
 /// How long a GPU is kept busy before it is measured.
 const WAKING: Duration = Duration::from_millis(500);
 
-/// Milliseconds and memory of shading by surfels, stage by stage; what thresholds, levels and the interleaved framebuffer do to it.
+/// Milliseconds and memory of shading by surfels, stage by stage; what thresholds, levels and the interleaved
+/// framebuffer do to it.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     deepshade bench surfel --json surfel.json\n  \

@@ -90,6 +90,7 @@ pub const ALL: &[Case] = &[
     mitsuba("blocks", Effect::Path),
     mitsuba("glossy", Effect::Ibl),
     mitsuba("glossy", Effect::Path),
+    mitsuba("polished", Effect::Glossy).sampled(8),
     mitsuba("blobs", Effect::Ao),
     mitsuba("blobs", Effect::Do),
     mitsuba("blobs", Effect::Ibl),
@@ -114,6 +115,7 @@ pub const ALL: &[Case] = &[
     control("blobs", Effect::Ibl, Fault::BrighterLights),
     control("glossy", Effect::Path, Fault::BrighterLights),
     control("still-life", Effect::Dof, Fault::BrighterLights),
+    control("polished", Effect::Glossy, Fault::BrighterLights).sampled(8),
     control("room", Effect::Gi, Fault::BrighterLights).sampled(8),
     control("fog", Effect::FogIndirect, Fault::BrighterLights).sampled(4),
     control("smoke", Effect::FogDirect, Fault::BrighterLights),
@@ -140,7 +142,9 @@ mod tests {
         assert!(scenes.len() >= 6);
         let control = |case: &Case| (case.expected == Expected::Disagreement).then_some(case.effect.name());
         let controls: BTreeSet<&str> = ALL.iter().filter_map(control).collect();
-        for effect in ["ao", "aa", "gi", "ibl", "dof", "path", "fog-direct", "fog-indirect", "fog-multiple"] {
+        for effect in
+            ["ao", "aa", "gi", "glossy", "ibl", "dof", "path", "fog-direct", "fog-indirect", "fog-multiple"]
+        {
             assert!(controls.contains(effect), "a fault of {effect}");
         }
     }

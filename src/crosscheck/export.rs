@@ -87,7 +87,7 @@ fn integrators(effect: Effect, setting: &Setting, fault: Option<Fault>) -> Resul
             of_surface["background"] = json!(1.0);
             (of_surface, None)
         }
-        (Effect::Do | Effect::Gi | Effect::Ibl | Effect::Multi, None) => (of_surface, None),
+        (Effect::Do | Effect::Gi | Effect::Glossy | Effect::Ibl | Effect::Multi, None) => (of_surface, None),
         // A path of two segments is direct light.
         (Effect::Aa | Effect::Dof, None) => (json!({ "type": "path", "max_depth": 2 }), None),
         (Effect::Path, None) => (json!({ "type": "path", "max_depth": -1 }), None),

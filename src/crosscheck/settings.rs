@@ -35,6 +35,7 @@ pub fn build(name: &str, data: &Path) -> Result<Option<Setting>> {
     let setting = match name {
         "blocks" => blocks::still(),
         "glossy" => under_a_sky(blocks::glossy())?,
+        "polished" => blocks::polished(),
         "moving" => blocks::moving(),
         "blobs" => under_a_sky(family(Family::Blobs, 1, 0, Normals::Smooth)?)?,
         "flat-blobs" => under_a_sky(family(Family::Blobs, 1, 0, Normals::Flat)?)?,

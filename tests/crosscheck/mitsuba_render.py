@@ -104,6 +104,19 @@ class OneBounce(Effect):
         return dr.select(lit, self.direct(scene, sampler, bounce, lit), 0)
 
 
+class GlossyBounce(Effect):
+    """Where glossy surfaces have no diffuse base and meet matte ones alone."""
+
+    def at_surface(self, scene, sampler, si, to_viewer, active):
+        random = sampler.next_1d(active), sampler.next_2d(active)
+        active &= mi.has_flag(si.bsdf().flags(), mi.BSDFFlags.GlossyReflection)
+        sampled, weight = si.bsdf().sample(mi.BSDFContext(), si, *random, active)
+        direction = si.to_world(sampled.wo)
+        bounce = scene.ray_intersect(self.leaving(si, to_viewer, direction), active & (sampled.pdf > 0))
+        lit = active & (sampled.pdf > 0) & bounce.is_valid()
+        return dr.select(lit, weight * self.direct(scene, sampler, bounce, lit), 0)
+
+
 class DirectTimesOcclusion(Effect):
     def at_surface(self, scene, sampler, si, to_viewer, active):
         _, open = self.open(scene, sampler, si, to_viewer, active)
@@ -255,6 +268,7 @@ for name, integrator in {
     "do": DirectionalOcclusion,
     "ibl": ImageBasedLighting,
     "gi": OneBounce,
+    "glossy": GlossyBounce,
     "multi": DirectTimesOcclusion,
     "fog-indirect": FogIndirect,
 }.items():

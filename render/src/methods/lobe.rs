@@ -29,8 +29,8 @@ pub fn pass(device: &wgpu::Device) -> Result<Pass, GpuError> {
     Pass::new(device, wgsl::GLOSS.name, &wgsl::GLOSS.source())
 }
 
-/// That pass bound to a g-buffer, and what it writes, `[height, width]` of four: specular colour, and glossiness, which is -1
-/// where no surface is seen.
+/// That pass bound to a g-buffer, and what it writes, `[height, width]` of four: specular colour, and glossiness, which
+/// is -1 where no surface is seen.
 ///
 /// # Errors
 /// If the device has no room.
@@ -86,8 +86,8 @@ impl Lobe {
         Self { facets: self.facets.widened(by), ..self }
     }
 
-    /// A direction, camera space, that a place on a disk leads to; its radius squared, and its angle, turns. May be below the
-    /// surface.
+    /// A direction, camera space, that a place on a disk leads to; its radius squared, and its angle, turns. May be
+    /// below the surface.
     pub fn direction(&self, place: Vec2) -> Vec3 {
         self.to_camera * self.facets.sample(self.viewer, Vec2::new(place.y, place.x))
     }

@@ -20,6 +20,7 @@ pub mod separable;
 pub mod slices;
 pub mod ssdo;
 pub mod ssgi;
+pub mod subsurface;
 mod surface;
 pub mod surfel;
 mod translucent;

@@ -70,6 +70,13 @@ impl GpuGBuffer {
         Ok(Self { height: gbuffer.height(), width: gbuffer.width(), attributes })
     }
 
+    /// The same with another buffer for an attribute, held before or not, `[attribute.width(), height, width]`.
+    #[must_use]
+    pub fn with(&self, attribute: Attribute, buffer: wgpu::Buffer) -> Self {
+        let others = self.attributes.iter().filter(|(other, _)| *other != attribute).cloned();
+        Self { attributes: others.chain([(attribute, buffer)]).collect(), ..*self }
+    }
+
     /// Rows.
     pub const fn height(&self) -> usize {
         self.height

@@ -1,5 +1,5 @@
-//! Which triangles belong to closed surfaces. Of these only fronts are seen from outside, so that a body hides what is behind it
-//! once: with their backs, of which surfels know nothing else, its far half would hide as much again.
+//! Which triangles belong to closed surfaces. Of these only fronts are seen from outside, so that a body hides what is
+//! behind it once: with their backs, of which surfels know nothing else, its far half would hide as much again.
 
 use crate::scene::Mesh;
 use rayon::prelude::*;
@@ -7,8 +7,9 @@ use rayon::prelude::*;
 /// Vertices nearer than this share of the mesh's diagonal are at one place.
 const ONE_PLACE: f32 = 1e-5;
 
-/// Of each triangle of a mesh, whether the surface that it is connected to has no edge: beside each of its triangles, the way
-/// round that triangles that share an edge have, lies another one. Vertices at one place are one: seams are no edges.
+/// Of each triangle of a mesh, whether the surface that it is connected to has no edge: beside each of its triangles,
+/// the way round that triangles that share an edge have, lies another one. Vertices at one place are one: seams are no
+/// edges.
 pub fn closed(mesh: &Mesh) -> Vec<bool> {
     let places = places(mesh);
     let corners = |triangle: &[u32; 3]| triangle.map(|vertex| places[vertex as usize]);
@@ -31,8 +32,9 @@ pub fn closed(mesh: &Mesh) -> Vec<bool> {
     mesh.triangles.iter().map(|triangle| !open[surfaces.root(corners(triangle)[0]) as usize]).collect()
 }
 
-/// Of each vertex the one that stands for all at its place. Places are the cells of a grid, and of three more that lie a quarter
-/// of a cell farther along each axis: of two vertices a rounding error apart, one of them has both in one cell.
+/// Of each vertex the one that stands for all at its place. Places are the cells of a grid, and of three more that lie
+/// a quarter of a cell farther along each axis: of two vertices a rounding error apart, one of them has both in one
+/// cell.
 fn places(mesh: &Mesh) -> Vec<u32> {
     let bounds = mesh.bounds();
     let cell = (ONE_PLACE * bounds.diagonal()).max(f32::MIN_POSITIVE);

@@ -1,9 +1,9 @@
-//! The passes that lay surfels out: how many each patch gets, where each begins, where they lie, and the tree over them.
+//! The passes that lay surfels out: how many each patch gets, where each begins, where they lie, and the tree over
+//! them.
 
-use super::{HEIGHT, LEAF, MOST, Patch, Surfel, groups, vertices};
+use super::{HEIGHT, LEAF, Lit, MOST, Patch, Surfel, groups, vertices};
 use crate::raster::World;
-use crate::raster::light::{Lights, shadow_sampler};
-use crate::screen::{MethodStep, Step, Workgroups};
+use crate::screen::{MethodStep, Workgroups};
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{self, Shader, uniforms};
 use wgpu::BufferUsages;
@@ -11,7 +11,7 @@ use wgpu::BufferUsages;
 /// Numbers that a pass sums up.
 const BLOCK: usize = 64;
 /// Byte of [`Cloud::totals`] at which the workgroups for one invocation a surfel stand, and for one a leaf.
-const SURFEL_GROUPS: u64 = 8;
+pub(super) const SURFEL_GROUPS: u64 = 8;
 const LEAF_GROUPS: u64 = 20;
 
 /// The compiled passes.
@@ -24,58 +24,17 @@ pub struct Passes {
     begin: Pass,
     place: Pass,
     leaves: Pass,
+    tree: Tree,
     parents: Pass,
 }
 
-/// What of the lights surfels send.
+/// Which surfels the tree leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lit {
-    /// What they reflect diffusely.
-    Reflected,
-    /// What they receive, as white ones reflect it.
-    Received,
-}
-
-/// The pass that lights surfels, compiled for a number of lights.
-#[derive(Clone, Debug)]
-pub struct LightPass(Pass);
-
-impl LightPass {
-    /// Compiles it for a scene.
-    ///
-    /// # Errors
-    /// If the device refuses it.
-    pub fn new(device: &wgpu::Device, world: &World, lit: Lit) -> Result<Self, GpuError> {
-        let white = u32::from(lit == Lit::Received);
-        let lights = world.gpu_lights.count as u32;
-        let source = wgsl::SURFELS_LIGHT.specialised(&[("LIGHTS", lights), ("WHITE", white)]);
-        Ok(Self(Pass::new(device, wgsl::SURFELS_LIGHT.name, &source)?))
-    }
-
-    /// The pass bound to a scene's lights and their maps.
-    ///
-    /// # Errors
-    /// If the device refuses a binding.
-    pub fn step(
-        &self,
-        device: &wgpu::Device,
-        world: &World,
-        cloud: &Cloud,
-        view: &wgpu::Buffer,
-    ) -> Result<MethodStep, GpuError> {
-        let Lights { records, map_views, pictures, .. } = &world.gpu_lights;
-        let sampler = shadow_sampler(device);
-        let buffers = [view, &cloud.patches, &cloud.totals, records, map_views, pictures];
-        let mut resources: Vec<_> = buffers.map(|buffer| buffer.as_entire_binding()).into();
-        resources.extend([
-            wgpu::BindingResource::TextureView(&world.shadows.maps),
-            wgpu::BindingResource::Sampler(&sampler),
-            cloud.surfels.as_entire_binding(),
-        ]);
-        let pass = self.0.bind(device, &resources)?;
-        let workgroups = Workgroups::Counted(cloud.totals.clone(), SURFEL_GROUPS);
-        Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![cloud.surfels.clone()] })
-    }
+pub enum Tree {
+    /// All.
+    All,
+    /// Those that send light.
+    Lit,
 }
 
 /// The surfels of a frame on the GPU.
@@ -93,6 +52,8 @@ pub struct Cloud {
     pub totals: wgpu::Buffer,
     /// [`Surfel`]s, in the order of patches.
     pub surfels: wgpu::Buffer,
+    /// What they send, where they are [lit](Lit), `[surfels, 2]` u32.
+    pub sent: Option<wgpu::Buffer>,
     /// Boxes around them, the root first: `[nodes, 8]` f32.
     pub nodes: wgpu::Buffer,
     /// Sums of 64 starts each, and of 64 of those.
@@ -110,12 +71,16 @@ pub struct Uniforms<'a> {
 }
 
 impl Passes {
-    /// Compiles them; `leaves` is the pass that says how far each surfel reaches.
+    /// Compiles them.
     ///
     /// # Errors
     /// If the device refuses them.
-    pub fn new(device: &wgpu::Device, leaves: &Shader) -> Result<Self, GpuError> {
+    pub fn new(device: &wgpu::Device, tree: Tree) -> Result<Self, GpuError> {
         let pass = |shader: &Shader| Pass::new(device, shader.name, &shader.source());
+        let leaves = match tree {
+            Tree::All => &wgsl::SURFELS_LEAVES,
+            Tree::Lit => &wgsl::SURFELS_LIT_LEAVES,
+        };
         Ok(Self {
             vertices: vertices::pass(device)?,
             measure: pass(&wgsl::SURFELS_MEASURE)?,
@@ -124,6 +89,7 @@ impl Passes {
             begin: pass(&wgsl::SURFELS_BEGIN)?,
             place: pass(&wgsl::SURFELS_PLACE)?,
             leaves: pass(leaves)?,
+            tree,
             parents: pass(&wgsl::SURFELS_PARENTS)?,
         })
     }
@@ -170,9 +136,11 @@ impl Passes {
         cloud: &Cloud,
         levels: &[wgpu::Buffer],
     ) -> Result<Vec<MethodStep>, GpuError> {
-        let Cloud { totals, surfels, nodes, .. } = cloud;
+        let Cloud { totals, surfels, sent, nodes, .. } = cloud;
         let counted = Workgroups::Counted(totals.clone(), LEAF_GROUPS);
-        let mut steps = vec![MethodStep::bind(device, &self.leaves, counted, &[totals, surfels], &[nodes])?];
+        let light = sent.iter().filter(|_| self.tree == Tree::Lit).map(|sent| (3, sent));
+        let reads: Vec<_> = [(0, totals), (1, surfels)].into_iter().chain(light).collect();
+        let mut steps = vec![MethodStep::bind_at(device, &self.leaves, counted, &reads, &[(2, nodes)])?];
         for (height, level) in (1..).zip(levels) {
             let nodes_there = 1 << (2 * (HEIGHT - height));
             steps.push(MethodStep::bind(
@@ -193,11 +161,11 @@ pub fn tree_levels() -> impl Iterator<Item = uniforms::TreeLevel> {
 }
 
 impl Cloud {
-    /// Room for the surfels of a scene.
+    /// Room for the surfels of a scene, and for what they send if they are lit.
     ///
     /// # Errors
     /// If the device has no room.
-    pub fn new(device: &wgpu::Device, world: &World) -> Result<Self, GpuError> {
+    pub fn new(device: &wgpu::Device, world: &World, lit: Option<Lit>) -> Result<Self, GpuError> {
         let patches = world.patches();
         // A binding holds at least one, which is nowhere.
         let patches = if patches.is_empty() { &[Patch::NOWHERE] } else { patches };
@@ -211,6 +179,7 @@ impl Cloud {
             starts: gpu::empty::<u32>(device, "surfels.starts", count)?,
             totals: gpu::filled(device, "surfels.totals", &[0; 32], indirect)?,
             surfels: gpu::empty::<Surfel>(device, "surfels.surfels", MOST)?,
+            sent: lit.map(|_| gpu::empty::<[u32; 2]>(device, "surfels.sent", MOST)).transpose()?,
             nodes: gpu::empty::<[f32; 8]>(device, "surfels.nodes", (4 * MOST / LEAF - 1) / 3)?,
             sums: [
                 gpu::empty::<u32>(device, "surfels.blocks", in_blocks)?,
@@ -243,8 +212,9 @@ impl Cloud {
             blocks,
             all,
         ]
+        .into_iter()
+        .chain(&self.sent)
         .map(wgpu::Buffer::size)
-        .iter()
         .sum()
     }
 }

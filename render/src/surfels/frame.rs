@@ -1,6 +1,7 @@
 //! Everything that lays out a frame's surfels, in order: the surfels, their light where it is wanted, their tree.
 
-use super::cloud::{self, Cloud, LightPass, Lit};
+use super::cloud::{self, Cloud};
+use super::light::{LightPass, Lit};
 use super::{HEIGHT, Parameters, Passes};
 use crate::raster::World;
 use crate::raster::view::perspective;
@@ -43,10 +44,11 @@ pub fn steps(
 ) -> Result<(Cloud, Vec<MethodStep>), GpuError> {
     let world = scene(world)?;
     let [settings, view, tree @ ..] = uniforms else { unreachable!("surfels and view come first") };
-    let cloud = Cloud::new(device, world)?;
-    let mut steps = passes.surfel_steps(device, world, &cloud, cloud::Uniforms { settings, view })?;
-    if let Some(lit) = lit {
-        steps.push(LightPass::new(device, world, lit)?.step(device, world, &cloud, view)?);
+    let cloud = Cloud::new(device, world, lit)?;
+    let uniforms = cloud::Uniforms { settings, view };
+    let mut steps = passes.surfel_steps(device, world, &cloud, uniforms)?;
+    if let (Some(lit), Some(sent)) = (lit, &cloud.sent) {
+        steps.push(LightPass::new(device, world, lit)?.step(device, world, &cloud, uniforms, sent)?);
     }
     steps.extend(passes.tree_steps(device, &cloud, tree)?);
     Ok((cloud, steps))

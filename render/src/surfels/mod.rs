@@ -1,52 +1,38 @@
 //! Deep screen space: a scene as disks that all look equally large to the camera, whether it sees them or not.
 //!
-//! Nalbach, Ritschel and Seidel, "Deep Screen Space", I3D 2014 (thesis 4.2.1). Surfels are to surfaces what pixels are to an
-//! image: near ones are small and far ones large, but those behind others, behind the camera and seen from their edge are
-//! there too, so that shading by them misses nothing.
+//! Nalbach, Ritschel and Seidel, "Deep Screen Space", I3D 2014 (thesis 4.2.1). Surfels are to surfaces what pixels are
+//! to an image: near ones are small and far ones large, but those behind others, behind the camera and seen from their
+//! edge are there too, so that shading by them misses nothing.
 //!
 //! - [`patches`] cuts a scene's surface into parts, once; [`closed`] tells bodies from sheets.
 //! - [`vertices`] moves a scene's vertices to camera space.
-//! - [`cloud`] lays surfels out on them, each frame, on the GPU, and puts a tree over them.
+//! - [`cloud`] lays [surfels](Surfel) out on them, each frame, on the GPU, and puts a tree over them; [`light`] lights
+//!   them.
 //! - [`frame`] has all of these passes in order, with what they read.
 //! - [`reference`](mod@reference) is the slow, plain version.
 //!
-//! Unlike the paper's, no tessellation hardware is needed, no surfel is made that is thrown away, and surfels neither jump nor
-//! pop up when the camera moves, as each stays where it is and grows.
+//! Unlike the paper's, no tessellation hardware is needed, no surfel is made that is thrown away, and surfels neither
+//! jump nor pop up when the camera moves, as each stays where it is and grows.
 
 pub mod closed;
 pub mod cloud;
 pub mod frame;
+pub mod light;
 pub mod patch;
 pub mod patches;
 pub mod reference;
+mod surfel;
 #[cfg(test)]
 mod tests;
 pub mod vertices;
 
-pub use cloud::{Cloud, Lit, Passes};
+pub use cloud::{Cloud, Passes, Tree};
+pub use light::Lit;
 pub use patch::Patch;
+pub use surfel::Surfel;
 
 use crate::screen::View;
-use bytemuck::{Pod, Zeroable};
 use deepshade_shaders::wgsl::uniforms;
-
-/// A disk, as `shared/surfel.wgsl` has it.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Surfel {
-    /// Where its middle is, camera space, metres.
-    pub place: [f32; 3],
-    /// Metres.
-    pub radius: f32,
-    /// Unit vector, octahedral, two snorm16, of which the lowest bit is 1 where the surface is open, so that its back is seen too.
-    pub normal: u32,
-    /// Diffusely reflected radiance on the side of the normal, shared exponent.
-    pub front: u32,
-    /// That on the other side.
-    pub back: u32,
-    /// Index of the patch that it stands for a part of.
-    pub patch: u32,
-}
 
 /// Surfels below a leaf of the tree.
 pub const LEAF: usize = 16;

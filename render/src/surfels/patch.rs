@@ -1,5 +1,5 @@
-//! A part of a triangle, in 24 bytes, since a scene has millions: which part of which triangle, and what its material says
-//! of it.
+//! A part of a triangle, in 24 bytes, since a scene has millions: which part of which triangle, and what its material
+//! says of it.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -10,7 +10,8 @@ use glam::Vec3;
 pub struct Patch {
     /// Vertices of the triangle, among those of all meshes on the GPU.
     pub corners: [u32; 3],
-    /// Halvings in the upper four bits; [`OPEN`]; nine bits of coverage; in the lower eighteen, two a halving: which quarter.
+    /// Halvings in the upper four bits; [`OPEN`]; nine bits of coverage; in the lower eighteen, two a halving: which
+    /// quarter.
     part: u32,
     /// Diffuse reflectance: eleven, eleven and ten bits of the root of red, green and blue.
     colour: u32,
@@ -31,8 +32,8 @@ impl Patch {
     /// One that is nowhere.
     pub const NOWHERE: Self = Self { corners: [0; 3], part: 0, colour: 0, object: 0 };
 
-    /// A part of a triangle of a mesh, of which nothing is there until it is [`painted`](Self::painted), and whose edges are
-    /// halved so many times: two bits of `quarters` a halving say which quarter.
+    /// A part of a triangle of a mesh, of which nothing is there until it is [`painted`](Self::painted), and whose
+    /// edges are halved so many times: two bits of `quarters` a halving say which quarter.
     pub const fn new(corners: [u32; 3], object: u32, halvings: u32, quarters: u32) -> Self {
         Self { corners, part: halvings << 28 | quarters, colour: 0, object }
     }
@@ -53,12 +54,6 @@ impl Patch {
             colour: bits(red, 2047) | bits(green, 2047) << 11 | bits(blue, 1023) << 22,
             ..self
         }
-    }
-
-    /// It as if its material reflected everything.
-    #[must_use]
-    pub const fn white(self) -> Self {
-        Self { colour: u32::MAX, ..self }
     }
 
     /// Share of the part that is there: alpha, from 0 to 1.
@@ -141,10 +136,6 @@ mod tests {
             assert!((painted.colour() - colour).abs().max_element() < 1e-3, "{colour}");
             assert!((painted.coverage() - coverage).abs() < 1e-3, "{coverage}");
             assert_eq!((painted.halvings(), painted.weights()), (9, part.weights()));
-            assert_eq!(
-                (painted.white().colour(), painted.white().coverage()),
-                (Vec3::ONE, painted.coverage())
-            );
         }
     }
 }

@@ -1,9 +1,9 @@
 //! The parts of a scene's surface that surfels are laid out on.
 //!
-//! Surfels near the camera are small and far ones large, so a triangle as large as the scene needs both. Each triangle is
-//! therefore cut into equal parts, once, by halving its edges until no part is larger than a small share of all surface; the
-//! parts stay the same whatever the camera does, so that surfels do not jump when it moves. They are ordered along a curve
-//! through space (Morton 1966), so that surfels that follow one another lie together.
+//! Surfels near the camera are small and far ones large, so a triangle as large as the scene needs both. Each triangle
+//! is therefore cut into equal parts, once, by halving its edges until no part is larger than a small share of all
+//! surface; the parts stay the same whatever the camera does, so that surfels do not jump when it moves. They are
+//! ordered along a curve through space (Morton 1966), so that surfels that follow one another lie together.
 
 use super::closed::closed;
 use super::patch::{MOST_HALVINGS, Patch};

@@ -1,6 +1,6 @@
 //! Laying surfels out, in plain Rust: what the passes of `shaders/wgsl/surfels` do, without a tree.
 
-use super::{MOST, Parameters, Patch};
+use super::{Lit, MOST, Parameters, Patch, Surfel, patches};
 use crate::bvh::TracedScene;
 use crate::path::lights::Arrival;
 use crate::scene::{Camera, Mesh, Scene};
@@ -36,6 +36,15 @@ pub struct Disk {
     pub patch: u32,
     /// Diffusely reflected radiance on the side of the normal and on the other; black until it is [`lit`].
     pub sent: [Vec3; 2],
+}
+
+impl From<Surfel> for Disk {
+    /// It as part of the first patch, and black.
+    fn from(surfel: Surfel) -> Self {
+        let (place, radius) = (Vec3::from_array(surfel.place), surfel.radius());
+        let (normal, open) = (surfel.normal(), surfel.is_open());
+        Self { place, radius, normal, open, patch: 0, sent: [Vec3::ZERO; 2] }
+    }
 }
 
 /// A patch as a camera sees it.
@@ -87,8 +96,8 @@ impl Laid {
     }
 }
 
-/// The share of a surfel that a patch of `share` of one gets, at a threshold from 0 to 1: 0 below it, rising above it, and 1
-/// for all thresholds where the share is 1. Its mean over all thresholds is the share.
+/// The share of a surfel that a patch of `share` of one gets, at a threshold from 0 to 1: 0 below it, rising above it,
+/// and 1 for all thresholds where the share is 1. Its mean over all thresholds is the share.
 pub fn roulette(share: f32, threshold: f32) -> f32 {
     let risen = 1.0 + RISE;
     let largest = 1.0 / ((risen.ln() + 1.0 / risen - 1.0) / RISE + 1.0 / risen);
@@ -101,8 +110,8 @@ pub fn roulette(share: f32, threshold: f32) -> f32 {
     share * size / (chance * mean)
 }
 
-/// Steps of the golden ratio: of patches that follow one another, and so lie together, always about the same share has a
-/// surfel.
+/// Steps of the golden ratio: of patches that follow one another, and so lie together, always about the same share has
+/// a surfel.
 fn threshold(index: u32, seed: u32) -> f32 {
     (index.wrapping_mul(2_654_435_769).wrapping_add(hash(seed)) >> 8) as f32 / (1 << 24) as f32
 }
@@ -129,14 +138,16 @@ pub fn amounts(patches: &[Patch], vertices: &[Vec3], settings: &uniforms::Surfel
     patches.par_iter().enumerate().map(amount).collect()
 }
 
-/// The disks of all patches, in their order, however many they are; no more than [`MOST`] where a frame has room for that
-/// many only.
+/// The disks of all patches, in their order, however many they are; no more than [`MOST`] where a frame has room for
+/// that many only.
 pub fn disks(
     patches: &[Patch],
     vertices: &[Vec3],
     amounts: &[f32],
     settings: &uniforms::Surfels,
 ) -> Vec<Disk> {
+    let count: usize = amounts.iter().map(|amount| amount.ceil() as usize).sum();
+    let spread = count as f32 / count.min(MOST) as f32;
     let laid = |(index, (patch, amount)): (usize, (&Patch, &f32))| {
         let it = Laid::new(patch, vertices, settings);
         let (patch, amount, index) = (*patch, *amount, index as u32);
@@ -147,12 +158,14 @@ pub fn disks(
             let weights = it.weights * Vec3::new(1.0 - at.x - at.y, at.x, at.y);
             let share = (amount - number as f32).clamp(0.0, 1.0) * patch.coverage();
             Disk {
-                place: it.inset() * weights,
-                radius: it.radius * share.sqrt(),
-                normal: it.normal(),
-                open: patch.is_open(),
                 patch: index,
-                sent: [Vec3::ZERO; 2],
+                ..Disk::from(Surfel::new(
+                    it.inset() * weights,
+                    it.normal(),
+                    patch.is_open(),
+                    it.radius * (share * spread).sqrt(),
+                    random(index, number, settings.seed, 4),
+                ))
             }
         })
     };
@@ -161,14 +174,12 @@ pub fn disks(
         return wanted;
     }
     let rest = ((wanted.len() % MOST) << 12) / MOST;
-    let larger = (wanted.len() as f32 / MOST as f32).sqrt();
     let begin = |index: usize| index * (wanted.len() / MOST) + ((index * rest) >> 12);
     let chosen = |index: usize| {
         let count = (begin(index + 1) - begin(index)) as f32;
         wanted[begin(index) + (random(index as u32, 0, settings.seed, 3) * count) as usize]
     };
-    let kept = (0..MOST).map(chosen);
-    kept.map(|disk| Disk { radius: disk.radius * larger, ..disk }).collect()
+    (0..MOST).map(chosen).collect()
 }
 
 /// All vertices of a scene in camera space, in the order in which meshes are drawn.
@@ -180,15 +191,25 @@ pub fn vertices<'a>(meshes: impl IntoIterator<Item = &'a Mesh>, camera: &Camera)
 
 /// The surfels of a scene that stays, for a view.
 pub fn surfels(scene: &Scene, parameters: &Parameters, view: &View) -> Vec<Disk> {
-    let patches = super::patches::of_scene(scene);
+    let patches = patches::of_scene(scene);
     let vertices = vertices(scene.meshes.iter(), &view.camera);
     let settings = parameters.settings(view);
     let amounts = amounts(&patches, &vertices, &settings, view);
     disks(&patches, &vertices, &amounts, &settings)
 }
 
-/// Disks that send the light of a scene's lamps, with exact shadows.
-pub fn lit(scene: &TracedScene, patches: &[Patch], disks: Vec<Disk>, camera: &Camera) -> Vec<Disk> {
+/// The surfels of a scene that stays, for a view, with the light that they send, if any.
+pub fn laid(scene: &TracedScene, parameters: &Parameters, view: &View, light: Option<Lit>) -> Vec<Disk> {
+    let disks = surfels(scene.scene(), parameters, view);
+    match light {
+        Some(light) => lit(scene, disks, &view.camera, light),
+        None => disks,
+    }
+}
+
+/// Disks that send light of a scene's lamps, with exact shadows.
+pub fn lit(scene: &TracedScene, disks: Vec<Disk>, camera: &Camera, lit: Lit) -> Vec<Disk> {
+    let patches = patches::of_scene(scene.scene());
     let light = |disk: Disk| {
         let (point, normal) = (camera.position + camera.rotation * disk.place, camera.rotation * disk.normal);
         let mut received = [Vec3::ZERO; 2];
@@ -200,7 +221,10 @@ pub fn lit(scene: &TracedScene, patches: &[Patch], disks: Vec<Disk>, camera: &Ca
                 received[usize::from(cosine < 0.0)] += irradiance * cosine.abs();
             }
         }
-        let reflected = patches[disk.patch as usize].colour() / PI;
+        let reflected = match lit {
+            Lit::Reflected => patches[disk.patch as usize].colour() / PI,
+            Lit::Received => Vec3::splat(1.0 / PI),
+        };
         Disk { sent: received.map(|received| received * reflected), ..disk }
     };
     disks.into_par_iter().map(light).collect()

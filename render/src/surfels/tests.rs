@@ -2,7 +2,7 @@
 
 use super::patches::{area_of, of_scene};
 use super::reference::{self, Disk, roulette};
-use super::{Cloud, HEIGHT, LEAF, MOST, Parameters, Passes, Patch, Surfel, cloud};
+use super::{Cloud, HEIGHT, LEAF, MOST, Parameters, Passes, Patch, Surfel, Tree, cloud};
 use crate::methods::proving;
 use crate::raster::World;
 use crate::raster::view::perspective;
@@ -10,7 +10,7 @@ use crate::scene::procedural::Family;
 use crate::scene::{Material, Mesh, Scene};
 use crate::screen::{MethodStep, View};
 use deepshade_shaders::gpu::{self, Gpu};
-use deepshade_shaders::wgsl::{self, uniforms};
+use deepshade_shaders::wgsl::uniforms;
 use glam::{Mat3, Vec3};
 use std::f32::consts::PI;
 
@@ -130,8 +130,8 @@ struct Made {
 fn made(gpu: &Gpu, scene: &Scene, parameters: &Parameters, view: &View) -> Made {
     let Gpu { device, queue, .. } = gpu;
     let world = World::new(gpu, &scene.clone().into(), None).expect("a scene");
-    let passes = Passes::new(device, &wgsl::SURFELS_LEAVES).expect("valid shaders");
-    let cloud = Cloud::new(device, &world).expect("room");
+    let passes = Passes::new(device, Tree::All).expect("valid shaders");
+    let cloud = Cloud::new(device, &world, None).expect("room");
     let camera = perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE);
     let settings = gpu::uniform(device, "settings", &parameters.settings(view)).expect("room");
     let camera = gpu::uniform(device, "camera", &camera).expect("room");
@@ -155,17 +155,6 @@ fn made(gpu: &Gpu, scene: &Scene, parameters: &Parameters, view: &View) -> Made 
         surfels,
         nodes: gpu::read(device, queue, &cloud.nodes).expect("nodes"),
     }
-}
-
-/// The unit vector of two snorm16.
-fn unpacked(word: u32) -> Vec3 {
-    let [x, y] = [word as i16, (word >> 16) as i16].map(|part| (f32::from(part) / 32_767.0).max(-1.0));
-    let mut direction = Vec3::new(x, y, 1.0 - x.abs() - y.abs());
-    if direction.z < 0.0 {
-        let fold = |a: f32, b: f32| (1.0 - a.abs()) * if b < 0.0 { -1.0 } else { 1.0 };
-        (direction.x, direction.y) = (fold(y, x), fold(x, y));
-    }
-    direction.normalize()
 }
 
 #[test]
@@ -197,15 +186,18 @@ fn the_passes_make_what_the_plain_version_does() {
         assert_eq!(made.count, [before; 2], "{name}");
         let disks = reference::disks(&made.patches, &vertices, &made.amounts, &settings);
         assert_eq!((disks.len(), made.surfels.len()), (before as usize, before as usize), "{name}");
-        for (disk, surfel) in disks.iter().zip(&made.surfels) {
-            let near =
-                Vec3::from_array(surfel.place).distance(disk.place) < 1e-3 * (1.0 + disk.place.length());
-            let alike = near && (surfel.radius - disk.radius).abs() < 1e-3 * disk.radius + 1e-7;
-            assert!(
-                alike && unpacked(surfel.normal).dot(disk.normal) > 0.999 && surfel.patch == disk.patch,
-                "{name}: {disk:?} {surfel:?}"
-            );
+        // Rounding may lead to the other one of two radii; of normals to all that face one way.
+        let mut differ = 0;
+        for (disk, surfel) in disks.iter().zip(made.surfels.iter().map(|surfel| Disk::from(*surfel))) {
+            let near = surfel.place.distance(disk.place) < 1e-3 * (1.0 + disk.place.length());
+            let alike = near && (surfel.radius - disk.radius).abs() < 0.02 * disk.radius + 1e-7;
+            let turned = surfel.normal.dot(disk.normal) < 0.9999 || surfel.open != disk.open;
+            assert!(alike && !turned, "{name}: {disk:?} {surfel:?}");
+            differ += usize::from(surfel.radius != disk.radius);
         }
+        assert!(differ * 1000 <= disks.len(), "{name}: {differ} of {} have another radius", disks.len());
+        let area: f32 = made.surfels.iter().map(|surfel| PI * surfel.radius().powi(2)).sum();
+        assert!((area / total_area(&disks) - 1.0).abs() < 1e-4, "{name}: {area} m²");
         holds_all_below(&made);
     }
 }
@@ -220,7 +212,7 @@ fn holds_all_below(made: &Made) {
             let places = || below.iter().map(|surfel| Vec3::from_array(surfel.place));
             let low = places().fold(Vec3::INFINITY, Vec3::min);
             let high = places().fold(Vec3::NEG_INFINITY, Vec3::max);
-            let largest = below.iter().map(|surfel| surfel.radius).fold(0.0, f32::max);
+            let largest = below.iter().map(Surfel::radius).fold(0.0, f32::max);
             assert_eq!(
                 (Vec3::new(lx, ly, lz), Vec3::new(hx, hy, hz), reach),
                 (low, high, largest),
@@ -244,14 +236,14 @@ fn odd_scenes_have_defined_surfels() {
     );
     let everywhere = made(&gpu, &sheet(4, 1.0, 0.0), &PARAMETERS, &view(0.0));
     assert!(
-        everywhere.surfels.iter().all(|surfel| surfel.radius.is_finite()),
+        everywhere.surfels.iter().all(|surfel| surfel.radius().is_finite()),
         "an effect that reaches nowhere"
     );
 
     let fine = Parameters { scale: 1e-4, near: 0.01 };
     let many = made(&gpu, &sheet(8, 1.0, -3.0), &fine, &view(20.0));
     assert!(many.count[0] as usize == MOST && many.count[1] > many.count[0], "{:?}", many.count);
-    let area: f32 = many.surfels.iter().map(|surfel| PI * surfel.radius * surfel.radius).sum();
+    let area: f32 = many.surfels.iter().map(|surfel| PI * surfel.radius().powi(2)).sum();
     assert!((area / 64.0 - 1.0).abs() < 0.02, "fewer stand for all: {area} m²");
     let turned = View {
         camera: crate::scene::Camera { rotation: Mat3::from_rotation_y(PI), ..view(1.0).camera },

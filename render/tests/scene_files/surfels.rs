@@ -7,10 +7,9 @@ use deepshade_render::methods::surfel::{self, occlusion::SurfelOcclusion};
 use deepshade_render::raster::World;
 use deepshade_render::scene::{AnimatedScene, Camera, Scene, SceneSource};
 use deepshade_render::screen::{GpuGBuffer, Inputs, MethodStep, Plan, View};
-use deepshade_render::surfels::{self, Surfel, frame, patches};
+use deepshade_render::surfels::{self, Surfel, Tree, frame, patches};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, Gpu};
-use deepshade_shaders::wgsl;
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
@@ -20,8 +19,8 @@ const ATTRIBUTES: [Attribute; 3] = [Attribute::Position, Attribute::Normal, Attr
 const HEIGHT: usize = 48;
 const WIDTH: usize = 64;
 
-/// A strip, one metre wide and two high, whose upper half bends by a right angle within a second while all of it swells, above
-/// a floor that stays.
+/// A strip, one metre wide and two high, whose upper half bends by a right angle within a second while all of it
+/// swells, above a floor that stays.
 fn bending() -> String {
     let (columns, rows) = (12u16, 24u16);
     let vertices: Vec<[f32; 2]> = (0..=rows)
@@ -85,11 +84,11 @@ fn posed(gpu: &Gpu, path: &Path, loaded: f32, time: f32) -> World {
     world
 }
 
-/// The surfels of the file, posed at a time.
-fn surfels_at(gpu: &Gpu, path: &Path, time: f32) -> Vec<Surfel> {
+/// The surfels of the file, posed at a time, each with the patch that it stands for a part of.
+fn surfels_at(gpu: &Gpu, path: &Path, time: f32) -> Vec<(u32, Surfel)> {
     let Gpu { device, queue, .. } = gpu;
     let world = posed(gpu, path, 0.0, time);
-    let passes = surfels::Passes::new(device, &wgsl::SURFELS_LEAVES).expect("valid shaders");
+    let passes = surfels::Passes::new(device, Tree::All).expect("valid shaders");
     let fine = surfels::Parameters { scale: 0.02, near: 0.01 };
     let uniforms: Vec<wgpu::Buffer> = frame::uniforms(&fine, &view(100.0))
         .map(|bytes| gpu::uniforms(device, "test", &bytes).expect("room"))
@@ -100,14 +99,15 @@ fn surfels_at(gpu: &Gpu, path: &Path, time: f32) -> Vec<Surfel> {
     })
     .expect("valid passes");
     let [count, _] = cloud.count(device, queue).expect("a count");
-    let mut all: Vec<Surfel> = gpu::read(device, queue, &cloud.surfels).expect("surfels");
-    all.truncate(count as usize);
-    all
+    let all: Vec<Surfel> = gpu::read(device, queue, &cloud.surfels).expect("surfels");
+    let starts: Vec<u32> = gpu::read(device, queue, &cloud.starts).expect("starts");
+    let patch = |index: u32| starts.partition_point(|start| *start <= index) as u32 - 1;
+    all.into_iter().take(count as usize).enumerate().map(|(i, surfel)| (patch(i as u32), surfel)).collect()
 }
 
 /// The surfels of patches that have one.
-fn by_patch(surfels: &[Surfel]) -> BTreeMap<u32, &Surfel> {
-    let of_patch: BTreeMap<u32, &Surfel> = surfels.iter().map(|surfel| (surfel.patch, surfel)).collect();
+fn by_patch(surfels: &[(u32, Surfel)]) -> BTreeMap<u32, &Surfel> {
+    let of_patch: BTreeMap<u32, &Surfel> = surfels.iter().map(|(patch, surfel)| (*patch, surfel)).collect();
     assert_eq!(of_patch.len(), surfels.len(), "patches are smaller than surfels here");
     of_patch
 }
@@ -123,7 +123,7 @@ fn their_areas_sum_up_to_the_deformed_surface() {
     let mut areas = Vec::new();
     for time in [0.0, 0.4, 0.77, 1.0] {
         let right = patches::area_of(&Scene::load_moving(&path, time, 0.0).expect("the file"));
-        let found: f32 = surfels_at(&gpu, &path, time).iter().map(|it| PI * it.radius * it.radius).sum();
+        let found: f32 = surfels_at(&gpu, &path, time).iter().map(|(_, it)| PI * it.radius().powi(2)).sum();
         assert!((found / right - 1.0).abs() < 0.01, "at {time} s: {found} m² of {right} m²");
         areas.push(right);
     }
@@ -136,20 +136,21 @@ fn they_move_with_their_patches_and_none_pops_up() {
     let (_folder, path) = file();
     let [before, after, later] = [0.5, 0.5 + 1.0 / 60.0, 1.0].map(|time| surfels_at(&gpu, &path, time));
     let [before, after, later] = [&before, &after, &later].map(|surfels| by_patch(surfels));
-    let largest = before.values().map(|surfel| surfel.radius).fold(0.0, f32::max);
-    // The fastest point is a metre and a half from where it bends, at a right angle a second, and swells by 0.4 m a second.
+    let largest = before.values().map(|surfel| surfel.radius()).fold(0.0, f32::max);
+    // The fastest point is a metre and a half from where it bends, at a right angle a second, and swells by 0.4 m a
+    // second.
     let fastest = (1.5 * 0.5 * PI + 0.4) / 60.0;
     let mut appeared = 0;
     for (patch, surfel) in &after {
         let Some(was) = before.get(patch) else {
-            assert!(surfel.radius < 0.4 * largest, "one of {} m pops up", surfel.radius);
+            assert!(surfel.radius() < 0.4 * largest, "one of {} m pops up", surfel.radius());
             appeared += 1;
             continue;
         };
         let moved = place(surfel).distance(place(was));
         assert!(moved < fastest, "{moved} m in a frame, {fastest} m at most");
-        let grown = (surfel.radius.powi(2) - was.radius.powi(2)).abs();
-        assert!(grown < 0.2 * largest * largest, "{} m becomes {} m", was.radius, surfel.radius);
+        let grown = (surfel.radius().powi(2) - was.radius().powi(2)).abs();
+        assert!(grown < 0.2 * largest * largest, "{} m becomes {} m", was.radius(), surfel.radius());
     }
     assert!(appeared * 20 < after.len(), "{appeared} of {} are new", after.len());
     let moved = |(patch, surfel): (&u32, &&Surfel)| Some(place(surfel).distance(place(before.get(patch)?)));

@@ -30,5 +30,6 @@ table! {
     /// Mixes a frame with the one before.
     REPROJECT: "frame.reproject", file "frame/reproject", constants [CHANNELS = 1], uniforms [Reprojection], shared [];
     /// An image of fewer pixels in full size.
-    UPSAMPLE: "frame.upsample", file "frame/upsample", constants [CHANNELS = 1], uniforms [Upsampling], shared ["surface"];
+    UPSAMPLE: "frame.upsample", file "frame/upsample",
+        constants [CHANNELS = 1], uniforms [Upsampling], shared ["surface", "surface_valid"];
 }

@@ -40,4 +40,9 @@ table! {
     /// The gather of subsurface scattering.
     GATHER_GATHER: "gather.gather", file "methods/gather/gather",
         constants [], uniforms [Gather], shared ["picture", "translucent", "random", "bounded"];
+    /// What subsurface scattering by methods in screen space begins with.
+    SUBSURFACE_ENTER: "subsurface.enter", file "methods/subsurface/enter",
+        constants [], uniforms [], shared ["diffusion_length"];
+    /// What it ends with.
+    SUBSURFACE_LEAVE: "subsurface.leave", file "methods/subsurface/leave", constants [], uniforms [], shared [];
 }

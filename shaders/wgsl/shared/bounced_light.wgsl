@@ -1,7 +1,11 @@
-// The radiance that a surfel sends, on the side that is seen.
-fn arriving(hit: Hit, direction: vec3f) -> vec3f {
-    if hit.level == NONE {
+// The radiance that surfels send, on the side that is met.
+
+// Of the front and of the back, as `surfels/light` has written it.
+@group(0) @binding(1) var<storage, read> sent: array<vec2u>;
+
+fn arriving(met: u32) -> vec3f {
+    if met == NONE {
         return vec3f(0.0);
     }
-    return surfel_sent(surfels[hit.surfel], direction);
+    return unpack_radiance(sent[met >> 1u][met & 1u]);
 }

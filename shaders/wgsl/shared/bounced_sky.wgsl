@@ -1,4 +1,4 @@
 // Ambient occlusion as light: that of a white sky which surfels hide.
-fn arriving(hit: Hit, direction: vec3f) -> vec3f {
-    return select(vec3f(0.0), vec3f(1.0), hit.level == NONE);
+fn arriving(met: u32) -> vec3f {
+    return select(vec3f(0.0), vec3f(1.0), met == NONE);
 }

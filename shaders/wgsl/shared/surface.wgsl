@@ -2,7 +2,6 @@
 
 @group(0) @binding(1) var<storage, read> position_planes: array<f32>;
 @group(0) @binding(2) var<storage, read> normal_planes: array<f32>;
-@group(0) @binding(3) var<storage, read> valid_plane: array<f32>;
 
 // `index` is y * width + x, `pixels` height * width.
 fn surface_position(index: u32, pixels: u32) -> vec3f {
@@ -11,8 +10,4 @@ fn surface_position(index: u32, pixels: u32) -> vec3f {
 
 fn surface_normal(index: u32, pixels: u32) -> vec3f {
     return vec3f(normal_planes[index], normal_planes[index + pixels], normal_planes[index + 2u * pixels]);
-}
-
-fn surface_valid(index: u32) -> bool {
-    return valid_plane[index] > 0.5;
 }

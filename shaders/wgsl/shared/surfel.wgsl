@@ -1,21 +1,9 @@
-// Surfels: disks that stand for a scene's surface (thesis 4.2.1), in camera space, metres.
+// Surfels of a frame, and the tree over them (thesis 4.2.1).
 
 const PI = 3.14159265;
-// Leaves of the tree hold so many surfels that lie one after the other; each node above has four children. The root is at
-// HEIGHT.
+// Leaves of the tree hold so many surfels that lie one after the other; each node above has four children. The root is
+// at HEIGHT.
 const LEAF = 16u;
-
-struct Surfel {
-    // Where its middle is; its radius.
-    place: vec4f,
-    // Octahedral, two snorm16; the lowest bit is 1 where the surface is open, so that its back is seen too.
-    normal: u32,
-    // Diffusely reflected radiance on the side of the normal and on the other, as `pack_radiance` has it.
-    front: u32,
-    back: u32,
-    // Index of the patch that it stands for a part of.
-    patch_index: u32,
-}
 
 // What a frame's surfels are, and the workgroups of passes that run over them.
 struct Totals {

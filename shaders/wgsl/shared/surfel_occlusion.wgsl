@@ -4,8 +4,8 @@ fn nothing() -> f32 {
     return 0.0;
 }
 
-fn added(sum: f32, surfel: Surfel, way: vec3f, squared: f32, receiver: Receiver) -> f32 {
-    return sum + form_factor(surfel, way, squared, receiver.normal);
+fn added(sum: f32, which: u32, way: vec3f, squared: f32, receiver: Receiver) -> f32 {
+    return sum + form_factor(surfels[which], way, squared, receiver.normal);
 }
 
 fn write_sum(sum: f32, at: u32, pixels: u32) {

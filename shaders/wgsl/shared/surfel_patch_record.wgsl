@@ -1,10 +1,10 @@
-// Patches: equal parts of a triangle, four times as many with each halving of its edges, so that none is much larger than
-// what is seen as one distance.
+// Patches: equal parts of a triangle, four times as many with each halving of its edges, so that none is much larger
+// than what is seen as one distance.
 
 struct Patch {
     corners: array<u32, 3>,
-    // Halvings in the upper four bits; below them, 1 where the surface is open; nine bits of coverage; in the lower eighteen, two
-    // bits a halving, which quarter.
+    // Halvings in the upper four bits; below them, 1 where the surface is open; nine bits of coverage; in the lower
+    // eighteen, two bits a halving, which quarter.
     part: u32,
     // Eleven, eleven and ten bits of the root of red, green and blue.
     colour: u32,
@@ -24,7 +24,8 @@ fn part_is_open(part: u32) -> bool {
 
 // Diffuse reflectance.
 fn patch_colour(one: Patch) -> vec3f {
-    let parts = vec3u(extractBits(one.colour, 0u, 11u), extractBits(one.colour, 11u, 11u), extractBits(one.colour, 22u, 10u));
+    let colour = one.colour;
+    let parts = vec3u(extractBits(colour, 0u, 11u), extractBits(colour, 11u, 11u), extractBits(colour, 22u, 10u));
     let root = vec3f(parts) / vec3f(2047.0, 2047.0, 1023.0);
     return root * root;
 }

@@ -1,4 +1,4 @@
 // How far a surfel does something, but for a factor that is the same for all: its radius.
-fn effect_distance(surfel: Surfel) -> f32 {
-    return surfel.place.w;
+fn effect_distance(which: u32) -> f32 {
+    return surfel_radius(surfels[which]);
 }

@@ -1,17 +1,17 @@
-// What a surfel gives a point through the body below both (thesis 4.3, "Multiple Scattering"): a share of its light, for
-// red, green and blue apart, by the profile of Christensen and Burley 2015 at its distance times its area; and that share.
+// What a surfel gives a point through the body below both (thesis 4.3, "Multiple Scattering"): a share of its light,
+// for red, green and blue apart, by the profile of Christensen and Burley 2015 at its distance times its area; and that
+// share.
 
-@group(0) @binding(1) var<storage, read> position_planes: array<f32>;
-@group(0) @binding(2) var<storage, read> normal_planes: array<f32>;
 // [4, height, width]: how far light goes below the surface, metres, red, green and blue; the object.
 @group(0) @binding(3) var<storage, read> bodies: array<f32>;
-@group(0) @binding(8) var<storage, read> patches: array<Patch>;
+// Light that falls on surfels, as white ones reflect it; the object that they are part of.
+@group(0) @binding(8) var<storage, read> sent: array<vec2u>;
 
 // Beyond so many lengths less than a thousandth of the profile is left: 3 exp(-r / (3 d)) / 4.
 const SUPPORT = 19.9;
 
-// A closed surface is met from within if that is so from below the pixel's: so far, over the distance, and over the height above
-// it, that what lies in a plane or a hollow is.
+// A closed surface is met from within if that is so from below the pixel's: so far, over the distance, and over the
+// height above it, that what lies in a plane or a hollow is.
 const BELOW_PLANE = 0.02;
 const BELOW_HOLLOW = 3.0;
 
@@ -26,8 +26,8 @@ struct Receiver {
 }
 
 fn receiver_at(at: u32, pixels: u32) -> Receiver {
-    let position = vec3f(position_planes[at], position_planes[at + pixels], position_planes[at + 2u * pixels]);
-    let normal = vec3f(normal_planes[at], normal_planes[at + pixels], normal_planes[at + 2u * pixels]);
+    let position = surface_position(at, pixels);
+    let normal = surface_normal(at, pixels);
     let scales = vec3f(bodies[at], bodies[at + pixels], bodies[at + 2u * pixels]);
     let reach = min(level.reach, SUPPORT * max(scales.x, max(scales.y, scales.z)));
     return Receiver(position, normal, reach, scales, bodies[at + 3u * pixels]);
@@ -38,28 +38,30 @@ fn nothing() -> mat2x3f {
     return mat2x3f(vec3f(0.0), vec3f(0.0));
 }
 
-// The profile (exp(-r / d) + exp(-r / (3 d))) / (8 pi d r) times the area of a disk; of a colour that does not enter, 0.
+// The profile (exp(-r / d) + exp(-r / (3 d))) / (8 pi d r) times the area of a disk; of a colour that does not enter,
+// 0.
 fn profile_share(radius: f32, distance: f32, scales: vec3f) -> vec3f {
     let d = max(scales, vec3f(1e-20));
     let slow = exp(-distance / (3.0 * d));
-    return select(vec3f(0.0), (slow * slow * slow + slow) * (radius * radius / (8.0 * distance)) / d, scales > vec3f(0.0));
+    let share = (slow * slow * slow + slow) * (radius * radius / (8.0 * distance)) / d;
+    return select(vec3f(0.0), share, scales > vec3f(0.0));
 }
 
-fn added(sum: mat2x3f, surfel: Surfel, way: vec3f, squared: f32, receiver: Receiver) -> mat2x3f {
+fn added(sum: mat2x3f, which: u32, way: vec3f, squared: f32, receiver: Receiver) -> mat2x3f {
+    let surfel = surfels[which];
+    let radius = surfel_radius(surfel);
     let distance = sqrt(squared);
     // What is nearer than a surfel is large is the pixel's own.
-    if distance <= surfel.place.w || f32(patches[surfel.patch_index].object) != receiver.object {
+    if distance <= radius || f32(sent[which].y) != receiver.object {
         return sum;
     }
     let below = BELOW_PLANE * distance + BELOW_HOLLOW * max(dot(way, receiver.normal), 0.0);
-    let outwards = dot(way + below * receiver.normal, from_octahedron(unpack2x16snorm(surfel.normal)));
-    if outwards < 0.0 && (surfel.normal & 1u) == 0u {
+    let outwards = dot(way + below * receiver.normal, surfel_normal(surfel));
+    if outwards < 0.0 && !surfel_is_open(surfel) {
         return sum;
     }
-    let share = profile_share(surfel.place.w, distance, receiver.scales);
-    // No light falls on the inside of a body.
-    let light = unpack_radiance(surfel.front) + unpack_radiance(surfel.back);
-    return sum + mat2x3f(share * light, share);
+    let share = profile_share(radius, distance, receiver.scales);
+    return sum + mat2x3f(share * unpack_radiance(sent[which].x), share);
 }
 
 fn write_sum(sum: mat2x3f, at: u32, pixels: u32) {

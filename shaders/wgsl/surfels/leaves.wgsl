@@ -11,14 +11,13 @@ fn bound_leaves(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let end = min(first + LEAF, totals.kept);
-    var low = surfels[first].place.xyz;
+    var low = surfels[first].place;
     var high = low;
-    var reach = effect_distance(surfels[first]);
+    var reach = effect_distance(first);
     for (var i = first + 1u; i < end; i++) {
-        let surfel = surfels[i];
-        low = min(low, surfel.place.xyz);
-        high = max(high, surfel.place.xyz);
-        reach = max(reach, effect_distance(surfel));
+        low = min(low, surfels[i].place);
+        high = max(high, surfels[i].place);
+        reach = max(reach, effect_distance(i));
     }
     nodes[node_index(0u, id.x)] = Node(vec4f(low, reach), vec4f(high, 0.0));
 }

@@ -1,15 +1,18 @@
-// Direct light that surfels reflect diffusely, or, if WHITE is 1, would if they were white, on either side, with shadows by the
-// lights' maps (thesis 4.3, "One-bounce Indirect Illumination").
+// Direct light of surfels, with shadows by the lights' maps (thesis 4.3, "One-bounce Indirect Illumination"), in a
+// buffer of its own: `sent_of` says what is kept of it.
 
-@group(0) @binding(0) var<uniform> view: FrameView;
-@group(0) @binding(1) var<storage, read> patches: array<Patch>;
-@group(0) @binding(2) var<storage, read> totals: Totals;
-@group(0) @binding(3) var<storage, read> lights: array<LightRecord>;
-@group(0) @binding(4) var<storage, read> map_views: array<FrameView>;
-@group(0) @binding(5) var<storage, read> pictures: array<u32>;
-@group(0) @binding(6) var maps: texture_depth_2d_array;
-@group(0) @binding(7) var map_sampler: sampler_comparison;
-@group(0) @binding(8) var<storage, read_write> surfels: array<Surfel>;
+@group(0) @binding(0) var<uniform> settings: Surfels;
+@group(0) @binding(1) var<uniform> view: FrameView;
+@group(0) @binding(2) var<storage, read> patches: array<Patch>;
+@group(0) @binding(3) var<storage, read> starts: array<u32>;
+@group(0) @binding(4) var<storage, read> totals: Totals;
+@group(0) @binding(5) var<storage, read> surfels: array<Surfel>;
+@group(0) @binding(6) var<storage, read> lights: array<LightRecord>;
+@group(0) @binding(7) var<storage, read> map_views: array<FrameView>;
+@group(0) @binding(8) var<storage, read> pictures: array<u32>;
+@group(0) @binding(9) var maps: texture_depth_2d_array;
+@group(0) @binding(10) var map_sampler: sampler_comparison;
+@group(0) @binding(11) var<storage, read_write> sent: array<vec2u>;
 
 @compute @workgroup_size(64)
 fn light_surfels(@builtin(global_invocation_id) id: vec3u) {
@@ -17,8 +20,8 @@ fn light_surfels(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let surfel = surfels[id.x];
-    let point = view.eye.xyz + from_view(surfel.place.xyz, view);
-    let normal = from_view(from_octahedron(unpack2x16snorm(surfel.normal)), view);
+    let point = view.eye.xyz + from_view(surfel.place, view);
+    let normal = from_view(surfel_normal(surfel), view);
     var front = vec3f(0.0);
     var back = vec3f(0.0);
     for (var i = 0u; i < LIGHTS; i++) {
@@ -35,7 +38,5 @@ fn light_surfels(@builtin(global_invocation_id) id: vec3u) {
             back += received;
         }
     }
-    let reflected = select(patch_colour(patches[surfel.patch_index]), vec3f(1.0), WHITE == 1u) / PI;
-    surfels[id.x].front = pack_radiance(front * reflected);
-    surfels[id.x].back = pack_radiance(back * reflected);
+    sent[id.x] = sent_of(front, back, patches[patch_of(chosen(id.x))]);
 }

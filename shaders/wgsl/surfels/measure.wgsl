@@ -1,7 +1,7 @@
-// How many surfels each patch gets: its area over that of a surfel, where it may matter to what is seen. The last surfel of a
-// patch stands for what remains and grows from nothing as the camera comes closer; of patches smaller than a surfel one in
-// so many has one, which grows too. So nothing pops up, and the mean of the surfels' area is the patches'. The paper's two
-// passes, fine surfels and discarding (thesis 4.2.1), in one.
+// How many surfels each patch gets: its area over that of a surfel, where it may matter to what is seen. The last
+// surfel of a patch stands for what remains and grows from nothing as the camera comes closer; of patches smaller than
+// a surfel one in so many has one, which grows too. So nothing pops up, and the mean of the surfels' area is the
+// patches'. The paper's two passes, fine surfels and discarding (thesis 4.2.1), in one.
 
 @group(0) @binding(0) var<uniform> settings: Surfels;
 @group(0) @binding(1) var<uniform> view: FrameView;
@@ -10,8 +10,8 @@
 @group(0) @binding(4) var<storage, read_write> amounts: array<f32>;
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 
-// The share of a surfel that a patch of `share` of one gets, at a threshold from 0 to 1: 0 below it, rising above it, and 1
-// for all thresholds where the share is 1. Its mean over all thresholds is the share.
+// The share of a surfel that a patch of `share` of one gets, at a threshold from 0 to 1: 0 below it, rising above it,
+// and 1 for all thresholds where the share is 1. Its mean over all thresholds is the share.
 fn roulette(share: f32, threshold: f32) -> f32 {
     let chance = (1.0 + RISE) * share;
     let above = chance / max(threshold, 1e-9);

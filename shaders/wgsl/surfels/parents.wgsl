@@ -13,9 +13,8 @@ fn bound_parents(@builtin(global_invocation_id) id: vec3u) {
     for (var child = 4u * id.x + 1u; child < 4u * id.x + 4u; child++) {
         if first_surfel(level.height - 1u, child) < totals.kept {
             let one = nodes[node_index(level.height - 1u, child)];
-            all = Node(
-                vec4f(min(all.low.xyz, one.low.xyz), max(all.low.w, one.low.w)), vec4f(max(all.high.xyz, one.high.xyz), 0.0)
-            );
+            let low = vec4f(min(all.low.xyz, one.low.xyz), max(all.low.w, one.low.w));
+            all = Node(low, vec4f(max(all.high.xyz, one.high.xyz), 0.0));
         }
     }
     nodes[node_index(level.height, id.x)] = all;

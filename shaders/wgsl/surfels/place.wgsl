@@ -1,6 +1,6 @@
-// Puts each surfel into its patch: along a sequence that fills it evenly, whatever its length (Roberts 2018, "The Unreasonable
-// Effectiveness of Quasirandom Sequences"), so that surfels stay where they are when more are added. The triangle's corners
-// are moved inwards by a surfel's radius, so that disks do not stand over its edges (thesis 4.2.1).
+// Puts each surfel into its patch: along a sequence that fills it evenly, whatever its length (Roberts 2018, "The
+// Unreasonable Effectiveness of Quasirandom Sequences"), so that surfels stay where they are when more are added. The
+// triangle's corners are moved inwards by a surfel's radius, so that disks do not stand over its edges (thesis 4.2.1).
 
 @group(0) @binding(0) var<uniform> settings: Surfels;
 @group(0) @binding(1) var<storage, read> vertices: array<f32>;
@@ -12,39 +12,6 @@
 
 // One over the plastic number, and over its square.
 const STRIDE = vec2f(0.75487767, 0.56984029);
-
-// Where the surfels that are wanted begin of which the one of that index stands for all.
-fn share_begin(index: u32) -> u32 {
-    let room = LEAF << (2u * HEIGHT);
-    let rest = ((totals.wanted % room) << 12u) / room;
-    return index * (totals.wanted / room) + ((index * rest) >> 12u);
-}
-
-// The surfel of all that are wanted which is the one of that index of those for which there is room: a random one of its
-// share, since there may be a pattern in them.
-fn chosen(index: u32) -> u32 {
-    if totals.wanted <= LEAF << (2u * HEIGHT) {
-        return index;
-    }
-    let begin = share_begin(index);
-    let count = share_begin(index + 1u) - begin;
-    return begin + u32(random(vec2u(index, 0u), settings.seed, 3u) * f32(count));
-}
-
-// The patch of a surfel: the last one that begins no later.
-fn patch_of(surfel: u32) -> u32 {
-    var low = 0u;
-    var high = arrayLength(&starts);
-    while high - low > 1u {
-        let middle = (low + high) / 2u;
-        if starts[middle] <= surfel {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
-}
 
 // A triangle's corner, moved towards its middle.
 fn inwards(corner: vec3f, middle: vec3f, by: f32) -> vec3f {
@@ -78,7 +45,6 @@ fn place(@builtin(global_invocation_id) id: vec3u) {
     }
     let weights = it.weights * vec3f(1.0 - at.x - at.y, at);
     let normal = normalize(cross(it.corners[1] - it.corners[0], it.corners[2] - it.corners[0]));
-    let open = select(0u, 1u, part_is_open(patches[index].part));
-    let packed_normal = (pack2x16snorm(to_octahedron(normal)) & 0xfffffffeu) | open;
-    surfels[id.x] = Surfel(vec4f(inset * weights, radius), packed_normal, 0u, 0u, index);
+    let bits = bits_of_radius(radius, random(vec2u(index, number), settings.seed, 4u));
+    surfels[id.x] = new_surfel(inset * weights, normal, part_is_open(patches[index].part), bits);
 }

@@ -4,8 +4,8 @@ use deepshade_render::screen::{MethodStep, Plan};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 use deepshade_shaders::wgsl::{self, Shader};
 
-/// A stage of the thesis' Tables 4.1 and 6.1. What these have besides, shuffling and unshuffling, ours do not need: places in
-/// sub-buffers are computed.
+/// A stage of the thesis' Tables 4.1 and 6.1. What these have besides, shuffling and unshuffling, ours do not need:
+/// places in sub-buffers are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Surfels are laid out, or facets of ambient occlusion volumes.
@@ -23,7 +23,7 @@ pub enum Stage {
 }
 
 /// Which shader belongs to which stage.
-static SHADERS: [(Stage, &Shader); 32] = [
+static SHADERS: [(Stage, &Shader); 34] = [
     (Stage::Surfels, &wgsl::SURFELS_VERTICES),
     (Stage::Surfels, &wgsl::SURFELS_MEASURE),
     (Stage::Surfels, &wgsl::SURFELS_SUM),
@@ -31,7 +31,8 @@ static SHADERS: [(Stage, &Shader); 32] = [
     (Stage::Surfels, &wgsl::SURFELS_BEGIN),
     (Stage::Surfels, &wgsl::SURFELS_PLACE),
     (Stage::Surfels, &wgsl::AOV_FACETS),
-    (Stage::Light, &wgsl::SURFELS_LIGHT),
+    (Stage::Light, &wgsl::SURFELS_REFLECTED),
+    (Stage::Light, &wgsl::SURFELS_RECEIVED),
     (Stage::Tree, &wgsl::SURFELS_LEAVES),
     (Stage::Tree, &wgsl::SURFELS_LIT_LEAVES),
     (Stage::Tree, &wgsl::SURFELS_PARENTS),
@@ -43,9 +44,10 @@ static SHADERS: [(Stage, &Shader); 32] = [
     (Stage::Splat, &wgsl::SURFEL_BLOCKED),
     (Stage::Splat, &wgsl::SURFEL_BODIES),
     (Stage::Splat, &wgsl::SURFEL_GIVEN),
+    (Stage::Splat, &wgsl::BOUNCED_TRACE),
+    (Stage::Splat, &wgsl::BOUNCED_GLOSSY_TRACE),
     (Stage::Splat, &wgsl::BOUNCED_SKY),
     (Stage::Splat, &wgsl::BOUNCED_LIGHT),
-    (Stage::Splat, &wgsl::BOUNCED_GLOSSY),
     (Stage::Splat, &wgsl::AOV_OCCLUSION),
     (Stage::Splat, &wgsl::AOV_TRACE),
     (Stage::Blur, &wgsl::BLUR),

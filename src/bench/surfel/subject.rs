@@ -94,8 +94,8 @@ impl<'a> Subject<'a> {
         self.frame.world().patches().len()
     }
 
-    /// By how much the areas of all surfels together miss that of the surface, as a share of it. For that nothing is left
-    /// out for being out of view.
+    /// By how much the areas of all surfels together miss that of the surface, as a share of it. For that nothing is
+    /// left out for being out of view.
     ///
     /// # Errors
     /// If the device fails.
@@ -125,6 +125,6 @@ impl<'a> Subject<'a> {
         let Some(made) = laying.last().and_then(|step| step.writes.last()) else { return Ok(0.0) };
         let bytes = u64::from(count) * size_of::<Surfel>() as u64;
         let made: Vec<Surfel> = gpu::read_part(device, queue, made, 0, bytes)?;
-        Ok(made.iter().map(|surfel| PI * f64::from(surfel.radius).powi(2)).sum())
+        Ok(made.iter().map(|surfel| PI * f64::from(surfel.radius()).powi(2)).sum())
     }
 }

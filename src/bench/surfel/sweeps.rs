@@ -1,5 +1,5 @@
-//! What threshold, levels and resolution do to the time of ambient occlusion, and to its image: how far it is from the one that
-//! every surfel makes at every pixel.
+//! What threshold, levels and resolution do to the time of ambient occlusion, and to its image: how far it is from the
+//! one that every surfel makes at every pixel.
 
 use super::stages::Cost;
 use super::subject::Subject;

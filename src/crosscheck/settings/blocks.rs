@@ -51,6 +51,20 @@ pub fn glossy() -> Setting {
     setting
 }
 
+/// Matte blocks on a floor of rough metal, which meets no other glossy surface.
+pub fn polished() -> Setting {
+    let mut setting = still();
+    let floor = &mut setting.scene.materials[FLOOR.0 as usize];
+    *floor = Material {
+        base_colour: Vec3::new(0.9, 0.7, 0.5).extend(1.0),
+        gloss: Gloss::Microfacets,
+        metallic: 1.0,
+        roughness: 0.45,
+        ..Material::matte("metal", Vec3::ONE)
+    };
+    setting
+}
+
 /// Materials and textures.
 fn look() -> Scene {
     let matte = |name: &str, colour: Vec3| Material { gloss: Gloss::None, ..Material::matte(name, colour) };

@@ -12,6 +12,10 @@ use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{self, TILE, uniforms};
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 
+/// How high in the tree a node is whose facets are one slice: 16,384, of which each takes no more than two turns of
+/// loops.
+const SLICE: u32 = 5;
+
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
@@ -68,11 +72,11 @@ impl Technique for Parameters {
     type Passes = Passes;
 
     fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
-        let pass = |shader: &wgsl::Shader| Pass::new(device, shader.name, &shader.source());
+        let [trace, filter] = [&wgsl::AOV_TRACE, &wgsl::BOUNCED_FILTER];
         Ok(Passes {
             facets: facets::Passes::new(device)?,
-            trace: pass(&wgsl::AOV_TRACE)?,
-            filter: pass(&wgsl::BOUNCED_FILTER)?,
+            trace: Pass::new(device, trace.name, &trace.specialised(&[("SLICE", SLICE)]))?,
+            filter: Pass::new(device, filter.name, &filter.source())?,
         })
     }
 
@@ -101,9 +105,11 @@ impl Technique for Parameters {
             |label: &str| gpu::empty::<u32>(device, label, self.directions() as usize * height * width);
         let (ways, arrived) = (samples("aov.directions")?, samples("aov.arrived")?);
         let [columns, rows, _] = gpu::groups(height, width, TILE);
-        let reads = [&[rays], &surface[..], &[&facets.facets, &facets.nodes]].concat();
         let all = [columns, rows, self.directions()];
-        steps.push(MethodStep::bind(device, &passes.trace, all, &reads, &[&ways, &arrived])?);
+        for slice in facets.slices(device, SLICE)? {
+            let reads = [&[rays], &surface[..], &[&slice, &facets.facets, &facets.nodes]].concat();
+            steps.push(MethodStep::bind(device, &passes.trace, all, &reads, &[&ways, &arrived])?);
+        }
         let reads = [&[window], &surface[..], &[&ways, &arrived]].concat();
         steps.push(MethodStep::bind(device, &passes.filter, [columns, rows, 1], &reads, &[output])?);
         Ok(steps)

@@ -13,8 +13,8 @@ use deepshade_shaders::wgsl::{self, uniforms};
 const HEIGHT: u32 = 10;
 /// Most facets of a scene, which is what the tree holds: 16.8 million.
 pub const MOST: usize = LEAF << (2 * HEIGHT);
-/// A scene's surface is cut into about so many facets, beside triangles that are smaller than one: boxes around large triangles
-/// hold much that is far away.
+/// A scene's surface is cut into about so many facets, beside triangles that are smaller than one: boxes around large
+/// triangles hold much that is far away.
 const PARTS: f32 = (1 << 13) as f32;
 
 /// The patches that facets are made of, in their order.
@@ -31,6 +31,23 @@ pub struct Facets {
     pub nodes: wgpu::Buffer,
     /// How many there are; one without an area where a scene has none.
     pub count: usize,
+}
+
+impl Facets {
+    /// What runs over the image are told, each of those facets that are below one node of a height of the tree: `SLICE`
+    /// of the shaders. In one run for all there would be more turns of loops than lavapipe has, which ends them after
+    /// 65,535.
+    ///
+    /// # Errors
+    /// If the device has no room.
+    pub fn slices(&self, device: &wgpu::Device, height: u32) -> Result<Vec<wgpu::Buffer>, GpuError> {
+        let slices = self.count.div_ceil(LEAF << (2 * height));
+        let slice = |index: usize| {
+            let last = u32::from(index + 1 == slices);
+            gpu::uniform(device, "aov.slice", &uniforms::FacetSlice { index: index as u32, last })
+        };
+        (0..slices).map(slice).collect()
+    }
 }
 
 /// The compiled passes.

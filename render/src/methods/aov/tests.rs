@@ -12,13 +12,14 @@ use crate::methods::{Quality, blur};
 use crate::path::{self, Sampling, Shot};
 use crate::raster::World;
 use crate::scene::procedural::Family;
-use crate::scene::{Material, Mesh, Scene};
+use crate::scene::{AlphaMode, Material, MaterialId, Mesh, Scene};
 use crate::screen::{GpuGBuffer, Inputs, Plan, ScreenMethod};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
-use glam::{UVec2, Vec3};
+use glam::{UVec2, Vec3, Vec4};
 
-/// What a scene hides from above a horizontal surface at the origin: by volumes, and by rays into the directions of many pixels.
+/// What a scene hides from above a horizontal surface at the origin: by volumes, and by rays into the directions of
+/// many pixels.
 fn hidden(scene: &Scene, reach: f32) -> [f32; 2] {
     let facets = facets(scene, &camera());
     let at = lifted(Vec3::ZERO, Vec3::Y, reach);
@@ -54,7 +55,8 @@ fn sheets_behind_one_another_add_up_but_for_rays() {
 
 #[test]
 fn a_closed_surface_hides_its_solid_angle_once() {
-    // A sphere straight above hides (r / d)^2; with a hole at its top, its far half is seen from inside and hides as much again.
+    // A sphere straight above hides (r / d)^2; with a hole at its top, its far half is seen from inside and hides as
+    // much again.
     let mut sphere = sphere_mesh(Vec3::Y * 2.0, 0.5);
     let [sum, rays] = hidden(&scene_of(vec![sphere.clone()]), 9.0).map(|share| 16.0 * share);
     assert!((sum - 1.0).abs() < 0.01 && (rays - 1.0).abs() < 0.1, "{sum} and {rays} of what a sphere hides");
@@ -93,20 +95,24 @@ fn floor() -> GBuffer {
     gbuffer_of(24, 32, |ray| plane(ray, -Vec3::Y, Vec3::Y).filter(|(at, _)| at.z > -12.0))
 }
 
-/// A scene's images above [`floor`] by both methods.
-fn above_floor(gpu: &Gpu, scene: Scene, radius: f32) -> [Vec<f32>; 2] {
-    let volumes = OcclusionVolumes::new(gpu, Volumes).expect("valid shaders");
-    let bounced = BouncedVolumes::new(gpu, Parameters::of(Quality::High)).expect("valid shaders");
-    let image = |method: &dyn ScreenMethod| {
-        let gbuffer = floor();
-        let world = World::new(gpu, &scene.clone().into(), None).expect("a scene");
-        let there = GpuGBuffer::upload(&gpu.device, &gbuffer, method.attributes()).expect("attributes");
-        let inputs = Inputs { gbuffer: &there, environment: None, world: Some(&world) };
-        let plan = Plan::new(method, &inputs, &view(24, 32, radius)).expect("room");
-        gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
-        gpu::read(&gpu.device, &gpu.queue, plan.output()).expect("an image")
-    };
-    [image(&volumes), image(&bounced)]
+/// A scene's image above [`floor`].
+fn above_floor(method: &dyn ScreenMethod, scene: &Scene, radius: f32) -> Vec<f32> {
+    let (gpu, gbuffer) = (method.gpu(), floor());
+    let world = World::new(gpu, &scene.clone().into(), None).expect("a scene");
+    let there = GpuGBuffer::upload(&gpu.device, &gbuffer, method.attributes()).expect("attributes");
+    let inputs = Inputs { gbuffer: &there, environment: None, world: Some(&world) };
+    let plan = Plan::new(method, &inputs, &view(24, 32, radius)).expect("room");
+    gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
+    gpu::read(&gpu.device, &gpu.queue, plan.output()).expect("an image")
+}
+
+fn volumes() -> OcclusionVolumes {
+    OcclusionVolumes::new(&Gpu::new().expect("an adapter; lavapipe will do"), Volumes).expect("valid shaders")
+}
+
+fn rays(quality: Quality) -> BouncedVolumes {
+    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+    BouncedVolumes::new(&gpu, Parameters::of(quality)).expect("valid shaders")
 }
 
 fn seen_on_floor(image: &[f32]) -> impl Iterator<Item = f32> {
@@ -137,7 +143,7 @@ fn fine_ceiling(n: u32, height: f32) -> Scene {
 
 #[test]
 fn of_odd_scenes_images_are_defined() {
-    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+    let (volumes, rays) = (volumes(), rays(Quality::High));
     let nothing = Scene { materials: vec![Material::default()], ..Scene::default() };
     for (name, scene, radius) in [
         ("no triangle", nothing, 1.0),
@@ -145,14 +151,14 @@ fn of_odd_scenes_images_are_defined() {
         ("nothing within reach", huge_triangle(30.0), 1.0),
         ("what is below the floor", huge_triangle(-1.5), 1.0),
     ] {
-        for image in above_floor(&gpu, scene, radius) {
+        for image in [above_floor(&volumes, &scene, radius), above_floor(&rays, &scene, radius)] {
             assert!(seen_on_floor(&image).all(|open| (open - 1.0).abs() < 1e-6), "{name}");
         }
     }
-    // Half a metre above the floor everything is hidden but for that share of the hemisphere, squared. Of the second one a pixel
-    // has twenty thousand triangles within reach.
+    // Half a metre above the floor everything is hidden but for that share of the hemisphere, squared. Of the second
+    // one a pixel has twenty thousand triangles within reach.
     for (scene, radius) in [(huge_triangle(-0.5), 1.0), (fine_ceiling(400, -0.5), 6.0)] {
-        let [sum, rays] = above_floor(&gpu, scene, radius);
+        let (sum, rays) = (above_floor(&volumes, &scene, radius), above_floor(&rays, &scene, radius));
         let open = (0.5 / radius).powi(2);
         let summed = compensated(1.0 - open);
         assert!(seen_on_floor(&sum).all(|found| (found - summed).abs() < 2e-3), "{summed}: {sum:?}");
@@ -160,10 +166,33 @@ fn of_odd_scenes_images_are_defined() {
     }
 }
 
+/// Panes of a glass that hides nothing, one above the other, and an opaque ceiling over them.
+fn panes_below_a_ceiling(count: u32) -> Scene {
+    let glass = Material {
+        base_colour: Vec4::new(1.0, 1.0, 1.0, 0.0),
+        alpha: AlphaMode::Blend,
+        ..Material::default()
+    };
+    let pane =
+        |height: f32| [(-90.0, -90.0), (90.0, -90.0), (0.0, 180.0)].map(|(x, z)| Vec3::new(x, height, z));
+    let positions = (0..count).flat_map(|i| pane(-0.9 + 0.3 * i as f32 / count as f32)).collect();
+    let triangles = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let panes = Mesh { positions, triangles, material: MaterialId(1), ..Mesh::default() };
+    let mut scene = huge_triangle(-0.5);
+    scene.meshes = scene.meshes.iter().cloned().chain([panes]).collect();
+    scene.materials.push(glass);
+    scene
+}
+
+#[test]
+fn rays_go_on_past_more_facets_than_loops_have_turns() {
+    let open = above_floor(&rays(Quality::Low), &panes_below_a_ceiling(80_000), 1.0);
+    assert!(seen_on_floor(&open).all(|found| (found - 0.25).abs() < 0.2), "{open:?}");
+}
+
 #[test]
 fn the_passes_make_what_the_plain_version_does() {
-    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = OcclusionVolumes::new(&gpu, Volumes).expect("valid shaders");
+    let method = volumes();
     for (family, [height, width]) in
         [(Family::StillLife, [21, 30]), (Family::Room, [24, 32]), (Family::Grove, [19, 27])]
     {
@@ -173,8 +202,7 @@ fn the_passes_make_what_the_plain_version_does() {
 
 #[test]
 fn the_rays_meet_what_those_of_the_plain_version_do() {
-    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let mut method = BouncedVolumes::new(&gpu, Parameters::of(Quality::High)).expect("valid shaders");
+    let mut method = rays(Quality::High);
     let filter = blur::Parameters { radius: 2, sharpness: 512.0 };
     for (family, [height, width], directions) in
         [(Family::StillLife, [27, 35], 3), (Family::Room, [24, 32], 16), (Family::Grove, [21, 43], 1)]
@@ -187,7 +215,6 @@ fn the_rays_meet_what_those_of_the_plain_version_do() {
 
 #[test]
 fn rays_come_nearer_to_truth_than_sums() {
-    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let (scene, view, gbuffer) = seen(Family::Shelves, 48, 64);
     let frame =
         Frame { scene: &scene, camera: &view.camera, gbuffer: &gbuffer, radius: view.radius, seed: 3 };
@@ -195,9 +222,7 @@ fn rays_come_nearer_to_truth_than_sums() {
     let truth = path::render(Effect::Ao, &shot, Sampling { samples: 128, scramblings: 1, seed: 1 }).mean;
     let off = |image: &Planes| mean_difference(image, &truth);
     let white = Planes::filled(1, 48, 64, 1.0);
-    let volumes = OcclusionVolumes::new(&gpu, Volumes).expect("valid shaders");
-    let bounced = BouncedVolumes::new(&gpu, Parameters::of(Quality::Ultra)).expect("valid shaders");
-    let [sum, rays] = [&volumes as &dyn ScreenMethod, &bounced]
+    let [sum, rays] = [&volumes() as &dyn ScreenMethod, &rays(Quality::Ultra)]
         .map(|method| off(&Method::shade(method, &frame, Repeats::ONCE).expect("an image").image));
     assert!(rays < sum && sum < off(&white), "{rays} by rays, {sum} by sums, {} by nothing", off(&white));
 }

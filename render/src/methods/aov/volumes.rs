@@ -6,15 +6,14 @@ use crate::bvh::TracedScene;
 use crate::methods::Surface;
 use crate::raster::view::perspective;
 use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
-use crate::surfels::{LEAF, frame};
+use crate::surfels::frame;
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{self, TILE, uniforms};
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 
-/// Facets of one run over the image: those below a node of the tree that is as high as `SLICE` of the shader says. lavapipe ends
-/// loops after 65,535 turns, of which a facet takes five or six.
-const SLICE: usize = LEAF << (2 * 4);
+/// How high in the tree a node is whose facets are one slice: 4,096, of which each takes five or six turns of loops.
+const SLICE: u32 = 4;
 
 /// The method, which has nothing to set: no sample is drawn, so that more time would not make it better.
 #[derive(Clone, Copy, Debug)]
@@ -36,22 +35,18 @@ impl Passes {
         &self,
         device: &wgpu::Device,
         inputs: &Inputs<'_>,
-        Facets { facets, nodes, count }: &Facets,
+        facets: &Facets,
         image_size: &wgpu::Buffer,
         image: &wgpu::Buffer,
     ) -> Result<Vec<MethodStep>, GpuError> {
         let gbuffer = inputs.gbuffer;
         let surface = [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
         let groups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
-        let slices = count.div_ceil(SLICE);
-        let step = |index: usize| {
-            let last = u32::from(index + 1 == slices);
-            let slice = uniforms::FacetSlice { index: index as u32, last };
-            let slice = gpu::uniform(device, "aov.slice", &slice)?;
-            let reads = [&[image_size], &surface[..], &[&slice, facets, nodes]].concat();
+        let step = |slice: wgpu::Buffer| {
+            let reads = [&[image_size], &surface[..], &[&slice, &facets.facets, &facets.nodes]].concat();
             MethodStep::bind(device, &self.occlusion, groups, &reads, &[image])
         };
-        (0..slices).map(step).collect()
+        facets.slices(device, SLICE)?.into_iter().map(step).collect()
     }
 }
 
@@ -64,7 +59,7 @@ impl Technique for Volumes {
 
     fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
         let shader = &wgsl::AOV_OCCLUSION;
-        let occlusion = Pass::new(device, shader.name, &shader.source())?;
+        let occlusion = Pass::new(device, shader.name, &shader.specialised(&[("SLICE", SLICE)]))?;
         Ok(Passes { facets: facets::Passes::new(device)?, occlusion })
     }
 

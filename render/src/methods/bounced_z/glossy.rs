@@ -1,5 +1,5 @@
-//! Glossy indirect light by a bounced z-buffer: what a surface's specular lobe reflects to the eye of what the nearest surfels
-//! send. Directions are spread as the lobe's visible microfacets mirror the eye's.
+//! Glossy indirect light by a bounced z-buffer: what a surface's specular lobe reflects to the eye of what the nearest
+//! surfels send. Directions are spread as the lobe's visible microfacets mirror the eye's.
 
 use super::indirect::Indirect;
 use super::technique::{Reflectors, Shaders};
@@ -7,6 +7,7 @@ use super::{BouncedEffect, BouncedZ};
 use crate::methods::Surface;
 use crate::methods::lobe::{self, Gloss, Lobe};
 use crate::screen::Compiled;
+use crate::surfels::Lit;
 use crate::surfels::reference::Disk;
 use deepshade_shaders::wgsl;
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
@@ -22,11 +23,15 @@ pub type BouncedGlossy = Compiled<BouncedZ<Glossy>>;
 impl BouncedEffect for Glossy {
     const EFFECT: Effect = Effect::Glossy;
     const ATTRIBUTES: &'static [Attribute] = lobe::ATTRIBUTES;
-    const LIT: bool = true;
+    const LIT: Option<Lit> = Some(Lit::Reflected);
     type Reflector = Lobe;
 
     fn shaders() -> Shaders {
-        Shaders { trace: &wgsl::BOUNCED_GLOSSY, filter: &wgsl::BOUNCED_GLOSSY_FILTER }
+        Shaders {
+            trace: &wgsl::BOUNCED_GLOSSY_TRACE,
+            arrive: &wgsl::BOUNCED_LIGHT,
+            filter: &wgsl::BOUNCED_GLOSSY_FILTER,
+        }
     }
 
     fn reflectors<'a>(

@@ -1,11 +1,12 @@
-//! Diffuse indirect light of one bounce by a bounced z-buffer: what the nearest surfels send, lit by the scene's lights with
-//! shadows. Surfels without light hide those behind them, so none is left out.
+//! Diffuse indirect light of one bounce by a bounced z-buffer: what the nearest surfels send, lit by the scene's lights
+//! with shadows. Surfels without light hide those behind them, so none is left out.
 
 use super::technique::{Reflectors, Shaders};
 use super::{BouncedEffect, BouncedZ, Matte};
 use crate::methods::Surface;
 use crate::methods::surfel::reference::sent;
 use crate::screen::Compiled;
+use crate::surfels::Lit;
 use crate::surfels::reference::Disk;
 use deepshade_shaders::wgsl;
 use deepshade_shaders::{Effect, GBuffer, MissingAttribute};
@@ -20,12 +21,12 @@ pub type BouncedIndirect = Compiled<BouncedZ<Indirect>>;
 
 impl BouncedEffect for Indirect {
     const EFFECT: Effect = Effect::Gi;
-    const LIT: bool = true;
+    const LIT: Option<Lit> = Some(Lit::Reflected);
 
     type Reflector = Matte;
 
     fn shaders() -> Shaders {
-        Shaders { trace: &wgsl::BOUNCED_LIGHT, filter: &wgsl::BOUNCED_FILTER }
+        Shaders { trace: &wgsl::BOUNCED_TRACE, arrive: &wgsl::BOUNCED_LIGHT, filter: &wgsl::BOUNCED_FILTER }
     }
 
     fn reflectors<'a>(_: &GBuffer, surface: &'a Surface) -> Result<Reflectors<'a, Matte>, MissingAttribute> {

@@ -4,6 +4,7 @@ use super::technique::{Reflectors, Shaders};
 use super::{BouncedEffect, BouncedZ, Matte};
 use crate::methods::Surface;
 use crate::screen::Compiled;
+use crate::surfels::Lit;
 use crate::surfels::reference::Disk;
 use deepshade_shaders::wgsl;
 use deepshade_shaders::{Effect, GBuffer, MissingAttribute};
@@ -18,12 +19,12 @@ pub type BouncedOcclusion = Compiled<BouncedZ<Occlusion>>;
 
 impl BouncedEffect for Occlusion {
     const EFFECT: Effect = Effect::Ao;
-    const LIT: bool = false;
+    const LIT: Option<Lit> = None;
 
     type Reflector = Matte;
 
     fn shaders() -> Shaders {
-        Shaders { trace: &wgsl::BOUNCED_SKY, filter: &wgsl::BOUNCED_FILTER }
+        Shaders { trace: &wgsl::BOUNCED_TRACE, arrive: &wgsl::BOUNCED_SKY, filter: &wgsl::BOUNCED_FILTER }
     }
 
     fn reflectors<'a>(_: &GBuffer, surface: &'a Surface) -> Result<Reflectors<'a, Matte>, MissingAttribute> {

@@ -4,10 +4,10 @@ use super::technique::Shaders;
 use super::{BouncedEffect, Parameters};
 use crate::methods::lobe;
 use crate::screen::{Inputs, MethodStep, View};
-use crate::surfels::{self, Lit, frame};
+use crate::surfels::{self, Lit, Tree, frame, groups};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{self, TILE};
+use deepshade_shaders::wgsl::{Shader, TILE};
 use deepshade_shaders::{Attribute, Effect};
 
 /// The compiled passes.
@@ -15,6 +15,7 @@ use deepshade_shaders::{Attribute, Effect};
 pub struct Passes {
     surfels: surfels::Passes,
     trace: Pass,
+    arrive: Pass,
     filter: Pass,
     lit: Option<Lit>,
     /// What gathers the gloss of receivers that are glossy.
@@ -34,13 +35,15 @@ impl Passes {
     /// # Errors
     /// If the device refuses them.
     pub fn new<E: BouncedEffect>(device: &wgpu::Device) -> Result<Self, GpuError> {
-        let Shaders { trace, filter } = E::shaders();
+        let Shaders { trace, arrive, filter } = E::shaders();
+        let pass = |shader: &Shader| Pass::new(device, shader.name, &shader.source());
         let filter_source = filter.specialised(&[("CHANNELS", E::EFFECT.channels() as u32)]);
         Ok(Self {
-            surfels: surfels::Passes::new(device, &wgsl::SURFELS_LEAVES)?,
-            trace: Pass::new(device, trace.name, &trace.source())?,
+            surfels: surfels::Passes::new(device, Tree::All)?,
+            trace: pass(trace)?,
+            arrive: pass(arrive)?,
             filter: Pass::new(device, filter.name, &filter_source)?,
-            lit: E::LIT.then_some(Lit::Reflected),
+            lit: E::LIT,
             gloss: E::ATTRIBUTES.contains(&Attribute::Glossiness).then(|| lobe::pass(device)).transpose()?,
         })
     }
@@ -70,13 +73,16 @@ impl Passes {
         let gloss = self.gloss.as_ref().map(|pass| lobe::step(device, pass, gbuffer)).transpose()?;
         steps.extend(gloss.as_ref().map(|(_, step)| step.clone()));
         let surface = [position, normal, gloss.as_ref().map_or(valid, |(gloss, _)| gloss)];
-        let groups = gpu::groups(height, width, TILE);
-        let rays = [groups[0], groups[1], directions];
+        let pixels = gpu::groups(height, width, TILE);
+        let rays = [pixels[0], pixels[1], directions];
         let met = [&cloud.totals, &cloud.surfels, &cloud.nodes];
         let reads = [&[bounces], &surface[..], &met].concat();
         steps.push(MethodStep::bind(device, &self.trace, rays, &reads, &[&ways, &arrived])?);
+        let all = groups(directions as usize * height * width);
+        let reads: Vec<_> = (1..).zip(&cloud.sent).collect();
+        steps.push(MethodStep::bind_at(device, &self.arrive, all, &reads, &[(0, &arrived)])?);
         let reads = [&[window], &surface[..], &[&ways, &arrived]].concat();
-        steps.push(MethodStep::bind(device, &self.filter, groups, &reads, &[image])?);
+        steps.push(MethodStep::bind(device, &self.filter, pixels, &reads, &[image])?);
         Ok(steps)
     }
 }

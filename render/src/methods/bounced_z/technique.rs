@@ -4,8 +4,8 @@ use super::{Parameters, Reflector, passes, reference};
 use crate::bvh::TracedScene;
 use crate::methods::Surface;
 use crate::screen::{Inputs, MethodStep, PlainInputs, Technique, View, Written};
-use crate::surfels::patches;
-use crate::surfels::reference::{Disk, lit, surfels};
+use crate::surfels::Lit;
+use crate::surfels::reference::{Disk, laid};
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
@@ -18,8 +18,10 @@ pub type Reflectors<'a, R> = Box<dyn Fn(IVec2) -> Option<R> + Sync + 'a>;
 /// The shaders that make an effect of what all have in common.
 #[derive(Clone, Copy, Debug)]
 pub struct Shaders {
-    /// A pixel's rays.
+    /// What a pixel's rays meet.
     pub trace: &'static Shader,
+    /// What arrives from there.
+    pub arrive: &'static Shader,
     /// What brings neighbours' rays together.
     pub filter: &'static Shader,
 }
@@ -30,8 +32,8 @@ pub trait BouncedEffect: Copy + Send + Sync {
     const EFFECT: Effect;
     /// What it reads of a g-buffer.
     const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
-    /// Whether surfels are lit first.
-    const LIT: bool;
+    /// What of the lights surfels send, where they are lit first.
+    const LIT: Option<Lit>;
     /// How surfaces reflect.
     type Reflector: Reflector;
 
@@ -91,11 +93,7 @@ impl<E: BouncedEffect> Technique for BouncedZ<E> {
         let surface = Surface::of(inputs.gbuffer)?;
         let reflectors = E::reflectors(inputs.gbuffer, &surface)?;
         let shaded = |scene: &TracedScene| {
-            let disks = surfels(scene.scene(), &self.0.surfels, view);
-            let disks = match E::LIT {
-                true => lit(scene, &patches::of_scene(scene.scene()), disks, &view.camera),
-                false => disks,
-            };
+            let disks = laid(scene, &self.0.surfels, view, E::LIT);
             reference::shade::<E>(&surface, &reflectors, &disks, &self.0, view).data().to_vec()
         };
         Ok(inputs.scene.map(shaded).into_iter().collect())

@@ -174,9 +174,7 @@ fn surfels_send_on_the_side_that_is_seen() {
 fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
     let (scene, view, gbuffer) = corner();
     let fine = surfels::Parameters { scale: 0.02, near: 0.01 };
-    let disks = surfels::reference::surfels(scene.scene(), &fine, &view);
-    let patches = surfels::patches::of_scene(scene.scene());
-    let disks = surfels::reference::lit(&scene, &patches, disks, &view.camera);
+    let disks = surfels::reference::laid(&scene, &fine, &view, Some(surfels::Lit::Reflected));
     let surface = Surface::of(&gbuffer).expect("a surface");
     let filter = blur::Parameters { radius: 2, sharpness: 512.0 };
     let image = shade::<Indirect>(
@@ -186,8 +184,8 @@ fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
         &Parameters { directions: 4, filter, ..PLAIN },
         &view,
     );
-    // A wall of height H at distance d sends radiance L: L (1 - d / sqrt(d^2 + H^2)) / 2, were it endless; seen from its middle
-    // it is so within 4 %.
+    // A wall of height H at distance d sends radiance L: L (1 - d / sqrt(d^2 + H^2)) / 2, were it endless; seen from
+    // its middle it is so within 4 %.
     let (mut found, mut right, mut compared) = (Vec3::ZERO, Vec3::ZERO, 0);
     for at in (0..48).flat_map(|y| (0..64).map(move |x| IVec2::new(x, y))) {
         let place = view.camera.position + view.camera.rotation * surface.position_at(at);

@@ -8,7 +8,11 @@ use crate::method::{Frame, Method, Repeats};
 use crate::methods::lobe;
 use crate::scene::procedural::Family;
 use crate::scene::{Camera, Light, Material, Mesh, Scene};
-use crate::screen::{PlainInputs, ScreenMethod, View};
+use crate::screen::{self, GpuGBuffer, Inputs, PlainInputs, Plan, ScreenMethod, View};
+use crate::surfels::Surfel;
+use crate::surfels::reference::Disk;
+use deepshade_shaders::gpu::{self, Gpu};
+use deepshade_shaders::wgsl::{self, Shader};
 use deepshade_shaders::{Attribute, GBuffer, Planes};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
@@ -87,6 +91,29 @@ pub fn seen(family: Family, height: usize, width: usize) -> (TracedScene, View, 
 
 /// What methods that look beyond the screen read of a g-buffer, glossy receivers all of it.
 pub const ATTRIBUTES: &[Attribute] = lobe::ATTRIBUTES;
+
+/// A method's image, and the surfels that its passes have laid out for it. What the plain version of shading makes of these it
+/// makes on every device, however that rounds where it lays them out.
+pub fn shaded_by_surfels(
+    method: &impl ScreenMethod,
+    (scene, view, gbuffer): &(TracedScene, View, GBuffer),
+) -> (Planes, Vec<Disk>) {
+    let Gpu { device, queue, .. } = method.gpu();
+    let there = GpuGBuffer::upload(device, gbuffer, method.attributes()).expect("attributes");
+    let world = screen::world(method.gpu(), scene.scene(), view).expect("room");
+    let inputs = Inputs { gbuffer: &there, environment: None, world: Some(&world) };
+    let plan = Plan::new(method, &inputs, view).expect("room");
+    gpu::submit(device, queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
+    let written = |shader: &Shader| {
+        let step = plan.steps().iter().find(|step| step.step.pass.is_of(shader.name)).expect("a pass");
+        step.writes.last().expect("a buffer")
+    };
+    let totals: Vec<u32> = gpu::read(device, queue, written(&wgsl::SURFELS_TOTAL)).expect("totals");
+    let surfels: Vec<Surfel> = gpu::read(device, queue, written(&wgsl::SURFELS_PLACE)).expect("surfels");
+    let image = gpu::read(device, queue, plan.output()).expect("an image");
+    let image = Planes::from_data(method.effect().channels(), view.height, view.width, image);
+    (image, surfels.into_iter().take(totals[0] as usize).map(Disk::from).collect())
+}
 
 /// Proves that a method's passes make what its plain version does, and the same of the same frame twice.
 pub fn prove_twin(

@@ -1,9 +1,9 @@
-//! What an effect has around the levels on the GPU: what splats read beside surfels, where the sum goes, and what is made of it.
+//! What an effect has around the levels on the GPU: what splats read beside surfels, where the sum goes, and what is
+//! made of it.
 
 use super::directional::Sky;
 use crate::methods::lobe;
 use crate::screen::{Inputs, MethodStep};
-use crate::surfels::Cloud;
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{Shader, TILE};
@@ -58,7 +58,7 @@ pub struct Around {
     pub before: Vec<MethodStep>,
     /// What splats read of pixels: position, normal, and validity, gloss or what scatters below.
     pub receivers: [wgpu::Buffer; 3],
-    /// What else splats read.
+    /// What else splats read, besides what surfels send.
     pub more: Vec<wgpu::Buffer>,
     /// Where the sum of all levels goes, `[channels, height, width]`.
     pub total: wgpu::Buffer,
@@ -75,7 +75,6 @@ impl Around {
         device: &wgpu::Device,
         ending: &Ending<Pass>,
         inputs: &Inputs<'_>,
-        cloud: &Cloud,
         [size, view]: [&wgpu::Buffer; 2],
         image: &wgpu::Buffer,
     ) -> Result<Self, GpuError> {
@@ -121,13 +120,7 @@ impl Around {
                 let reads = [size, valid, &total, light, colour];
                 let after = vec![MethodStep::bind(device, scatter, whole, &reads, &[image])?];
                 let [position, normal, _] = receivers;
-                Self {
-                    before,
-                    receivers: [position, normal, below],
-                    more: vec![cloud.patches.clone()],
-                    total,
-                    after,
-                }
+                Self { before, receivers: [position, normal, below], total, after, ..plain }
             }
         })
     }

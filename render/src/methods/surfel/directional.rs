@@ -6,6 +6,7 @@ use crate::methods::environment_map::EnvironmentMap;
 use crate::methods::prefiltered::filter;
 use crate::scene::{Camera, Environment};
 use crate::screen::Compiled;
+use crate::surfels::Tree;
 use crate::surfels::reference::Disk;
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl;
@@ -66,7 +67,7 @@ impl SurfelEffect for Directional {
 
     fn shaders() -> passes::Shaders {
         passes::Shaders {
-            leaves: &wgsl::SURFELS_LEAVES,
+            tree: Tree::All,
             splat: &wgsl::SURFEL_BLOCKED,
             add: &wgsl::SURFEL_INDIRECT,
             channels: 3,
@@ -80,11 +81,7 @@ impl SurfelEffect for Directional {
         let hides = |disk: &Disk, _, way, receiver: reference::Receiver| {
             sky.behind(camera, disk, way, receiver.normal).to_array()
         };
-        let shade = reference::Shade {
-            of: &hides,
-            distance: reference::OCCLUSION.distance,
-            reach: &|_| f32::INFINITY,
-        };
+        let shade = reference::Shade { reach: &|_| f32::INFINITY, of: &hides };
         let blocked = reference::sums(plain.surface, &disks, shade, plain.parameters, plain.view);
         Ok(plain.surface.image(0.0, |at| {
             let hidden =

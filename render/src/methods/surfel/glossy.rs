@@ -1,26 +1,28 @@
-//! Glossy indirect light by surfels (thesis 4.3): what a surface's specular lobe reflects to the eye of what surfels send.
+//! Glossy indirect light by surfels (thesis 4.3): what a surface's specular lobe reflects to the eye of what surfels
+//! send.
 //!
-//! A surfel that stands for many is one direction where there are many, and as bright as all of them: a lobe that is narrower
-//! than what the surfel stands for looks large would be noise. It is made so much wider ([`WIDER`]), so that mirrors show
-//! surfels as blurred as they are coarse.
+//! A surfel that stands for many is one direction where there are many, and as bright as all of them: a lobe that is
+//! narrower than what the surfel stands for looks large would be noise. It is made so much wider ([`WIDER`]), so that
+//! mirrors show surfels as blurred as they are coarse.
 //!
-//! What is blurred is light as a white surface would reflect it; it gets its colour afterwards. So colours stay sharp, and what
-//! is matte darkens nothing beside it. Roughness and normals that change within a plane are smeared.
+//! What is blurred is light as a white surface would reflect it; it gets its colour afterwards. So colours stay sharp,
+//! and what is matte darkens nothing beside it. Roughness and normals that change within a plane are smeared.
 
 use super::around::Ending;
-use super::reference::{Receiver, Shade, facing, lit_distance, sent};
+use super::reference::{Receiver, Shade, facing, sent};
 use super::{Plain, Surfel, SurfelEffect, passes, reference};
 use crate::methods::lobe::{self, Gloss, Lobe};
 use crate::screen::Compiled;
-use crate::surfels::reference::{Disk, lit};
-use crate::surfels::{Lit, patches};
+use crate::surfels::reference::Disk;
+use crate::surfels::{Lit, Tree};
 use deepshade_shaders::wgsl;
 use deepshade_shaders::{Attribute, Effect, MissingAttribute, Planes};
 use glam::Vec3;
 use std::f32::consts::PI;
 
-/// What is added to alpha squared, over the squared angle of the radius that a surfel stands for: the variance of an even disk
-/// is a fourth of its radius squared, facets turn half as far as what they mirror, and alpha squared is twice a variance.
+/// What is added to alpha squared, over the squared angle of the radius that a surfel stands for: the variance of an
+/// even disk is a fourth of its radius squared, facets turn half as far as what they mirror, and alpha squared is twice
+/// a variance.
 const WIDER: f32 = 0.125;
 
 /// The effect.
@@ -36,7 +38,7 @@ impl SurfelEffect for Glossy {
 
     fn shaders() -> passes::Shaders {
         passes::Shaders {
-            leaves: &wgsl::SURFELS_LIT_LEAVES,
+            tree: Tree::Lit,
             splat: &wgsl::SURFEL_GLOSSY,
             add: &wgsl::SURFEL_INDIRECT,
             channels: 3,
@@ -46,9 +48,8 @@ impl SurfelEffect for Glossy {
     }
 
     fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Result<Planes, MissingAttribute> {
-        let Plain { gbuffer, surface, scene, parameters, view, .. } = *plain;
+        let Plain { gbuffer, surface, parameters, view, .. } = *plain;
         let gloss = Gloss::of(gbuffer)?;
-        let disks = lit(scene, &patches::of_scene(scene.scene()), disks, &view.camera);
         let reach = |at| gloss.lobe_at(surface, at).map_or(0.0, |_| f32::INFINITY);
         let reflects = |disk: &Disk, stands_for: f32, way: Vec3, receiver: Receiver| {
             let facing = facing(way, disk);
@@ -62,7 +63,7 @@ impl SurfelEffect for Glossy {
             let reflected = lobe.density(light) * lobe.visibility(light) * tint(&lobe, light);
             (sent(way, disk) * reflected * seen).to_array()
         };
-        let shade = Shade { distance: lit_distance, reach: &reach, of: &reflects };
+        let shade = Shade { reach: &reach, of: &reflects };
         let white = reference::sums(surface, &disks, shade, parameters, view);
         Ok(surface.image(0.0, |at| {
             let colour = gloss.lobe_at(surface, at).map_or(Vec3::ZERO, |lobe| lobe.usual_colour());

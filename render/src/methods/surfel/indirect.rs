@@ -1,14 +1,14 @@
-//! Diffuse indirect light of one bounce by surfels (thesis 4.3): the sum of what they send, lit by the scene's lights with
-//! shadows.
+//! Diffuse indirect light of one bounce by surfels (thesis 4.3): the sum of what they send, lit by the scene's lights
+//! with shadows.
 //!
-//! Unlike the paper's, shells are as wide for a dim surfel as for a bright one, so that the threshold has no unit; surfels
-//! without light are left out.
+//! Unlike the paper's, shells are as wide for a dim surfel as for a bright one, so that the threshold has no unit;
+//! surfels without light are left out.
 
 use super::around::Ending;
 use super::{Plain, Surfel, SurfelEffect, passes, reference};
 use crate::screen::Compiled;
-use crate::surfels::reference::{Disk, lit};
-use crate::surfels::{Lit, patches};
+use crate::surfels::reference::Disk;
+use crate::surfels::{Lit, Tree};
 use deepshade_shaders::wgsl;
 use deepshade_shaders::{Effect, MissingAttribute, Planes};
 
@@ -24,7 +24,7 @@ impl SurfelEffect for Indirect {
 
     fn shaders() -> passes::Shaders {
         passes::Shaders {
-            leaves: &wgsl::SURFELS_LIT_LEAVES,
+            tree: Tree::Lit,
             splat: &wgsl::SURFEL_LIGHT,
             add: &wgsl::SURFEL_INDIRECT,
             channels: 3,
@@ -34,8 +34,6 @@ impl SurfelEffect for Indirect {
     }
 
     fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Result<Planes, MissingAttribute> {
-        let Plain { surface, scene, parameters, view, .. } = *plain;
-        let disks = lit(scene, &patches::of_scene(scene.scene()), disks, &view.camera);
-        Ok(reference::sums(surface, &disks, reference::LIGHT, parameters, view))
+        Ok(reference::sums(plain.surface, &disks, reference::LIGHT, plain.parameters, plain.view))
     }
 }

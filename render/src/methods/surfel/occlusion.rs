@@ -3,6 +3,7 @@
 use super::around::Ending;
 use super::{Plain, Surfel, SurfelEffect, passes, reference};
 use crate::screen::Compiled;
+use crate::surfels::Tree;
 use crate::surfels::reference::Disk;
 use deepshade_shaders::wgsl;
 use deepshade_shaders::{Effect, MissingAttribute, Planes};
@@ -19,7 +20,7 @@ impl SurfelEffect for Occlusion {
 
     fn shaders() -> passes::Shaders {
         passes::Shaders {
-            leaves: &wgsl::SURFELS_LEAVES,
+            tree: Tree::All,
             splat: &wgsl::SURFEL_OCCLUSION,
             add: &wgsl::SURFEL_OPENNESS,
             channels: 1,

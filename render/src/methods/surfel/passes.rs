@@ -4,7 +4,7 @@ use super::around::{Around, Ending};
 use super::{Parameters, shells};
 use crate::methods::blur::Blur;
 use crate::screen::{Inputs, MethodStep, View};
-use crate::surfels::{Cloud, Lit, frame};
+use crate::surfels::{Cloud, Lit, Tree, frame};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
@@ -13,8 +13,8 @@ use deepshade_shaders::{Attribute, Effect};
 /// The shaders that make an effect of what all have in common.
 #[derive(Clone, Copy, Debug)]
 pub struct Shaders {
-    /// Leaves of the tree, with how far each surfel reaches.
-    pub leaves: &'static Shader,
+    /// Which surfels do something to pixels.
+    pub tree: Tree,
     /// What surfels do to pixels.
     pub splat: &'static Shader,
     /// What the sum of all levels means.
@@ -75,7 +75,7 @@ impl Passes {
             Pass::new(device, shader.name, &shader.specialised(&[("CHANNELS", channels as u32)]))
         };
         Ok(Self {
-            surfels: crate::surfels::Passes::new(device, shaders.leaves)?,
+            surfels: crate::surfels::Passes::new(device, shaders.tree)?,
             splat: with_channels(shaders.splat)?,
             blur: Blur::new(device, channels)?,
             add: with_channels(shaders.add)?,
@@ -100,7 +100,7 @@ impl Passes {
         let (cloud, mut steps) = frame::steps(&self.surfels, device, inputs.world, of_surfels, self.lit)?;
         let room = Room::new(device, inputs, self.channels)?;
         let [.., size] = levels else { unreachable!("there is a level") };
-        let around = Around::new(device, &self.ending, inputs, &cloud, [size, &of_surfels[1]], image)?;
+        let around = Around::new(device, &self.ending, inputs, [size, &of_surfels[1]], image)?;
         let Around { before, after, .. } = &around;
         steps.extend_from_slice(before);
         let splatting = Splatting { device, inputs, cloud: &cloud, room: &room, around: &around };
@@ -122,7 +122,8 @@ impl Passes {
         let [position, normal, third] = &around.receivers;
         let reads = [splat, position, normal, third, &cloud.totals, &cloud.surfels, &cloud.nodes];
         // The sum is binding 7, and what only some effects read comes after it.
-        let reads = (0..).zip(reads).chain((8..).zip(&around.more)).collect::<Vec<_>>();
+        let more = cloud.sent.iter().chain(&around.more);
+        let reads = (0..).zip(reads).chain((8..).zip(more)).collect::<Vec<_>>();
         let groups = groups_of_level([gbuffer.width(), gbuffer.height()], level);
         let mut steps = vec![MethodStep::bind_at(device, &self.splat, groups, &reads, &[(7, sums)])?];
         steps.extend(self.blur.steps_between(device, gbuffer, [rows, columns], half_blurred, sums)?);

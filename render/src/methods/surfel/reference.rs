@@ -9,8 +9,8 @@ use deepshade_shaders::{Effect, Planes};
 use glam::{IVec2, UVec2, Vec3};
 use rayon::prelude::*;
 
-/// The form factor from a point with a normal to a disk (Wallace, Elmquist and Haines 1989); `way` leads to the disk's middle.
-/// Of closed surfaces only fronts count.
+/// The form factor from a point with a normal to a disk (Wallace, Elmquist and Haines 1989); `way` leads to the disk's
+/// middle. Of closed surfaces only fronts count.
 pub fn form_factor(way: Vec3, normal: Vec3, disk: &Disk) -> f32 {
     let squared = way.length_squared();
     let area = disk.radius * disk.radius;
@@ -43,8 +43,6 @@ pub type Does<'a, const CHANNELS: usize> = dyn Fn(&Disk, f32, Vec3, Receiver) ->
 /// What a disk does to a point.
 #[derive(Clone, Copy)]
 pub struct Shade<'a, const CHANNELS: usize> {
-    /// How far it does something, but for a factor that is the same for all.
-    pub distance: fn(&Disk) -> f32,
     /// How far disks do something to what a pixel shows, metres, if not as far as the effect reaches.
     pub reach: &'a (dyn Fn(IVec2) -> f32 + Sync + 'a),
     /// What it does there.
@@ -53,22 +51,15 @@ pub struct Shade<'a, const CHANNELS: usize> {
 
 /// Occlusion.
 pub const OCCLUSION: Shade<'_, 1> = Shade {
-    distance: |disk| disk.radius,
     reach: &|_| f32::INFINITY,
     of: &|disk, _, way, receiver| [form_factor(way, receiver.normal, disk)],
 };
 
 /// Light, irradiance over pi.
 pub const LIGHT: Shade<'_, 3> = Shade {
-    distance: lit_distance,
     reach: &|_| f32::INFINITY,
     of: &|disk, _, way, receiver| (sent(way, disk) * form_factor(way, receiver.normal, disk)).to_array(),
 };
-
-/// How far a disk sends light, but for a factor that is the same for all.
-pub fn lit_distance(disk: &Disk) -> f32 {
-    if disk.sent == [Vec3::ZERO; 2] { 0.0 } else { disk.radius }
-}
 
 /// What all disks within `reach` metres do to each pixel, one by one: `[channels, height, width]`.
 pub fn brute_force<const CHANNELS: usize>(
@@ -130,7 +121,7 @@ fn shell_sum<const CHANNELS: usize>(
     let (position, reach) = (surface.position_at(at), level.reach.min((shade.reach)(at)));
     let its = disks.iter().skip(sub_buffer as usize).step_by(1 << (2 * level.level));
     let does = |disk: &Disk| {
-        let (way, reaches) = (disk.place - position, (shade.distance)(disk));
+        let (way, reaches) = (disk.place - position, disk.radius);
         let outer = if level.last == 1 { reach } else { reach.min(reaches * level.farthest) };
         let distance = way.length_squared();
         let inside = distance >= (reaches * level.nearest).powi(2) && distance < outer * outer;

@@ -1,22 +1,25 @@
-//! Subsurface scattering by surfels (thesis 4.3, "Multiple Scattering"): what surfels give through the body, each by its light, its
-//! area and its distance (Jensen and Buhler 2002, "A rapid hierarchical rendering technique for translucent materials").
+//! Subsurface scattering by surfels (thesis 4.3, "Multiple Scattering"): what surfels give through the body, each by
+//! its light, its area and its distance (Jensen and Buhler 2002, "A rapid hierarchical rendering technique for
+//! translucent materials").
 //!
-//! The profile is that of Christensen and Burley 2015, fitted to random walks, in place of the dipole: through a slab of white
-//! wax one mean free path thick the dipole lets 0.81 of the light, the profile 0.62, and truth 0.55. What surfels do not give
-//! stays with the pixel's own light: with the shares `w` of the profile that the surfels have, `E (1 - sum of w) + sum of w E_i`. So
-//! even light stays as it is, whatever the surfels, and a thin body sends back less by as much as it lets through. Where the
-//! shares are more than all of the profile, as with layers one behind the other, each takes its part of what is left: of such a
-//! slab that makes 0.46. Surfels nearer than one is large are left to the pixel.
+//! The profile is that of Christensen and Burley 2015, fitted to random walks, in place of the dipole: through a slab
+//! of white wax one mean free path thick the dipole lets 0.81 of the light, the profile 0.62, and truth 0.55. What
+//! surfels do not give stays with the pixel's own light: with the shares `w` of the profile that the surfels have,
+//! `E (1 - sum of w) + sum of w E_i`. So even light stays as it is, whatever the surfels, and a thin body sends back
+//! less by as much as it lets through. Where the shares are more than all of the profile, as with layers one
+//! behind the other, each takes its part of what is left: of such a slab that makes 0.47. Were all that one layer more
+//! has taken, it would be 0.62, and a scene with many layers worse off: in room:7 at 128x96 and medium quality the
+//! relative mean squared error is 0.28, and would be 0.36. Surfels nearer than one is large are left to the pixel.
 //!
-//! A pixel's own object gives and no other, from its far side too; of closed surfaces those that are met from within. The paper
-//! bounds the reach by what a surfel sends; here it is where the receiver's profile ends, [`SUPPORT`].
+//! A pixel's own object gives and no other, from its far side too; of closed surfaces those that are met from within.
+//! The paper bounds the reach by what a surfel sends; here it is where the receiver's profile ends, [`SUPPORT`].
 //!
-//! Limits. A sheet without thickness lets through all that falls on its other side. Between two points of a body nothing is in
-//! the way. What is absorbed is that of a half space, of thin bodies and ridges less in truth, which are too dark therefore. Light
-//! farther than [`SUPPORT`] lengths or the effect's radius is left to the pixel.
+//! Limits. A sheet without thickness lets through all that falls on its other side. Between two points of a body
+//! nothing is in the way. What is absorbed is that of a half space, of thin bodies and ridges less in truth, which are
+//! too dark therefore. Light farther than [`SUPPORT`] lengths or the effect's radius is left to the pixel.
 //!
-//! It is no method for [`Effect::Sss`], whose truth knows what the image shows and nothing else: what surfels know beyond that
-//! would count as an error.
+//! It is no method for [`Effect::Sss`], whose truth knows what the image shows and nothing else: what surfels know
+//! beyond that would count as an error.
 
 use super::around::Ending;
 use super::reference::{self, Receiver, Shade};
@@ -24,8 +27,8 @@ use super::{Plain, Surfel, SurfelEffect, passes};
 use crate::methods::surface::vector;
 use crate::path::sss::profile;
 use crate::screen::Compiled;
-use crate::surfels::reference::{Disk, lit};
-use crate::surfels::{Lit, Patch, patches};
+use crate::surfels::reference::Disk;
+use crate::surfels::{Lit, Tree, patches};
 use deepshade_shaders::wgsl;
 use deepshade_shaders::{Attribute, Effect, MissingAttribute, Planes};
 use glam::Vec3;
@@ -33,8 +36,8 @@ use std::f32::consts::PI;
 
 /// Beyond so many lengths less than a thousandth of the profile is left: `3 exp(-r / (3 d)) / 4`.
 pub const SUPPORT: f32 = 19.9;
-/// A closed surface is met from within if that is so from below the pixel's: so far, over the distance, and over the height above
-/// it, that what lies in a plane or a hollow is.
+/// A closed surface is met from within if that is so from below the pixel's: so far, over the distance, and over the
+/// height above it, that what lies in a plane or a hollow is.
 const BELOW_PLANE: f32 = 0.02;
 const BELOW_HOLLOW: f32 = 3.0;
 
@@ -59,7 +62,7 @@ impl SurfelEffect for Scattering {
 
     fn shaders() -> passes::Shaders {
         passes::Shaders {
-            leaves: &wgsl::SURFELS_LEAVES,
+            tree: Tree::All,
             splat: &wgsl::SURFEL_GIVEN,
             add: &wgsl::SURFEL_INDIRECT,
             channels: 6,
@@ -74,9 +77,7 @@ impl SurfelEffect for Scattering {
         let (objects, own) = (seen(Attribute::ObjectId)?, seen(Attribute::DiffuseLight)?);
         let scales = |at| vector(&lengths, at).max(Vec3::ZERO) / shape(vector(&colours, at));
 
-        let patches: Vec<Patch> =
-            patches::of_scene(plain.scene.scene()).into_iter().map(Patch::white).collect();
-        let disks = lit(plain.scene, &patches, disks, &plain.view.camera);
+        let patches = patches::of_scene(plain.scene.scene());
         let gives = |disk: &Disk, _: f32, way: Vec3, Receiver { pixel, normal }: Receiver| {
             let object = objects.at(0, pixel.y as usize, pixel.x as usize);
             let is_own = object == patches[disk.patch as usize].object as f32;
@@ -86,7 +87,7 @@ impl SurfelEffect for Scattering {
             }
         };
         let reach = |at| SUPPORT * scales(at).max_element();
-        let shade = Shade { distance: reference::OCCLUSION.distance, reach: &reach, of: &gives };
+        let shade = Shade { reach: &reach, of: &gives };
         let sums = reference::sums(plain.surface, &disks, shade, plain.parameters, plain.view);
         Ok(plain.surface.image(0.0, |at| {
             let [x, y] = [at.x as usize, at.y as usize];
@@ -100,29 +101,29 @@ impl SurfelEffect for Scattering {
     }
 }
 
-/// The mean free path over the profile's length, below a surface of a colour that light enters evenly (Christensen and Burley
-/// 2015, equation 6).
+/// The mean free path over the profile's length, below a surface of a colour that light enters evenly (Christensen and
+/// Burley 2015, equation 6).
 pub fn shape(colour: Vec3) -> Vec3 {
     let off = colour - 0.8;
     1.9 - colour + 3.5 * off * off
 }
 
-/// Whether a disk that the way leads to is met from within its body, below a surface with a normal; of a surface that is not
-/// closed every disk is.
+/// Whether a disk that the way leads to is met from within its body, below a surface with a normal; of a surface that
+/// is not closed every disk is.
 pub fn met_from_within(disk: &Disk, way: Vec3, normal: Vec3) -> bool {
     let below = BELOW_PLANE * way.length() + BELOW_HOLLOW * way.dot(normal).max(0.0);
     disk.open || (way + below * normal).dot(disk.normal) >= 0.0
 }
 
-/// The part of the shares of the profile that counts, of so much in all. What layers one behind the other have beyond all of the
-/// profile does not add up: each takes its part of what is left.
+/// The part of the shares of the profile that counts, of so much in all. What layers one behind the other have
+/// beyond all of the profile does not add up: each takes its part of what is left.
 fn taken(share: f32) -> f32 {
     let beyond = (share - 1.0).max(1e-3);
     (1.0 - (-beyond).exp()) / beyond
 }
 
-/// What a disk gives: light, and the shares of the profile that it comes by. What is nearer than it is large is the pixel's own.
-/// No light falls on the inside of a body, so both sides count.
+/// What a disk gives: light, and the shares of the profile that it comes by. What is nearer than it is large is the
+/// pixel's own. No light falls on the inside of a body, so both sides count.
 pub fn given(disk: &Disk, way: Vec3, scales: Vec3) -> [f32; 6] {
     let distance = way.length();
     if distance <= disk.radius {

@@ -6,13 +6,14 @@ use deepshade_shaders::random::hash;
 use deepshade_shaders::wgsl::uniforms;
 use glam::UVec2;
 
-/// Over its radius, the distance of a disk at which its form factor is a threshold, seen face to face: `r^2 / (r^2 + d^2)`.
+/// Over its radius, the distance of a disk at which its form factor is a threshold, seen face to face:
+/// `r^2 / (r^2 + d^2)`.
 pub fn reach(threshold: f32) -> f32 {
     (1.0 / threshold - 1.0).sqrt()
 }
 
-/// What the passes of a level read. A surfel does something worth the threshold up to [`reach`] times its radius, as it is; on
-/// level l it stands for 4^l, so that the shell is 2^l times as large.
+/// What the passes of a level read. A surfel does something worth the threshold up to [`reach`] times its radius, as it
+/// is; on level l it stands for 4^l, so that the shell is 2^l times as large.
 pub fn level(parameters: &Parameters, level: u32, view: &View) -> uniforms::SplatLevel {
     let (enlarged, reach) = ((1u32 << level) as f32, reach(parameters.threshold));
     uniforms::SplatLevel {

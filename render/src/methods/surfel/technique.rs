@@ -5,7 +5,7 @@ use crate::bvh::TracedScene;
 use crate::methods::Surface;
 use crate::scene::Environment;
 use crate::screen::{Inputs, MethodStep, PlainInputs, Technique, View, Written};
-use crate::surfels::reference::{Disk, surfels};
+use crate::surfels::reference::{Disk, laid};
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
 use std::marker::PhantomData;
@@ -20,7 +20,7 @@ pub trait SurfelEffect: Copy + Send + Sync {
     /// What its passes do in their own way.
     fn shaders() -> passes::Shaders;
 
-    /// Its image of a scene's disks in plain Rust, `[channels, height, width]`.
+    /// Its image of a scene's disks, lit if they are to be, in plain Rust, `[channels, height, width]`.
     ///
     /// # Errors
     /// If the g-buffer lacks an attribute.
@@ -83,7 +83,7 @@ impl<E: SurfelEffect> Technique for Surfel<E> {
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
         let surface = Surface::of(inputs.gbuffer)?;
         let shaded = |scene: &TracedScene| {
-            let disks = surfels(scene.scene(), &self.0.surfels, view);
+            let disks = laid(scene, &self.0.surfels, view, E::shaders().lit);
             let environment = inputs.environment;
             let (gbuffer, surface, parameters) = (inputs.gbuffer, &surface, &self.0);
             let plain = Plain { gbuffer, surface, scene, environment, parameters, view };

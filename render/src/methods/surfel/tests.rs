@@ -8,8 +8,10 @@ use super::indirect::SurfelIndirect;
 use super::occlusion::SurfelOcclusion;
 use super::reference::{LIGHT, OCCLUSION, brute_force, form_factor, level_sums, openness};
 use super::{MOST_LEVELS, Parameters, shells};
-use crate::methods::proving::beyond::{corner, disk_mesh, prove_twin, scene_of, seen, sphere_mesh};
-use crate::methods::proving::{Tolerance, agree, camera, gbuffer_of, plane, view};
+use crate::methods::proving::beyond::{
+    corner, disk_mesh, prove_twin, scene_of, seen, shaded_by_surfels, sphere_mesh,
+};
+use crate::methods::proving::{Tolerance, agree, camera, gbuffer_of, plane, prove_comparator, view};
 use crate::methods::{Quality, Surface, blur};
 use crate::scene::procedural::Family;
 use crate::scene::{Camera, Mesh, Scene};
@@ -155,7 +157,8 @@ fn closed_forms() {
 
 #[test]
 fn a_sphere_hides_its_solid_angle_once() {
-    // A sphere straight above hides (r / d)^2; with a hole at its top, its far half is seen from inside and hides as much again.
+    // A sphere straight above hides (r / d)^2; with a hole at its top, its far half is seen from inside and hides as
+    // much again.
     let mut sphere = sphere_mesh(Vec3::new(0.0, 2.0, 0.0), 0.5);
     let hidden = |mesh: Mesh| occluded_at(&scene_of(vec![mesh]), Vec3::ZERO, 0.004) * 16.0;
     let whole = hidden(sphere.clone());
@@ -166,7 +169,7 @@ fn a_sphere_hides_its_solid_angle_once() {
 }
 
 #[test]
-fn the_passes_make_what_the_plain_version_does() {
+fn the_passes_make_of_their_surfels_what_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
     let tolerance = Tolerance { usual: 2e-3, worst: 0.1 };
@@ -178,7 +181,14 @@ fn the_passes_make_what_the_plain_version_does() {
     ] {
         let parameters = Parameters { surfels: coarse, levels, threshold, ..Parameters::default() };
         method = method.with(parameters.into());
-        prove_twin(&method, &seen(family, height, width), tolerance);
+        let seen = seen(family, height, width);
+        let (image, disks) = shaded_by_surfels(&method, &seen);
+        let (_, view, gbuffer) = &seen;
+        let surface = Surface::of(gbuffer).expect("a surface");
+        let right = openness(&surface, &disks, &parameters, view);
+        assert!(disks.len() > 500, "{} surfels", disks.len());
+        assert_eq!(agree(&image, &right, tolerance), Ok(()), "{family:?}");
+        prove_comparator(&right, tolerance);
     }
 }
 
@@ -204,13 +214,11 @@ fn fewer_levels_and_a_smaller_threshold_agree_with_more_of_both() {
 fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
     let (scene, view, gbuffer) = corner();
     let fine = surfels::Parameters { scale: 0.02, near: 0.01 };
-    let disks = surfels::reference::surfels(scene.scene(), &fine, &view);
-    let disks =
-        surfels::reference::lit(&scene, &surfels::patches::of_scene(scene.scene()), disks, &view.camera);
+    let disks = surfels::reference::laid(&scene, &fine, &view, Some(surfels::Lit::Reflected));
     let surface = Surface::of(&gbuffer).expect("a surface");
     let light = brute_force(&surface, &disks, LIGHT, 20.0);
-    // A wall of height H at distance d sends radiance L: L (1 - d / sqrt(d^2 + H^2)) / 2, were it endless; seen from its middle
-    // it is so within 4 %.
+    // A wall of height H at distance d sends radiance L: L (1 - d / sqrt(d^2 + H^2)) / 2, were it endless; seen from
+    // its middle it is so within 4 %.
     let mut compared = 0;
     for (index, valid) in surface.valid.data().iter().enumerate() {
         let at = IVec2::new((index % 64) as i32, (index / 64) as i32);

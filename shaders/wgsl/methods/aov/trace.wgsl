@@ -1,15 +1,17 @@
-// The bounced z-buffer over facets (thesis 6.2), one invocation for each of a pixel's directions: whether a facet within reach
-// hides the sky there. Of the nearest it matters only that there is one, so that the first that is met ends the walk.
+// The bounced z-buffer over facets (thesis 6.2), one invocation for each of a pixel's directions: whether a facet
+// within reach hides the sky there. Of the nearest it matters only that there is one, so that the first that is met
+// ends the walk. As with what facets occlude, one slice of them comes after the other.
 
 @group(0) @binding(0) var<uniform> rays: FacetRays;
-@group(0) @binding(4) var<storage, read> facets: array<Facet>;
-@group(0) @binding(5) var<storage, read> nodes: array<Node>;
+@group(0) @binding(4) var<uniform> slice: FacetSlice;
+@group(0) @binding(5) var<storage, read> facets: array<Facet>;
+@group(0) @binding(6) var<storage, read> nodes: array<Node>;
 // Octahedral, two snorm16: [directions, height, width].
-@group(0) @binding(6) var<storage, read_write> directions: array<u32>;
-// What arrives from there, as `pack_radiance` has it: [directions, height, width].
-@group(0) @binding(7) var<storage, read_write> arrived: array<u32>;
+@group(0) @binding(7) var<storage, read_write> directions: array<u32>;
+// What arrives from there past the slices so far, as `pack_radiance` has it: [directions, height, width].
+@group(0) @binding(8) var<storage, read_write> arrived: array<u32>;
 
-// All facets.
+// The facets up to the end of the slice, as if there were no others.
 var<private> totals: Totals;
 
 // What the walk asks nodes about.
@@ -49,7 +51,7 @@ fn meets(facet: Facet, ray: Query) -> bool {
 
 // Whether a ray meets a part of a facet that is there: of one that is half transparent half of the rays do.
 fn is_hidden(ray: Query, pixel: vec2u, number: u32) -> bool {
-    var walk = next_leaf(Walk(HEIGHT, 0u), 0u, ray);
+    var walk = next_leaf(Walk(SLICE, slice.index), 0u, ray);
     while goes_on(walk) {
         let begin = first_surfel(0u, walk.index);
         for (var i = begin; i < min(begin + LEAF, totals.kept); i++) {
@@ -71,14 +73,16 @@ fn trace(@builtin(global_invocation_id) id: vec3u) {
     let pixel = id.xy;
     let pixels = rays.width * rays.height;
     let at = pixel.y * rays.width + pixel.x;
-    if !surface_valid(at) {
+    let sample = at + id.z * pixels;
+    let hidden_before = slice.index > 0u && arrived[sample] == pack_radiance(vec3f(0.0));
+    if !surface_valid(at) || hidden_before {
         return;
     }
     let normal = surface_normal(at, pixels);
     let origin = lifted(surface_position(at, pixels), normal, rays.reach);
     let direction = direction_of(Reflector(normal), place_on_disk(pixel, id.z, vec2u(rays.directions, rays.seed)));
-    totals.kept = arrayLength(&facets);
+    totals.kept = min(arrayLength(&facets), first_surfel(SLICE, slice.index + 1u));
     let hidden = is_hidden(Query(origin, direction, inverse_of(direction)), pixel, id.z);
-    directions[at + id.z * pixels] = pack2x16snorm(to_octahedron(direction));
-    arrived[at + id.z * pixels] = pack_radiance(vec3f(select(1.0, 0.0, hidden)));
+    directions[sample] = pack2x16snorm(to_octahedron(direction));
+    arrived[sample] = pack_radiance(vec3f(select(1.0, 0.0, hidden)));
 }

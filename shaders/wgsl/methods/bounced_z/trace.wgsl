@@ -1,6 +1,6 @@
-// The bounced z-buffer (thesis 6.2 and 6.3), one invocation for each of a pixel's directions: along it, the nearest surfel of the
-// finest level that has one. As with splats, level l has one of 4^l surfels, another one for each pixel of a square.
-// Rays walk a tree over the surfels. The plain version is render/src/methods/bounced_z/reference.rs.
+// The bounced z-buffer (thesis 6.2 and 6.3), one invocation for each of a pixel's directions: along it, the nearest
+// surfel of the finest level that has one. As with splats, level l has one of 4^l surfels, another one for each pixel
+// of a square. Rays walk a tree over the surfels. The plain version is render/src/methods/bounced_z/reference.rs.
 
 @group(0) @binding(0) var<uniform> bounces: Bounces;
 @group(0) @binding(4) var<storage, read> totals: Totals;
@@ -8,13 +8,12 @@
 @group(0) @binding(6) var<storage, read> nodes: array<Node>;
 // Octahedral, two snorm16: [directions, height, width].
 @group(0) @binding(7) var<storage, read_write> directions: array<u32>;
-// What arrives from there, as `pack_radiance` has it: [directions, height, width].
-@group(0) @binding(8) var<storage, read_write> arrived: array<u32>;
+// Twice the index of the surfel that is met there, and 1 more where its back is, or NONE: [directions, height, width].
+@group(0) @binding(8) var<storage, read_write> met: array<u32>;
 
 // Sine of the least angle between the way to a surfel and either surface: the point's own surface does not hide it.
-const LEAST_SINE = 1e-3;
-// The level of what is not met.
-const NONE = 0xffffffffu;
+// Surfels' normals are rounded by nearly as much.
+const LEAST_SINE = 4.2e-3;
 
 // What a ray has met so far.
 struct Hit {
@@ -63,24 +62,26 @@ fn precedes(a: Hit, b: Hit) -> bool {
     return a.distance < b.distance || (a.distance == b.distance && a.surfel < b.surfel);
 }
 
-// Where a ray meets a surfel, as large as the shell wants that its origin is in, but of no coarser level than the ray's.
-fn met(which: u32, ray: Query) -> Hit {
+// Where a ray meets a surfel, as large as the shell wants that its origin is in, but of no coarser level than the
+// ray's.
+fn hit_of(which: u32, ray: Query) -> Hit {
     let none = Hit(NONE, 0.0, 0u);
     let surfel = surfels[which];
-    let way = surfel.place.xyz - ray.origin;
+    let way = surfel.place - ray.origin;
     let squared = dot(way, way);
-    let farthest = outer(ray.level, surfel.place.w);
-    let surfel_normal = from_octahedron(unpack2x16snorm(surfel.normal));
-    let height = dot(way, surfel_normal);
+    let own_radius = surfel_radius(surfel);
+    let farthest = outer(ray.level, own_radius);
+    let normal = surfel_normal(surfel);
+    let height = dot(way, normal);
     let least = LEAST_SINE * sqrt(squared);
-    let slope = dot(ray.direction, surfel_normal);
+    let slope = dot(ray.direction, normal);
     if squared >= farthest * farthest || dot(way, ray.normal) <= least || abs(height) <= least || abs(slope) < 1e-6 {
         return none;
     }
-    let finest_shell = max(surfel.place.w * bounces.shell, 1e-18);
+    let finest_shell = max(own_radius * bounces.shell, 1e-18);
     let shells_out = ceil(0.5 * log2(squared / (finest_shell * finest_shell)));
     let level = u32(clamp(shells_out, 0.0, f32(ray.level)));
-    let radius = surfel.place.w * f32(1u << level) * bounces.cover;
+    let radius = own_radius * f32(1u << level) * bounces.cover;
     let distance = height / slope;
     let off = distance * ray.direction - way;
     if distance <= 0.0 || distance >= bounces.reach || dot(off, off) >= radius * radius {
@@ -101,7 +102,7 @@ fn nearest(ray: Query, first: u32, before: Hit, pixel: vec2u) -> Hit {
             if which >= totals.kept {
                 break;
             }
-            let other = met(which, ray);
+            let other = hit_of(which, ray);
             if precedes(other, hit) {
                 hit = other;
             }
@@ -109,6 +110,14 @@ fn nearest(ray: Query, first: u32, before: Hit, pixel: vec2u) -> Hit {
         walk = next_leaf(after(walk), leaves, ray);
     }
     return hit;
+}
+
+// What the passes after this one read of a hit.
+fn met_word(hit: Hit, direction: vec3f) -> u32 {
+    if hit.level == NONE {
+        return NONE;
+    }
+    return 2u * hit.surfel + select(0u, 1u, dot(direction, surfel_normal(surfels[hit.surfel])) >= 0.0);
 }
 
 @compute @workgroup_size(TILE, TILE)
@@ -133,5 +142,5 @@ fn trace(@builtin(global_invocation_id) id: vec3u) {
         hit = nearest(ray, number_in_square(pixel, level, bounces.seed), hit, pixel);
     }
     directions[at + id.z * pixels] = pack2x16snorm(to_octahedron(direction));
-    arrived[at + id.z * pixels] = pack_radiance(arriving(hit, direction));
+    met[at + id.z * pixels] = met_word(hit, direction);
 }

@@ -4,7 +4,7 @@
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<storage, read> normal_planes: array<f32>;
 @group(0) @binding(3) var<storage, read> valid_plane: array<f32>;
-// A map of OPEN_HEIGHT rows, each direction's texel irradiance over pi of a surface that faces it.
+// Each direction's texel irradiance over pi of a surface that faces it.
 @group(0) @binding(4) var<storage, read> environment: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> image: array<f32>;
 
@@ -19,7 +19,7 @@ fn open(@builtin(global_invocation_id) id: vec3u) {
     if valid_plane[at] > 0.5 {
         let normal = vec3f(normal_planes[at], normal_planes[at + pixels], normal_planes[at + 2u * pixels]);
         let blocked = vec3f(image[at], image[at + pixels], image[at + 2u * pixels]);
-        light = max(environment_radiance(0u, OPEN_HEIGHT, from_view(normal, view)) - blocked, vec3f(0.0));
+        light = max(environment_radiance(0u, environment_height(), from_view(normal, view)) - blocked, vec3f(0.0));
     }
     image[at] = light.x;
     image[at + pixels] = light.y;

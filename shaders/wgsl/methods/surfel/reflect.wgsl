@@ -1,5 +1,5 @@
-// What a glossy surface reflects to the eye: what its lobe would if it were white, in its colour. Surfaces of one plane may be
-// blurred into each other as long as they are white.
+// What a glossy surface reflects to the eye: what its lobe would if it were white, in its colour. Surfaces of one plane
+// may be blurred into each other as long as they are white.
 
 @group(0) @binding(0) var<uniform> image_size: LevelSum;
 // [3, height, width]

@@ -1,6 +1,6 @@
-// Scattered light: what surfels give through the body, in the colour of the surface, and what of the pixel's own light they leave
-// to it. So an evenly lit surface stays as it is whatever its surfels, and what goes from one side of a thin body to the other is
-// missing there.
+// Scattered light: what surfels give through the body, in the colour of the surface, and what of the pixel's own light
+// they leave to it. So an evenly lit surface stays as it is whatever its surfels, and what goes from one side of a thin
+// body to the other is missing there.
 
 @group(0) @binding(0) var<uniform> image_size: LevelSum;
 @group(0) @binding(1) var<storage, read> valid_plane: array<f32>;
@@ -22,8 +22,8 @@ fn scatter(@builtin(global_invocation_id) id: vec3u) {
         var light = image_size.background;
         if valid_plane[at] > 0.5 {
             let share = sums[here + 3u * pixels];
-            // What layers one behind the other have beyond all of the profile does not add up: each takes its part of what is
-            // left.
+            // What layers one behind the other have beyond all of the profile does not add up: each takes its part of
+            // what is left.
             let beyond = max(share - 1.0, 1e-3);
             let taken = (1.0 - exp(-beyond)) / beyond;
             let left = diffuse_light_planes[here] * (1.0 - taken * share);

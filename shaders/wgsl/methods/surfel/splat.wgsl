@@ -1,6 +1,7 @@
-// Shell splatting (thesis 4.2.2) of one level, turned round: each pixel of a sub-buffer adds up what the surfels do to it that
-// this sub-buffer gets, one of 4^l that stands for all, and in whose shell it is. A tree over the surfels leaves out those that
-// do not reach it, so the work is that of splats, without blending, in an order that is always the same.
+// Shell splatting (thesis 4.2.2) of one level, turned round: each pixel of a sub-buffer adds up what the surfels do to
+// it that this sub-buffer gets, one of 4^l that stands for all, and in whose shell it is. A tree over the surfels
+// leaves out those that do not reach it, so the work is that of splats, without blending, in an order that is always
+// the same.
 
 @group(0) @binding(0) var<uniform> level: SplatLevel;
 @group(0) @binding(4) var<storage, read> totals: Totals;
@@ -46,13 +47,13 @@ fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
                     break;
                 }
                 let surfel = surfels[which];
-                let way = surfel.place.xyz - receiver.position;
+                let way = surfel.place - receiver.position;
                 let squared = dot(way, way);
-                let distance = effect_distance(surfel);
+                let distance = surfel_radius(surfel);
                 let inner = distance * level.nearest;
                 let farthest = outer(distance, receiver);
                 if squared >= inner * inner && squared < farthest * farthest {
-                    sum = added(sum, surfel, way, squared, receiver);
+                    sum = added(sum, which, way, squared, receiver);
                 }
             }
             walk = next_leaf(after(walk), leaves, receiver);

@@ -1,0 +1,64 @@
+//! The pass that lights surfels by a scene's lights, with shadows by the lights' maps (thesis 4.3, "One-bounce Indirect
+//! Illumination"). What they send is in a buffer of its own, which effects without light do not have.
+
+use super::cloud::{Cloud, SURFEL_GROUPS, Uniforms};
+use crate::raster::World;
+use crate::raster::light::{Lights, shadow_sampler};
+use crate::screen::{MethodStep, Step, Workgroups};
+use deepshade_shaders::gpu::{GpuError, Pass};
+use deepshade_shaders::wgsl;
+
+/// What of the lights surfels send.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lit {
+    /// What they reflect diffusely, on either side.
+    Reflected,
+    /// What they receive, as white ones reflect it, of both sides together.
+    Received,
+}
+
+/// The pass, compiled for a number of lights.
+#[derive(Clone, Debug)]
+pub struct LightPass(Pass);
+
+impl LightPass {
+    /// Compiles it for a scene.
+    ///
+    /// # Errors
+    /// If the device refuses it.
+    pub fn new(device: &wgpu::Device, world: &World, lit: Lit) -> Result<Self, GpuError> {
+        let shader = match lit {
+            Lit::Reflected => &wgsl::SURFELS_REFLECTED,
+            Lit::Received => &wgsl::SURFELS_RECEIVED,
+        };
+        let source = shader.specialised(&[("LIGHTS", world.gpu_lights.count as u32)]);
+        Ok(Self(Pass::new(device, shader.name, &source)?))
+    }
+
+    /// The pass bound to a scene's lights and their maps. It writes `sent`, `[surfels, 2]` u32.
+    ///
+    /// # Errors
+    /// If the device refuses a binding.
+    pub fn step(
+        &self,
+        device: &wgpu::Device,
+        world: &World,
+        cloud: &Cloud,
+        Uniforms { settings, view }: Uniforms<'_>,
+        sent: &wgpu::Buffer,
+    ) -> Result<MethodStep, GpuError> {
+        let Lights { records, map_views, pictures, .. } = &world.gpu_lights;
+        let Cloud { patches, starts, totals, surfels, .. } = cloud;
+        let sampler = shadow_sampler(device);
+        let buffers = [settings, view, patches, starts, totals, surfels, records, map_views, pictures];
+        let mut resources: Vec<_> = buffers.map(|buffer| buffer.as_entire_binding()).into();
+        resources.extend([
+            wgpu::BindingResource::TextureView(&world.shadows.maps),
+            wgpu::BindingResource::Sampler(&sampler),
+            sent.as_entire_binding(),
+        ]);
+        let pass = self.0.bind(device, &resources)?;
+        let workgroups = Workgroups::Counted(totals.clone(), SURFEL_GROUPS);
+        Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![sent.clone()] })
+    }
+}
