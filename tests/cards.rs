@@ -16,7 +16,7 @@ fn root(path: &str) -> PathBuf {
 /// What a row of a card's tables says.
 fn row<'a>(card: &'a str, name: &str) -> &'a str {
     let line = card.lines().find_map(|line| line.strip_prefix(&format!("| {name} | ")));
-    line.unwrap_or_else(|| panic!("a row `{name}` in {card}")).trim_end_matches([' ', '|'])
+    line.expect("a row of that name").trim_end_matches([' ', '|'])
 }
 
 /// The scene families that a card names: the last words in brackets.

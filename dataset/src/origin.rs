@@ -13,7 +13,7 @@ use std::path::{Component, Path, PathBuf};
 /// other pixels than before, be it by other scenes, views or samples: data of another version are refused.
 pub const fn data_version(effect: Effect) -> u32 {
     match effect {
-        Effect::Gi | Effect::Glossy => 4,
+        Effect::Subsurface => 4,
         _ => 3,
     }
 }

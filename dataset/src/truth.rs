@@ -22,8 +22,8 @@ pub const fn attributes(effect: Effect) -> &'static [Attribute] {
         Effect::Glossy => &[Position, Normal, Specular, Glossiness, DiffuseLight, Valid],
         Effect::Ibl => &[WorldNormal, ToCamera, Diffuse, Specular, Glossiness, Valid],
         Effect::Sss => &[Position, MeanFreePath, Light, Valid],
-        // The walk below the surface ends where it began in another direction, and takes on the surface's colour. What is
-        // reflected specularly does not enter.
+        // The walk below the surface ends where it began in another direction, and takes on the surface's colour.
+        // What is reflected specularly does not enter.
         Effect::Subsurface => &[Position, Normal, MeanFreePath, DiffuseLight, Diffuse, Valid],
         Effect::Dof => &[Blurriness, Depth, Light, Valid],
         Effect::MotionBlur => &[Motion, Light, Depth, Valid],

@@ -77,7 +77,10 @@ pub fn trivial_image(effect: Effect, gbuffer: &GBuffer) -> Planes {
     let filled = |value| Planes::filled(effect.channels(), gbuffer.height(), gbuffer.width(), value);
     match trivial_name(effect) {
         "white" => filled(1.0),
-        "light" => gbuffer.select(&[Attribute::Light]).unwrap_or_else(|_| filled(0.0)),
+        "light" => {
+            let light = if effect == Effect::Subsurface { Attribute::DiffuseLight } else { Attribute::Light };
+            gbuffer.select(&[light]).unwrap_or_else(|_| filled(0.0))
+        }
         _ => filled(0.0),
     }
 }
@@ -85,6 +88,16 @@ pub fn trivial_image(effect: Effect, gbuffer: &GBuffer) -> Planes {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_called_light_is_of_an_attribute_that_the_effects_data_have() {
+        for effect in Effect::ALL.into_iter().filter(|effect| trivial_name(*effect) == "light") {
+            let attributes = deepshade_dataset::truth::attributes(effect).to_vec();
+            let width: usize = attributes.iter().map(|attribute| attribute.width()).sum();
+            let gbuffer = GBuffer::new(attributes, Planes::filled(width, 8, 8, 0.5));
+            assert_eq!(trivial_image(effect, &gbuffer), Planes::filled(3, 8, 8, 0.5), "{effect}");
+        }
+    }
 
     #[test]
     fn qualities_have_names_of_their_own() {

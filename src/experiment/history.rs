@@ -200,8 +200,10 @@ fn carry(two: Two<'_>) -> Carry {
 
 impl<'a> Shelf<'a> {
     fn new(dataset: &'a Dataset, spec: &'a NetSpec) -> Self {
-        let firsts =
-            dataset.training().into_iter().filter(|pair| dataset.record(*pair).view % SEQUENCE.frames == 0);
+        let firsts = dataset
+            .training()
+            .into_iter()
+            .filter(|pair| dataset.record(*pair).view.is_multiple_of(SEQUENCE.frames));
         Self { dataset, spec, firsts: firsts.collect() }
     }
 }

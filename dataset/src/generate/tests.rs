@@ -357,15 +357,15 @@ fn a_method_can_be_what_pairs_aim_at() {
 #[test]
 fn of_each_effect_there_is_a_version_of_its_own() {
     let folder = tempfile::tempdir().expect("a folder");
-    let mut recipe = shrunk("gi.toml");
+    let mut recipe = shrunk("subsurface.toml");
     recipe.views_per_scene = 1;
-    let out = folder.path().join("gi");
+    let out = folder.path().join("subsurface");
     generate(&recipe, &out).expect("generated");
     let path = out.join(MANIFEST);
     let text = std::fs::read_to_string(&path).expect("read");
     let stated = |effect: Effect| format!("\"data_version\": {}", data_version(effect));
-    assert_ne!(stated(Effect::Gi), stated(Effect::Ao));
-    let older = text.replace(&stated(Effect::Gi), &stated(Effect::Ao));
+    assert_ne!(stated(Effect::Subsurface), stated(Effect::Ao));
+    let older = text.replace(&stated(Effect::Subsurface), &stated(Effect::Ao));
     std::fs::write(&path, older).expect("written");
     let error = Dataset::open(&out).expect_err("refused").to_string();
     assert!(error.contains("data of version 3") && error.contains('4'), "{error}");

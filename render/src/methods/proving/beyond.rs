@@ -92,8 +92,8 @@ pub fn seen(family: Family, height: usize, width: usize) -> (TracedScene, View, 
 /// What methods that look beyond the screen read of a g-buffer, glossy receivers all of it.
 pub const ATTRIBUTES: &[Attribute] = lobe::ATTRIBUTES;
 
-/// A method's image, and the surfels that its passes have laid out for it. What the plain version of shading makes of these it
-/// makes on every device, however that rounds where it lays them out.
+/// A method's image, and the surfels that its passes have laid out for it. What the plain version of shading makes of
+/// these it makes on every device, however that rounds where it lays them out.
 pub fn shaded_by_surfels(
     method: &impl ScreenMethod,
     (scene, view, gbuffer): &(TracedScene, View, GBuffer),
