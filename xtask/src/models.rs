@@ -30,8 +30,8 @@ struct Budget {
 
 /// A network of the thesis' Table 7.1 each, cheap ones first. One core trains some 60 crops of 128 x 128 pixels a second
 /// for networks with 16 first kernels, 500 for `aa`, and makes a pair with 64 samples in five seconds: half an hour for
-/// data and less than that for training. Indirect light, most of which is dark, wants a lower rate: at 0.004 the network went
-/// black within 500 steps.
+/// data and less than that for training. Indirect light, most of which is dark, wants a lower rate: at 0.004 the weights grew
+/// without bound, to where structural similarity has no gradient.
 const BUDGETS: [Budget; 11] = [
     Budget { name: "aa", steps: 16_000, batch: 8, crop: 128, rate: "0.005" },
     Budget { name: "ibl", steps: 16_000, batch: 8, crop: 128, rate: "0.005" },

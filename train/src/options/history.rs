@@ -3,13 +3,12 @@
 //! autoencoder"; as Thomas et al. 2020, "A reduced-precision network for image reconstruction", do, the image goes around and
 //! not hidden features).
 
+use super::fitted;
 use crate::first_weights::of_layers;
 use crate::net::{to_planes, to_tensor};
 use crate::rng::{Purpose, Rng};
 use crate::{TrainConfig, TrainError, UNet};
-use burn::optim::GradientsParams;
 use burn::tensor::{Device, Tensor};
-use deepshade_dataset::progress;
 use deepshade_infer::{Layer, NetSpec};
 use deepshade_shaders::Planes;
 
@@ -80,7 +79,7 @@ impl Carry {
 }
 
 impl Recurrent {
-    /// Trains a network on whole films, as many frames a step as the settings' batch, for their number of steps.
+    /// Trains a network on whole films, as many a step as the settings' batch, for their number of steps.
     ///
     /// # Errors
     /// If the settings make no sense, a film cannot be had, or the loss is no number any more.
@@ -89,20 +88,10 @@ impl Recurrent {
         let device = crate::device().autodiff();
         let layers = layers(&config.spec);
         let first = of_layers(&config.spec, &layers, &[], config.seed);
-        let mut net = UNet::with_layers(&config.spec, layers.clone(), &first, &device);
-        let mut optimiser = config.optimiser.start();
-        let bar = progress::bar("steps", config.steps, 0);
-        for step in 0..config.steps {
-            let loss = config_loss(memory, config, &net, &batch(config, films, step)?, &device);
-            let value: f32 = loss.clone().into_scalar();
-            if !value.is_finite() {
-                return Err(TrainError::Diverged { step, loss: value });
-            }
-            let gradients = GradientsParams::from_grads(loss.backward(), &net);
-            net = optimiser.step(config.optimiser.rate(step, config.steps), net, gradients);
-            bar.inc(1);
-        }
-        bar.finish_and_clear();
+        let first = UNet::with_layers(&config.spec, layers.clone(), &first, &device);
+        let net = fitted(config, first, |net, step| {
+            Ok(film_loss(memory, config, net, &batch(config, films, step)?, &device))
+        })?;
         Ok(Self { memory, net: UNet::with_layers(&config.spec, layers, &net.weights(), &crate::device()) })
     }
 
@@ -134,7 +123,7 @@ fn joined(a: &Planes, b: &Planes) -> Planes {
     Planes::from_data(a.channels() + b.channels(), a.height(), a.width(), [a.data(), b.data()].concat())
 }
 
-/// The films of a step, each once an epoch, each epoch in another order: as many as make a batch of frames.
+/// The films of a step, each once an epoch, each epoch in another order.
 fn batch(config: &TrainConfig, films: &dyn Films, step: usize) -> Result<Vec<Vec<Still>>, TrainError> {
     let position = |number: usize| step * config.batch + number;
     let film = |number: usize| {
@@ -146,7 +135,7 @@ fn batch(config: &TrainConfig, films: &dyn Films, step: usize) -> Result<Vec<Vec
 }
 
 /// The mean loss over the frames of films of one length. Histories are taken as given: no gradient goes through them.
-fn config_loss(
+fn film_loss(
     memory: Memory,
     config: &TrainConfig,
     net: &UNet,

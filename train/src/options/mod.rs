@@ -78,22 +78,12 @@ impl Variant {
         let cache = Arc::new(Cache::new(source, config.spec.clone(), config.cache_megabytes << 20));
         let device = crate::device().autodiff();
         let mut loader = Loader::start(&cache, split.training, config, 0);
-        let mut net = kind.first(&config.spec, config.seed, &device);
-        let mut optimiser = config.optimiser.start();
-        let bar = progress::bar("steps", config.steps, 0);
-        for step in 0..config.steps {
+        let first = kind.first(&config.spec, config.seed, &device);
+        let net = fitted(config, first, |net, _| {
             let Tensors { input, target, valid, exposure } = loader.next()?.into_tensors(&device);
-            let image = kind.forward(&net, input, valid.clone()) * exposure;
-            let loss = config.loss.of(image, target, valid);
-            let value: f32 = loss.clone().into_scalar();
-            if !value.is_finite() {
-                return Err(TrainError::Diverged { step, loss: value });
-            }
-            let gradients = GradientsParams::from_grads(loss.backward(), &net);
-            net = optimiser.step(config.optimiser.rate(step, config.steps), net, gradients);
-            bar.inc(1);
-        }
-        bar.finish_and_clear();
+            let image = kind.forward(net, input, valid.clone()) * exposure;
+            Ok(config.loss.of(image, target, valid))
+        })?;
         let layers = kind.layers(&config.spec);
         let net = UNet::with_layers(&config.spec, layers, &net.weights(), &crate::device());
         Ok(Self { kind, net })
@@ -107,6 +97,28 @@ impl Variant {
         let valid = Tensor::from_data(TensorData::new::<f32, _>(valid, shape), &device);
         to_planes(self.kind.forward(&self.net, to_tensor(&[input], &device), valid))
     }
+}
+
+/// A network after all steps of a run, given what it loses at each.
+fn fitted(
+    config: &TrainConfig,
+    mut net: UNet,
+    mut loss: impl FnMut(&UNet, usize) -> Result<Tensor<1>, TrainError>,
+) -> Result<UNet, TrainError> {
+    let mut optimiser = config.optimiser.start();
+    let bar = progress::bar("steps", config.steps, 0);
+    for step in 0..config.steps {
+        let loss = loss(&net, step)?;
+        let value: f32 = loss.clone().into_scalar();
+        if !value.is_finite() {
+            return Err(TrainError::Diverged { step, loss: value });
+        }
+        let gradients = GradientsParams::from_grads(loss.backward(), &net);
+        net = optimiser.step(config.optimiser.rate(step, config.steps), net, gradients);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(net)
 }
 
 #[cfg(test)]
