@@ -2,6 +2,7 @@
 
 use super::{TestSet, in_tiles, tile_indices, tiles_of};
 use crate::plan::PlannedScene;
+use crate::recipe::Tiles;
 use crate::stopwatch::prepared_and_sampled;
 use crate::{DatasetError, Props, Recipe, StagedScene};
 use deepshade_render::bvh::bundle::BUNDLE;
@@ -28,6 +29,22 @@ struct Seconds {
     sample: f64,
 }
 
+impl Seconds {
+    /// What a test set of so many scenes takes, of which these are the mean.
+    fn of_all(self, recipe: &Recipe, tiles: Tiles, scenes: usize) -> f64 {
+        let (height, width) = (recipe.resolution.height, recipe.resolution.width);
+        let frames = (scenes * recipe.views_per_scene) as f64;
+        let whole = frames.min(tiles.whole_frames as f64);
+        let in_tiles = tile_indices(recipe.seed, height, width, tiles.one_in).len() * TILE * TILE;
+        let samples = frames * in_tiles as f64 * f64::from(tiles.samples)
+            + whole * (height * width) as f64 * f64::from(recipe.samples);
+        self.scene * scenes as f64
+            + self.view * frames
+            + self.image * (frames + whole)
+            + self.sample * samples
+    }
+}
+
 impl TestSet {
     /// How long [`TestSet::generate`] will take from nothing, on this machine with nothing else to do: a few scenes,
     /// evenly chosen, are loaded and rendered with few samples, and the time is scaled to all.
@@ -48,17 +65,7 @@ impl TestSet {
             mean.image += share * seconds.image;
             mean.sample += share * seconds.sample;
         }
-        let (height, width) = (recipe.resolution.height, recipe.resolution.width);
-        let frames = (plan.len() * recipe.views_per_scene) as f64;
-        let whole = frames.min(tiles.whole_frames as f64);
-        let in_tiles = tile_indices(recipe.seed, height, width, tiles.one_in).len() * TILE * TILE;
-        let samples = frames * in_tiles as f64 * f64::from(tiles.samples)
-            + whole * (height * width) as f64 * f64::from(recipe.samples);
-        let seconds = mean.scene * plan.len() as f64
-            + mean.view * frames
-            + mean.image * (frames + whole)
-            + mean.sample * samples;
-        Ok(Duration::from_secs_f64(seconds))
+        Ok(Duration::from_secs_f64(mean.of_all(recipe, tiles, plan.len())))
     }
 }
 
@@ -92,22 +99,40 @@ fn probe(recipe: &Recipe, props: &Props, planned: &PlannedScene) -> Result<Secon
 mod tests {
     use super::*;
 
-    #[test]
-    fn what_is_done_once_an_image_is_not_counted_for_every_sample() {
+    const RECIPE: &str = "effect = \"sss\"\nsplit = \"test\"\nseed = 7\n\
+        resolution = { height = 64, width = 64 }\nsamples = 4\nradius = { diagonal = 0.05 }\nviews_per_scene = 2\n\
+        tiles = { samples = 64, one_in = 4, whole_frames = 1 }\n\
+        vary = { light = true, mean_free_path = [0.01, 0.02] }\nfamilies = [{ name = \"bridge\", scenes = 1 }]\n";
+
+    fn recipe() -> Recipe {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("sss.toml");
-        let estimate = |samples: u32| {
-            let text = format!(
-                "effect = \"sss\"\nsplit = \"test\"\nseed = 7\nresolution = {{ height = 64, width = 64 }}\nsamples = 4\n\
-                 radius = {{ diagonal = 0.05 }}\nviews_per_scene = 1\n\
-                 tiles = {{ samples = {samples}, one_in = 4, whole_frames = 0 }}\n\
-                 vary = {{ light = true, mean_free_path = [0.01, 0.02] }}\n\
-                 families = [{{ name = \"bridge\", scenes = 1 }}]\n"
-            );
-            std::fs::write(&path, text).expect("written");
-            TestSet::estimate(&Recipe::load(&path).expect("a recipe")).expect("an estimate").as_secs_f64()
-        };
-        // The image is gathered before the first sample, and samples are looked up in it.
-        assert!(estimate(65_536) < 20.0 * estimate(64));
+        std::fs::write(&path, RECIPE).expect("written");
+        Recipe::load(&path).expect("a recipe")
+    }
+
+    #[test]
+    fn parts_count_as_often_as_they_are_done() {
+        let recipe = recipe();
+        let tiles = tiles_of(&recipe).expect("tiles");
+        let none = Seconds::default();
+        let of_three = |seconds: Seconds| seconds.of_all(&recipe, tiles, 3);
+        assert_eq!(of_three(Seconds { scene: 1.0, ..none }), 3.0);
+        assert_eq!(of_three(Seconds { view: 1.0, ..none }), 6.0);
+        // One image is made again, whole.
+        assert_eq!(of_three(Seconds { image: 1.0, ..none }), 7.0);
+        let in_tiles = 64 * 64 / 4;
+        assert_eq!(of_three(Seconds { sample: 1.0, ..none }), f64::from(6 * in_tiles * 64 + 64 * 64 * 4));
+    }
+
+    #[test]
+    fn every_part_takes_its_time() {
+        let recipe = recipe();
+        let plan = recipe.plan().expect("a plan");
+        let took = probe(&recipe, &Props::load(&recipe).expect("props"), &plan[0]).expect("a probe");
+        assert!([took.scene, took.view, took.image, took.sample].into_iter().all(|seconds| seconds > 0.0));
+        // The image is gathered before the first sample.
+        assert!(took.image > took.sample, "{took:?}");
+        assert!(TestSet::estimate(&recipe).expect("an estimate") > Duration::ZERO);
     }
 }
