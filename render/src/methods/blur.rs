@@ -99,7 +99,7 @@ impl Blur {
     }
 }
 
-/// The blur of `image`, `[channels, height, width]` with one, three or six channels, along rows, and of that along columns:
+/// The blur of `image`, `[channels, height, width]` with one, three or twelve channels, along rows, and of that along columns:
 /// what [`Blur::steps`] makes.
 pub fn smooth(surface: &Surface, [rows, columns]: &[uniforms::Blur; 2], image: &Planes) -> [Planes; 2] {
     let along_rows = along(surface, rows, image);
@@ -112,7 +112,8 @@ fn along(surface: &Surface, blur: &uniforms::Blur, noisy: &Planes) -> Planes {
     match noisy.channels() {
         1 => surface.image(blur.background, |centre| smoothed::<1>(surface, blur, noisy, centre)),
         3 => surface.image(blur.background, |centre| smoothed::<3>(surface, blur, noisy, centre)),
-        _ => surface.image(blur.background, |centre| smoothed::<6>(surface, blur, noisy, centre)),
+        12 => surface.image(blur.background, |centre| smoothed::<12>(surface, blur, noisy, centre)),
+        other => unreachable!("no method blurs {other} channels"),
     }
 }
 

@@ -211,7 +211,7 @@ fn values_agree(a: &[f32], b: &[f32], tolerance: Tolerance) -> Result<(), String
 }
 
 /// What each of a method's passes writes of a g-buffer, read before the next one runs.
-fn written_on_gpu(
+pub fn written_on_gpu(
     method: &impl ScreenMethod,
     gbuffer: &GBuffer,
     environment: Option<&Environment>,

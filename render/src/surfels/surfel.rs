@@ -14,8 +14,9 @@ pub struct Surfel {
     disk: u32,
 }
 
-/// Radii have five bits of exponent and six of mantissa, those of an f32 from 2^-24 to 2^8 m; less is 0.
-const LEAST_RADIUS: u32 = 103 << 23;
+/// Radii have five bits of exponent and six of mantissa, those of an f32 from 2^-20 to 2^12 m: between them is what a
+/// camera sees of a coin and of a landscape of hundreds of kilometres; less is 0.
+const LEAST_RADIUS: u32 = 107 << 23;
 const MOST_RADIUS_BITS: u32 = 2047;
 const RADIUS_AT: u32 = 21;
 const OPEN: u32 = 1 << 20;
@@ -97,9 +98,9 @@ mod tests {
 
     #[test]
     fn radii_beyond_the_range_are_its_ends() {
-        let least = f32::exp2(-24.0) * 65.0 / 64.0;
+        let least = f32::exp2(-20.0) * 65.0 / 64.0;
         for (radius, of_low, of_high) in
-            [(0.0, 0.0, 0.0), (2e-8, least, 0.0), (1e9, 254.0, 254.0), (f32::INFINITY, 254.0, 254.0)]
+            [(0.0, 0.0, 0.0), (5e-7, least, 0.0), (1e9, 4064.0, 4064.0), (f32::INFINITY, 4064.0, 4064.0)]
         {
             let radius_at = |threshold| of(Vec3::Z, true, radius, threshold).radius();
             assert_eq!([radius_at(0.0), radius_at(0.999)], [of_low, of_high], "{radius}");

@@ -59,6 +59,7 @@ fn their_areas_sum_up_to_the_surface() {
                 vec![[0, 1, 2]],
             ),
         ),
+        ("a plain of 100 km, whose surfels have radii of hundreds of metres", sheet(8, 12_500.0, -50_000.0)),
         ("a room", procedural(Family::Room)),
         ("machinery", procedural(Family::Machinery)),
     ];

@@ -26,8 +26,10 @@ fn tint(lobe: Lobe, facet: vec3f) -> vec3f {
 }
 
 fn added(sum: vec3f, which: u32, way: vec3f, squared: f32, receiver: Receiver) -> vec3f {
+    let sent = surfel_sent(which, way);
     let facing = surfel_facing(surfels[which], way);
-    if facing <= 0.0 || dot(way, receiver.lobe.normal) <= 0.0 {
+    // Where some of a leaf's surfels are lit, the others may be dark.
+    if all(sent == vec3f(0.0)) || facing <= 0.0 || dot(way, receiver.lobe.normal) <= 0.0 {
         return sum;
     }
     let radius = surfel_radius(surfels[which]);
@@ -37,5 +39,5 @@ fn added(sum: vec3f, which: u32, way: vec3f, squared: f32, receiver: Receiver) -
     lobe.alpha = min(sqrt(lobe.alpha * lobe.alpha + WIDER * area * level.stands_for / squared), 1.0);
     let light = way / distance;
     let reflected = lobe_density(lobe, light) * lobe_visibility(lobe, light) * tint(lobe, facet_between(lobe, light));
-    return sum + surfel_sent(which, way) * reflected * (PI * area * facing / (distance * (squared + area)));
+    return sum + sent * reflected * (PI * area * facing / (distance * (squared + area)));
 }

@@ -1,4 +1,9 @@
 // What a surfel sends to a point, irradiance over pi: its radiance times its form factor.
 fn added(sum: vec3f, which: u32, way: vec3f, squared: f32, receiver: Receiver) -> vec3f {
-    return sum + surfel_sent(which, way) * form_factor(surfels[which], way, squared, receiver.normal);
+    let light = surfel_sent(which, way);
+    // Where some of a leaf's surfels are lit, the others may be dark.
+    if all(light == vec3f(0.0)) {
+        return sum;
+    }
+    return sum + light * form_factor(surfels[which], way, squared, receiver.normal);
 }

@@ -9,8 +9,8 @@ struct Surfel {
     disk: u32,
 }
 
-// Radii have five bits of exponent and six of mantissa, those of an f32 from 2^-24 to 2^8 m; less is 0.
-const LEAST_RADIUS = 103u << 23u;
+// Radii have five bits of exponent and six of mantissa, those of an f32 from 2^-20 to 2^12 m; less is 0.
+const LEAST_RADIUS = 107u << 23u;
 const MOST_RADIUS_BITS = 2047u;
 const LARGEST_COORDINATE = 511.0;
 

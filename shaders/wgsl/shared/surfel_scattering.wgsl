@@ -1,6 +1,6 @@
 // What a surfel gives a point through the body below both (thesis 4.3, "Multiple Scattering"): a share of its light,
 // for red, green and blue apart, by the profile of Christensen and Burley 2015 at its distance times its area; and that
-// share.
+// share. Those that face as the point's surface does apart from those that do not.
 
 // [4, height, width]: how far light goes below the surface, metres, red, green and blue; the object.
 @group(0) @binding(3) var<storage, read> bodies: array<f32>;
@@ -33,9 +33,9 @@ fn receiver_at(at: u32, pixels: u32) -> Receiver {
     return Receiver(position, normal, reach, scales, bodies[at + 3u * pixels]);
 }
 
-// Light, and the shares of the profile that it came by.
-fn nothing() -> mat2x3f {
-    return mat2x3f(vec3f(0.0), vec3f(0.0));
+// Light, and the shares of the profile that it came by, of one side, then of the other.
+fn nothing() -> mat4x3f {
+    return mat4x3f(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0));
 }
 
 // The profile (exp(-r / d) + exp(-r / (3 d))) / (8 pi d r) times the area of a disk; of a colour that does not enter,
@@ -47,7 +47,7 @@ fn profile_share(radius: f32, distance: f32, scales: vec3f) -> vec3f {
     return select(vec3f(0.0), share, scales > vec3f(0.0));
 }
 
-fn added(sum: mat2x3f, which: u32, way: vec3f, squared: f32, receiver: Receiver) -> mat2x3f {
+fn added(sum: mat4x3f, which: u32, way: vec3f, squared: f32, receiver: Receiver) -> mat4x3f {
     let surfel = surfels[which];
     let radius = surfel_radius(surfel);
     let distance = sqrt(squared);
@@ -56,17 +56,23 @@ fn added(sum: mat2x3f, which: u32, way: vec3f, squared: f32, receiver: Receiver)
         return sum;
     }
     let below = BELOW_PLANE * distance + BELOW_HOLLOW * max(dot(way, receiver.normal), 0.0);
-    let outwards = dot(way + below * receiver.normal, surfel_normal(surfel));
+    let normal = surfel_normal(surfel);
+    let outwards = dot(way + below * receiver.normal, normal);
     if outwards < 0.0 && !surfel_is_open(surfel) {
         return sum;
     }
     let share = profile_share(radius, distance, receiver.scales);
-    return sum + mat2x3f(share * unpack_radiance(sent[which].x), share);
+    let light = share * unpack_radiance(sent[which].x);
+    // Not a branch: either is added to one side, and nothing to the other.
+    let far = select(0.0, 1.0, dot(receiver.normal, normal) < 0.0);
+    return sum + mat4x3f((1.0 - far) * light, (1.0 - far) * share, far * light, far * share);
 }
 
-fn write_sum(sum: mat2x3f, at: u32, pixels: u32) {
+fn write_sum(sum: mat4x3f, at: u32, pixels: u32) {
     for (var c = 0u; c < 3u; c++) {
         sums[at + c * pixels] = sum[0][c];
         sums[at + (c + 3u) * pixels] = sum[1][c];
+        sums[at + (c + 6u) * pixels] = sum[2][c];
+        sums[at + (c + 9u) * pixels] = sum[3][c];
     }
 }

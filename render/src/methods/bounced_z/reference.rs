@@ -18,7 +18,7 @@ const IN_SQUARE: u32 = 16;
 const GOLDEN_TURN: f32 = 0.381_966;
 /// Sine of the least angle between the way to a disk and either surface. Surfels' normals are rounded by nearly as
 /// much.
-const LEAST_SINE: f32 = 4.2e-3;
+pub const LEAST_SINE: f32 = 4.2e-3;
 /// A neighbour counts the cosine of its normal to the pixel's to this power.
 const NORMAL_POWER: i32 = 8;
 

@@ -2,7 +2,7 @@
 
 use super::indirect::{BouncedIndirect, Indirect};
 use super::occlusion::{BouncedOcclusion, Occlusion};
-use super::reference::{Ray, met, number_in_square, place_on_disk, shade};
+use super::reference::{LEAST_SINE, Ray, met, number_in_square, place_on_disk, shade};
 use super::{BouncedEffect, Matte, Parameters, Reflector};
 use crate::bvh::TracedScene;
 use crate::method::{Frame, Method, Repeats};
@@ -17,8 +17,8 @@ use crate::path::{self, Sampling, Shot};
 use crate::scene::procedural::Family;
 use crate::scene::{Camera, Scene};
 use crate::screen::View;
-use crate::surfels;
 use crate::surfels::reference::Disk;
+use crate::surfels::{self, Surfel};
 use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
 use glam::{IVec2, UVec2, Vec3};
@@ -42,6 +42,20 @@ fn pixels_of_a_square_have_all_numbers() {
         numbers.sort_unstable();
         assert!(numbers.into_iter().eq(0..edge * edge), "level {level}");
     }
+}
+
+#[test]
+fn normals_of_surfels_are_rounded_by_less_than_the_least_angle_and_by_nearly_as_much() {
+    // They are farthest off in the middle between four that there are, in the octahedron's upper half.
+    let between = |i: i16| (f32::from(i) + 0.5) / 511.0;
+    let middles = (-511..511).flat_map(|x| (-511..511).map(move |y| [between(x), between(y)]));
+    let upper = middles.filter(|[x, y]| x.abs() + y.abs() <= 1.0);
+    let off = upper.map(|[x, y]| {
+        let normal = Vec3::new(x, y, 1.0 - x.abs() - y.abs()).normalize();
+        normal.cross(Surfel::new(Vec3::ZERO, normal, false, 1.0, 0.5).normal()).length()
+    });
+    let farthest = off.fold(0.0, f32::max);
+    assert!((0.0041..LEAST_SINE).contains(&farthest), "{farthest}");
 }
 
 /// Directions from points with a normal, of all pixels of an image of 32 x 32.

@@ -92,7 +92,7 @@ pub fn seen(family: Family, height: usize, width: usize) -> (TracedScene, View, 
 /// What methods that look beyond the screen read of a g-buffer, glossy receivers all of it.
 pub const ATTRIBUTES: &[Attribute] = lobe::ATTRIBUTES;
 
-/// A method's image, and the surfels that its passes have laid out for it. What the plain version of shading makes of
+/// A method's image, the same for the same frame twice, and the surfels that its passes have laid out for it. What the plain version of shading makes of
 /// these it makes on every device, however that rounds where it lays them out.
 pub fn shaded_by_surfels(
     method: &impl ScreenMethod,
@@ -103,14 +103,18 @@ pub fn shaded_by_surfels(
     let world = screen::world(method.gpu(), scene.scene(), view).expect("room");
     let inputs = Inputs { gbuffer: &there, environment: None, world: Some(&world) };
     let plan = Plan::new(method, &inputs, view).expect("room");
-    gpu::submit(device, queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
+    let shaded = || -> Vec<f32> {
+        gpu::submit(device, queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
+        gpu::read(device, queue, plan.output()).expect("an image")
+    };
+    let image = shaded();
+    assert_eq!(image, shaded(), "the same frame twice");
     let written = |shader: &Shader| {
         let step = plan.steps().iter().find(|step| step.step.pass.is_of(shader.name)).expect("a pass");
         step.writes.last().expect("a buffer")
     };
     let totals: Vec<u32> = gpu::read(device, queue, written(&wgsl::SURFELS_TOTAL)).expect("totals");
     let surfels: Vec<Surfel> = gpu::read(device, queue, written(&wgsl::SURFELS_PLACE)).expect("surfels");
-    let image = gpu::read(device, queue, plan.output()).expect("an image");
     let image = Planes::from_data(method.effect().channels(), view.height, view.width, image);
     (image, surfels.into_iter().take(totals[0] as usize).map(Disk::from).collect())
 }

@@ -8,7 +8,8 @@
 //! colour where light comes out.
 //!
 //! Limits: those of each method. Nothing goes through a body that is lit from behind. Bodies give to one another what
-//! falls on them. What falls on a black surface is not known, and taken for nothing.
+//! falls on them. What of a colour falls on a surface that is black in it is not known: it is taken for as much as of the
+//! others in the mean, and for nothing where the surface is black in all.
 
 #[cfg(test)]
 mod tests;
@@ -115,7 +116,10 @@ fn entering(gbuffer: &GBuffer) -> Result<(Planes, Planes), MissingAttribute> {
     };
     let received = image(&|at| {
         let (light, colour) = (vector(&light, at), vector(&colours, at));
-        Vec3::select(colour.cmpgt(Vec3::ZERO), light / colour, Vec3::ZERO)
+        let is_known = colour.cmpgt(Vec3::ZERO);
+        let known = Vec3::select(is_known, light / colour, Vec3::ZERO);
+        let mean = known.element_sum() / is_known.bitmask().count_ones().max(1) as f32;
+        Vec3::select(is_known, known, Vec3::splat(mean))
     });
     let lengths = image(&|at| vector(&paths, at).max(Vec3::ZERO) / shape(vector(&colours, at)));
     Ok((received, lengths))

@@ -107,7 +107,7 @@ impl Around {
             }
             Ending::Scattered { bodies, scatter } => {
                 let below = gpu::empty::<f32>(device, "surfel.bodies", 4 * pixels)?;
-                let total = gpu::empty::<f32>(device, "surfel.given", 6 * pixels)?;
+                let total = gpu::empty::<f32>(device, "surfel.given", 12 * pixels)?;
                 let [lengths, colour, object, light] = [
                     Attribute::MeanFreePath,
                     Attribute::Diffuse,

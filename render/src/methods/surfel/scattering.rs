@@ -4,12 +4,12 @@
 //!
 //! The profile is that of Christensen and Burley 2015, fitted to random walks, in place of the dipole: through a slab
 //! of white wax one mean free path thick the dipole lets 0.81 of the light, the profile 0.62, and truth 0.55. What
-//! surfels do not give stays with the pixel's own light: with the shares `w` of the profile that the surfels have,
-//! `E (1 - sum of w) + sum of w E_i`. So even light stays as it is, whatever the surfels, and a thin body sends back
-//! less by as much as it lets through. Where the shares are more than all of the profile, as with layers one
-//! behind the other, each takes its part of what is left: of such a slab that makes 0.47. Were all that one layer more
-//! has taken, it would be 0.62, and a scene with many layers worse off: in room:7 at 128x96 and medium quality the
-//! relative mean squared error is 0.28, and would be 0.36. Surfels nearer than one is large are left to the pixel.
+//! surfels do not give stays with the pixel's own light, `E`. Those that face as the pixel does, with shares `n` of the
+//! profile, mix with it: `M = E (1 - sum of n) + sum of n E_i`. Those that do not face so are a thin body's far side: with
+//! shares `f` they give the light that goes through, and take as much of what would come back:
+//! `M (1 - sum of f) + sum of f E_i`. So even light stays as it is, whatever the surfels. Where there are layers one behind
+//! the other the shares of a side may be more than all of the profile, and are divided by their sum. Surfels nearer than
+//! one is large are left to the pixel.
 //!
 //! A pixel's own object gives and no other, from its far side too; of closed surfaces those that are met from within.
 //! The paper bounds the reach by what a surfel sends; here it is where the receiver's profile ends, [`SUPPORT`].
@@ -65,7 +65,7 @@ impl SurfelEffect for Scattering {
             tree: Tree::All,
             splat: &wgsl::SURFEL_GIVEN,
             add: &wgsl::SURFEL_INDIRECT,
-            channels: 6,
+            channels: 12,
             lit: Some(Lit::Received),
             ending: Ending::Scattered { bodies: &wgsl::SURFEL_BODIES, scatter: &wgsl::SURFEL_SCATTER },
         }
@@ -82,8 +82,8 @@ impl SurfelEffect for Scattering {
             let object = objects.at(0, pixel.y as usize, pixel.x as usize);
             let is_own = object == patches[disk.patch as usize].object as f32;
             match is_own && met_from_within(disk, way, normal) {
-                true => given(disk, way, scales(pixel)),
-                false => [0.0; 6],
+                true => given(disk, way, normal, scales(pixel)),
+                false => [0.0; 12],
             }
         };
         let reach = |at| SUPPORT * scales(at).max_element();
@@ -92,10 +92,11 @@ impl SurfelEffect for Scattering {
         Ok(plain.surface.image(0.0, |at| {
             let [x, y] = [at.x as usize, at.y as usize];
             std::array::from_fn::<f32, 3, _>(|c| {
-                let share = sums.at(c + 3, y, x);
-                let taken = taken(share);
-                let left = own.at(c, y, x) * (1.0 - taken * share);
-                (left + taken * colours.at(c, y, x) * sums.at(c, y, x)).max(0.0)
+                let side = |first: usize| Side {
+                    light: sums.at(first + c, y, x),
+                    share: sums.at(first + c + 3, y, x),
+                };
+                scattered(own.at(c, y, x), colours.at(c, y, x), side(0), side(6))
             })
         }))
     }
@@ -115,22 +116,44 @@ pub fn met_from_within(disk: &Disk, way: Vec3, normal: Vec3) -> bool {
     disk.open || (way + below * normal).dot(disk.normal) >= 0.0
 }
 
-/// The part of the shares of the profile that counts, of so much in all. What layers one behind the other have
-/// beyond all of the profile does not add up: each takes its part of what is left.
-fn taken(share: f32) -> f32 {
-    let beyond = (share - 1.0).max(1e-3);
-    (1.0 - (-beyond).exp()) / beyond
+/// What surfels on one side of a body give of one colour, irradiance over pi; those that face as the pixel does, or those
+/// that do not.
+#[derive(Clone, Copy, Debug)]
+pub struct Side {
+    /// By the profile.
+    pub light: f32,
+    /// What of the profile they have.
+    pub share: f32,
 }
 
-/// What a disk gives: light, and the shares of the profile that it comes by. What is nearer than it is large is the
-/// pixel's own. No light falls on the inside of a body, so both sides count.
-pub fn given(disk: &Disk, way: Vec3, scales: Vec3) -> [f32; 6] {
-    let distance = way.length();
-    if distance <= disk.radius {
-        return [0.0; 6];
+impl Side {
+    /// It without what it has beyond all of the profile.
+    fn bounded(self) -> Self {
+        let most = self.share.max(1.0);
+        Self { light: self.light / most, share: self.share / most }
     }
-    let area = PI * disk.radius * disk.radius;
-    let share = scales.map(|d| if d > 0.0 { area * profile(distance, d) } else { 0.0 });
-    let light = share * (disk.sent[0] + disk.sent[1]);
-    [light.x, light.y, light.z, share.x, share.y, share.z]
+}
+
+/// Scattered light of one colour: a pixel's own, and what both sides of its body give, that of its own side first.
+pub fn scattered(own: f32, colour: f32, near: Side, far: Side) -> f32 {
+    let [near, far] = [near.bounded(), far.bounded()];
+    let above = own * (1.0 - near.share) + colour * near.light;
+    above * (1.0 - far.share) + colour * far.light
+}
+
+/// What a disk gives a pixel with a normal: light, and the shares of the profile that it comes by, as one of the pixel's
+/// side, then as one of the other. What is nearer than it is large is the pixel's own. No light falls on the inside of a
+/// body, so what falls on front and back is one.
+pub fn given(disk: &Disk, way: Vec3, normal: Vec3, scales: Vec3) -> [f32; 12] {
+    let mut sides = [0.0; 12];
+    let distance = way.length();
+    if distance > disk.radius {
+        let area = PI * disk.radius * disk.radius;
+        let share = scales.map(|d| if d > 0.0 { area * profile(distance, d) } else { 0.0 });
+        let light = share * (disk.sent[0] + disk.sent[1]);
+        let first = if disk.normal.dot(normal) < 0.0 { 6 } else { 0 };
+        sides[first..first + 3].copy_from_slice(&light.to_array());
+        sides[first + 3..first + 6].copy_from_slice(&share.to_array());
+    }
+    sides
 }

@@ -5,9 +5,9 @@ mod glossy;
 mod scattering;
 
 use super::indirect::SurfelIndirect;
-use super::occlusion::SurfelOcclusion;
+use super::occlusion::{Occlusion, SurfelOcclusion};
 use super::reference::{LIGHT, OCCLUSION, brute_force, form_factor, level_sums, openness};
-use super::{MOST_LEVELS, Parameters, shells};
+use super::{MOST_LEVELS, Parameters, Plain, SurfelEffect, shells};
 use crate::methods::proving::beyond::{
     corner, disk_mesh, prove_twin, scene_of, seen, shaded_by_surfels, sphere_mesh,
 };
@@ -183,10 +183,11 @@ fn the_passes_make_of_their_surfels_what_the_plain_version_does() {
         method = method.with(parameters.into());
         let seen = seen(family, height, width);
         let (image, disks) = shaded_by_surfels(&method, &seen);
-        let (_, view, gbuffer) = &seen;
-        let surface = Surface::of(gbuffer).expect("a surface");
-        let right = openness(&surface, &disks, &parameters, view);
         assert!(disks.len() > 500, "{} surfels", disks.len());
+        let (scene, view, gbuffer) = &seen;
+        let surface = &Surface::of(gbuffer).expect("a surface");
+        let plain = Plain { gbuffer, surface, scene, environment: None, parameters: &parameters, view };
+        let right = Occlusion::plain(&plain, disks).expect("attributes");
         assert_eq!(agree(&image, &right, tolerance), Ok(()), "{family:?}");
         prove_comparator(&right, tolerance);
     }

@@ -2,8 +2,9 @@
 //! what is known to go through, bodies apart, and the passes against the plain version.
 
 use super::super::reference::{Receiver, Shade, sums};
-use super::super::scattering::{SUPPORT, Scattering, SurfelScattering, given, met_from_within, shape};
-use super::super::{Plain, SurfelEffect};
+use super::super::scattering::{
+    SUPPORT, Scattering, Side, SurfelScattering, given, met_from_within, scattered, shape,
+};
 use super::*;
 use crate::bvh::TracedScene;
 use crate::gbuffer;
@@ -14,6 +15,7 @@ use crate::path::proving::quad;
 use crate::path::{self, Sampling, Shot};
 use crate::scene::{Light, Material, MaterialId};
 use crate::screen::ScreenMethod;
+use deepshade_shaders::random::random;
 use deepshade_shaders::{Attribute, Effect, GBuffer};
 use std::f32::consts::PI;
 
@@ -94,7 +96,7 @@ fn given_by_a_plane(
     let disks = surfels::reference::surfels(scene.scene(), &parameters.surfels, &view);
     let lit = |disk: Disk| Disk { sent: [light(disk.place), Vec3::ZERO], ..disk };
     let disks: Vec<Disk> = disks.into_iter().map(lit).collect();
-    let gives = |disk: &Disk, _: f32, way: Vec3, _: Receiver| given(disk, way, lengths);
+    let gives = |disk: &Disk, _: f32, way: Vec3, _: Receiver| given(disk, way, Vec3::Z, lengths);
     let reach = |_: IVec2| SUPPORT * lengths.max_element();
     let shade = Shade { reach: &reach, of: &gives };
     (sums(&surface, &disks, shade, parameters, &view), disks)
@@ -172,7 +174,7 @@ fn slab(paths: f32, direction: Vec3) -> Seen {
 }
 
 #[test]
-fn a_slab_lets_through_its_share_of_what_is_left_and_loses_nothing() {
+fn a_slab_lets_through_its_share_and_loses_nothing() {
     // Known by Heaslet and Warming 1965, as truth's own test has it.
     for (paths, known) in [(0.5, 0.7040), (1.0, 0.5532), (2.0, 0.3900)] {
         // Without a blur some pixels give more than they have.
@@ -182,17 +184,31 @@ fn a_slab_lets_through_its_share_of_what_is_left_and_loses_nothing() {
             image.data().iter().sum::<f32>() / image.data().len() as f32
         };
         let [through, back] = [Vec3::Z, Vec3::NEG_Z].map(mean);
-        // The far side's share of the profile is what of it lies beyond the slab's thickness, the near side's what lies
-        // beyond a surfel's radius; of both, each takes its part of what is left.
-        let thickness = paths * shape(Vec3::ONE).x;
-        let radius = 0.02 * 0.5 * EDGE;
-        let far = 1.0 - within(thickness);
-        let beyond = far - within(radius / 0.01 * thickness);
-        let right = far * (1.0 - (-beyond).exp()) / beyond;
+        // The far side's share of the profile is what of it lies beyond the slab's thickness.
+        let right = 1.0 - within(paths * shape(Vec3::ONE).x);
         assert!((through / right - 1.0).abs() < 0.015, "{paths}: {through} and not {right}");
-        assert!((0.75..0.95).contains(&(through / known)), "{paths}: {through}, in truth {known}");
+        assert!((1.0..1.15).contains(&(through / known)), "{paths}: {through}, in truth {known}");
         assert!((through + back - 1.0).abs() < 0.01, "{paths}: {through} and {back}");
     }
+}
+
+#[test]
+fn what_is_scattered_is_a_mean_of_what_falls_on_the_body() {
+    let number = |i: u32, of: u32| random(i, of, 3, 0);
+    let mut beyond_all = 0;
+    for i in 0..10_000 {
+        let (own, [near, far]) = (number(i, 0), [1, 2].map(|of| number(i, of)));
+        // Of layers one behind the other, more than all of the profile.
+        let [of_near, of_far] = [3, 4].map(|of| 2.0 * number(i, of));
+        let side = |light: f32, share: f32| Side { light: light * share, share };
+        let found = scattered(own, 1.0, side(near, of_near), side(far, of_far));
+        let (least, most) = (own.min(near).min(far), own.max(near).max(far));
+        assert!((least - 1e-6..most + 1e-6).contains(&found), "{found} of {own}, {near}, {far}");
+        let even = scattered(own, 1.0, side(own, of_near), side(own, of_far));
+        assert!((even - own).abs() < 1e-5, "{even} and not {own}");
+        beyond_all += usize::from(of_near + of_far > 1.0);
+    }
+    assert!(beyond_all > 5000, "{beyond_all}");
 }
 
 /// Blocks of wax from one x to another and a roof over what is left of x = 0, in light from above.
