@@ -150,6 +150,7 @@ pub fn run(args: &Args) -> Result<()> {
         additions: &args.additions,
         seed: args.views.seed,
         animated: false,
+        time: args.time.time(),
     };
     let mut frames = Vec::new();
     let bar = progress::bar("frames", views.len(), 0);

@@ -37,6 +37,8 @@ pub struct Wants<'a> {
     pub seed: u32,
     /// Whether something moves beside what the scene's displacements say.
     pub animated: bool,
+    /// The moment at which a medium that changes is seen, seconds.
+    pub time: f32,
 }
 
 /// Radius in pixels, at 512 rows, of the circle of confusion at infinity of the lens that is added.
@@ -67,7 +69,7 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
         added.push(format!("no material lets light in: all do, with mean free paths of {metres:.4} m"));
     }
     let foggy = matches!(effect, Effect::FogDirect | Effect::FogIndirect | Effect::FogMultiple);
-    if let Some(medium) = additions.medium(scene)? {
+    if let Some(medium) = additions.medium(scene, wants.time)? {
         look.medium = Some(Arc::new(medium));
     } else if foggy && look.medium.is_none() {
         look.medium = Some(Arc::new(additions.fog(scene)?));
@@ -168,8 +170,14 @@ mod tests {
     fn what_an_effect_needs_is_added_and_said() {
         let (scene, camera) = (wall(), Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO));
         for effect in Effect::ALL {
-            let wants =
-                Wants { effect, size: [16, 16], additions: &additions(&[]), seed: 1, animated: false };
+            let wants = Wants {
+                effect,
+                size: [16, 16],
+                additions: &additions(&[]),
+                seed: 1,
+                animated: false,
+                time: 0.0,
+            };
             let Completed { scene, camera, added } = complete(&scene, &camera, &wants).expect("completed");
             let scene = scene.scene();
             let sky = matches!(effect, Effect::Do | Effect::Ibl);
@@ -189,8 +197,14 @@ mod tests {
         let scene = TracedScene::new(scene).expect("a wall");
         let camera = Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO);
         for effect in Effect::ALL {
-            let wants =
-                Wants { effect, size: [16, 16], additions: &additions(&[]), seed: 1, animated: false };
+            let wants = Wants {
+                effect,
+                size: [16, 16],
+                additions: &additions(&[]),
+                seed: 1,
+                animated: false,
+                time: 0.0,
+            };
             let completed = complete(&scene, &camera, &wants).expect("completed");
             let lamps = completed.scene.scene().lights.len();
             assert_eq!(lamps, usize::from(effect.lit_by_lamps_alone()), "{effect}");
@@ -201,8 +215,14 @@ mod tests {
     fn what_is_asked_for_is_taken() {
         let camera = Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO);
         let completed = |effect, arguments: &[&str]| {
-            let wants =
-                Wants { effect, size: [16, 16], additions: &additions(arguments), seed: 1, animated: false };
+            let wants = Wants {
+                effect,
+                size: [16, 16],
+                additions: &additions(arguments),
+                seed: 1,
+                animated: false,
+                time: 0.0,
+            };
             complete(&wall(), &camera, &wants)
         };
         let sharp = completed(Effect::Path, &["--aperture", "0.1", "--focus", "2"]).expect("completed");
@@ -245,8 +265,14 @@ mod tests {
             (Effect::Sss, ["--environment", "missing.hdr"]),
             (Effect::Path, ["--mean-free-path", "0.01"]),
         ] {
-            let wants =
-                Wants { effect, size: [16, 16], additions: &additions(&arguments), seed: 1, animated: false };
+            let wants = Wants {
+                effect,
+                size: [16, 16],
+                additions: &additions(&arguments),
+                seed: 1,
+                animated: false,
+                time: 0.0,
+            };
             let error = complete(&wall(), &camera, &wants).err().expect("an error").to_string();
             let expected = format!("{} means nothing to the effect {effect}, only to ", arguments[0]);
             assert!(error.starts_with(&expected), "{error}");

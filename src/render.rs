@@ -42,6 +42,7 @@ use std::time::Instant;
     after_help = "Examples:\n  deepshade render --scene sponza.gltf --effect path --spp 256 --out sponza.exr\n  \
     deepshade render --scene still-life:1 --view 2 --effect dof --error 0.02 --out blurred.png\n  \
     deepshade render --scene hall.gltf --effect path --medium smoke.vol --extinction 2\n  \
+    deepshade render --scene hall.gltf --effect fog-direct --medium clouds.toml --extinction 2 --time 1.5\n  \
     deepshade render --animate --scene hall.gltf --put fox.gltf@-5,0,0,0.01,60 --eye -9,1.6,0 \
     --look-at 0,1.2,0 --effect ao --method hbao --temporal --frames 50 --out sequence"
 )]
@@ -114,8 +115,14 @@ pub fn run(args: &Args) -> Result<()> {
     let scene = args.time.scene(&args.scene, &args.props, args.effect)?;
     let scene = TracedScene::new(scene).with_context(|| format!("scene {}", args.scene))?;
     let view = args.viewpoint.of(&scene, size, args.seed)?;
-    let wants =
-        Wants { effect: args.effect, size, additions: &args.additions, seed: args.seed, animated: false };
+    let wants = Wants {
+        effect: args.effect,
+        size,
+        additions: &args.additions,
+        seed: args.seed,
+        animated: false,
+        time: args.time.time(),
+    };
     let completed = complete(&scene, &view.camera, &wants)?;
     let space = Space { diagonal: completed.scene.diagonal(), height: size[0] };
     let radius = radius::wanted(args.radius, None, &[args.effect], space);

@@ -3,7 +3,8 @@
 use super::listeners;
 use anyhow::{Context, Result, ensure};
 use deepshade_render::bvh::TracedScene;
-use deepshade_render::scene::{Bounds, Density, DensityGrid, Medium};
+use deepshade_render::scene::medium::DensityFile;
+use deepshade_render::scene::{Bounds, Density, Medium};
 use deepshade_shaders::Effect;
 use glam::Vec3;
 use std::path::PathBuf;
@@ -26,7 +27,8 @@ pub struct Additions {
     /// Depth that the lens focuses, metres; by default that of what is in the middle of the picture.
     #[arg(long, value_parser = crate::arguments::positive)]
     pub focus: Option<f32>,
-    /// Densities of a medium as a grid: a Mitsuba volume file (.vol), in the box that it states.
+    /// Densities of a medium: a Mitsuba volume (.vol), or a description (.toml) of an array of numbers (.npy, raw) or of clouds,
+    /// smoke or a fog bank, which drift and change with --time.
     #[arg(long)]
     pub medium: Option<PathBuf>,
     /// Extinction where the medium's density is 1, per metre: one number, or red,green,blue. Without --medium it is that
@@ -72,14 +74,14 @@ impl Additions {
         ]
     }
 
-    /// The medium that is stated, if one is.
+    /// The medium that is stated, if one is, at a time, seconds.
     ///
     /// # Errors
     /// If its file cannot be read, or a coefficient is impossible.
-    pub fn medium(&self, scene: &TracedScene) -> Result<Option<Medium>> {
+    pub fn medium(&self, scene: &TracedScene, time: f32) -> Result<Option<Medium>> {
         let density = match &self.medium {
-            Some(path) => Density::Grid(DensityGrid::read_vol(path, None)?),
-            None if self.extinction.is_some() => around(scene),
+            Some(path) => Density::Grid(DensityFile::read(path)?.grid(around(scene), time)?),
+            None if self.extinction.is_some() => Density::Within(around(scene)),
             None => return Ok(None),
         };
         let extinction = self.extinction.context("--medium needs --extinction, that of density 1")?;
@@ -91,7 +93,7 @@ impl Additions {
     /// # Errors
     /// If a coefficient is impossible.
     pub fn fog(&self, scene: &TracedScene) -> Result<Medium> {
-        self.of_density(Vec3::splat(1.0 / scene.diagonal()), around(scene))
+        self.of_density(Vec3::splat(1.0 / scene.diagonal()), Density::Within(around(scene)))
     }
 
     /// The medium that is stated, for the record.
@@ -124,11 +126,11 @@ impl Additions {
     }
 }
 
-/// Density 1 in a scene's box and a little around it.
-fn around(scene: &TracedScene) -> Density {
+/// A scene's box and a little around it.
+fn around(scene: &TracedScene) -> Bounds {
     let margin = Vec3::splat(FOG_MARGIN * scene.diagonal());
     let Bounds { min, max } = scene.bounds();
-    Density::Within(Bounds { min: min - margin, max: max + margin })
+    Bounds { min: min - margin, max: max + margin }
 }
 
 /// Reads one number for all colours, or three.

@@ -6,7 +6,7 @@ use super::lambert::{Normals, make_black, make_lambert};
 use anyhow::{Context, Result, bail};
 use deepshade_dataset::views::sample_view;
 use deepshade_render::bvh::TracedScene;
-use deepshade_render::scene::medium::Smoke;
+use deepshade_render::scene::medium::Weather;
 use deepshade_render::scene::procedural::Family;
 use deepshade_render::scene::{Bounds, Camera, Density, Environment, Lens, Light, Medium, Scene};
 use glam::Vec3;
@@ -161,8 +161,8 @@ fn in_smoke(setting: Setting) -> Result<Setting> {
     let half = around.size() * Vec3::new(0.61, 0.73, 0.63);
     let middle = around.centre() + around.size() * Vec3::new(0.02, 0.05, -0.03);
     let bounds = Bounds { min: middle - half, max: middle + half };
-    let smoke = Smoke { seed: 5, billow: 0.1 * bounds.diagonal(), cover: 1.0 };
-    let grid = smoke.grid(bounds, 24).context("smoke")?;
+    let smoke = Weather::smoke(5, 0.1 * bounds.diagonal(), 1.0);
+    let grid = smoke.grid(bounds, 24, 0.0).context("smoke")?;
     let thick = 4.0 / bounds.diagonal();
     let medium = Medium::new(
         Vec3::new(0.1, 0.2, 0.3) * thick,

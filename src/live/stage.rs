@@ -101,6 +101,7 @@ impl Args {
                 additions: seen.additions,
                 seed: seen.seed,
                 animated: animated.span().is_some(),
+                time: seen.time,
             };
             let completed = complete(&traced, &camera, &wants)?;
             (traced, camera) = (completed.scene, completed.camera);

@@ -4,7 +4,7 @@ use super::FogRange;
 use super::draw::{between, between_ratios, purpose};
 use crate::random::{mix, uniform};
 use deepshade_render::bvh::TracedScene;
-use deepshade_render::scene::medium::{MediumError, Smoke};
+use deepshade_render::scene::medium::{MediumError, Weather};
 use deepshade_render::scene::{Bounds, Density, Medium};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -62,8 +62,8 @@ impl Fog {
             Some(seed) => {
                 let share = |which: u64| uniform(&[u64::from(seed), which]);
                 let billow = bounds.diagonal() * between([0.08, 0.25], share(0));
-                let smoke = Smoke { seed, billow, cover: between([0.4, 0.8], share(1)) };
-                Density::Grid(smoke.grid(bounds, CELLS)?)
+                let smoke = Weather::smoke(seed, billow, between([0.4, 0.8], share(1)));
+                Density::Grid(smoke.grid(bounds, CELLS, 0.0)?)
             }
         };
         Medium::new(self.absorption, self.scattering, self.anisotropy, density)
@@ -94,7 +94,7 @@ mod tests {
         for smoke in [None, Some(3)] {
             assert!(fog(smoke).medium(&scene(0.0)).is_ok());
         }
-        assert!(matches!(fog(Some(3)).medium(&scene(2e6)), Err(MediumError::Smoke(_))));
+        assert!(matches!(fog(Some(3)).medium(&scene(2e6)), Err(MediumError::Weather { .. })));
         let thick = Fog { scattering: Vec3::splat(1e7), ..fog(None) };
         assert!(matches!(thick.medium(&scene(0.0)), Err(MediumError::Coefficient { .. })));
     }

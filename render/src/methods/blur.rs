@@ -36,7 +36,8 @@ impl Parameters {
             step_y,
             radius: self.radius as i32,
             falloff: 0.5 / (sigma * sigma),
-            sharpness: self.sharpness / view.radius,
+            // Of an effect that reaches nowhere it would be infinite.
+            sharpness: (self.sharpness / view.radius).min(1e18),
             background: effect.background().unwrap_or(0.0),
         };
         [along(1, 0), along(0, 1)]
@@ -73,10 +74,12 @@ impl Blur {
     ) -> Result<[MethodStep; 2], GpuError> {
         let (height, width) = (gbuffer.height(), gbuffer.width());
         let half_blurred = gpu::empty::<f32>(device, "blur.half_blurred", self.channels * height * width)?;
-        self.steps_between(device, gbuffer, [rows, columns], &half_blurred, image)
+        let valid = gbuffer.buffer(Attribute::Valid);
+        self.steps_between(device, gbuffer, valid, [rows, columns], &half_blurred, image)
     }
 
-    /// As [`Blur::steps`], with the caller's room for what lies between the two.
+    /// As [`Blur::steps`], only among pixels of which a mask, `[1, height, width]`, says the same and not 0, and with the caller's
+    /// room for what lies between the two.
     ///
     /// # Errors
     /// If the device refuses a binding.
@@ -84,12 +87,14 @@ impl Blur {
         &self,
         device: &wgpu::Device,
         gbuffer: &GpuGBuffer,
+        mask: &wgpu::Buffer,
         [rows, columns]: [&wgpu::Buffer; 2],
         half_blurred: &wgpu::Buffer,
         image: &wgpu::Buffer,
     ) -> Result<[MethodStep; 2], GpuError> {
         let (height, width) = (gbuffer.height(), gbuffer.width());
-        let surface = [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
+        let [position, normal] = [Attribute::Position, Attribute::Normal].map(|a| gbuffer.buffer(a));
+        let surface = [position, normal, mask];
         let workgroups = gpu::groups(height, width, TILE);
         let step = |uniform: &wgpu::Buffer, from: &wgpu::Buffer, to: &wgpu::Buffer| {
             let reads = [&[uniform], &surface[..], &[from]].concat();
@@ -129,7 +134,7 @@ fn smoothed<const CHANNELS: usize>(
     let mut weights = 0.0;
     for i in -blur.radius..=blur.radius {
         let at = centre + i * IVec2::new(blur.step_x, blur.step_y);
-        if !surface.contains(at) || !surface.valid_at(at) {
+        if !surface.contains(at) || !surface.is_alike(at, centre) {
             continue;
         }
         let off_plane = blur.sharpness * normal.dot(surface.position_at(at) - position);

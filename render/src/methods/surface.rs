@@ -15,7 +15,7 @@ pub struct Surface {
     pub position: Planes,
     /// [`Attribute::Normal`], `[3, height, width]`, camera space.
     pub normal: Planes,
-    /// [`Attribute::Valid`], `[1, height, width]`.
+    /// [`Attribute::Valid`], `[1, height, width]`, or a mask that tells more than one kind of surface apart.
     pub valid: Planes,
 }
 
@@ -52,6 +52,12 @@ impl Surface {
     /// Whether there is one.
     pub fn valid_at(&self, at: IVec2) -> bool {
         shows_surface(self.valid.at(0, at.y as usize, at.x as usize))
+    }
+
+    /// Whether there is one of the same kind as at another pixel.
+    pub fn is_alike(&self, at: IVec2, other: IVec2) -> bool {
+        let kind = |at: IVec2| (self.valid.at(0, at.y as usize, at.x as usize) + 0.5).floor();
+        self.valid_at(at) && kind(at) == kind(other)
     }
 
     /// An image of `value`, `[channels, height, width]`, where a surface is seen and of `background` elsewhere.

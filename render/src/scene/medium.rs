@@ -4,13 +4,16 @@
 //! medium without a box reaches to infinity and swallows all light of the environment and of directional lights: that
 //! is its defined result, a box lets them in.
 
+mod array;
+mod file;
 mod grid;
-mod smoke;
 mod vol;
+mod weather;
 
+pub use file::DensityFile;
 pub use grid::DensityGrid;
-pub use smoke::Smoke;
 pub use vol::write_vol;
+pub use weather::{Weather, WeatherKind};
 
 use super::Bounds;
 use glam::Vec3;
@@ -86,9 +89,17 @@ pub enum MediumError {
         /// What was found.
         value: f32,
     },
-    /// Smoke that noise cannot make.
-    #[error("smoke with billows of {} m and cover {}: not finite, or too fine", .0.billow, .0.cover)]
-    Smoke(Smoke),
+    /// What noise cannot make.
+    #[error(
+        "{:?} at {time} s, with billows of {} m, cover {}, wind {} m/s and churn {} /s: not finite, too fine, or gone too far",
+        weather.kind, weather.billow, weather.cover, weather.wind, weather.churn
+    )]
+    Weather {
+        /// What it was to be.
+        weather: Weather,
+        /// When, seconds.
+        time: f32,
+    },
     /// Light would collide too often in the densest part of the grid.
     #[error(
         "a medium with {0:e} mean free paths across its box at the largest density: at most {MOST_COLLISIONS:e}"

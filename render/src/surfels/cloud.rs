@@ -197,24 +197,4 @@ impl Cloud {
         let totals: Vec<u32> = gpu::read_part(device, queue, &self.totals, 0, 8)?;
         Ok([totals[0], totals[1]])
     }
-
-    /// Bytes that it takes.
-    pub fn bytes(&self) -> u64 {
-        let [blocks, all] = &self.sums;
-        [
-            &self.vertices,
-            &self.patches,
-            &self.amounts,
-            &self.starts,
-            &self.totals,
-            &self.surfels,
-            &self.nodes,
-            blocks,
-            all,
-        ]
-        .into_iter()
-        .chain(&self.sent)
-        .map(wgpu::Buffer::size)
-        .sum()
-    }
 }

@@ -48,7 +48,7 @@ pub fn steps(
     let uniforms = cloud::Uniforms { settings, view };
     let mut steps = passes.surfel_steps(device, world, &cloud, uniforms)?;
     if let (Some(lit), Some(sent)) = (lit, &cloud.sent) {
-        steps.push(LightPass::new(device, world, lit)?.step(device, world, &cloud, uniforms, sent)?);
+        steps.push(LightPass::new(device, world, lit)?.step(device, world, &cloud, view, sent)?);
     }
     steps.extend(passes.tree_steps(device, &cloud, tree)?);
     Ok((cloud, steps))

@@ -1,7 +1,7 @@
 //! The pass that lights surfels by a scene's lights, with shadows by the lights' maps (thesis 4.3, "One-bounce Indirect
 //! Illumination"). What they send is in a buffer of its own, which effects without light do not have.
 
-use super::cloud::{Cloud, SURFEL_GROUPS, Uniforms};
+use super::cloud::{Cloud, SURFEL_GROUPS};
 use crate::raster::World;
 use crate::raster::light::{Lights, shadow_sampler};
 use crate::screen::{MethodStep, Step, Workgroups};
@@ -44,13 +44,13 @@ impl LightPass {
         device: &wgpu::Device,
         world: &World,
         cloud: &Cloud,
-        Uniforms { settings, view }: Uniforms<'_>,
+        view: &wgpu::Buffer,
         sent: &wgpu::Buffer,
     ) -> Result<MethodStep, GpuError> {
         let Lights { records, map_views, pictures, .. } = &world.gpu_lights;
         let Cloud { patches, starts, totals, surfels, .. } = cloud;
         let sampler = shadow_sampler(device);
-        let buffers = [settings, view, patches, starts, totals, surfels, records, map_views, pictures];
+        let buffers = [view, patches, starts, totals, surfels, records, map_views, pictures];
         let mut resources: Vec<_> = buffers.map(|buffer| buffer.as_entire_binding()).into();
         resources.extend([
             wgpu::BindingResource::TextureView(&world.shadows.maps),

@@ -12,7 +12,11 @@
 //! - [`reference`](mod@reference) is the slow, plain version.
 //!
 //! Unlike the paper's, no tessellation hardware is needed, no surfel is made that is thrown away, and surfels neither
-//! jump nor pop up when the camera moves, as each stays where it is and grows.
+//! jump nor pop up when the camera moves, as each stays where it is and grows, in all frames at the same place.
+//!
+//! Limits. Where more than [`MOST`] are wanted, which of them stand for all changes with their number. Surfels have the
+//! normals of their triangles, not those that smooth meshes are shaded with. Lamps light them; emissive triangles and the
+//! environment do not.
 
 pub mod closed;
 pub mod cloud;
@@ -68,7 +72,6 @@ impl Parameters {
             slope: self.scale * (0.5 * view.camera.vertical_fov).tan(),
             near: self.near * view.radius,
             reach: view.radius,
-            seed: view.seed,
         }
     }
 }

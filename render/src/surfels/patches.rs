@@ -164,6 +164,16 @@ mod tests {
     fn neighbours_along_the_curve_are_neighbours_in_space() {
         assert_eq!(morton(Vec3::ZERO), 0);
         assert_eq!(morton(Vec3::ONE), (1 << 63) - 1);
-        assert!(morton(Vec3::new(0.1, 0.2, 0.3)) < morton(Vec3::new(0.1, 0.2, 0.7)));
+        let mut cells: Vec<Vec3> = (0..4096u16)
+            .map(|i| Vec3::from([i % 16, i / 16 % 16, i / 256].map(|cell| (f32::from(cell) + 0.5) / 16.0)))
+            .collect();
+        cells.sort_by_key(|cell| morton(*cell));
+        // Sixteen that follow one another lie in 4 x 2 x 2 cells; of rows they would be one.
+        let extent = |cells: &[Vec3]| {
+            let low = cells.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+            let high = cells.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+            16.0 * (high - low).max_element()
+        };
+        assert!(cells.chunks(16).all(|sixteen| extent(sixteen) < 3.5));
     }
 }

@@ -5,7 +5,7 @@ use crate::bvh::TracedScene;
 use crate::path::lights::Arrival;
 use crate::scene::{Camera, Mesh, Scene};
 use crate::screen::View;
-use deepshade_shaders::random::{hash, random};
+use deepshade_shaders::random::random;
 use deepshade_shaders::wgsl::uniforms;
 use glam::{Mat3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -112,8 +112,8 @@ pub fn roulette(share: f32, threshold: f32) -> f32 {
 
 /// Steps of the golden ratio: of patches that follow one another, and so lie together, always about the same share has
 /// a surfel.
-fn threshold(index: u32, seed: u32) -> f32 {
-    (index.wrapping_mul(2_654_435_769).wrapping_add(hash(seed)) >> 8) as f32 / (1 << 24) as f32
+fn threshold(index: u32) -> f32 {
+    (index.wrapping_mul(2_654_435_769) >> 8) as f32 / (1 << 24) as f32
 }
 
 /// How many surfels each patch gets; the last one is the fraction of one.
@@ -130,7 +130,7 @@ pub fn amounts(patches: &[Patch], vertices: &[Vec3], settings: &uniforms::Surfel
         let share = laid.area / (PI * laid.radius * laid.radius);
         let there = share > 0.0 && share < 2.0 * MOST_A_PATCH;
         match there && matters(laid.middle(), laid.extent() + settings.reach) {
-            true if share < 1.0 => roulette(share, threshold(index as u32, settings.seed)),
+            true if share < 1.0 => roulette(share, threshold(index as u32)),
             true => share,
             false => 0.0,
         }
@@ -152,7 +152,7 @@ pub fn disks(
         let it = Laid::new(patch, vertices, settings);
         let (patch, amount, index) = (*patch, *amount, index as u32);
         (0..amount.ceil() as u32).map(move |number| {
-            let offset = [1, 2].map(|dimension| random(index, 0, settings.seed, dimension));
+            let offset = [1, 2].map(|dimension| random(index, 0, 0, dimension));
             let at = (Vec2::from(offset) + STRIDE * (number + 1) as f32).fract();
             let at = if at.x + at.y > 1.0 { Vec2::ONE - at } else { at };
             let weights = it.weights * Vec3::new(1.0 - at.x - at.y, at.x, at.y);
@@ -164,7 +164,7 @@ pub fn disks(
                     it.normal(),
                     patch.is_open(),
                     it.radius * (share * spread).sqrt(),
-                    random(index, number, settings.seed, 4),
+                    random(index, number, 0, 4),
                 ))
             }
         })
@@ -177,7 +177,7 @@ pub fn disks(
     let begin = |index: usize| index * (wanted.len() / MOST) + ((index * rest) >> 12);
     let chosen = |index: usize| {
         let count = (begin(index + 1) - begin(index)) as f32;
-        wanted[begin(index) + (random(index as u32, 0, settings.seed, 3) * count) as usize]
+        wanted[begin(index) + (random(index as u32, 0, 0, 3) * count) as usize]
     };
     (0..MOST).map(chosen).collect()
 }

@@ -119,7 +119,7 @@ mod tests {
             farthest = farthest.max(found.normal().angle_between(normal));
             assert_eq!((found.is_open(), found.radius()), (i % 2 == 0, 1.0));
         }
-        assert!(farthest < 0.004, "{farthest} rad");
+        assert!(farthest < 0.0042, "{farthest} rad");
         for normal in [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z] {
             assert_eq!(of(normal, false, 1.0, 0.5).normal(), normal);
         }

@@ -7,7 +7,7 @@ table! {
     SURFELS_VERTICES: "surfels.vertices", file "surfels/vertices", constants [], uniforms [FrameView], shared ["view"];
     /// How many surfels each patch gets.
     SURFELS_MEASURE: "surfels.measure", file "surfels/measure", constants [HEIGHT = 8], uniforms [Surfels, FrameView],
-        shared ["random", "surfel", "surfel_patch_record", "patch_corners", "surfel_patch"];
+        shared ["surfel", "surfel_patch_record", "patch_corners", "surfel_patch"];
     /// Sums of 64 numbers each.
     SURFELS_SUM: "surfels.sum", file "surfels/sum", constants [], uniforms [], shared [];
     /// Where each of a few sums begins, and how many surfels there are.
@@ -35,12 +35,12 @@ table! {
         shared ["surfel_openness"];
     /// Direct light that surfels reflect.
     SURFELS_REFLECTED: "surfels.reflected", file "surfels/light", constants [LIGHTS = 1, HEIGHT = 8],
-        uniforms [Surfels, FrameView, LightRecord],
+        uniforms [FrameView, LightRecord],
         shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_patch_record", "surfel_order", "lights",
                 "shadow", "surfel_reflected"];
     /// Direct light that falls on surfels.
     SURFELS_RECEIVED: "surfels.received", file "surfels/light", constants [LIGHTS = 1, HEIGHT = 8],
-        uniforms [Surfels, FrameView, LightRecord],
+        uniforms [FrameView, LightRecord],
         shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_patch_record", "surfel_order", "lights",
                 "shadow", "surfel_received"];
     /// The lowest nodes of the tree, of surfels that send light.
@@ -79,7 +79,7 @@ table! {
         shared ["diffusion_length"];
     /// Light that objects on a level give through themselves.
     SURFEL_GIVEN: "surfel.given", file "methods/surfel/splat",
-        constants [CHANNELS = 6, HEIGHT = 8], uniforms [SplatLevel],
+        constants [CHANNELS = 12, HEIGHT = 8], uniforms [SplatLevel],
         shared ["random", "surface", "bounded", "packing", "interleaved", "surfel", "surfel_record", "surfel_tree",
                 "surfel_walk", "surfel_scattering"];
     /// Scattered light.

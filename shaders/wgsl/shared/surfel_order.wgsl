@@ -1,4 +1,4 @@
-// Which surfel stands for a part of which patch. Passes bind `settings`, `totals` and `starts`, where the surfels of
+// Which surfel stands for a part of which patch. Passes bind `totals` and `starts`, where the surfels of
 // each patch begin among all that are wanted.
 
 // Where the surfels that are wanted begin of which the one of that index stands for all.
@@ -16,7 +16,7 @@ fn chosen(index: u32) -> u32 {
     }
     let begin = share_begin(index);
     let count = share_begin(index + 1u) - begin;
-    return begin + u32(random(vec2u(index, 0u), settings.seed, 3u) * f32(count));
+    return begin + u32(random(vec2u(index, 0u), 0u, 3u) * f32(count));
 }
 
 // The patch of a surfel that is wanted: the last one that begins no later.

@@ -1,6 +1,6 @@
 // What a surfel gives a point through the body below both (thesis 4.3, "Multiple Scattering"): a share of its light,
 // for red, green and blue apart, by the profile of Christensen and Burley 2015 at its distance times its area; and that
-// share. Those that face as the point's surface does apart from those that do not.
+// share. What lies on the point's side of the body apart from what lies on the other.
 
 // [4, height, width]: how far light goes below the surface, metres, red, green and blue; the object.
 @group(0) @binding(3) var<storage, read> bodies: array<f32>;
@@ -47,6 +47,14 @@ fn profile_share(radius: f32, distance: f32, scales: vec3f) -> vec3f {
     return select(vec3f(0.0), share, scales > vec3f(0.0));
 }
 
+// What of a surfel lies on the other side of a receiver's body: of a closed one what faces another way, of sheets, whose
+// triangles may face either, what lies below the receiver by more than it is large.
+fn far_share(surfel: Surfel, normal: vec3f, way: vec3f, receiver: Receiver) -> f32 {
+    let averted = 0.5 - 2.0 * dot(receiver.normal, normal);
+    let below = -dot(way, receiver.normal) / max(surfel_radius(surfel), 1e-20) - 0.5;
+    return clamp(select(averted, below, surfel_is_open(surfel)), 0.0, 1.0);
+}
+
 fn added(sum: mat4x3f, which: u32, way: vec3f, squared: f32, receiver: Receiver) -> mat4x3f {
     let surfel = surfels[which];
     let radius = surfel_radius(surfel);
@@ -63,8 +71,7 @@ fn added(sum: mat4x3f, which: u32, way: vec3f, squared: f32, receiver: Receiver)
     }
     let share = profile_share(radius, distance, receiver.scales);
     let light = share * unpack_radiance(sent[which].x);
-    // Not a branch: either is added to one side, and nothing to the other.
-    let far = select(0.0, 1.0, dot(receiver.normal, normal) < 0.0);
+    let far = far_share(surfel, normal, way, receiver);
     return sum + mat4x3f((1.0 - far) * light, (1.0 - far) * share, far * light, far * share);
 }
 

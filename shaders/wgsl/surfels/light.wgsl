@@ -1,18 +1,17 @@
 // Direct light of surfels, with shadows by the lights' maps (thesis 4.3, "One-bounce Indirect Illumination"), in a
 // buffer of its own: `sent_of` says what is kept of it.
 
-@group(0) @binding(0) var<uniform> settings: Surfels;
-@group(0) @binding(1) var<uniform> view: FrameView;
-@group(0) @binding(2) var<storage, read> patches: array<Patch>;
-@group(0) @binding(3) var<storage, read> starts: array<u32>;
-@group(0) @binding(4) var<storage, read> totals: Totals;
-@group(0) @binding(5) var<storage, read> surfels: array<Surfel>;
-@group(0) @binding(6) var<storage, read> lights: array<LightRecord>;
-@group(0) @binding(7) var<storage, read> map_views: array<FrameView>;
-@group(0) @binding(8) var<storage, read> pictures: array<u32>;
-@group(0) @binding(9) var maps: texture_depth_2d_array;
-@group(0) @binding(10) var map_sampler: sampler_comparison;
-@group(0) @binding(11) var<storage, read_write> sent: array<vec2u>;
+@group(0) @binding(0) var<uniform> view: FrameView;
+@group(0) @binding(1) var<storage, read> patches: array<Patch>;
+@group(0) @binding(2) var<storage, read> starts: array<u32>;
+@group(0) @binding(3) var<storage, read> totals: Totals;
+@group(0) @binding(4) var<storage, read> surfels: array<Surfel>;
+@group(0) @binding(5) var<storage, read> lights: array<LightRecord>;
+@group(0) @binding(6) var<storage, read> map_views: array<FrameView>;
+@group(0) @binding(7) var<storage, read> pictures: array<u32>;
+@group(0) @binding(8) var maps: texture_depth_2d_array;
+@group(0) @binding(9) var map_sampler: sampler_comparison;
+@group(0) @binding(10) var<storage, read_write> sent: array<vec2u>;
 
 @compute @workgroup_size(64)
 fn light_surfels(@builtin(global_invocation_id) id: vec3u) {

@@ -27,7 +27,7 @@ fn roulette(share: f32, threshold: f32) -> f32 {
 // Steps of the golden ratio: of patches that follow one another, and so lie together, always about the same share has a
 // surfel.
 fn threshold(index: u32) -> f32 {
-    return f32((index * 2654435769u + hash(settings.seed)) >> 8u) * 0x1p-24;
+    return f32((index * 2654435769u) >> 8u) * 0x1p-24;
 }
 
 // Whether what is this near to a point may be seen.

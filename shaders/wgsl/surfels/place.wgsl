@@ -38,13 +38,13 @@ fn place(@builtin(global_invocation_id) id: vec3u) {
         inwards(it.corners[1], middle, it.radius),
         inwards(it.corners[2], middle, it.radius),
     );
-    let offset = vec2f(random(vec2u(index, 0u), settings.seed, 1u), random(vec2u(index, 0u), settings.seed, 2u));
+    let offset = vec2f(random(vec2u(index, 0u), 0u, 1u), random(vec2u(index, 0u), 0u, 2u));
     var at = fract(offset + STRIDE * f32(number + 1u));
     if at.x + at.y > 1.0 {
         at = 1.0 - at;
     }
     let weights = it.weights * vec3f(1.0 - at.x - at.y, at);
     let normal = normalize(cross(it.corners[1] - it.corners[0], it.corners[2] - it.corners[0]));
-    let bits = bits_of_radius(radius, random(vec2u(index, number), settings.seed, 4u));
+    let bits = bits_of_radius(radius, random(vec2u(index, number), 0u, 4u));
     surfels[id.x] = new_surfel(inset * weights, normal, part_is_open(patches[index].part), bits);
 }

@@ -24,6 +24,7 @@
 //! over its edge, the more the coarser the level: thresholds are therefore smaller than those of
 //! [`surfel`](super::surfel). Few directions are noise, of bright things in a dark scene above all, and the filter
 //! turns it into blur. A far group of surfels is taken to look like the one of it that is met.
+//! Only lamps light surfels.
 //!
 //! Unlike [`surfel`](super::surfel) it does not grow darker, or brighter, with every surface behind the first; it takes
 //! a few times as long.
@@ -130,7 +131,5 @@ pub fn window(
 ) -> uniforms::BounceWindow {
     let [uniforms::Blur { width, height, radius, falloff, sharpness, background, .. }, _] =
         filter.settings(view, effect);
-    // Of an effect that reaches nowhere it would be infinite.
-    let sharpness = sharpness.min(1e18);
     uniforms::BounceWindow { width, height, directions, radius, falloff, sharpness, background }
 }

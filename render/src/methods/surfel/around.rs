@@ -60,6 +60,8 @@ pub struct Around {
     pub receivers: [wgpu::Buffer; 3],
     /// What else splats read, besides what surfels send.
     pub more: Vec<wgpu::Buffer>,
+    /// What tells apart surfaces that must not be blurred into one another, `[1, height, width]`.
+    pub mask: wgpu::Buffer,
     /// Where the sum of all levels goes, `[channels, height, width]`.
     pub total: wgpu::Buffer,
     /// Passes that run last.
@@ -86,6 +88,7 @@ impl Around {
         let plain = Self {
             before: vec![],
             more: vec![],
+            mask: valid.clone(),
             total: image.clone(),
             after: vec![],
             receivers: receivers.clone(),
@@ -107,6 +110,7 @@ impl Around {
             }
             Ending::Scattered { bodies, scatter } => {
                 let below = gpu::empty::<f32>(device, "surfel.bodies", 4 * pixels)?;
+                let mask = gpu::empty::<f32>(device, "surfel.body_mask", pixels)?;
                 let total = gpu::empty::<f32>(device, "surfel.given", 12 * pixels)?;
                 let [lengths, colour, object, light] = [
                     Attribute::MeanFreePath,
@@ -116,11 +120,11 @@ impl Around {
                 ]
                 .map(seen);
                 let reads = [size, valid, lengths, colour, object];
-                let before = vec![MethodStep::bind(device, bodies, whole, &reads, &[&below])?];
+                let before = vec![MethodStep::bind(device, bodies, whole, &reads, &[&below, &mask])?];
                 let reads = [size, valid, &total, light, colour];
                 let after = vec![MethodStep::bind(device, scatter, whole, &reads, &[image])?];
                 let [position, normal, _] = receivers;
-                Self { before, receivers: [position, normal, below], total, after, ..plain }
+                Self { before, receivers: [position, normal, below], mask, total, after, ..plain }
             }
         })
     }

@@ -6,7 +6,7 @@
 //! mirrors show surfels as blurred as they are coarse.
 //!
 //! What is blurred is light as a white surface would reflect it; it gets its colour afterwards. So colours stay sharp,
-//! and what is matte darkens nothing beside it. Roughness and normals that change within a plane are smeared.
+//! and what is matte darkens nothing beside it; pixels whose bent normal faces away from the eye do. Roughness and normals that change within a plane are smeared.
 
 use super::around::Ending;
 use super::reference::{Receiver, Shade, facing, sent};

@@ -19,7 +19,8 @@
 //! subsurface [`scattering`].
 //!
 //! Limits. What hides behind something occludes too: two sheets one behind the other occlude twice. A far group of
-//! surfels is taken to look like the one of it that was drawn.
+//! surfels is taken to look like the one of it that was drawn. One surfel more or less early in their order draws other
+//! ones on all coarser levels. Only lamps light surfels, emissive triangles and the environment do not.
 //!
 //! Unlike [`gtao`](super::gtao) and [`hbao`](super::hbao) it knows what the camera does not see: behind it, beside the
 //! image, behind something in front, and surfaces seen from their edge.

@@ -126,7 +126,14 @@ impl Passes {
         let reads = (0..).zip(reads).chain((8..).zip(more)).collect::<Vec<_>>();
         let groups = groups_of_level([gbuffer.width(), gbuffer.height()], level);
         let mut steps = vec![MethodStep::bind_at(device, &self.splat, groups, &reads, &[(7, sums)])?];
-        steps.extend(self.blur.steps_between(device, gbuffer, [rows, columns], half_blurred, sums)?);
+        steps.extend(self.blur.steps_between(
+            device,
+            gbuffer,
+            &around.mask,
+            [rows, columns],
+            half_blurred,
+            sums,
+        )?);
         let whole = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
         let valid = gbuffer.buffer(Attribute::Valid);
         steps.push(MethodStep::bind(device, &self.add, whole, &[sum, valid, sums], &[&around.total])?);

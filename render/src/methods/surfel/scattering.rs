@@ -4,19 +4,21 @@
 //!
 //! The profile is that of Christensen and Burley 2015, fitted to random walks, in place of the dipole: through a slab
 //! of white wax one mean free path thick the dipole lets 0.81 of the light, the profile 0.62, and truth 0.55. What
-//! surfels do not give stays with the pixel's own light, `E`. Those that face as the pixel does, with shares `n` of the
-//! profile, mix with it: `M = E (1 - sum of n) + sum of n E_i`. Those that do not face so are a thin body's far side: with
-//! shares `f` they give the light that goes through, and take as much of what would come back:
-//! `M (1 - sum of f) + sum of f E_i`. So even light stays as it is, whatever the surfels. Where there are layers one behind
-//! the other the shares of a side may be more than all of the profile, and are divided by their sum. Surfels nearer than
-//! one is large are left to the pixel.
+//! surfels do not give stays with the pixel's own light, `E`. Those on its side of the body, with shares `n` of the
+//! profile, mix with it: `M = E (1 - sum of n) + sum of n E_i`. Those on the far side of a thin body give with shares `f`
+//! the light that goes through, and take as much of what would come back: `M (1 - sum of f) + sum of f E_i`. So even light
+//! stays as it is, whatever the surfels. The shares of a side are more than all of the profile where there are layers one
+//! behind the other, and here and there by the noise of coarse levels: they are divided by their sum then. Surfels nearer
+//! than one is large are left to the pixel.
 //!
 //! A pixel's own object gives and no other, from its far side too; of closed surfaces those that are met from within.
+//! Levels are blurred within each object.
 //! The paper bounds the reach by what a surfel sends; here it is where the receiver's profile ends, [`SUPPORT`].
 //!
 //! Limits. A sheet without thickness lets through all that falls on its other side. Between two points of a body
 //! nothing is in the way. What is absorbed is that of a half space, of thin bodies and ridges less in truth, which are
-//! too dark therefore. Light farther than [`SUPPORT`] lengths or the effect's radius is left to the pixel.
+//! too dark therefore. Between levels lie twelve channels: beyond 2.7 million pixels they are more than devices bind that allow
+//! 128 MiB. Light farther than [`SUPPORT`] lengths or the effect's radius is left to the pixel.
 //!
 //! It is no method for [`Effect::Sss`], whose truth knows what the image shows and nothing else: what surfels know
 //! beyond that would count as an error.
@@ -24,6 +26,7 @@
 use super::around::Ending;
 use super::reference::{self, Receiver, Shade};
 use super::{Plain, Surfel, SurfelEffect, passes};
+use crate::methods::Surface;
 use crate::methods::surface::vector;
 use crate::path::sss::profile;
 use crate::screen::Compiled;
@@ -31,7 +34,7 @@ use crate::surfels::reference::Disk;
 use crate::surfels::{Lit, Tree, patches};
 use deepshade_shaders::wgsl;
 use deepshade_shaders::{Attribute, Effect, MissingAttribute, Planes};
-use glam::Vec3;
+use glam::{IVec2, Vec3};
 use std::f32::consts::PI;
 
 /// Beyond so many lengths less than a thousandth of the profile is left: `3 exp(-r / (3 d)) / 4`.
@@ -88,7 +91,13 @@ impl SurfelEffect for Scattering {
         };
         let reach = |at| SUPPORT * scales(at).max_element();
         let shade = Shade { reach: &reach, of: &gives };
-        let sums = reference::sums(plain.surface, &disks, shade, plain.parameters, plain.view);
+        let mask = Planes::from_fn(1, plain.surface.height, plain.surface.width, |_, y, x| {
+            let enters =
+                plain.surface.valid.at(0, y, x) > 0.5 && scales(IVec2::new(x as i32, y as i32)) != Vec3::ZERO;
+            if enters { objects.at(0, y, x) + 1.0 } else { 0.0 }
+        });
+        let bodies = Surface { valid: mask, ..plain.surface.clone() };
+        let sums = reference::sums(&bodies, &disks, shade, plain.parameters, plain.view);
         Ok(plain.surface.image(0.0, |at| {
             let [x, y] = [at.x as usize, at.y as usize];
             std::array::from_fn::<f32, 3, _>(|c| {
@@ -141,6 +150,14 @@ pub fn scattered(own: f32, colour: f32, near: Side, far: Side) -> f32 {
     above * (1.0 - far.share) + colour * far.light
 }
 
+/// What of a disk lies on the other side of a pixel's body: of a closed one what faces another way, of sheets, whose triangles
+/// may face either, what lies below the pixel by more than it is large.
+fn far_share(disk: &Disk, way: Vec3, normal: Vec3) -> f32 {
+    let averted = 0.5 - 2.0 * normal.dot(disk.normal);
+    let below = -way.dot(normal) / disk.radius.max(1e-20) - 0.5;
+    if disk.open { below } else { averted }.clamp(0.0, 1.0)
+}
+
 /// What a disk gives a pixel with a normal: light, and the shares of the profile that it comes by, as one of the pixel's
 /// side, then as one of the other. What is nearer than it is large is the pixel's own. No light falls on the inside of a
 /// body, so what falls on front and back is one.
@@ -151,9 +168,11 @@ pub fn given(disk: &Disk, way: Vec3, normal: Vec3, scales: Vec3) -> [f32; 12] {
         let area = PI * disk.radius * disk.radius;
         let share = scales.map(|d| if d > 0.0 { area * profile(distance, d) } else { 0.0 });
         let light = share * (disk.sent[0] + disk.sent[1]);
-        let first = if disk.normal.dot(normal) < 0.0 { 6 } else { 0 };
-        sides[first..first + 3].copy_from_slice(&light.to_array());
-        sides[first + 3..first + 6].copy_from_slice(&share.to_array());
+        let far = far_share(disk, way, normal);
+        for (side, part) in sides.chunks_exact_mut(6).zip([1.0 - far, far]) {
+            side[..3].copy_from_slice(&(part * light).to_array());
+            side[3..].copy_from_slice(&(part * share).to_array());
+        }
     }
     sides
 }

@@ -8,6 +8,7 @@ use super::indirect::SurfelIndirect;
 use super::occlusion::{Occlusion, SurfelOcclusion};
 use super::reference::{LIGHT, OCCLUSION, brute_force, form_factor, level_sums, openness};
 use super::{MOST_LEVELS, Parameters, Plain, SurfelEffect, shells};
+use crate::method::{Frame, Method, Repeats};
 use crate::methods::proving::beyond::{
     corner, disk_mesh, prove_twin, scene_of, seen, shaded_by_surfels, sphere_mesh,
 };
@@ -191,6 +192,21 @@ fn the_passes_make_of_their_surfels_what_the_plain_version_does() {
         assert_eq!(agree(&image, &right, tolerance), Ok(()), "{family:?}");
         prove_comparator(&right, tolerance);
     }
+}
+
+#[test]
+fn an_effect_that_reaches_nowhere_does_nothing() {
+    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+    let (scene, view, gbuffer) = corner();
+    let frame = Frame { scene: &scene, camera: &view.camera, gbuffer: &gbuffer, radius: 0.0, seed: 1 };
+    let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
+    let parameters = Parameters { surfels: coarse, ..Parameters::default() };
+    let occlusion = SurfelOcclusion::new(&gpu, parameters.into()).expect("valid shaders");
+    let image = Method::shade(&occlusion, &frame, Repeats::ONCE).expect("an image").image;
+    assert!(image.data().iter().all(|open| *open == 1.0));
+    let indirect = SurfelIndirect::new(&gpu, parameters.into()).expect("valid shaders");
+    let image = Method::shade(&indirect, &frame, Repeats::ONCE).expect("an image").image;
+    assert!(image.data().iter().all(|light| *light == 0.0));
 }
 
 #[test]

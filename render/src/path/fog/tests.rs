@@ -6,7 +6,7 @@ use crate::path::medium::HenyeyGreenstein;
 use crate::path::proving::{Measured, prove_slope, quad};
 use crate::path::sampler::{PixelSampler, Stream};
 use crate::path::{Integrator, Sampling, render};
-use crate::scene::medium::Smoke;
+use crate::scene::medium::Weather;
 use crate::scene::{
     Bounds, Camera, Density, DensityGrid, Environment, Gloss, Light, Material, MaterialId, Medium, Mesh,
     Scene,
@@ -351,7 +351,7 @@ fn room_camera() -> Camera {
 #[test]
 fn the_three_and_dimmed_surfaces_add_up_to_full_path_tracing() {
     let bounds = within([-1.8, 0.4, -1.5], [1.8, 1.9, 1.5]);
-    let smoke = Smoke { seed: 2, billow: 1.0, cover: 0.8 }.grid(bounds, 12).expect("smoke");
+    let smoke = Weather::smoke(2, 1.0, 0.8).grid(bounds, 12, 0.0).expect("smoke");
     for density in [Density::Within(bounds), Density::Grid(smoke)] {
         let (scene, camera) = (room(density), room_camera());
         let shot = Shot::new(&scene, &camera, [2, 3], f32::INFINITY);
@@ -381,7 +381,7 @@ fn furnace(albedo: f32, density: Density, sky: Vec3) -> TracedScene {
 fn white_fog_under_an_even_sky_is_not_seen() {
     let sky = Vec3::new(1.0, 0.5, 2.0);
     let bounds = within([-1.5, -1.0, -1.2], [1.5, 1.0, 1.2]);
-    let smoke = Smoke { seed: 5, billow: 0.8, cover: 0.9 }.grid(bounds, 12).expect("smoke");
+    let smoke = Weather::smoke(5, 0.8, 0.9).grid(bounds, 12, 0.0).expect("smoke");
     for density in [Density::Within(bounds), Density::Grid(smoke)] {
         for target in [Vec3::ZERO, Vec3::new(0.0, 0.4, 0.1)] {
             let camera = Camera::look_at(Vec3::new(-3.0, 0.8, 0.3), target);
@@ -407,7 +407,7 @@ fn white_fog_under_an_even_sky_is_not_seen() {
 #[test]
 fn images_do_not_depend_on_the_number_of_threads() {
     let bounds = within([-1.8, 0.4, -1.5], [1.8, 1.9, 1.5]);
-    let smoke = Smoke { seed: 2, billow: 1.0, cover: 0.8 }.grid(bounds, 12).expect("smoke");
+    let smoke = Weather::smoke(2, 1.0, 0.8).grid(bounds, 12, 0.0).expect("smoke");
     let (scene, camera) = (room(Density::Grid(smoke)), room_camera());
     for effect in [Effect::FogDirect, Effect::FogIndirect, Effect::FogMultiple, Effect::Path] {
         let image = |threads| {

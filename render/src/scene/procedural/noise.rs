@@ -19,21 +19,28 @@ pub fn gradient(seed: u32, point: Vec3) -> f32 {
 
 /// Octaves of noise, each twice as fine and half as strong as the one before, in about [-1, 1].
 pub fn fbm(seed: u32, point: Vec3, octaves: u32) -> f32 {
-    octave_sum(seed, point, octaves, |value| value)
+    drifting_fbm(seed, point, octaves, 0.0)
+}
+
+/// Like [`fbm`], each octave moved by so many of its own features: along x, y, z and against them in turn, so that they
+/// change what they make together.
+pub fn drifting_fbm(seed: u32, point: Vec3, octaves: u32, drift: f32) -> f32 {
+    octave_sum(seed, point, octaves, drift, |value| value)
 }
 
 /// Like [`fbm`], but with sharp crests: each octave is 1 - 2 |noise|.
 pub fn ridged(seed: u32, point: Vec3, octaves: u32) -> f32 {
-    octave_sum(seed, point, octaves, |value| 1.0 - 2.0 * value.abs())
+    octave_sum(seed, point, octaves, 0.0, |value| 1.0 - 2.0 * value.abs())
 }
 
-fn octave_sum(seed: u32, point: Vec3, octaves: u32, shape: impl Fn(f32) -> f32) -> f32 {
+fn octave_sum(seed: u32, point: Vec3, octaves: u32, drift: f32, shape: impl Fn(f32) -> f32) -> f32 {
     let mut sum = 0.0;
     let (mut strength, mut total) = (1.0, 0.0);
     for octave in 0..octaves {
         // The shift keeps the zeros at whole numbers of the octaves from falling together.
         let at = point * (1 << octave) as f32 + Vec3::splat(0.37 * octave as f32);
-        sum += strength * shape(gradient(seed.wrapping_add(octave), at));
+        let way = Vec3::AXES[octave as usize % 3] * if octave % 2 == 0 { drift } else { -drift };
+        sum += strength * shape(gradient(seed.wrapping_add(octave), at + way));
         total += strength;
         strength *= 0.5;
     }

@@ -11,8 +11,6 @@ uniforms! {
         near: f32,
         /// How far the effect reaches, metres.
         reach: f32,
-        /// Chooses where surfels lie.
-        seed: u32,
     }
 
     /// A level of the tree over surfels.

@@ -30,7 +30,7 @@ fn smooth_noise(@builtin(global_invocation_id) id: vec3u) {
             continue;
         }
         let index = u32(at.y) * blur.width + u32(at.x);
-        if !surface_valid(index) {
+        if !surface_alike(index, centre) {
             continue;
         }
         let off_plane = blur.sharpness * dot(normal, surface_position(index, pixels) - position);

@@ -130,6 +130,7 @@ fn trace(@builtin(global_invocation_id) id: vec3u) {
     let at = pixel.y * bounces.width + pixel.x;
     let reflector = reflector_at(at, pixels);
     if !surface_valid(at) || !reflects(reflector) {
+        met[at + id.z * pixels] = NONE;
         return;
     }
     let position = surface_position(at, pixels);

@@ -18,11 +18,11 @@ fn outer(distance: f32, receiver: Receiver) -> f32 {
     return select(min(receiver.reach, distance * level.farthest), receiver.reach, level.last == 1u);
 }
 
-// Whether a surfel below a node may do something to a receiver.
+// Whether a surfel below a node may do something to a receiver: not if all are as good as not there.
 fn reaches(node: Node, receiver: Query) -> bool {
     let gap = max(max(receiver.position - node.high.xyz, node.low.xyz - receiver.position), vec3f(0.0));
     let reach = outer(node.low.w, receiver);
-    return dot(gap, gap) <= reach * reach;
+    return node.low.w > 0.0 && dot(gap, gap) <= reach * reach;
 }
 
 @compute @workgroup_size(TILE, TILE)

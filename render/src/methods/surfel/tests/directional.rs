@@ -4,7 +4,6 @@ use super::super::directional::SurfelDirectional;
 use super::*;
 use crate::bvh::TracedScene;
 use crate::gbuffer;
-use crate::method::{Frame, Method, Repeats};
 use crate::methods::proving::beyond::ATTRIBUTES;
 use crate::methods::proving::{self, mean_difference};
 use crate::path::proving::{spotted, with_environment};

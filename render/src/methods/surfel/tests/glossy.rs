@@ -5,7 +5,6 @@ use super::super::glossy::SurfelGlossy;
 use super::*;
 use crate::bvh::TracedScene;
 use crate::gbuffer;
-use crate::method::{Frame, Method, Repeats};
 use crate::methods::bounced_z::{self, glossy::BouncedGlossy};
 use crate::methods::lobe::ATTRIBUTES;
 use crate::methods::proving::mean_difference;

@@ -1,0 +1,194 @@
+//! Densities from files: Mitsuba's volumes (`.vol`), and descriptions (`.toml`) of an array or of weather, with the box that
+//! they fill:
+//!
+//! ```toml
+//! [array]                    # or [weather], as `Weather` has it, with `cells` along the longest edge
+//! file = "smoke.npy"
+//!
+//! [box]                      # without it, the scene's
+//! min = [-1.0, 0.0, -1.0]
+//! max = [1.0, 2.0, 1.0]
+//! ```
+//!
+//! OpenVDB is not read: the one crate that reads it is no longer kept. Its own Python module makes an array of a grid.
+
+use super::array::{Array, Cells};
+use super::{DensityGrid, MediumError, Weather};
+use crate::scene::Bounds;
+use glam::Vec3;
+use serde::Deserialize;
+use std::path::Path;
+
+/// Cells of weather along the longest edge of its box, where none are stated.
+const CELLS: usize = 64;
+
+/// Densities of a file, which may change with time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DensityFile {
+    source: Source,
+    bounds: Option<Bounds>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Source {
+    Grid(DensityGrid),
+    Cells(Cells),
+    Weather { weather: Weather, cells: usize },
+}
+
+/// What a description says.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Description {
+    array: Option<Array>,
+    weather: Option<DescribedWeather>,
+    #[serde(rename = "box")]
+    bounds: Option<Corners>,
+}
+
+#[derive(Deserialize)]
+struct DescribedWeather {
+    #[serde(default = "cells")]
+    cells: usize,
+    #[serde(flatten)]
+    weather: Weather,
+}
+
+fn cells() -> usize {
+    CELLS
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Corners {
+    min: Vec3,
+    max: Vec3,
+}
+
+impl DensityFile {
+    /// Reads a volume or a description, and what it names.
+    ///
+    /// # Errors
+    /// If a file is missing, damaged, of another kind, or says what cannot be.
+    pub fn read(path: &Path) -> Result<Self, MediumError> {
+        let ends = |ending: &str| path.extension().is_some_and(|end| end.eq_ignore_ascii_case(ending));
+        if ends("vol") {
+            return Ok(Self { source: Source::Grid(DensityGrid::read_vol(path, None)?), bounds: None });
+        }
+        let invalid = |what: String| MediumError::File { path: path.to_owned(), what };
+        if !ends("toml") {
+            return Err(invalid("is neither a volume (.vol) nor a description (.toml)".to_owned()));
+        }
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| MediumError::Io { path: path.to_owned(), source })?;
+        let Description { array, weather, bounds } =
+            toml::from_str(&text).map_err(|error| invalid(error.to_string()))?;
+        let source = match (array, weather) {
+            (Some(array), None) => Source::Cells(array.read(path.parent().unwrap_or(Path::new("")))?),
+            (None, Some(DescribedWeather { cells, weather })) => Source::Weather { weather, cells },
+            _ => return Err(invalid("needs either [array] or [weather]".to_owned())),
+        };
+        Ok(Self { source, bounds: bounds.map(|Corners { min, max }| Bounds { min, max }) })
+    }
+
+    /// The grid at a time, seconds; in a scene's box where the file states none.
+    ///
+    /// # Errors
+    /// As [`DensityGrid::new`] and [`Weather::grid`].
+    pub fn grid(&self, scene: Bounds, time: f32) -> Result<DensityGrid, MediumError> {
+        let bounds = self.bounds.unwrap_or(scene);
+        match &self.source {
+            Source::Grid(grid) => Ok(grid.clone()),
+            Source::Cells(Cells { size, values }) => DensityGrid::new(bounds, *size, values.clone()),
+            Source::Weather { weather, cells } => weather.grid(bounds, *cells, time),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::medium::{WeatherKind, write_vol};
+
+    const UNIT: Bounds = Bounds { min: Vec3::ZERO, max: Vec3::ONE };
+    const OTHER: Bounds = Bounds { min: Vec3::new(-1.0, 0.0, 0.0), max: Vec3::new(1.0, 2.0, 3.0) };
+
+    /// What is read of a description, in a folder with raw numbers of eight cells.
+    fn read(text: &str) -> Result<DensityFile, String> {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("eight.raw"), [0, 51, 102, 153, 204, 255, 0, 51]).expect("written");
+        let path = folder.path().join("medium.toml");
+        std::fs::write(&path, text).expect("written");
+        DensityFile::read(&path).map_err(|error| error.to_string())
+    }
+
+    const EIGHT: &str = "[array]\nfile = \"eight.raw\"\ncells = [2, 2, 2]\nnumbers = \"u8\"\nscale = 10.0\n";
+    const CLOUDS: &str =
+        "[weather]\nkind = \"clouds\"\nseed = 7\nbillow = 0.5\ncover = 0.6\nwind = [1.0, 0.0, 0.0]\n";
+
+    #[test]
+    fn arrays_fill_their_box_or_the_scenes() {
+        let grid = read(EIGHT).expect("a file").grid(UNIT, 3.0).expect("a grid");
+        assert_eq!((grid.bounds(), grid.size(), grid.largest()), (UNIT, [2; 3], 10.0));
+        assert_eq!(grid.at(Vec3::new(0.75, 0.25, 0.25)), 2.0);
+        let boxed = format!("{EIGHT}[box]\nmin = [-1.0, 0.0, 0.0]\nmax = [1.0, 2.0, 3.0]\n");
+        assert_eq!(read(&boxed).expect("a file").grid(UNIT, 0.0).expect("a grid").bounds(), OTHER);
+    }
+
+    #[test]
+    fn weather_changes_with_time() {
+        let clouds = read(CLOUDS).expect("a file");
+        let at = |time| clouds.grid(OTHER, time).expect("clouds");
+        let weather = Weather {
+            kind: WeatherKind::Clouds,
+            seed: 7,
+            billow: 0.5,
+            cover: 0.6,
+            wind: Vec3::X,
+            churn: 0.0,
+        };
+        assert_eq!(at(0.5), weather.grid(OTHER, CELLS, 0.5).expect("clouds"));
+        assert_ne!(at(0.5), at(0.0));
+        let coarse = CLOUDS.replace("seed", "cells = 9\nseed");
+        assert_eq!(read(&coarse).expect("a file").grid(OTHER, 0.0).expect("clouds").size(), [6, 6, 9]);
+    }
+
+    #[test]
+    fn volumes_state_their_box() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.vol");
+        write_vol(&path, OTHER, [1, 1, 2], 1, &[0.5, 1.0]).expect("written");
+        let grid = DensityFile::read(&path).expect("a file").grid(UNIT, 0.0).expect("a grid");
+        assert_eq!((grid.bounds(), grid.values()), (OTHER, &[0.5, 1.0][..]));
+    }
+
+    #[test]
+    fn what_a_description_cannot_say_is_named() {
+        let both = format!("{EIGHT}{CLOUDS}");
+        for (text, expected) in [
+            ("", "needs either [array] or [weather]"),
+            (&*both, "needs either [array] or [weather]"),
+            (&CLOUDS.replace("clouds", "snow"), "snow"),
+            (&CLOUDS.replace("cover", "covers"), "cover"),
+            (&EIGHT.replace("scale", "scales"), "scales"),
+            (&EIGHT.replace("u8", "u9"), "u9"),
+            (&EIGHT.replace("eight.raw", "none.raw"), "none.raw: "),
+            ("[box]\nmin = 1\nmax = 2\n", "medium.toml: "),
+            ("[array", "medium.toml: "),
+        ] {
+            let said = read(text).expect_err(expected);
+            assert!(said.contains(expected), "{said}: not {expected}");
+        }
+        let nan = read(&EIGHT.replace("10.0", "nan")).expect("a file").grid(UNIT, 0.0);
+        assert!(nan.expect_err("no number").to_string().contains("cell (0, 0, 0)"));
+        let flat = format!("{EIGHT}[box]\nmin = [0.0, 0.0, 0.0]\nmax = [1.0, 0.0, 1.0]\n");
+        let flat = read(&flat).expect("a file").grid(UNIT, 0.0);
+        assert!(matches!(flat, Err(MediumError::Box(_))));
+        assert!(
+            DensityFile::read(Path::new("smoke.vdb"))
+                .expect_err("a vdb")
+                .to_string()
+                .contains("smoke.vdb: is")
+        );
+    }
+}
