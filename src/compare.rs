@@ -31,6 +31,8 @@ pub const REPEATS: Repeats = Repeats { warm_up: 2, timed: 11 };
 
 /// Samples of a pixel of truth where none are asked for.
 const SAMPLES: u32 = 512;
+/// The method that takes minutes where others take seconds.
+const SLOW: &str = "aov";
 
 /// Compares methods on a scene: images, errors, milliseconds and a page to look at.
 #[derive(clap::Args)]
@@ -44,8 +46,8 @@ pub struct Args {
     /// What is computed.
     #[arg(long, default_value = "ao")]
     effect: Effect,
-    /// Which methods, by default all that compute the effect, `learned` only where there is a network; truth is always rendered, since the others are measured
-    /// against it.
+    /// Which methods, by default all that compute the effect, `learned` only where there is a network, and not `aov`, which
+    /// takes minutes where the radius is large; truth is always rendered, since the others are measured against it.
     #[arg(long, value_delimiter = ',')]
     methods: Vec<String>,
     /// How much time analytic methods may take for a better image: low, medium, high or ultra.
@@ -102,7 +104,7 @@ pub struct Settings {
     pub repeats: Repeats,
 }
 
-/// All methods of the effect, but for `learned` where nobody names a network and none lies where it would.
+/// All methods of the effect, but for [`SLOW`], and for `learned` where nobody names a network and none lies where it would.
 fn default_methods(args: &Args) -> Vec<&'static str> {
     let mut names = methods::names_of(args.effect);
     let folder = model_folder(args);
@@ -110,6 +112,7 @@ fn default_methods(args: &Args) -> Vec<&'static str> {
         note!("no network in {}: without the method `{}`", folder.display(), methods::LEARNED);
         names.retain(|name| *name != methods::LEARNED);
     }
+    names.retain(|name| *name != SLOW);
     names
 }
 
@@ -157,6 +160,9 @@ pub fn run(args: &Args) -> Result<()> {
     for view in &views {
         bar.set_message(view.name.clone());
         let completed = complete(&scene, &view.camera, &wants)?;
+        if frames.is_empty() {
+            completed.added.iter().for_each(|line| note!("{line}"));
+        }
         let view = View { camera: completed.camera, ..view.clone() };
         let mut frame = compare_frame(&completed.scene, &view, settings, &methods)?;
         frame.facts.extend(completed.added.into_iter().map(|added| ("added".to_owned(), added)));

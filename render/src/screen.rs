@@ -34,7 +34,7 @@ pub struct View {
     pub width: usize,
     /// The camera of the g-buffer.
     pub camera: Camera,
-    /// How far the effect reaches, metres.
+    /// How far the effect reaches, metres; no farther than the scene, beyond which there is nothing.
     pub radius: f32,
     /// Chooses random numbers.
     pub seed: u32,
@@ -49,7 +49,8 @@ impl View {
 
 impl From<&Frame<'_>> for View {
     fn from(frame: &Frame<'_>) -> Self {
-        let Frame { camera, gbuffer, radius, seed, .. } = *frame;
+        let Frame { scene, camera, gbuffer, radius, seed } = *frame;
+        let radius = radius.min(scene.diagonal());
         Self { height: gbuffer.height(), width: gbuffer.width(), camera: *camera, radius, seed }
     }
 }

@@ -224,7 +224,7 @@ fn cost_rows(measured: &[Measured]) -> Vec<Vec<String>> {
     let mut rows = vec![head.map(str::to_owned).collect::<Vec<String>>()];
     for Measured { effect, method, size, cost } in measured {
         let mut row =
-            vec![effect.to_string(), (*method).to_owned(), size.to_string(), cost.surfels[0].to_string()];
+            vec![effect.to_string(), (*method).to_owned(), size.to_string(), cost.surfels_in_words()];
         row.extend(Stage::ALL.map(|stage| {
             cost.stages
                 .iter()

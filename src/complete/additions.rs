@@ -80,7 +80,7 @@ impl Additions {
     /// If its file cannot be read, or a coefficient is impossible.
     pub fn medium(&self, scene: &TracedScene, time: f32) -> Result<Option<Medium>> {
         let density = match &self.medium {
-            Some(path) => Density::Grid(DensityFile::read(path)?.grid(around(scene), time)?),
+            Some(path) => Density::Grid(DensityFile::read(path)?.grid(scene.bounds(), time)?),
             None if self.extinction.is_some() => Density::Within(around(scene)),
             None => return Ok(None),
         };

@@ -48,10 +48,15 @@ pub struct TruthReport {
     pub exposure: f32,
     /// How far truth's halves are from each other, the `ceiling` of figures.
     pub noise: Scores,
-    /// Scores of an image that is [`Effect::background`] everywhere, white for ambient occlusion: the floor.
-    pub white: Scores,
+    /// Scores of an image that is [`Effect::background`] everywhere: the floor, by [`floor_name`].
+    pub floor: Scores,
     /// Wall clock of rendering it, milliseconds.
     pub milliseconds: f64,
+}
+
+/// What an image is called that is an effect's background everywhere.
+pub fn floor_name(effect: Effect) -> &'static str {
+    if effect.background() == Some(1.0) { "white image" } else { "black image" }
 }
 
 /// What a method made of a frame.
@@ -80,8 +85,8 @@ impl TruthReport {
         let image = &truth.estimate.mean;
         let blank = effect.background().unwrap_or(0.0);
         let blank = Planes::filled(image.channels(), image.height(), image.width(), blank);
-        let (noise, white) = (scores(&truth.halves[0], &truth.halves[1]), scores(&blank, image));
-        Self { truth, exposure, noise, white, milliseconds }
+        let (noise, floor) = (scores(&truth.halves[0], &truth.halves[1]), scores(&blank, image));
+        Self { truth, exposure, noise, floor, milliseconds }
     }
 
     /// Scores of an image.

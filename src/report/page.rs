@@ -1,6 +1,6 @@
 //! The page's content, ready to be filled into `page.html`.
 
-use super::{Comparison, FrameReport, colour_map, frame_folder, images};
+use super::{Comparison, FrameReport, colour_map, floor_name, frame_folder, images};
 use anyhow::{Result, ensure};
 use askama::Template;
 use deepshade_render::{method::Clock, metrics::Scores};
@@ -28,9 +28,10 @@ pub fn render(comparison: &Comparison) -> Result<String> {
             .frames
             .iter()
             .enumerate()
-            .map(|(index, frame)| Section::new(index, frame))
+            .map(|(index, frame)| Section::new(index, comparison.effect, frame))
             .collect(),
         images: methods.iter().cloned().chain(["truth".to_owned()]).collect(),
+        floor: floor_name(comparison.effect),
         machine: &comparison.machine,
         difference_range: images::DIFFERENCE_RANGE,
         difference_stops: colour_map::css_stops(colour_map::diverging, -1.0, 1.0),
@@ -50,6 +51,8 @@ struct Page<'a> {
     frames: Vec<Section<'a>>,
     /// Names of the images of every frame: the methods, then truth.
     images: Vec<String>,
+    /// The image that shows what knowing nothing scores.
+    floor: &'static str,
     machine: &'a [(String, String)],
     difference_range: f32,
     difference_stops: String,
@@ -99,13 +102,14 @@ struct DataFrame<'a> {
 }
 
 impl<'a> Section<'a> {
-    fn new(index: usize, frame: &'a FrameReport) -> Self {
+    fn new(index: usize, effect: Effect, frame: &'a FrameReport) -> Self {
         let methods = frame.methods.iter().map(|method| {
             let by = format!("{}, {}", clock_name(method.clock), method.device);
             Row::new(method.name.clone(), "method", method.scores, Some((method.milliseconds, by)))
         });
         let truth = &frame.truth;
-        let rows = methods.chain(reference_rows(truth.noise, truth.white, truth.milliseconds)).collect();
+        let rows =
+            methods.chain(reference_rows(effect, truth.noise, truth.floor, truth.milliseconds)).collect();
         let image = &truth.truth.estimate.mean;
         Self {
             index,
@@ -146,15 +150,16 @@ fn mean_rows(comparison: &Comparison) -> Vec<Row> {
         Row::new(first.methods[i].name.clone(), "method", scores, Some((milliseconds, by)))
     });
     let references = reference_rows(
+        comparison.effect,
         comparison.mean_scores(|frame| frame.truth.noise),
-        comparison.mean_scores(|frame| frame.truth.white),
+        comparison.mean_scores(|frame| frame.truth.floor),
         comparison.mean(|frame| frame.truth.milliseconds),
     );
     methods.chain(references).collect()
 }
 
 /// The lines to read a method's scores beside.
-fn reference_rows(noise: Scores, white: Scores, truth_milliseconds: f64) -> [Row; 2] {
+fn reference_rows(effect: Effect, noise: Scores, floor: Scores, truth_milliseconds: f64) -> [Row; 2] {
     [
         Row::new(
             "truth, half against half".to_owned(),
@@ -162,7 +167,7 @@ fn reference_rows(noise: Scores, white: Scores, truth_milliseconds: f64) -> [Row
             noise,
             Some((truth_milliseconds, clock_name(Clock::Cpu).to_owned())),
         ),
-        Row::new("white image".to_owned(), "floor", white, None),
+        Row::new(floor_name(effect).to_owned(), "floor", floor, None),
     ]
 }
 

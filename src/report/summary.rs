@@ -1,6 +1,6 @@
 //! A comparison's means as text for the terminal and as figures for JSON.
 
-use super::{Comparison, FrameReport};
+use super::{Comparison, FrameReport, floor_name};
 use crate::figures::Figures;
 use crate::table;
 use deepshade_render::metrics::Scores;
@@ -9,7 +9,7 @@ use std::fmt;
 
 impl Comparison {
     /// Sets `ssim_<method>`, `psnr_<method>`, `flip_<method>`, `relmse_<method>` and `ms_<method>`, means over
-    /// frames, with underscores for hyphens; the same of truth's noise (`ssim_ceiling`, ...) and of the white image
+    /// frames, with underscores for hyphens; the same of truth's noise (`ssim_ceiling`, ...) and of the white or black image
     /// (`ssim_white`, ...); and every frame's own as a detail.
     pub fn set_figures(&self, figures: &mut Figures) {
         for (index, method) in self.frames[0].methods.iter().enumerate() {
@@ -18,7 +18,7 @@ impl Comparison {
             figures.set(&format!("ms_{name}"), self.mean(|frame| frame.methods[index].milliseconds));
         }
         set_scores(figures, "ceiling", self.mean_scores(|frame| frame.truth.noise));
-        set_scores(figures, "white", self.mean_scores(|frame| frame.truth.white));
+        set_scores(figures, "white", self.mean_scores(|frame| frame.truth.floor));
         figures.set("ms_truth", self.mean(|frame| frame.truth.milliseconds));
         figures.set("frames", self.frames.len() as f64);
         figures.detail("frames", self.frames.iter().map(frame_detail).collect());
@@ -45,7 +45,7 @@ fn frame_detail(frame: &FrameReport) -> Value {
         "facts": pairs(&frame.facts),
         "methods": methods.collect::<serde_json::Map<_, _>>(),
         "ceiling": frame.truth.noise,
-        "white": frame.truth.white,
+        "white": frame.truth.floor,
     })
 }
 
@@ -68,7 +68,7 @@ impl fmt::Display for Comparison {
         let milliseconds = self.mean(|frame| frame.truth.milliseconds);
         let noise = self.mean_scores(|frame| frame.truth.noise);
         rows.push(row("truth, half against half", noise, Some(milliseconds), "the processor"));
-        rows.push(row("white image", self.mean_scores(|frame| frame.truth.white), None, ""));
+        rows.push(row(floor_name(self.effect), self.mean_scores(|frame| frame.truth.floor), None, ""));
         writeln!(f, "{}", table::aligned(&rows))
     }
 }

@@ -53,7 +53,7 @@ fn values<'a>(page: &'a str, attribute: &str) -> Vec<&'a str> {
 fn noise_is_between_the_halves() {
     let truth = truth([wave(0.0), wave(0.1)], 0.0);
     assert_eq!(truth.noise, Scores::new(&wave(0.0), &wave(0.1)));
-    assert!(truth.white.ssim < truth.noise.ssim);
+    assert!(truth.floor.ssim < truth.noise.ssim);
 }
 
 #[test]

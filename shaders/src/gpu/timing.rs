@@ -2,7 +2,7 @@
 
 use super::{GpuError, read, submit};
 use crate::lists;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use wgpu::{BufferUsages, Features};
 
 /// Most runs that a query set has room for, at two timestamps a run.
@@ -31,8 +31,12 @@ impl Timing {
     }
 }
 
+/// How long a software adapter, on which a run may take minutes, is measured.
+const PATIENCE: Duration = Duration::from_secs(10);
+
 /// Runs recorded work `warm_up` times unmeasured and then `timed` times (at least 1, at most 2048), each run a
-/// submission of its own, and takes the median.
+/// submission of its own, and takes the median. Software adapters begin no further run, of either kind, once [`PATIENCE`]
+/// is over.
 ///
 /// Timestamps need the features `TIMESTAMP_QUERY` and `TIMESTAMP_QUERY_INSIDE_ENCODERS`.
 ///
@@ -47,12 +51,19 @@ pub fn time(
     mut record: impl FnMut(&mut wgpu::CommandEncoder),
 ) -> Result<Timing, GpuError> {
     let timed = timed.clamp(1, MOST_RUNS);
-    for _ in 0..warm_up {
-        submit(device, queue, label, &mut record)?;
-    }
-    idle(device, label)?;
     let by_gpu = device.adapter_info().device_type != wgpu::DeviceType::Cpu
         && device.features().contains(Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
+    let start = Instant::now();
+    for _ in 0..warm_up {
+        submit(device, queue, label, &mut record)?;
+        if !by_gpu {
+            idle(device, label)?;
+            if start.elapsed() > PATIENCE {
+                break;
+            }
+        }
+    }
+    idle(device, label)?;
     let runs = if by_gpu {
         by_timestamps(device, queue, label, timed, record)?
     } else {
@@ -102,14 +113,14 @@ fn by_wall_clock(
     timed: usize,
     mut record: impl FnMut(&mut wgpu::CommandEncoder),
 ) -> Result<Vec<f64>, GpuError> {
-    (0..timed)
-        .map(|_| {
-            let start = Instant::now();
-            submit(device, queue, label, &mut record)?;
-            idle(device, label)?;
-            Ok(start.elapsed().as_secs_f64() * 1e3)
-        })
-        .collect()
+    let (first, mut runs) = (Instant::now(), Vec::with_capacity(timed));
+    while runs.len() < timed && (runs.is_empty() || first.elapsed() < PATIENCE) {
+        let start = Instant::now();
+        submit(device, queue, label, &mut record)?;
+        idle(device, label)?;
+        runs.push(start.elapsed().as_secs_f64() * 1e3);
+    }
+    Ok(runs)
 }
 
 /// Waits until all submitted work is done.

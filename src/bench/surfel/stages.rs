@@ -102,6 +102,12 @@ pub struct Cost {
 }
 
 impl Cost {
+    /// How many surfels there are, and of how many where there is no room for all.
+    pub fn surfels_in_words(&self) -> String {
+        let [kept, wanted] = self.surfels;
+        if kept == wanted { kept.to_string() } else { format!("{kept} of {wanted}") }
+    }
+
     /// Measures it.
     ///
     /// # Errors
