@@ -17,15 +17,17 @@ pub struct Space {
 }
 
 /// The radius of some effects, metres: the one that is stated, else the default of the network that computes them, or of
-/// methods without one. A default is said where one of the effects listens to it.
+/// methods without one; no farther than the scene, beyond which there is nothing. A default is said where one of the effects
+/// listens to it.
 pub fn wanted(stated: Option<f32>, reach: Option<Reach>, effects: &[Effect], space: Space) -> f32 {
-    stated.unwrap_or_else(|| {
+    let radius = stated.unwrap_or_else(|| {
         let radius = reach.unwrap_or(DEFAULT_REACH).radius(space.diagonal, space.height);
         if effects.iter().any(|effect| listeners::RADIUS.contains(effect)) {
             note!("radius: {}, the default at {} rows", in_words(radius, space.diagonal), space.height);
         }
         radius
-    })
+    });
+    radius.min(space.diagonal)
 }
 
 /// A radius in metres and as a share of the diagonal.
@@ -47,6 +49,11 @@ mod tests {
         }
         let space = Space { diagonal: 20.0, height: 64 };
         assert_eq!(wanted(Some(0.3), None, &[Effect::Ao], space), 0.3);
+        assert_eq!(
+            wanted(Some(f32::INFINITY), None, &[Effect::Ao], space),
+            20.0,
+            "no farther than the scene"
+        );
         assert_eq!(in_words(3.0, 20.0), "3.000 m, 15.0 % of the diagonal");
     }
 }

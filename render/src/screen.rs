@@ -34,7 +34,7 @@ pub struct View {
     pub width: usize,
     /// The camera of the g-buffer.
     pub camera: Camera,
-    /// How far the effect reaches, metres; no farther than the scene, beyond which there is nothing.
+    /// How far the effect reaches, metres.
     pub radius: f32,
     /// Chooses random numbers.
     pub seed: u32,
@@ -49,8 +49,7 @@ impl View {
 
 impl From<&Frame<'_>> for View {
     fn from(frame: &Frame<'_>) -> Self {
-        let Frame { scene, camera, gbuffer, radius, seed } = *frame;
-        let radius = radius.min(scene.diagonal());
+        let Frame { camera, gbuffer, radius, seed, .. } = *frame;
         Self { height: gbuffer.height(), width: gbuffer.width(), camera: *camera, radius, seed }
     }
 }

@@ -120,7 +120,7 @@ pub fn run(args: &Args) -> Result<()> {
     let (methods, learned) = opened(args, &gpu)?;
     let reach = learned.as_ref().map(|learned| learned.spec().reach);
     let space = Space { diagonal: staged.diagonal, height: size[0] };
-    let radius = radius::wanted(args.radius, reach, &[effect], space).min(staged.diagonal);
+    let radius = radius::wanted(args.radius, reach, &[effect], space);
     let wanted = Wanted {
         size,
         methods,
