@@ -166,18 +166,17 @@ mod tests {
         line.expect("a sound command line").additions
     }
 
+    /// A small picture of an effect with what is given.
+    fn wants(effect: Effect, additions: &Additions) -> Wants<'_> {
+        Wants { effect, size: [16, 16], additions, seed: 1, animated: false, time: 0.0 }
+    }
+
     #[test]
     fn what_an_effect_needs_is_added_and_said() {
         let (scene, camera) = (wall(), Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO));
         for effect in Effect::ALL {
-            let wants = Wants {
-                effect,
-                size: [16, 16],
-                additions: &additions(&[]),
-                seed: 1,
-                animated: false,
-                time: 0.0,
-            };
+            let additions = additions(&[]);
+            let wants = wants(effect, &additions);
             let Completed { scene, camera, added } = complete(&scene, &camera, &wants).expect("completed");
             let scene = scene.scene();
             let sky = matches!(effect, Effect::Do | Effect::Ibl);
@@ -197,14 +196,8 @@ mod tests {
         let scene = TracedScene::new(scene).expect("a wall");
         let camera = Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO);
         for effect in Effect::ALL {
-            let wants = Wants {
-                effect,
-                size: [16, 16],
-                additions: &additions(&[]),
-                seed: 1,
-                animated: false,
-                time: 0.0,
-            };
+            let additions = additions(&[]);
+            let wants = wants(effect, &additions);
             let completed = complete(&scene, &camera, &wants).expect("completed");
             let lamps = completed.scene.scene().lights.len();
             assert_eq!(lamps, usize::from(effect.lit_by_lamps_alone()), "{effect}");
@@ -212,17 +205,30 @@ mod tests {
     }
 
     #[test]
+    fn a_medium_that_drifts_is_seen_at_its_time() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("smoke.toml");
+        let smoke = "[weather]\nkind = \"smoke\"\nseed = 7\nbillow = 1.0\ncover = 0.7\nwind = [0.5, 0.0, 0.0]\n\
+            [box]\nmin = [-2.0, -2.0, -2.0]\nmax = [2.0, 2.0, 2.0]\n";
+        std::fs::write(&path, smoke).expect("written");
+        let path = path.to_str().expect("a path");
+        let additions = additions(&["--medium", path, "--extinction", "2"]);
+        let camera = Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO);
+        let at = |time| {
+            let wants = Wants { time, ..wants(Effect::FogDirect, &additions) };
+            let Completed { scene, .. } = complete(&wall(), &camera, &wants).expect("completed");
+            scene.scene().medium.clone().expect("a medium")
+        };
+        assert_eq!(at(1.0), at(1.0));
+        assert_ne!(at(1.0), at(0.0));
+    }
+
+    #[test]
     fn what_is_asked_for_is_taken() {
         let camera = Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO);
         let completed = |effect, arguments: &[&str]| {
-            let wants = Wants {
-                effect,
-                size: [16, 16],
-                additions: &additions(arguments),
-                seed: 1,
-                animated: false,
-                time: 0.0,
-            };
+            let additions = additions(arguments);
+            let wants = wants(effect, &additions);
             complete(&wall(), &camera, &wants)
         };
         let sharp = completed(Effect::Path, &["--aperture", "0.1", "--focus", "2"]).expect("completed");
@@ -265,14 +271,8 @@ mod tests {
             (Effect::Sss, ["--environment", "missing.hdr"]),
             (Effect::Path, ["--mean-free-path", "0.01"]),
         ] {
-            let wants = Wants {
-                effect,
-                size: [16, 16],
-                additions: &additions(&arguments),
-                seed: 1,
-                animated: false,
-                time: 0.0,
-            };
+            let additions = additions(&arguments);
+            let wants = wants(effect, &additions);
             let error = complete(&wall(), &camera, &wants).err().expect("an error").to_string();
             let expected = format!("{} means nothing to the effect {effect}, only to ", arguments[0]);
             assert!(error.starts_with(&expected), "{error}");
