@@ -1,0 +1,106 @@
+//! The integrand as a sum of products (Baran et al. 2010, section 6): `I(gamma, beta) = sum of Gamma_i(gamma) B_i(beta)`,
+//! by the singular value decomposition of 64 x 64 samples, for every colour of which there is one in the tree.
+//!
+//! Between the samples vectors are interpolated by cubic curves (Catmull and Rom 1974), whose error is far below that of
+//! leaving out terms, where straight lines' is not.
+
+use super::integrand::Integrand;
+use super::svd::Svd;
+
+/// Samples along each coordinate.
+const SAMPLES: usize = 64;
+/// Pieces of the view factors' table, which is read by straight lines.
+const PIECES: usize = 2048;
+
+/// Factors of `W` numbers: the terms of the first colour, of the second, and so on.
+#[derive(Debug)]
+pub struct Factors<const W: usize> {
+    /// `Gamma_i`, times the step, of each light ray.
+    pub light: Vec<[f32; W]>,
+    /// `B_i` at equal steps of `beta`.
+    view: Vec<[f32; W]>,
+    first_beta: f32,
+    pieces_per_beta: f32,
+    /// Singular values over the first one, of the first colour.
+    pub values: Vec<f64>,
+}
+
+impl<const W: usize> Factors<W> {
+    /// Of one integrand a colour (`W` is a multiple of their number), for light rays `step` apart and view rays between two
+    /// values of `beta`.
+    pub fn new(integrands: &[Integrand<'_>], light_rays: usize, step: f32, [low, high]: [f32; 2]) -> Self {
+        let terms = W / integrands.len();
+        let (low, high) = (f64::from(low), f64::from(high));
+        let reach = f64::from(step) * light_rays as f64;
+        let at = |i: usize, from: f64, to: f64| from + (to - from) * i as f64 / (SAMPLES - 1) as f64;
+        let mut factors = Self {
+            light: vec![[0.0; W]; light_rays],
+            view: vec![[0.0; W]; PIECES + 1],
+            first_beta: low as f32,
+            pieces_per_beta: PIECES as f32 / ((high - low) as f32).max(f32::MIN_POSITIVE),
+            values: Vec::new(),
+        };
+        let mut previous: Option<(f64, Svd)> = None;
+        for (colour, integrand) in integrands.iter().enumerate() {
+            // Grey media have one decomposition.
+            let svd = match previous.take() {
+                Some((extinction, svd)) if extinction == integrand.extinction => svd,
+                _ => {
+                    let column = |c: usize| {
+                        (0..SAMPLES).map(|r| integrand.at(at(r, 0.0, reach), at(c, low, high))).collect()
+                    };
+                    Svd::of((0..SAMPLES).map(column).collect())
+                }
+            };
+            for term in 0..terms {
+                let place = colour * terms + term;
+                for (ray, light) in factors.light.iter_mut().enumerate() {
+                    let share = (ray as f64 + 0.5) / light_rays as f64;
+                    light[place] = (cubic(&svd.rows[term], share) * f64::from(step)) as f32;
+                }
+                for (piece, view) in factors.view.iter_mut().enumerate() {
+                    view[place] = cubic(&svd.columns[term], piece as f64 / PIECES as f64) as f32;
+                }
+            }
+            if colour == 0 {
+                factors.values = svd.values.iter().map(|value| value / svd.values[0]).collect();
+            }
+            previous = Some((integrand.extinction, svd));
+        }
+        factors
+    }
+
+    /// The integral along a view ray of each of `C` colours, from the sums of `Gamma_i` over its lit light rays.
+    #[inline(always)]
+    pub fn value<const C: usize>(&self, sums: &[f32; W], beta: f32) -> [f32; C] {
+        let view = self.view(beta);
+        std::array::from_fn(|colour| {
+            let terms = W / C * colour..W / C * (colour + 1);
+            sums[terms.clone()].iter().zip(&view[terms]).map(|(sum, view)| sum * view).sum()
+        })
+    }
+
+    /// `B_i` of a view ray.
+    #[inline(always)]
+    fn view(&self, beta: f32) -> [f32; W] {
+        let at = ((beta - self.first_beta) * self.pieces_per_beta).max(0.0);
+        let piece = (at as usize).min(PIECES - 1);
+        let on = at - piece as f32;
+        let [before, after] = [&self.view[piece], &self.view[piece + 1]];
+        std::array::from_fn(|i| before[i] + (after[i] - before[i]) * on)
+    }
+}
+
+/// A cubic curve through equally spaced values, at a share of the way from the first to the last.
+fn cubic(values: &[f64], share: f64) -> f64 {
+    let last = values.len() - 1;
+    let at = share * last as f64;
+    let piece = (at as usize).min(last - 1);
+    let x = at - piece as f64;
+    let [b, c] = [values[piece], values[piece + 1]];
+    // Beyond the ends the parabola through the three last values.
+    let a = if piece > 0 { values[piece - 1] } else { 3.0 * b - 3.0 * c + values[piece + 2] };
+    let d = if piece + 2 <= last { values[piece + 2] } else { 3.0 * c - 3.0 * b + a };
+    let (first, second) = (0.5 * (c - a), a - 2.5 * b + 2.0 * c - 0.5 * d);
+    b + x * (first + x * (second + x * (1.5 * (b - c) + 0.5 * (d - a))))
+}

@@ -1,0 +1,108 @@
+//! `epipolar`: single scattering by partial-sum trees in epipolar slices.
+//!
+//! Baran, Chen, Ragan-Kelley, Durand and Lehtinen 2010, "A Hierarchical Volumetric Shadow Algorithm for Single
+//! Scattering". Half-planes through the line from the eye to the light hold view rays and light rays alike ([`geometry`],
+//! [`slices`]). In each, a sweep over the view rays, away from the light, takes light rays out of a tree where they
+//! meet a surface ([`terminations`]); what a view ray receives is the sum of those before its end ([`half_tree`],
+//! [`sweep`]). What they send is a sum of few products ([`integrand`], [`factors`], [`svd`]).
+//!
+//! Beyond the paper: point lights, Henyey and Greenstein's phase function, media of other colours than grey, and boxes of
+//! fog, which light rays enter and leave as they end: their way to the box is a factor of the light ray's. Pixels ask
+//! the trees of both slices that they lie between ([`slice_rays`]). Since what has no bound at the epipole is a factor of
+//! the view ray's, the ring around it that must be marched is as small as view rays that cross fewer than a few light
+//! rays.
+//!
+//! Why it: a view ray costs the logarithm of the number of light rays, whatever hides the light, where a march costs
+//! all of its steps. Why not: media must be the same throughout; shadows are averaged over half a pixel to both sides;
+//! seen from outside, a box of fog of optical depth 16 or more is marched, since what its far side sends would be lost
+//! beside its near one.
+
+mod factors;
+mod geometry;
+mod half_tree;
+mod integrand;
+mod light_rays;
+mod lines;
+mod prefilter;
+mod rectified;
+mod slice_rays;
+mod slices;
+mod svd;
+mod sweep;
+mod terminations;
+#[cfg(test)]
+mod tests;
+
+use super::Quality;
+use super::ray_march::{March, shift};
+use super::shafts::{Haze, Integration, Lit, Shafts};
+use crate::scene::Medium;
+use glam::Vec3;
+use rayon::prelude::*;
+pub use factors::Factors;
+pub use geometry::{Geometry, angle};
+pub use light_rays::SliceOfLight;
+pub use lines::Lines;
+pub use prefilter::SAMPLES;
+pub use rectified::{Rectified, Slice, SliceIntegration};
+pub use slice_rays::SliceRay;
+pub use slices::Slices;
+use sweep::TreeSweep;
+
+/// The method.
+pub type Epipolar = Shafts<Parameters>;
+
+/// What it may take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// Light rays in a slice.
+    pub light_rays: usize,
+    /// Terms of the integrand's decomposition: 4 or 8.
+    pub terms: usize,
+    /// Texels along an edge of shadow maps.
+    pub shadow_size: usize,
+    /// View rays that cross fewer light rays are marched,
+    pub least_light_rays: f32,
+    /// in so many steps.
+    pub steps: u32,
+}
+
+impl Parameters {
+    /// More time is more light rays and finer shadow maps.
+    pub const fn of(quality: Quality) -> Self {
+        let (light_rays, terms, shadow_size, steps) = match quality {
+            Quality::Low => (512, 4, 1024, 32),
+            Quality::Medium => (1024, 4, 1024, 64),
+            Quality::High => (2048, 4, 2048, 128),
+            Quality::Ultra => (4096, 8, 4096, 512),
+        };
+        Self { light_rays, terms, shadow_size, least_light_rays: 16.0, steps }
+    }
+}
+
+impl Integration for Parameters {
+    const NAME: &'static str = "epipolar";
+
+    fn shadow_size(&self) -> usize {
+        self.shadow_size
+    }
+
+    fn check(&self, medium: &Medium) -> Result<(), String> {
+        Haze::check(medium)
+    }
+
+    fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {
+        let march = March::new(lit, 0);
+        let marched = |ray: usize| march.along(ray, self.steps, shift(ray, lit.seed));
+        let Some(rectified) = Rectified::new(lit, self.light_rays, self.least_light_rays) else {
+            radiance.par_iter_mut().enumerate().for_each(|(ray, radiance)| *radiance += marched(ray));
+            return;
+        };
+        match (rectified.are_coloured(), self.terms) {
+            (false, 4) => rectified.add::<4, 1, TreeSweep<4>>(radiance, marched),
+            (false, _) => rectified.add::<8, 1, TreeSweep<8>>(radiance, marched),
+            (true, 4) => rectified.add::<12, 3, TreeSweep<12>>(radiance, marched),
+            (true, _) => rectified.add::<24, 3, TreeSweep<24>>(radiance, marched),
+        }
+    }
+}

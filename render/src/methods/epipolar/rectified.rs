@@ -1,0 +1,204 @@
+//! View rays and light rays of one lamp, in all of its slices, and the way through them that is common to all that
+//! integrate slice by slice.
+
+use super::super::shafts::{Haze, Lamp, Lit, Place, Projection};
+use super::factors::Factors;
+use super::geometry::Geometry;
+use super::integrand::{Integrand, Ways};
+use super::light_rays::{FanSlice, ParallelSlice, SliceOfLight};
+use super::slice_rays::{SliceRay, SliceRays};
+use super::slices::Slices;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Optical depth of a box of fog from which on slices do not look into it from outside: what its far side sends would be
+/// lost beside its near one.
+const OPAQUE: f32 = 16.0;
+
+/// A way to integrate along the view rays of a slice, kept from slice to slice. `W` numbers a light ray: the terms of the
+/// integrand in each of `C` colours.
+pub trait SliceIntegration<const W: usize, const C: usize>: Default + Send {
+    /// Fills in the values of view rays: for each colour the sum over lit light rays of what `factors` stand for, times
+    /// the light rays' weights.
+    fn integrate<L: SliceOfLight>(
+        &mut self,
+        slice: &Slice<'_, L>,
+        rays: &[SliceRay],
+        factors: &Factors<W>,
+        values: &mut [[f32; C]],
+    );
+}
+
+/// A half-plane of one lamp.
+#[derive(Debug)]
+pub struct Slice<'a, L> {
+    /// Of which lamp.
+    pub of: &'a Rectified<'a>,
+    /// Its light rays.
+    pub light: L,
+    /// Unit vector away from the line between eye and light, world space.
+    pub outwards: Vec3,
+}
+
+/// The view rays of one lamp's slices, and its light rays.
+#[derive(Debug)]
+pub struct Rectified<'a> {
+    /// The lamp.
+    pub lit: &'a Lit<'a>,
+    /// What scatters its light.
+    pub haze: Haze<'a>,
+    /// Where it is.
+    pub geometry: Geometry,
+    /// What the integrand counts of its ways.
+    pub ways: Ways,
+    /// How many light rays a slice has.
+    pub light_rays: usize,
+    /// From one light ray to the next, in units of `gamma`.
+    pub step: f32,
+    slices: Slices,
+    rays: SliceRays,
+}
+
+impl<'a> Rectified<'a> {
+    /// `None` where slices do not help: the light is at the eye, or the medium is endless or so dense that it swallows
+    /// the light, or is a grid. View rays that cross fewer than `least` light rays are left to others.
+    pub fn new(lit: &'a Lit<'a>, light_rays: usize, least: f32) -> Option<Self> {
+        let haze = Haze::of(lit.medium)?;
+        let geometry = Geometry::new(lit.rays.eye, lit.lamp.place)?;
+        let ways = Ways::of(&haze, &geometry);
+        let depth = |bounds: crate::scene::Bounds| haze.extinction.max_element() * bounds.diagonal();
+        match haze.bounds().map(depth) {
+            None if geometry.is_parallel() => return None,
+            Some(depth) if depth > OPAQUE && ways.view + ways.light > 0.0 => return None,
+            _ => {}
+        }
+        let gamma = |ray: usize| {
+            let [_, far] = lit.rays.spans[ray];
+            geometry.gamma(geometry.direction(lit.rays.directions[ray]), far)
+        };
+        let farthest = (0..lit.rays.count()).into_par_iter().map(gamma).reduce(|| 0.0, f32::max);
+        if farthest <= 0.0 {
+            return None;
+        }
+        let step = farthest / light_rays as f32;
+        let slices = Slices::new(geometry.epipole(lit.rays), lit.rays.height(), lit.rays.width());
+        let rays = SliceRays::new(lit.rays, &geometry, &slices, step, least);
+        Some(Self { lit, haze, geometry, ways, slices, rays, light_rays, step })
+    }
+
+    /// Whether colours differ by more than a factor.
+    pub fn are_coloured(&self) -> bool {
+        !self.haze.is_grey() || self.lit.lamp.is_coloured()
+    }
+
+    /// Adds the radiance of each view ray: of its slices, or of `others` where it is in none.
+    pub fn add<const W: usize, const C: usize, I: SliceIntegration<W, C>>(
+        &self,
+        radiance: &mut [Vec3],
+        others: impl Fn(usize) -> Vec3 + Sync,
+    ) {
+        let factors = self.factors::<W, C>();
+        let values = self.integrate::<W, C, I>(&factors);
+        radiance.par_iter_mut().enumerate().for_each(|(ray, radiance)| {
+            *radiance += match self.rays.value(ray, &values) {
+                Some(value) => self.finished(ray, Vec3::from_array(std::array::from_fn(|i| value[i % C]))),
+                None => others(ray),
+            };
+        });
+    }
+
+    /// The integrand, decomposed.
+    pub fn factors<const W: usize, const C: usize>(&self) -> Factors<W> {
+        Factors::new(&self.integrands::<C>(), self.light_rays, self.step, self.betas())
+    }
+
+    /// The integrand of each colour.
+    fn integrands<const C: usize>(&self) -> [Integrand<'_>; C] {
+        std::array::from_fn(|colour| Integrand {
+            geometry: &self.geometry,
+            lamp: self.lit.lamp,
+            extinction: self.haze.extinction[colour].into(),
+            phase: self.haze.phase,
+            ways: self.ways,
+        })
+    }
+
+    /// From which to which value of `beta` view rays are.
+    fn betas(&self) -> [f32; 2] {
+        let all = self.rays.rays.iter().map(|ray| ray.beta);
+        let [low, high] = all.fold([2.0f32, 0.0], |[low, high], beta| [low.min(beta), high.max(beta)]);
+        [low, high.max(low)]
+    }
+
+    /// The values of all slice rays.
+    fn integrate<const W: usize, const C: usize, I: SliceIntegration<W, C>>(
+        &self,
+        factors: &Factors<W>,
+    ) -> Vec<[f32; C]> {
+        let mut values = vec![[0.0; C]; self.rays.rays.len()];
+        let mut left = values.as_mut_slice();
+        let mut slices = Vec::with_capacity(self.slices.count());
+        for slice in 0..self.slices.count() {
+            let range = self.rays.starts[slice]..self.rays.starts[slice + 1];
+            let (values, behind) = left.split_at_mut(range.len());
+            left = behind;
+            slices.push((slice, &self.rays.rays[range], values));
+        }
+        let occupied = slices.into_par_iter().filter(|(_, rays, _)| !rays.is_empty());
+        occupied.for_each_init(I::default, |integration, (slice, rays, values)| {
+            let end = self.lit.rays.direction(self.slices.end(slice).as_vec2());
+            self.integrate_slice(integration, self.geometry.outwards(end), rays, factors, values);
+        });
+        values
+    }
+
+    fn integrate_slice<const W: usize, const C: usize>(
+        &self,
+        integration: &mut impl SliceIntegration<W, C>,
+        outwards: Vec3,
+        rays: &[SliceRay],
+        factors: &Factors<W>,
+        values: &mut [[f32; C]],
+    ) {
+        let Self { lit, haze, geometry, ways, step, .. } = self;
+        match &lit.map.projection {
+            Projection::Parallel(parallel) => {
+                let light = ParallelSlice::new(geometry, lit.map, parallel, haze, outwards, *step);
+                integration.integrate(&Slice { of: self, light, outwards }, rays, factors, values);
+            }
+            Projection::Stereographic(around) => {
+                let (map, step, ways) = (lit.map, *step, *ways);
+                let light = FanSlice { geometry, map, around, haze, outwards, step, ways };
+                integration.integrate(&Slice { of: self, light, outwards }, rays, factors, values);
+            }
+        }
+    }
+
+    /// Radiance of a view ray from the value of its integral.
+    fn finished(&self, ray: usize, value: Vec3) -> Vec3 {
+        let [near, _] = self.lit.rays.spans[ray];
+        let view = self.geometry.direction(self.lit.rays.directions[ray]);
+        let per_gamma = match self.lit.lamp.place {
+            Place::Distant(_) => self.haze.phase.evaluate(view.along) / view.aside,
+            Place::Local(_) => 1.0 / (self.geometry.reach * view.aside),
+        };
+        let before = near - self.ways.view;
+        let longer = if before > 0.0 { (self.haze.extinction * before).exp() } else { Vec3::ONE };
+        // What rounding leaves of light rays that were taken out may be negative.
+        self.lit.lamp.power * self.haze.scattering * (value * per_gamma * longer).max(Vec3::ZERO)
+    }
+}
+
+impl<L: SliceOfLight> Slice<'_, L> {
+    /// What is left of a light ray's light where the integrand begins to count, of each colour; its way through the medium
+    /// being so much `longer`, metres.
+    #[inline(always)]
+    pub fn weight<const C: usize>(&self, ray: usize, longer: f32) -> [f32; C] {
+        let lamp: &Lamp<'_> = self.of.lit.lamp;
+        let tint = if lamp.is_even() { Vec3::ONE } else { lamp.tint(self.light.point(ray)) };
+        std::array::from_fn(|colour| {
+            let way = self.of.haze.extinction[colour] * longer;
+            if way == 0.0 { tint[colour] } else { tint[colour] * (-way).exp() }
+        })
+    }
+}

@@ -1,0 +1,121 @@
+//! When light rays are lit and when no more, in the order in which a sweep over view rays meets it: the
+//! `termination_depths` of Baran et al. 2010 (Figure 6), with modes (section 7) and with where light enters the medium.
+
+use super::light_rays::SliceOfLight;
+use super::prefilter::{Mode, modes};
+
+/// Places along the sweep at which something can change.
+pub const PLACES: usize = 4096;
+/// Depths of a light ray that are nearer to each other, in places, are one mode.
+const APART: f32 = 2.0;
+
+/// Where a sweep over `beta` begins, and its places.
+#[derive(Clone, Copy, Debug)]
+pub struct Sweep {
+    first: f32,
+    places: f32,
+}
+
+impl Sweep {
+    /// Between two values.
+    pub fn between([low, high]: [f32; 2]) -> Self {
+        Self { first: low, places: PLACES as f32 / (high - low).max(1e-7) }
+    }
+
+    /// A value in places.
+    #[inline(always)]
+    pub fn at(self, beta: f32) -> f32 {
+        (beta - self.first) * self.places
+    }
+}
+
+/// A light ray's share that is lit from a place on, or no more.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Change {
+    /// Where in the sweep.
+    pub place: u32,
+    /// Which light ray.
+    pub ray: u32,
+    /// By how much its lit share changes.
+    pub share: f32,
+}
+
+/// The changes of one slice.
+#[derive(Debug, Default)]
+pub struct Terminations {
+    /// Share of each light ray that is lit where the sweep begins.
+    pub lit: Vec<f32>,
+    /// How much longer each light ray's way through the medium is than what the integrand counts, metres.
+    pub longer: Vec<f32>,
+    /// In the order of the sweep.
+    pub changes: Vec<Change>,
+    unsorted: Vec<Change>,
+    starts: Vec<u32>,
+}
+
+impl Terminations {
+    /// Those of the first `count` light rays of a slice.
+    pub fn gather(&mut self, slice: &impl SliceOfLight, count: usize, sweep: Sweep) {
+        self.lit.clear();
+        self.longer.clear();
+        self.unsorted.clear();
+        for ray in 0..count {
+            let passage = slice.passage(ray);
+            let [enters, leaves] = passage.between.map(|beta| sweep.at(beta));
+            let ends = slice.ends(ray).map(|beta| sweep.at(beta).min(leaves));
+            let lit = self.push(ray as u32, enters, ends);
+            self.lit.push(lit);
+            self.longer.push(passage.longer);
+        }
+        self.sort();
+    }
+
+    /// Notes where a light ray is lit; its lit share at the beginning.
+    #[inline(always)]
+    fn push(&mut self, ray: u32, enters: f32, ends: [f32; 4]) -> f32 {
+        let last = (PLACES - 1) as f32;
+        if enters <= 0.0 && ends.iter().all(|end| *end >= last) {
+            return 1.0;
+        }
+        let mut lit = 0.0;
+        modes(ends, APART, |Mode { depth, weight }| {
+            if depth > enters.max(0.0) {
+                lit += weight;
+                self.change(depth, ray, -weight);
+            }
+        });
+        if enters <= 0.0 || lit == 0.0 {
+            return lit;
+        }
+        self.change(enters, ray, lit);
+        0.0
+    }
+
+    /// Notes a change unless it is beyond the sweep.
+    #[inline(always)]
+    fn change(&mut self, place: f32, ray: u32, share: f32) {
+        // View rays are on average in the middle of their place.
+        let place = (place + 0.5) as u32;
+        if place < PLACES as u32 {
+            self.unsorted.push(Change { place, ray, share });
+        }
+    }
+
+    /// Sorts by counting.
+    fn sort(&mut self) {
+        self.starts.clear();
+        self.starts.resize(PLACES + 1, 0);
+        for change in &self.unsorted {
+            self.starts[change.place as usize + 1] += 1;
+        }
+        for place in 0..PLACES {
+            self.starts[place + 1] += self.starts[place];
+        }
+        self.changes.resize(self.unsorted.len(), Change::default());
+        for change in &self.unsorted {
+            let slot = &mut self.starts[change.place as usize];
+            self.changes[*slot as usize] = *change;
+            *slot += 1;
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! `min-max`: single scattering by a one-dimensional min/max mipmap in each epipolar slice.
+//!
+//! Chen, Baran, Durand and Jarosz 2011, "Real-Time Volumetric Shadows using 1D Min-Max Mipmaps". The slices, light rays and
+//! rectified shadow map are those of [`epipolar`](super::epipolar). Over the light rays of a slice lies a binary tree of
+//! where the least and the greatest of them end ([`mipmap`]); a view ray walks it and comes to the runs of light rays
+//! that are lit where it passes. What a run sends is, of a distant lamp whose rays are alike, a closed form; of others,
+//! the difference of two prefix sums of the integrand's terms.
+//!
+//! Why it: view rays do not depend on each other, and nothing is approximated for suns. Why not: it costs as much as a
+//! view ray has edges of shadows, the logarithm of the light rays for each.
+
+mod integration;
+mod mipmap;
+
+use super::Quality;
+use super::epipolar::Rectified;
+use super::ray_march::{March, shift};
+use super::shafts::{Haze, Integration, Lit, Shafts};
+use crate::scene::Medium;
+use glam::Vec3;
+use integration::{ClosedForm, PrefixSums};
+use rayon::prelude::*;
+
+/// The method.
+pub type MinMax = Shafts<Parameters>;
+
+/// What it may take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// Light rays in a slice, each with four samples of its depth.
+    pub light_rays: usize,
+    /// Texels along an edge of shadow maps.
+    pub shadow_size: usize,
+    /// View rays that cross fewer light rays are marched,
+    pub least_light_rays: f32,
+    /// in so many steps.
+    pub steps: u32,
+}
+
+impl Parameters {
+    /// More time is more light rays and finer shadow maps.
+    pub const fn of(quality: Quality) -> Self {
+        let (light_rays, shadow_size, steps) = match quality {
+            Quality::Low => (256, 1024, 32),
+            Quality::Medium => (512, 1024, 64),
+            Quality::High => (1024, 2048, 128),
+            Quality::Ultra => (4096, 4096, 512),
+        };
+        Self { light_rays, shadow_size, least_light_rays: 8.0, steps }
+    }
+}
+
+impl Integration for Parameters {
+    const NAME: &'static str = "min-max";
+
+    fn shadow_size(&self) -> usize {
+        self.shadow_size
+    }
+
+    fn check(&self, medium: &Medium) -> Result<(), String> {
+        Haze::check(medium)
+    }
+
+    fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {
+        let march = March::new(lit, 0);
+        let marched = |ray: usize| march.along(ray, self.steps, shift(ray, lit.seed));
+        let Some(rectified) = Rectified::new(lit, self.light_rays, self.least_light_rays) else {
+            radiance.par_iter_mut().enumerate().for_each(|(ray, radiance)| *radiance += marched(ray));
+            return;
+        };
+        let has_closed_form = rectified.geometry.is_parallel() && lit.lamp.is_even();
+        match (has_closed_form, rectified.are_coloured()) {
+            (true, false) => rectified.add::<1, 1, ClosedForm>(radiance, marched),
+            (true, true) => rectified.add::<3, 3, ClosedForm>(radiance, marched),
+            (false, false) => rectified.add::<4, 1, PrefixSums<4>>(radiance, marched),
+            (false, true) => rectified.add::<12, 3, PrefixSums<12>>(radiance, marched),
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! `ray-march`: single scattering by steps along every view ray, each of which looks into the shadow map.
+//!
+//! The method that all others are held against (Baran et al. 2010, section 2.1; Max 1986 before it). Steps are as many on
+//! every ray and shifted by a number of the pixel's own, so that what they miss is noise and no bands. Of distant lamps
+//! in a medium that is the same throughout they are of equal length, what reaches the eye of a lit step is exact, and
+//! the walk through the shadow map is straight ([`distant`]). Of other lamps they are of equal angle, as seen from the
+//! lamp, which bring the same light each (Kulla and Fajardo 2012). Through grids the optical depth is summed along the
+//! view ray, and from each step along the way to the light ([`general`]).
+//!
+//! Why it: it is the only one that goes through grids. Why not: it costs pixels times steps, and shadows thinner than a
+//! step are noise.
+
+mod distant;
+mod general;
+#[cfg(test)]
+mod tests;
+
+use super::Quality;
+use super::shafts::{Haze, Integration, Lit, Place, Shafts};
+use crate::path::sampler::hash;
+use crate::scene::Medium;
+use distant::Distant;
+use general::General;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// The method.
+pub type RayMarch = Shafts<Parameters>;
+
+/// What it may take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// Steps along each view ray.
+    pub steps: u32,
+    /// Steps from each of them to the light, through grids.
+    pub light_steps: u32,
+    /// Texels along an edge of shadow maps.
+    pub shadow_size: usize,
+    /// Whether steps are shifted from pixel to pixel.
+    pub jitter: bool,
+}
+
+impl Parameters {
+    /// More time is more steps.
+    pub const fn of(quality: Quality) -> Self {
+        let (steps, light_steps, shadow_size) = match quality {
+            Quality::Low => (32, 4, 1024),
+            Quality::Medium => (128, 8, 1024),
+            Quality::High => (512, 16, 2048),
+            Quality::Ultra => (2048, 32, 4096),
+        };
+        Self { steps, light_steps, shadow_size, jitter: true }
+    }
+}
+
+impl Integration for Parameters {
+    const NAME: &'static str = "ray-march";
+
+    fn shadow_size(&self) -> usize {
+        self.shadow_size
+    }
+
+    fn check(&self, _: &Medium) -> Result<(), String> {
+        Ok(())
+    }
+
+    fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {
+        let march = March::new(lit, self.light_steps);
+        radiance.par_iter_mut().enumerate().for_each(|(ray, radiance)| {
+            let jitter = if self.jitter { shift(ray, lit.seed) } else { 0.5 };
+            *radiance += march.along(ray, self.steps, jitter);
+        });
+    }
+}
+
+/// A number in [0, 1) of a view ray's own.
+pub fn shift(ray: usize, seed: u32) -> f32 {
+    (hash(ray as u32 ^ hash(seed)) >> 8) as f32 / 16_777_216.0
+}
+
+/// Steps along view rays, for others that need some.
+#[derive(Debug)]
+pub struct March<'a> {
+    lit: Lit<'a>,
+    way: Way<'a>,
+}
+
+/// How steps are taken.
+#[derive(Debug)]
+enum Way<'a> {
+    Distant(Distant<'a>),
+    General(General<'a>),
+}
+
+impl<'a> March<'a> {
+    /// Towards a lamp; from each step `light_steps` to the light, where the medium is a grid.
+    pub fn new(lit: &Lit<'a>, light_steps: u32) -> Self {
+        let way = match (Haze::of(lit.medium), lit.lamp.place) {
+            (Some(haze), Place::Distant(towards)) => Way::Distant(Distant::new(lit, haze, towards)),
+            (haze, _) => Way::General(General::new(lit, haze, light_steps)),
+        };
+        Self { lit: *lit, way }
+    }
+
+    /// Radiance of one of the view rays. The steps begin at `jitter` in [0, 1) of their length.
+    pub fn along(&self, ray: usize, steps: u32, jitter: f32) -> Vec3 {
+        self.of(self.lit.rays.directions[ray], self.lit.rays.spans[ray], steps, jitter)
+    }
+
+    /// Radiance of a ray from the eye that is in the medium between two distances.
+    pub fn of(&self, direction: Vec3, [near, far]: [f32; 2], steps: u32, jitter: f32) -> Vec3 {
+        if near >= far || steps == 0 {
+            return Vec3::ZERO;
+        }
+        match &self.way {
+            Way::Distant(distant) => distant.radiance(direction, [near, far], steps, jitter),
+            Way::General(general) => general.radiance(direction, [near, far], steps, jitter),
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! A medium that is the same everywhere or everywhere in a box.
+
+use crate::path::medium::HenyeyGreenstein;
+use crate::scene::{Density, Medium};
+use glam::Vec3;
+
+/// A medium of uniform density.
+#[derive(Clone, Copy, Debug)]
+pub struct Haze<'a> {
+    /// Share of light that is absorbed or scattered, 1/m, RGB.
+    pub extinction: Vec3,
+    /// Share that is scattered, 1/m, RGB.
+    pub scattering: Vec3,
+    /// Into which directions.
+    pub phase: HenyeyGreenstein,
+    density: &'a Density,
+}
+
+impl<'a> Haze<'a> {
+    /// The medium, if it is the same throughout.
+    pub fn of(medium: &'a Medium) -> Option<Self> {
+        let uniform = !matches!(medium.density, Density::Grid(_));
+        uniform.then(|| Self {
+            extinction: medium.extinction(),
+            scattering: medium.scattering,
+            phase: HenyeyGreenstein::new(medium.anisotropy),
+            density: &medium.density,
+        })
+    }
+
+    /// Whether a medium is one.
+    ///
+    /// # Errors
+    /// Says what it is instead, and which method deals with that.
+    pub fn check(medium: &Medium) -> Result<(), String> {
+        let what = "the medium is a grid, and light must be dimmed alike everywhere; `ray-march` goes through grids";
+        Self::of(medium).map(|_| ()).ok_or_else(|| what.to_owned())
+    }
+
+    /// Whether all colours are dimmed alike.
+    pub fn is_grey(&self) -> bool {
+        self.extinction == Vec3::splat(self.extinction.x)
+    }
+
+    /// From which distance to which a ray is in it, within `reach` along a unit direction.
+    pub fn span(&self, origin: Vec3, direction: Vec3, reach: f32) -> Option<[f32; 2]> {
+        self.density.span(origin, direction, reach)
+    }
+
+    /// The box that holds it; `None` without an end.
+    pub const fn bounds(&self) -> Option<crate::scene::Bounds> {
+        match self.density {
+            Density::Within(bounds) => Some(*bounds),
+            _ => None,
+        }
+    }
+
+    /// How far light has travelled in it, metres, when it reaches a point inside: from `way` metres away, along a unit
+    /// direction towards the light.
+    pub fn way_in(&self, point: Vec3, towards: Vec3, way: f32) -> f32 {
+        self.span(point, towards, way).map_or(0.0, |[near, far]| far - near)
+    }
+}
