@@ -5,8 +5,9 @@ use anyhow::{Context, Result, bail, ensure};
 use deepshade_infer::Model;
 use deepshade_render::method::Method;
 use deepshade_render::methods::{
-    Quality, aov, bounced_z, fxaa, gather, gtao, hbao, prefiltered, reconstruction, ring_gather, separable,
-    ssdo, ssgi, subsurface, surfel,
+    Quality, aov, bounced_z, epipolar, epipolar_sampling, fxaa, gather, gtao, hbao, min_max, prefiltered,
+    ray_march, reconstruction, ring_gather, separable, shafts::Shafts, ssdo, ssgi, subsurface,
+    surfel,
 };
 use deepshade_render::screen::ScreenMethod;
 use deepshade_shaders::Effect;
@@ -39,12 +40,17 @@ struct Entry {
 /// Compiles a method for a device, at a quality.
 type OpenScreen = fn(&Gpu, Quality) -> Result<Box<dyn ScreenMethod>, GpuError>;
 
+/// Makes a method that runs on the processor, at a quality.
+type OpenOnProcessor = fn(Quality) -> Box<dyn Method>;
+
 /// How a method is opened.
 enum Kind {
     /// A trained network.
     Learned,
     /// One that shades the screen in passes.
     Screen(OpenScreen),
+    /// One that runs on the processor.
+    Processor(OpenOnProcessor),
 }
 
 impl Entry {
@@ -52,6 +58,7 @@ impl Entry {
         let method: Box<dyn Method> = match self.kind {
             Kind::Learned => Box::new(Learned::new(setup.gpu, setup.model.context("no model is given")?)?),
             Kind::Screen(open) => Box::new(open(setup.gpu, setup.quality)?),
+            Kind::Processor(open) => open(setup.quality),
         };
         let (made, wanted) = (method.effect(), self.effect);
         ensure!(made == wanted, "it computes `{made}`, not `{wanted}`");
@@ -60,7 +67,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 32] = [
+const ALL: [Entry; 36] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -150,6 +157,12 @@ const ALL: [Entry; 32] = [
     screen(Effect::Aa, "fxaa", |gpu, quality| {
         Ok(Box::new(fxaa::Fxaa::new(gpu, fxaa::Parameters::of(quality))?))
     }),
+    processor(Effect::FogDirect, "epipolar", |quality| Box::new(Shafts(epipolar::Parameters::of(quality)))),
+    processor(Effect::FogDirect, "min-max", |quality| Box::new(Shafts(min_max::Parameters::of(quality)))),
+    processor(Effect::FogDirect, "epipolar-sampling", |quality| {
+        Box::new(Shafts(epipolar_sampling::Parameters::of(quality)))
+    }),
+    processor(Effect::FogDirect, "ray-march", |quality| Box::new(Shafts(ray_march::Parameters::of(quality)))),
 ];
 
 /// A trained network for an effect.
@@ -160,6 +173,11 @@ const fn learned(effect: Effect) -> Entry {
 /// A method that shades the screen in passes.
 const fn screen(effect: Effect, name: &'static str, open: OpenScreen) -> Entry {
     Entry { name, effect, kind: Kind::Screen(open) }
+}
+
+/// A method that runs on the processor.
+const fn processor(effect: Effect, name: &'static str, open: OpenOnProcessor) -> Entry {
+    Entry { name, effect, kind: Kind::Processor(open) }
 }
 
 /// Opens a method that shades the screen in passes.
@@ -183,6 +201,12 @@ pub fn open_screen(effect: Effect, name: &str, gpu: &Gpu, quality: Quality) -> R
 /// Names of an effect's methods that shade the screen in passes.
 pub fn screen_names(effect: Effect) -> Vec<&'static str> {
     let entries = ALL.iter().filter(|entry| entry.effect == effect && matches!(entry.kind, Kind::Screen(_)));
+    entries.map(|entry| entry.name).collect()
+}
+
+/// Names of an effect's methods that have qualities: all but trained networks.
+pub fn names_with_qualities(effect: Effect) -> Vec<&'static str> {
+    let entries = ALL.iter().filter(|entry| entry.effect == effect && !matches!(entry.kind, Kind::Learned));
     entries.map(|entry| entry.name).collect()
 }
 

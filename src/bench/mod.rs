@@ -2,6 +2,7 @@
 //! datasets by themselves.
 
 mod dataset;
+mod epipolar;
 mod frame;
 #[cfg(feature = "train")]
 mod net;
@@ -29,6 +30,8 @@ pub enum Verb {
     Frame(Box<frame::Args>),
     /// Milliseconds and memory of shading by surfels, stage by stage; thresholds, levels, resolution.
     Surfel(Box<surfel::Args>),
+    /// Fog by partial-sum trees beside marching at equal error: speed-ups, how times grow.
+    Epipolar(epipolar::Args),
     /// Training pairs an hour and a core, and where the time goes.
     Dataset(dataset::Args),
 }
@@ -46,6 +49,7 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Rays(args) => rays::run(args),
         Verb::Frame(args) => frame::run(args),
         Verb::Surfel(args) => surfel::run(args),
+        Verb::Epipolar(args) => epipolar::run(args),
         Verb::Dataset(args) => dataset::run(args),
     }
 }

@@ -47,7 +47,7 @@ pub fn rivals(
     ensure!(!asked.is_empty(), "effect `{effect}` has no method yet but truth");
     let mut rivals = Vec::new();
     for name in asked {
-        let by_quality = methods::screen_names(effect).contains(&name);
+        let by_quality = methods::names_with_qualities(effect).contains(&name);
         for quality in if by_quality { qualities } else { &qualities[..1] } {
             let setup = Setup { gpu, model, quality: *quality };
             for method in methods::open(effect, &[name], setup)? {
@@ -66,8 +66,15 @@ pub fn rivals(
 pub const fn trivial_name(effect: Effect) -> &'static str {
     match effect {
         Effect::Ao => "white",
-        // The camera of a capture knows of no light.
-        Effect::Do | Effect::Gi | Effect::Glossy | Effect::Ibl | Effect::Real => "black",
+        // The camera of a capture knows of no light, and fog's is none that a surface reflects.
+        Effect::Do
+        | Effect::Gi
+        | Effect::Glossy
+        | Effect::Ibl
+        | Effect::FogDirect
+        | Effect::FogIndirect
+        | Effect::FogMultiple
+        | Effect::Real => "black",
         _ => "light",
     }
 }

@@ -35,11 +35,13 @@ impl<const W: usize> HalfTree<W> {
     #[inline(always)]
     pub fn add(&mut self, index: usize, change: &[f32; W]) {
         add(&mut self.nodes[index], change);
-        for level in 1..self.levels.len() {
-            if index >> level & 1 == 0 {
-                let left = self.levels[level] + (index >> (level + 1));
-                add(&mut self.nodes[left], change);
-            }
+        // Below each level at which the element is on the left.
+        let mut lefts = !index & ((1 << self.levels.len()) - 2);
+        while lefts != 0 {
+            let level = lefts.trailing_zeros() as usize;
+            let left = self.levels[level] + (index >> (level + 1));
+            add(&mut self.nodes[left], change);
+            lefts &= lefts - 1;
         }
     }
 

@@ -7,42 +7,41 @@ use super::integrand::Ways;
 use super::prefilter::SAMPLES;
 use crate::scene::Bounds;
 use glam::Vec3;
+use pulp::{Arch, Simd, WithSimd};
 
-/// A light ray's way through the medium.
-#[derive(Clone, Copy, Debug)]
-pub struct Passage {
-    /// Between which values of [`beta`] it is in it.
-    pub between: [f32; 2],
+/// What is known of the light rays of a slice, one after the other.
+#[derive(Debug, Default)]
+pub struct Traced {
+    /// The values of [`beta`] at which light ends, of each [`SAMPLES`] samples spread evenly over what belongs to it.
+    pub ends: Vec<f32>,
+    /// Between which values of [`beta`] it is in the medium.
+    pub enters: Vec<f32>,
+    /// See [`Traced::enters`]; where it does not meet the medium, below that.
+    pub leaves: Vec<f32>,
     /// How much longer its way there is than what the integrand counts, metres.
-    pub longer: f32,
+    pub longer: Vec<f32>,
+    /// Which texel each sample reads.
+    texels: Vec<u32>,
 }
 
-impl Passage {
-    /// Of a medium without an end.
-    const ENDLESS: Self = Self { between: [0.0, 2.0], longer: 0.0 };
-    /// Beside the medium.
-    const NONE: Self = Self { between: [2.0, 0.0], longer: 0.0 };
+impl Traced {
+    fn resize(&mut self, rays: usize) {
+        self.ends.resize(rays * SAMPLES, 0.0);
+        self.texels.resize(rays * SAMPLES, 0);
+        for values in [&mut self.enters, &mut self.leaves, &mut self.longer] {
+            values.resize(rays, 0.0);
+        }
+    }
 }
 
 /// The light rays of one slice.
 pub trait SliceOfLight {
-    /// The values of [`beta`] at which light ends, at samples spread evenly over what belongs to a light ray.
-    fn ends(&self, ray: usize) -> [f32; SAMPLES];
-
-    /// Its way through the medium.
-    fn passage(&self, ray: usize) -> Passage;
+    /// Follows the first `count`.
+    fn trace(&self, count: usize, traced: &mut Traced);
 
     /// A point of a light ray, world space.
     fn point(&self, ray: usize) -> Vec3;
 }
-
-/// The `gamma` of a sample of light rays that are `step` apart; of the middle of one for a fractional `sample`.
-fn gamma(ray: usize, sample: f32, step: f32) -> f32 {
-    (ray as f32 + (sample + 0.5) / SAMPLES as f32) * step
-}
-
-/// What puts `gamma` into the middle of a light ray.
-const MIDDLE: f32 = 0.5 * (SAMPLES - 1) as f32;
 
 /// Parallel light rays.
 #[derive(Debug)]
@@ -54,8 +53,8 @@ pub struct ParallelSlice<'a> {
     /// Texels and depth of the eye, and by how much they grow from one light ray to the next.
     at_eye: [f32; 3],
     per_metre: [f32; 3],
-    /// By axis, where a light ray at `gamma` goes out of the box and into it: their values at 0 and slopes.
-    faces: Option<[[[f32; 2]; 2]; 3]>,
+    /// By axis, where a light ray at `gamma` goes out of the medium's box and into it: their values at 0 and slopes.
+    faces: [[[f32; 2]; 2]; 3],
     ways: Ways,
 }
 
@@ -65,7 +64,7 @@ impl<'a> ParallelSlice<'a> {
         geometry: &'a Geometry,
         map: &'a ShadowMap,
         parallel: &Parallel,
-        haze: &Haze<'_>,
+        (bounds, ways): (Bounds, Ways),
         outwards: Vec3,
         step: f32,
     ) -> Self {
@@ -75,9 +74,9 @@ impl<'a> ParallelSlice<'a> {
             let speed = speed.abs().max(1e-6).copysign(speed);
             [(face - eye[axis_of_box]) / speed, -outwards[axis_of_box] / speed]
         };
-        let pair = |bounds: Bounds, i: usize| {
+        let pair = |i: usize| {
             let both = [crossing(i, bounds.min[i]), crossing(i, bounds.max[i])];
-            if axis[i] < 0.0 { [both[1], both[0]] } else { both }
+            if axis[i].is_sign_negative() { [both[1], both[0]] } else { both }
         };
         Self {
             geometry,
@@ -86,38 +85,63 @@ impl<'a> ParallelSlice<'a> {
             step,
             at_eye: parallel.locate(eye),
             per_metre: parallel.along(outwards),
-            faces: haze.bounds().map(|bounds| std::array::from_fn(|i| pair(bounds, i))),
-            ways: Ways::of(haze, geometry),
+            faces: std::array::from_fn(pair),
+            ways,
         }
     }
 }
 
-impl SliceOfLight for ParallelSlice<'_> {
+impl ParallelSlice<'_> {
+    /// Loops that the compiler puts into vectors; between them the texels are read.
     #[inline(always)]
-    fn ends(&self, ray: usize) -> [f32; SAMPLES] {
-        std::array::from_fn(|sample| {
-            let gamma = gamma(ray, sample as f32, self.step);
-            let [u, v, depth] = std::array::from_fn(|i| self.at_eye[i] + self.per_metre[i] * gamma);
-            beta(depth - self.map.depth(0, u, v), gamma)
-        })
+    fn trace_in_vectors(&self, traced: &mut Traced) {
+        let gamma = |sample: usize| (sample as f32 + 0.5) * (self.step / SAMPLES as f32);
+        let [u, v, depth] = [0, 1, 2].map(|i| [self.at_eye[i], self.per_metre[i]]);
+        let at = |[from, slope]: [f32; 2], gamma: f32| from + slope * gamma;
+        for (sample, texel) in traced.texels.iter_mut().enumerate() {
+            *texel = self.map.texel(at(u, gamma(sample)), at(v, gamma(sample)));
+        }
+        for (end, texel) in traced.ends.iter_mut().zip(&traced.texels) {
+            *end = self.map.depth_at(*texel);
+        }
+        for (sample, end) in traced.ends.iter_mut().enumerate() {
+            *end = beta(at(depth, gamma(sample)) - *end, gamma(sample));
+        }
+        let count = traced.longer.len();
+        let (enters, leaves, longer) =
+            (&mut traced.enters[..count], &mut traced.leaves[..count], &mut traced.longer[..count]);
+        let [x, y, z] = self.faces;
+        for ray in 0..count {
+            let gamma = (ray as f32 + 0.5) * self.step;
+            let out = at(x[0], gamma).max(at(y[0], gamma)).max(at(z[0], gamma));
+            let into = at(x[1], gamma).min(at(y[1], gamma)).min(at(z[1], gamma));
+            enters[ray] = beta(into, gamma);
+            leaves[ray] = if out < into { beta(out, gamma) } else { -1.0 };
+            longer[ray] = into + self.ways.least - self.ways.view;
+        }
     }
+}
+
+/// [`ParallelSlice::trace_in_vectors`], compiled for the vectors that the processor has.
+struct InVectors<'a, 'b>(&'a ParallelSlice<'a>, &'b mut Traced);
+
+impl WithSimd for InVectors<'_, '_> {
+    type Output = ();
 
     #[inline(always)]
-    fn passage(&self, ray: usize) -> Passage {
-        let Some(faces) = &self.faces else { return Passage::NONE };
-        let gamma = gamma(ray, MIDDLE, self.step);
-        let at = |[from, slope]: [f32; 2]| from + slope * gamma;
-        let out = faces.iter().map(|face| at(face[0])).fold(f32::NEG_INFINITY, f32::max);
-        let into = faces.iter().map(|face| at(face[1])).fold(f32::INFINITY, f32::min);
-        if out >= into {
-            return Passage::NONE;
-        }
-        let longer = into + self.ways.least - self.ways.view;
-        Passage { between: [beta(into, gamma), beta(out, gamma)], longer }
+    fn with_simd<S: Simd>(self, _: S) {
+        self.0.trace_in_vectors(self.1);
+    }
+}
+
+impl SliceOfLight for ParallelSlice<'_> {
+    fn trace(&self, count: usize, traced: &mut Traced) {
+        traced.resize(count);
+        Arch::new().dispatch(InVectors(self, traced));
     }
 
     fn point(&self, ray: usize) -> Vec3 {
-        self.geometry.eye + self.outwards * gamma(ray, MIDDLE, self.step)
+        self.geometry.eye + self.outwards * ((ray as f32 + 0.5) * self.step)
     }
 }
 
@@ -151,27 +175,27 @@ impl FanSlice<'_> {
 }
 
 impl SliceOfLight for FanSlice<'_> {
-    #[inline(always)]
-    fn ends(&self, ray: usize) -> [f32; SAMPLES] {
-        std::array::from_fn(|sample| {
-            let (angle, direction) = self.direction(gamma(ray, sample as f32, self.step));
-            self.beta(angle, self.map.towards(self.around, direction))
-        })
-    }
-
-    #[inline(always)]
-    fn passage(&self, ray: usize) -> Passage {
-        if self.haze.bounds().is_none() {
-            return Passage::ENDLESS;
+    fn trace(&self, count: usize, traced: &mut Traced) {
+        traced.resize(count);
+        for (sample, end) in traced.ends.iter_mut().enumerate() {
+            let (angle, direction) = self.direction((sample as f32 + 0.5) * (self.step / SAMPLES as f32));
+            *end = self.beta(angle, self.map.towards(self.around, direction));
         }
-        let (angle, direction) = self.direction(gamma(ray, MIDDLE, self.step));
         let light = self.geometry.eye + self.geometry.axis * self.geometry.reach;
-        let Some([into, out]) = self.haze.span(light, direction, f32::INFINITY) else { return Passage::NONE };
-        Passage { between: [self.beta(angle, into), self.beta(angle, out)], longer: self.ways.light - into }
+        for ray in 0..count {
+            let (angle, direction) = self.direction((ray as f32 + 0.5) * self.step);
+            let span = self.haze.span(light, direction, f32::INFINITY);
+            (traced.enters[ray], traced.leaves[ray], traced.longer[ray]) = match span {
+                None => (0.0, -1.0, 0.0),
+                // Everything before the eye is in a medium without an end.
+                Some([0.0, f32::INFINITY]) => (0.0, 2.0, 0.0),
+                Some([into, out]) => (self.beta(angle, into), self.beta(angle, out), self.ways.light - into),
+            };
+        }
     }
 
     fn point(&self, ray: usize) -> Vec3 {
-        let (_, direction) = self.direction(gamma(ray, MIDDLE, self.step));
+        let (_, direction) = self.direction((ray as f32 + 0.5) * self.step);
         self.geometry.eye + self.geometry.axis * self.geometry.reach + direction
     }
 }

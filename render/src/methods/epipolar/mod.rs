@@ -30,8 +30,6 @@ mod slices;
 mod svd;
 mod sweep;
 mod terminations;
-#[cfg(test)]
-mod tests;
 
 use super::Quality;
 use super::ray_march::{March, shift};
@@ -41,7 +39,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 pub use factors::Factors;
 pub use geometry::{Geometry, angle};
-pub use light_rays::SliceOfLight;
+pub use light_rays::{SliceOfLight, Traced};
 pub use lines::Lines;
 pub use prefilter::SAMPLES;
 pub use rectified::{Rectified, Slice, SliceIntegration};
@@ -57,7 +55,7 @@ pub type Epipolar = Shafts<Parameters>;
 pub struct Parameters {
     /// Light rays in a slice.
     pub light_rays: usize,
-    /// Terms of the integrand's decomposition: 4 or 8.
+    /// Terms of the integrand's decomposition: 4 or 12.
     pub terms: usize,
     /// Texels along an edge of shadow maps.
     pub shadow_size: usize,
@@ -74,7 +72,7 @@ impl Parameters {
             Quality::Low => (512, 4, 1024, 32),
             Quality::Medium => (1024, 4, 1024, 64),
             Quality::High => (2048, 4, 2048, 128),
-            Quality::Ultra => (4096, 8, 4096, 512),
+            Quality::Ultra => (4096, 12, 4096, 512),
         };
         Self { light_rays, terms, shadow_size, least_light_rays: 16.0, steps }
     }
@@ -100,9 +98,9 @@ impl Integration for Parameters {
         };
         match (rectified.are_coloured(), self.terms) {
             (false, 4) => rectified.add::<4, 1, TreeSweep<4>>(radiance, marched),
-            (false, _) => rectified.add::<8, 1, TreeSweep<8>>(radiance, marched),
+            (false, _) => rectified.add::<12, 1, TreeSweep<12>>(radiance, marched),
             (true, 4) => rectified.add::<12, 3, TreeSweep<12>>(radiance, marched),
-            (true, _) => rectified.add::<24, 3, TreeSweep<24>>(radiance, marched),
+            (true, _) => rectified.add::<36, 3, TreeSweep<36>>(radiance, marched),
         }
     }
 }

@@ -6,7 +6,7 @@ use super::factors::Factors;
 use super::geometry::Geometry;
 use super::integrand::{Integrand, Ways};
 use super::light_rays::{FanSlice, ParallelSlice, SliceOfLight};
-use super::slice_rays::{SliceRay, SliceRays};
+use super::slice_rays::{Reach, SliceRay, SliceRays};
 use super::slices::Slices;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -14,6 +14,9 @@ use rayon::prelude::*;
 /// Optical depth of a box of fog from which on slices do not look into it from outside: what its far side sends would be
 /// lost beside its near one.
 const OPAQUE: f32 = 16.0;
+
+/// Optical depth on the view ray beyond which nothing is seen: a ten-millionth.
+const DEEP: f32 = 16.0;
 
 /// A way to integrate along the view rays of a slice, kept from slice to slice. `W` numbers a light ray: the terms of the
 /// integrand in each of `C` colours.
@@ -72,9 +75,10 @@ impl<'a> Rectified<'a> {
             Some(depth) if depth > OPAQUE && ways.view + ways.light > 0.0 => return None,
             _ => {}
         }
+        let deep = DEEP / haze.extinction.min_element();
         let gamma = |ray: usize| {
-            let [_, far] = lit.rays.spans[ray];
-            geometry.gamma(geometry.direction(lit.rays.directions[ray]), far)
+            let [near, far] = lit.rays.spans[ray];
+            geometry.gamma(geometry.direction(lit.rays.directions[ray]), far.min(near + deep))
         };
         let farthest = (0..lit.rays.count()).into_par_iter().map(gamma).reduce(|| 0.0, f32::max);
         if farthest <= 0.0 {
@@ -82,7 +86,7 @@ impl<'a> Rectified<'a> {
         }
         let step = farthest / light_rays as f32;
         let slices = Slices::new(geometry.epipole(lit.rays), lit.rays.height(), lit.rays.width());
-        let rays = SliceRays::new(lit.rays, &geometry, &slices, step, least);
+        let rays = SliceRays::new(lit.rays, &geometry, &slices, Reach { step, least, deep });
         Some(Self { lit, haze, geometry, ways, slices, rays, light_rays, step })
     }
 
@@ -161,12 +165,14 @@ impl<'a> Rectified<'a> {
         values: &mut [[f32; C]],
     ) {
         let Self { lit, haze, geometry, ways, step, .. } = self;
-        match &lit.map.projection {
-            Projection::Parallel(parallel) => {
-                let light = ParallelSlice::new(geometry, lit.map, parallel, haze, outwards, *step);
+        match (&lit.map.projection, haze.bounds()) {
+            // Without a box no sunlight is left.
+            (Projection::Parallel(_), None) => {}
+            (Projection::Parallel(parallel), Some(bounds)) => {
+                let light = ParallelSlice::new(geometry, lit.map, parallel, (bounds, *ways), outwards, *step);
                 integration.integrate(&Slice { of: self, light, outwards }, rays, factors, values);
             }
-            Projection::Stereographic(around) => {
+            (Projection::Stereographic(around), _) => {
                 let (map, step, ways) = (lit.map, *step, *ways);
                 let light = FanSlice { geometry, map, around, haze, outwards, step, ways };
                 integration.integrate(&Slice { of: self, light, outwards }, rays, factors, values);

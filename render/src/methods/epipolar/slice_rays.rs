@@ -29,6 +29,17 @@ pub struct SliceRays {
     places: Vec<Place>,
 }
 
+/// How far view rays are followed.
+#[derive(Clone, Copy, Debug)]
+pub struct Reach {
+    /// From one light ray to the next, in units of `gamma`.
+    pub step: f32,
+    /// View rays that cross fewer light rays are in no slice.
+    pub least: f32,
+    /// Metres in the medium after which nothing is seen.
+    pub deep: f32,
+}
+
 /// Where a view ray's two slice rays are, and how far it is from the first slice to the second.
 #[derive(Clone, Copy, Debug)]
 struct Place {
@@ -42,13 +53,13 @@ impl Place {
 }
 
 impl SliceRays {
-    /// Sorts view rays; those that cross fewer than `least` light rays, `step` apart, are in no slice.
-    pub fn new(view: &ViewRays, geometry: &Geometry, slices: &Slices, step: f32, least: f32) -> Self {
+    /// Sorts view rays.
+    pub fn new(view: &ViewRays, geometry: &Geometry, slices: &Slices, reach: Reach) -> Self {
         let rectified = |ray: usize| {
             let [near, far] = view.spans[ray];
             let direction = geometry.direction(view.directions[ray]);
-            let end = geometry.gamma(direction, far) / step;
-            if near >= far || end < least {
+            let end = geometry.gamma(direction, far.min(near + reach.deep)) / reach.step;
+            if near >= far || end < reach.least {
                 return (Place::NONE, SliceRay::default());
             }
             let (before, on) = slices.of(view.at(ray).as_dvec2());

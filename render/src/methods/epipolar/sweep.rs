@@ -57,8 +57,14 @@ impl<const W: usize> TreeSweep<W> {
     fn plant<const C: usize>(&mut self, factors: &Factors<W>, weight: impl Fn(usize, f32) -> [f32; C]) {
         self.full.clear();
         self.elements.clear();
-        let Terminations { lit, longer, .. } = &self.terminations;
-        for (ray, ((light, lit), longer)) in factors.light.iter().zip(lit).zip(longer).enumerate() {
+        let Terminations { lit, traced, .. } = &self.terminations;
+        let rays = factors.light.iter().zip(lit.iter().zip(&traced.longer)).enumerate();
+        for (ray, (light, (lit, longer))) in rays {
+            if *lit < 0.0 {
+                self.full.push([0.0; W]);
+                self.elements.push([0.0; W]);
+                continue;
+            }
             let weight = weight(ray, *longer);
             let full: [f32; W] = std::array::from_fn(|i| light[i] * weight[i / (W / C)]);
             self.full.push(full);
@@ -69,7 +75,7 @@ impl<const W: usize> TreeSweep<W> {
 
     /// Sorts view rays by counting.
     fn sort(&mut self, rays: &[SliceRay], sweep: Sweep) {
-        let place = |ray: &SliceRay| (sweep.at(ray.beta) as usize).min(PLACES - 1);
+        let place = |ray: &SliceRay| (sweep.at(ray.beta) as i32).clamp(0, PLACES as i32 - 1) as usize;
         self.starts.clear();
         self.starts.resize(PLACES + 1, 0);
         rays.iter().for_each(|ray| self.starts[place(ray) + 1] += 1);

@@ -1,13 +1,16 @@
 //! When light rays are lit and when no more, in the order in which a sweep over view rays meets it: the
 //! `termination_depths` of Baran et al. 2010 (Figure 6), with modes (section 7) and with where light enters the medium.
 
-use super::light_rays::SliceOfLight;
-use super::prefilter::{Mode, modes};
+use super::light_rays::{SliceOfLight, Traced};
+use super::prefilter::{Mode, SAMPLES, modes};
 
 /// Places along the sweep at which something can change.
 pub const PLACES: usize = 4096;
 /// Depths of a light ray that are nearer to each other, in places, are one mode.
 const APART: f32 = 2.0;
+
+/// The lit share of light rays that are never lit.
+const NEVER: f32 = -1.0;
 
 /// Where a sweep over `beta` begins, and its places.
 #[derive(Clone, Copy, Debug)]
@@ -43,10 +46,10 @@ pub struct Change {
 /// The changes of one slice.
 #[derive(Debug, Default)]
 pub struct Terminations {
-    /// Share of each light ray that is lit where the sweep begins.
+    /// Share of each light ray that is lit where the sweep begins; negative of one that never is.
     pub lit: Vec<f32>,
-    /// How much longer each light ray's way through the medium is than what the integrand counts, metres.
-    pub longer: Vec<f32>,
+    /// The light rays.
+    pub traced: Traced,
     /// In the order of the sweep.
     pub changes: Vec<Change>,
     unsorted: Vec<Change>,
@@ -56,30 +59,36 @@ pub struct Terminations {
 impl Terminations {
     /// Those of the first `count` light rays of a slice.
     pub fn gather(&mut self, slice: &impl SliceOfLight, count: usize, sweep: Sweep) {
+        slice.trace(count, &mut self.traced);
         self.lit.clear();
-        self.longer.clear();
         self.unsorted.clear();
-        for ray in 0..count {
-            let passage = slice.passage(ray);
-            let [enters, leaves] = passage.between.map(|beta| sweep.at(beta));
-            let ends = slice.ends(ray).map(|beta| sweep.at(beta).min(leaves));
+        let traced = std::mem::take(&mut self.traced);
+        let ends = traced.ends.as_chunks::<SAMPLES>().0;
+        for (ray, (ends, (enters, leaves))) in ends.iter().zip(traced.enters.iter().zip(&traced.leaves)).enumerate() {
+            let [enters, leaves] = [*enters, *leaves].map(|beta| sweep.at(beta));
+            let ends = ends.map(|beta| sweep.at(beta).min(leaves));
             let lit = self.push(ray as u32, enters, ends);
             self.lit.push(lit);
-            self.longer.push(passage.longer);
         }
+        self.traced = traced;
         self.sort();
     }
 
-    /// Notes where a light ray is lit; its lit share at the beginning.
+    /// Notes where a light ray is lit; its lit share at the beginning, negative if it is never lit.
     #[inline(always)]
-    fn push(&mut self, ray: u32, enters: f32, ends: [f32; 4]) -> f32 {
-        let last = (PLACES - 1) as f32;
-        if enters <= 0.0 && ends.iter().all(|end| *end >= last) {
+    fn push(&mut self, ray: u32, enters: f32, ends: [f32; SAMPLES]) -> f32 {
+        let [a, b, c, d] = ends;
+        let (first, last) = (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));
+        let begin = enters.max(0.0);
+        if last <= begin {
+            return NEVER;
+        }
+        if enters <= 0.0 && first >= (PLACES - 1) as f32 {
             return 1.0;
         }
         let mut lit = 0.0;
         modes(ends, APART, |Mode { depth, weight }| {
-            if depth > enters.max(0.0) {
+            if depth > begin {
                 lit += weight;
                 self.change(depth, ray, -weight);
             }
@@ -95,9 +104,9 @@ impl Terminations {
     #[inline(always)]
     fn change(&mut self, place: f32, ray: u32, share: f32) {
         // View rays are on average in the middle of their place.
-        let place = (place + 0.5) as u32;
-        if place < PLACES as u32 {
-            self.unsorted.push(Change { place, ray, share });
+        let place = (place + 0.5) as i32;
+        if place < PLACES as i32 {
+            self.unsorted.push(Change { place: place as u32, ray, share });
         }
     }
 

@@ -1,21 +1,23 @@
 //! What the lit runs of light rays send to a view ray.
 
-use super::super::epipolar::{Factors, Slice, SliceIntegration, SliceOfLight, SliceRay, angle};
+use super::super::epipolar::{Factors, SAMPLES, Slice, SliceIntegration, SliceOfLight, SliceRay, Traced, angle};
 use super::super::shafts::{Faces, Place};
 use super::mipmap::{Mipmap, Node};
 
 /// Samples of a light ray's depth.
-const SAMPLES: f32 = super::super::epipolar::SAMPLES as f32;
+const PER_RAY: f32 = SAMPLES as f32;
 
 /// Of distant lamps whose rays are alike: exact.
 #[derive(Debug, Default)]
 pub struct ClosedForm {
+    traced: Traced,
     map: Mipmap,
 }
 
 /// Of all others: the integrand's terms, summed up from the first light ray on.
 #[derive(Debug, Default)]
 pub struct PrefixSums<const W: usize> {
+    traced: Traced,
     map: Mipmap,
     /// Of each light ray, the sum of those before it; one more at the end.
     sums: Vec<[f32; W]>,
@@ -27,12 +29,12 @@ fn crossed(rays: &[SliceRay], most: usize) -> usize {
     (farthest as usize + 1).min(most)
 }
 
-/// Fills the mipmap with the first `count` light rays.
-fn gather(map: &mut Mipmap, light: &impl SliceOfLight, count: usize) {
-    map.rebuild((0..count).flat_map(|ray| {
-        let [enters, leaves] = light.passage(ray).between;
-        light.ends(ray).map(|end| Node::sample([enters, end.min(leaves)]))
-    }));
+/// The samples of light rays for the mipmap.
+fn samples(traced: &Traced) -> impl Iterator<Item = Node> {
+    traced.ends.iter().enumerate().map(|(sample, end)| {
+        let ray = sample / SAMPLES;
+        Node::sample([traced.enters[ray], end.min(traced.leaves[ray])])
+    })
 }
 
 impl<const C: usize> SliceIntegration<C, C> for ClosedForm {
@@ -45,12 +47,13 @@ impl<const C: usize> SliceIntegration<C, C> for ClosedForm {
     ) {
         let of = slice.of;
         let (Some(bounds), Place::Distant(towards)) = (of.haze.bounds(), of.lit.lamp.place) else { return };
-        gather(&mut self.map, &slice.light, crossed(rays, of.light_rays));
+        slice.light.trace(crossed(rays, of.light_rays), &mut self.traced);
+        self.map.rebuild(samples(&self.traced));
         for (ray, value) in rays.iter().zip(values) {
             let [cosine, sine] = angle(ray.beta.into()).map(|value| value as f32);
             let faces = Faces::new(bounds, of.geometry.eye, of.geometry.axis * cosine + slice.outwards * sine, towards);
-            let metres = of.step / (SAMPLES * sine);
-            self.map.lit_runs(ray.beta, ray.end * SAMPLES, |run| {
+            let metres = of.step / (PER_RAY * sine);
+            self.map.lit_runs(ray.beta, ray.end * PER_RAY, |run| {
                 let run = run.map(|sample| sample * metres);
                 for (colour, value) in value.iter_mut().enumerate() {
                     *value += sine * faces.integral(of.haze.extinction[colour], of.ways.view, run);
@@ -69,12 +72,13 @@ impl<const W: usize, const C: usize> SliceIntegration<W, C> for PrefixSums<W> {
         values: &mut [[f32; C]],
     ) {
         let count = crossed(rays, factors.light.len());
-        gather(&mut self.map, &slice.light, count);
-        self.sum_up(slice, factors, count);
+        slice.light.trace(count, &mut self.traced);
+        self.map.rebuild(samples(&self.traced));
+        self.sum_up::<C, L>(slice, factors);
         for (ray, value) in rays.iter().zip(values) {
             let mut sums = [0.0; W];
-            self.map.lit_runs(ray.beta, ray.end * SAMPLES, |[from, to]| {
-                let [from, to] = [self.sum_before(from / SAMPLES), self.sum_before(to / SAMPLES)];
+            self.map.lit_runs(ray.beta, ray.end * PER_RAY, |[from, to]| {
+                let [from, to] = [self.sum_before(from / PER_RAY), self.sum_before(to / PER_RAY)];
                 for (sum, (from, to)) in sums.iter_mut().zip(from.into_iter().zip(to)) {
                     *sum += to - from;
                 }
@@ -85,12 +89,12 @@ impl<const W: usize, const C: usize> SliceIntegration<W, C> for PrefixSums<W> {
 }
 
 impl<const W: usize> PrefixSums<W> {
-    fn sum_up<const C: usize, L: SliceOfLight>(&mut self, slice: &Slice<'_, L>, factors: &Factors<W>, count: usize) {
+    fn sum_up<const C: usize, L: SliceOfLight>(&mut self, slice: &Slice<'_, L>, factors: &Factors<W>) {
         self.sums.clear();
         let mut sum = [0.0; W];
-        for (ray, light) in factors.light.iter().take(count).enumerate() {
+        for (ray, (light, longer)) in factors.light.iter().zip(&self.traced.longer).enumerate() {
             self.sums.push(sum);
-            let weight = slice.weight::<C>(ray, slice.light.passage(ray).longer);
+            let weight = slice.weight::<C>(ray, *longer);
             for (i, sum) in sum.iter_mut().enumerate() {
                 *sum += light[i] * weight[i / (W / C)];
             }

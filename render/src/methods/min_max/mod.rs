@@ -72,8 +72,8 @@ impl Integration for Parameters {
         match (has_closed_form, rectified.are_coloured()) {
             (true, false) => rectified.add::<1, 1, ClosedForm>(radiance, marched),
             (true, true) => rectified.add::<3, 3, ClosedForm>(radiance, marched),
-            (false, false) => rectified.add::<4, 1, PrefixSums<4>>(radiance, marched),
-            (false, true) => rectified.add::<12, 3, PrefixSums<12>>(radiance, marched),
+            (false, false) => rectified.add::<12, 1, PrefixSums<12>>(radiance, marched),
+            (false, true) => rectified.add::<36, 3, PrefixSums<36>>(radiance, marched),
         }
     }
 }

@@ -4,8 +4,9 @@ use super::super::shafts::{Haze, Lit, Place};
 use crate::path::medium::HenyeyGreenstein;
 use glam::Vec3;
 
-/// Nearer rays than this, in parts of the light's distance, pass a local lamp at that distance.
-const NEAREST: f32 = 1e-5;
+/// Nearer to a local lamp than this, metres, or than this part of its distance to the eye, it counts as that near: it is
+/// infinitely bright there.
+const NEAREST: [f32; 2] = [1e-4, 1e-5];
 
 /// A lamp and what its light passes.
 #[derive(Debug)]
@@ -72,7 +73,7 @@ impl<'a> General<'a> {
             Place::Local(position) => {
                 let offset = position - self.lit.rays.eye;
                 let nearest = offset.dot(direction);
-                let least = (NEAREST * offset.length()).max(f32::MIN_POSITIVE);
+                let least = NEAREST[0].max(NEAREST[1] * offset.length());
                 let aside = (offset - direction * nearest).length().max(least);
                 let [first, last] = [near, far].map(|distance| ((distance - nearest) / aside).atan());
                 Cut::Angles([first, (last - first) / count as f32], [nearest, aside])
@@ -91,7 +92,7 @@ impl<'a> General<'a> {
             }
             Place::Local(position) => {
                 let offset = position - point;
-                let distance = offset.length().max(f32::MIN_POSITIVE);
+                let distance = offset.length().max(NEAREST[0]);
                 let towards = offset / distance;
                 let irradiance = power * lamp.fade(distance) / (distance * distance);
                 (irradiance, towards.dot(direction), self.way_in(point, towards, distance))

@@ -12,8 +12,6 @@
 
 mod distant;
 mod general;
-#[cfg(test)]
-mod tests;
 
 use super::Quality;
 use super::shafts::{Haze, Integration, Lit, Place, Shafts};

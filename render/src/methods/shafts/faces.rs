@@ -17,7 +17,7 @@ impl Faces {
     /// Of light from a unit direction that meets a ray from the eye.
     pub fn new(bounds: Bounds, eye: Vec3, direction: Vec3, towards: Vec3) -> Self {
         Self(std::array::from_fn(|axis| {
-            let face = if towards[axis] > 0.0 { bounds.max[axis] } else { bounds.min[axis] };
+            let face = if towards[axis].is_sign_positive() { bounds.max[axis] } else { bounds.min[axis] };
             let speed = towards[axis].abs().max(LEAST_SPEED).copysign(towards[axis]);
             [(face - eye[axis]) / speed, -direction[axis] / speed]
         }))

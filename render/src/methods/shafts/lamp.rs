@@ -49,8 +49,8 @@ impl<'a> Lamp<'a> {
     }
 
     /// Whether its rays differ in colour.
-    pub fn is_coloured(&self) -> bool {
-        self.unit.picture().is_some()
+    pub const fn is_coloured(&self) -> bool {
+        matches!(self.unit, Light::Spot { slide: Some(_), .. } | Light::Directional { pattern: Some(_), .. })
     }
 
     /// By what the power of the ray through a point is multiplied: cones and pictures.

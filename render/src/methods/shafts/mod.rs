@@ -18,12 +18,14 @@ mod faces;
 mod haze;
 mod lamp;
 mod shadow_map;
+#[cfg(test)]
+mod tests;
 mod view_rays;
 
 pub use faces::{Faces, mean_decay};
 pub use haze::Haze;
 pub use lamp::{Lamp, Place};
-pub use shadow_map::{FAR, Parallel, Projection, ShadowMap, Stereographic};
+pub use shadow_map::{Parallel, Projection, ShadowMap, Stereographic};
 pub use view_rays::ViewRays;
 
 use crate::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};

@@ -92,10 +92,22 @@ impl ShadowMap {
     /// Depth at a point of a map, in texels; what is outside has that of the nearest edge.
     #[inline(always)]
     pub fn depth(&self, map: usize, u: f32, v: f32) -> f32 {
-        let last = self.size - 1;
-        let (x, y) = ((u as usize).min(last), (v as usize).min(last));
-        let tile = (y / TILE) * (self.size / TILE) + x / TILE;
-        self.depths[map * self.size * self.size + tile * TILE * TILE + y % TILE * TILE + x % TILE]
+        self.depths[map * self.size * self.size + self.texel(u, v) as usize]
+    }
+
+    /// Depth of a texel of the first map.
+    #[inline(always)]
+    pub fn depth_at(&self, texel: u32) -> f32 {
+        self.depths[texel as usize]
+    }
+
+    /// Which texel is at a point of a map.
+    #[inline(always)]
+    pub fn texel(&self, u: f32, v: f32) -> u32 {
+        let last = self.size as i32 - 1;
+        let [x, y] = [u, v].map(|at| (at as i32).clamp(0, last) as u32);
+        let tile = y / TILE as u32 * (self.size / TILE) as u32 + x / TILE as u32;
+        (tile * TILE as u32 + y % TILE as u32) * TILE as u32 + x % TILE as u32
     }
 
     /// Whether light reaches a point.

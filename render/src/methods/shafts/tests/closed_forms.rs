@@ -1,0 +1,131 @@
+//! Closed forms, in f64.
+
+use super::*;
+use crate::path::medium::HenyeyGreenstein;
+
+/// Integral by midpoints.
+fn integral(from: f64, to: f64, function: impl Fn(f64) -> f64) -> f64 {
+    let steps = 4000;
+    let step = (to - from) / f64::from(steps);
+    (0..steps).map(|i| function(from + (f64::from(i) + 0.5) * step)).sum::<f64>() * step
+}
+
+/// Methods that do not interpolate between pixels, at their best, without noise.
+fn exact() -> [Box<dyn Method>; 3] {
+    let steps = ray_march::Parameters { jitter: false, ..ray_march::Parameters::of(Quality::Ultra) };
+    let [_, epipolar, _, min_max] = methods(Quality::Ultra);
+    [Box::new(Shafts(steps)), epipolar, min_max]
+}
+
+fn wall(x: f32) -> Mesh {
+    quad([(-9., -9.), (-9., 9.), (9., 9.), (9., -9.)].map(|(y, z)| Vec3::new(x, y, z)))
+}
+
+/// Asserts that each colour is within a share of what is expected.
+fn assert_is(found: [f32; 3], expected: [f64; 3], tolerance: f64, name: &str) {
+    for (found, expected) in found.into_iter().zip(expected) {
+        assert!((f64::from(found) / expected - 1.0).abs() < tolerance, "{name}: {found} is not {expected}");
+    }
+}
+
+fn middle(image: &Planes) -> [f32; 3] {
+    std::array::from_fn(|c| image.at(c, image.height() / 2, image.width() / 2))
+}
+
+/// Through a roof with a slit, at 1 m above the eye, sunlight falls straight down; the eye looks along x at a wall. The edges
+/// of the slit are those of texels of the shadow map, of samples of light rays and of steps.
+#[test]
+fn slits_of_sunlight_are_as_bright_as_their_lit_segment() {
+    let roof = |x: [f32; 2]| {
+        quad([(x[0], -5.), (x[0], 5.), (x[1], 5.), (x[1], -5.)].map(|(x, z)| Vec3::new(x, 1.0, z)))
+    };
+    // 1025 texels over 10.25 m from -0.01 m on.
+    let meshes = vec![roof([-0.01, 0.505]), roof([1.705, 4.005]), roof([4.505, 10.24]), wall(10.0)];
+    let medium = fog(0.6, [[-1.0, -6.0, -5.0], [20.0, 2.0, 5.0]]);
+    let phase = f64::from(HenyeyGreenstein::new(0.6).evaluate(0.0));
+    let expected: [f64; 3] = std::array::from_fn(|c| {
+        let (extinction, scattering) = (f64::from(medium.extinction()[c]), f64::from(medium.scattering[c]));
+        let segment = |[from, to]: [f64; 2]| ((-extinction * from).exp() - (-extinction * to).exp()) / extinction;
+        let lit = segment([0.505, 1.705]) + segment([4.005, 4.505]);
+        [30.0, 20.0, 10.0][c] * phase * scattering * (-2.0 * extinction).exp() * lit
+    });
+    let scene = scene(meshes, vec![sun(Vec3::NEG_Y)], medium);
+    let camera = Camera::look_at(Vec3::ZERO, Vec3::X);
+    let shadow_size = 1028;
+    let steps = 2000;
+    let light_rays = 4000;
+    let methods: [Box<dyn Method>; 4] = [
+        Box::new(Shafts(ray_march::Parameters { steps, shadow_size, ..ray_march::Parameters::of(Quality::Ultra) })),
+        Box::new(Shafts(epipolar::Parameters { light_rays, shadow_size, ..epipolar::Parameters::of(Quality::Ultra) })),
+        Box::new(Shafts(epipolar_sampling::Parameters {
+            steps,
+            shadow_size,
+            ..epipolar_sampling::Parameters::of(Quality::Ultra)
+        })),
+        Box::new(Shafts(min_max::Parameters { light_rays, shadow_size, ..min_max::Parameters::of(Quality::Ultra) })),
+    ];
+    for method in methods {
+        let found = image(method.as_ref(), &scene, &camera, [1, 1]).expect("an image");
+        assert_is(middle(&found), expected, 1e-4, method.name());
+    }
+}
+
+#[test]
+fn sunlight_that_nothing_hides_is_exact() {
+    let medium = fog(-0.4, [[-1.0, -8.0, -8.0], [6.0, 8.0, 8.0]]);
+    let scene = scene(vec![wall(7.0)], vec![sun(Vec3::new(0.3, -0.8, 0.2))], medium.clone());
+    let towards = -Vec3::new(0.3, -0.8, 0.2).normalize();
+    // So narrow that slices, too, are as near to each other as in a large image.
+    let camera = Camera { vertical_fov: 0.3, ..Camera::look_at(Vec3::ZERO, Vec3::X) };
+    for method in exact() {
+        let found = image(method.as_ref(), &scene, &camera, [96, 128]).expect("an image");
+        for (x, y) in [(12, 8), (64, 48), (120, 84)] {
+            let direction = camera.direction(glam::Vec2::new(x as f32 + 0.5, y as f32 + 0.5), 96, 128);
+            let phase = f64::from(HenyeyGreenstein::new(-0.4).evaluate(towards.dot(direction)));
+            let [near, far] = medium.density.span(Vec3::ZERO, direction, f32::INFINITY).expect("inside");
+            let expected = std::array::from_fn(|c| {
+                let extinction = f64::from(medium.extinction()[c]);
+                let lit = integral(near.into(), far.into(), |s| {
+                    let [_, way] = medium.density.span(direction * s as f32, towards, f32::INFINITY).unwrap_or_default();
+                    (-extinction * (s + f64::from(way))).exp()
+                });
+                [30.0, 20.0, 10.0][c] * phase * f64::from(medium.scattering[c]) * lit
+            });
+            let colours = std::array::from_fn(|c| found.at(c, y, x));
+            assert_is(colours, expected, 1e-4, method.name());
+        }
+    }
+}
+
+/// Airlight of a lamp in endless fog before a wall (Sun et al. 2005, equation 11, is this integral without anisotropy).
+#[test]
+fn airlight_of_a_lamp_is_suns() {
+    let position = Vec3::new(2.0, 1.1, -0.3);
+    for anisotropy in [0.0, 0.5] {
+        let medium = Medium::new(Vec3::new(0.05, 0.2, 0.1), Vec3::new(0.25, 0.4, 0.9), anisotropy, Density::Everywhere);
+        let medium = medium.expect("fog");
+        let phase = HenyeyGreenstein::new(anisotropy);
+        let scene = scene(vec![wall(3.5)], vec![lamp(position)], medium.clone());
+        let camera = Camera { vertical_fov: 0.5, ..Camera::look_at(Vec3::ZERO, Vec3::X) };
+        for method in exact() {
+            let found = image(method.as_ref(), &scene, &camera, [96, 128]).expect("an image");
+            for (x, y) in [(12, 80), (48, 36), (64, 48), (112, 16)] {
+                let direction = camera.direction(glam::Vec2::new(x as f32 + 0.5, y as f32 + 0.5), 96, 128);
+                let far = f64::from(3.5 / direction.x);
+                let expected = std::array::from_fn(|c| {
+                    let extinction = f64::from(medium.extinction()[c]);
+                    let lit = integral(0.0, far, |s| {
+                        let offset = (position - direction * s as f32).as_dvec3();
+                        let distance = offset.length();
+                        let cosine = offset.dot(direction.as_dvec3()) / distance;
+                        let turned = f64::from(phase.evaluate(cosine as f32));
+                        turned * (-extinction * (s + distance)).exp() / (distance * distance)
+                    });
+                    [20.0, 30.0, 40.0][c] * f64::from(medium.scattering[c]) * lit
+                });
+                let colours = std::array::from_fn(|c| found.at(c, y, x));
+                assert_is(colours, expected, 1e-4, &format!("{} at ({x}, {y})", method.name()));
+            }
+        }
+    }
+}

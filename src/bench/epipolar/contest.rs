@@ -1,0 +1,221 @@
+//! Trees and their rivals at equal error.
+
+use super::subject::Subject;
+use super::table_number;
+use crate::figures::Figures;
+use deepshade_render::methods::ray_march::{March, shift};
+use deepshade_render::methods::{Quality, epipolar, epipolar_sampling, min_max, ray_march};
+use deepshade_render::metrics::relative_mse::EPSILON;
+use deepshade_shaders::lists::quantile;
+use glam::Vec3;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+/// Steps of the march that errors are against.
+pub const REFERENCE_STEPS: u32 = 32_768;
+/// The fewest and the most steps that are tried.
+const STEPS: [u32; 2] = [16, 16_384];
+/// By so much at most may be too many steps that are called the fewest.
+const PRECISION: f64 = 1.05;
+/// Pixels between marched ones of epipolar sampling, in the order in which they are tried.
+const SPACINGS: [usize; 4] = [16, 8, 4, 2];
+/// Every so many pixels are compared.
+const EVERY: usize = 16;
+/// Runs of a fast method, of which the median counts.
+const RUNS: usize = 5;
+
+/// A method's time and error.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured {
+    seconds: f64,
+    relmse: f64,
+}
+
+/// Trees, and the march that is as good.
+#[derive(Clone, Copy, Debug)]
+pub struct Duel {
+    light_rays: usize,
+    tree: Measured,
+    steps: u32,
+    march: Measured,
+}
+
+/// All of one scene and view.
+pub struct Outcome {
+    name: String,
+    /// With all light rays and with a quarter.
+    duels: [Duel; 2],
+    /// Spacing, time and error of epipolar sampling that is as good as the first trees, if any is.
+    sampling: Option<(usize, Measured)>,
+    min_max: Measured,
+}
+
+/// What errors are against, at some pixels.
+struct Reference {
+    pixels: Vec<usize>,
+    radiance: Vec<f32>,
+    exposure: f32,
+}
+
+impl Reference {
+    fn of(subject: &Subject) -> Self {
+        let count = subject.setup.size[0] * subject.setup.size[1];
+        // Not in columns: another pixel of every sixteen.
+        let pixels: Vec<usize> = (0..count / EVERY).map(|i| i * EVERY + i * 7 % EVERY).collect();
+        let radiance = marched(subject, &pixels, REFERENCE_STEPS, |_| 0.5);
+        let bright = quantile(radiance.iter().map(|value| f64::from(*value)).collect(), 0.99) as f32;
+        Self { pixels, radiance, exposure: 1.0 / bright.max(f32::MIN_POSITIVE) }
+    }
+
+    /// Relative squared error of values at the pixels.
+    fn error(&self, values: impl Iterator<Item = f32>) -> f64 {
+        let relative = values.zip(&self.radiance).map(|(value, truth)| {
+            let [value, truth] = [value, *truth].map(|value| f64::from(value * self.exposure));
+            (value - truth).powi(2) / (truth * truth + EPSILON)
+        });
+        relative.sum::<f64>() / self.pixels.len() as f64
+    }
+
+    fn error_of_image(&self, radiance: &[Vec3]) -> f64 {
+        self.error(self.pixels.iter().map(|pixel| radiance[*pixel].x))
+    }
+
+    /// The fewest steps of a march whose error is no larger; the most that are tried if none is.
+    fn fewest_steps(&self, subject: &Subject, error: f64) -> u32 {
+        let is_enough = |steps: u32| {
+            let found = marched(subject, &self.pixels, steps, |pixel| shift(pixel, 1));
+            self.error(found.into_iter()) <= error
+        };
+        let [mut few, mut enough] = [STEPS[0]; 2];
+        while enough < STEPS[1] && !is_enough(enough) {
+            (few, enough) = (enough, 2 * enough);
+        }
+        while f64::from(enough) > PRECISION * f64::from(few) && enough > few + 1 {
+            let middle = (f64::from(few) * f64::from(enough)).sqrt() as u32;
+            if is_enough(middle.max(few + 1)) {
+                enough = middle.max(few + 1);
+            } else {
+                few = middle.max(few + 1);
+            }
+        }
+        enough
+    }
+}
+
+/// What a march gives for some pixels, on all threads.
+fn marched(subject: &Subject, pixels: &[usize], steps: u32, jitter: impl Fn(usize) -> f32 + Sync) -> Vec<f32> {
+    subject.lit(|lit| {
+        let march = March::new(lit, 0);
+        pixels.par_iter().map(|pixel| march.along(*pixel, steps, jitter(*pixel)).x).collect()
+    })
+}
+
+impl Duel {
+    fn of(subject: &Subject, reference: &Reference, light_rays: usize, pool: &ThreadPool) -> Self {
+        let trees = epipolar::Parameters { light_rays, ..epipolar::Parameters::of(Quality::High) };
+        let (radiance, seconds) = subject.timed(&trees, pool, RUNS);
+        let tree = Measured { seconds, relmse: reference.error_of_image(&radiance) };
+        let steps = reference.fewest_steps(subject, tree.relmse);
+        let march = ray_march::Parameters { steps, ..ray_march::Parameters::of(Quality::High) };
+        let (radiance, seconds) = subject.timed(&march, pool, 1);
+        let march = Measured { seconds, relmse: reference.error_of_image(&radiance) };
+        Self { light_rays, tree, steps, march }
+    }
+
+    /// How many times as long the march takes.
+    fn speedup(&self) -> f64 {
+        self.march.seconds / self.tree.seconds
+    }
+}
+
+impl Outcome {
+    /// Measures one scene and view in a pool of one thread.
+    pub fn of(subject: &Subject, pool: &ThreadPool) -> Self {
+        let reference = Reference::of(subject);
+        let light_rays = subject.setup.light_rays;
+        let duels = [light_rays, light_rays / 4].map(|rays| Duel::of(subject, &reference, rays, pool));
+        let of_spacing = |spacing: usize| {
+            let steps = duels[0].steps;
+            let usual = epipolar_sampling::Parameters::of(Quality::High);
+            let (radiance, seconds) =
+                subject.timed(&epipolar_sampling::Parameters { spacing, steps, ..usual }, pool, 1);
+            (spacing, Measured { seconds, relmse: reference.error_of_image(&radiance) })
+        };
+        let as_good = |(_, found): &(usize, Measured)| found.relmse <= duels[0].tree.relmse * PRECISION;
+        let sampling = SPACINGS.into_iter().map(of_spacing).find(as_good);
+        let usual = min_max::Parameters::of(Quality::High);
+        let (radiance, seconds) =
+            subject.timed(&min_max::Parameters { light_rays: light_rays / 4, ..usual }, pool, RUNS);
+        let min_max = Measured { seconds, relmse: reference.error_of_image(&radiance) };
+        Self { name: subject.name.clone(), duels, sampling, min_max }
+    }
+
+    /// Sets its figures.
+    pub fn set(&self, figures: &mut Figures) {
+        let Self { name, duels: [all, quarter], sampling, min_max } = self;
+        figures.set(&format!("speedup_{name}"), all.speedup());
+        figures.set(&format!("speedup_{name}_quarter"), quarter.speedup());
+        figures.set(&format!("relmse_tree_{name}"), all.tree.relmse);
+        figures.set(&format!("relmse_march_{name}"), all.march.relmse);
+        figures.set(&format!("seconds_tree_{name}"), all.tree.seconds);
+        figures.set(&format!("seconds_min_max_{name}"), min_max.seconds);
+        figures.set(&format!("relmse_min_max_{name}"), min_max.relmse);
+        let over = sampling.map_or(f64::NAN, |(_, found)| found.seconds / all.tree.seconds);
+        figures.set(&format!("sampling_{name}"), over);
+    }
+
+    /// Everything that was measured.
+    pub fn to_json(&self) -> Value {
+        let measured = |found: &Measured| json!({ "seconds": found.seconds, "relmse": found.relmse });
+        let duel = |duel: &Duel| {
+            json!({
+                "light_rays": duel.light_rays, "tree": measured(&duel.tree), "steps": duel.steps,
+                "march": measured(&duel.march),
+            })
+        };
+        json!({
+            "name": self.name, "duels": self.duels.iter().map(duel).collect::<Vec<_>>(),
+            "sampling": self.sampling.as_ref().map(|(spacing, found)| json!([spacing, measured(found)])),
+            "min_max": measured(&self.min_max),
+        })
+    }
+}
+
+/// Sets the least and the greatest speed-up, and the worst errors.
+pub fn set_extremes(outcomes: &[Outcome], figures: &mut Figures) {
+    for (which, suffix) in [(0, ""), (1, "_quarter")] {
+        let speedups = || outcomes.iter().map(|outcome| outcome.duels[which].speedup());
+        figures.set(&format!("speedup_min{suffix}"), speedups().fold(f64::INFINITY, f64::min));
+        figures.set(&format!("speedup_max{suffix}"), speedups().fold(0.0, f64::max));
+    }
+    let worst = |error: fn(&Duel) -> f64| outcomes.iter().map(|outcome| error(&outcome.duels[0])).fold(0.0, f64::max);
+    figures.set("relmse_tree", worst(|duel| duel.tree.relmse));
+    figures.set("relmse_march", worst(|duel| duel.march.relmse));
+}
+
+/// Rows of a table.
+pub fn rows(outcomes: &[Outcome]) -> Vec<Vec<String>> {
+    let head = ["scene and view", "light rays", "relmse", "tree s", "steps", "march s", "speed-up", "sampling", "min/max s"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for Outcome { name, duels, sampling, min_max } in outcomes {
+        for (which, duel) in duels.iter().enumerate() {
+            let first = |text: String| if which == 0 { text } else { String::new() };
+            let sampling = sampling.map_or("worse".to_owned(), |(_, found)| {
+                format!("{:.1}", found.seconds / duel.tree.seconds)
+            });
+            rows.push(vec![
+                first(name.clone()),
+                duel.light_rays.to_string(),
+                table_number(duel.tree.relmse),
+                format!("{:.3}", duel.tree.seconds),
+                duel.steps.to_string(),
+                format!("{:.2}", duel.march.seconds),
+                format!("{:.1}", duel.speedup()),
+                first(sampling),
+                first(format!("{:.3}", min_max.seconds)),
+            ]);
+        }
+    }
+    rows
+}

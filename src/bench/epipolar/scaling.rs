@@ -1,0 +1,142 @@
+//! How times grow with the resolution of everything (Baran et al. 2010, Figure 12).
+
+use super::subject::{Kind, Setup, Subject, View};
+use super::{Line, Plot};
+use crate::figures::Figures;
+use anyhow::Result;
+use deepshade_render::methods::{Quality, epipolar, ray_march};
+use rayon::ThreadPool;
+use serde_json::{Value, json};
+
+/// Resolutions, as shares of the finest.
+const SHARES: [f64; 5] = [0.25, 0.35, 0.5, 0.7, 1.0];
+/// Quantile of Student's distribution for a 95 % interval of a slope through so many points: 3 degrees of freedom.
+const STUDENT: f64 = 3.182;
+
+/// Seconds at one resolution.
+struct Point {
+    setup: Setup,
+    /// Slices, view rays and light rays, multiplied: pixels times light rays.
+    work: f64,
+    tree: f64,
+    march: f64,
+}
+
+/// A slope and half of its 95 % interval.
+#[derive(Clone, Copy, Debug)]
+struct Slope {
+    value: f64,
+    half: f64,
+}
+
+/// Times at several resolutions.
+pub struct Scaling {
+    points: Vec<Point>,
+}
+
+impl Scaling {
+    /// Measures up to a resolution, in a pool of one thread. A march has as many steps as trees have light rays.
+    ///
+    /// # Errors
+    /// If the scene cannot be traced.
+    pub fn of(finest: Setup, pool: &ThreadPool) -> Result<Self> {
+        let mut points = Vec::new();
+        for share in SHARES {
+            let setup = finest.scaled(share);
+            let subject = Subject::new(Kind::Trees, View::Side, setup)?;
+            let trees = epipolar::Parameters { light_rays: setup.light_rays, ..epipolar::Parameters::of(Quality::High) };
+            let steps = setup.light_rays as u32;
+            let march = ray_march::Parameters { steps, ..ray_march::Parameters::of(Quality::High) };
+            let (_, tree) = subject.timed(&trees, pool, 5);
+            let (_, march) = subject.timed(&march, pool, 1);
+            let work = (setup.size[0] * setup.size[1] * setup.light_rays) as f64;
+            points.push(Point { setup, work, tree, march });
+        }
+        Ok(Self { points })
+    }
+
+    fn slopes(&self) -> [Slope; 2] {
+        [|point: &Point| point.tree, |point: &Point| point.march].map(|seconds| {
+            let points: Vec<(f64, f64)> =
+                self.points.iter().map(|point| (point.work.ln() / 3.0, seconds(point).ln())).collect();
+            Slope::through(&points)
+        })
+    }
+
+    /// Sets its figures.
+    pub fn set(&self, figures: &mut Figures) {
+        for (slope, name) in self.slopes().into_iter().zip(["tree", "march"]) {
+            figures.set(&format!("slope_{name}"), slope.value);
+            figures.set(&format!("slope_{name}_interval"), slope.half);
+        }
+    }
+
+    /// Everything that was measured.
+    pub fn to_json(&self) -> Value {
+        let point = |point: &Point| {
+            json!({
+                "size": point.setup.size, "light_rays": point.setup.light_rays, "tree": point.tree, "march": point.march,
+            })
+        };
+        self.points.iter().map(point).collect()
+    }
+
+    /// Rows of a table.
+    pub fn rows(&self) -> Vec<Vec<String>> {
+        let mut rows = vec![["size", "light rays", "tree s", "march s"].map(str::to_owned).to_vec()];
+        for Point { setup: Setup { size: [height, width], light_rays, .. }, tree, march, .. } in &self.points {
+            rows.push(vec![
+                format!("{width}x{height}"),
+                light_rays.to_string(),
+                format!("{tree:.3}"),
+                format!("{march:.2}"),
+            ]);
+        }
+        let [tree, march] = self.slopes().map(|Slope { value, half }| format!("{value:.2} +- {half:.2}"));
+        rows.push(vec!["slope".to_owned(), String::new(), tree, march]);
+        rows
+    }
+
+    /// Seconds, as powers of 2, against resolution.
+    pub fn plot(&self) -> Plot {
+        let line = |name: &str, seconds: fn(&Point) -> f64| {
+            Line::dotted(name, self.points.iter().map(|p| (p.work.cbrt(), seconds(p).log2())).collect())
+        };
+        Plot {
+            x: "cube root of slices x view rays x light rays",
+            is_logarithmic: true,
+            y: "log2 of seconds, one thread",
+            lines: vec![line("trees", |point| point.tree), line("march", |point| point.march)],
+            level: None,
+        }
+    }
+}
+
+impl Slope {
+    /// By least squares.
+    fn through(points: &[(f64, f64)]) -> Self {
+        let count = points.len() as f64;
+        let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
+        let [x, y] = [mean(|point| point.0), mean(|point| point.1)];
+        let spread: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
+        let value = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum::<f64>() / spread;
+        let left: f64 = points.iter().map(|point| (point.1 - y - value * (point.0 - x)).powi(2)).sum();
+        Self { value, half: STUDENT * (left / (count - 2.0) / spread).sqrt() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slope_is_found_with_its_interval() {
+        let line = [(0.0, 1.0), (1.0, 3.0), (2.0, 5.0), (3.0, 7.0), (4.0, 9.0)];
+        let exact = Slope::through(&line);
+        assert!((exact.value - 2.0).abs() < 1e-12 && exact.half < 1e-9);
+        // Residuals 0.1, -0.2, 0, 0.2, -0.1 take (-0.1 * 2 * 2 + 0.2 * 2) / 10 off; hand-calculated.
+        let noisy = Slope::through(&[(0.0, 1.1), (1.0, 2.8), (2.0, 5.0), (3.0, 7.2), (4.0, 8.9)]);
+        assert!((noisy.value - 2.0).abs() < 1e-9, "{noisy:?}");
+        assert!((noisy.half - STUDENT * (0.1f64 / 3.0 / 10.0).sqrt()).abs() < 1e-9, "{noisy:?}");
+    }
+}
