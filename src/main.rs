@@ -30,6 +30,11 @@ mod methods;
 mod onnxruntime;
 #[cfg(feature = "train")]
 mod parity;
+#[cfg_attr(
+    not(feature = "train"),
+    expect(dead_code, reason = "curves and companions are drawn by studies only")
+)]
+mod plot;
 mod props;
 mod radius;
 mod render;

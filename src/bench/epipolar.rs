@@ -10,7 +10,6 @@ mod contest;
 mod scaling;
 mod subject;
 
-use crate::experiment::plot::{Line, Plot};
 use crate::figures::{Figures, write_atomically};
 use crate::table;
 use anyhow::{Context, Result};

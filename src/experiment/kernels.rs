@@ -2,9 +2,9 @@
 
 use super::exam::SIMILARITY;
 use super::lab::{Lab, Trained, scores};
-use super::plot::{Line, Plot};
 use super::table::{Row, Table};
 use crate::engine::Engine;
+use crate::plot::{Line, Plot};
 use anyhow::Result;
 use deepshade_infer::{NetSpec, parity};
 

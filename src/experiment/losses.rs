@@ -2,8 +2,8 @@
 
 use super::exam::{SIMILARITY, Scores};
 use super::lab::{Lab, scores};
-use super::plot::{Line, Plot};
 use super::table::{Row, Table};
+use crate::plot::{Line, Plot};
 use crate::train::LossName;
 use anyhow::Result;
 use clap::ValueEnum;

@@ -3,8 +3,8 @@
 
 use super::exam::SIMILARITY;
 use super::lab::{Lab, scores};
-use super::plot::{Line, Plot};
 use super::table::{Row, Table};
+use crate::plot::{Line, Plot};
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::vary::Textures;
 use deepshade_dataset::{Dataset, Vary};

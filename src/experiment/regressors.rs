@@ -4,8 +4,8 @@
 use super::exam::{Exam, SIMILARITY, Scores};
 use super::kernels::{TIMED, milliseconds};
 use super::lab::{Lab, scores};
-use super::plot::{Line, Plot};
 use super::table::{Row, Table};
+use crate::plot::{Line, Plot};
 use anyhow::Result;
 use deepshade_infer::NetSpec;
 use deepshade_shaders::lists::median;

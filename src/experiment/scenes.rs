@@ -2,8 +2,8 @@
 
 use super::exam::SIMILARITY;
 use super::lab::{Lab, scores};
-use super::plot::{Line, Plot};
 use super::table::{Row, Table};
+use crate::plot::{Line, Plot};
 use anyhow::Result;
 use deepshade_dataset::Recipe;
 

@@ -1,7 +1,7 @@
 //! What a study found: a table whose first column is its figures, and how it is written.
 
-use super::plot::Plot;
 use crate::figures::Figures;
+use crate::plot::Plot;
 use crate::table;
 use serde_json::json;
 
@@ -93,7 +93,7 @@ impl Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::plot::Line;
+    use crate::plot::Line;
 
     fn table() -> Table {
         let lines = vec![Line::dotted("a", vec![(1.0, 0.5)])];

@@ -29,7 +29,8 @@ impl Claims {
     /// # Errors
     /// If a scene cannot be traced.
     pub fn of(setup: Setup, pool: &ThreadPool) -> Result<Self> {
-        let trees = epipolar::Parameters { light_rays: setup.light_rays, ..epipolar::Parameters::of(Quality::High) };
+        let trees =
+            epipolar::Parameters { light_rays: setup.light_rays, ..epipolar::Parameters::of(Quality::High) };
         let plain = Subject::new(Kind::Indoor, View::Side, setup)?;
         let coloured = plain.with_light(|light| {
             let Light::Directional { pattern, .. } = light else { return };
@@ -40,7 +41,8 @@ impl Claims {
         let mut largest: f64 = 0.0;
         for kind in Kind::ALL {
             for view in View::ALL {
-                largest = largest.max(sigma_ratio(&Subject::new(kind, view, setup.scaled(0.25))?, trees.light_rays));
+                largest = largest
+                    .max(sigma_ratio(&Subject::new(kind, view, setup.scaled(0.25))?, trees.light_rays));
             }
         }
         let [tree, sampling] = beam(setup, pool)?;
@@ -63,7 +65,9 @@ impl Claims {
     /// Rows of a table.
     pub fn rows(&self) -> Vec<Vec<String>> {
         let mut rows = vec![["claim", "found", "paper"].map(str::to_owned).to_vec()];
-        let row = |(name, value, paper): &Claim| vec![(*name).to_owned(), table_number(*value), (*paper).to_owned()];
+        let row = |(name, value, paper): &Claim| {
+            vec![(*name).to_owned(), table_number(*value), (*paper).to_owned()]
+        };
         rows.extend(self.0.iter().map(row));
         rows
     }
@@ -107,7 +111,8 @@ fn beam(setup: Setup, pool: &ThreadPool) -> Result<[f64; 2]> {
     let image = |radiance: Vec<Vec3>| Planes::from_fn(1, height, width, |_, y, x| radiance[y * width + x].x);
     let usual = ray_march::Parameters::of(Quality::High);
     let truth = image(subject.timed(&ray_march::Parameters { steps, jitter: false, ..usual }, pool, 1).0);
-    let trees = epipolar::Parameters { light_rays: setup.light_rays, ..epipolar::Parameters::of(Quality::High) };
+    let trees =
+        epipolar::Parameters { light_rays: setup.light_rays, ..epipolar::Parameters::of(Quality::High) };
     let trees = image(subject.timed(&trees, pool, 1).0);
     let usual = epipolar_sampling::Parameters::of(Quality::High);
     let sampling = image(subject.timed(&epipolar_sampling::Parameters { steps, ..usual }, pool, 1).0);

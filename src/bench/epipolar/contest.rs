@@ -104,7 +104,12 @@ impl Reference {
 }
 
 /// What a march gives for some pixels, on all threads.
-fn marched(subject: &Subject, pixels: &[usize], steps: u32, jitter: impl Fn(usize) -> f32 + Sync) -> Vec<f32> {
+fn marched(
+    subject: &Subject,
+    pixels: &[usize],
+    steps: u32,
+    jitter: impl Fn(usize) -> f32 + Sync,
+) -> Vec<f32> {
     subject.lit(|lit| {
         let march = March::new(lit, 0);
         pixels.par_iter().map(|pixel| march.along(*pixel, steps, jitter(*pixel)).x).collect()
@@ -189,21 +194,31 @@ pub fn set_extremes(outcomes: &[Outcome], figures: &mut Figures) {
         figures.set(&format!("speedup_min{suffix}"), speedups().fold(f64::INFINITY, f64::min));
         figures.set(&format!("speedup_max{suffix}"), speedups().fold(0.0, f64::max));
     }
-    let worst = |error: fn(&Duel) -> f64| outcomes.iter().map(|outcome| error(&outcome.duels[0])).fold(0.0, f64::max);
+    let worst =
+        |error: fn(&Duel) -> f64| outcomes.iter().map(|outcome| error(&outcome.duels[0])).fold(0.0, f64::max);
     figures.set("relmse_tree", worst(|duel| duel.tree.relmse));
     figures.set("relmse_march", worst(|duel| duel.march.relmse));
 }
 
 /// Rows of a table.
 pub fn rows(outcomes: &[Outcome]) -> Vec<Vec<String>> {
-    let head = ["scene and view", "light rays", "relmse", "tree s", "steps", "march s", "speed-up", "sampling", "min/max s"];
+    let head = [
+        "scene and view",
+        "light rays",
+        "relmse",
+        "tree s",
+        "steps",
+        "march s",
+        "speed-up",
+        "sampling",
+        "min/max s",
+    ];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for Outcome { name, duels, sampling, min_max } in outcomes {
         for (which, duel) in duels.iter().enumerate() {
             let first = |text: String| if which == 0 { text } else { String::new() };
-            let sampling = sampling.map_or("worse".to_owned(), |(_, found)| {
-                format!("{:.1}", found.seconds / duel.tree.seconds)
-            });
+            let sampling = sampling
+                .map_or("worse".to_owned(), |(_, found)| format!("{:.1}", found.seconds / duel.tree.seconds));
             rows.push(vec![
                 first(name.clone()),
                 duel.light_rays.to_string(),

@@ -1,8 +1,8 @@
 //! How times grow with the resolution of everything (Baran et al. 2010, Figure 12).
 
 use super::subject::{Kind, Setup, Subject, View};
-use super::{Line, Plot};
 use crate::figures::Figures;
+use crate::plot::{Line, Plot};
 use anyhow::Result;
 use deepshade_render::methods::{Quality, epipolar, ray_march};
 use rayon::ThreadPool;
@@ -44,7 +44,10 @@ impl Scaling {
         for share in SHARES {
             let setup = finest.scaled(share);
             let subject = Subject::new(Kind::Trees, View::Side, setup)?;
-            let trees = epipolar::Parameters { light_rays: setup.light_rays, ..epipolar::Parameters::of(Quality::High) };
+            let trees = epipolar::Parameters {
+                light_rays: setup.light_rays,
+                ..epipolar::Parameters::of(Quality::High)
+            };
             let steps = setup.light_rays as u32;
             let march = ray_march::Parameters { steps, ..ray_march::Parameters::of(Quality::High) };
             let (_, tree) = subject.timed(&trees, pool, 5);
@@ -84,7 +87,8 @@ impl Scaling {
     /// Rows of a table.
     pub fn rows(&self) -> Vec<Vec<String>> {
         let mut rows = vec![["size", "light rays", "tree s", "march s"].map(str::to_owned).to_vec()];
-        for Point { setup: Setup { size: [height, width], light_rays, .. }, tree, march, .. } in &self.points {
+        for Point { setup: Setup { size: [height, width], light_rays, .. }, tree, march, .. } in &self.points
+        {
             rows.push(vec![
                 format!("{width}x{height}"),
                 light_rays.to_string(),

@@ -42,7 +42,8 @@ impl Slices {
     /// Those of an image around an epipole in pixels from the top left corner.
     pub fn new(epipole: DVec2, height: usize, width: usize) -> Self {
         let (right, bottom) = (width as f64, height as f64);
-        let corners = [(0.0, 0.0), (right, 0.0), (right, bottom), (0.0, bottom)].map(|(x, y)| DVec2::new(x, y));
+        let corners =
+            [(0.0, 0.0), (right, 0.0), (right, bottom), (0.0, bottom)].map(|(x, y)| DVec2::new(x, y));
         let all: [Option<Edge>; 4] =
             std::array::from_fn(|i| Edge::new(epipole, corners[i], corners[(i + 1) % 4]));
         let closed = all.iter().all(Option::is_some);
@@ -112,7 +113,9 @@ impl Slices {
     /// As many as there would be with one pixel between them along the edges through which they leave
     /// (Engelhardt and Dachsbacher 2010).
     pub fn count_by_perimeter(&self) -> usize {
-        let length = |edge: &Edge| edge.height * ((edge.ends[1] / edge.height).sinh() - (edge.ends[0] / edge.height).sinh());
+        let length = |edge: &Edge| {
+            edge.height * ((edge.ends[1] / edge.height).sinh() - (edge.ends[0] / edge.height).sinh())
+        };
         self.edges.iter().map(length).sum::<f64>().round() as usize + usize::from(!self.closed)
     }
 }
@@ -123,8 +126,14 @@ impl Edge {
         let outwards = DVec2::new(along.y, -along.x);
         let height = (from - epipole).dot(outwards);
         let end = |corner: DVec2| height * asinh((corner - epipole).dot(along) / height);
-        (height > NEAREST)
-            .then(|| Self { along, outwards, height, ends: [end(from), end(to)], first: 0.0, density: 1.0 })
+        (height > NEAREST).then(|| Self {
+            along,
+            outwards,
+            height,
+            ends: [end(from), end(to)],
+            first: 0.0,
+            density: 1.0,
+        })
     }
 }
 

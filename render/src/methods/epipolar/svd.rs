@@ -110,7 +110,8 @@ mod tests {
 
     #[test]
     fn a_product_of_two_vectors_has_one_term() {
-        let outer: Vec<Vec<f64>> = (0..5).map(|c| (0..4).map(|r| f64::from((c + 1) * (r - 2))).collect()).collect();
+        let outer: Vec<Vec<f64>> =
+            (0..5).map(|c| (0..4).map(|r| f64::from((c + 1) * (r - 2))).collect()).collect();
         let svd = Svd::of(outer);
         assert!(svd.values[1] < 1e-12 * svd.values[0], "{:?}", svd.values);
         assert!(Svd::of(vec![vec![0.0; 3]; 3]).values.iter().all(|value| *value == 0.0));

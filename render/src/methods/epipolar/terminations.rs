@@ -64,7 +64,9 @@ impl Terminations {
         self.unsorted.clear();
         let traced = std::mem::take(&mut self.traced);
         let ends = traced.ends.as_chunks::<SAMPLES>().0;
-        for (ray, (ends, (enters, leaves))) in ends.iter().zip(traced.enters.iter().zip(&traced.leaves)).enumerate() {
+        for (ray, (ends, (enters, leaves))) in
+            ends.iter().zip(traced.enters.iter().zip(&traced.leaves)).enumerate()
+        {
             let [enters, leaves] = [*enters, *leaves].map(|beta| sweep.at(beta));
             let ends = ends.map(|beta| sweep.at(beta).min(leaves));
             let lit = self.push(ray as u32, enters, ends);

@@ -1,6 +1,8 @@
 //! What the lit runs of light rays send to a view ray.
 
-use super::super::epipolar::{Factors, SAMPLES, Slice, SliceIntegration, SliceOfLight, SliceRay, Traced, angle};
+use super::super::epipolar::{
+    Factors, SAMPLES, Slice, SliceIntegration, SliceOfLight, SliceRay, Traced, angle,
+};
 use super::super::shafts::{Faces, Place};
 use super::mipmap::{Mipmap, Node};
 
@@ -51,7 +53,12 @@ impl<const C: usize> SliceIntegration<C, C> for ClosedForm {
         self.map.rebuild(samples(&self.traced));
         for (ray, value) in rays.iter().zip(values) {
             let [cosine, sine] = angle(ray.beta.into()).map(|value| value as f32);
-            let faces = Faces::new(bounds, of.geometry.eye, of.geometry.axis * cosine + slice.outwards * sine, towards);
+            let faces = Faces::new(
+                bounds,
+                of.geometry.eye,
+                of.geometry.axis * cosine + slice.outwards * sine,
+                towards,
+            );
             let metres = of.step / (PER_RAY * sine);
             self.map.lit_runs(ray.beta, ray.end * PER_RAY, |run| {
                 let run = run.map(|sample| sample * metres);

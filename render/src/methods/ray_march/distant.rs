@@ -110,7 +110,12 @@ impl<'a> Distant<'a> {
 
     /// What is left of light through a face in a step, times the step's length, and by what that is multiplied from step
     /// to step.
-    fn decay<const C: usize>(&self, steps: &Steps, [at_eye, slope]: [f32; 2], step: u32) -> ([f32; C], [f32; C]) {
+    fn decay<const C: usize>(
+        &self,
+        steps: &Steps,
+        [at_eye, slope]: [f32; 2],
+        step: u32,
+    ) -> ([f32; C], [f32; C]) {
         let distance = step as f32 * steps.length;
         let way = (at_eye + slope * (steps.near + distance)).max(0.0);
         let extinction: [f32; C] = std::array::from_fn(|colour| self.haze.extinction[colour]);

@@ -33,7 +33,8 @@ impl<'a> Haze<'a> {
     /// # Errors
     /// Says what it is instead, and which method deals with that.
     pub fn check(medium: &'a Medium) -> Result<(), String> {
-        let what = "the medium is a grid, and light must be dimmed alike everywhere; `ray-march` goes through grids";
+        let what =
+            "the medium is a grid, and light must be dimmed alike everywhere; `ray-march` goes through grids";
         Self::of(medium).map(|_| ()).ok_or_else(|| what.to_owned())
     }
 

@@ -33,9 +33,11 @@ impl<'a> Lamp<'a> {
     pub fn new(scene: &'a Scene, light: &Light) -> Self {
         let mut unit = *light;
         let (place, power, range) = match &mut unit {
-            Light::Point { position, intensity, range } | Light::Spot { position, intensity, range, .. } => {
-                (Place::Local(*position), std::mem::replace(intensity, Vec3::ONE), std::mem::replace(range, f32::INFINITY))
-            }
+            Light::Point { position, intensity, range } | Light::Spot { position, intensity, range, .. } => (
+                Place::Local(*position),
+                std::mem::replace(intensity, Vec3::ONE),
+                std::mem::replace(range, f32::INFINITY),
+            ),
             Light::Directional { direction, irradiance, .. } => {
                 (Place::Distant(-*direction), std::mem::replace(irradiance, Vec3::ONE), f32::INFINITY)
             }

@@ -153,7 +153,8 @@ impl Projection {
                 }
             }
             Self::Stereographic(around) => {
-                let directions: Vec<Vec3> = (0..tile.len()).map(|i| around.direction(map, middle(i))).collect();
+                let directions: Vec<Vec3> =
+                    (0..tile.len()).map(|i| around.direction(map, middle(i))).collect();
                 let hits = scene.hit_bundle(around.position, &directions);
                 for (depth, hit) in tile.iter_mut().zip(hits) {
                     *depth = hit.map_or(FAR, |hit| hit.distance);

@@ -27,7 +27,12 @@ fn methods(quality: Quality) -> [Box<dyn Method>; 4] {
 }
 
 /// An image of `[height, width]`.
-fn image(method: &dyn Method, scene: &TracedScene, camera: &Camera, size: [usize; 2]) -> Result<Planes, MethodError> {
+fn image(
+    method: &dyn Method,
+    scene: &TracedScene,
+    camera: &Camera,
+    size: [usize; 2],
+) -> Result<Planes, MethodError> {
     let gbuffer = gbuffer::render(scene, camera, size[0], size[1], &[Attribute::Depth, Attribute::Valid]);
     let frame = Frame { scene, camera, gbuffer: &gbuffer, radius: 1.0, seed: 3 };
     method.shade(&frame, Repeats::ONCE).map(|shaded| shaded.image)

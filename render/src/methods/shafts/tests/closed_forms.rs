@@ -45,7 +45,8 @@ fn slits_of_sunlight_are_as_bright_as_their_lit_segment() {
     let phase = f64::from(HenyeyGreenstein::new(0.6).evaluate(0.0));
     let expected: [f64; 3] = std::array::from_fn(|c| {
         let (extinction, scattering) = (f64::from(medium.extinction()[c]), f64::from(medium.scattering[c]));
-        let segment = |[from, to]: [f64; 2]| ((-extinction * from).exp() - (-extinction * to).exp()) / extinction;
+        let segment =
+            |[from, to]: [f64; 2]| ((-extinction * from).exp() - (-extinction * to).exp()) / extinction;
         let lit = segment([0.505, 1.705]) + segment([4.005, 4.505]);
         [30.0, 20.0, 10.0][c] * phase * scattering * (-2.0 * extinction).exp() * lit
     });
@@ -55,14 +56,26 @@ fn slits_of_sunlight_are_as_bright_as_their_lit_segment() {
     let steps = 2000;
     let light_rays = 4000;
     let methods: [Box<dyn Method>; 4] = [
-        Box::new(Shafts(ray_march::Parameters { steps, shadow_size, ..ray_march::Parameters::of(Quality::Ultra) })),
-        Box::new(Shafts(epipolar::Parameters { light_rays, shadow_size, ..epipolar::Parameters::of(Quality::Ultra) })),
+        Box::new(Shafts(ray_march::Parameters {
+            steps,
+            shadow_size,
+            ..ray_march::Parameters::of(Quality::Ultra)
+        })),
+        Box::new(Shafts(epipolar::Parameters {
+            light_rays,
+            shadow_size,
+            ..epipolar::Parameters::of(Quality::Ultra)
+        })),
         Box::new(Shafts(epipolar_sampling::Parameters {
             steps,
             shadow_size,
             ..epipolar_sampling::Parameters::of(Quality::Ultra)
         })),
-        Box::new(Shafts(min_max::Parameters { light_rays, shadow_size, ..min_max::Parameters::of(Quality::Ultra) })),
+        Box::new(Shafts(min_max::Parameters {
+            light_rays,
+            shadow_size,
+            ..min_max::Parameters::of(Quality::Ultra)
+        })),
     ];
     for method in methods {
         let found = image(method.as_ref(), &scene, &camera, [1, 1]).expect("an image");
@@ -86,7 +99,8 @@ fn sunlight_that_nothing_hides_is_exact() {
             let expected = std::array::from_fn(|c| {
                 let extinction = f64::from(medium.extinction()[c]);
                 let lit = integral(near.into(), far.into(), |s| {
-                    let [_, way] = medium.density.span(direction * s as f32, towards, f32::INFINITY).unwrap_or_default();
+                    let [_, way] =
+                        medium.density.span(direction * s as f32, towards, f32::INFINITY).unwrap_or_default();
                     (-extinction * (s + f64::from(way))).exp()
                 });
                 [30.0, 20.0, 10.0][c] * phase * f64::from(medium.scattering[c]) * lit
@@ -102,7 +116,12 @@ fn sunlight_that_nothing_hides_is_exact() {
 fn airlight_of_a_lamp_is_suns() {
     let position = Vec3::new(2.0, 1.1, -0.3);
     for anisotropy in [0.0, 0.5] {
-        let medium = Medium::new(Vec3::new(0.05, 0.2, 0.1), Vec3::new(0.25, 0.4, 0.9), anisotropy, Density::Everywhere);
+        let medium = Medium::new(
+            Vec3::new(0.05, 0.2, 0.1),
+            Vec3::new(0.25, 0.4, 0.9),
+            anisotropy,
+            Density::Everywhere,
+        );
         let medium = medium.expect("fog");
         let phase = HenyeyGreenstein::new(anisotropy);
         let scene = scene(vec![wall(3.5)], vec![lamp(position)], medium.clone());

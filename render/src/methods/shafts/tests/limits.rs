@@ -9,12 +9,17 @@ const SIZE: [usize; 2] = [45, 60];
 
 /// Asserts that all methods show what a long march shows (epipolar sampling something finite), and returns it.
 fn agreed(name: &str, scene: &TracedScene, camera: &Camera, tolerance: f64) -> Planes {
-    let long = ray_march::Parameters { steps: 4096, jitter: false, ..ray_march::Parameters::of(Quality::High) };
+    let long =
+        ray_march::Parameters { steps: 4096, jitter: false, ..ray_march::Parameters::of(Quality::Medium) };
     let expected = image(&Shafts(long), scene, camera, SIZE).expect("an image");
     assert!(expected.data().iter().all(|value| value.is_finite() && *value >= 0.0), "{name}");
-    for method in methods(Quality::High) {
+    for method in methods(Quality::Medium) {
         let found = image(method.as_ref(), scene, camera, SIZE).expect("an image");
-        assert!(found.data().iter().all(|value| value.is_finite() && *value >= 0.0), "{name}: {}", method.name());
+        assert!(
+            found.data().iter().all(|value| value.is_finite() && *value >= 0.0),
+            "{name}: {}",
+            method.name()
+        );
         // What is between its samples, epipolar sampling may miss.
         let error = relative_mse(&found, &expected);
         let is_exact = method.name() != epipolar_sampling::Parameters::NAME;
@@ -72,7 +77,12 @@ fn where_no_light_is_it_is_black() {
         assert!(is_black(&shadow));
     }
     let nothing = Medium { scattering: Vec3::ZERO, ..fog(0.0, AROUND) };
-    assert!(is_black(&agreed("absorption", &scene(pergola(), vec![sun(Vec3::NEG_Y)], nothing), &inside, 1e-9)));
+    assert!(is_black(&agreed(
+        "absorption",
+        &scene(pergola(), vec![sun(Vec3::NEG_Y)], nothing),
+        &inside,
+        1e-9
+    )));
     // No sunlight is left where fog has no end.
     let endless = Medium { density: Density::Everywhere, ..fog(0.0, AROUND) };
     assert!(is_black(&agreed("endless", &scene(pergola(), vec![sun(Vec3::NEG_Y)], endless), &inside, 1e-9)));
@@ -83,7 +93,8 @@ fn dense_fog_shows_what_is_near() {
     let direction = Vec3::new(0.3, -1.0, 0.4);
     for [inside, depth] in [[true, false], [true, true], [false, false], [false, true]] {
         let extinction = if depth { 40.0 } else { 4.0 };
-        let medium = Medium { absorption: Vec3::ZERO, scattering: Vec3::splat(extinction), ..fog(0.2, AROUND) };
+        let medium =
+            Medium { absorption: Vec3::ZERO, scattering: Vec3::splat(extinction), ..fog(0.2, AROUND) };
         let eye = if inside { Vec3::new(-0.3, 5.8, 0.2) } else { Vec3::new(-12.0, 9.0, 12.0) };
         let camera = Camera::look_at(eye, Vec3::new(0.0, 2.0, 0.0));
         let scene = scene(pergola(), vec![sun(direction)], medium);
@@ -104,7 +115,8 @@ fn pictures_colour_the_light() {
     }
     for light in [glass, slide] {
         let plain = scene(pergola(), vec![], fog(0.5, AROUND));
-        let coloured = Scene { lights: vec![light], textures: vec![texture.clone().into()], ..plain.scene().clone() };
+        let coloured =
+            Scene { lights: vec![light], textures: vec![texture.clone().into()], ..plain.scene().clone() };
         let coloured = TracedScene::new(coloured).expect("triangles");
         agreed("picture", &coloured, &camera, 2e-3);
     }
@@ -118,13 +130,17 @@ fn a_narrow_beam_before_a_wall_is_seen_by_trees_and_missed_between_samples() {
     };
     let wall = quad([(-5., -5.), (5., -5.), (5., 5.), (-5., 5.)].map(|(x, y)| Vec3::new(x, y, -2.0)));
     let meshes = vec![wall, roof([-5.0, 0.0]), roof([0.08, 5.0])];
-    let scene = scene(meshes, vec![sun(Vec3::new(0.9, -1.0, 0.0))], fog(0.0, [[-5.0, -5.0, -5.0], [5.0, 5.0, 5.0]]));
+    let scene =
+        scene(meshes, vec![sun(Vec3::new(0.9, -1.0, 0.0))], fog(0.0, [[-5.0, -5.0, -5.0], [5.0, 5.0, 5.0]]));
     let camera = Camera::look_at(Vec3::new(2.0, 1.0, 4.0), Vec3::new(2.0, 1.0, 0.0));
     let size = [120, 160];
-    let long = ray_march::Parameters { steps: 4096, jitter: false, ..ray_march::Parameters::of(Quality::High) };
+    let long =
+        ray_march::Parameters { steps: 4096, jitter: false, ..ray_march::Parameters::of(Quality::Medium) };
     let expected = image(&Shafts(long), &scene, &camera, size).expect("an image");
-    let [_, tree, sampling, _] = methods(Quality::High);
-    let error = |method: &dyn Method| relative_mse(&image(method, &scene, &camera, size).expect("an image"), &expected);
+    let [_, tree, sampling, _] = methods(Quality::Medium);
+    let error = |method: &dyn Method| {
+        relative_mse(&image(method, &scene, &camera, size).expect("an image"), &expected)
+    };
     let [tree, sampling] = [error(tree.as_ref()), error(sampling.as_ref())];
     assert!(sampling > 4.0 * tree, "{sampling:e} and {tree:e}");
 }

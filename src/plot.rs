@@ -1,4 +1,4 @@
-//! Plots of experiments: lines through points, over an axis that may be logarithmic, as SVG.
+//! Plots: lines through points, over an axis that may be logarithmic, as SVG.
 
 use anyhow::{Result, anyhow};
 use plotters::prelude::*;
