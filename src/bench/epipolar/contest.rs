@@ -234,3 +234,32 @@ pub fn rows(outcomes: &[Outcome]) -> Vec<Vec<String>> {
     }
     rows
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::subject::{Kind, Setup, View};
+    use super::*;
+
+    #[test]
+    fn trees_and_marches_are_measured_as_small_as_they_go() {
+        let setup = Setup { size: [48, 64], light_rays: 128, shadow_size: 256 };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+        let subject = Subject::new(Kind::Indoor, View::Side, setup).expect("a scene");
+        let outcome = Outcome::of(&subject, &pool);
+        for duel in &outcome.duels {
+            assert!(duel.tree.relmse < 1e-2 && duel.tree.relmse > 0.0, "{duel:?}");
+            assert!((STEPS[0]..=STEPS[1]).contains(&duel.steps), "{duel:?}");
+            assert!(duel.speedup() > 0.0 && duel.speedup().is_finite(), "{duel:?}");
+        }
+        // As good, to what chance decides of pixels that were not compared alike.
+        let [all, _] = outcome.duels;
+        assert!(all.march.relmse <= 1.1 * all.tree.relmse, "{all:?}");
+        let mut figures = Figures::new("bench epipolar");
+        outcome.set(&mut figures);
+        set_extremes(&[outcome], &mut figures);
+        let written = figures.to_json();
+        for name in ["speedup_indoor_side", "speedup_min", "speedup_max_quarter", "relmse_tree", "relmse_march"] {
+            assert!(written["figures"][name].is_number(), "{name}");
+        }
+    }
+}

@@ -106,3 +106,54 @@ fn cubic(values: &[f64], share: f64) -> f64 {
     let (first, second) = (0.5 * (c - a), a - 2.5 * b + 2.0 * c - 0.5 * d);
     b + x * (first + x * (second + x * (1.5 * (b - c) + 0.5 * (d - a))))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::methods::epipolar::geometry::Geometry;
+    use crate::methods::epipolar::integrand::Ways;
+    use crate::methods::shafts::{Lamp, Place};
+    use crate::path::medium::HenyeyGreenstein;
+    use crate::scene::{Light, Scene};
+    use glam::Vec3;
+
+    /// Largest error of `W` terms over the largest value, and the fourth singular value over the first.
+    fn error<const W: usize>(place: Place, light: Light) -> [f64; 2] {
+        let scene = Scene::default();
+        let lamp = Lamp::new(&scene, &light);
+        let geometry = Geometry::new(Vec3::ZERO, place).expect("away from the light");
+        let phase = HenyeyGreenstein::new(0.6);
+        let integrand =
+            Integrand { geometry: &geometry, lamp: &lamp, extinction: 0.4, phase, ways: Ways::default() };
+        let (rays, step, betas) = (500, 4e-3, [0.02, 1.1]);
+        let factors = Factors::<W>::new(&[integrand], rays, step, betas);
+        let (mut worst, mut largest) = (0f64, 0f64);
+        for ray in (0..rays).step_by(7) {
+            for part in 0..50 {
+                let beta = betas[0] + (betas[1] - betas[0]) * (part as f32 + 0.3) / 50.0;
+                let [found] = factors.value::<1>(&factors.light[ray], beta);
+                let expected =
+                    integrand.at((ray as f64 + 0.5) * f64::from(step), beta.into()) * f64::from(step);
+                worst = worst.max((f64::from(found) - expected).abs());
+                largest = largest.max(expected);
+            }
+        }
+        [worst / largest, factors.values[3]]
+    }
+
+    #[test]
+    fn few_products_are_the_integrand() {
+        let position = Vec3::new(0.0, 0.0, -2.0);
+        let (irradiance, intensity, range) = (Vec3::ONE, Vec3::ONE, 9.0);
+        let sun = Light::Directional { direction: Vec3::Z, irradiance, pattern: None };
+        let lamp = Light::Point { position, intensity, range };
+        for (place, light) in [(Place::Distant(Vec3::NEG_Z), sun), (Place::Local(position), lamp)] {
+            let [one, four, twelve] =
+                [error::<1>(place, light)[0], error::<4>(place, light)[0], error::<12>(place, light)[0]];
+            assert!(one > 0.03 && four < 5e-3 && twelve < 5e-5, "{one:e}, {four:e}, {twelve:e}");
+            // Baran et al. 2010, section 6.
+            let ratio = error::<4>(place, light)[1];
+            assert!(ratio < 1.0 / 40.0, "{ratio:e}");
+        }
+    }
+}

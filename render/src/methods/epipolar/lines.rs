@@ -34,3 +34,37 @@ impl Lines {
         self.starts.par_windows(2).map(|ends| &self.rays[ends[0]..ends[1]])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvh::TracedScene;
+    use crate::gbuffer;
+    use crate::method::Frame;
+    use crate::methods::shafts::Place;
+    use crate::path::proving::floor;
+    use crate::scene::{Camera, Material, Scene};
+    use deepshade_shaders::Attribute;
+    use glam::Vec3;
+
+    #[test]
+    fn every_pixel_is_in_one_line_and_angles_grow_along_it() {
+        let scene =
+            Scene { meshes: vec![floor()].into(), materials: vec![Material::default()], ..Scene::default() };
+        let scene = TracedScene::new(scene).expect("triangles");
+        let camera = Camera::look_at(Vec3::Y, Vec3::new(2.0, 1.3, 1.0));
+        let gbuffer = gbuffer::render(&scene, &camera, 33, 47, &[Attribute::Depth, Attribute::Valid]);
+        let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius: 1.0, seed: 0 };
+        let view = ViewRays::of(&frame);
+        let geometry =
+            Geometry::new(view.eye, Place::Distant(Vec3::new(2.0, 1.0, 1.0).normalize())).expect("a sun");
+        let lines = Lines::new(&view, &geometry);
+        let all: Vec<Vec<u32>> = lines.all().map(<[u32]>::to_vec).collect();
+        let mut pixels: Vec<u32> = all.concat();
+        pixels.sort_unstable();
+        assert!(pixels.iter().copied().eq(0..33 * 47));
+        let along = |ray: &u32| geometry.direction(view.directions[*ray as usize]).along;
+        assert!(all.iter().all(|line| line.is_sorted_by(|a, b| along(a) >= along(b) - 1e-6)));
+        assert!(all.iter().filter(|line| line.len() > 5).count() > 40, "lines are long");
+    }
+}

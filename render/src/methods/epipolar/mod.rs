@@ -32,7 +32,7 @@ mod sweep;
 mod terminations;
 
 use super::Quality;
-use super::ray_march::{March, shift};
+use super::ray_march::March;
 use super::shafts::{Haze, Integration, Lit, Shafts};
 use crate::scene::Medium;
 pub use factors::Factors;
@@ -41,7 +41,6 @@ use glam::Vec3;
 pub use light_rays::{SliceOfLight, Traced};
 pub use lines::Lines;
 pub use prefilter::SAMPLES;
-use rayon::prelude::*;
 pub use rectified::{Rectified, Slice, SliceIntegration};
 pub use slice_rays::SliceRay;
 pub use slices::Slices;
@@ -91,10 +90,9 @@ impl Integration for Parameters {
 
     fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {
         let march = March::new(lit, 0);
-        let marched = |ray: usize| march.along(ray, self.steps, shift(ray, lit.seed));
+        let marched = |ray: usize| march.shifted(ray, self.steps);
         let Some(rectified) = Rectified::new(lit, self.light_rays, self.least_light_rays) else {
-            radiance.par_iter_mut().enumerate().for_each(|(ray, radiance)| *radiance += marched(ray));
-            return;
+            return march.add(self.steps, radiance);
         };
         match (rectified.are_coloured(), self.terms) {
             (false, 4) => rectified.add::<4, 1, TreeSweep<4>>(radiance, marched),

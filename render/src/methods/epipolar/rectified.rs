@@ -8,6 +8,7 @@ use super::integrand::{Integrand, Ways};
 use super::light_rays::{FanSlice, ParallelSlice, SliceOfLight};
 use super::slice_rays::{Reach, SliceRay, SliceRays};
 use super::slices::Slices;
+use crate::scene::Bounds;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -69,7 +70,7 @@ impl<'a> Rectified<'a> {
         let haze = Haze::of(lit.medium)?;
         let geometry = Geometry::new(lit.rays.eye, lit.lamp.place)?;
         let ways = Ways::of(&haze, &geometry);
-        let depth = |bounds: crate::scene::Bounds| haze.extinction.max_element() * bounds.diagonal();
+        let depth = |bounds: Bounds| haze.extinction.max_element() * bounds.diagonal();
         match haze.bounds().map(depth) {
             None if geometry.is_parallel() => return None,
             Some(depth) if depth > OPAQUE && ways.view + ways.light > 0.0 => return None,

@@ -19,6 +19,8 @@ pub struct TreeSweep<const W: usize> {
     /// View rays in the order of the sweep, with their places.
     order: Vec<[u32; 2]>,
     starts: Vec<u32>,
+    /// How far view rays of a place or a later one go at most, in light rays.
+    reach: Vec<f32>,
 }
 
 impl<const W: usize, const C: usize> SliceIntegration<W, C> for TreeSweep<W> {
@@ -36,9 +38,9 @@ impl<const W: usize, const C: usize> SliceIntegration<W, C> for TreeSweep<W> {
         let sweep = Sweep::between(bounds(|ray| ray.beta));
         let [_, farthest] = bounds(|ray| ray.end);
         let count = (farthest as usize + 1).min(factors.light.len());
-        self.terminations.gather(&slice.light, count, sweep);
-        self.plant(factors, |ray, longer| slice.weight::<C>(ray, longer));
         self.sort(rays, sweep);
+        self.terminations.gather(&slice.light, count, sweep, &self.reach);
+        self.plant(factors, |ray, longer| slice.weight::<C>(ray, longer));
         let mut changes = self.terminations.changes.iter().peekable();
         for [place, ray] in &self.order {
             while let Some(Change { ray, share, .. }) = changes.next_if(|change| change.place <= *place) {
@@ -82,12 +84,20 @@ impl<const W: usize> TreeSweep<W> {
         for at in 0..PLACES {
             self.starts[at + 1] += self.starts[at];
         }
+        self.reach.clear();
+        self.reach.resize(PLACES, 0.0);
         self.order.resize(rays.len(), [0; 2]);
         for (index, ray) in rays.iter().enumerate() {
             let place = place(ray);
             let slot = &mut self.starts[place];
             self.order[*slot as usize] = [place as u32, index as u32];
             *slot += 1;
+            self.reach[place] = self.reach[place].max(ray.end);
+        }
+        let mut farthest = 0f32;
+        for reach in self.reach.iter_mut().rev() {
+            farthest = farthest.max(*reach);
+            *reach = farthest;
         }
     }
 }

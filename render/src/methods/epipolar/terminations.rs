@@ -57,8 +57,10 @@ pub struct Terminations {
 }
 
 impl Terminations {
-    /// Those of the first `count` light rays of a slice.
-    pub fn gather(&mut self, slice: &impl SliceOfLight, count: usize, sweep: Sweep) {
+    /// Those of the first `count` light rays of a slice. `reach` says of each place how far the view rays there or later
+    /// in the sweep go at most, in light rays: what changes beyond is left out, such as where light rays end on a surface
+    /// that hides what is behind it.
+    pub fn gather(&mut self, slice: &impl SliceOfLight, count: usize, sweep: Sweep, reach: &[f32]) {
         slice.trace(count, &mut self.traced);
         self.lit.clear();
         self.unsorted.clear();
@@ -69,7 +71,7 @@ impl Terminations {
         {
             let [enters, leaves] = [*enters, *leaves].map(|beta| sweep.at(beta));
             let ends = ends.map(|beta| sweep.at(beta).min(leaves));
-            let lit = self.push(ray as u32, enters, ends);
+            let lit = self.push(ray as u32, enters, ends, reach);
             self.lit.push(lit);
         }
         self.traced = traced;
@@ -78,7 +80,7 @@ impl Terminations {
 
     /// Notes where a light ray is lit; its lit share at the beginning, negative if it is never lit.
     #[inline(always)]
-    fn push(&mut self, ray: u32, enters: f32, ends: [f32; SAMPLES]) -> f32 {
+    fn push(&mut self, ray: u32, enters: f32, ends: [f32; SAMPLES], reach: &[f32]) -> f32 {
         let [a, b, c, d] = ends;
         let (first, last) = (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));
         let begin = enters.max(0.0);
@@ -92,22 +94,22 @@ impl Terminations {
         modes(ends, APART, |Mode { depth, weight }| {
             if depth > begin {
                 lit += weight;
-                self.change(depth, ray, -weight);
+                self.change(depth, ray, -weight, reach);
             }
         });
         if enters <= 0.0 || lit == 0.0 {
             return lit;
         }
-        self.change(enters, ray, lit);
+        self.change(enters, ray, lit, reach);
         0.0
     }
 
-    /// Notes a change unless it is beyond the sweep.
+    /// Notes a change unless no view ray sees it.
     #[inline(always)]
-    fn change(&mut self, place: f32, ray: u32, share: f32) {
+    fn change(&mut self, place: f32, ray: u32, share: f32, reach: &[f32]) {
         // View rays are on average in the middle of their place.
-        let place = (place + 0.5) as i32;
-        if place < PLACES as i32 {
+        let place = (place + 0.5) as i32 as usize;
+        if reach.get(place).is_some_and(|reach| (ray as f32) < *reach) {
             self.unsorted.push(Change { place: place as u32, ray, share });
         }
     }

@@ -12,7 +12,7 @@
 
 use super::Quality;
 use super::epipolar::{Geometry, Lines};
-use super::ray_march::{March, shift};
+use super::ray_march::March;
 use super::shafts::{Integration, Lit, Shafts};
 use crate::scene::Medium;
 use glam::Vec3;
@@ -60,10 +60,9 @@ impl Integration for Parameters {
 
     fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {
         let march = March::new(lit, self.steps);
-        let marched = |ray: usize| march.along(ray, self.steps, shift(ray, lit.seed));
+        let marched = |ray: usize| march.shifted(ray, self.steps);
         let Some(geometry) = Geometry::new(lit.rays.eye, lit.lamp.place) else {
-            radiance.par_iter_mut().enumerate().for_each(|(ray, radiance)| *radiance += marched(ray));
-            return;
+            return march.add(self.steps, radiance);
         };
         let lines = Lines::new(lit.rays, &geometry);
         let found: Vec<_> = lines.all().map(|line| (line, self.line(line, lit, marched))).collect();

@@ -14,12 +14,11 @@ mod mipmap;
 
 use super::Quality;
 use super::epipolar::Rectified;
-use super::ray_march::{March, shift};
+use super::ray_march::March;
 use super::shafts::{Haze, Integration, Lit, Shafts};
 use crate::scene::Medium;
 use glam::Vec3;
 use integration::{ClosedForm, PrefixSums};
-use rayon::prelude::*;
 
 /// The method.
 pub type MinMax = Shafts<Parameters>;
@@ -63,10 +62,9 @@ impl Integration for Parameters {
 
     fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {
         let march = March::new(lit, 0);
-        let marched = |ray: usize| march.along(ray, self.steps, shift(ray, lit.seed));
+        let marched = |ray: usize| march.shifted(ray, self.steps);
         let Some(rectified) = Rectified::new(lit, self.light_rays, self.least_light_rays) else {
-            radiance.par_iter_mut().enumerate().for_each(|(ray, radiance)| *radiance += marched(ray));
-            return;
+            return march.add(self.steps, radiance);
         };
         let has_closed_form = rectified.geometry.is_parallel() && lit.lamp.is_even();
         match (has_closed_form, rectified.are_coloured()) {

@@ -64,10 +64,10 @@ impl Integration for Parameters {
 
     fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {
         let march = March::new(lit, self.light_steps);
-        radiance.par_iter_mut().enumerate().for_each(|(ray, radiance)| {
-            let jitter = if self.jitter { shift(ray, lit.seed) } else { 0.5 };
-            *radiance += march.along(ray, self.steps, jitter);
-        });
+        match self.jitter {
+            true => march.add(self.steps, radiance),
+            false => march.add_each(radiance, |ray| march.along(ray, self.steps, 0.5)),
+        }
     }
 }
 
@@ -98,6 +98,20 @@ impl<'a> March<'a> {
             (haze, _) => Way::General(General::new(lit, haze, light_steps)),
         };
         Self { lit: *lit, way }
+    }
+
+    /// Adds the radiance of every view ray.
+    pub fn add(&self, steps: u32, radiance: &mut [Vec3]) {
+        self.add_each(radiance, |ray| self.shifted(ray, steps));
+    }
+
+    fn add_each(&self, radiance: &mut [Vec3], of: impl Fn(usize) -> Vec3 + Sync) {
+        radiance.par_iter_mut().enumerate().for_each(|(ray, radiance)| *radiance += of(ray));
+    }
+
+    /// Radiance of one of the view rays, its steps shifted by a number of its own.
+    pub fn shifted(&self, ray: usize, steps: u32) -> Vec3 {
+        self.along(ray, steps, shift(ray, self.lit.seed))
     }
 
     /// Radiance of one of the view rays. The steps begin at `jitter` in [0, 1) of their length.

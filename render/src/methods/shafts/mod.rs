@@ -7,7 +7,8 @@
 //! shadow maps are given, as in Baran et al. 2010 (section 10): a renderer has them anyway.
 //!
 //! Limits of all of them: light of point, spot and directional lights only, not of emissive surfaces and of the
-//! environment; shadows as fine as the texels of the map; blended surfaces hide light from an opacity of one half on.
+//! environment; shadows as fine as the texels of the map; blended surfaces hide light from an opacity of one half on; the
+//! camera is a pinhole.
 //!
 //! [`ray_march`]: super::ray_march
 //! [`epipolar`]: super::epipolar

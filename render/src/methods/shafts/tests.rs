@@ -3,6 +3,7 @@
 
 mod closed_forms;
 mod limits;
+mod maps;
 mod truth;
 
 use super::{Integration, Lit, Shafts};

@@ -29,7 +29,7 @@ impl ViewRays {
         let (height, width) = (frame.gbuffer.height(), frame.gbuffer.width());
         let distances = distances(frame.gbuffer, frame).unwrap_or_else(|| {
             let traced = gbuffer::render(frame.scene, frame.camera, height, width, &WANTED);
-            distances(&traced, frame).unwrap_or_default()
+            distances(&traced, frame).expect("what was asked for")
         });
         Self::new(frame, [height, width], &distances)
     }
