@@ -3,8 +3,8 @@
 
 use super::exam::{Exam, SIMILARITY, Scores, WholeFrame};
 use super::lab::Lab;
-use super::plot::{Line, Plot};
 use super::table::{Row, Table};
+use crate::plot::{Line, Plot};
 use anyhow::Result;
 use deepshade_dataset::recipe::Sequence;
 use deepshade_dataset::{Dataset, Recipe};

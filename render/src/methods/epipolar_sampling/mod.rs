@@ -86,9 +86,9 @@ impl Parameters {
             found[place] = marched(line[place] as usize);
             if let Some(before) = before {
                 let [first, last] = [found[before], found[place]];
-                for between in before + 1..place {
-                    let on = (between - before) as f32 / (place - before) as f32;
-                    found[between] = first.lerp(last, on);
+                let steps = (place - before) as f32;
+                for (step, between) in found[before + 1..place].iter_mut().enumerate() {
+                    *between = first.lerp(last, (step + 1) as f32 / steps);
                 }
             }
             before = Some(place);
