@@ -6,8 +6,7 @@ use deepshade_infer::Model;
 use deepshade_render::method::Method;
 use deepshade_render::methods::{
     Quality, aov, bounced_z, epipolar, epipolar_sampling, fxaa, gather, gtao, hbao, min_max, prefiltered,
-    ray_march, reconstruction, ring_gather, separable, shafts::Shafts, ssdo, ssgi, subsurface,
-    surfel,
+    ray_march, reconstruction, ring_gather, separable, shafts::Shafts, ssdo, ssgi, subsurface, surfel,
 };
 use deepshade_render::screen::ScreenMethod;
 use deepshade_shaders::Effect;
