@@ -5,6 +5,7 @@
 //! leaving out terms, where straight lines' is not.
 
 use super::integrand::Integrand;
+use super::light_rays::Spacing;
 use super::svd::Svd;
 
 /// Samples along each coordinate.
@@ -26,15 +27,17 @@ pub struct Factors<const W: usize> {
 }
 
 impl<const W: usize> Factors<W> {
-    /// Of one integrand a colour (`W` is a multiple of their number), for light rays `step` apart and view rays between two
+    /// Of one integrand a colour (`W` is a multiple of their number), for light rays and for view rays between two
     /// values of `beta`.
-    pub fn new(integrands: &[Integrand<'_>], light_rays: usize, step: f32, [low, high]: [f32; 2]) -> Self {
+    pub fn new(integrands: &[Integrand<'_>], spacing: Spacing, [low, high]: [f32; 2]) -> Self {
         let terms = W / integrands.len();
         let (low, high) = (f64::from(low), f64::from(high));
-        let reach = f64::from(step) * light_rays as f64;
+        let Spacing { first, step, count } = spacing;
+        let (first, step) = (f64::from(first), f64::from(step));
+        let reach = step * count as f64;
         let share = |i: usize| i as f64 / (SAMPLES - 1) as f64;
         let mut factors = Self {
-            light: vec![[0.0; W]; light_rays],
+            light: vec![[0.0; W]; count],
             view: vec![[0.0; W]; PIECES + 1],
             first_beta: low as f32,
             pieces_per_beta: PIECES as f32 / ((high - low) as f32).max(f32::MIN_POSITIVE),
@@ -48,7 +51,7 @@ impl<const W: usize> Factors<W> {
                 _ => {
                     let column = |c: usize| {
                         (0..SAMPLES)
-                            .map(|r| integrand.at(reach * share(r).powi(2), low + (high - low) * share(c)))
+                            .map(|r| integrand.at(first + reach * share(r).powi(2), low + (high - low) * share(c)))
                             .collect()
                     };
                     Svd::of((0..SAMPLES).map(column).collect())
@@ -57,8 +60,8 @@ impl<const W: usize> Factors<W> {
             for term in 0..terms {
                 let place = colour * terms + term;
                 for (ray, light) in factors.light.iter_mut().enumerate() {
-                    let share = (ray as f64 + 0.5) / light_rays as f64;
-                    light[place] = (cubic(&svd.rows[term], share.sqrt()) * f64::from(step)) as f32;
+                    let share = (ray as f64 + 0.5) / count as f64;
+                    light[place] = (cubic(&svd.rows[term], share.sqrt()) * step) as f32;
                 }
                 for (piece, view) in factors.view.iter_mut().enumerate() {
                     view[place] = cubic(&svd.columns[term], piece as f64 / PIECES as f64) as f32;

@@ -10,12 +10,13 @@
 pub struct HalfTree<const W: usize> {
     /// All leaves, then the left nodes of each level, upwards.
     nodes: Vec<[f32; W]>,
-    /// Where the nodes of each level begin.
-    levels: Vec<usize>,
+    /// Where the nodes of each level begin of which only left ones are kept.
+    starts: Vec<usize>,
 }
 
 impl<const W: usize> HalfTree<W> {
     /// Begins anew with these elements.
+    #[inline(always)]
     pub fn rebuild(&mut self, elements: &[[f32; W]]) {
         self.lay_out(elements.len().next_power_of_two());
         for (index, element) in elements.iter().enumerate() {
@@ -31,17 +32,18 @@ impl<const W: usize> HalfTree<W> {
         }
     }
 
-    /// Adds to an element.
+    /// Adds to an element. At every level there is a node to write, to which nothing is added if the element is on the
+    /// right: no branch is to be guessed.
     #[inline(always)]
     pub fn add(&mut self, index: usize, change: &[f32; W]) {
         add(&mut self.nodes[index], change);
-        // Below each level at which the element is on the left.
-        let mut lefts = !index & ((1 << self.levels.len()) - 2);
-        while lefts != 0 {
-            let level = lefts.trailing_zeros() as usize;
-            let left = self.levels[level] + (index >> (level + 1));
-            add(&mut self.nodes[left], change);
-            lefts &= lefts - 1;
+        let mut pair = index >> 1;
+        for start in &self.starts {
+            let on_left = (!pair & 1) as f32;
+            pair >>= 1;
+            for (sum, change) in self.nodes[start + pair].iter_mut().zip(change) {
+                *sum += change * on_left;
+            }
         }
     }
 
@@ -63,15 +65,15 @@ impl<const W: usize> HalfTree<W> {
     #[inline(always)]
     fn left_child(&self, level: usize, element: usize) -> usize {
         let pair = element >> (level + 1);
-        if level == 0 { 2 * pair } else { self.levels[level] + pair }
+        if level == 0 { 2 * pair } else { self.starts[level - 1] + pair }
     }
 
+    #[inline(always)]
     fn lay_out(&mut self, leaves: usize) {
-        self.levels.clear();
-        self.levels.push(0);
+        self.starts.clear();
         let mut end = leaves;
         for level in 1..=leaves.trailing_zeros() {
-            self.levels.push(end);
+            self.starts.push(end);
             end += (leaves >> (level + 1)).max(1);
         }
         // One leaf more for sums that end at the last one's end.
@@ -79,6 +81,7 @@ impl<const W: usize> HalfTree<W> {
     }
 }
 
+#[inline(always)]
 fn add<const W: usize>(sum: &mut [f32; W], other: &[f32; W]) {
     for (sum, other) in sum.iter_mut().zip(other) {
         *sum += other;

@@ -20,6 +20,9 @@ pub struct Integrand<'a> {
     pub extinction: f64,
     pub phase: HenyeyGreenstein,
     pub ways: Ways,
+    /// The largest sum of both angles at which a view ray meets a local light's ray, radians. Beyond, where rays that meet
+    /// farther away than anything is seen would leave a jump, the integrand goes on smoothly.
+    pub widest: f64,
 }
 
 /// How far light goes in all before it can be in the medium's box: the unit in which the optical depths of the view ray,
@@ -33,9 +36,6 @@ pub struct Ways {
     /// Both, as they are counted in the integrand: the least that it subtracts.
     pub least: f32,
 }
-
-/// Least cosine of half the sum of both angles: beyond it light rays and view rays hardly meet.
-const LEAST_COSINE: f64 = 1e-3;
 
 impl Ways {
     /// Those of a medium.
@@ -63,11 +63,18 @@ impl Integrand<'_> {
             return self.transmittance(gamma * tangent);
         }
         let (reach, view) = (f64::from(self.geometry.reach), sine.atan2(cosine));
-        let half = (0.5 * (view + gamma)).cos().max(LEAST_COSINE);
-        let ways = reach * (0.5 * (view - gamma)).cos() / half;
-        let distance = reach * sine / (view + gamma).sin().max(LEAST_COSINE * LEAST_COSINE);
+        let half = 0.5 * (view + gamma);
+        let secant = self.secant(half);
+        let ways = reach * (0.5 * (view - gamma)).cos() * secant;
+        let distance = 0.5 * reach * sine * secant / half.sin();
         let turned = self.phase.evaluate((view + gamma).cos() as f32);
         self.transmittance(ways) * f64::from(turned) * f64::from(self.lamp.fade(distance as f32))
+    }
+
+    /// `1 / cos` of half the sum of both angles, from the widest on its tangent.
+    fn secant(&self, half: f64) -> f64 {
+        let nearest = half.min(0.5 * self.widest);
+        (1.0 + (half - nearest) * nearest.tan()) / nearest.cos()
     }
 
     fn transmittance(&self, ways: f64) -> f64 {

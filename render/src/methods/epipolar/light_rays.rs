@@ -1,13 +1,54 @@
 //! The light rays of a slice: where each enters the medium and where its light ends. That is the rectified shadow map of
 //! Baran et al. 2010 (section 3), of parallel light rays here and of those of local lights (section 9).
 
-use super::super::shafts::{Haze, Parallel, ShadowMap, Stereographic};
+use super::super::shafts::{Haze, Parallel, ShadowMap, Stereographic, TOGETHER};
 use super::geometry::{Geometry, beta};
 use super::integrand::Ways;
 use super::prefilter::SAMPLES;
 use crate::scene::Bounds;
 use glam::Vec3;
-use pulp::{Arch, Simd, WithSimd};
+
+/// At which values of `gamma` the light rays of all slices are: equally far from each other.
+#[derive(Clone, Copy, Debug)]
+pub struct Spacing {
+    /// Where the first one begins: the least `gamma` of what is seen.
+    pub first: f32,
+    /// From one to the next.
+    pub step: f32,
+    /// How many there are.
+    pub count: usize,
+}
+
+impl Spacing {
+    /// `count` light rays between two values.
+    pub fn between([first, last]: [f32; 2], count: usize) -> Self {
+        Self { first, step: (last - first) / count as f32, count }
+    }
+
+    /// `gamma` of a fractional number of light rays.
+    #[inline(always)]
+    pub fn gamma(self, rays: f32) -> f32 {
+        self.first + rays * self.step
+    }
+
+    /// Which fractional light ray is at a value of `gamma`.
+    #[inline(always)]
+    pub fn number(self, gamma: f32) -> f32 {
+        (gamma - self.first) / self.step
+    }
+
+    /// `gamma` in the middle of a sample.
+    #[inline(always)]
+    fn of_sample(self, sample: usize) -> f32 {
+        self.gamma((sample as f32 + 0.5) * (1.0 / SAMPLES as f32))
+    }
+
+    /// `gamma` in the middle of a light ray.
+    #[inline(always)]
+    fn of_ray(self, ray: usize) -> f32 {
+        self.gamma(ray as f32 + 0.5)
+    }
+}
 
 /// What is known of the light rays of a slice, one after the other.
 #[derive(Debug, Default)]
@@ -20,14 +61,12 @@ pub struct Traced {
     pub leaves: Vec<f32>,
     /// How much longer its way there is than what the integrand counts, metres.
     pub longer: Vec<f32>,
-    /// Which texel each sample reads.
-    texels: Vec<u32>,
 }
 
 impl Traced {
+    #[inline(always)]
     fn resize(&mut self, rays: usize) {
         self.ends.resize(rays * SAMPLES, 0.0);
-        self.texels.resize(rays * SAMPLES, 0);
         for values in [&mut self.enters, &mut self.leaves, &mut self.longer] {
             values.resize(rays, 0.0);
         }
@@ -49,7 +88,7 @@ pub struct ParallelSlice<'a> {
     geometry: &'a Geometry,
     map: &'a ShadowMap,
     outwards: Vec3,
-    step: f32,
+    spacing: Spacing,
     /// Texels and depth of the eye, and by how much they grow from one light ray to the next.
     at_eye: [f32; 3],
     per_metre: [f32; 3],
@@ -66,7 +105,7 @@ impl<'a> ParallelSlice<'a> {
         parallel: &Parallel,
         (bounds, ways): (Bounds, Ways),
         outwards: Vec3,
-        step: f32,
+        spacing: Spacing,
     ) -> Self {
         let Geometry { eye, axis, .. } = *geometry;
         let crossing = |axis_of_box: usize, face: f32| {
@@ -82,7 +121,7 @@ impl<'a> ParallelSlice<'a> {
             geometry,
             map,
             outwards,
-            step,
+            spacing,
             at_eye: parallel.locate(eye),
             per_metre: parallel.along(outwards),
             faces: std::array::from_fn(pair),
@@ -91,28 +130,29 @@ impl<'a> ParallelSlice<'a> {
     }
 }
 
-impl ParallelSlice<'_> {
-    /// Loops that the compiler puts into vectors; between them the texels are read.
+impl SliceOfLight for ParallelSlice<'_> {
+    /// Loops that the compiler puts into vectors.
     #[inline(always)]
-    fn trace_in_vectors(&self, traced: &mut Traced) {
-        let gamma = |sample: usize| (sample as f32 + 0.5) * (self.step / SAMPLES as f32);
-        let [u, v, depth] = [0, 1, 2].map(|i| [self.at_eye[i], self.per_metre[i]]);
+    fn trace(&self, count: usize, traced: &mut Traced) {
+        traced.resize(count);
+        let first = self.spacing.of_sample(0);
+        let step = self.spacing.of_sample(1) - first;
+        let [u, v, [depth, deeper]] =
+            [0, 1, 2].map(|i| [self.at_eye[i] + self.per_metre[i] * first, self.per_metre[i] * step]);
+        for (block, ends) in traced.ends.chunks_mut(TOGETHER).enumerate() {
+            let number = (block * TOGETHER) as f32;
+            let depths = self.map.depths_along([u, v], number);
+            for (i, (end, blocker)) in ends.iter_mut().zip(depths).enumerate() {
+                let number = number + i as u32 as f32;
+                *end = beta(depth + number * deeper - blocker, first + number * step);
+            }
+        }
         let at = |[from, slope]: [f32; 2], gamma: f32| from + slope * gamma;
-        for (sample, texel) in traced.texels.iter_mut().enumerate() {
-            *texel = self.map.texel(at(u, gamma(sample)), at(v, gamma(sample)));
-        }
-        for (end, texel) in traced.ends.iter_mut().zip(&traced.texels) {
-            *end = self.map.depth_at(*texel);
-        }
-        for (sample, end) in traced.ends.iter_mut().enumerate() {
-            *end = beta(at(depth, gamma(sample)) - *end, gamma(sample));
-        }
-        let count = traced.longer.len();
         let (enters, leaves, longer) =
             (&mut traced.enters[..count], &mut traced.leaves[..count], &mut traced.longer[..count]);
         let [x, y, z] = self.faces;
         for ray in 0..count {
-            let gamma = (ray as f32 + 0.5) * self.step;
+            let gamma = self.spacing.gamma(ray as u32 as f32 + 0.5);
             let out = at(x[0], gamma).max(at(y[0], gamma)).max(at(z[0], gamma));
             let into = at(x[1], gamma).min(at(y[1], gamma)).min(at(z[1], gamma));
             enters[ray] = beta(into, gamma);
@@ -120,28 +160,9 @@ impl ParallelSlice<'_> {
             longer[ray] = into + self.ways.least - self.ways.view;
         }
     }
-}
-
-/// [`ParallelSlice::trace_in_vectors`], compiled for the vectors that the processor has.
-struct InVectors<'a, 'b>(&'a ParallelSlice<'a>, &'b mut Traced);
-
-impl WithSimd for InVectors<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        self.0.trace_in_vectors(self.1);
-    }
-}
-
-impl SliceOfLight for ParallelSlice<'_> {
-    fn trace(&self, count: usize, traced: &mut Traced) {
-        traced.resize(count);
-        Arch::new().dispatch(InVectors(self, traced));
-    }
 
     fn point(&self, ray: usize) -> Vec3 {
-        self.geometry.eye + self.outwards * ((ray as f32 + 0.5) * self.step)
+        self.geometry.eye + self.outwards * self.spacing.of_ray(ray)
     }
 }
 
@@ -154,8 +175,7 @@ pub struct FanSlice<'a> {
     pub haze: &'a Haze<'a>,
     /// Unit vector away from the axis.
     pub outwards: Vec3,
-    /// Radians from one to the next.
-    pub step: f32,
+    pub spacing: Spacing,
     pub ways: Ways,
 }
 
@@ -175,15 +195,16 @@ impl FanSlice<'_> {
 }
 
 impl SliceOfLight for FanSlice<'_> {
+    #[inline(always)]
     fn trace(&self, count: usize, traced: &mut Traced) {
         traced.resize(count);
         for (sample, end) in traced.ends.iter_mut().enumerate() {
-            let (angle, direction) = self.direction((sample as f32 + 0.5) * (self.step / SAMPLES as f32));
+            let (angle, direction) = self.direction(self.spacing.of_sample(sample));
             *end = self.beta(angle, self.map.towards(self.around, direction));
         }
         let light = self.geometry.eye + self.geometry.axis * self.geometry.reach;
         for ray in 0..count {
-            let (angle, direction) = self.direction((ray as f32 + 0.5) * self.step);
+            let (angle, direction) = self.direction(self.spacing.of_ray(ray));
             let span = self.haze.span(light, direction, f32::INFINITY);
             (traced.enters[ray], traced.leaves[ray], traced.longer[ray]) = match span {
                 None => (0.0, -1.0, 0.0),
@@ -195,7 +216,7 @@ impl SliceOfLight for FanSlice<'_> {
     }
 
     fn point(&self, ray: usize) -> Vec3 {
-        let (_, direction) = self.direction((ray as f32 + 0.5) * self.step);
+        let (_, direction) = self.direction(self.spacing.of_ray(ray));
         self.geometry.eye + self.geometry.axis * self.geometry.reach + direction
     }
 }

@@ -10,12 +10,11 @@
 //! fog, which light rays enter and leave as they end: their way to the box is a factor of the light ray's. Pixels ask
 //! the trees of both slices that they lie between ([`slice_rays`]). Since what has no bound at the epipole is a factor of
 //! the view ray's, the ring around it that must be marched is as small as view rays that cross fewer than a few light
-//! rays.
+//! rays. View rays on which errors of the products would be magnified are marched, too ([`magnified`]).
 //!
 //! Why it: a view ray costs the logarithm of the number of light rays, whatever hides the light, where a march costs
 //! all of its steps. Why not: media must be the same throughout; shadows are averaged over half a pixel to both sides;
-//! seen from outside, a box of fog of optical depth 16 or more is marched, since what its far side sends would be lost
-//! beside its near one.
+//! of a box of dense fog that is seen from outside, only the near part is not marched.
 
 mod factors;
 mod geometry;
@@ -23,6 +22,7 @@ mod half_tree;
 mod integrand;
 mod light_rays;
 mod lines;
+mod magnified;
 mod prefilter;
 mod rectified;
 mod slice_rays;
@@ -33,12 +33,12 @@ mod terminations;
 
 use super::Quality;
 use super::ray_march::March;
-use super::shafts::{Haze, Integration, Lit, Shafts};
+use super::shafts::{Haze, Integration, Lit};
 use crate::scene::Medium;
 pub use factors::Factors;
 pub use geometry::{Geometry, angle};
 use glam::Vec3;
-pub use light_rays::{SliceOfLight, Traced};
+pub use light_rays::{SliceOfLight, Spacing, Traced};
 pub use lines::Lines;
 pub use prefilter::SAMPLES;
 pub use rectified::{Rectified, Slice, SliceIntegration};
@@ -46,16 +46,13 @@ pub use slice_rays::SliceRay;
 pub use slices::Slices;
 use sweep::TreeSweep;
 
-/// The method.
-pub type Epipolar = Shafts<Parameters>;
-
 /// What it may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// Light rays in a slice.
     pub light_rays: usize,
-    /// Terms of the integrand's decomposition: 4 or 12.
-    pub terms: usize,
+    /// Terms of the integrand's decomposition.
+    pub terms: Terms,
     /// Texels along an edge of shadow maps.
     pub shadow_size: usize,
     /// View rays that cross fewer light rays are marched,
@@ -64,14 +61,33 @@ pub struct Parameters {
     pub steps: u32,
 }
 
+/// How many terms the integrand is decomposed into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Terms {
+    /// As in the paper.
+    Four,
+    /// To the precision of the numbers.
+    Twelve,
+}
+
+impl Terms {
+    /// The optical depth by whose exponential their errors may be magnified.
+    pub const fn most_magnified(self) -> f32 {
+        match self {
+            Self::Four => 2.0,
+            Self::Twelve => 6.0,
+        }
+    }
+}
+
 impl Parameters {
     /// More time is more light rays and finer shadow maps.
     pub const fn of(quality: Quality) -> Self {
         let (light_rays, terms, shadow_size, steps) = match quality {
-            Quality::Low => (512, 4, 1024, 32),
-            Quality::Medium => (1024, 4, 1024, 64),
-            Quality::High => (2048, 4, 2048, 128),
-            Quality::Ultra => (4096, 12, 4096, 512),
+            Quality::Low => (512, Terms::Four, 1024, 32),
+            Quality::Medium => (1024, Terms::Four, 1024, 64),
+            Quality::High => (2048, Terms::Four, 2048, 128),
+            Quality::Ultra => (4096, Terms::Twelve, 4096, 512),
         };
         Self { light_rays, terms, shadow_size, least_light_rays: 16.0, steps }
     }
@@ -91,14 +107,15 @@ impl Integration for Parameters {
     fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {
         let march = March::new(lit, 0);
         let marched = |ray: usize| march.shifted(ray, self.steps);
-        let Some(rectified) = Rectified::new(lit, self.light_rays, self.least_light_rays) else {
+        let most_magnified = self.terms.most_magnified();
+        let Some(rectified) = Rectified::new(lit, self.light_rays, self.least_light_rays, most_magnified) else {
             return march.add(self.steps, radiance);
         };
         match (rectified.are_coloured(), self.terms) {
-            (false, 4) => rectified.add::<4, 1, TreeSweep<4>>(radiance, marched),
-            (false, _) => rectified.add::<12, 1, TreeSweep<12>>(radiance, marched),
-            (true, 4) => rectified.add::<12, 3, TreeSweep<12>>(radiance, marched),
-            (true, _) => rectified.add::<36, 3, TreeSweep<36>>(radiance, marched),
+            (false, Terms::Four) => rectified.add::<4, 1, TreeSweep<4>>(radiance, marched),
+            (false, Terms::Twelve) => rectified.add::<12, 1, TreeSweep<12>>(radiance, marched),
+            (true, Terms::Four) => rectified.add::<12, 3, TreeSweep<12>>(radiance, marched),
+            (true, Terms::Twelve) => rectified.add::<36, 3, TreeSweep<36>>(radiance, marched),
         }
     }
 }

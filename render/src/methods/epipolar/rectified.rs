@@ -3,21 +3,25 @@
 
 use super::super::shafts::{Haze, Lamp, Lit, Place, Projection};
 use super::factors::Factors;
-use super::geometry::Geometry;
+use super::geometry::{Geometry, angle};
 use super::integrand::{Integrand, Ways};
-use super::light_rays::{FanSlice, ParallelSlice, SliceOfLight};
+use super::magnified::Magnified;
+use super::light_rays::{FanSlice, ParallelSlice, SliceOfLight, Spacing};
 use super::slice_rays::{Reach, SliceRay, SliceRays};
 use super::slices::Slices;
 use crate::scene::Bounds;
 use glam::Vec3;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
-
-/// Optical depth of a box of fog from which on slices do not look into it from outside: what its far side sends would be
-/// lost beside its near one.
-const OPAQUE: f32 = 16.0;
 
 /// Optical depth on the view ray beyond which nothing is seen: a ten-millionth.
 const DEEP: f32 = 16.0;
+
+/// The largest sum of the angles of rays that count as meeting, radians.
+const WIDEST: f64 = std::f64::consts::PI - 2e-3;
+
+/// The bounds of nothing.
+const NOWHERE: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
 
 /// A way to integrate along the view rays of a slice, kept from slice to slice. `W` numbers a light ray: the terms of the
 /// integrand in each of `C` colours.
@@ -55,40 +59,42 @@ pub struct Rectified<'a> {
     pub geometry: Geometry,
     /// What the integrand counts of its ways.
     pub ways: Ways,
-    /// How many light rays a slice has.
-    pub light_rays: usize,
-    /// From one light ray to the next, in units of `gamma`.
-    pub step: f32,
+    /// Its light rays.
+    pub spacing: Spacing,
     slices: Slices,
     rays: SliceRays,
 }
 
 impl<'a> Rectified<'a> {
-    /// `None` where slices do not help: the light is at the eye, or the medium is endless or so dense that it swallows
-    /// the light, or is a grid. View rays that cross fewer than `least` light rays are left to others.
-    pub fn new(lit: &'a Lit<'a>, light_rays: usize, least: f32) -> Option<Self> {
+    /// `None` where slices do not help: the light is at the eye, or the medium swallows it, being endless, or is a grid.
+    /// View rays that cross fewer than `least` light rays are left to others, and so are those on which errors of the
+    /// integrand are magnified by more than the exponential of `most_magnified`.
+    pub fn new(lit: &'a Lit<'a>, light_rays: usize, least: f32, most_magnified: f32) -> Option<Self> {
         let haze = Haze::of(lit.medium)?;
         let geometry = Geometry::new(lit.rays.eye, lit.lamp.place)?;
         let ways = Ways::of(&haze, &geometry);
-        let depth = |bounds: Bounds| haze.extinction.max_element() * bounds.diagonal();
-        match haze.bounds().map(depth) {
-            None if geometry.is_parallel() => return None,
-            Some(depth) if depth > OPAQUE && ways.view + ways.light > 0.0 => return None,
-            _ => {}
-        }
-        let deep = DEEP / haze.extinction.min_element();
-        let gamma = |ray: usize| {
-            let [near, far] = lit.rays.spans[ray];
-            geometry.gamma(geometry.direction(lit.rays.directions[ray]), far.min(near + deep))
-        };
-        let farthest = (0..lit.rays.count()).into_par_iter().map(gamma).reduce(|| 0.0, f32::max);
-        if farthest <= 0.0 {
+        if geometry.is_parallel() && haze.bounds().is_none() {
             return None;
         }
-        let step = farthest / light_rays as f32;
+        let deep = DEEP / haze.extinction.min_element();
+        let gammas = |ray: usize| {
+            let [near, far] = lit.rays.spans[ray];
+            let direction = geometry.direction(lit.rays.directions[ray]);
+            let gammas = [near, far.min(near + deep)].map(|distance| geometry.gamma(direction, distance));
+            if near < far { gammas } else { NOWHERE }
+        };
+        let joined = |[first, last]: [f32; 2], [from, to]: [f32; 2]| [first.min(from), last.max(to)];
+        let seen = (0..lit.rays.count()).into_par_iter().map(gammas).reduce(|| NOWHERE, joined);
+        if seen[0] >= seen[1] {
+            return None;
+        }
+        let spacing = Spacing::between(seen, light_rays);
         let slices = Slices::new(geometry.epipole(lit.rays), lit.rays.height(), lit.rays.width());
-        let rays = SliceRays::new(lit.rays, &geometry, &slices, Reach { step, least, deep });
-        Some(Self { lit, haze, geometry, ways, slices, rays, light_rays, step })
+        let magnified = Magnified { lit, haze: &haze, ways, deep, most: most_magnified };
+        let are_magnified = magnified.may_be_too_much();
+        let left_out = |ray: usize| are_magnified && magnified.is_too_much(ray);
+        let rays = SliceRays::new(lit.rays, &geometry, &slices, Reach { spacing, least, deep }, left_out);
+        Some(Self { lit, haze, geometry, ways, spacing, slices, rays })
     }
 
     /// Whether colours differ by more than a factor.
@@ -114,7 +120,7 @@ impl<'a> Rectified<'a> {
 
     /// The integrand, decomposed.
     pub fn factors<const W: usize, const C: usize>(&self) -> Factors<W> {
-        Factors::new(&self.integrands::<C>(), self.light_rays, self.step, self.betas())
+        Factors::new(&self.integrands::<C>(), self.spacing, self.betas())
     }
 
     /// The integrand of each colour.
@@ -125,7 +131,18 @@ impl<'a> Rectified<'a> {
             extinction: self.haze.extinction[colour].into(),
             phase: self.haze.phase,
             ways: self.ways,
+            widest: self.widest(),
         })
+    }
+
+    /// See [`Integrand::widest`].
+    fn widest(&self) -> f64 {
+        let sum = |ray: &SliceRay| {
+            let [cosine, sine] = angle(ray.beta.into());
+            sine.atan2(cosine) + f64::from(self.spacing.gamma(ray.end))
+        };
+        let rays = if self.geometry.is_parallel() { &[] } else { self.rays.rays.as_slice() };
+        rays.par_iter().map(sum).reduce(|| 0.0, f64::max).min(WIDEST)
     }
 
     /// From which to which value of `beta` view rays are.
@@ -165,18 +182,20 @@ impl<'a> Rectified<'a> {
         factors: &Factors<W>,
         values: &mut [[f32; C]],
     ) {
-        let Self { lit, haze, geometry, ways, step, .. } = self;
+        let Self { lit, haze, geometry, ways, spacing, .. } = self;
         match (&lit.map.projection, haze.bounds()) {
             // Without a box no sunlight is left.
             (Projection::Parallel(_), None) => {}
             (Projection::Parallel(parallel), Some(bounds)) => {
-                let light = ParallelSlice::new(geometry, lit.map, parallel, (bounds, *ways), outwards, *step);
-                integration.integrate(&Slice { of: self, light, outwards }, rays, factors, values);
+                let light = ParallelSlice::new(geometry, lit.map, parallel, (bounds, *ways), outwards, *spacing);
+                let slice = &Slice { of: self, light, outwards };
+                Arch::new().dispatch(InVectors { integration, slice, rays, factors, values });
             }
             (Projection::Stereographic(around), _) => {
-                let (map, step, ways) = (lit.map, *step, *ways);
-                let light = FanSlice { geometry, map, around, haze, outwards, step, ways };
-                integration.integrate(&Slice { of: self, light, outwards }, rays, factors, values);
+                let (map, spacing, ways) = (lit.map, *spacing, *ways);
+                let light = FanSlice { geometry, map, around, haze, outwards, spacing, ways };
+                let slice = &Slice { of: self, light, outwards };
+                Arch::new().dispatch(InVectors { integration, slice, rays, factors, values });
             }
         }
     }
@@ -196,6 +215,26 @@ impl<'a> Rectified<'a> {
     }
 }
 
+/// One slice, compiled for the vectors that the processor has.
+struct InVectors<'a, 's, I, L, const W: usize, const C: usize> {
+    integration: &'a mut I,
+    slice: &'a Slice<'s, L>,
+    rays: &'a [SliceRay],
+    factors: &'a Factors<W>,
+    values: &'a mut [[f32; C]],
+}
+
+impl<I: SliceIntegration<W, C>, L: SliceOfLight, const W: usize, const C: usize> WithSimd
+    for InVectors<'_, '_, I, L, W, C>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.integration.integrate(self.slice, self.rays, self.factors, self.values);
+    }
+}
+
 impl<L: SliceOfLight> Slice<'_, L> {
     /// What is left of a light ray's light where the integrand begins to count, of each colour; its way through the medium
     /// being so much `longer`, metres.
@@ -204,8 +243,9 @@ impl<L: SliceOfLight> Slice<'_, L> {
         let lamp: &Lamp<'_> = self.of.lit.lamp;
         let tint = if lamp.is_even() { Vec3::ONE } else { lamp.tint(self.light.point(ray)) };
         std::array::from_fn(|colour| {
-            let way = self.of.haze.extinction[colour] * longer;
-            if way == 0.0 { tint[colour] } else { tint[colour] * (-way).exp() }
+            let depth = self.of.haze.extinction[colour] * longer;
+            // What would not be a number is of no view ray that asks.
+            if depth == 0.0 { tint[colour] } else { tint[colour] * (-depth).min(DEEP).exp() }
         })
     }
 }

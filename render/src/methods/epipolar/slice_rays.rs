@@ -6,6 +6,7 @@
 
 use super::super::shafts::ViewRays;
 use super::geometry::{Geometry, beta};
+use super::light_rays::Spacing;
 use super::slices::Slices;
 use rayon::prelude::*;
 
@@ -32,8 +33,8 @@ pub struct SliceRays {
 /// How far view rays are followed.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach {
-    /// From one light ray to the next, in units of `gamma`.
-    pub step: f32,
+    /// The light rays.
+    pub spacing: Spacing,
     /// View rays that cross fewer light rays are in no slice.
     pub least: f32,
     /// Metres in the medium after which nothing is seen.
@@ -53,13 +54,20 @@ impl Place {
 }
 
 impl SliceRays {
-    /// Sorts view rays.
-    pub fn new(view: &ViewRays, geometry: &Geometry, slices: &Slices, reach: Reach) -> Self {
+    /// Sorts view rays, but for those that are `left_out`.
+    pub fn new(
+        view: &ViewRays,
+        geometry: &Geometry,
+        slices: &Slices,
+        reach: Reach,
+        left_out: impl Fn(usize) -> bool + Sync,
+    ) -> Self {
         let rectified = |ray: usize| {
             let [near, far] = view.spans[ray];
             let direction = geometry.direction(view.directions[ray]);
-            let end = geometry.gamma(direction, far.min(near + reach.deep)) / reach.step;
-            if near >= far || end < reach.least {
+            let number = |distance: f32| reach.spacing.number(geometry.gamma(direction, distance));
+            let end = number(far.min(near + reach.deep));
+            if near >= far || end - number(near) < reach.least || left_out(ray) {
                 return (Place::NONE, SliceRay::default());
             }
             let (before, on) = slices.of(view.at(ray).as_dvec2());

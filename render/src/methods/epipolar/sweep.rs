@@ -24,6 +24,7 @@ pub struct TreeSweep<const W: usize> {
 }
 
 impl<const W: usize, const C: usize> SliceIntegration<W, C> for TreeSweep<W> {
+    #[inline(always)]
     fn integrate<L: SliceOfLight>(
         &mut self,
         slice: &Slice<'_, L>,
@@ -56,6 +57,7 @@ impl<const W: usize, const C: usize> SliceIntegration<W, C> for TreeSweep<W> {
 
 impl<const W: usize> TreeSweep<W> {
     /// Builds the tree as it is where the sweep begins.
+    #[inline(always)]
     fn plant<const C: usize>(&mut self, factors: &Factors<W>, weight: impl Fn(usize, f32) -> [f32; C]) {
         self.full.clear();
         self.elements.clear();
@@ -76,6 +78,7 @@ impl<const W: usize> TreeSweep<W> {
     }
 
     /// Sorts view rays by counting.
+    #[inline(always)]
     fn sort(&mut self, rays: &[SliceRay], sweep: Sweep) {
         let place = |ray: &SliceRay| (sweep.at(ray.beta) as i32).clamp(0, PLACES as i32 - 1) as usize;
         self.starts.clear();

@@ -60,6 +60,7 @@ impl Terminations {
     /// Those of the first `count` light rays of a slice. `reach` says of each place how far the view rays there or later
     /// in the sweep go at most, in light rays: what changes beyond is left out, such as where light rays end on a surface
     /// that hides what is behind it.
+    #[inline(always)]
     pub fn gather(&mut self, slice: &impl SliceOfLight, count: usize, sweep: Sweep, reach: &[f32]) {
         slice.trace(count, &mut self.traced);
         self.lit.clear();
@@ -90,6 +91,10 @@ impl Terminations {
         if enters <= 0.0 && first >= (PLACES - 1) as f32 {
             return 1.0;
         }
+        if last - first <= APART && first > begin {
+            self.change(0.25 * (a + b + c + d), ray, -1.0, reach);
+            return self.begun(enters, ray, 1.0, reach);
+        }
         let mut lit = 0.0;
         modes(ends, APART, |Mode { depth, weight }| {
             if depth > begin {
@@ -97,6 +102,12 @@ impl Terminations {
                 self.change(depth, ray, -weight, reach);
             }
         });
+        self.begun(enters, ray, lit, reach)
+    }
+
+    /// Notes that a share of a light ray is lit from where it enters; what is lit where the sweep begins.
+    #[inline(always)]
+    fn begun(&mut self, enters: f32, ray: u32, lit: f32, reach: &[f32]) -> f32 {
         if enters <= 0.0 || lit == 0.0 {
             return lit;
         }
@@ -115,6 +126,7 @@ impl Terminations {
     }
 
     /// Sorts by counting.
+    #[inline(always)]
     fn sort(&mut self) {
         self.starts.clear();
         self.starts.resize(PLACES + 1, 0);

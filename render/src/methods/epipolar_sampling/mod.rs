@@ -13,13 +13,10 @@
 use super::Quality;
 use super::epipolar::{Geometry, Lines};
 use super::ray_march::March;
-use super::shafts::{Integration, Lit, Shafts};
+use super::shafts::{Integration, Lit};
 use crate::scene::Medium;
 use glam::Vec3;
 use rayon::prelude::*;
-
-/// The method.
-pub type EpipolarSampling = Shafts<Parameters>;
 
 /// What it may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +30,9 @@ pub struct Parameters {
     /// Texels along an edge of shadow maps.
     pub shadow_size: usize,
 }
+
+/// Steps from each step of a march to the light, through grids.
+const LIGHT_STEPS: u32 = 16;
 
 impl Parameters {
     /// More time is more marched pixels and more steps.
@@ -59,7 +59,7 @@ impl Integration for Parameters {
     }
 
     fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {
-        let march = March::new(lit, self.steps);
+        let march = March::new(lit, LIGHT_STEPS);
         let marched = |ray: usize| march.shifted(ray, self.steps);
         let Some(geometry) = Geometry::new(lit.rays.eye, lit.lamp.place) else {
             return march.add(self.steps, radiance);

@@ -26,12 +26,14 @@ pub struct PrefixSums<const W: usize> {
 }
 
 /// How many light rays the farthest view ray of a slice crosses.
+#[inline(always)]
 fn crossed(rays: &[SliceRay], most: usize) -> usize {
     let farthest = rays.iter().map(|ray| ray.end).fold(0.0, f32::max);
     (farthest as usize + 1).min(most)
 }
 
 /// The samples of light rays for the mipmap.
+#[inline(always)]
 fn samples(traced: &Traced) -> impl Iterator<Item = Node> {
     traced.ends.iter().enumerate().map(|(sample, end)| {
         let ray = sample / SAMPLES;
@@ -40,6 +42,7 @@ fn samples(traced: &Traced) -> impl Iterator<Item = Node> {
 }
 
 impl<const C: usize> SliceIntegration<C, C> for ClosedForm {
+    #[inline(always)]
     fn integrate<L: SliceOfLight>(
         &mut self,
         slice: &Slice<'_, L>,
@@ -49,7 +52,7 @@ impl<const C: usize> SliceIntegration<C, C> for ClosedForm {
     ) {
         let of = slice.of;
         let (Some(bounds), Place::Distant(towards)) = (of.haze.bounds(), of.lit.lamp.place) else { return };
-        slice.light.trace(crossed(rays, of.light_rays), &mut self.traced);
+        slice.light.trace(crossed(rays, of.spacing.count), &mut self.traced);
         self.map.rebuild(samples(&self.traced));
         for (ray, value) in rays.iter().zip(values) {
             let [cosine, sine] = angle(ray.beta.into()).map(|value| value as f32);
@@ -59,9 +62,8 @@ impl<const C: usize> SliceIntegration<C, C> for ClosedForm {
                 of.geometry.axis * cosine + slice.outwards * sine,
                 towards,
             );
-            let metres = of.step / (PER_RAY * sine);
             self.map.lit_runs(ray.beta, ray.end * PER_RAY, |run| {
-                let run = run.map(|sample| sample * metres);
+                let run = run.map(|sample| of.spacing.gamma(sample / PER_RAY) / sine);
                 for (colour, value) in value.iter_mut().enumerate() {
                     *value += sine * faces.integral(of.haze.extinction[colour], of.ways.view, run);
                 }
@@ -71,6 +73,7 @@ impl<const C: usize> SliceIntegration<C, C> for ClosedForm {
 }
 
 impl<const W: usize, const C: usize> SliceIntegration<W, C> for PrefixSums<W> {
+    #[inline(always)]
     fn integrate<L: SliceOfLight>(
         &mut self,
         slice: &Slice<'_, L>,
@@ -96,12 +99,17 @@ impl<const W: usize, const C: usize> SliceIntegration<W, C> for PrefixSums<W> {
 }
 
 impl<const W: usize> PrefixSums<W> {
+    #[inline(always)]
     fn sum_up<const C: usize, L: SliceOfLight>(&mut self, slice: &Slice<'_, L>, factors: &Factors<W>) {
         self.sums.clear();
         let mut sum = [0.0; W];
-        for (ray, (light, longer)) in factors.light.iter().zip(&self.traced.longer).enumerate() {
+        for (ray, light) in factors.light.iter().take(self.traced.longer.len()).enumerate() {
             self.sums.push(sum);
-            let weight = slice.weight::<C>(ray, *longer);
+            // No view ray in the medium meets the others, whose way there is none.
+            if self.traced.leaves[ray] <= self.traced.enters[ray] {
+                continue;
+            }
+            let weight = slice.weight::<C>(ray, self.traced.longer[ray]);
             for (i, sum) in sum.iter_mut().enumerate() {
                 *sum += light[i] * weight[i / (W / C)];
             }

@@ -27,6 +27,7 @@ impl Node {
         Self { begins: [begin; 2], ends: [end; 2] }
     }
 
+    #[inline(always)]
     fn joined(self, other: Self) -> Self {
         Self {
             begins: [self.begins[0].min(other.begins[0]), self.begins[1].max(other.begins[1])],
@@ -49,6 +50,7 @@ impl Node {
 
 impl Mipmap {
     /// Begins anew with these samples.
+    #[inline(always)]
     pub fn rebuild(&mut self, samples: impl Iterator<Item = Node>) {
         self.nodes.clear();
         self.levels.clear();

@@ -13,15 +13,12 @@ mod integration;
 mod mipmap;
 
 use super::Quality;
-use super::epipolar::Rectified;
+use super::epipolar::{Rectified, Terms};
 use super::ray_march::March;
-use super::shafts::{Haze, Integration, Lit, Shafts};
+use super::shafts::{Haze, Integration, Lit};
 use crate::scene::Medium;
 use glam::Vec3;
 use integration::{ClosedForm, PrefixSums};
-
-/// The method.
-pub type MinMax = Shafts<Parameters>;
 
 /// What it may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +32,9 @@ pub struct Parameters {
     /// in so many steps.
     pub steps: u32,
 }
+
+/// Optical depth of which the exponential is far from the largest number.
+const REPRESENTED: f32 = 60.0;
 
 impl Parameters {
     /// More time is more light rays and finer shadow maps.
@@ -63,10 +63,11 @@ impl Integration for Parameters {
     fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {
         let march = March::new(lit, 0);
         let marched = |ray: usize| march.shifted(ray, self.steps);
-        let Some(rectified) = Rectified::new(lit, self.light_rays, self.least_light_rays) else {
+        let has_closed_form = lit.lamp.is_distant() && lit.lamp.is_even();
+        let most_magnified = if has_closed_form { REPRESENTED } else { Terms::Twelve.most_magnified() };
+        let Some(rectified) = Rectified::new(lit, self.light_rays, self.least_light_rays, most_magnified) else {
             return march.add(self.steps, radiance);
         };
-        let has_closed_form = rectified.geometry.is_parallel() && lit.lamp.is_even();
         match (has_closed_form, rectified.are_coloured()) {
             (true, false) => rectified.add::<1, 1, ClosedForm>(radiance, marched),
             (true, true) => rectified.add::<3, 3, ClosedForm>(radiance, marched),

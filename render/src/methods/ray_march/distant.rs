@@ -1,10 +1,13 @@
 //! Steps through a medium that is the same throughout, towards a distant lamp.
 //!
 //! Along a view ray the optical depth of both of light's ways is linear in at most four pieces ([`Faces`]), and what is
-//! left of light a geometric sequence in each: no exponential a step. Within a step that is lit it is integrated exactly.
+//! left of light a geometric sequence in each: no exponential a step. Within a step that is lit it is integrated
+//! exactly. Steps are taken many at a time in loops that the compiler puts into vectors.
 
-use super::super::shafts::{Faces, Haze, Lit, Parallel, Projection, ShadowMap, mean_decay};
+use super::Ray;
+use super::super::shafts::{Faces, Haze, Lit, Parallel, Projection, ShadowMap, TOGETHER, mean_decay};
 use glam::Vec3;
+use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// A lamp and what its light passes.
@@ -16,15 +19,39 @@ pub(super) struct Distant<'a> {
 }
 
 /// A view ray cut into steps.
-struct Steps {
+struct Steps<'a> {
+    eye: Vec3,
     direction: Vec3,
     near: f32,
     length: f32,
     count: u32,
     jitter: f32,
+    map: &'a ShadowMap,
+    /// Texels and depth in the shadow map of the first step, each with by how much it grows from step to step.
+    locations: [[f32; 2]; 3],
 }
 
-impl Steps {
+/// Steps that follow each other.
+struct Block<const C: usize> {
+    /// Which step is the first.
+    first: u32,
+    /// What is left of light there, times the step's length, in each colour.
+    left: [f32; C],
+    /// By what that is multiplied at each step: 0 where no light is.
+    factors: [[f32; TOGETHER]; C],
+}
+
+impl<'a> Steps<'a> {
+    fn new(lit: &Lit<'a>, parallel: &Parallel, ray: Ray) -> Self {
+        let Ray { direction, span: [near, far], count, jitter } = ray;
+        let eye = lit.rays.eye;
+        let length = (far - near) / count as f32;
+        let start = parallel.locate(eye + direction * (near + jitter * length));
+        let step = parallel.along(direction * length);
+        let locations = std::array::from_fn(|axis| [start[axis], step[axis]]);
+        Self { eye, direction, near, length, count, jitter, map: lit.map, locations }
+    }
+
     /// The pieces of the ray, each with the face that counts there.
     fn pieces(&self, faces: &Faces) -> [(usize, Range<u32>); 4] {
         let step = |distance: f32| (((distance - self.near) / self.length + 0.5) as u32).min(self.count);
@@ -36,6 +63,23 @@ impl Steps {
             (faces.at(self.near + middle * self.length), range)
         })
     }
+
+    /// 1 for each of some steps that light reaches, 0 for others.
+    #[inline(always)]
+    fn lit(&self, range: Range<u32>) -> [f32; TOGETHER] {
+        let [u, v, [depth, deeper]] = self.locations;
+        let mut lit = self.map.depths_along([u, v], range.start as f32);
+        for (i, lit) in lit.iter_mut().enumerate() {
+            let step = range.start + i as u32;
+            *lit = if depth + deeper * (step as f32) < *lit && step < range.end { 1.0 } else { 0.0 };
+        }
+        lit
+    }
+
+    /// World-space point of a step.
+    fn point(&self, step: u32) -> Vec3 {
+        self.eye + self.direction * (self.near + (self.jitter + step as f32) * self.length)
+    }
 }
 
 impl<'a> Distant<'a> {
@@ -44,85 +88,105 @@ impl<'a> Distant<'a> {
     }
 
     /// Radiance of a ray; black in a medium without an end, where no light of a distant lamp is left.
-    pub(super) fn radiance(&self, direction: Vec3, [near, far]: [f32; 2], count: u32, jitter: f32) -> Vec3 {
+    pub(super) fn radiance(&self, ray: Ray) -> Vec3 {
         let Lit { map, lamp, .. } = self.lit;
         let (Some(bounds), Projection::Parallel(parallel)) = (self.haze.bounds(), &map.projection) else {
             return Vec3::ZERO;
         };
-        let steps = Steps { direction, near, length: (far - near) / count as f32, count, jitter };
-        let faces = Faces::new(bounds, self.lit.rays.eye, direction, self.towards);
+        let steps = Steps::new(&self.lit, parallel, ray);
+        let faces = Faces::new(bounds, steps.eye, ray.direction, self.towards);
         let sum = match (lamp.is_even(), self.haze.is_grey()) {
-            (true, true) => Vec3::splat(self.sum::<1>(&steps, parallel, &faces)[0]),
-            (true, false) => self.sum::<3>(&steps, parallel, &faces).into(),
-            (false, _) => self.tinted_sum(&steps, parallel, &faces),
+            (true, true) => Vec3::splat(Arch::new().dispatch(Sum::<1> { of: self, steps, faces })[0]),
+            (true, false) => Arch::new().dispatch(Sum::<3> { of: self, steps, faces }).into(),
+            (false, _) => self.tinted_sum(&steps, &faces),
         };
-        let phase = self.haze.phase.evaluate(self.towards.dot(direction));
+        let phase = self.haze.phase.evaluate(self.towards.dot(ray.direction));
         lamp.power * self.haze.scattering * phase * sum
     }
 
-    /// Metres of lit steps, each times what is left of light that takes its way, of `C` colours.
-    fn sum<const C: usize>(&self, steps: &Steps, parallel: &Parallel, faces: &Faces) -> [f32; C] {
-        let mut sum = [0.0; C];
-        self.walk(steps, parallel, faces, |_, left: [f32; C]| {
-            for (sum, left) in sum.iter_mut().zip(left) {
-                *sum += left;
+    /// Metres of lit steps, each times what is left of light that takes its way and what differs from ray to ray.
+    fn tinted_sum(&self, steps: &Steps<'_>, faces: &Faces) -> Vec3 {
+        let mut sum = Vec3::ZERO;
+        self.walk(steps, faces, |block: Block<3>| {
+            let [red, green, blue] = &block.factors;
+            for (i, ((red, green), blue)) in red.iter().zip(green).zip(blue).enumerate() {
+                let factors = Vec3::new(*red, *green, *blue);
+                if factors != Vec3::ZERO {
+                    let tint = self.lit.lamp.tint(steps.point(block.first + i as u32));
+                    sum += Vec3::from(block.left) * factors * tint;
+                }
             }
         });
         sum
     }
 
-    /// The same for light whose rays differ.
-    fn tinted_sum(&self, steps: &Steps, parallel: &Parallel, faces: &Faces) -> Vec3 {
-        let mut sum = Vec3::ZERO;
-        self.walk(steps, parallel, faces, |distance, left: [f32; 3]| {
-            sum += Vec3::from(left) * self.lit.lamp.tint(self.lit.rays.eye + steps.direction * distance);
-        });
-        sum
-    }
-
-    /// Calls `lit` with the distance and what is left of light, for each step that light reaches.
+    /// Goes along a view ray block by block.
     #[inline(always)]
-    fn walk<const C: usize>(
-        &self,
-        steps: &Steps,
-        parallel: &Parallel,
-        faces: &Faces,
-        mut lit: impl FnMut(f32, [f32; C]),
-    ) {
-        let map: &ShadowMap = self.lit.map;
-        let first = steps.near + steps.jitter * steps.length;
-        let start = parallel.locate(self.lit.rays.eye + steps.direction * first);
-        let step = parallel.along(steps.direction * steps.length);
+    fn walk<const C: usize>(&self, steps: &Steps<'_>, faces: &Faces, mut with: impl FnMut(Block<C>)) {
         for (face, range) in steps.pieces(faces) {
-            let (mut left, factor) = self.decay::<C>(steps, faces.0[face], range.start);
-            for i in range {
-                let along = i as f32;
-                let [u, v, depth] = std::array::from_fn(|axis| start[axis] + step[axis] * along);
-                if depth < map.depth(0, u, v) {
-                    lit(first + along * steps.length, left);
-                }
-                for (left, factor) in left.iter_mut().zip(factor) {
-                    *left *= factor;
-                }
+            let [at_eye, slope] = faces.0[face];
+            let depths: [f32; C] =
+                std::array::from_fn(|colour| self.haze.extinction[colour] * (1.0 + slope) * steps.length);
+            let powers = depths.map(powers);
+            for first in range.clone().step_by(TOGETHER) {
+                let lit = steps.lit(first..range.end);
+                let distance = first as f32 * steps.length;
+                let way = distance + (at_eye + slope * (steps.near + distance)).max(0.0);
+                let left = |colour: usize| {
+                    (-self.haze.extinction[colour] * way).exp() * steps.length * mean_decay(depths[colour])
+                };
+                let mut factors = powers;
+                factors.iter_mut().for_each(|factors| {
+                    factors.iter_mut().zip(&lit).for_each(|(factor, lit)| *factor *= lit);
+                });
+                with(Block { first, left: std::array::from_fn(left), factors });
             }
         }
     }
+}
 
-    /// What is left of light through a face in a step, times the step's length, and by what that is multiplied from step
-    /// to step.
-    fn decay<const C: usize>(
-        &self,
-        steps: &Steps,
-        [at_eye, slope]: [f32; 2],
-        step: u32,
-    ) -> ([f32; C], [f32; C]) {
-        let distance = step as f32 * steps.length;
-        let way = (at_eye + slope * (steps.near + distance)).max(0.0);
-        let extinction: [f32; C] = std::array::from_fn(|colour| self.haze.extinction[colour]);
-        let depth = extinction.map(|extinction| extinction * (1.0 + slope) * steps.length);
-        let first = std::array::from_fn(|colour| {
-            (-extinction[colour] * (distance + way)).exp() * steps.length * mean_decay(depth[colour])
-        });
-        (first, depth.map(|depth| (-depth).exp()))
+/// What is left at each step of what is left at the first, of an optical depth each.
+#[inline(always)]
+fn powers(depth: f32) -> [f32; TOGETHER] {
+    let mut powers = [1.0; TOGETHER];
+    let mut known = 1;
+    while known < TOGETHER {
+        let (before, behind) = powers.split_at_mut(known);
+        let factor = (-depth * known as f32).exp();
+        behind.iter_mut().zip(before).for_each(|(behind, before)| *behind = *before * factor);
+        known *= 2;
     }
+    powers
+}
+
+/// Metres of lit steps, each times what is left of light that takes its way, of `C` colours.
+struct Sum<'a, 'b, const C: usize> {
+    of: &'b Distant<'a>,
+    steps: Steps<'a>,
+    faces: Faces,
+}
+
+impl<const C: usize> WithSimd for Sum<'_, '_, C> {
+    type Output = [f32; C];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let mut sum = [0.0; C];
+        self.of.walk(&self.steps, &self.faces, |block: Block<C>| {
+            for (sum, (left, factors)) in sum.iter_mut().zip(block.left.iter().zip(&block.factors)) {
+                *sum += left * total(factors);
+            }
+        });
+        sum
+    }
+}
+
+/// Sum of some numbers, by lanes.
+#[inline(always)]
+fn total(numbers: &[f32; TOGETHER]) -> f32 {
+    let mut lanes = [0.0; 16];
+    for numbers in numbers.as_chunks::<16>().0 {
+        lanes.iter_mut().zip(numbers).for_each(|(lane, number)| *lane += number);
+    }
+    lanes.iter().sum()
 }

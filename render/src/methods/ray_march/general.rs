@@ -1,5 +1,6 @@
 //! Steps towards any lamp through any medium: one look into the shadow map and one exponential each.
 
+use super::Ray;
 use super::super::shafts::{Haze, Lit, Place};
 use crate::path::medium::HenyeyGreenstein;
 use glam::Vec3;
@@ -7,6 +8,9 @@ use glam::Vec3;
 /// Nearer to a local lamp than this, metres, or than this part of its distance to the eye, it counts as that near: it is
 /// infinitely bright there.
 const NEAREST: [f32; 2] = [1e-4, 1e-5];
+
+/// Largest angle to the view ray's nearest point, radians: what is endless ends there, almost right.
+const WIDEST: f32 = std::f32::consts::FRAC_PI_2 - 1e-4;
 
 /// A lamp and what its light passes.
 #[derive(Debug)]
@@ -45,7 +49,8 @@ impl<'a> General<'a> {
     }
 
     /// Radiance of a ray.
-    pub(super) fn radiance(&self, direction: Vec3, [near, far]: [f32; 2], count: u32, jitter: f32) -> Vec3 {
+    pub(super) fn radiance(&self, ray: Ray) -> Vec3 {
+        let Ray { direction, span: [near, far], count, jitter } = ray;
         let eye = self.lit.rays.eye;
         let cut = self.cut(direction, [near, far], count);
         let extinction = self.lit.medium.extinction();
@@ -75,7 +80,8 @@ impl<'a> General<'a> {
                 let nearest = offset.dot(direction);
                 let least = NEAREST[0].max(NEAREST[1] * offset.length());
                 let aside = (offset - direction * nearest).length().max(least);
-                let [first, last] = [near, far].map(|distance| ((distance - nearest) / aside).atan());
+                let angle = |distance: f32| ((distance - nearest) / aside).atan().min(WIDEST);
+                let [first, last] = [near, far].map(angle);
                 Cut::Angles([first, (last - first) / count as f32], [nearest, aside])
             }
         }

@@ -14,16 +14,13 @@ mod distant;
 mod general;
 
 use super::Quality;
-use super::shafts::{Haze, Integration, Lit, Place, Shafts};
+use super::shafts::{Haze, Integration, Lit, Place};
 use crate::path::sampler::hash;
 use crate::scene::Medium;
 use distant::Distant;
 use general::General;
 use glam::Vec3;
 use rayon::prelude::*;
-
-/// The method.
-pub type RayMarch = Shafts<Parameters>;
 
 /// What it may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,6 +80,19 @@ pub struct March<'a> {
     way: Way<'a>,
 }
 
+/// A ray from the eye, and how it is cut into steps.
+#[derive(Clone, Copy, Debug)]
+struct Ray {
+    /// Unit vector.
+    direction: Vec3,
+    /// From which distance to which it is in the medium, metres.
+    span: [f32; 2],
+    /// How many steps there are.
+    count: u32,
+    /// Where in a step light is looked for, from 0 to 1.
+    jitter: f32,
+}
+
 /// How steps are taken.
 #[derive(Debug)]
 enum Way<'a> {
@@ -116,17 +126,14 @@ impl<'a> March<'a> {
 
     /// Radiance of one of the view rays. The steps begin at `jitter` in [0, 1) of their length.
     pub fn along(&self, ray: usize, steps: u32, jitter: f32) -> Vec3 {
-        self.of(self.lit.rays.directions[ray], self.lit.rays.spans[ray], steps, jitter)
-    }
-
-    /// Radiance of a ray from the eye that is in the medium between two distances.
-    pub fn of(&self, direction: Vec3, [near, far]: [f32; 2], steps: u32, jitter: f32) -> Vec3 {
-        if near >= far || steps == 0 {
+        let rays = self.lit.rays;
+        let ray = Ray { direction: rays.directions[ray], span: rays.spans[ray], count: steps, jitter };
+        if ray.span[0] >= ray.span[1] || steps == 0 {
             return Vec3::ZERO;
         }
         match &self.way {
-            Way::Distant(distant) => distant.radiance(direction, [near, far], steps, jitter),
-            Way::General(general) => general.radiance(direction, [near, far], steps, jitter),
+            Way::Distant(distant) => distant.radiance(ray),
+            Way::General(general) => general.radiance(ray),
         }
     }
 }

@@ -45,6 +45,11 @@ impl<'a> Lamp<'a> {
         Self { scene, unit, place, power, range }
     }
 
+    /// Whether it is infinitely far away.
+    pub const fn is_distant(&self) -> bool {
+        matches!(self.place, Place::Distant(_))
+    }
+
     /// Whether all of its rays are alike.
     pub const fn is_even(&self) -> bool {
         matches!(self.unit, Light::Point { .. } | Light::Directional { pattern: None, .. })

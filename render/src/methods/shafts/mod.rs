@@ -26,7 +26,7 @@ mod view_rays;
 pub use faces::{Faces, mean_decay};
 pub use haze::Haze;
 pub use lamp::{Lamp, Place};
-pub use shadow_map::{Parallel, Projection, ShadowMap, Stereographic};
+pub use shadow_map::{Parallel, Projection, ShadowMap, Stereographic, TOGETHER};
 pub use view_rays::ViewRays;
 
 use crate::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};

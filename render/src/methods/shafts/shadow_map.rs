@@ -13,8 +13,12 @@ use rayon::prelude::*;
 pub const FAR: f32 = 1e30;
 /// Edge of the tiles, texels.
 pub const TILE: usize = 4;
+/// Points whose depths are read together, in vectors.
+pub const TOGETHER: usize = 64;
 /// Texels without a surface around the scene's box: what is beside the map reads them.
 const MARGIN: f32 = 1.5;
+/// Numbers from here on, 2^23, are whole.
+const ROUND: f32 = 8_388_608.0;
 /// By how much a spot's cone is widened, in parts of its radius in the map.
 const RIM: f32 = 1.01;
 
@@ -84,28 +88,31 @@ impl ShadowMap {
         Self { depths: vec![FAR; self.depths.len()], ..self.clone() }
     }
 
-    /// Texels along an edge.
-    pub const fn size(&self) -> usize {
-        self.size
-    }
-
     /// Depth at a point of a map, in texels; what is outside has that of the nearest edge.
     #[inline(always)]
     pub fn depth(&self, map: usize, u: f32, v: f32) -> f32 {
         self.depths[map * self.size * self.size + self.texel(u, v) as usize]
     }
 
-    /// Depth of a texel of the first map.
+    /// Depths of the first map at points on a line, numbers `first` and following, each coordinate being
+    /// `value[0] + number * value[1]`.
     #[inline(always)]
-    pub fn depth_at(&self, texel: u32) -> f32 {
-        self.depths[texel as usize]
+    pub fn depths_along(&self, [u, v]: [[f32; 2]; 2], first: f32) -> [f32; TOGETHER] {
+        let mut texels = [0; TOGETHER];
+        for (i, texel) in texels.iter_mut().enumerate() {
+            let number = first + i as u32 as f32;
+            *texel = self.texel(u[0] + number * u[1], v[0] + number * v[1]);
+        }
+        texels.map(|texel| self.depths[texel as usize])
     }
 
     /// Which texel is at a point of a map.
     #[inline(always)]
-    pub fn texel(&self, u: f32, v: f32) -> u32 {
-        let last = self.size as i32 - 1;
-        let [x, y] = [u, v].map(|at| (at as i32).clamp(0, last) as u32);
+    fn texel(&self, u: f32, v: f32) -> u32 {
+        let end = self.size as f32 - 0.5;
+        // Added to `ROUND`, a number leaves its nearest whole one in the lowest bits: compilers put that into vectors, which
+        // they do not with checked conversions.
+        let [x, y] = [u, v].map(|at| (at.max(0.5).min(end) - 0.5 + ROUND).to_bits() & 0xffff);
         let tile = y / TILE as u32 * (self.size / TILE) as u32 + x / TILE as u32;
         (tile * TILE as u32 + y % TILE as u32) * TILE as u32 + x % TILE as u32
     }
