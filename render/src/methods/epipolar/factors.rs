@@ -5,7 +5,7 @@
 //! leaving out terms, where straight lines' is not.
 
 use super::integrand::Integrand;
-use super::light_rays::Spacing;
+use super::spacing::Spacing;
 use super::svd::Svd;
 
 /// Samples along each coordinate.
@@ -29,12 +29,11 @@ pub struct Factors<const W: usize> {
 impl<const W: usize> Factors<W> {
     /// Of one integrand a colour (`W` is a multiple of their number), for light rays and for view rays between two
     /// values of `beta`.
-    pub fn new(integrands: &[Integrand<'_>], spacing: Spacing, [low, high]: [f32; 2]) -> Self {
+    pub fn new(integrands: &[Integrand<'_>], spacing: &Spacing, [low, high]: [f32; 2]) -> Self {
         let terms = W / integrands.len();
         let (low, high) = (f64::from(low), f64::from(high));
-        let Spacing { first, step, count } = spacing;
-        let (first, step) = (f64::from(first), f64::from(step));
-        let reach = step * count as f64;
+        let count = spacing.count;
+        let [first, last] = [0.0, count as f32].map(|number| f64::from(spacing.gamma(number)));
         let share = |i: usize| i as f64 / (SAMPLES - 1) as f64;
         let mut factors = Self {
             light: vec![[0.0; W]; count],
@@ -51,7 +50,7 @@ impl<const W: usize> Factors<W> {
                 _ => {
                     let column = |c: usize| {
                         (0..SAMPLES)
-                            .map(|r| integrand.at(first + reach * share(r).powi(2), low + (high - low) * share(c)))
+                            .map(|r| integrand.at(first + (last - first) * share(r).powi(2), low + (high - low) * share(c)))
                             .collect()
                     };
                     Svd::of((0..SAMPLES).map(column).collect())
@@ -60,8 +59,9 @@ impl<const W: usize> Factors<W> {
             for term in 0..terms {
                 let place = colour * terms + term;
                 for (ray, light) in factors.light.iter_mut().enumerate() {
-                    let share = (ray as f64 + 0.5) / count as f64;
-                    light[place] = (cubic(&svd.rows[term], share.sqrt()) * step) as f32;
+                    let share = (f64::from(spacing.middles[ray]) - first) / (last - first);
+                    let width = f64::from(spacing.width(ray));
+                    light[place] = (cubic(&svd.rows[term], share.sqrt()) * width) as f32;
                 }
                 for (piece, view) in factors.view.iter_mut().enumerate() {
                     view[place] = cubic(&svd.columns[term], piece as f64 / PIECES as f64) as f32;

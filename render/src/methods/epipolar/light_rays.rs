@@ -5,56 +5,16 @@ use super::super::shafts::{Haze, Parallel, ShadowMap, Stereographic, TOGETHER};
 use super::geometry::{Geometry, beta};
 use super::integrand::Ways;
 use super::prefilter::SAMPLES;
+use super::spacing::Spacing;
 use crate::scene::Bounds;
 use glam::Vec3;
-
-/// At which values of `gamma` the light rays of all slices are: equally far from each other.
-#[derive(Clone, Copy, Debug)]
-pub struct Spacing {
-    /// Where the first one begins: the least `gamma` of what is seen.
-    pub first: f32,
-    /// From one to the next.
-    pub step: f32,
-    /// How many there are.
-    pub count: usize,
-}
-
-impl Spacing {
-    /// `count` light rays between two values.
-    pub fn between([first, last]: [f32; 2], count: usize) -> Self {
-        Self { first, step: (last - first) / count as f32, count }
-    }
-
-    /// `gamma` of a fractional number of light rays.
-    #[inline(always)]
-    pub fn gamma(self, rays: f32) -> f32 {
-        self.first + rays * self.step
-    }
-
-    /// Which fractional light ray is at a value of `gamma`.
-    #[inline(always)]
-    pub fn number(self, gamma: f32) -> f32 {
-        (gamma - self.first) / self.step
-    }
-
-    /// `gamma` in the middle of a sample.
-    #[inline(always)]
-    fn of_sample(self, sample: usize) -> f32 {
-        self.gamma((sample as f32 + 0.5) * (1.0 / SAMPLES as f32))
-    }
-
-    /// `gamma` in the middle of a light ray.
-    #[inline(always)]
-    fn of_ray(self, ray: usize) -> f32 {
-        self.gamma(ray as f32 + 0.5)
-    }
-}
 
 /// What is known of the light rays of a slice, one after the other.
 #[derive(Debug, Default)]
 pub struct Traced {
-    /// The values of [`beta`] at which light ends, of each [`SAMPLES`] samples spread evenly over what belongs to it.
-    pub ends: Vec<f32>,
+    /// The values of [`beta`] at which light ends, of [`SAMPLES`] samples spread evenly over what belongs to it: of the first
+    /// sample of all light rays, of the second, and so on.
+    pub ends: [Vec<f32>; SAMPLES],
     /// Between which values of [`beta`] it is in the medium.
     pub enters: Vec<f32>,
     /// See [`Traced::enters`]; where it does not meet the medium, below that.
@@ -66,10 +26,8 @@ pub struct Traced {
 impl Traced {
     #[inline(always)]
     fn resize(&mut self, rays: usize) {
-        self.ends.resize(rays * SAMPLES, 0.0);
-        for values in [&mut self.enters, &mut self.leaves, &mut self.longer] {
-            values.resize(rays, 0.0);
-        }
+        let others = [&mut self.enters, &mut self.leaves, &mut self.longer];
+        self.ends.iter_mut().chain(others).for_each(|values| values.resize(rays, 0.0));
     }
 }
 
@@ -88,7 +46,7 @@ pub struct ParallelSlice<'a> {
     geometry: &'a Geometry,
     map: &'a ShadowMap,
     outwards: Vec3,
-    spacing: Spacing,
+    spacing: &'a Spacing,
     /// Texels and depth of the eye, and by how much they grow from one light ray to the next.
     at_eye: [f32; 3],
     per_metre: [f32; 3],
@@ -105,7 +63,7 @@ impl<'a> ParallelSlice<'a> {
         parallel: &Parallel,
         (bounds, ways): (Bounds, Ways),
         outwards: Vec3,
-        spacing: Spacing,
+        spacing: &'a Spacing,
     ) -> Self {
         let Geometry { eye, axis, .. } = *geometry;
         let crossing = |axis_of_box: usize, face: f32| {
@@ -135,24 +93,23 @@ impl SliceOfLight for ParallelSlice<'_> {
     #[inline(always)]
     fn trace(&self, count: usize, traced: &mut Traced) {
         traced.resize(count);
-        let first = self.spacing.of_sample(0);
-        let step = self.spacing.of_sample(1) - first;
-        let [u, v, [depth, deeper]] =
-            [0, 1, 2].map(|i| [self.at_eye[i] + self.per_metre[i] * first, self.per_metre[i] * step]);
-        for (block, ends) in traced.ends.chunks_mut(TOGETHER).enumerate() {
-            let number = (block * TOGETHER) as f32;
-            let depths = self.map.depths_along([u, v], number);
-            for (i, (end, blocker)) in ends.iter_mut().zip(depths).enumerate() {
-                let number = number + i as u32 as f32;
-                *end = beta(depth + number * deeper - blocker, first + number * step);
+        let [u, v, [depth, deeper]] = [0, 1, 2].map(|i| [self.at_eye[i], self.per_metre[i]]);
+        for (ends, gammas) in traced.ends.iter_mut().zip(&self.spacing.samples) {
+            let blocks = ends.chunks_mut(TOGETHER).zip(gammas.as_chunks().0);
+            for (ends, gammas) in blocks {
+                let depths = self.map.depths_along([u, v], gammas);
+                for ((end, blocker), gamma) in ends.iter_mut().zip(depths).zip(gammas) {
+                    *end = beta(depth + gamma * deeper - blocker, *gamma);
+                }
             }
         }
         let at = |[from, slope]: [f32; 2], gamma: f32| from + slope * gamma;
         let (enters, leaves, longer) =
             (&mut traced.enters[..count], &mut traced.leaves[..count], &mut traced.longer[..count]);
         let [x, y, z] = self.faces;
+        let middles = &self.spacing.middles[..count];
         for ray in 0..count {
-            let gamma = self.spacing.gamma(ray as u32 as f32 + 0.5);
+            let gamma = middles[ray];
             let out = at(x[0], gamma).max(at(y[0], gamma)).max(at(z[0], gamma));
             let into = at(x[1], gamma).min(at(y[1], gamma)).min(at(z[1], gamma));
             enters[ray] = beta(into, gamma);
@@ -162,7 +119,7 @@ impl SliceOfLight for ParallelSlice<'_> {
     }
 
     fn point(&self, ray: usize) -> Vec3 {
-        self.geometry.eye + self.outwards * self.spacing.of_ray(ray)
+        self.geometry.eye + self.outwards * self.spacing.middles[ray]
     }
 }
 
@@ -175,7 +132,7 @@ pub struct FanSlice<'a> {
     pub haze: &'a Haze<'a>,
     /// Unit vector away from the axis.
     pub outwards: Vec3,
-    pub spacing: Spacing,
+    pub spacing: &'a Spacing,
     pub ways: Ways,
 }
 
@@ -198,13 +155,15 @@ impl SliceOfLight for FanSlice<'_> {
     #[inline(always)]
     fn trace(&self, count: usize, traced: &mut Traced) {
         traced.resize(count);
-        for (sample, end) in traced.ends.iter_mut().enumerate() {
-            let (angle, direction) = self.direction(self.spacing.of_sample(sample));
-            *end = self.beta(angle, self.map.towards(self.around, direction));
+        for (ends, gammas) in traced.ends.iter_mut().zip(&self.spacing.samples) {
+            for (end, gamma) in ends.iter_mut().zip(gammas) {
+                let (angle, direction) = self.direction(*gamma);
+                *end = self.beta(angle, self.map.towards(self.around, direction));
+            }
         }
         let light = self.geometry.eye + self.geometry.axis * self.geometry.reach;
         for ray in 0..count {
-            let (angle, direction) = self.direction(self.spacing.of_ray(ray));
+            let (angle, direction) = self.direction(self.spacing.middles[ray]);
             let span = self.haze.span(light, direction, f32::INFINITY);
             (traced.enters[ray], traced.leaves[ray], traced.longer[ray]) = match span {
                 None => (0.0, -1.0, 0.0),
@@ -216,7 +175,7 @@ impl SliceOfLight for FanSlice<'_> {
     }
 
     fn point(&self, ray: usize) -> Vec3 {
-        let (_, direction) = self.direction(self.spacing.of_ray(ray));
+        let (_, direction) = self.direction(self.spacing.middles[ray]);
         self.geometry.eye + self.geometry.axis * self.geometry.reach + direction
     }
 }

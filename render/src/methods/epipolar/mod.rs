@@ -16,6 +16,7 @@
 //! all of its steps. Why not: media must be the same throughout; shadows are averaged over half a pixel to both sides;
 //! of a box of dense fog that is seen from outside, only the near part is not marched.
 
+mod exponential;
 mod factors;
 mod geometry;
 mod half_tree;
@@ -27,6 +28,7 @@ mod prefilter;
 mod rectified;
 mod slice_rays;
 mod slices;
+mod spacing;
 mod svd;
 mod sweep;
 mod terminations;
@@ -38,12 +40,13 @@ use crate::scene::Medium;
 pub use factors::Factors;
 pub use geometry::{Geometry, angle};
 use glam::Vec3;
-pub use light_rays::{SliceOfLight, Spacing, Traced};
+pub use light_rays::{SliceOfLight, Traced};
 pub use lines::Lines;
 pub use prefilter::SAMPLES;
 pub use rectified::{Rectified, Slice, SliceIntegration};
 pub use slice_rays::SliceRay;
 pub use slices::Slices;
+pub use spacing::Spacing;
 use sweep::TreeSweep;
 
 /// What it may take.
@@ -112,10 +115,10 @@ impl Integration for Parameters {
             return march.add(self.steps, radiance);
         };
         match (rectified.are_coloured(), self.terms) {
-            (false, Terms::Four) => rectified.add::<4, 1, TreeSweep<4>>(radiance, marched),
-            (false, Terms::Twelve) => rectified.add::<12, 1, TreeSweep<12>>(radiance, marched),
-            (true, Terms::Four) => rectified.add::<12, 3, TreeSweep<12>>(radiance, marched),
-            (true, Terms::Twelve) => rectified.add::<36, 3, TreeSweep<36>>(radiance, marched),
+            (false, Terms::Four) => rectified.add::<4, 1, TreeSweep<4, 1>>(radiance, marched),
+            (false, Terms::Twelve) => rectified.add::<12, 1, TreeSweep<12, 1>>(radiance, marched),
+            (true, Terms::Four) => rectified.add::<12, 3, TreeSweep<12, 3>>(radiance, marched),
+            (true, Terms::Twelve) => rectified.add::<36, 3, TreeSweep<36, 3>>(radiance, marched),
         }
     }
 }

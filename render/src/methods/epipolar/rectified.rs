@@ -2,13 +2,15 @@
 //! integrate slice by slice.
 
 use super::super::shafts::{Haze, Lamp, Lit, Place, Projection};
+use super::exponential::exp;
 use super::factors::Factors;
 use super::geometry::{Geometry, angle};
 use super::integrand::{Integrand, Ways};
 use super::magnified::Magnified;
-use super::light_rays::{FanSlice, ParallelSlice, SliceOfLight, Spacing};
-use super::slice_rays::{Reach, SliceRay, SliceRays};
+use super::light_rays::{FanSlice, ParallelSlice, SliceOfLight};
+use super::slice_rays::{Seen, SliceRay, SliceRays};
 use super::slices::Slices;
+use super::spacing::Spacing;
 use crate::scene::Bounds;
 use glam::Vec3;
 use pulp::{Arch, Simd, WithSimd};
@@ -19,9 +21,6 @@ const DEEP: f32 = 16.0;
 
 /// The largest sum of the angles of rays that count as meeting, radians.
 const WIDEST: f64 = std::f64::consts::PI - 2e-3;
-
-/// The bounds of nothing.
-const NOWHERE: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
 
 /// A way to integrate along the view rays of a slice, kept from slice to slice. `W` numbers a light ray: the terms of the
 /// integrand in each of `C` colours.
@@ -77,23 +76,18 @@ impl<'a> Rectified<'a> {
             return None;
         }
         let deep = DEEP / haze.extinction.min_element();
-        let gammas = |ray: usize| {
-            let [near, far] = lit.rays.spans[ray];
-            let direction = geometry.direction(lit.rays.directions[ray]);
-            let gammas = [near, far.min(near + deep)].map(|distance| geometry.gamma(direction, distance));
-            if near < far { gammas } else { NOWHERE }
-        };
-        let joined = |[first, last]: [f32; 2], [from, to]: [f32; 2]| [first.min(from), last.max(to)];
-        let seen = (0..lit.rays.count()).into_par_iter().map(gammas).reduce(|| NOWHERE, joined);
-        if seen[0] >= seen[1] {
+        let seen = |ray: usize| Seen::new(lit.rays, ray, &geometry, deep);
+        let seen: Vec<Seen> = (0..lit.rays.count()).into_par_iter().map(seen).collect();
+        let bounds = Seen::bounds(&seen);
+        if bounds[0] >= bounds[1] {
             return None;
         }
-        let spacing = Spacing::between(seen, light_rays);
+        let spacing = Spacing::between(bounds, light_rays);
         let slices = Slices::new(geometry.epipole(lit.rays), lit.rays.height(), lit.rays.width());
         let magnified = Magnified { lit, haze: &haze, ways, deep, most: most_magnified };
         let are_magnified = magnified.may_be_too_much();
         let left_out = |ray: usize| are_magnified && magnified.is_too_much(ray);
-        let rays = SliceRays::new(lit.rays, &geometry, &slices, Reach { spacing, least, deep }, left_out);
+        let rays = SliceRays::new(lit.rays, &seen, &slices, (&spacing, least), left_out);
         Some(Self { lit, haze, geometry, ways, spacing, slices, rays })
     }
 
@@ -120,7 +114,7 @@ impl<'a> Rectified<'a> {
 
     /// The integrand, decomposed.
     pub fn factors<const W: usize, const C: usize>(&self) -> Factors<W> {
-        Factors::new(&self.integrands::<C>(), self.spacing, self.betas())
+        Factors::new(&self.integrands::<C>(), &self.spacing, self.betas())
     }
 
     /// The integrand of each colour.
@@ -187,12 +181,12 @@ impl<'a> Rectified<'a> {
             // Without a box no sunlight is left.
             (Projection::Parallel(_), None) => {}
             (Projection::Parallel(parallel), Some(bounds)) => {
-                let light = ParallelSlice::new(geometry, lit.map, parallel, (bounds, *ways), outwards, *spacing);
+                let light = ParallelSlice::new(geometry, lit.map, parallel, (bounds, *ways), outwards, spacing);
                 let slice = &Slice { of: self, light, outwards };
                 Arch::new().dispatch(InVectors { integration, slice, rays, factors, values });
             }
             (Projection::Stereographic(around), _) => {
-                let (map, spacing, ways) = (lit.map, *spacing, *ways);
+                let (map, ways) = (lit.map, *ways);
                 let light = FanSlice { geometry, map, around, haze, outwards, spacing, ways };
                 let slice = &Slice { of: self, light, outwards };
                 Arch::new().dispatch(InVectors { integration, slice, rays, factors, values });
@@ -245,7 +239,7 @@ impl<L: SliceOfLight> Slice<'_, L> {
         std::array::from_fn(|colour| {
             let depth = self.of.haze.extinction[colour] * longer;
             // What would not be a number is of no view ray that asks.
-            if depth == 0.0 { tint[colour] } else { tint[colour] * (-depth).min(DEEP).exp() }
+            tint[colour] * exp((-depth).min(DEEP))
         })
     }
 }

@@ -6,8 +6,8 @@
 
 use super::super::shafts::ViewRays;
 use super::geometry::{Geometry, beta};
-use super::light_rays::Spacing;
 use super::slices::Slices;
+use super::spacing::Spacing;
 use rayon::prelude::*;
 
 /// A view ray as a slice sees it.
@@ -30,15 +30,33 @@ pub struct SliceRays {
     places: Vec<Place>,
 }
 
-/// How far view rays are followed.
+/// A view ray in rectified coordinates.
 #[derive(Clone, Copy, Debug)]
-pub struct Reach {
-    /// The light rays.
-    pub spacing: Spacing,
-    /// View rays that cross fewer light rays are in no slice.
-    pub least: f32,
-    /// Metres in the medium after which nothing is seen.
-    pub deep: f32,
+pub struct Seen {
+    beta: f32,
+    /// From which `gamma` to which it is in the medium.
+    gamma: [f32; 2],
+}
+
+impl Seen {
+    /// One of the view rays, as far as `deep` metres into the medium.
+    #[inline]
+    pub fn new(view: &ViewRays, ray: usize, geometry: &Geometry, deep: f32) -> Self {
+        let [near, far] = view.spans[ray];
+        let direction = geometry.direction(view.directions[ray]);
+        let gamma = [near, far.min(near + deep)].map(|distance| geometry.gamma(direction, distance));
+        let gamma = if near < far { gamma } else { Self::NOWHERE };
+        Self { beta: beta(direction.along, direction.aside), gamma }
+    }
+
+    /// Of a ray that is not in the medium.
+    const NOWHERE: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
+
+    /// From which to which `gamma` some are in the medium.
+    pub fn bounds(all: &[Self]) -> [f32; 2] {
+        let joined = |[first, last]: [f32; 2], [from, to]: [f32; 2]| [first.min(from), last.max(to)];
+        all.par_iter().map(|seen| seen.gamma).reduce(|| Self::NOWHERE, joined)
+    }
 }
 
 /// Where a view ray's two slice rays are, and how far it is from the first slice to the second.
@@ -54,25 +72,24 @@ impl Place {
 }
 
 impl SliceRays {
-    /// Sorts view rays, but for those that are `left_out`.
+    /// Sorts view rays, but for those that cross fewer than `least` light rays and those that are `left_out`.
     pub fn new(
         view: &ViewRays,
-        geometry: &Geometry,
+        seen: &[Seen],
         slices: &Slices,
-        reach: Reach,
+        (spacing, least): (&Spacing, f32),
         left_out: impl Fn(usize) -> bool + Sync,
     ) -> Self {
         let rectified = |ray: usize| {
-            let [near, far] = view.spans[ray];
-            let direction = geometry.direction(view.directions[ray]);
-            let number = |distance: f32| reach.spacing.number(geometry.gamma(direction, distance));
-            let end = number(far.min(near + reach.deep));
-            if near >= far || end - number(near) < reach.least || left_out(ray) {
+            let Seen { beta, gamma } = seen[ray];
+            let [from, end] = gamma.map(|gamma| spacing.number(gamma));
+            // What is no number is nowhere.
+            if !(end - from >= least) || left_out(ray) {
                 return (Place::NONE, SliceRay::default());
             }
             let (before, on) = slices.of(view.at(ray).as_dvec2());
             let slots = [before as u32, slices.after(before) as u32];
-            (Place { slots, on }, SliceRay { beta: beta(direction.along, direction.aside), end })
+            (Place { slots, on }, SliceRay { beta, end })
         };
         let (mut places, rays): (Vec<Place>, Vec<SliceRay>) =
             (0..view.count()).into_par_iter().map(rectified).unzip();

@@ -95,18 +95,18 @@ impl Slices {
 
     /// A direction from the epipole as a fractional slice.
     fn number(&self, direction: DVec2) -> f64 {
-        let (mut nearest, mut leaves) = (f64::INFINITY, &self.edges[0]);
+        // The edge that is reached first: the least height over speed.
+        let (mut fastest, mut leaves) = (0.0, &self.edges[0]);
         for edge in &self.edges {
             let speed = direction.dot(edge.outwards);
-            let until = edge.height / speed;
-            if speed > 0.0 && until < nearest {
-                (nearest, leaves) = (until, edge);
+            if speed * leaves.height > fastest * edge.height {
+                (fastest, leaves) = (speed, edge);
             }
         }
-        if nearest == f64::INFINITY {
+        if fastest == 0.0 {
             return 0.0;
         }
-        let at = leaves.height * asinh(nearest * direction.dot(leaves.along) / leaves.height);
+        let at = leaves.height * asinh(direction.dot(leaves.along) / fastest);
         (leaves.first + (at - leaves.ends[0]) * leaves.density).max(0.0)
     }
 

@@ -12,8 +12,10 @@ pub struct Svd {
     pub columns: Vec<Vec<f64>>,
 }
 
-/// Cosine of the angle between two columns below which they count as perpendicular.
+/// Cosine of the angle between two columns below which they count as perpendicular,
 const PERPENDICULAR: f64 = 1e-12;
+/// and so do those whose product is this share of the sum of all squares: what rounding has left of them.
+const NOTHING: f64 = 1e-20;
 /// Sweeps over all pairs; some ten are enough for any matrix of the sizes that are used here.
 const MOST_SWEEPS: usize = 40;
 
@@ -23,11 +25,12 @@ impl Svd {
         let count = columns.len();
         let unit = |i: usize| (0..count).map(|j| f64::from(u8::from(i == j))).collect();
         let mut turns: Vec<Vec<f64>> = (0..count).map(unit).collect();
+        let nothing = NOTHING * columns.iter().map(|column| dot(column, column)).sum::<f64>();
         for _ in 0..MOST_SWEEPS {
             let mut turned = false;
             for i in 0..count {
                 for j in i + 1..count {
-                    if let Some(rotation) = rotation(&columns[i], &columns[j]) {
+                    if let Some(rotation) = rotation(&columns[i], &columns[j], nothing) {
                         rotate(&mut columns, i, j, rotation);
                         rotate(&mut turns, i, j, rotation);
                         turned = true;
@@ -49,10 +52,10 @@ impl Svd {
     }
 }
 
-/// Cosine and sine of the turn that makes two columns perpendicular; `None` where they are.
-fn rotation(a: &[f64], b: &[f64]) -> Option<[f64; 2]> {
+/// Cosine and sine of the turn that makes two columns perpendicular; `None` where they are, or their product is `nothing`.
+fn rotation(a: &[f64], b: &[f64], nothing: f64) -> Option<[f64; 2]> {
     let (aa, bb, ab) = (dot(a, a), dot(b, b), dot(a, b));
-    if ab.abs() <= PERPENDICULAR * (aa * bb).sqrt() || ab.abs() < f64::MIN_POSITIVE {
+    if ab.abs() <= nothing.max(PERPENDICULAR * (aa * bb).sqrt()) {
         return None;
     }
     let zeta = (bb - aa) / (2.0 * ab);

@@ -6,24 +6,39 @@ use super::half_tree::HalfTree;
 use super::light_rays::SliceOfLight;
 use super::rectified::{Slice, SliceIntegration};
 use super::slice_rays::SliceRay;
-use super::terminations::{Change, PLACES, Sweep, Terminations};
+use super::terminations::{PLACES, Sweep, Terminations, counted};
 
 /// What a sweep works with.
-#[derive(Debug, Default)]
-pub struct TreeSweep<const W: usize> {
+#[derive(Debug)]
+pub struct TreeSweep<const W: usize, const C: usize> {
     terminations: Terminations,
-    /// The tree's elements where all light rays are lit.
-    full: Vec<[f32; W]>,
-    elements: Vec<[f32; W]>,
+    /// What is left of each light ray's light.
+    weights: Vec<[f32; C]>,
     tree: HalfTree<W>,
-    /// View rays in the order of the sweep, with their places.
-    order: Vec<[u32; 2]>,
-    starts: Vec<u32>,
+    /// Of each view ray.
+    places: Vec<u16>,
+    /// View rays in the order of the sweep.
+    order: Vec<u32>,
+    slots: Vec<u32>,
     /// How far view rays of a place or a later one go at most, in light rays.
-    reach: Vec<f32>,
+    reach: Box<[f32; PLACES]>,
 }
 
-impl<const W: usize, const C: usize> SliceIntegration<W, C> for TreeSweep<W> {
+impl<const W: usize, const C: usize> Default for TreeSweep<W, C> {
+    fn default() -> Self {
+        Self {
+            terminations: Terminations::default(),
+            weights: Vec::new(),
+            tree: HalfTree::default(),
+            places: Vec::new(),
+            order: Vec::new(),
+            slots: Vec::new(),
+            reach: Box::new([0.0; PLACES]),
+        }
+    }
+}
+
+impl<const W: usize, const C: usize> SliceIntegration<W, C> for TreeSweep<W, C> {
     #[inline(always)]
     fn integrate<L: SliceOfLight>(
         &mut self,
@@ -41,60 +56,51 @@ impl<const W: usize, const C: usize> SliceIntegration<W, C> for TreeSweep<W> {
         let count = (farthest as usize + 1).min(factors.light.len());
         self.sort(rays, sweep);
         self.terminations.gather(&slice.light, count, sweep, &self.reach);
-        self.plant(factors, |ray, longer| slice.weight::<C>(ray, longer));
-        let mut changes = self.terminations.changes.iter().peekable();
-        for [place, ray] in &self.order {
-            while let Some(Change { ray, share, .. }) = changes.next_if(|change| change.place <= *place) {
-                let change = self.full[*ray as usize].map(|value| value * share);
-                self.tree.add(*ray as usize, &change);
+        self.plant(factors, |ray, longer| slice.weight(ray, longer));
+        let Self { terminations, weights, tree, .. } = self;
+        let mut done = 0;
+        for ray in &self.order {
+            let ray = *ray as usize;
+            let until = terminations.until[self.places[ray] as usize] as usize;
+            for change in &terminations.changes[done..until] {
+                let light = change.ray as usize;
+                let weight = weights[light].map(|weight| weight * change.share);
+                tree.add(light, &weighted(&factors.light[light], &weight));
             }
-            let SliceRay { beta, end } = rays[*ray as usize];
-            let sums = self.tree.sum_before(end.min(count as f32));
-            values[*ray as usize] = factors.value(&sums, beta);
+            done = until;
+            let SliceRay { beta, end } = rays[ray];
+            values[ray] = factors.value(&tree.sum_before(end.min(count as f32)), beta);
         }
     }
 }
 
-impl<const W: usize> TreeSweep<W> {
+impl<const W: usize, const C: usize> TreeSweep<W, C> {
     /// Builds the tree as it is where the sweep begins.
     #[inline(always)]
-    fn plant<const C: usize>(&mut self, factors: &Factors<W>, weight: impl Fn(usize, f32) -> [f32; C]) {
-        self.full.clear();
-        self.elements.clear();
+    fn plant(&mut self, factors: &Factors<W>, weight: impl Fn(usize, f32) -> [f32; C]) {
         let Terminations { lit, traced, .. } = &self.terminations;
-        let rays = factors.light.iter().zip(lit.iter().zip(&traced.longer)).enumerate();
-        for (ray, (light, (lit, longer))) in rays {
-            if *lit < 0.0 {
-                self.full.push([0.0; W]);
-                self.elements.push([0.0; W]);
-                continue;
-            }
-            let weight = weight(ray, *longer);
-            let full: [f32; W] = std::array::from_fn(|i| light[i] * weight[i / (W / C)]);
-            self.full.push(full);
-            self.elements.push(full.map(|value| value * lit));
-        }
-        self.tree.rebuild(&self.elements);
+        self.weights.clear();
+        let rays = lit.iter().zip(&traced.longer).enumerate();
+        let weights = rays.map(|(ray, (lit, longer))| if *lit < 0.0 { [0.0; C] } else { weight(ray, *longer) });
+        self.weights.extend(weights);
+        let weights = &self.weights;
+        self.tree.rebuild(lit.len(), |ray| {
+            weighted(&factors.light[ray], &weights[ray].map(|weight| weight * lit[ray].max(0.0)))
+        });
     }
 
     /// Sorts view rays by counting.
     #[inline(always)]
     fn sort(&mut self, rays: &[SliceRay], sweep: Sweep) {
-        let place = |ray: &SliceRay| (sweep.at(ray.beta) as i32).clamp(0, PLACES as i32 - 1) as usize;
-        self.starts.clear();
-        self.starts.resize(PLACES + 1, 0);
-        rays.iter().for_each(|ray| self.starts[place(ray) + 1] += 1);
-        for at in 0..PLACES {
-            self.starts[at + 1] += self.starts[at];
-        }
-        self.reach.clear();
-        self.reach.resize(PLACES, 0.0);
-        self.order.resize(rays.len(), [0; 2]);
-        for (index, ray) in rays.iter().enumerate() {
-            let place = place(ray);
-            let slot = &mut self.starts[place];
-            self.order[*slot as usize] = [place as u32, index as u32];
-            *slot += 1;
+        self.places.clear();
+        self.places.extend(rays.iter().map(|ray| (sweep.at(ray.beta) as i32).clamp(0, PLACES as i32 - 1) as u16));
+        let slots = counted(&mut self.slots, self.places.iter().map(|place| *place as usize));
+        self.reach.fill(0.0);
+        self.order.resize(rays.len(), 0);
+        for (index, (place, ray)) in self.places.iter().zip(rays).enumerate() {
+            let place = *place as usize;
+            self.order[slots[place] as usize] = index as u32;
+            slots[place] += 1;
             self.reach[place] = self.reach[place].max(ray.end);
         }
         let mut farthest = 0f32;
@@ -103,4 +109,10 @@ impl<const W: usize> TreeSweep<W> {
             *reach = farthest;
         }
     }
+}
+
+/// The terms of `C` colours, each times its colour's weight.
+#[inline(always)]
+fn weighted<const W: usize, const C: usize>(terms: &[f32; W], weights: &[f32; C]) -> [f32; W] {
+    std::array::from_fn(|i| terms[i] * weights[i / (W / C)])
 }

@@ -32,14 +32,12 @@ impl Sweep {
     }
 }
 
-/// A light ray's share that is lit from a place on, or no more.
+/// A change of a light ray's share that is lit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Change {
-    /// Where in the sweep.
-    pub place: u32,
     /// Which light ray.
     pub ray: u32,
-    /// By how much its lit share changes.
+    /// By how much.
     pub share: f32,
 }
 
@@ -52,8 +50,13 @@ pub struct Terminations {
     pub traced: Traced,
     /// In the order of the sweep.
     pub changes: Vec<Change>,
-    unsorted: Vec<Change>,
-    starts: Vec<u32>,
+    /// How many are up to each place of the sweep, it included.
+    pub until: Vec<u32>,
+    /// Least, greatest and mean place at which each light ray's light ends.
+    spans: [Vec<f32>; 3],
+    /// Changes with their places, of which `noted` count.
+    unsorted: Vec<(u32, Change)>,
+    noted: usize,
 }
 
 impl Terminations {
@@ -61,54 +64,66 @@ impl Terminations {
     /// in the sweep go at most, in light rays: what changes beyond is left out, such as where light rays end on a surface
     /// that hides what is behind it.
     #[inline(always)]
-    pub fn gather(&mut self, slice: &impl SliceOfLight, count: usize, sweep: Sweep, reach: &[f32]) {
+    pub fn gather(&mut self, slice: &impl SliceOfLight, count: usize, sweep: Sweep, reach: &[f32; PLACES]) {
         slice.trace(count, &mut self.traced);
-        self.lit.clear();
-        self.unsorted.clear();
-        let traced = std::mem::take(&mut self.traced);
-        let ends = traced.ends.as_chunks::<SAMPLES>().0;
-        for (ray, (ends, (enters, leaves))) in
-            ends.iter().zip(traced.enters.iter().zip(&traced.leaves)).enumerate()
-        {
-            let [enters, leaves] = [*enters, *leaves].map(|beta| sweep.at(beta));
-            let ends = ends.map(|beta| sweep.at(beta).min(leaves));
-            let lit = self.push(ray as u32, enters, ends, reach);
-            self.lit.push(lit);
+        self.measure(count, sweep);
+        self.lit.resize(count, 0.0);
+        self.unsorted.resize(count * (SAMPLES + 1), <_>::default());
+        self.noted = 0;
+        for ray in 0..count {
+            let [first, last, mean] = [0, 1, 2].map(|i| self.spans[i][ray]);
+            let enters = self.traced.enters[ray];
+            self.lit[ray] = if last <= enters.max(0.0) {
+                NEVER
+            } else if enters <= 0.0 && last - first <= APART {
+                self.change(mean, ray, -1.0, reach);
+                1.0
+            } else {
+                self.changes_of_modes(ray, reach)
+            };
         }
-        self.traced = traced;
         self.sort();
     }
 
-    /// Notes where a light ray is lit; its lit share at the beginning, negative if it is never lit.
+    /// Turns values of `beta` into places of the sweep; what ends behind it ends together.
     #[inline(always)]
-    fn push(&mut self, ray: u32, enters: f32, ends: [f32; SAMPLES], reach: &[f32]) -> f32 {
-        let [a, b, c, d] = ends;
-        let (first, last) = (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));
-        let begin = enters.max(0.0);
-        if last <= begin {
-            return NEVER;
+    fn measure(&mut self, count: usize, sweep: Sweep) {
+        let Traced { ends: [a, b, c, d], enters, leaves, .. } = &mut self.traced;
+        let [a, b, c, d] = [a, b, c, d].map(|ends| &mut ends[..count]);
+        let (enters, leaves) = (&mut enters[..count], &mut leaves[..count]);
+        let [firsts, lasts, means] = self.spans.each_mut().map(|values| {
+            values.resize(count, 0.0);
+            &mut values[..count]
+        });
+        for ray in 0..count {
+            let [leaves, enters] = [&mut leaves[ray], &mut enters[ray]].map(|beta| {
+                *beta = sweep.at(*beta);
+                *beta
+            });
+            let [a, b, c, d] = [&mut a[ray], &mut b[ray], &mut c[ray], &mut d[ray]].map(|end| {
+                *end = sweep.at(*end).min(leaves).min(PLACES as f32);
+                *end
+            });
+            firsts[ray] = a.min(b).min(c.min(d));
+            lasts[ray] = a.max(b).max(c.max(d));
+            means[ray] = 0.25 * (a + b + c + d);
         }
-        if enters <= 0.0 && first >= (PLACES - 1) as f32 {
-            return 1.0;
-        }
-        if last - first <= APART && first > begin {
-            self.change(0.25 * (a + b + c + d), ray, -1.0, reach);
-            return self.begun(enters, ray, 1.0, reach);
-        }
+    }
+
+    /// Notes where a light ray is lit that ends at several places or enters on the way; its share that is lit at the
+    /// beginning.
+    #[inline(always)]
+    fn changes_of_modes(&mut self, ray: usize, reach: &[f32; PLACES]) -> f32 {
+        let enters = self.traced.enters[ray];
+        let ends = self.traced.ends.each_ref().map(|ends| ends[ray]);
         let mut lit = 0.0;
         modes(ends, APART, |Mode { depth, weight }| {
-            if depth > begin {
+            if depth > enters.max(0.0) {
                 lit += weight;
                 self.change(depth, ray, -weight, reach);
             }
         });
-        self.begun(enters, ray, lit, reach)
-    }
-
-    /// Notes that a share of a light ray is lit from where it enters; what is lit where the sweep begins.
-    #[inline(always)]
-    fn begun(&mut self, enters: f32, ray: u32, lit: f32, reach: &[f32]) -> f32 {
-        if enters <= 0.0 || lit == 0.0 {
+        if enters <= 0.0 {
             return lit;
         }
         self.change(enters, ray, lit, reach);
@@ -117,30 +132,37 @@ impl Terminations {
 
     /// Notes a change unless no view ray sees it.
     #[inline(always)]
-    fn change(&mut self, place: f32, ray: u32, share: f32, reach: &[f32]) {
+    fn change(&mut self, place: f32, ray: usize, share: f32, reach: &[f32; PLACES]) {
         // View rays are on average in the middle of their place.
-        let place = (place + 0.5) as i32 as usize;
-        if reach.get(place).is_some_and(|reach| (ray as f32) < *reach) {
-            self.unsorted.push(Change { place: place as u32, ray, share });
-        }
+        let place = ((place + 0.5) as i32 as usize).min(PLACES);
+        let is_seen = place < PLACES && (ray as f32) < reach[place % PLACES];
+        self.unsorted[self.noted] = (place as u32, Change { ray: ray as u32, share });
+        self.noted += usize::from(is_seen);
     }
 
     /// Sorts by counting.
     #[inline(always)]
     fn sort(&mut self) {
-        self.starts.clear();
-        self.starts.resize(PLACES + 1, 0);
-        for change in &self.unsorted {
-            self.starts[change.place as usize + 1] += 1;
-        }
-        for place in 0..PLACES {
-            self.starts[place + 1] += self.starts[place];
-        }
-        self.changes.resize(self.unsorted.len(), Change::default());
-        for change in &self.unsorted {
-            let slot = &mut self.starts[change.place as usize];
+        let unsorted = &self.unsorted[..self.noted];
+        let begins = counted(&mut self.until, unsorted.iter().map(|(place, _)| *place as usize));
+        self.changes.resize(unsorted.len(), Change::default());
+        for (place, change) in unsorted {
+            let slot = &mut begins[*place as usize];
             self.changes[*slot as usize] = *change;
             *slot += 1;
         }
     }
+}
+
+/// How many come before each place; who puts each in its slot, and moves the slot on, has how many there are up to it.
+#[inline(always)]
+pub fn counted(counts: &mut Vec<u32>, places: impl Iterator<Item = usize>) -> &mut [u32; PLACES] {
+    counts.clear();
+    counts.resize(PLACES, 0);
+    places.for_each(|place| counts[place] += 1);
+    let mut before = 0;
+    for count in counts.iter_mut() {
+        (*count, before) = (before, before + *count);
+    }
+    counts.as_mut_array().expect("one of each place")
 }

@@ -35,9 +35,9 @@ fn crossed(rays: &[SliceRay], most: usize) -> usize {
 /// The samples of light rays for the mipmap.
 #[inline(always)]
 fn samples(traced: &Traced) -> impl Iterator<Item = Node> {
-    traced.ends.iter().enumerate().map(|(sample, end)| {
+    (0..traced.enters.len() * SAMPLES).map(|sample| {
         let ray = sample / SAMPLES;
-        Node::sample([traced.enters[ray], end.min(traced.leaves[ray])])
+        Node::sample([traced.enters[ray], traced.ends[sample % SAMPLES][ray].min(traced.leaves[ray])])
     })
 }
 

@@ -68,10 +68,10 @@ impl<'a> Steps<'a> {
     #[inline(always)]
     fn lit(&self, range: Range<u32>) -> [f32; TOGETHER] {
         let [u, v, [depth, deeper]] = self.locations;
-        let mut lit = self.map.depths_along([u, v], range.start as f32);
-        for (i, lit) in lit.iter_mut().enumerate() {
-            let step = range.start + i as u32;
-            *lit = if depth + deeper * (step as f32) < *lit && step < range.end { 1.0 } else { 0.0 };
+        let numbers = std::array::from_fn(|i| (range.start + i as u32) as f32);
+        let mut lit = self.map.depths_along([u, v], &numbers);
+        for (lit, number) in lit.iter_mut().zip(numbers) {
+            *lit = if depth + deeper * number < *lit && number < range.end as f32 { 1.0 } else { 0.0 };
         }
         lit
     }

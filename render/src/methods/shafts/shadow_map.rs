@@ -94,14 +94,12 @@ impl ShadowMap {
         self.depths[map * self.size * self.size + self.texel(u, v) as usize]
     }
 
-    /// Depths of the first map at points on a line, numbers `first` and following, each coordinate being
-    /// `value[0] + number * value[1]`.
+    /// Depths of the first map at points of a line: each coordinate has a value and a slope.
     #[inline(always)]
-    pub fn depths_along(&self, [u, v]: [[f32; 2]; 2], first: f32) -> [f32; TOGETHER] {
+    pub fn depths_along(&self, [u, v]: [[f32; 2]; 2], points: &[f32; TOGETHER]) -> [f32; TOGETHER] {
         let mut texels = [0; TOGETHER];
-        for (i, texel) in texels.iter_mut().enumerate() {
-            let number = first + i as u32 as f32;
-            *texel = self.texel(u[0] + number * u[1], v[0] + number * v[1]);
+        for (texel, at) in texels.iter_mut().zip(points) {
+            *texel = self.texel(u[0] + at * u[1], v[0] + at * v[1]);
         }
         texels.map(|texel| self.depths[texel as usize])
     }
