@@ -1,12 +1,13 @@
 //! `deepshade bench epipolar`: single scattering by partial-sum trees beside marching, epipolar sampling and min/max
 //! mipmaps, on one thread: the claims of Baran et al. 2010, measured again (sections 6, 8 and 10, Figures 11 to 13).
 //!
-//! The clock holds what theirs does: rectification, integration and the way back, or the march; camera depths and shadow
-//! maps are given. Errors are relative squared errors under one exposure, on every sixteenth pixel, against a march of
-//! [`contest::REFERENCE_STEPS`] steps through the same shadow map.
+//! The clock holds what theirs does: rectification, integration and the way back, or the march; camera depths and
+//! shadow maps are given. Errors are relative squared errors under one exposure, on every sixteenth pixel, against a
+//! march of [`contest::REFERENCE_STEPS`] steps through the same shadow map.
 
 mod claims;
 mod contest;
+mod hall;
 mod scaling;
 mod subject;
 
@@ -20,7 +21,8 @@ use serde_json::json;
 use std::path::PathBuf;
 use subject::{Kind, Setup, Subject, View};
 
-/// Fog by partial-sum trees beside marching at equal error, on one thread: speed-ups, how times grow, what slices save.
+/// Fog by partial-sum trees beside marching at equal error, on one thread: speed-ups, how times grow, what slices
+/// save.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     deepshade bench epipolar --json epipolar.json --plot epipolar.svg\n  \
@@ -30,8 +32,8 @@ use subject::{Kind, Setup, Subject, View};
     VIEW is `sun` with the sun in the image and `side` without. sampling_SCENE_VIEW is the same of epipolar sampling, null \
     where that does not become as good. slope_tree and slope_march are of log time against log(srd) / 3.")]
 pub struct Args {
-    /// At the paper's sizes (1280x960, 4096 light rays, shadow maps of 4096 x 4096) in place of half of them; takes about
-    /// an hour.
+    /// At the paper's sizes (1280x960, 4096 light rays, shadow maps of 4096 x 4096) in place of half of them; takes
+    /// about an hour.
     #[arg(long)]
     full: bool,
     /// Writes the plot of time against resolution here as SVG.

@@ -1,15 +1,16 @@
-//! Claims of Baran et al. 2010 that need no march at equal error: what colour costs, the decay of singular values, slices
-//! that are saved, the narrow beam.
+//! Claims of Baran et al. 2010 that need no march at equal error: what colour costs, the decay of singular values,
+//! slices that are saved, the narrow beam.
 
-use super::subject::{Kind, Setup, Subject, View, fog, sun};
+use super::subject::{Kind, Setup, Subject, View, Way, fog, sun};
 use super::table_number;
 use crate::figures::Figures;
 use anyhow::Result;
 use deepshade_render::methods::epipolar::{self, Rectified, Slices};
+use deepshade_render::methods::shafts::Integration;
 use deepshade_render::methods::{Quality, epipolar_sampling, ray_march};
-use deepshade_render::metrics::relative_mse;
+use deepshade_render::metrics::{exposed, exposure, relative_mse};
 use deepshade_render::scene::{Bounds, Camera, Light, Material, Mesh, Scene, TextureId};
-use deepshade_shaders::Planes;
+use deepshade_shaders::{Effect, Planes};
 use glam::{DVec2, Vec3};
 use rayon::ThreadPool;
 use std::sync::Arc;
@@ -19,9 +20,6 @@ type Claim = (&'static str, f64, &'static str);
 
 /// All of them.
 pub struct Claims(Vec<Claim>);
-
-/// Runs of which the median counts.
-const RUNS: usize = 5;
 
 impl Claims {
     /// Measures in a pool of one thread.
@@ -36,7 +34,10 @@ impl Claims {
             let Light::Directional { pattern, .. } = light else { return };
             *pattern = Some((TextureId(0), 1.0));
         })?;
-        let seconds = |subject: &Subject| subject.timed(&trees, pool, RUNS).1;
+        let seconds = |subject: &Subject| {
+            let [(_, seconds)] = subject.timed([&|lit, radiance| trees.add(lit, radiance)], pool);
+            seconds
+        };
         let textured = seconds(&coloured) / seconds(&plain);
         let mut largest: f64 = 0.0;
         for kind in Kind::ALL {
@@ -45,7 +46,7 @@ impl Claims {
                     .max(sigma_ratio(&Subject::new(kind, view, setup.scaled(0.25))?, trees.light_rays));
             }
         }
-        let [tree, sampling] = beam(setup, pool)?;
+        let [tree, every, sampling] = beam(setup, pool)?;
         let [height, width] = setup.size;
         Ok(Self(vec![
             ("ratio_textured", textured, "1.5"),
@@ -53,6 +54,7 @@ impl Claims {
             ("slices_saved_centre", saved(setup, [0.5 * width as f64, 0.5 * height as f64]), "0.15"),
             ("slices_saved_corner", saved(setup, [0.03 * width as f64, 0.03 * height as f64]), "0.5"),
             ("relmse_beam_tree", tree, "the beam is seen"),
+            ("relmse_beam_every_pixel", every, ""),
             ("relmse_beam_sampling", sampling, "the beam is blurred"),
         ]))
     }
@@ -76,7 +78,7 @@ impl Claims {
 /// The fourth singular value over the first.
 fn sigma_ratio(subject: &Subject, light_rays: usize) -> f64 {
     subject.lit(|lit| {
-        let rectified = Rectified::new(lit, light_rays, 16.0);
+        let rectified = Rectified::new(lit, light_rays, 16.0, epipolar::Terms::Four.most_magnified());
         rectified.map_or(0.0, |rectified| rectified.factors::<4, 1>().values[3])
     })
 }
@@ -87,8 +89,9 @@ fn saved(setup: Setup, [x, y]: [f64; 2]) -> f64 {
     1.0 - slices.count() as f64 / slices.count_by_perimeter() as f64
 }
 
-/// A narrow beam of sunlight before a wall without a jump of depth (Figure 13): errors of trees and of epipolar sampling.
-fn beam(setup: Setup, pool: &ThreadPool) -> Result<[f64; 2]> {
+/// A narrow beam of sunlight before a wall without a jump of depth (Figure 13): errors of trees, of marching every
+/// pixel, and of epipolar sampling with the same steps, under one exposure.
+fn beam(setup: Setup, pool: &ThreadPool) -> Result<[f64; 3]> {
     let quad = |corners: [[f32; 3]; 4]| Mesh {
         positions: corners.map(Vec3::from).to_vec(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
@@ -108,13 +111,24 @@ fn beam(setup: Setup, pool: &ThreadPool) -> Result<[f64; 2]> {
     let subject = Subject::of("beam".to_owned(), scene, &camera, setup.scaled(0.5))?;
     let [height, width] = subject.setup.size;
     let steps = 4096;
-    let image = |radiance: Vec<Vec3>| Planes::from_fn(1, height, width, |_, y, x| radiance[y * width + x].x);
+    let image = |way: &Way<'_>| {
+        let (radiance, _) = subject.once(way, pool);
+        Planes::from_fn(1, height, width, |_, y, x| radiance[y * width + x].x)
+    };
     let usual = ray_march::Parameters::of(Quality::High);
-    let truth = image(subject.timed(&ray_march::Parameters { steps, jitter: false, ..usual }, pool, 1).0);
+    let long = ray_march::Parameters { steps, jitter: false, ..usual };
+    let truth = image(&|lit, radiance| long.add(lit, radiance));
+    let exposure = exposure(Effect::FogDirect, &truth);
+    let error = |way: &Way<'_>| relative_mse(&exposed(&image(way), exposure), &exposed(&truth, exposure));
     let trees =
         epipolar::Parameters { light_rays: setup.light_rays, ..epipolar::Parameters::of(Quality::High) };
-    let trees = image(subject.timed(&trees, pool, 1).0);
-    let usual = epipolar_sampling::Parameters::of(Quality::High);
-    let sampling = image(subject.timed(&epipolar_sampling::Parameters { steps, ..usual }, pool, 1).0);
-    Ok([relative_mse(&trees, &truth), relative_mse(&sampling, &truth)])
+    let [every, few] = [1, 16].map(|spacing| {
+        let usual = epipolar_sampling::Parameters::of(Quality::High);
+        epipolar_sampling::Parameters { spacing, steps, ..usual }
+    });
+    Ok([
+        error(&|lit, radiance| trees.add(lit, radiance)),
+        error(&|lit, radiance| every.add(lit, radiance)),
+        error(&|lit, radiance| few.add(lit, radiance)),
+    ])
 }

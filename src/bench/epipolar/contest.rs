@@ -1,9 +1,10 @@
 //! Trees and their rivals at equal error.
 
-use super::subject::Subject;
+use super::subject::{Subject, Way};
 use super::table_number;
 use crate::figures::Figures;
 use deepshade_render::methods::ray_march::{March, shift};
+use deepshade_render::methods::shafts::Integration;
 use deepshade_render::methods::{Quality, epipolar, epipolar_sampling, min_max, ray_march};
 use deepshade_render::metrics::relative_mse::EPSILON;
 use deepshade_shaders::lists::quantile;
@@ -18,12 +19,12 @@ pub const REFERENCE_STEPS: u32 = 32_768;
 const STEPS: [u32; 2] = [16, 16_384];
 /// By so much at most may be too many steps that are called the fewest.
 const PRECISION: f64 = 1.05;
-/// Pixels between marched ones of epipolar sampling, in the order in which they are tried.
-const SPACINGS: [usize; 4] = [16, 8, 4, 2];
+/// Pixels between marched ones of epipolar sampling that are tried,
+const SPACINGS: [usize; 6] = [64, 32, 16, 8, 4, 2];
+/// each with so many times the steps of the march: what interpolation misses must be made up for.
+const FINER: [f64; 4] = [1.0, 1.4, 2.0, 4.0];
 /// Every so many pixels are compared.
 const EVERY: usize = 16;
-/// Runs of a fast method, of which the median counts.
-const RUNS: usize = 5;
 
 /// A method's time and error.
 #[derive(Clone, Copy, Debug)]
@@ -37,8 +38,8 @@ pub struct Measured {
 pub struct Duel {
     light_rays: usize,
     tree: Measured,
-    steps: u32,
-    march: Measured,
+    /// Its steps, and what it is; `None` if no march is.
+    march: Option<(u32, Measured)>,
 }
 
 /// All of one scene and view.
@@ -46,8 +47,8 @@ pub struct Outcome {
     name: String,
     /// With all light rays and with a quarter.
     duels: [Duel; 2],
-    /// Spacing, time and error of epipolar sampling that is as good as the first trees, if any is.
-    sampling: Option<(usize, Measured)>,
+    /// Spacing and steps of the fastest epipolar sampling that is as good as the first trees, if any is.
+    sampling: Option<(usize, u32, Measured)>,
     min_max: Measured,
 }
 
@@ -81,14 +82,17 @@ impl Reference {
         self.error(self.pixels.iter().map(|pixel| radiance[*pixel].x))
     }
 
-    /// The fewest steps of a march whose error is no larger; the most that are tried if none is.
-    fn fewest_steps(&self, subject: &Subject, error: f64) -> u32 {
+    /// The fewest steps of a march whose error is no larger; `None` if those of all that are tried are.
+    fn fewest_steps(&self, subject: &Subject, error: f64) -> Option<u32> {
         let is_enough = |steps: u32| {
             let found = marched(subject, &self.pixels, steps, |pixel| shift(pixel, 1));
             self.error(found.into_iter()) <= error
         };
         let [mut few, mut enough] = [STEPS[0]; 2];
-        while enough < STEPS[1] && !is_enough(enough) {
+        while !is_enough(enough) {
+            if enough >= STEPS[1] {
+                return None;
+            }
             (few, enough) = (enough, 2 * enough);
         }
         while f64::from(enough) > PRECISION * f64::from(few) && enough > few + 1 {
@@ -99,7 +103,7 @@ impl Reference {
                 few = middle.max(few + 1);
             }
         }
-        enough
+        Some(enough)
     }
 }
 
@@ -119,18 +123,24 @@ fn marched(
 impl Duel {
     fn of(subject: &Subject, reference: &Reference, light_rays: usize, pool: &ThreadPool) -> Self {
         let trees = epipolar::Parameters { light_rays, ..epipolar::Parameters::of(Quality::High) };
-        let (radiance, seconds) = subject.timed(&trees, pool, RUNS);
-        let tree = Measured { seconds, relmse: reference.error_of_image(&radiance) };
-        let steps = reference.fewest_steps(subject, tree.relmse);
+        let tree: &Way<'_> = &|lit, radiance| trees.add(lit, radiance);
+        let measured = |(radiance, seconds): &(Vec<Vec3>, f64)| Measured {
+            seconds: *seconds,
+            relmse: reference.error_of_image(radiance),
+        };
+        let (radiance, _) = subject.once(tree, pool);
+        let Some(steps) = reference.fewest_steps(subject, reference.error_of_image(&radiance)) else {
+            let [tree] = subject.timed([tree], pool);
+            return Self { light_rays, tree: measured(&tree), march: None };
+        };
         let march = ray_march::Parameters { steps, ..ray_march::Parameters::of(Quality::High) };
-        let (radiance, seconds) = subject.timed(&march, pool, 1);
-        let march = Measured { seconds, relmse: reference.error_of_image(&radiance) };
-        Self { light_rays, tree, steps, march }
+        let [tree, march] = subject.timed([tree, &|lit, radiance| march.add(lit, radiance)], pool);
+        Self { light_rays, tree: measured(&tree), march: Some((steps, measured(&march))) }
     }
 
-    /// How many times as long the march takes.
+    /// How many times as long the march takes; no number if none is as good.
     fn speedup(&self) -> f64 {
-        self.march.seconds / self.tree.seconds
+        self.march.map_or(f64::NAN, |(_, march)| march.seconds / self.tree.seconds)
     }
 }
 
@@ -140,19 +150,10 @@ impl Outcome {
         let reference = Reference::of(subject);
         let light_rays = subject.setup.light_rays;
         let duels = [light_rays, light_rays / 4].map(|rays| Duel::of(subject, &reference, rays, pool));
-        let of_spacing = |spacing: usize| {
-            // Finer steps than the march's leave room for what interpolation misses.
-            let steps = 2 * duels[0].steps;
-            let usual = epipolar_sampling::Parameters::of(Quality::High);
-            let (radiance, seconds) =
-                subject.timed(&epipolar_sampling::Parameters { spacing, steps, ..usual }, pool, 1);
-            (spacing, Measured { seconds, relmse: reference.error_of_image(&radiance) })
-        };
-        let as_good = |(_, found): &(usize, Measured)| found.relmse <= duels[0].tree.relmse * PRECISION;
-        let sampling = SPACINGS.into_iter().map(of_spacing).find(as_good);
+        let sampling = fastest_sampling(subject, &reference, &duels[0], pool);
         let usual = min_max::Parameters::of(Quality::High);
-        let (radiance, seconds) =
-            subject.timed(&min_max::Parameters { light_rays: light_rays / 4, ..usual }, pool, RUNS);
+        let quarter = min_max::Parameters { light_rays: light_rays / 4, ..usual };
+        let [(radiance, seconds)] = subject.timed([&|lit, radiance| quarter.add(lit, radiance)], pool);
         let min_max = Measured { seconds, relmse: reference.error_of_image(&radiance) };
         Self { name: subject.name.clone(), duels, sampling, min_max }
     }
@@ -163,11 +164,11 @@ impl Outcome {
         figures.set(&format!("speedup_{name}"), all.speedup());
         figures.set(&format!("speedup_{name}_quarter"), quarter.speedup());
         figures.set(&format!("relmse_tree_{name}"), all.tree.relmse);
-        figures.set(&format!("relmse_march_{name}"), all.march.relmse);
+        figures.set(&format!("relmse_march_{name}"), all.march.map_or(f64::NAN, |(_, march)| march.relmse));
         figures.set(&format!("seconds_tree_{name}"), all.tree.seconds);
         figures.set(&format!("seconds_min_max_{name}"), min_max.seconds);
         figures.set(&format!("relmse_min_max_{name}"), min_max.relmse);
-        let over = sampling.map_or(f64::NAN, |(_, found)| found.seconds / all.tree.seconds);
+        let over = sampling.map_or(f64::NAN, |(_, _, found)| found.seconds / all.tree.seconds);
         figures.set(&format!("sampling_{name}"), over);
     }
 
@@ -176,16 +177,37 @@ impl Outcome {
         let measured = |found: &Measured| json!({ "seconds": found.seconds, "relmse": found.relmse });
         let duel = |duel: &Duel| {
             json!({
-                "light_rays": duel.light_rays, "tree": measured(&duel.tree), "steps": duel.steps,
-                "march": measured(&duel.march),
+                "light_rays": duel.light_rays, "tree": measured(&duel.tree),
+                "march": duel.march.as_ref().map(|(steps, found)| json!([steps, measured(found)])),
             })
         };
         json!({
             "name": self.name, "duels": self.duels.iter().map(duel).collect::<Vec<_>>(),
-            "sampling": self.sampling.as_ref().map(|(spacing, found)| json!([spacing, measured(found)])),
+            "sampling": self.sampling.as_ref()
+                .map(|(spacing, steps, found)| json!([spacing, steps, measured(found)])),
             "min_max": measured(&self.min_max),
         })
     }
+}
+
+/// Spacing and steps of the fastest epipolar sampling that is as good as trees, if any is.
+fn fastest_sampling(
+    subject: &Subject,
+    reference: &Reference,
+    duel: &Duel,
+    pool: &ThreadPool,
+) -> Option<(usize, u32, Measured)> {
+    let (fewest, _) = duel.march?;
+    let of = |spacing: usize, steps: u32| {
+        let usual = epipolar_sampling::Parameters::of(Quality::High);
+        let sampling = epipolar_sampling::Parameters { spacing, steps, ..usual };
+        let (radiance, seconds) = subject.once(&|lit, radiance| sampling.add(lit, radiance), pool);
+        (spacing, steps, Measured { seconds, relmse: reference.error_of_image(&radiance) })
+    };
+    let all = SPACINGS.into_iter().flat_map(|spacing| FINER.map(|finer| (spacing, finer)));
+    all.map(|(spacing, finer)| of(spacing, (f64::from(fewest) * finer) as u32))
+        .filter(|(_, _, found)| found.relmse <= duel.tree.relmse)
+        .min_by(|(.., a), (.., b)| a.seconds.total_cmp(&b.seconds))
 }
 
 /// Sets the least and the greatest speed-up, and the worst errors.
@@ -198,7 +220,7 @@ pub fn set_extremes(outcomes: &[Outcome], figures: &mut Figures) {
     let worst =
         |error: fn(&Duel) -> f64| outcomes.iter().map(|outcome| error(&outcome.duels[0])).fold(0.0, f64::max);
     figures.set("relmse_tree", worst(|duel| duel.tree.relmse));
-    figures.set("relmse_march", worst(|duel| duel.march.relmse));
+    figures.set("relmse_march", worst(|duel| duel.march.map_or(0.0, |(_, march)| march.relmse)));
 }
 
 /// Rows of a table.
@@ -217,17 +239,20 @@ pub fn rows(outcomes: &[Outcome]) -> Vec<Vec<String>> {
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for Outcome { name, duels, sampling, min_max } in outcomes {
         for (which, duel) in duels.iter().enumerate() {
+            let march =
+                |of: &dyn Fn(&(u32, Measured)) -> String| duel.march.as_ref().map_or("worse".to_owned(), of);
             let first = |text: String| if which == 0 { text } else { String::new() };
-            let sampling = sampling
-                .map_or("worse".to_owned(), |(_, found)| format!("{:.1}", found.seconds / duel.tree.seconds));
+            let sampling = sampling.map_or("worse".to_owned(), |(_, _, found)| {
+                format!("{:.1}", found.seconds / duel.tree.seconds)
+            });
             rows.push(vec![
                 first(name.clone()),
                 duel.light_rays.to_string(),
                 table_number(duel.tree.relmse),
                 format!("{:.3}", duel.tree.seconds),
-                duel.steps.to_string(),
-                format!("{:.2}", duel.march.seconds),
-                format!("{:.1}", duel.speedup()),
+                march(&|(steps, _)| steps.to_string()),
+                march(&|(_, found)| format!("{:.2}", found.seconds)),
+                march(&|(_, found)| format!("{:.1}", found.seconds / duel.tree.seconds)),
                 first(sampling),
                 first(format!("{:.3}", min_max.seconds)),
             ]);
@@ -249,12 +274,15 @@ mod tests {
         let outcome = Outcome::of(&subject, &pool);
         for duel in &outcome.duels {
             assert!(duel.tree.relmse < 1e-2 && duel.tree.relmse > 0.0, "{duel:?}");
-            assert!((STEPS[0]..=STEPS[1]).contains(&duel.steps), "{duel:?}");
+            assert!(duel.march.is_some_and(|(steps, _)| (STEPS[0]..=STEPS[1]).contains(&steps)), "{duel:?}");
             assert!(duel.speedup() > 0.0 && duel.speedup().is_finite(), "{duel:?}");
         }
         // As good, to what chance decides of pixels that were not compared alike.
         let [all, _] = outcome.duels;
-        assert!(all.march.relmse <= 1.1 * all.tree.relmse, "{all:?}");
+        let (_, march) = all.march.expect("as good");
+        assert!(march.relmse <= 1.1 * all.tree.relmse, "{all:?}");
+        // No march is better than truth.
+        assert_eq!(Reference::of(&subject).fewest_steps(&subject, 0.0), None);
         let mut figures = Figures::new("bench epipolar");
         outcome.set(&mut figures);
         set_extremes(&[outcome], &mut figures);

@@ -4,6 +4,7 @@ use super::subject::{Kind, Setup, Subject, View};
 use crate::figures::Figures;
 use crate::plot::{Line, Plot};
 use anyhow::Result;
+use deepshade_render::methods::shafts::Integration;
 use deepshade_render::methods::{Quality, epipolar, ray_march};
 use rayon::ThreadPool;
 use serde_json::{Value, json};
@@ -50,8 +51,10 @@ impl Scaling {
             };
             let steps = setup.light_rays as u32;
             let march = ray_march::Parameters { steps, ..ray_march::Parameters::of(Quality::High) };
-            let (_, tree) = subject.timed(&trees, pool, 5);
-            let (_, march) = subject.timed(&march, pool, 1);
+            let [(_, tree), (_, march)] = subject.timed(
+                [&|lit, radiance| trees.add(lit, radiance), &|lit, radiance| march.add(lit, radiance)],
+                pool,
+            );
             let work = (setup.size[0] * setup.size[1] * setup.light_rays) as f64;
             points.push(Point { setup, work, tree, march });
         }

@@ -1,11 +1,12 @@
-//! Scenes like those of Baran et al. 2010 (Figure 8): an indoor one with openings, one of trees, a landscape, each in grey
-//! fog under a sun that is in the image or beside it.
+//! Scenes like those of Baran et al. 2010 (Figure 8): an indoor one with windows, one of trees, a landscape, each in
+//! grey fog under a sun that is in the image or beside it.
 
+use super::hall::hall;
 use anyhow::Result;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::Frame;
-use deepshade_render::methods::shafts::{Integration, Lamp, Lit, ShadowMap, ViewRays};
+use deepshade_render::methods::shafts::{Lamp, Lit, ShadowMap, ViewRays};
 use deepshade_render::scene::procedural::Family;
 use deepshade_render::scene::{
     Bounds, Camera, Density, Encoding, Light, Material, Medium, Scene, Texture, Wrap,
@@ -30,7 +31,7 @@ pub struct Setup {
 /// A kind of scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A hall of columns, open to the sides.
+    /// A hall with windows.
     Indoor,
     /// A grove.
     Trees,
@@ -47,6 +48,9 @@ pub enum View {
     Side,
 }
 
+/// Adds radiance to each view ray's.
+pub type Way<'a> = dyn Fn(&Lit<'_>, &mut [Vec3]) + Sync + 'a;
+
 /// A scene as a camera sees it.
 pub struct Subject {
     /// Scene and view.
@@ -62,6 +66,8 @@ pub struct Subject {
 const MARGIN: f32 = 0.05;
 /// Optical depth of the diagonal.
 const DEPTH: f32 = 1.0;
+/// Rounds of which the fastest counts.
+const ROUNDS: usize = 3;
 /// The sun is at least as high: the sine of the angle.
 const LOWEST: f32 = 0.2;
 
@@ -90,21 +96,24 @@ impl Kind {
         }
     }
 
-    const fn family(self) -> Family {
+    fn scene(self) -> Scene {
         match self {
-            Self::Indoor => Family::Colonnade,
-            Self::Trees => Family::Grove,
-            Self::Landscape => Family::Terrain,
+            Self::Indoor => hall(),
+            Self::Trees => Family::Grove.scene(1),
+            Self::Landscape => Family::Terrain.scene(1),
         }
     }
 
-    /// From a side of the scene across it.
-    fn camera(self, Bounds { min, max }: Bounds) -> Camera {
+    /// From a side of the scene across it; in the hall along it, or towards the windows where the sun is to be seen.
+    fn camera(self, view: View, Bounds { min, max }: Bounds) -> Camera {
         let at = |share: [f32; 3]| min + (max - min) * Vec3::from(share);
-        match self {
-            Self::Landscape => Camera::look_at(at([0.95, 0.8, 0.95]), at([0.5, 0.4, 0.5])),
-            _ => Camera::look_at(at([0.82, 0.35, 0.8]), at([0.5, 0.4, 0.5])),
-        }
+        let [eye, target] = match (self, view) {
+            (Self::Indoor, View::Sun) => [[0.2, 0.3, 0.9], [0.5, 0.45, 0.0]],
+            (Self::Indoor, View::Side) => [[0.06, 0.35, 0.8], [0.9, 0.4, 0.4]],
+            (Self::Trees, _) => [[0.82, 0.35, 0.8], [0.5, 0.4, 0.5]],
+            (Self::Landscape, _) => [[0.95, 0.8, 0.95], [0.5, 0.4, 0.5]],
+        };
+        Camera::look_at(at(eye), at(target))
     }
 }
 
@@ -137,9 +146,9 @@ impl Subject {
     /// # Errors
     /// If it cannot be traced.
     pub fn new(kind: Kind, view: View, setup: Setup) -> Result<Self> {
-        let mut scene = kind.family().scene(1);
+        let mut scene = kind.scene();
         let bounds = scene.bounds();
-        let camera = kind.camera(bounds);
+        let camera = kind.camera(view, bounds);
         scene.lights = vec![sun(view.towards_sun(&camera, setup.size))];
         scene.medium = Some(Arc::new(fog(bounds)?));
         Self::of(format!("{}_{}", kind.name(), view.name()), scene, &camera, setup)
@@ -187,19 +196,30 @@ impl Subject {
         function(&Lit { rays: &self.rays, medium, lamp: &lamp, map: &self.map, seed: 1 })
     }
 
-    /// Radiance by a method, and the median of the seconds that its runs took in a pool of threads.
-    pub fn timed(&self, method: &impl Integration, pool: &ThreadPool, runs: usize) -> (Vec<Vec3>, f64) {
-        let mut radiance = vec![Vec3::ZERO; self.rays.count()];
-        let seconds = self.lit(|lit| {
-            let run = |_| {
-                radiance.fill(Vec3::ZERO);
-                let start = Instant::now();
-                pool.install(|| method.add(lit, &mut radiance));
-                start.elapsed().as_secs_f64()
-            };
-            deepshade_shaders::lists::median((0..runs).map(run).collect())
+    /// Radiance by each of some methods, and the least of the seconds that its runs took in a pool of threads. They
+    /// take turns, so that what else the machine does meets all of them; the first round does not count.
+    pub fn timed<const N: usize>(&self, ways: [&Way<'_>; N], pool: &ThreadPool) -> [(Vec<Vec3>, f64); N] {
+        let mut found = ways.map(|_| (vec![Vec3::ZERO; self.rays.count()], f64::INFINITY));
+        self.lit(|lit| {
+            for round in 0..=ROUNDS {
+                for (way, (radiance, seconds)) in ways.iter().zip(&mut found) {
+                    radiance.fill(Vec3::ZERO);
+                    let start = Instant::now();
+                    pool.install(|| way(lit, radiance));
+                    let taken = start.elapsed().as_secs_f64();
+                    *seconds = if round == 0 { f64::INFINITY } else { seconds.min(taken) };
+                }
+            }
         });
-        (radiance, seconds)
+        found
+    }
+
+    /// Radiance by a method, and the seconds that its only run took in a pool of threads.
+    pub fn once(&self, way: &Way<'_>, pool: &ThreadPool) -> (Vec<Vec3>, f64) {
+        let mut radiance = vec![Vec3::ZERO; self.rays.count()];
+        let start = Instant::now();
+        self.lit(|lit| pool.install(|| way(lit, &mut radiance)));
+        (radiance, start.elapsed().as_secs_f64())
     }
 }
 

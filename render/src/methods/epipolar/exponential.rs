@@ -3,10 +3,11 @@
 /// Added to a number, it leaves the nearest whole one in the lowest bits: `1.5 * 2^23`.
 const ROUND: f32 = 12_582_912.0;
 /// Of the Taylor series of `2^x`: `ln(2)^k / k!`, highest first.
-const COEFFICIENTS: [f32; 6] = [1.540_353e-4, 1.333_355_8e-3, 9.618_129e-3, 5.550_411e-2, 2.402_265e-1, 6.931_472e-1];
+const COEFFICIENTS: [f32; 6] =
+    [1.540_353e-4, 1.333_355_8e-3, 9.618_129e-3, 5.550_411e-2, 2.402_265e-1, 6.931_472e-1];
 
-/// `exp(x)`, to a few units in the last place of what `x / ln 2` is rounded to; of less than -87 the least normal number
-/// or so, of more than 87 the largest power of two.
+/// `exp(x)`, to a few units in the last place of what `x / ln 2` is rounded to; of less than -87 the least normal
+/// number or so, of more than 87 the largest power of two.
 #[inline(always)]
 pub fn exp(x: f32) -> f32 {
     let power = (x * std::f32::consts::LOG2_E).max(-126.0).min(126.0);

@@ -1,9 +1,9 @@
-//! The partial-sum half-tree (Baran et al. 2010, section 5, after Fenwick 1994): prefix sums of a list that changes, in
-//! logarithmic time each.
+//! The partial-sum half-tree (Baran et al. 2010, section 5, after Fenwick 1994): prefix sums of a list that changes,
+//! in logarithmic time each.
 //!
 //! A node is the sum of its two children. Sums from the first element on never ask a right child above the leaves, so
-//! that only left ones are kept, and all leaves, which the last, fractional element needs: 1.5 vectors an element, in one
-//! array.
+//! that only left ones are kept, and all leaves, which the last, fractional element needs: 1.5 vectors an element, in
+//! one array.
 
 /// Prefix sums of vectors.
 #[derive(Debug, Default)]

@@ -1,20 +1,23 @@
 //! `epipolar`: single scattering by partial-sum trees in epipolar slices.
 //!
 //! Baran, Chen, Ragan-Kelley, Durand and Lehtinen 2010, "A Hierarchical Volumetric Shadow Algorithm for Single
-//! Scattering". Half-planes through the line from the eye to the light hold view rays and light rays alike ([`geometry`],
-//! [`slices`]). In each, a sweep over the view rays, away from the light, takes light rays out of a tree where they
-//! meet a surface ([`terminations`]); what a view ray receives is the sum of those before its end ([`half_tree`],
-//! [`sweep`]). What they send is a sum of few products ([`integrand`], [`factors`], [`svd`]).
+//! Scattering". Half-planes through the line from the eye to the light hold view rays and light rays alike
+//! ([`geometry`], [`slices`], [`spacing`]). In each, a sweep over the view rays, away from the light ([`order`]),
+//! takes light rays out of a tree where they meet a surface ([`terminations`]); what a view ray receives is the sum
+//! of those before its end ([`half_tree`], [`sweep`]). What they send is a sum of few products ([`integrand`],
+//! [`factors`], [`svd`]).
 //!
-//! Beyond the paper: point lights, Henyey and Greenstein's phase function, media of other colours than grey, and boxes of
-//! fog, which light rays enter and leave as they end: their way to the box is a factor of the light ray's. Pixels ask
-//! the trees of both slices that they lie between ([`slice_rays`]). Since what has no bound at the epipole is a factor of
-//! the view ray's, the ring around it that must be marched is as small as view rays that cross fewer than a few light
-//! rays. View rays on which errors of the products would be magnified are marched, too ([`magnified`]).
+//! Beyond the paper: point lights, Henyey and Greenstein's phase function, media of other colours than grey, and boxes
+//! of fog, which light rays enter and leave as they end: their way to the box is a factor of the light ray's. Pixels
+//! ask the trees of both slices that they lie between ([`slice_rays`]). Since what has no bound at the epipole is a
+//! factor of the view ray's, the ring around it that must be marched is as small as view rays that cross fewer than a
+//! few light rays. Opposite to a sun, and of lamps, the integrand has more terms. View rays on which errors of the
+//! products would be magnified are marched, too ([`magnified`]). At its best, the lit segments of sunlight whose rays
+//! are alike are integrated in closed form, without a tree ([`segments`]).
 //!
 //! Why it: a view ray costs the logarithm of the number of light rays, whatever hides the light, where a march costs
-//! all of its steps. Why not: media must be the same throughout; shadows are averaged over half a pixel to both sides;
-//! of a box of dense fog that is seen from outside, only the near part is not marched.
+//! all of its steps. Why not: media must be the same throughout; shadows are averaged over a pixel to both sides; of a
+//! box of dense fog that is seen from outside, only the near part is not marched.
 
 mod exponential;
 mod factors;
@@ -24,8 +27,10 @@ mod integrand;
 mod light_rays;
 mod lines;
 mod magnified;
+mod order;
 mod prefilter;
 mod rectified;
+mod segments;
 mod slice_rays;
 mod slices;
 mod spacing;
@@ -44,6 +49,7 @@ pub use light_rays::{SliceOfLight, Traced};
 pub use lines::Lines;
 pub use prefilter::SAMPLES;
 pub use rectified::{Rectified, Slice, SliceIntegration};
+use segments::SegmentSweep;
 pub use slice_rays::SliceRay;
 pub use slices::Slices;
 pub use spacing::Spacing;
@@ -67,11 +73,15 @@ pub struct Parameters {
 /// How many terms the integrand is decomposed into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Terms {
-    /// As in the paper.
+    /// As in the paper, for distant lights unless the view is opposite to them; else twelve.
     Four,
-    /// To the precision of the numbers.
+    /// To the precision of the numbers; where all rays of a distant light are alike none, but the closed form of each
+    /// lit segment.
     Twelve,
 }
+
+/// Optical depth of which the exponential is far from the largest number.
+pub const REPRESENTED: f32 = 60.0;
 
 impl Terms {
     /// The optical depth by whose exponential their errors may be magnified.
@@ -110,11 +120,16 @@ impl Integration for Parameters {
     fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {
         let march = March::new(lit, 0);
         let marched = |ray: usize| march.shifted(ray, self.steps);
-        let most_magnified = self.terms.most_magnified();
-        let Some(rectified) = Rectified::new(lit, self.light_rays, self.least_light_rays, most_magnified) else {
+        let has_closed_form = self.terms == Terms::Twelve && lit.lamp.is_distant() && lit.lamp.is_even();
+        let most_magnified = if has_closed_form { REPRESENTED } else { self.terms.most_magnified() };
+        let Some(rectified) = Rectified::new(lit, self.light_rays, self.least_light_rays, most_magnified)
+        else {
             return march.add(self.steps, radiance);
         };
-        match (rectified.are_coloured(), self.terms) {
+        let terms = if lit.lamp.is_distant() && !rectified.looks_back() { self.terms } else { Terms::Twelve };
+        match (rectified.are_coloured(), terms) {
+            (false, _) if has_closed_form => rectified.add::<1, 1, SegmentSweep>(radiance, marched),
+            (true, _) if has_closed_form => rectified.add::<3, 3, SegmentSweep>(radiance, marched),
             (false, Terms::Four) => rectified.add::<4, 1, TreeSweep<4, 1>>(radiance, marched),
             (false, Terms::Twelve) => rectified.add::<12, 1, TreeSweep<12, 1>>(radiance, marched),
             (true, Terms::Four) => rectified.add::<12, 3, TreeSweep<12, 3>>(radiance, marched),

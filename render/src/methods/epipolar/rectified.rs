@@ -1,32 +1,31 @@
 //! View rays and light rays of one lamp, in all of its slices, and the way through them that is common to all that
 //! integrate slice by slice.
 
-use super::super::shafts::{Haze, Lamp, Lit, Place, Projection};
+use super::super::shafts::{DEEP, Haze, Lamp, Lit, Place, Projection};
 use super::exponential::exp;
 use super::factors::Factors;
 use super::geometry::{Geometry, angle};
 use super::integrand::{Integrand, Ways};
-use super::magnified::Magnified;
 use super::light_rays::{FanSlice, ParallelSlice, SliceOfLight};
+use super::magnified::Magnified;
 use super::slice_rays::{Seen, SliceRay, SliceRays};
 use super::slices::Slices;
 use super::spacing::Spacing;
-use crate::scene::Bounds;
 use glam::Vec3;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-/// Optical depth on the view ray beyond which nothing is seen: a ten-millionth.
-const DEEP: f32 = 16.0;
+/// The largest value of `beta` up to which four terms are enough: the tangent of half the angle is 5.
+const BACK: f32 = 1.7;
 
 /// The largest sum of the angles of rays that count as meeting, radians.
 const WIDEST: f64 = std::f64::consts::PI - 2e-3;
 
-/// A way to integrate along the view rays of a slice, kept from slice to slice. `W` numbers a light ray: the terms of the
-/// integrand in each of `C` colours.
+/// A way to integrate along the view rays of a slice, kept from slice to slice. `W` numbers a light ray: the terms of
+/// the integrand in each of `C` colours.
 pub trait SliceIntegration<const W: usize, const C: usize>: Default + Send {
-    /// Fills in the values of view rays: for each colour the sum over lit light rays of what `factors` stand for, times
-    /// the light rays' weights.
+    /// Fills in the values of view rays: for each colour the sum over lit light rays of what `factors` stand for,
+    /// times the light rays' weights.
     fn integrate<L: SliceOfLight>(
         &mut self,
         slice: &Slice<'_, L>,
@@ -65,9 +64,9 @@ pub struct Rectified<'a> {
 }
 
 impl<'a> Rectified<'a> {
-    /// `None` where slices do not help: the light is at the eye, or the medium swallows it, being endless, or is a grid.
-    /// View rays that cross fewer than `least` light rays are left to others, and so are those on which errors of the
-    /// integrand are magnified by more than the exponential of `most_magnified`.
+    /// `None` where slices do not help: the light is at the eye, or the medium swallows it, being endless, or is a
+    /// grid. View rays that cross fewer than `least` light rays are left to others, and so are those on which errors
+    /// of the integrand are magnified by more than the exponential of `most_magnified`.
     pub fn new(lit: &'a Lit<'a>, light_rays: usize, least: f32, most_magnified: f32) -> Option<Self> {
         let haze = Haze::of(lit.medium)?;
         let geometry = Geometry::new(lit.rays.eye, lit.lamp.place)?;
@@ -75,7 +74,7 @@ impl<'a> Rectified<'a> {
         if geometry.is_parallel() && haze.bounds().is_none() {
             return None;
         }
-        let deep = DEEP / haze.extinction.min_element();
+        let deep = haze.deep();
         let seen = |ray: usize| Seen::new(lit.rays, ray, &geometry, deep);
         let seen: Vec<Seen> = (0..lit.rays.count()).into_par_iter().map(seen).collect();
         let bounds = Seen::bounds(&seen);
@@ -89,6 +88,11 @@ impl<'a> Rectified<'a> {
         let left_out = |ray: usize| are_magnified && magnified.is_too_much(ray);
         let rays = SliceRays::new(lit.rays, &seen, &slices, (&spacing, least), left_out);
         Some(Self { lit, haze, geometry, ways, spacing, slices, rays })
+    }
+
+    /// Whether some view rays are so opposite to the light that the integrand needs many terms.
+    pub fn looks_back(&self) -> bool {
+        self.rays.rays.par_iter().any(|ray| ray.beta > BACK)
     }
 
     /// Whether colours differ by more than a factor.
@@ -181,7 +185,8 @@ impl<'a> Rectified<'a> {
             // Without a box no sunlight is left.
             (Projection::Parallel(_), None) => {}
             (Projection::Parallel(parallel), Some(bounds)) => {
-                let light = ParallelSlice::new(geometry, lit.map, parallel, (bounds, *ways), outwards, spacing);
+                let light =
+                    ParallelSlice::new(geometry, lit.map, parallel, (bounds, *ways), outwards, spacing);
                 let slice = &Slice { of: self, light, outwards };
                 Arch::new().dispatch(InVectors { integration, slice, rays, factors, values });
             }
@@ -230,8 +235,8 @@ impl<I: SliceIntegration<W, C>, L: SliceOfLight, const W: usize, const C: usize>
 }
 
 impl<L: SliceOfLight> Slice<'_, L> {
-    /// What is left of a light ray's light where the integrand begins to count, of each colour; its way through the medium
-    /// being so much `longer`, metres.
+    /// What is left of a light ray's light where the integrand begins to count, of each colour; its way through the
+    /// medium being so much `longer`, metres.
     #[inline(always)]
     pub fn weight<const C: usize>(&self, ray: usize, longer: f32) -> [f32; C] {
         let lamp: &Lamp<'_> = self.of.lit.lamp;

@@ -1,8 +1,8 @@
 //! View rays in rectified coordinates, slice by slice, and back.
 //!
-//! Where Baran et al. resample the camera's depths into slices and the result back into the image, each pixel asks both
-//! slices that it lies between for its own angle and its own depth, and takes the mean by its distance to them. That
-//! costs as many questions as a depth map of twice the pixels, and edges in depth stay where they are.
+//! Where Baran et al. resample the camera's depths into slices and the result back into the image, each pixel asks
+//! both slices that it lies between for its own angle and its own depth, and takes the mean by its distance to them.
+//! That costs as many questions as a depth map of twice the pixels, and edges in depth stay where they are.
 
 use super::super::shafts::ViewRays;
 use super::geometry::{Geometry, beta};
@@ -15,9 +15,14 @@ use rayon::prelude::*;
 pub struct SliceRay {
     /// See [`beta`].
     pub beta: f32,
-    /// `gamma` of its end, in light rays.
+    /// Where it comes into the medium, in light rays.
+    pub from: f32,
+    /// Where it ends.
     pub end: f32,
 }
+
+/// The largest value of `beta` for which the integrand has few terms: the tangent of half the angle is 200.
+const OPPOSITE: f32 = 1.99;
 
 /// View rays sorted by slices.
 #[derive(Debug)]
@@ -72,7 +77,8 @@ impl Place {
 }
 
 impl SliceRays {
-    /// Sorts view rays, but for those that cross fewer than `least` light rays and those that are `left_out`.
+    /// Sorts view rays, but for those that cross fewer than `least` light rays, that are almost opposite to the
+    /// light, and that are `left_out`.
     pub fn new(
         view: &ViewRays,
         seen: &[Seen],
@@ -84,12 +90,12 @@ impl SliceRays {
             let Seen { beta, gamma } = seen[ray];
             let [from, end] = gamma.map(|gamma| spacing.number(gamma));
             // What is no number is nowhere.
-            if !(end - from >= least) || left_out(ray) {
+            if !(end - from >= least) || beta > OPPOSITE || left_out(ray) {
                 return (Place::NONE, SliceRay::default());
             }
             let (before, on) = slices.of(view.at(ray).as_dvec2());
             let slots = [before as u32, slices.after(before) as u32];
-            (Place { slots, on }, SliceRay { beta, end })
+            (Place { slots, on }, SliceRay { beta, from, end })
         };
         let (mut places, rays): (Vec<Place>, Vec<SliceRay>) =
             (0..view.count()).into_par_iter().map(rectified).unzip();

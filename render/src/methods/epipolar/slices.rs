@@ -1,10 +1,10 @@
-//! Which epipolar slices there are: lines through the epipole, so close that no pixel is more than half a pixel from one
-//! (Baran et al. 2010, section 8).
+//! Which epipolar slices there are: lines through the epipole, so close that no pixel is more than half a pixel from
+//! one (Baran et al. 2010, section 8).
 //!
-//! Neighbouring slices are farthest from each other where they leave the image. Along an edge that is `h` pixels from the
-//! epipole, a step of one in `h asinh(x / h)` is one pixel across the slices, `x` being the distance from the foot of the
-//! epipole. Only edges through which slices leave count: all four around an epipole in the image, those on the far side
-//! of another.
+//! Neighbouring slices are farthest from each other where they leave the image. Along an edge that is `h` pixels from
+//! the epipole, a step of one in `h asinh(x / h)` is one pixel across the slices, `x` being the distance from the
+//! foot of the epipole. Only edges through which slices leave count: all four around an epipole in the image, those
+//! on the far side of another.
 
 use glam::DVec2;
 

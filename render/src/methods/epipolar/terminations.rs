@@ -1,36 +1,16 @@
 //! When light rays are lit and when no more, in the order in which a sweep over view rays meets it: the
-//! `termination_depths` of Baran et al. 2010 (Figure 6), with modes (section 7) and with where light enters the medium.
+//! `termination_depths` of Baran et al. 2010 (Figure 6), with modes (section 7) and with where light enters the
+//! medium.
 
 use super::light_rays::{SliceOfLight, Traced};
+use super::order::{Order, PLACES, Sweep, counted};
 use super::prefilter::{Mode, SAMPLES, modes};
 
-/// Places along the sweep at which something can change.
-pub const PLACES: usize = 4096;
 /// Depths of a light ray that are nearer to each other, in places, are one mode.
 const APART: f32 = 2.0;
 
 /// The lit share of light rays that are never lit.
 const NEVER: f32 = -1.0;
-
-/// Where a sweep over `beta` begins, and its places.
-#[derive(Clone, Copy, Debug)]
-pub struct Sweep {
-    first: f32,
-    places: f32,
-}
-
-impl Sweep {
-    /// Between two values.
-    pub fn between([low, high]: [f32; 2]) -> Self {
-        Self { first: low, places: PLACES as f32 / (high - low).max(1e-7) }
-    }
-
-    /// A value in places.
-    #[inline(always)]
-    pub fn at(self, beta: f32) -> f32 {
-        (beta - self.first) * self.places
-    }
-}
 
 /// A change of a light ray's share that is lit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -60,13 +40,14 @@ pub struct Terminations {
 }
 
 impl Terminations {
-    /// Those of the first `count` light rays of a slice. `reach` says of each place how far the view rays there or later
-    /// in the sweep go at most, in light rays: what changes beyond is left out, such as where light rays end on a surface
-    /// that hides what is behind it.
+    /// Those of the first `count` light rays of a slice. What changes beyond the view rays that are there or later in
+    /// the sweep is left out, such as where light rays end on a surface that hides what is behind it. If the eye is
+    /// inside the medium, view rays do not ask for light before it enters or after it leaves.
     #[inline(always)]
-    pub fn gather(&mut self, slice: &impl SliceOfLight, count: usize, sweep: Sweep, reach: &[f32; PLACES]) {
+    pub fn gather(&mut self, slice: &impl SliceOfLight, count: usize, order: &Order, is_inside: bool) {
         slice.trace(count, &mut self.traced);
-        self.measure(count, sweep);
+        self.measure(count, order.sweep);
+        let reach = &order.reach[..PLACES];
         self.lit.resize(count, 0.0);
         self.unsorted.resize(count * (SAMPLES + 1), <_>::default());
         self.noted = 0;
@@ -75,11 +56,11 @@ impl Terminations {
             let enters = self.traced.enters[ray];
             self.lit[ray] = if last <= enters.max(0.0) {
                 NEVER
-            } else if enters <= 0.0 && last - first <= APART {
+            } else if (is_inside || enters <= 0.0) && last - first <= APART {
                 self.change(mean, ray, -1.0, reach);
                 1.0
             } else {
-                self.changes_of_modes(ray, reach)
+                self.changes_of_modes(ray, reach, is_inside)
             };
         }
         self.sort();
@@ -113,7 +94,7 @@ impl Terminations {
     /// Notes where a light ray is lit that ends at several places or enters on the way; its share that is lit at the
     /// beginning.
     #[inline(always)]
-    fn changes_of_modes(&mut self, ray: usize, reach: &[f32; PLACES]) -> f32 {
+    fn changes_of_modes(&mut self, ray: usize, reach: &[f32], is_inside: bool) -> f32 {
         let enters = self.traced.enters[ray];
         let ends = self.traced.ends.each_ref().map(|ends| ends[ray]);
         let mut lit = 0.0;
@@ -123,7 +104,7 @@ impl Terminations {
                 self.change(depth, ray, -weight, reach);
             }
         });
-        if enters <= 0.0 {
+        if is_inside || enters <= 0.0 {
             return lit;
         }
         self.change(enters, ray, lit, reach);
@@ -132,10 +113,10 @@ impl Terminations {
 
     /// Notes a change unless no view ray sees it.
     #[inline(always)]
-    fn change(&mut self, place: f32, ray: usize, share: f32, reach: &[f32; PLACES]) {
+    fn change(&mut self, place: f32, ray: usize, share: f32, reach: &[f32]) {
         // View rays are on average in the middle of their place.
-        let place = ((place + 0.5) as i32 as usize).min(PLACES);
-        let is_seen = place < PLACES && (ray as f32) < reach[place % PLACES];
+        let place = (place + 0.5) as i32 as usize;
+        let is_seen = reach.get(place).is_some_and(|reach| (ray as f32) < *reach);
         self.unsorted[self.noted] = (place as u32, Change { ray: ray as u32, share });
         self.noted += usize::from(is_seen);
     }
@@ -152,17 +133,4 @@ impl Terminations {
             *slot += 1;
         }
     }
-}
-
-/// How many come before each place; who puts each in its slot, and moves the slot on, has how many there are up to it.
-#[inline(always)]
-pub fn counted(counts: &mut Vec<u32>, places: impl Iterator<Item = usize>) -> &mut [u32; PLACES] {
-    counts.clear();
-    counts.resize(PLACES, 0);
-    places.for_each(|place| counts[place] += 1);
-    let mut before = 0;
-    for count in counts.iter_mut() {
-        (*count, before) = (before, before + *count);
-    }
-    counts.as_mut_array().expect("one of each place")
 }

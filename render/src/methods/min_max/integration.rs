@@ -32,12 +32,23 @@ fn crossed(rays: &[SliceRay], most: usize) -> usize {
     (farthest as usize + 1).min(most)
 }
 
-/// The samples of light rays for the mipmap.
+/// The samples of light rays for the mipmap, from where they enter the medium.
 #[inline(always)]
 fn samples(traced: &Traced) -> impl Iterator<Item = Node> {
     (0..traced.enters.len() * SAMPLES).map(|sample| {
         let ray = sample / SAMPLES;
         Node::sample([traced.enters[ray], traced.ends[sample % SAMPLES][ray].min(traced.leaves[ray])])
+    })
+}
+
+/// The same, lit from the first view ray on wherever they leave the medium, since view rays are only followed in it;
+/// but for those that end before they enter it.
+#[inline(always)]
+fn whole_samples(traced: &Traced) -> impl Iterator<Item = Node> {
+    (0..traced.enters.len() * SAMPLES).map(|sample| {
+        let end = traced.ends[sample % SAMPLES][sample / SAMPLES];
+        let is_ever_lit = end > traced.enters[sample / SAMPLES];
+        Node::sample([f32::NEG_INFINITY, if is_ever_lit { end } else { f32::NEG_INFINITY }])
     })
 }
 
@@ -53,7 +64,7 @@ impl<const C: usize> SliceIntegration<C, C> for ClosedForm {
         let of = slice.of;
         let (Some(bounds), Place::Distant(towards)) = (of.haze.bounds(), of.lit.lamp.place) else { return };
         slice.light.trace(crossed(rays, of.spacing.count), &mut self.traced);
-        self.map.rebuild(samples(&self.traced));
+        self.map.rebuild(whole_samples(&self.traced));
         for (ray, value) in rays.iter().zip(values) {
             let [cosine, sine] = angle(ray.beta.into()).map(|value| value as f32);
             let faces = Faces::new(
@@ -63,7 +74,7 @@ impl<const C: usize> SliceIntegration<C, C> for ClosedForm {
                 towards,
             );
             self.map.lit_runs(ray.beta, ray.end * PER_RAY, |run| {
-                let run = run.map(|sample| of.spacing.gamma(sample / PER_RAY) / sine);
+                let run = run.map(|sample| of.spacing.gamma((sample / PER_RAY).max(ray.from)) / sine);
                 for (colour, value) in value.iter_mut().enumerate() {
                     *value += sine * faces.integral(of.haze.extinction[colour], of.ways.view, run);
                 }

@@ -1,10 +1,10 @@
 //! `min-max`: single scattering by a one-dimensional min/max mipmap in each epipolar slice.
 //!
-//! Chen, Baran, Durand and Jarosz 2011, "Real-Time Volumetric Shadows using 1D Min-Max Mipmaps". The slices, light rays and
-//! rectified shadow map are those of [`epipolar`](super::epipolar). Over the light rays of a slice lies a binary tree of
-//! where the least and the greatest of them end ([`mipmap`]); a view ray walks it and comes to the runs of light rays
-//! that are lit where it passes. What a run sends is, of a distant lamp whose rays are alike, a closed form; of others,
-//! the difference of two prefix sums of the integrand's terms.
+//! Chen, Baran, Durand and Jarosz 2011, "Real-Time Volumetric Shadows using 1D Min-Max Mipmaps". The slices, light
+//! rays and rectified shadow map are those of [`epipolar`](super::epipolar). Over the light rays of a slice lies a
+//! binary tree of where the least and the greatest of them end ([`mipmap`]); a view ray walks it and comes to the
+//! runs of light rays that are lit where it passes. What a run sends is, of a distant lamp whose rays are alike, a
+//! closed form; of others, the difference of two prefix sums of the integrand's terms.
 //!
 //! Why it: view rays do not depend on each other, and nothing is approximated for suns. Why not: it costs as much as a
 //! view ray has edges of shadows, the logarithm of the light rays for each.
@@ -13,7 +13,7 @@ mod integration;
 mod mipmap;
 
 use super::Quality;
-use super::epipolar::{Rectified, Terms};
+use super::epipolar::{REPRESENTED, Rectified, Terms};
 use super::ray_march::March;
 use super::shafts::{Haze, Integration, Lit};
 use crate::scene::Medium;
@@ -32,9 +32,6 @@ pub struct Parameters {
     /// in so many steps.
     pub steps: u32,
 }
-
-/// Optical depth of which the exponential is far from the largest number.
-const REPRESENTED: f32 = 60.0;
 
 impl Parameters {
     /// More time is more light rays and finer shadow maps.
@@ -65,7 +62,8 @@ impl Integration for Parameters {
         let marched = |ray: usize| march.shifted(ray, self.steps);
         let has_closed_form = lit.lamp.is_distant() && lit.lamp.is_even();
         let most_magnified = if has_closed_form { REPRESENTED } else { Terms::Twelve.most_magnified() };
-        let Some(rectified) = Rectified::new(lit, self.light_rays, self.least_light_rays, most_magnified) else {
+        let Some(rectified) = Rectified::new(lit, self.light_rays, self.least_light_rays, most_magnified)
+        else {
             return march.add(self.steps, radiance);
         };
         match (has_closed_form, rectified.are_coloured()) {

@@ -1,11 +1,11 @@
 //! Steps through a medium that is the same throughout, towards a distant lamp.
 //!
-//! Along a view ray the optical depth of both of light's ways is linear in at most four pieces ([`Faces`]), and what is
-//! left of light a geometric sequence in each: no exponential a step. Within a step that is lit it is integrated
+//! Along a view ray the optical depth of both of light's ways is linear in at most four pieces ([`Faces`]), and what
+//! is left of light a geometric sequence in each: no exponential a step. Within a step that is lit it is integrated
 //! exactly. Steps are taken many at a time in loops that the compiler puts into vectors.
 
-use super::Ray;
 use super::super::shafts::{Faces, Haze, Lit, Parallel, Projection, ShadowMap, TOGETHER, mean_decay};
+use super::Ray;
 use glam::Vec3;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -31,11 +31,11 @@ struct Steps<'a> {
     locations: [[f32; 2]; 3],
 }
 
-/// Steps that follow each other.
+/// Steps that follow each other, from where most light is left.
 struct Block<const C: usize> {
-    /// Which step is the first.
-    first: u32,
-    /// What is left of light there, times the step's length, in each colour.
+    /// Number of each.
+    numbers: [f32; TOGETHER],
+    /// What is left of light at the first, times the step's length, in each colour.
     left: [f32; C],
     /// By what that is multiplied at each step: 0 where no light is.
     factors: [[f32; TOGETHER]; C],
@@ -55,7 +55,7 @@ impl<'a> Steps<'a> {
     /// The pieces of the ray, each with the face that counts there.
     fn pieces(&self, faces: &Faces) -> [(usize, Range<u32>); 4] {
         let step = |distance: f32| (((distance - self.near) / self.length + 0.5) as u32).min(self.count);
-        let mut ends = faces.crossings().map(step);
+        let mut ends = faces.crossings.map(step);
         ends.sort_unstable();
         let [a, b, c] = ends;
         [0..a, a..b, b..c, c..self.count].map(|range| {
@@ -64,21 +64,20 @@ impl<'a> Steps<'a> {
         })
     }
 
-    /// 1 for each of some steps that light reaches, 0 for others.
+    /// 1 for each of the first `count` steps of these numbers that light reaches, 0 for others.
     #[inline(always)]
-    fn lit(&self, range: Range<u32>) -> [f32; TOGETHER] {
+    fn lit(&self, numbers: &[f32; TOGETHER], count: u32) -> [f32; TOGETHER] {
         let [u, v, [depth, deeper]] = self.locations;
-        let numbers = std::array::from_fn(|i| (range.start + i as u32) as f32);
-        let mut lit = self.map.depths_along([u, v], &numbers);
-        for (lit, number) in lit.iter_mut().zip(numbers) {
-            *lit = if depth + deeper * number < *lit && number < range.end as f32 { 1.0 } else { 0.0 };
+        let mut lit = self.map.depths_along([u, v], numbers);
+        for (i, (lit, number)) in lit.iter_mut().zip(numbers).enumerate() {
+            *lit = if depth + deeper * number < *lit && (i as u32) < count { 1.0 } else { 0.0 };
         }
         lit
     }
 
     /// World-space point of a step.
-    fn point(&self, step: u32) -> Vec3 {
-        self.eye + self.direction * (self.near + (self.jitter + step as f32) * self.length)
+    fn point(&self, step: f32) -> Vec3 {
+        self.eye + self.direction * (self.near + (self.jitter + step) * self.length)
     }
 }
 
@@ -109,10 +108,10 @@ impl<'a> Distant<'a> {
         let mut sum = Vec3::ZERO;
         self.walk(steps, faces, |block: Block<3>| {
             let [red, green, blue] = &block.factors;
-            for (i, ((red, green), blue)) in red.iter().zip(green).zip(blue).enumerate() {
+            for (((red, green), blue), number) in red.iter().zip(green).zip(blue).zip(block.numbers) {
                 let factors = Vec3::new(*red, *green, *blue);
                 if factors != Vec3::ZERO {
-                    let tint = self.lit.lamp.tint(steps.point(block.first + i as u32));
+                    let tint = self.lit.lamp.tint(steps.point(number));
                     sum += Vec3::from(block.left) * factors * tint;
                 }
             }
@@ -124,22 +123,28 @@ impl<'a> Distant<'a> {
     #[inline(always)]
     fn walk<const C: usize>(&self, steps: &Steps<'_>, faces: &Faces, mut with: impl FnMut(Block<C>)) {
         for (face, range) in steps.pieces(faces) {
-            let [at_eye, slope] = faces.0[face];
-            let depths: [f32; C] =
-                std::array::from_fn(|colour| self.haze.extinction[colour] * (1.0 + slope) * steps.length);
+            let [at_eye, slope] = faces.ways[face];
+            let extinction: [f32; C] = std::array::from_fn(|colour| self.haze.extinction[colour]);
+            // Against the ray where it comes nearer to the light than it goes away from the eye.
+            let forward = 1.0 + slope >= 0.0;
+            let depths = extinction.map(|extinction| extinction * (1.0 + slope).abs() * steps.length);
             let powers = depths.map(powers);
-            for first in range.clone().step_by(TOGETHER) {
-                let lit = steps.lit(first..range.end);
-                let distance = first as f32 * steps.length;
+            for done in range.clone().step_by(TOGETHER) {
+                let passed = done - range.start;
+                let first = if forward { done as f32 } else { (range.end - 1 - passed) as f32 };
+                let number = |i: usize| if forward { first + i as f32 } else { first - i as f32 };
+                let numbers = std::array::from_fn(number);
+                let lit = steps.lit(&numbers, range.end - done);
+                let distance = (if forward { first } else { first + 1.0 }) * steps.length;
                 let way = distance + (at_eye + slope * (steps.near + distance)).max(0.0);
                 let left = |colour: usize| {
-                    (-self.haze.extinction[colour] * way).exp() * steps.length * mean_decay(depths[colour])
+                    (-extinction[colour] * way).exp() * steps.length * mean_decay(depths[colour])
                 };
                 let mut factors = powers;
                 factors.iter_mut().for_each(|factors| {
                     factors.iter_mut().zip(&lit).for_each(|(factor, lit)| *factor *= lit);
                 });
-                with(Block { first, left: std::array::from_fn(left), factors });
+                with(Block { numbers, left: std::array::from_fn(left), factors });
             }
         }
     }

@@ -1,14 +1,14 @@
 //! `ray-march`: single scattering by steps along every view ray, each of which looks into the shadow map.
 //!
-//! The method that all others are held against (Baran et al. 2010, section 2.1; Max 1986 before it). Steps are as many on
-//! every ray and shifted by a number of the pixel's own, so that what they miss is noise and no bands. Of distant lamps
-//! in a medium that is the same throughout they are of equal length, what reaches the eye of a lit step is exact, and
-//! the walk through the shadow map is straight ([`distant`]). Of other lamps they are of equal angle, as seen from the
-//! lamp, which bring the same light each (Kulla and Fajardo 2012). Through grids the optical depth is summed along the
-//! view ray, and from each step along the way to the light ([`general`]).
+//! The method that all others are held against (Baran et al. 2010, section 2.1; Max 1986 before it). Steps are as
+//! many on every ray and shifted by a number of the pixel's own, so that what they miss is noise and no bands. Of
+//! distant lamps in a medium that is the same throughout they are of equal length, what reaches the eye of a lit step
+//! is exact, and the walk through the shadow map is straight ([`distant`]). Of other lamps they are of equal angle,
+//! as seen from the lamp, which bring the same light each (Kulla and Fajardo 2012). Through grids the optical depth
+//! is summed along the view ray, and from each step along the way to the light ([`general`]).
 //!
-//! Why it: it is the only one that goes through grids. Why not: it costs pixels times steps, and shadows thinner than a
-//! step are noise.
+//! Why it: it is the only one that goes through grids. Why not: it costs pixels times steps, and shadows thinner than
+//! a step are noise.
 
 mod distant;
 mod general;
@@ -77,6 +77,8 @@ pub fn shift(ray: usize, seed: u32) -> f32 {
 #[derive(Debug)]
 pub struct March<'a> {
     lit: Lit<'a>,
+    /// Metres in the medium after which nothing is seen.
+    deep: f32,
     way: Way<'a>,
 }
 
@@ -103,11 +105,13 @@ enum Way<'a> {
 impl<'a> March<'a> {
     /// Towards a lamp; from each step `light_steps` to the light, where the medium is a grid.
     pub fn new(lit: &Lit<'a>, light_steps: u32) -> Self {
-        let way = match (Haze::of(lit.medium), lit.lamp.place) {
+        let haze = Haze::of(lit.medium);
+        let deep = haze.map_or(f32::INFINITY, |haze| haze.deep());
+        let way = match (haze, lit.lamp.place) {
             (Some(haze), Place::Distant(towards)) => Way::Distant(Distant::new(lit, haze, towards)),
             (haze, _) => Way::General(General::new(lit, haze, light_steps)),
         };
-        Self { lit: *lit, way }
+        Self { lit: *lit, deep, way }
     }
 
     /// Adds the radiance of every view ray.
@@ -127,7 +131,9 @@ impl<'a> March<'a> {
     /// Radiance of one of the view rays. The steps begin at `jitter` in [0, 1) of their length.
     pub fn along(&self, ray: usize, steps: u32, jitter: f32) -> Vec3 {
         let rays = self.lit.rays;
-        let ray = Ray { direction: rays.directions[ray], span: rays.spans[ray], count: steps, jitter };
+        let [near, far] = rays.spans[ray];
+        let span = [near, far.min(near + self.deep)];
+        let ray = Ray { direction: rays.directions[ray], span, count: steps, jitter };
         if ray.span[0] >= ray.span[1] || steps == 0 {
             return Vec3::ZERO;
         }

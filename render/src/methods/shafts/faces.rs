@@ -1,51 +1,49 @@
-//! A distant lamp's light on its way through a medium's box: it comes in by the nearest of the three faces that look towards
-//! the lamp, so that along a view ray its way is the least of three linear functions, and what is scattered to the eye
-//! has a closed form.
+//! A distant lamp's light on its way through a medium's box: it comes in by the nearest of the three faces that look
+//! towards the lamp, so that along a view ray its way is the least of three linear functions, and what is scattered
+//! to the eye has a closed form.
 
 use crate::scene::Bounds;
 use glam::Vec3;
 
-/// By face, how far light has come through the box when it meets a view ray: its value at the eye and its slope along the
-/// ray.
+/// The faces through which light comes that meets a view ray.
 #[derive(Clone, Copy, Debug)]
-pub struct Faces(pub [[f32; 2]; 3]);
+pub struct Faces {
+    /// By face, how far light has come through the box: its value at the eye and its slope along the ray.
+    pub ways: [[f32; 2]; 3],
+    /// The distances at which two faces are equally far, in order; between them one face counts.
+    pub crossings: [f32; 3],
+}
 
-/// Least share of a direction towards a lamp that crosses a face: one that is crossed less is as far away as it can be.
+/// Least share of a direction towards a lamp that crosses a face: one that is crossed less is as far away as it can
+/// be.
 const LEAST_SPEED: f32 = 1e-6;
 
 impl Faces {
     /// Of light from a unit direction that meets a ray from the eye.
     pub fn new(bounds: Bounds, eye: Vec3, direction: Vec3, towards: Vec3) -> Self {
-        Self(std::array::from_fn(|axis| {
+        let ways: [[f32; 2]; 3] = std::array::from_fn(|axis| {
             let face = if towards[axis].is_sign_positive() { bounds.max[axis] } else { bounds.min[axis] };
             let speed = towards[axis].abs().max(LEAST_SPEED).copysign(towards[axis]);
             [(face - eye[axis]) / speed, -direction[axis] / speed]
-        }))
+        });
+        let crossing = |a: usize, b: usize| (ways[a][0] - ways[b][0]) / (ways[b][1] - ways[a][1]);
+        let mut crossings = [crossing(0, 1), crossing(0, 2), crossing(1, 2)];
+        crossings.sort_unstable_by(f32::total_cmp);
+        Self { ways, crossings }
     }
 
     /// The face that counts at a distance.
     pub fn at(&self, distance: f32) -> usize {
-        let way = |face: usize| self.0[face][0] + self.0[face][1] * distance;
+        let way = |face: usize| self.ways[face][0] + self.ways[face][1] * distance;
         let nearer = usize::from(way(1) < way(0));
         if way(2) < way(nearer) { 2 } else { nearer }
-    }
-
-    /// The distances at which two faces are equally far, in order; between them one face counts.
-    pub fn crossings(&self) -> [f32; 3] {
-        let crossing = |a: usize, b: usize| {
-            let [a, b] = [self.0[a], self.0[b]];
-            (a[0] - b[0]) / (b[1] - a[1])
-        };
-        let mut crossings = [crossing(0, 1), crossing(0, 2), crossing(1, 2)];
-        crossings.sort_unstable_by(f32::total_cmp);
-        crossings
     }
 
     /// Integral over a lit part of the view ray of what is left of light after both ways, that on the view ray counted
     /// from `near`, metres.
     pub fn integral(&self, extinction: f32, near: f32, [from, to]: [f32; 2]) -> f32 {
         let (mut sum, mut start) = (0.0, from);
-        for end in self.crossings().into_iter().chain([to]) {
+        for end in self.crossings.into_iter().chain([to]) {
             // What is no number is no crossing.
             let end = end.clamp(from, to).max(start);
             if end > start {
@@ -58,7 +56,7 @@ impl Faces {
 
     /// The same of a part in which one face counts.
     fn of_piece(&self, extinction: f32, near: f32, [from, to]: [f32; 2]) -> f32 {
-        let [at_eye, slope] = self.0[self.at(0.5 * (from + to))];
+        let [at_eye, slope] = self.ways[self.at(0.5 * (from + to))];
         let ways = (from - near) + (at_eye + slope * from).max(0.0);
         let length = to - from;
         (-extinction * ways).exp() * length * mean_decay(extinction * (1.0 + slope) * length)

@@ -4,6 +4,9 @@ use crate::path::medium::HenyeyGreenstein;
 use crate::scene::{Density, Medium};
 use glam::Vec3;
 
+/// Optical depth beyond which nothing is seen.
+pub const DEEP: f32 = 16.0;
+
 /// A medium of uniform density.
 #[derive(Clone, Copy, Debug)]
 pub struct Haze<'a> {
@@ -46,6 +49,11 @@ impl<'a> Haze<'a> {
     /// From which distance to which a ray is in it, within `reach` along a unit direction.
     pub fn span(&self, origin: Vec3, direction: Vec3, reach: f32) -> Option<[f32; 2]> {
         self.density.span(origin, direction, reach)
+    }
+
+    /// Metres in it after which nothing is seen: a ten-millionth.
+    pub fn deep(&self) -> f32 {
+        DEEP / self.extinction.min_element()
     }
 
     /// The box that holds it; `None` without an end.

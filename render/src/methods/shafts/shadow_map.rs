@@ -1,5 +1,6 @@
-//! How far a lamp's light gets, by rays through a scene: for distant lamps in parallel projection over the scene's box,
-//! for others in stereographic projection around the light (both hemispheres, or as much of one as a spot lights).
+//! How far a lamp's light gets, by rays through a scene: for distant lamps in parallel projection over the scene's
+//! box, for others in stereographic projection around the light (both hemispheres, or as much of one as a spot
+//! lights).
 //!
 //! Texels lie in tiles of 4 x 4, a cache line each, so that a walk in any direction meets a new line every few steps
 //! (as Baran et al. 2010, section 10, have it for their ray marcher).
@@ -108,8 +109,8 @@ impl ShadowMap {
     #[inline(always)]
     fn texel(&self, u: f32, v: f32) -> u32 {
         let end = self.size as f32 - 0.5;
-        // Added to `ROUND`, a number leaves its nearest whole one in the lowest bits: compilers put that into vectors, which
-        // they do not with checked conversions.
+        // Added to `ROUND`, a number leaves its nearest whole one in the lowest bits: compilers put that into
+        // vectors, which they do not with checked conversions.
         let [x, y] = [u, v].map(|at| (at.max(0.5).min(end) - 0.5 + ROUND).to_bits() & 0xffff);
         let tile = y / TILE as u32 * (self.size / TILE) as u32 + x / TILE as u32;
         (tile * TILE as u32 + y % TILE as u32) * TILE as u32 + x % TILE as u32

@@ -11,9 +11,10 @@ use crate::bvh::TracedScene;
 use crate::gbuffer;
 use crate::method::{Frame, Method, MethodError, Repeats};
 use crate::methods::{Quality, epipolar, epipolar_sampling, min_max, ray_march};
+use crate::metrics::{exposed, exposure, relative_mse};
 use crate::path::proving::{floor, quad};
 use crate::scene::{Bounds, Camera, Density, Light, Material, Medium, Mesh, Scene};
-use deepshade_shaders::{Attribute, Planes};
+use deepshade_shaders::{Attribute, Effect, Planes};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -37,6 +38,12 @@ fn image(
     let gbuffer = gbuffer::render(scene, camera, size[0], size[1], &[Attribute::Depth, Attribute::Valid]);
     let frame = Frame { scene, camera, gbuffer: &gbuffer, radius: 1.0, seed: 3 };
     method.shade(&frame, Repeats::ONCE).map(|shaded| shaded.image)
+}
+
+/// Relative squared error of an image, both being exposed as truth is.
+fn error(image: &Planes, truth: &Planes) -> f64 {
+    let exposure = exposure(Effect::FogDirect, truth);
+    relative_mse(&exposed(image, exposure), &exposed(truth, exposure))
 }
 
 /// A way to integrate that is not told what hides the light.

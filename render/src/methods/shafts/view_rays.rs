@@ -87,7 +87,8 @@ fn middle(index: usize, width: usize) -> Vec2 {
     Vec2::new((index % width) as f32 + 0.5, (index / width) as f32 + 0.5)
 }
 
-/// How far each pixel's surface is from the eye, metres; infinite where none is seen. `None` if the g-buffer does not say.
+/// How far each pixel's surface is from the eye, metres; infinite where none is seen. `None` if the g-buffer does not
+/// say.
 fn distances(gbuffer: &GBuffer, frame: &Frame<'_>) -> Option<Vec<f32>> {
     let planes = gbuffer.select(&WANTED).ok()?;
     let (depth, valid) = (planes.plane(0), planes.plane(1));
