@@ -46,7 +46,7 @@ impl Terminations {
     #[inline(always)]
     pub fn gather(&mut self, slice: &impl SliceOfLight, count: usize, order: &Order, is_inside: bool) {
         slice.trace(count, &mut self.traced);
-        self.measure(count, order.sweep);
+        self.measure(count, order.sweep, is_inside);
         let reach = &order.reach[..PLACES];
         self.lit.resize(count, 0.0);
         self.unsorted.resize(count * (SAMPLES + 1), <_>::default());
@@ -68,21 +68,19 @@ impl Terminations {
 
     /// Turns values of `beta` into places of the sweep; what ends behind it ends together.
     #[inline(always)]
-    fn measure(&mut self, count: usize, sweep: Sweep) {
+    fn measure(&mut self, count: usize, sweep: Sweep, is_inside: bool) {
         let Traced { ends: [a, b, c, d], enters, leaves, .. } = &mut self.traced;
         let [a, b, c, d] = [a, b, c, d].map(|ends| &mut ends[..count]);
-        let (enters, leaves) = (&mut enters[..count], &mut leaves[..count]);
+        let (enters, leaves) = (&mut enters[..count], &leaves[..count]);
         let [firsts, lasts, means] = self.spans.each_mut().map(|values| {
             values.resize(count, 0.0);
             &mut values[..count]
         });
         for ray in 0..count {
-            let [leaves, enters] = [&mut leaves[ray], &mut enters[ray]].map(|beta| {
-                *beta = sweep.at(*beta);
-                *beta
-            });
+            enters[ray] = sweep.at(enters[ray]);
+            let leaves = if is_inside { PLACES as f32 } else { sweep.at(leaves[ray]).min(PLACES as f32) };
             let [a, b, c, d] = [&mut a[ray], &mut b[ray], &mut c[ray], &mut d[ray]].map(|end| {
-                *end = sweep.at(*end).min(leaves).min(PLACES as f32);
+                *end = sweep.at(*end).min(leaves);
                 *end
             });
             firsts[ray] = a.min(b).min(c.min(d));

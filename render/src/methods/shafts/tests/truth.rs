@@ -50,10 +50,10 @@ fn all_methods_see_what_the_path_tracer_sees_of_every_light() {
         let truth = truth(&scene, &camera(), 2048);
         for method in all_methods() {
             let found = image(method.as_ref(), &scene, &camera(), SIZE).expect("an image");
-            let [right, brighter] = [error(&found, &truth), error(&exposed(&found, 1.1), &truth)];
+            let [right, brighter] = [error(&found, &truth), error(&exposed(&found, 1.2), &truth)];
             let most = sampled(method.as_ref(), 1e-3);
             assert!(right < most, "{} of {light:?}: {right:e}", method.name());
-            assert!(brighter > most, "{} of {light:?}, a tenth brighter: {brighter:e}", method.name());
+            assert!(brighter > most, "{} of {light:?}, a fifth brighter: {brighter:e}", method.name());
         }
         // Who is not told what hides the light is found out.
         for method in blind() {
