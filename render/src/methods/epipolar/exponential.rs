@@ -10,7 +10,7 @@ const COEFFICIENTS: [f32; 6] =
 /// number or so, of more than 87 the largest power of two.
 #[inline(always)]
 pub fn exp(x: f32) -> f32 {
-    let power = (x * std::f32::consts::LOG2_E).max(-126.0).min(126.0);
+    let power = (x * std::f32::consts::LOG2_E).clamp(-126.0, 126.0);
     let rounded = power + ROUND;
     let rest = power - (rounded - ROUND);
     let mantissa = COEFFICIENTS.iter().fold(0.0, |sum, coefficient| (sum + coefficient) * rest) + 1.0;

@@ -89,8 +89,9 @@ impl SliceRays {
         let rectified = |ray: usize| {
             let Seen { beta, gamma } = seen[ray];
             let [from, end] = gamma.map(|gamma| spacing.number(gamma));
-            // What is no number is nowhere.
-            if !(end - from >= least) || beta > OPPOSITE || left_out(ray) {
+            // No number where it is nowhere.
+            let crossed = end - from;
+            if crossed.is_nan() || crossed < least || beta > OPPOSITE || left_out(ray) {
                 return (Place::NONE, SliceRay::default());
             }
             let (before, on) = slices.of(view.at(ray).as_dvec2());
