@@ -33,7 +33,7 @@ use subject::{Kind, Setup, Subject, View};
     where that does not become as good. slope_tree and slope_march are of log time against log(srd) / 3.")]
 pub struct Args {
     /// At the paper's sizes (1280x960, 4096 light rays, shadow maps of 4096 x 4096) in place of half of them; takes
-    /// about an hour.
+    /// ten minutes or so in place of one or two.
     #[arg(long)]
     full: bool,
     /// Writes the plot of time against resolution here as SVG.
