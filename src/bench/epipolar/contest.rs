@@ -292,7 +292,7 @@ mod tests {
 
     #[test]
     fn trees_and_marches_are_measured_as_small_as_they_go() {
-        let setup = Setup { size: [48, 64], light_rays: 128, shadow_size: 256 };
+        let setup = Setup { size: [96, 128], light_rays: 512, shadow_size: 512 };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
         let subject = Subject::new(Kind::Indoor, View::Side, setup).expect("a scene");
         let outcome = Outcome::of(&subject, &pool);
