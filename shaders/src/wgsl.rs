@@ -87,6 +87,7 @@ mod nets;
 mod occlusion;
 mod post;
 mod surfels;
+mod volume;
 
 pub use ceilings::{COPY, FMA};
 pub use indirect::{PREFILTERED_SHADE, SSGI_LIGHT};
@@ -109,6 +110,7 @@ pub use surfels::{
     SURFELS_MEASURE, SURFELS_PARENTS, SURFELS_PLACE, SURFELS_RECEIVED, SURFELS_REFLECTED, SURFELS_SUM,
     SURFELS_TOTAL, SURFELS_VERTICES,
 };
+pub use volume::VOLUME_SHELL_INTERVALS;
 
 /// Every shader.
 pub fn all() -> impl Iterator<Item = &'static Shader> {
@@ -120,6 +122,7 @@ pub fn all() -> impl Iterator<Item = &'static Shader> {
         occlusion::TABLE,
         post::TABLE,
         surfels::TABLE,
+        volume::TABLE,
     ]
     .into_iter()
     .flatten()

@@ -29,6 +29,7 @@ pub mod subsurface;
 mod surface;
 pub mod surfel;
 mod translucent;
+pub mod volume_shell;
 
 #[cfg(test)]
 pub(crate) mod proving;

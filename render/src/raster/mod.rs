@@ -14,6 +14,7 @@ pub mod frame;
 pub mod geometry;
 pub mod light;
 pub mod material;
+pub mod medium;
 pub mod pose;
 pub mod reflective;
 pub mod shadow;

@@ -3,6 +3,7 @@
 use super::attributes::Materials;
 use super::geometry::Geometry;
 use super::light::Lights;
+use super::medium::MediumOnGpu;
 use super::pose::Posing;
 use super::shadow::{self, MapPlan, Seen, ShadowPass};
 use super::texture::Textures;
@@ -30,6 +31,8 @@ pub struct World {
     pub materials: Materials,
     /// What the lights send, and from where their maps look.
     pub gpu_lights: Lights,
+    /// What fills it.
+    pub medium: MediumOnGpu,
     map_plan: MapPlan,
     /// The lights' maps.
     pub shadows: ShadowPass,
@@ -71,6 +74,7 @@ impl World {
             textures,
             materials: Materials::new(device, scene)?,
             gpu_lights,
+            medium: MediumOnGpu::new(gpu, scene)?,
             map_plan,
             shadows,
             maps_stay: false,

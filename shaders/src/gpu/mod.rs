@@ -21,7 +21,7 @@ pub use pass::{BoundPass, Pass, groups, submit};
 pub use pipeline_cache::PipelineCache;
 pub use raster::{DEPTH_FORMAT, RasterPass, target};
 pub use stamps::{PassClock, Stamps};
-pub use texture::{array_view, read_texture_array, sent_texture, texture_array};
+pub use texture::{array_view, read_texture_array, sent_texture, sent_volume, texture_array};
 pub use timing::{Timing, time};
 
 use thiserror::Error;

@@ -68,6 +68,42 @@ pub fn sent_texture(
     Ok(texture)
 }
 
+/// A texture `deepshade.<label>` of `[x, y, z]` cells of one 32-bit float each, x fastest.
+///
+/// # Errors
+/// If the device allows none of that size or has no room for it.
+pub fn sent_volume(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    label: &str,
+    [width, height, depth]: [usize; 3],
+    values: &[f32],
+) -> Result<wgpu::Texture, GpuError> {
+    let label = format!("deepshade.{label}");
+    let size =
+        wgpu::Extent3d { width: width as u32, height: height as u32, depth_or_array_layers: depth as u32 };
+    let descriptor = wgpu::TextureDescriptor {
+        label: Some(&label),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D3,
+        format: wgpu::TextureFormat::R32Float,
+        usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
+        view_formats: &[],
+    };
+    let texture = allocate(device, &label, 4 * values.len() as u64, || device.create_texture(&descriptor))?;
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(4 * width as u32),
+        rows_per_image: Some(height as u32),
+    };
+    let bytes = bytemuck::cast_slice(values);
+    catch(device, || queue.write_texture(texture.as_image_copy(), bytes, layout, size))
+        .map_err(|what| GpuError::Refused { label, what })?;
+    Ok(texture)
+}
+
 /// All of a texture array, to be bound.
 pub fn array_view(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor {

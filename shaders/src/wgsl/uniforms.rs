@@ -67,6 +67,7 @@ mod nets;
 mod occlusion;
 mod post;
 mod surfels;
+mod volume;
 
 pub use frame::{Chosen, FrameView, LightRecord, MaterialRecord, Pose, Reprojection, Upsampling};
 pub use indirect::Prefiltered;
@@ -76,3 +77,4 @@ pub use post::{Fxaa, Gather, Reconstruction, RingGather, Separable};
 pub use surfels::{
     BounceWindow, Bounces, FacetRays, FacetSlice, FacetSum, LevelSum, SplatLevel, Surfels, TreeLevel,
 };
+pub use volume::{Intervals, MediumRecord};

@@ -1,0 +1,31 @@
+//! What passes through participating media read.
+
+use super::{Field, Layout, vec4f};
+
+uniforms! {
+    /// A medium: `render/src/scene/medium.rs`.
+    MediumRecord {
+        /// Scattering coefficient of each colour at density 1, 1/m; the mean cosine of the scattering angle.
+        scattering: vec4f,
+        /// Extinction coefficient; 0 everywhere, 1 in a box, 2 a grid in a box.
+        extinction: vec4f,
+        /// The box's least coordinates, world space, metres.
+        low: vec4f,
+        /// Its largest.
+        high: vec4f,
+        /// Cells along x, y and z.
+        cells: vec4f,
+    }
+
+    /// What `methods/volume_shell/intervals` reads.
+    Intervals {
+        /// Columns of the image.
+        width: u32,
+        /// Rows of the image.
+        height: u32,
+        /// Points of a ray's way through the medium at which density is looked up.
+        steps: u32,
+        /// Chooses random offsets.
+        seed: u32,
+    }
+}

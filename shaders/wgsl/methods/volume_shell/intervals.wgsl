@@ -1,0 +1,66 @@
+// The transmittance interval map (Nalbach, Ritschel and Seidel 2014, 4.1): of each pixel's ray the distances between which
+// the transmittance to the eye falls by equal parts of all that it falls by. The plain version is
+// render/src/methods/volume_shell/intervals.rs.
+
+@group(0) @binding(0) var<uniform> marching: Intervals;
+@group(0) @binding(1) var<uniform> view: FrameView;
+@group(0) @binding(2) var<uniform> medium: MediumRecord;
+@group(0) @binding(3) var densities: texture_3d<f32>;
+@group(0) @binding(4) var<storage, read> valid_plane: array<f32>;
+// [3, height, width], camera space, metres
+@group(0) @binding(5) var<storage, read> position_planes: array<f32>;
+// [height, width, 4]: where the ray enters the medium, and where it leaves it or ends on a surface, metres; its density times
+// length; the pixel's random offset.
+@group(0) @binding(6) var<storage, read_write> rays: array<vec4f>;
+// [height, width, SAMPLES / 2]: the distances, as shares of the ray's way through the medium, 16 bits each.
+@group(0) @binding(7) var<storage, read_write> distances: array<array<u32, SAMPLES / 2u>>;
+
+// Where the surface is, along the ray; far away where none is seen.
+fn surface_distance(at: u32, pixels: u32) -> f32 {
+    let position = vec3f(position_planes[at], position_planes[at + pixels], position_planes[at + 2u * pixels]);
+    return select(1e30, length(position), valid_plane[at] > 0.5);
+}
+
+@compute @workgroup_size(TILE, TILE)
+fn march(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= marching.width || id.y >= marching.height {
+        return;
+    }
+    let at = id.y * marching.width + id.x;
+    let direction = from_view(normalize(view_position(vec2f(id.xy) + 0.5, 1.0, view)), view);
+    let span = medium_span(view.eye.xyz, direction, surface_distance(at, marching.width * marching.height));
+    let steps = bounded(marching.steps, id.xy);
+    let step = max(span.y - span.x, 0.0) / f32(steps);
+    // One random offset for all steps and all thresholds of a pixel: banding is worse than noise.
+    let offset = random(id.xy, marching.seed, 0u);
+    var whole = 0.0;
+    for (var i = 0u; i < steps; i++) {
+        whole += density_inside(view.eye.xyz + direction * (span.x + (f32(i) + offset) * step)) * step;
+    }
+    rays[at] = vec4f(span, whole, offset);
+    let least = mean_transmittance(whole);
+
+    // The first is where density begins, the last where it ends.
+    var packed: array<u32, SAMPLES / 2u>;
+    var next = 0u;
+    var passed = 0.0;
+    for (var i = 0u; i < steps; i++) {
+        let here = density_inside(view.eye.xyz + direction * (span.x + (f32(i) + offset) * step)) * step;
+        let before = mean_transmittance(passed);
+        passed += here;
+        let after = mean_transmittance(passed);
+        while here > 0.0 && next < SAMPLES && after <= threshold(next, least, offset) {
+            // Within a step transmittance falls evenly.
+            let part = (before - threshold(next, least, offset)) / max(before - after, 1e-30);
+            let share = (f32(i) + clamp(part, 0.0, 1.0)) / f32(steps);
+            packed[next / 2u] |= u32(share * 65535.0 + 0.5) << (16u * (next % 2u));
+            next++;
+        }
+    }
+    // What rounding leaves is at the end.
+    while next < SAMPLES {
+        packed[next / 2u] |= 65535u << (16u * (next % 2u));
+        next++;
+    }
+    distances[at] = packed;
+}
