@@ -26,6 +26,9 @@ const LARGEST_COEFFICIENT: f32 = 1e6;
 /// Largest anisotropy: beyond it f32 hardly tells the directions of the phase function's peak apart.
 const LARGEST_ANISOTROPY: f32 = 0.99;
 
+/// Beyond so many mean free paths nothing is seen of a medium without an end.
+const FARTHEST_DEPTH: f32 = 16.0;
+
 /// Most collisions that tracking may expect along a diagonal of a grid's box, which is what a ray costs.
 const MOST_COLLISIONS: f32 = 1e5;
 
@@ -165,6 +168,32 @@ impl Medium {
     /// Absorption and scattering together, 1/m at density 1.
     pub fn extinction(&self) -> Vec3 {
         self.absorption + self.scattering
+    }
+
+    /// Where a ray is in the medium, within `reach` along a unit direction, and no farther than anything is seen of a medium
+    /// without an end; empty where it misses it.
+    pub fn seen_span(&self, origin: Vec3, direction: Vec3, reach: f32) -> [f32; 2] {
+        let reach = match self.density {
+            Density::Everywhere => reach.min(FARTHEST_DEPTH / self.extinction().min_element().max(1e-12)),
+            _ => reach,
+        };
+        self.density.span(origin, direction, reach).unwrap_or([0.0; 2])
+    }
+
+    /// Density times length along a piece of a ray, metres: exact where density is the same everywhere, else by so many
+    /// points.
+    pub fn passed_density(&self, origin: Vec3, direction: Vec3, reach: f32, points: u32) -> f32 {
+        let [enters, leaves] = self.seen_span(origin, direction, reach);
+        let length = (leaves - enters).max(0.0);
+        let Density::Grid(grid) = &self.density else { return length };
+        let step = length / points as f32;
+        (0..points).map(|i| grid.at(origin + direction * (enters + (i as f32 + 0.5) * step))).sum::<f32>()
+            * step
+    }
+
+    /// What of light passes along a piece of a ray, by so many points.
+    pub fn passed_share(&self, origin: Vec3, direction: Vec3, reach: f32, points: u32) -> Vec3 {
+        (-self.extinction() * self.passed_density(origin, direction, reach, points)).exp()
     }
 }
 

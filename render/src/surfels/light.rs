@@ -4,6 +4,7 @@
 use super::cloud::{Cloud, SURFEL_GROUPS};
 use crate::raster::World;
 use crate::raster::light::{Lights, shadow_sampler};
+use crate::raster::medium::MediumOnGpu;
 use crate::screen::{MethodStep, Step, Workgroups};
 use deepshade_shaders::gpu::{GpuError, Pass};
 use deepshade_shaders::wgsl;
@@ -13,13 +14,18 @@ use deepshade_shaders::wgsl;
 pub enum Lit {
     /// What they reflect diffusely, on either side.
     Reflected,
+    /// What they reflect of light that the medium between them and the lamps has dimmed.
+    Dimmed,
     /// What they receive, as white ones reflect it, of both sides together.
     Received,
 }
 
 /// The pass, compiled for a number of lights.
 #[derive(Clone, Debug)]
-pub struct LightPass(Pass);
+pub struct LightPass {
+    pass: Pass,
+    lit: Lit,
+}
 
 impl LightPass {
     /// Compiles it for a scene.
@@ -29,10 +35,11 @@ impl LightPass {
     pub fn new(device: &wgpu::Device, world: &World, lit: Lit) -> Result<Self, GpuError> {
         let shader = match lit {
             Lit::Reflected => &wgsl::SURFELS_REFLECTED,
+            Lit::Dimmed => &wgsl::SURFELS_DIMMED,
             Lit::Received => &wgsl::SURFELS_RECEIVED,
         };
         let source = shader.specialised(&[("LIGHTS", world.gpu_lights.count as u32)]);
-        Ok(Self(Pass::new(device, shader.name, &source)?))
+        Ok(Self { pass: Pass::new(device, shader.name, &source)?, lit })
     }
 
     /// The pass bound to a scene's lights and their maps. It writes `sent`, `[surfels, 2]` u32.
@@ -57,7 +64,11 @@ impl LightPass {
             wgpu::BindingResource::Sampler(&sampler),
             sent.as_entire_binding(),
         ]);
-        let pass = self.0.bind(device, &resources)?;
+        if self.lit == Lit::Dimmed {
+            let MediumOnGpu { record, densities } = &world.medium;
+            resources.extend([record.as_entire_binding(), wgpu::BindingResource::TextureView(densities)]);
+        }
+        let pass = self.pass.bind(device, &resources)?;
         let workgroups = Workgroups::Counted(totals.clone(), SURFEL_GROUPS);
         Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![sent.clone()] })
     }

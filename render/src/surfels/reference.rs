@@ -18,6 +18,9 @@ const RISE: f32 = 0.25;
 /// One over the plastic number, and over its square.
 const STRIDE: Vec2 = Vec2::new(0.754_877_7, 0.569_840_3);
 
+/// Points of a way through a medium at which density is looked up.
+const POINTS: u32 = 32;
+
 /// How far a point is lifted off its own surface before light is looked for, over the scene's diagonal.
 const LIFT: f32 = 1e-5;
 
@@ -216,13 +219,17 @@ pub fn lit(scene: &TracedScene, disks: Vec<Disk>, camera: &Camera, lit: Lit) -> 
         for light in &scene.scene().lights {
             let Arrival { direction, distance, irradiance } = Arrival::new(scene.scene(), light, point);
             let cosine = normal.dot(direction);
+            let passed = match (lit, &scene.scene().medium) {
+                (Lit::Dimmed, Some(medium)) => medium.passed_share(point, direction, distance, POINTS),
+                _ => Vec3::ONE,
+            };
             let lifted = point + normal * cosine.signum() * LIFT * scene.diagonal();
             if irradiance != Vec3::ZERO && !scene.blocked(lifted, direction, distance) {
-                received[usize::from(cosine < 0.0)] += irradiance * cosine.abs();
+                received[usize::from(cosine < 0.0)] += irradiance * passed * cosine.abs();
             }
         }
         let reflected = match lit {
-            Lit::Reflected => patches[disk.patch as usize].colour() / PI,
+            Lit::Reflected | Lit::Dimmed => patches[disk.patch as usize].colour() / PI,
             Lit::Received => Vec3::splat(1.0 / PI),
         };
         Disk { sent: received.map(|received| received * reflected), ..disk }

@@ -37,12 +37,17 @@ table! {
     SURFELS_REFLECTED: "surfels.reflected", file "surfels/light", constants [LIGHTS = 1, HEIGHT = 8],
         uniforms [FrameView, LightRecord],
         shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_patch_record", "surfel_order", "lights",
-                "shadow", "surfel_reflected"];
+                "shadow", "light_clear", "surfel_reflected"];
+    /// Direct light that surfels reflect, dimmed by the medium between them and the lamps.
+    SURFELS_DIMMED: "surfels.dimmed", file "surfels/light", constants [LIGHTS = 1, HEIGHT = 8],
+        uniforms [FrameView, LightRecord, MediumRecord],
+        shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_patch_record", "surfel_order", "lights",
+                "shadow", "medium", "light_dimmed", "surfel_reflected"];
     /// Direct light that falls on surfels.
     SURFELS_RECEIVED: "surfels.received", file "surfels/light", constants [LIGHTS = 1, HEIGHT = 8],
         uniforms [FrameView, LightRecord],
         shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_patch_record", "surfel_order", "lights",
-                "shadow", "surfel_received"];
+                "shadow", "light_clear", "surfel_received"];
     /// The lowest nodes of the tree, of surfels that send light.
     SURFELS_LIT_LEAVES: "surfels.lit_leaves", file "surfels/leaves", constants [HEIGHT = 8], uniforms [],
         shared ["packing", "surfel", "surfel_record", "surfel_tree", "surfel_reach_if_lit"];

@@ -7,4 +7,12 @@ table! {
     VOLUME_SHELL_INTERVALS: "volume-shell.intervals", file "methods/volume_shell/intervals",
         constants [SAMPLES = 16], uniforms [Intervals, FrameView, MediumRecord],
         shared ["random", "bounded", "view", "medium", "transmittance"];
+    /// Light that surfels scatter into the intervals of rays, of a level.
+    VOLUME_SHELL_SPLAT: "volume-shell.splat", file "methods/volume_shell/splat",
+        constants [SAMPLES = 16, HEIGHT = 8], uniforms [SplatLevel, VolumeShell, FrameView, MediumRecord],
+        shared ["random", "bounded", "view", "packing", "interleaved", "surfel", "surfel_record", "surfel_tree",
+                "surfel_walk", "surfel_facing", "surfel_sent", "medium", "phase", "transmittance"];
+    /// The sum of all levels.
+    VOLUME_SHELL_ADD: "volume-shell.add", file "methods/volume_shell/add", constants [], uniforms [LevelSum],
+        shared [];
 }

@@ -30,7 +30,8 @@ fn light_surfels(@builtin(global_invocation_id) id: vec3u) {
             continue;
         }
         let facing = select(-normal, normal, cosine > 0.0);
-        let received = arrived.irradiance * abs(cosine) * lit_share(lights[i], point, facing, arrived.direction);
+        let shown = lit_share(lights[i], point, facing, arrived.direction) * passed_share(point, arrived);
+        let received = arrived.irradiance * abs(cosine) * shown;
         if cosine > 0.0 {
             front += received;
         } else {

@@ -152,7 +152,7 @@ struct Splatting<'a> {
 }
 
 /// Workgroups that cover the sub-buffers of a level: columns, rows, sub-buffers.
-fn groups_of_level(size: [usize; 2], level: usize) -> [u32; 3] {
+pub fn groups_of_level(size: [usize; 2], level: usize) -> [u32; 3] {
     let [columns, rows] = size.map(|pixels| (pixels as u32).div_ceil(1 << level).div_ceil(TILE));
     [columns, rows, 1 << (2 * level)]
 }

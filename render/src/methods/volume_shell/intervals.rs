@@ -1,14 +1,12 @@
 //! The transmittance interval map (Nalbach, Ritschel and Seidel 2014, 4.1) in plain Rust: `intervals.wgsl`.
 
 use crate::path::medium::Segment;
-use crate::scene::{Density, Medium};
+use crate::scene::Medium;
 use deepshade_shaders::random;
 use glam::UVec2;
 
 /// Distances of a ray.
 pub const SAMPLES: usize = 16;
-/// Beyond so many mean free paths nothing is seen of a medium without an end.
-const FARTHEST_DEPTH: f32 = 16.0;
 /// The largest share that 16 bits hold.
 const WHOLE: f32 = 65_535.0;
 
@@ -30,7 +28,8 @@ pub struct Ray {
 impl Ray {
     /// Marches a pixel's ray in so many steps.
     pub fn marched(medium: &Medium, segment: Segment, steps: u32, pixel: UVec2, seed: u32) -> Self {
-        let [enters, leaves] = span(medium, segment);
+        let Segment { origin, direction, length } = segment;
+        let [enters, leaves] = medium.seen_span(origin, direction, length);
         let step = (leaves - enters).max(0.0) / steps as f32;
         let offset = random::random(pixel.x, pixel.y, seed, 0);
         let density = |i: u32| medium.density.inside(segment.at(enters + (i as f32 + offset) * step)) * step;
@@ -69,15 +68,6 @@ impl Ray {
     }
 }
 
-/// Where a piece of a ray enters the medium and leaves it.
-fn span(medium: &Medium, Segment { origin, direction, length }: Segment) -> [f32; 2] {
-    let reach = match medium.density {
-        Density::Everywhere => length.min(FARTHEST_DEPTH / medium.extinction().min_element().max(1e-12)),
-        _ => length,
-    };
-    medium.density.span(origin, direction, reach).unwrap_or([0.0; 2])
-}
-
 /// What passes so much density times length by the mean extinction of the colours.
 pub fn mean_transmittance(medium: &Medium, passed: f32) -> f32 {
     (-medium.extinction().element_sum() / 3.0 * passed).exp()
@@ -96,7 +86,7 @@ pub fn threshold(sample: usize, least: f32, offset: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Bounds, DensityGrid};
+    use crate::scene::{Bounds, Density, DensityGrid};
     use glam::Vec3;
 
     const BOX: Bounds = Bounds { min: Vec3::new(1.0, -1.0, -1.0), max: Vec3::new(4.0, 1.0, 1.0) };

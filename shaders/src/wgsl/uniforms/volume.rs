@@ -28,4 +28,16 @@ uniforms! {
         /// Chooses random offsets.
         seed: u32,
     }
+
+    /// What `methods/volume_shell/splat` reads beside the level.
+    VolumeShell {
+        /// 1 where the medium dims light on its way from a surfel.
+        attenuated: u32,
+        /// 1 where only the intervals are visited that a shell touches.
+        culled: u32,
+        /// Points of that way at which a grid's density is looked up.
+        points: u32,
+        /// Surfels nearer than this, metres, do what they would at this distance.
+        nearest: f32,
+    }
 }
