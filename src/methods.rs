@@ -7,6 +7,7 @@ use deepshade_render::method::Method;
 use deepshade_render::methods::{
     Quality, aov, bounced_z, epipolar, epipolar_sampling, fxaa, gather, gtao, hbao, min_max, prefiltered,
     ray_march, reconstruction, ring_gather, separable, shafts::Shafts, ssdo, ssgi, subsurface, surfel,
+    volume_shell,
 };
 use deepshade_render::screen::ScreenMethod;
 use deepshade_shaders::Effect;
@@ -66,7 +67,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 36] = [
+const ALL: [Entry; 37] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -122,6 +123,9 @@ const ALL: [Entry; 36] = [
     }),
     screen(Effect::Glossy, "bounced-z", |gpu, quality| {
         Ok(Box::new(bounced_z::glossy::BouncedGlossy::new(gpu, bounced_z::Parameters::of(quality).into())?))
+    }),
+    screen(Effect::FogIndirect, "volume-shell", |gpu, quality| {
+        Ok(Box::new(volume_shell::VolumeShell::new(gpu, volume_shell::Parameters::of(quality))?))
     }),
     screen(Effect::Ibl, "prefiltered", |gpu, quality| {
         Ok(Box::new(prefiltered::Prefiltered::new(gpu, prefiltered::Parameters::of(quality))?))

@@ -3,16 +3,18 @@
 //! Nalbach, Ritschel and Seidel, "Deep Screen Space for Indirect Lighting of Volumes", VMV 2014 (thesis chapter 5). Each
 //! pixel's ray is divided into [`intervals`] between which the transmittance to the eye falls by equal parts; surfels that the
 //! lamps light through the medium scatter light into those that lie in their shells, on the levels of an interleaved
-//! framebuffer as [`surfel`](super::surfel) has it.
+//! framebuffer as [`surfel`](super::surfel) has it. Levels are blurred by a Gaussian [`pyramid`] and added up.
 //!
 //! Beyond the paper: coefficients of three colours; what the medium takes between a surfel and an interval
 //! ([`Parameters::attenuated`]); only the intervals are visited that a shell touches ([`Parameters::culled`]); and an interval's
-//! light is the albedo times the transmittance that it takes, without a lookup of density.
+//! light is the albedo times the transmittance that it takes, without a lookup of density. What is blurred is light over how
+//! much the ray scatters, so that silhouettes stay sharp.
 //!
 //! Limits. Nothing hides surfels from the medium. What glossy surfaces reflect is left out.
 
 pub mod intervals;
 pub mod passes;
+pub mod pyramid;
 pub mod reference;
 #[cfg(test)]
 mod tests;

@@ -2,11 +2,12 @@
 //! other, and their sum.
 
 use super::Parameters;
+use super::pyramid::{Pyramid, Room};
 use crate::methods::surfel::passes::groups_of_level;
 use crate::raster::World;
 use crate::raster::medium::MediumOnGpu;
 use crate::screen::{GpuGBuffer, Inputs, MethodStep, Step, View};
-use crate::surfels::{self, Cloud, Lit, Tree, frame, groups};
+use crate::surfels::{self, Cloud, Lit, Tree, frame};
 use bytemuck::bytes_of;
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
@@ -18,6 +19,7 @@ pub struct Passes {
     surfels: surfels::Passes,
     intervals: Pass,
     splat: Pass,
+    pyramid: Pyramid,
     add: Pass,
 }
 
@@ -58,6 +60,7 @@ impl Passes {
             surfels: surfels::Passes::new(device, Tree::Lit)?,
             intervals: pass(&wgsl::VOLUME_SHELL_INTERVALS)?,
             splat: pass(&wgsl::VOLUME_SHELL_SPLAT)?,
+            pyramid: Pyramid::new(device)?,
             add: pass(&wgsl::VOLUME_SHELL_ADD)?,
         })
     }
@@ -82,14 +85,19 @@ impl Passes {
         let (map, step) = self.map(device, inputs.gbuffer, world, [march, &of_surfels[1]])?;
         steps.push(step);
         let (height, width) = (inputs.gbuffer.height(), inputs.gbuffer.width());
-        let sums = gpu::empty::<f32>(device, "volume-shell.sums", 3 * height * width)?;
+        let sums = gpu::empty::<[f32; 4]>(device, "volume-shell.sums", height * width)?;
+        let room = Room::new(device, [width, height], levels.len() / 2 - 1)?;
         for (level, uniforms) in levels.chunks_exact(2).enumerate() {
             let [splat, sum] = uniforms else { unreachable!("a level has two uniform buffers") };
             let workgroups = groups_of_level([width, height], level);
             let read = [splat, volume, &of_surfels[1]];
             steps.push(self.splat(device, world, read, &cloud, &map, &sums, workgroups)?);
-            let all = groups(3 * height * width);
-            steps.push(MethodStep::bind(device, &self.add, all, &[sum, &sums], &[image])?);
+            let smooth = if level == 0 { &sums } else { &room.smooth };
+            if level > 0 {
+                steps.extend(self.pyramid.steps(device, &sums, &room, level)?);
+            }
+            let whole = gpu::groups(height, width, TILE);
+            steps.push(MethodStep::bind(device, &self.add, whole, &[sum, &sums, smooth], &[image])?);
         }
         Ok(steps)
     }

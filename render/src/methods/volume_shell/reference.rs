@@ -1,6 +1,7 @@
 //! Volume shells in plain Rust: shells without a tree.
 
-use super::intervals::{Ray, SAMPLES};
+use super::intervals::{Ray, SAMPLES, mean_transmittance};
+use super::pyramid::Image;
 use super::{Parameters, far_reaching};
 use crate::bvh::TracedScene;
 use crate::methods::surfel::reference::{facing, sent};
@@ -12,7 +13,7 @@ use crate::surfels::reference::{Disk, laid};
 use crate::surfels::{self, Lit};
 use deepshade_shaders::wgsl::uniforms;
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes, shows_surface};
-use glam::{UVec2, Vec2, Vec3};
+use glam::{UVec2, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 use std::f32::consts::PI;
 
@@ -21,6 +22,8 @@ struct LitRay {
     direction: Vec3,
     ends: [f32; SAMPLES],
     weights: [Vec3; SAMPLES - 1],
+    /// How much of what falls on it from behind is scattered or absorbed.
+    scatters: f32,
 }
 
 /// The image of a scene's surfels, `[3, height, width]`; black without a medium.
@@ -57,10 +60,14 @@ pub fn shade(
     for level in 0..parameters.levels {
         let settings = parameters.level(level, view);
         let scattering = Scattering { medium, parameters, view, level: &settings };
+        let mut sums = Image { size: [width, height], texels: vec![Vec4::ZERO; width * height] };
         for (pixel, sum) in scattering.sums(&disks, &ray_of) {
-            for c in 0..3 {
-                image.plane_mut(c)[pixel.y as usize * width + pixel.x as usize] += sum[c];
-            }
+            sums.texels[pixel.y as usize * width + pixel.x as usize] = sum;
+        }
+        let smooth = sums.smooth(level);
+        for (index, (own, smooth)) in sums.texels.iter().zip(&smooth.texels).enumerate() {
+            let light = smooth.truncate() * (own.w / smooth.w.max(1e-30));
+            (0..3).for_each(|c| image.plane_mut(c)[index] += light[c]);
         }
     }
     Ok(image)
@@ -76,6 +83,7 @@ fn lit_ray(medium: &Medium, ray: &Ray, direction: Vec3) -> LitRay {
     LitRay {
         direction,
         ends: std::array::from_fn(|sample| ray.distance(sample)),
+        scatters: 1.0 - mean_transmittance(medium, ray.whole),
         weights: std::array::from_fn(|i| albedo * (passes(i) - passes(i + 1)).max(Vec3::ZERO)),
     }
 }
@@ -90,7 +98,7 @@ struct Scattering<'a> {
 
 impl Scattering<'_> {
     /// What is scattered to each pixel.
-    fn sums(&self, disks: &[Disk], ray_of: &(dyn Fn(UVec2) -> LitRay + Sync)) -> Vec<(UVec2, Vec3)> {
+    fn sums(&self, disks: &[Disk], ray_of: &(dyn Fn(UVec2) -> LitRay + Sync)) -> Vec<(UVec2, Vec4)> {
         let &uniforms::SplatLevel { width, height, level, seed, .. } = self.level;
         let places = UVec2::new(width.div_ceil(1 << level), height.div_ceil(1 << level));
         let in_sub_buffer = |sub_buffer: u32| {
@@ -104,13 +112,13 @@ impl Scattering<'_> {
     }
 
     /// What the disks of a sub-buffer scatter to a pixel of it.
-    fn sum(&self, disks: &[Disk], sub_buffer: u32, ray: &LitRay) -> Vec3 {
+    fn sum(&self, disks: &[Disk], sub_buffer: u32, ray: &LitRay) -> Vec4 {
         let its = disks.iter().skip(sub_buffer as usize).step_by(1 << (2 * self.level.level));
         let scattered = its.filter(|disk| disk.sent != [Vec3::ZERO; 2]).map(|disk| {
             let at = |i: usize| ray.weights[i] * self.at(disk, 0.5 * (ray.ends[i] + ray.ends[i + 1]), ray);
             (0..SAMPLES - 1).map(at).sum::<Vec3>()
         });
-        scattered.sum::<Vec3>() * self.level.stands_for
+        (scattered.sum::<Vec3>() * self.level.stands_for).extend(ray.scatters)
     }
 
     fn at(&self, disk: &Disk, distance: f32, ray: &LitRay) -> Vec3 {

@@ -29,6 +29,18 @@ uniforms! {
         seed: u32,
     }
 
+    /// Two levels of a Gaussian pyramid.
+    Pyramid {
+        /// Columns of the finer one.
+        fine_width: u32,
+        /// Its rows.
+        fine_height: u32,
+        /// Columns of the coarser one.
+        coarse_width: u32,
+        /// Its rows.
+        coarse_height: u32,
+    }
+
     /// What `methods/volume_shell/splat` reads beside the level.
     VolumeShell {
         /// 1 where the medium dims light on its way from a surfel.

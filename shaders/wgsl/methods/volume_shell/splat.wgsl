@@ -9,8 +9,8 @@
 @group(0) @binding(4) var<storage, read> totals: Totals;
 @group(0) @binding(5) var<storage, read> surfels: array<Surfel>;
 @group(0) @binding(6) var<storage, read> nodes: array<Node>;
-// [3, height, width]
-@group(0) @binding(7) var<storage, read_write> sums: array<f32>;
+// [height, width, 4]: light, and how much of what falls on the ray from behind is scattered or absorbed.
+@group(0) @binding(7) var<storage, read_write> sums: array<vec4f>;
 @group(0) @binding(9) var<storage, read> rays: array<vec4f>;
 @group(0) @binding(10) var<storage, read> distances: array<array<u32, SAMPLES / 2u>>;
 @group(0) @binding(11) var densities: texture_3d<f32>;
@@ -99,7 +99,6 @@ fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
     if any(pixel >= vec2u(level.width, level.height)) {
         return;
     }
-    let pixels = level.width * level.height;
     let at = pixel.y * level.width + pixel.x;
     let record = rays[at];
     let ray = Query(normalize(view_position(vec2f(pixel) + 0.5, 1.0, view)), record.x, record.y);
@@ -133,7 +132,5 @@ fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
             walk = next_leaf(after(walk), leaves, ray);
         }
     }
-    for (var c = 0u; c < 3u; c++) {
-        sums[at + c * pixels] = level.stands_for * sum[c];
-    }
+    sums[at] = vec4f(level.stands_for * sum, 1.0 - mean_transmittance(record.z));
 }
