@@ -46,9 +46,10 @@ fn coarse() -> Parameters {
 #[test]
 fn the_passes_make_what_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+    // Radiance has nine bits, and shadow maps end within a texel of where shadows do.
     for medium in [fog(0.3), smoke()] {
         let method = VolumeShell::new(&gpu, coarse()).expect("valid shaders");
-        prove_twin(&method, &filled(medium), Tolerance { usual: 3e-5, worst: 2e-3 });
+        prove_twin(&method, &filled(medium), Tolerance { usual: 1e-4, worst: 2e-3 });
     }
 }
 
