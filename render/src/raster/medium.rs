@@ -9,6 +9,8 @@ use glam::Vec3;
 /// What fills a scene.
 #[derive(Debug)]
 pub struct MediumOnGpu {
+    /// 0 everywhere, 1 in a box, 2 a grid in a box: `MEDIUM` in shaders.
+    pub kind: u32,
     /// [`MediumRecord`].
     pub record: wgpu::Buffer,
     /// Densities of a grid, `[z, y, x]` of f32; one cell where there is none.
@@ -26,9 +28,15 @@ impl MediumOnGpu {
             Density::Grid(grid) => (grid.size(), grid.values()),
             _ => ([1; 3], &[1.0]),
         };
+        let kind = match density {
+            Density::Everywhere => 0,
+            Density::Within(_) => 1,
+            Density::Grid(_) => 2,
+        };
         let record = record(scene.medium.as_deref());
         let densities = gpu::sent_volume(&gpu.device, &gpu.queue, "frame.densities", size, values)?;
         Ok(Self {
+            kind,
             record: gpu::uniform(&gpu.device, "frame.medium", &record)?,
             densities: densities.create_view(&wgpu::TextureViewDescriptor::default()),
         })
@@ -38,15 +46,15 @@ impl MediumOnGpu {
 /// A medium as passes read it.
 pub fn record(medium: Option<&Medium>) -> MediumRecord {
     let Some(medium) = medium else { return bytemuck::Zeroable::zeroed() };
-    let (kind, Bounds { min, max }, cells) = match &medium.density {
-        Density::Everywhere => (0.0, Bounds { min: Vec3::ZERO, max: Vec3::ONE }, [1; 3]),
-        Density::Within(bounds) => (1.0, *bounds, [1; 3]),
-        Density::Grid(grid) => (2.0, grid.bounds(), grid.size()),
+    let (Bounds { min, max }, cells) = match &medium.density {
+        Density::Everywhere => (Bounds { min: Vec3::ZERO, max: Vec3::ONE }, [1; 3]),
+        Density::Within(bounds) => (*bounds, [1; 3]),
+        Density::Grid(grid) => (grid.bounds(), grid.size()),
     };
     MediumRecord {
         scattering: medium.scattering.extend(medium.anisotropy).to_array(),
-        extinction: medium.extinction().extend(kind).to_array(),
-        low: min.extend(0.0).to_array(),
+        extinction: medium.extinction().extend(0.0).to_array(),
+        low: min.extend(medium.density.largest()).to_array(),
         high: max.extend(0.0).to_array(),
         cells: Vec3::from(cells.map(|count| count as f32)).extend(0.0).to_array(),
     }

@@ -170,6 +170,14 @@ impl Medium {
         self.absorption + self.scattering
     }
 
+    /// The same for all colours: coefficients are their means.
+    #[must_use]
+    pub fn in_grey(&self) -> Self {
+        let [absorption, scattering] =
+            [self.absorption, self.scattering].map(|colours| Vec3::splat(colours.element_sum() / 3.0));
+        Self { absorption, scattering, ..self.clone() }
+    }
+
     /// Where a ray is in the medium, within `reach` along a unit direction, and no farther than anything is seen of a medium
     /// without an end; empty where it misses it.
     pub fn seen_span(&self, origin: Vec3, direction: Vec3, reach: f32) -> [f32; 2] {
@@ -212,6 +220,14 @@ impl Density {
         match self {
             Self::Everywhere | Self::Within(_) => 1.0,
             Self::Grid(grid) => grid.at(point),
+        }
+    }
+
+    /// The largest density.
+    pub const fn largest(&self) -> f32 {
+        match self {
+            Self::Everywhere | Self::Within(_) => 1.0,
+            Self::Grid(grid) => grid.largest(),
         }
     }
 

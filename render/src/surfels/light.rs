@@ -15,7 +15,10 @@ pub enum Lit {
     /// What they reflect diffusely, on either side.
     Reflected,
     /// What they reflect of light that the medium between them and the lamps has dimmed.
-    Dimmed,
+    Dimmed {
+        /// By the mean of its coefficients over the colours.
+        is_grey: bool,
+    },
     /// What they receive, as white ones reflect it, of both sides together.
     Received,
 }
@@ -33,12 +36,16 @@ impl LightPass {
     /// # Errors
     /// If the device refuses it.
     pub fn new(device: &wgpu::Device, world: &World, lit: Lit) -> Result<Self, GpuError> {
-        let shader = match lit {
-            Lit::Reflected => &wgsl::SURFELS_REFLECTED,
-            Lit::Dimmed => &wgsl::SURFELS_DIMMED,
-            Lit::Received => &wgsl::SURFELS_RECEIVED,
+        let count = ("LIGHTS", world.gpu_lights.count as u32);
+        let (shader, constants) = match lit {
+            Lit::Reflected => (&wgsl::SURFELS_REFLECTED, vec![count]),
+            Lit::Dimmed { is_grey } => (
+                &wgsl::SURFELS_DIMMED,
+                vec![count, ("MEDIUM", world.medium.kind), ("GREY", u32::from(is_grey))],
+            ),
+            Lit::Received => (&wgsl::SURFELS_RECEIVED, vec![count]),
         };
-        let source = shader.specialised(&[("LIGHTS", world.gpu_lights.count as u32)]);
+        let source = shader.specialised(&constants);
         Ok(Self { pass: Pass::new(device, shader.name, &source)?, lit })
     }
 
@@ -64,7 +71,7 @@ impl LightPass {
             wgpu::BindingResource::Sampler(&sampler),
             sent.as_entire_binding(),
         ]);
-        if self.lit == Lit::Dimmed {
+        if matches!(self.lit, Lit::Dimmed { .. }) {
             let MediumOnGpu { record, densities } = &world.medium;
             resources.extend([record.as_entire_binding(), wgpu::BindingResource::TextureView(densities)]);
         }

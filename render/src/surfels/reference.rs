@@ -3,7 +3,7 @@
 use super::{Lit, MOST, Parameters, Patch, Surfel, patches};
 use crate::bvh::TracedScene;
 use crate::path::lights::Arrival;
-use crate::scene::{Camera, Mesh, Scene};
+use crate::scene::{Camera, Medium, Mesh, Scene};
 use crate::screen::View;
 use deepshade_shaders::random::random;
 use deepshade_shaders::wgsl::uniforms;
@@ -18,8 +18,8 @@ const RISE: f32 = 0.25;
 /// One over the plastic number, and over its square.
 const STRIDE: Vec2 = Vec2::new(0.754_877_7, 0.569_840_3);
 
-/// Points of a way through a medium at which density is looked up.
-const POINTS: u32 = 32;
+/// Points of a lamp's way through a medium at which density is looked up.
+pub const POINTS: u32 = 32;
 
 /// How far a point is lifted off its own surface before light is looked for, over the scene's diagonal.
 const LIFT: f32 = 1e-5;
@@ -213,15 +213,20 @@ pub fn laid(scene: &TracedScene, parameters: &Parameters, view: &View, light: Op
 /// Disks that send light of a scene's lamps, with exact shadows.
 pub fn lit(scene: &TracedScene, disks: Vec<Disk>, camera: &Camera, lit: Lit) -> Vec<Disk> {
     let patches = patches::of_scene(scene.scene());
+    let medium = match lit {
+        Lit::Dimmed { is_grey: true } => scene.scene().medium.as_deref().map(Medium::in_grey),
+        Lit::Dimmed { is_grey: false } => scene.scene().medium.as_deref().cloned(),
+        Lit::Reflected | Lit::Received => None,
+    };
     let light = |disk: Disk| {
         let (point, normal) = (camera.position + camera.rotation * disk.place, camera.rotation * disk.normal);
         let mut received = [Vec3::ZERO; 2];
         for light in &scene.scene().lights {
             let Arrival { direction, distance, irradiance } = Arrival::new(scene.scene(), light, point);
             let cosine = normal.dot(direction);
-            let passed = match (lit, &scene.scene().medium) {
-                (Lit::Dimmed, Some(medium)) => medium.passed_share(point, direction, distance, POINTS),
-                _ => Vec3::ONE,
+            let passed = match &medium {
+                Some(medium) => medium.passed_share(point, direction, distance, POINTS),
+                None => Vec3::ONE,
             };
             let lifted = point + normal * cosine.signum() * LIFT * scene.diagonal();
             if irradiance != Vec3::ZERO && !scene.blocked(lifted, direction, distance) {
@@ -229,7 +234,7 @@ pub fn lit(scene: &TracedScene, disks: Vec<Disk>, camera: &Camera, lit: Lit) -> 
             }
         }
         let reflected = match lit {
-            Lit::Reflected | Lit::Dimmed => patches[disk.patch as usize].colour() / PI,
+            Lit::Reflected | Lit::Dimmed { .. } => patches[disk.patch as usize].colour() / PI,
             Lit::Received => Vec3::splat(1.0 / PI),
         };
         Disk { sent: received.map(|received| received * reflected), ..disk }

@@ -5,13 +5,31 @@ use super::{Shader, uniforms};
 table! {
     /// The transmittance interval map.
     VOLUME_SHELL_INTERVALS: "volume-shell.intervals", file "methods/volume_shell/intervals",
-        constants [SAMPLES = 16], uniforms [Intervals, FrameView, MediumRecord],
-        shared ["random", "bounded", "view", "medium", "transmittance"];
+        constants [SAMPLES = 16, MEDIUM = 2], uniforms [Intervals, FrameView, MediumRecord],
+        shared ["random", "bounded", "view", "medium", "transmittance", "intervals_encode_wide"];
+    /// The same, with samples kept as in the paper.
+    VOLUME_SHELL_PAPER_INTERVALS: "volume-shell.paper_intervals", file "methods/volume_shell/intervals",
+        constants [SAMPLES = 16, MEDIUM = 2], uniforms [Intervals, FrameView, MediumRecord],
+        shared ["random", "bounded", "view", "medium", "transmittance", "intervals_encode_paper"];
     /// Light that surfels scatter into the intervals of rays, of a level.
     VOLUME_SHELL_SPLAT: "volume-shell.splat", file "methods/volume_shell/splat",
-        constants [SAMPLES = 16, HEIGHT = 8], uniforms [SplatLevel, VolumeShell, FrameView, MediumRecord],
+        constants [SAMPLES = 16, MEDIUM = 2, HEIGHT = 8, GREY = 0, ATTENUATED = 1, TOUCHED_ONLY = 1, SILHOUETTES = 1],
+        uniforms [SplatLevel, VolumeShell, FrameView, MediumRecord],
         shared ["random", "bounded", "view", "packing", "interleaved", "surfel", "surfel_record", "surfel_tree",
-                "surfel_walk", "surfel_facing", "surfel_sent", "medium", "phase", "transmittance"];
+                "surfel_walk", "surfel_facing", "surfel_sent", "medium", "colours", "phase", "transmittance",
+                "intervals_decode", "intervals_decode_wide"];
+    /// The same onto samples that are kept as in the paper.
+    VOLUME_SHELL_PAPER_SPLAT: "volume-shell.paper_splat", file "methods/volume_shell/splat",
+        constants [SAMPLES = 16, MEDIUM = 2, HEIGHT = 8, GREY = 0, ATTENUATED = 1, TOUCHED_ONLY = 1, SILHOUETTES = 1],
+        uniforms [SplatLevel, VolumeShell, FrameView, MediumRecord],
+        shared ["random", "bounded", "view", "packing", "interleaved", "surfel", "surfel_record", "surfel_tree",
+                "surfel_walk", "surfel_facing", "surfel_sent", "medium", "colours", "phase", "transmittance",
+                "intervals_decode", "intervals_decode_paper"];
+    /// Light of the lamps that the intervals of rays scatter.
+    VOLUME_SHELL_DIRECT: "volume-shell.direct", file "methods/volume_shell/direct",
+        constants [SAMPLES = 16, MEDIUM = 2, LIGHTS = 1, GREY = 0], uniforms [VolumeShell, FrameView, MediumRecord, LightRecord],
+        shared ["view", "lights", "shadow", "medium", "colours", "light_dimmed", "phase", "transmittance",
+                "intervals_decode", "intervals_decode_wide"];
     /// A coarser level of a Gaussian pyramid.
     VOLUME_SHELL_REDUCE: "volume-shell.reduce", file "methods/volume_shell/reduce", constants [], uniforms [Pyramid],
         shared [];

@@ -9,5 +9,5 @@ const POINTS = 32u;
 fn passed_share(point: vec3f, arrived: Arrival) -> vec3f {
     // A directional light is infinitely far away.
     let reach = select(1e30, arrived.distance, arrived.distance > 0.0);
-    return exp(-medium.extinction.rgb * passed_density(point, arrived.direction, reach, POINTS));
+    return exp(-colours(medium.extinction.rgb) * passed_density(point, arrived.direction, reach, POINTS));
 }

@@ -1,14 +1,15 @@
 // What fills the space between surfaces: render/src/scene/medium.rs. Passes bind `medium` and `densities`.
 
-const EVERYWHERE = 0.0;
-const GRID = 2.0;
+// What `MEDIUM` is: a constant, since lavapipe compiles shaders anew where uniforms alone decide on a branch.
+const EVERYWHERE = 0u;
+const GRID = 2u;
 // Beyond so many mean free paths nothing is seen of a medium without an end.
 const FARTHEST_DEPTH = 16.0;
 
 // The part of a ray, world space, that lies in the medium: from which distance to which; where it does not, the second is no
 // larger.
 fn medium_span(origin: vec3f, direction: vec3f, reach: f32) -> vec2f {
-    if medium.extinction.w == EVERYWHERE {
+    if MEDIUM == EVERYWHERE {
         let extinction = medium.extinction.rgb;
         let least = min(extinction.r, min(extinction.g, extinction.b));
         return vec2f(0.0, min(reach, FARTHEST_DEPTH / max(least, 1e-12)));
@@ -28,7 +29,7 @@ fn density_of_cell(cell: vec3i) -> f32 {
 
 // Density at a point of the medium's box, trilinear between the middles of cells.
 fn density_inside(point: vec3f) -> f32 {
-    if medium.extinction.w != GRID {
+    if MEDIUM != GRID {
         return 1.0;
     }
     let at = (point - medium.low.xyz) / (medium.high.xyz - medium.low.xyz) * medium.cells.xyz - 0.5;
@@ -46,7 +47,7 @@ fn density_inside(point: vec3f) -> f32 {
 fn passed_density(origin: vec3f, direction: vec3f, reach: f32, points: u32) -> f32 {
     let span = medium_span(origin, direction, reach);
     let length = max(span.y - span.x, 0.0);
-    if medium.extinction.w != GRID || length == 0.0 {
+    if MEDIUM != GRID {
         return length;
     }
     let step = length / f32(points);

@@ -5,19 +5,23 @@
 //! lamps light through the medium scatter light into those that lie in their shells, on the levels of an interleaved
 //! framebuffer as [`surfel`](super::surfel) has it. Levels are blurred by a Gaussian [`pyramid`] and added up.
 //!
-//! Beyond the paper: coefficients of three colours; what the medium takes between a surfel and an interval
-//! ([`Parameters::attenuated`]); only the intervals are visited that a shell touches ([`Parameters::culled`]); and an interval's
-//! light is the albedo times the transmittance that it takes, without a lookup of density. What is blurred is light over how
-//! much the ray scatters, so that silhouettes stay sharp.
+//! Beyond the paper are the [`Improvement`]s, which can be left out one by one to be measured. Surfels' shells are as wide for
+//! a dim one as for a bright one, so that the threshold has no unit. [`direct`] is light straight from the lamps by the same map.
 //!
 //! Limits. Nothing hides surfels from the medium. What glossy surfaces reflect is left out.
 
+pub mod direct;
+mod improvements;
 pub mod intervals;
+mod map;
 pub mod passes;
 pub mod pyramid;
 pub mod reference;
+pub mod samples;
 #[cfg(test)]
 mod tests;
+
+pub use improvements::{Improvement, Improvements};
 
 use super::Quality;
 use super::surfel::{self, shells};
@@ -26,6 +30,7 @@ use crate::surfels;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::uniforms;
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
+use intervals::Division;
 use passes::Passes;
 
 /// What can be set.
@@ -39,14 +44,14 @@ pub struct Parameters {
     pub levels: u32,
     /// Points of a ray's way through the medium at which density is looked up.
     pub steps: u32,
-    /// Whether the medium dims light on its way from surfels.
-    pub attenuated: bool,
-    /// Whether only the intervals are visited that a shell touches.
-    pub culled: bool,
+    /// Distances of each ray that are kept, one more than intervals; a multiple of 4.
+    pub samples: u32,
     /// Points of the way from a surfel at which a grid's density is looked up.
     pub points: u32,
     /// The paper's delta: surfels nearer than this, over the effect's radius, do what they would at this distance.
     pub nearest: f32,
+    /// What is done in another way than in the paper; all of it but in studies.
+    pub improvements: Improvements,
 }
 
 impl Default for Parameters {
@@ -72,11 +77,16 @@ impl Parameters {
             threshold,
             levels: 6,
             steps,
-            attenuated: true,
-            culled: true,
+            samples: 16,
             points,
             nearest: 0.02,
+            improvements: Improvements::ALL,
         }
+    }
+
+    /// Whether coefficients are their means over the colours.
+    const fn is_grey(&self) -> bool {
+        !self.improvements.has(Improvement::Colours)
     }
 
     /// What of them surfels and shells are made by.
@@ -91,7 +101,9 @@ impl Parameters {
 
     /// A level as the passes read it: surfels scatter however far away they are.
     pub fn level(&self, level: u32, view: &View) -> uniforms::SplatLevel {
-        uniforms::SplatLevel { reach: f32::MAX.sqrt(), ..shells::level(&self.of_shells(), level, view) }
+        let usual = shells::level(&self.of_shells(), level, view);
+        let last = usual.last * self.improvements.flag(Improvement::FarLight);
+        uniforms::SplatLevel { reach: far_reaching(view).radius, last, ..usual }
     }
 
     /// What the march reads.
@@ -100,14 +112,20 @@ impl Parameters {
         uniforms::Intervals { width, height, steps: self.steps.max(1), seed: view.seed }
     }
 
-    /// What splats read beside their level.
-    pub fn splatting(&self, view: &View) -> uniforms::VolumeShell {
+    /// What what scatters reads, beside levels.
+    pub fn scattering(&self, view: &View) -> uniforms::VolumeShell {
         uniforms::VolumeShell {
-            attenuated: u32::from(self.attenuated),
-            culled: u32::from(self.culled),
+            steps: self.steps.max(1),
             points: self.points.max(1),
             nearest: self.nearest * view.radius,
+            padding: 0,
         }
+    }
+
+    /// How rays are divided, as plain Rust reads it.
+    pub(super) fn division(&self, seed: u32) -> Division {
+        let is_wide = self.improvements.has(Improvement::WideEncoding);
+        Division { steps: self.steps.max(1), samples: self.samples as usize, is_wide, seed }
     }
 }
 
@@ -139,7 +157,7 @@ impl Technique for Parameters {
         uniforms: &[wgpu::Buffer],
         output: &wgpu::Buffer,
     ) -> Result<Vec<MethodStep>, GpuError> {
-        passes.steps(device, inputs, uniforms, output)
+        passes.steps(device, self, inputs, uniforms, output)
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {

@@ -1,24 +1,23 @@
 //! What runs on the GPU: surfels, their light through the medium and their tree; the interval map; the levels one after the
 //! other, and their sum.
 
-use super::Parameters;
+use super::improvements::Improvement;
+use super::map::{self, IntervalMap};
 use super::pyramid::{Pyramid, Room};
+use super::{Parameters, far_reaching};
 use crate::methods::surfel::passes::groups_of_level;
 use crate::raster::World;
 use crate::raster::medium::MediumOnGpu;
-use crate::screen::{GpuGBuffer, Inputs, MethodStep, Step, View};
+use crate::screen::{Inputs, MethodStep, Step, View, Workgroups};
 use crate::surfels::{self, Cloud, Lit, Tree, frame};
 use bytemuck::bytes_of;
-use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{self, Shader, TILE, uniforms};
+use deepshade_shaders::wgsl::{self, TILE, uniforms};
 
-/// The compiled passes.
+/// The compiled passes; those that depend on parameters are compiled where they are bound.
 #[derive(Clone, Debug)]
 pub struct Passes {
     surfels: surfels::Passes,
-    intervals: Pass,
-    splat: Pass,
     pyramid: Pyramid,
     add: Pass,
 }
@@ -27,10 +26,10 @@ pub struct Passes {
 pub fn uniforms(parameters: &Parameters, view: &View) -> Vec<Vec<u8>> {
     let mut settings = parameters.surfels;
     // Near is over the effect's radius, which is not how far surfels matter.
-    settings.near *= view.radius / super::far_reaching(view).radius;
-    let mut all: Vec<Vec<u8>> = frame::uniforms(&settings, &super::far_reaching(view)).collect();
+    settings.near *= view.radius / far_reaching(view).radius;
+    let mut all: Vec<Vec<u8>> = frame::uniforms(&settings, &far_reaching(view)).collect();
     all.push(bytes_of(&parameters.marching(view)).to_vec());
-    all.push(bytes_of(&parameters.splatting(view)).to_vec());
+    all.push(bytes_of(&parameters.scattering(view)).to_vec());
     for level in 0..parameters.levels {
         all.push(bytes_of(&parameters.level(level, view)).to_vec());
         let (width, height) = (view.width as u32, view.height as u32);
@@ -41,27 +40,17 @@ pub fn uniforms(parameters: &Parameters, view: &View) -> Vec<Vec<u8>> {
     all
 }
 
-/// The interval map of a frame.
-struct IntervalMap {
-    /// `[height, width, 4]` f32: where rays enter and leave, density times length, random offset.
-    rays: wgpu::Buffer,
-    /// `[height, width, SAMPLES]` u16: shares of the way.
-    distances: wgpu::Buffer,
-}
-
 impl Passes {
     /// Compiles them.
     ///
     /// # Errors
     /// If the device refuses them.
     pub fn new(device: &wgpu::Device) -> Result<Self, GpuError> {
-        let pass = |shader: &Shader| Pass::new(device, shader.name, &shader.source());
+        let add = &wgsl::VOLUME_SHELL_ADD;
         Ok(Self {
             surfels: surfels::Passes::new(device, Tree::Lit)?,
-            intervals: pass(&wgsl::VOLUME_SHELL_INTERVALS)?,
-            splat: pass(&wgsl::VOLUME_SHELL_SPLAT)?,
             pyramid: Pyramid::new(device)?,
-            add: pass(&wgsl::VOLUME_SHELL_ADD)?,
+            add: Pass::new(device, add.name, &add.source())?,
         })
     }
 
@@ -72,6 +61,7 @@ impl Passes {
     pub fn steps(
         &self,
         device: &wgpu::Device,
+        parameters: &Parameters,
         inputs: &Inputs<'_>,
         uniforms: &[wgpu::Buffer],
         image: &wgpu::Buffer,
@@ -80,18 +70,21 @@ impl Passes {
         let (of_surfels, [march, volume, levels @ ..]) = uniforms.split_at(frame::UNIFORMS) else {
             unreachable!("march and splats have a uniform buffer each")
         };
-        let lit = Some(Lit::Dimmed);
+        let lit = Some(Lit::Dimmed { is_grey: parameters.is_grey() });
         let (cloud, mut steps) = frame::steps(&self.surfels, device, inputs.world, of_surfels, lit)?;
-        let (map, step) = self.map(device, inputs.gbuffer, world, [march, &of_surfels[1]])?;
+        let view = &of_surfels[1];
+        let read = map::Uniforms { march, view };
+        let (map, step) = IntervalMap::step(device, parameters, inputs.gbuffer, world, read)?;
         steps.push(step);
         let (height, width) = (inputs.gbuffer.height(), inputs.gbuffer.width());
         let sums = gpu::empty::<[f32; 4]>(device, "volume-shell.sums", height * width)?;
         let room = Room::new(device, [width, height], levels.len() / 2 - 1)?;
+        let pass = splat_pass(device, parameters, world.medium.kind)?;
+        let splatting = Splatting { pass, world, volume, view, cloud: &cloud, map: &map, sums: &sums };
         for (level, uniforms) in levels.chunks_exact(2).enumerate() {
             let [splat, sum] = uniforms else { unreachable!("a level has two uniform buffers") };
             let workgroups = groups_of_level([width, height], level);
-            let read = [splat, volume, &of_surfels[1]];
-            steps.push(self.splat(device, world, read, &cloud, &map, &sums, workgroups)?);
+            steps.push(splatting.step(device, splat, workgroups.into())?);
             let smooth = if level == 0 { &sums } else { &room.smooth };
             if level > 0 {
                 steps.extend(self.pyramid.steps(device, &sums, &room, level)?);
@@ -101,55 +94,51 @@ impl Passes {
         }
         Ok(steps)
     }
+}
 
-    /// The interval map and the pass that makes it.
-    fn map(
+/// The pass that splats a level, for a kind of medium.
+fn splat_pass(device: &wgpu::Device, parameters: &Parameters, medium: u32) -> Result<Pass, GpuError> {
+    let improvements = parameters.improvements;
+    let shader = match improvements.has(Improvement::WideEncoding) {
+        true => &wgsl::VOLUME_SHELL_SPLAT,
+        false => &wgsl::VOLUME_SHELL_PAPER_SPLAT,
+    };
+    let source = shader.specialised(&[
+        ("SAMPLES", parameters.samples),
+        ("MEDIUM", medium),
+        ("GREY", u32::from(parameters.is_grey())),
+        ("ATTENUATED", improvements.flag(Improvement::Attenuation)),
+        ("TOUCHED_ONLY", improvements.flag(Improvement::TouchedOnly)),
+        ("SILHOUETTES", improvements.flag(Improvement::Silhouettes)),
+    ]);
+    Pass::new(device, shader.name, &source)
+}
+
+/// What the splats of all levels are bound to.
+struct Splatting<'a> {
+    pass: Pass,
+    world: &'a World,
+    volume: &'a wgpu::Buffer,
+    view: &'a wgpu::Buffer,
+    cloud: &'a Cloud,
+    map: &'a IntervalMap,
+    sums: &'a wgpu::Buffer,
+}
+
+impl Splatting<'_> {
+    fn step(
         &self,
         device: &wgpu::Device,
-        gbuffer: &GpuGBuffer,
-        world: &World,
-        [march, view]: [&wgpu::Buffer; 2],
-    ) -> Result<(IntervalMap, MethodStep), GpuError> {
-        let (height, width) = (gbuffer.height(), gbuffer.width());
-        let rays = gpu::empty::<[f32; 4]>(device, "volume-shell.rays", height * width)?;
-        let distances = gpu::empty::<[u32; 8]>(device, "volume-shell.distances", height * width)?;
-        let MediumOnGpu { record, densities } = &world.medium;
-        let [valid, position] = [Attribute::Valid, Attribute::Position].map(|a| gbuffer.buffer(a));
-        let pass = self.intervals.bind(
-            device,
-            &[
-                march.as_entire_binding(),
-                view.as_entire_binding(),
-                record.as_entire_binding(),
-                wgpu::BindingResource::TextureView(densities),
-                valid.as_entire_binding(),
-                position.as_entire_binding(),
-                rays.as_entire_binding(),
-                distances.as_entire_binding(),
-            ],
-        )?;
-        let workgroups = gpu::groups(height, width, TILE).into();
-        let writes = vec![rays.clone(), distances.clone()];
-        Ok((IntervalMap { rays, distances }, MethodStep { step: Step { pass, workgroups }, writes }))
-    }
-
-    #[allow(clippy::too_many_arguments, reason = "what a pass binds")]
-    fn splat(
-        &self,
-        device: &wgpu::Device,
-        world: &World,
-        [level, volume, view]: [&wgpu::Buffer; 3],
-        cloud: &Cloud,
-        map: &IntervalMap,
-        sums: &wgpu::Buffer,
-        workgroups: [u32; 3],
+        level: &wgpu::Buffer,
+        workgroups: Workgroups,
     ) -> Result<MethodStep, GpuError> {
-        let MediumOnGpu { record, densities } = &world.medium;
-        let buffers = [level, volume, view, record, &cloud.totals, &cloud.surfels, &cloud.nodes, sums];
-        let more = cloud.sent.iter().chain([&map.rays, &map.distances]);
+        let MediumOnGpu { record, densities } = &self.world.medium;
+        let Cloud { totals, surfels, nodes, sent, .. } = self.cloud;
+        let buffers = [level, self.volume, self.view, record, totals, surfels, nodes, self.sums];
+        let more = sent.iter().chain([&self.map.rays, &self.map.samples]);
         let buffers = buffers.into_iter().chain(more).map(|buffer| buffer.as_entire_binding());
         let resources: Vec<_> = buffers.chain([wgpu::BindingResource::TextureView(densities)]).collect();
-        let pass = self.splat.bind(device, &resources)?;
-        Ok(MethodStep { step: Step { pass, workgroups: workgroups.into() }, writes: vec![sums.clone()] })
+        let pass = self.pass.bind(device, &resources)?;
+        Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![self.sums.clone()] })
     }
 }

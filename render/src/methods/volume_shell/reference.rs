@@ -1,6 +1,7 @@
 //! Volume shells in plain Rust: shells without a tree.
 
-use super::intervals::{Ray, SAMPLES, mean_transmittance};
+use super::improvements::Improvement;
+use super::intervals::{Interval, Ray, mean_transmittance};
 use super::pyramid::Image;
 use super::{Parameters, far_reaching};
 use crate::bvh::TracedScene;
@@ -17,13 +18,61 @@ use glam::{UVec2, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 use std::f32::consts::PI;
 
-/// A pixel's ray, camera space, with where its samples are and what of the light that is scattered behind each arrives.
-struct LitRay {
-    direction: Vec3,
-    ends: [f32; SAMPLES],
-    weights: [Vec3; SAMPLES - 1],
+/// The rays of an image's pixels.
+pub struct Rays<'a> {
+    medium: &'a Medium,
+    parameters: &'a Parameters,
+    view: &'a View,
+    position: Planes,
+    valid: Planes,
+}
+
+/// A pixel's ray, with what its intervals scatter.
+pub struct PixelRay {
+    /// Unit direction, world space.
+    pub direction: Vec3,
+    /// In order.
+    pub intervals: Vec<Interval>,
     /// How much of what falls on it from behind is scattered or absorbed.
     scatters: f32,
+}
+
+impl<'a> Rays<'a> {
+    /// Of a view of a medium.
+    ///
+    /// # Errors
+    /// If the g-buffer lacks an attribute.
+    pub fn new(
+        gbuffer: &GBuffer,
+        medium: &'a Medium,
+        parameters: &'a Parameters,
+        view: &'a View,
+    ) -> Result<Self, MissingAttribute> {
+        let position = gbuffer.select(&[Attribute::Position])?;
+        Ok(Self { medium, parameters, view, position, valid: gbuffer.select(&[Attribute::Valid])? })
+    }
+
+    /// That of a pixel.
+    pub fn of(&self, pixel: UVec2) -> PixelRay {
+        let [x, y] = [pixel.x as usize, pixel.y as usize];
+        let surface = Vec3::from([0, 1, 2].map(|c| self.position.at(c, y, x))).length();
+        let length = if shows_surface(self.valid.at(0, y, x)) { surface } else { 1e30 };
+        let View { camera, height, width, seed, .. } = *self.view;
+        let direction = camera.direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5), height, width);
+        let segment = Segment { origin: camera.position, direction, length };
+        let ray = Ray::marched(self.medium, segment, &self.parameters.division(seed), pixel);
+        let scatters = match self.parameters.improvements.has(Improvement::Silhouettes) {
+            true => 1.0 - mean_transmittance(self.medium, ray.whole),
+            false => 1.0,
+        };
+        PixelRay { direction, intervals: ray.intervals(self.medium), scatters }
+    }
+}
+
+/// The medium of a scene as the method sees it.
+pub fn seen_medium(scene: &TracedScene, parameters: &Parameters) -> Option<Medium> {
+    let medium = scene.scene().medium.as_deref()?;
+    Some(if parameters.is_grey() { medium.in_grey() } else { medium.clone() })
 }
 
 /// The image of a scene's surfels, `[3, height, width]`; black without a medium.
@@ -37,31 +86,15 @@ pub fn shade(
     view: &View,
 ) -> Result<Planes, MissingAttribute> {
     let (height, width) = (view.height, view.width);
-    let position = gbuffer.select(&[Attribute::Position])?;
-    let valid = gbuffer.select(&[Attribute::Valid])?;
     let mut image = Planes::filled(3, height, width, 0.0);
-    let Some(medium) = scene.scene().medium.as_deref() else { return Ok(image) };
-    let far = far_reaching(view);
-    let settings = surfels::Parameters {
-        near: parameters.surfels.near * view.radius / far.radius,
-        ..parameters.surfels
-    };
-    let disks = laid(scene, &settings, &far, Some(Lit::Dimmed));
-    let ray_of = |pixel: UVec2| {
-        let [x, y] = [pixel.x as usize, pixel.y as usize];
-        let surface = Vec3::from([0, 1, 2].map(|c| position.at(c, y, x))).length();
-        let length = if shows_surface(valid.at(0, y, x)) { surface } else { 1e30 };
-        let camera = &view.camera;
-        let direction = camera.direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5), height, width);
-        let segment = Segment { origin: camera.position, direction, length };
-        let ray = Ray::marched(medium, segment, parameters.steps, pixel, view.seed);
-        lit_ray(medium, &ray, camera.direction_to_camera(direction))
-    };
+    let Some(medium) = seen_medium(scene, parameters) else { return Ok(image) };
+    let rays = Rays::new(gbuffer, &medium, parameters, view)?;
+    let disks = lit_disks(scene, parameters, view);
     for level in 0..parameters.levels {
         let settings = parameters.level(level, view);
-        let scattering = Scattering { medium, parameters, view, level: &settings };
+        let scattering = Scattering { medium: &medium, parameters, view, level: &settings };
         let mut sums = Image { size: [width, height], texels: vec![Vec4::ZERO; width * height] };
-        for (pixel, sum) in scattering.sums(&disks, &ray_of) {
+        for (pixel, sum) in scattering.over_pixels(&disks, &rays, &|disks, ray| scattering.sum(disks, ray)) {
             sums.texels[pixel.y as usize * width + pixel.x as usize] = sum;
         }
         let smooth = sums.smooth(level);
@@ -73,19 +106,45 @@ pub fn shade(
     Ok(image)
 }
 
-fn lit_ray(medium: &Medium, ray: &Ray, direction: Vec3) -> LitRay {
-    let extinction = medium.extinction();
-    let albedo = medium.scattering / extinction.max(Vec3::splat(1e-30));
-    let passes = |sample: usize| match sample {
-        0 => Vec3::ONE,
-        sample => (-extinction * ray.passed_before(medium, sample)).exp(),
-    };
-    LitRay {
-        direction,
-        ends: std::array::from_fn(|sample| ray.distance(sample)),
-        scatters: 1.0 - mean_transmittance(medium, ray.whole),
-        weights: std::array::from_fn(|i| albedo * (passes(i) - passes(i + 1)).max(Vec3::ZERO)),
+/// What splatting a frame takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Pairs of a pixel and a surfel whose shell its ray meets.
+    pub pairs: u64,
+    /// Intervals that these pairs visit.
+    pub visits: u64,
+}
+
+/// What splatting a scene's frame takes; nothing without a medium.
+///
+/// # Errors
+/// If the g-buffer lacks an attribute.
+pub fn work(
+    gbuffer: &GBuffer,
+    scene: &TracedScene,
+    parameters: &Parameters,
+    view: &View,
+) -> Result<Work, MissingAttribute> {
+    let Some(medium) = seen_medium(scene, parameters) else { return Ok(Work::default()) };
+    let rays = Rays::new(gbuffer, &medium, parameters, view)?;
+    let disks = lit_disks(scene, parameters, view);
+    let mut work = Work::default();
+    for level in 0..parameters.levels {
+        let settings = parameters.level(level, view);
+        let scattering = Scattering { medium: &medium, parameters, view, level: &settings };
+        for (_, its) in scattering.over_pixels(&disks, &rays, &|disks, ray| scattering.work(disks, ray)) {
+            work = Work { pairs: work.pairs + its.pairs, visits: work.visits + its.visits };
+        }
     }
+    Ok(work)
+}
+
+/// The surfels of a scene with the light that they send through its medium.
+fn lit_disks(scene: &TracedScene, parameters: &Parameters, view: &View) -> Vec<Disk> {
+    let far = far_reaching(view);
+    let near = parameters.surfels.near * view.radius / far.radius;
+    let settings = surfels::Parameters { near, ..parameters.surfels };
+    laid(scene, &settings, &far, Some(Lit::Dimmed { is_grey: parameters.is_grey() }))
 }
 
 /// What is the same for all pairs of a level.
@@ -96,9 +155,12 @@ struct Scattering<'a> {
     level: &'a uniforms::SplatLevel,
 }
 
+/// What is asked of a sub-buffer's disks and a ray of its pixels.
+type Asked<'a, T> = dyn Fn(&mut dyn Iterator<Item = &Disk>, &PixelRay) -> T + Sync + 'a;
+
 impl Scattering<'_> {
-    /// What is scattered to each pixel.
-    fn sums(&self, disks: &[Disk], ray_of: &(dyn Fn(UVec2) -> LitRay + Sync)) -> Vec<(UVec2, Vec4)> {
+    /// What is asked, of each pixel.
+    fn over_pixels<T: Send>(&self, disks: &[Disk], rays: &Rays<'_>, asked: &Asked<'_, T>) -> Vec<(UVec2, T)> {
         let &uniforms::SplatLevel { width, height, level, seed, .. } = self.level;
         let places = UVec2::new(width.div_ceil(1 << level), height.div_ceil(1 << level));
         let in_sub_buffer = |sub_buffer: u32| {
@@ -107,28 +169,59 @@ impl Scattering<'_> {
                 .map(move |(sub_buffer, place)| (sub_buffer, shells::pixel(sub_buffer, place, level, seed)))
                 .filter(move |(_, pixel)| pixel.x < width && pixel.y < height)
         };
-        let pixels = (0..1u32 << (2 * level)).into_par_iter().flat_map_iter(in_sub_buffer);
-        pixels.map(|(sub_buffer, pixel)| (pixel, self.sum(disks, sub_buffer, &ray_of(pixel)))).collect()
+        let answer = |(sub_buffer, pixel): (u32, UVec2)| {
+            let all = disks.iter().skip(sub_buffer as usize).step_by(1 << (2 * level));
+            let mut its = all.filter(|disk| disk.sent != [Vec3::ZERO; 2]);
+            (pixel, asked(&mut its, &rays.of(pixel)))
+        };
+        (0..1u32 << (2 * level)).into_par_iter().flat_map_iter(in_sub_buffer).map(answer).collect()
     }
 
-    /// What the disks of a sub-buffer scatter to a pixel of it.
-    fn sum(&self, disks: &[Disk], sub_buffer: u32, ray: &LitRay) -> Vec4 {
-        let its = disks.iter().skip(sub_buffer as usize).step_by(1 << (2 * self.level.level));
-        let scattered = its.filter(|disk| disk.sent != [Vec3::ZERO; 2]).map(|disk| {
-            let at = |i: usize| ray.weights[i] * self.at(disk, 0.5 * (ray.ends[i] + ray.ends[i + 1]), ray);
-            (0..SAMPLES - 1).map(at).sum::<Vec3>()
+    /// What disks scatter to a pixel.
+    fn sum(&self, disks: &mut dyn Iterator<Item = &Disk>, ray: &PixelRay) -> Vec4 {
+        let direction = self.view.camera.direction_to_camera(ray.direction);
+        let scattered = disks.map(|disk| {
+            let by = |interval: &Interval| interval.weight * self.at(disk, interval.distance, direction);
+            ray.intervals.iter().map(by).sum::<Vec3>()
         });
         (scattered.sum::<Vec3>() * self.level.stands_for).extend(ray.scatters)
     }
 
-    fn at(&self, disk: &Disk, distance: f32, ray: &LitRay) -> Vec3 {
-        let point = distance * ray.direction;
-        let way = disk.place - point;
-        let squared = way.length_squared();
-        let outer = match self.level.last {
+    fn work(&self, disks: &mut dyn Iterator<Item = &Disk>, ray: &PixelRay) -> Work {
+        let direction = self.view.camera.direction_to_camera(ray.direction);
+        let mut work = Work::default();
+        for disk in disks {
+            let along = disk.place.dot(direction);
+            let aside = (disk.place - along * direction).length_squared();
+            let half = |radius: f32| radius * radius - aside;
+            let [hole, reach] = [disk.radius * self.level.nearest, self.outer(disk)].map(half);
+            if reach <= 0.0 {
+                continue;
+            }
+            let is_touched = |interval: &&Interval| {
+                let squared = (interval.distance - along).powi(2);
+                !self.parameters.improvements.has(Improvement::TouchedOnly)
+                    || (squared < reach && squared >= hole)
+            };
+            work.pairs += 1;
+            work.visits += ray.intervals.iter().filter(is_touched).count() as u64;
+        }
+        work
+    }
+
+    /// How far a disk's shell reaches.
+    fn outer(&self, disk: &Disk) -> f32 {
+        match self.level.last {
             1 => self.level.reach,
             _ => self.level.reach.min(disk.radius * self.level.farthest),
-        };
+        }
+    }
+
+    fn at(&self, disk: &Disk, distance: f32, direction: Vec3) -> Vec3 {
+        let point = distance * direction;
+        let way = disk.place - point;
+        let squared = way.length_squared();
+        let outer = self.outer(disk);
         let facing = facing(way, disk);
         if squared < (disk.radius * self.level.nearest).powi(2) || squared >= outer * outer || facing <= 0.0 {
             return Vec3::ZERO;
@@ -137,12 +230,12 @@ impl Scattering<'_> {
         let nearest = self.parameters.nearest * self.view.radius;
         let area = disk.radius * disk.radius;
         let solid_angle = PI * area * facing / (distance * (squared.max(nearest * nearest) + area));
-        let phase = HenyeyGreenstein::new(self.medium.anisotropy).evaluate(way.dot(ray.direction) / distance);
+        let phase = HenyeyGreenstein::new(self.medium.anisotropy).evaluate(way.dot(direction) / distance);
         sent(way, disk) * self.arriving(point, way / distance, distance) * (solid_angle * phase)
     }
 
     fn arriving(&self, point: Vec3, direction: Vec3, distance: f32) -> Vec3 {
-        if !self.parameters.attenuated {
+        if !self.parameters.improvements.has(Improvement::Attenuation) {
             return Vec3::ONE;
         }
         let camera = &self.view.camera;

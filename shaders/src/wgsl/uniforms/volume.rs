@@ -7,9 +7,9 @@ uniforms! {
     MediumRecord {
         /// Scattering coefficient of each colour at density 1, 1/m; the mean cosine of the scattering angle.
         scattering: vec4f,
-        /// Extinction coefficient; 0 everywhere, 1 in a box, 2 a grid in a box.
+        /// Extinction coefficient.
         extinction: vec4f,
-        /// The box's least coordinates, world space, metres.
+        /// The box's least coordinates, world space, metres; the largest density.
         low: vec4f,
         /// Its largest.
         high: vec4f,
@@ -41,15 +41,15 @@ uniforms! {
         coarse_height: u32,
     }
 
-    /// What `methods/volume_shell/splat` reads beside the level.
+    /// What `methods/volume_shell/splat` and `direct` read beside the level.
     VolumeShell {
-        /// 1 where the medium dims light on its way from a surfel.
-        attenuated: u32,
-        /// 1 where only the intervals are visited that a shell touches.
-        culled: u32,
-        /// Points of that way at which a grid's density is looked up.
+        /// Points of a ray's way through the medium at which density was looked up.
+        steps: u32,
+        /// Points of the way from a surfel at which a grid's density is looked up.
         points: u32,
         /// Surfels nearer than this, metres, do what they would at this distance.
         nearest: f32,
+        /// Nothing.
+        padding: u32,
     }
 }

@@ -1,6 +1,6 @@
 // The transmittance interval map (Nalbach, Ritschel and Seidel 2014, 4.1): of each pixel's ray the distances between which
-// the transmittance to the eye falls by equal parts of all that it falls by. The plain version is
-// render/src/methods/volume_shell/intervals.rs.
+// the transmittance to the eye falls by equal parts of all that it falls by. How a ray's samples are kept is
+// shared/intervals_encode_*. The plain version is render/src/methods/volume_shell/intervals.rs.
 
 @group(0) @binding(0) var<uniform> marching: Intervals;
 @group(0) @binding(1) var<uniform> view: FrameView;
@@ -12,8 +12,23 @@
 // [height, width, 4]: where the ray enters the medium, and where it leaves it or ends on a surface, metres; its density times
 // length; the pixel's random offset.
 @group(0) @binding(6) var<storage, read_write> rays: array<vec4f>;
-// [height, width, SAMPLES / 2]: the distances, as shares of the ray's way through the medium, 16 bits each.
-@group(0) @binding(7) var<storage, read_write> distances: array<array<u32, SAMPLES / 2u>>;
+// [height, width, SAMPLES / 2]: the samples.
+@group(0) @binding(7) var<storage, read_write> samples: array<array<u32, SAMPLES / 2u>>;
+
+// A ray's way through the medium in steps.
+struct March {
+    direction: vec3f,
+    enters: f32,
+    // Metres.
+    step: f32,
+    steps: u32,
+    offset: f32,
+}
+
+// Density at a step.
+fn density_at(step: u32, march: March) -> f32 {
+    return density_inside(view.eye.xyz + march.direction * (march.enters + (f32(step) + march.offset) * march.step));
+}
 
 // Where the surface is, along the ray; far away where none is seen.
 fn surface_distance(at: u32, pixels: u32) -> f32 {
@@ -22,7 +37,7 @@ fn surface_distance(at: u32, pixels: u32) -> f32 {
 }
 
 @compute @workgroup_size(TILE, TILE)
-fn march(@builtin(global_invocation_id) id: vec3u) {
+fn find_intervals(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= marching.width || id.y >= marching.height {
         return;
     }
@@ -32,35 +47,33 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
     let steps = bounded(marching.steps, id.xy);
     let step = max(span.y - span.x, 0.0) / f32(steps);
     // One random offset for all steps and all thresholds of a pixel: banding is worse than noise.
-    let offset = random(id.xy, marching.seed, 0u);
+    let march = March(direction, span.x, step, steps, random(id.xy, marching.seed, 0u));
     var whole = 0.0;
     for (var i = 0u; i < steps; i++) {
-        whole += density_inside(view.eye.xyz + direction * (span.x + (f32(i) + offset) * step)) * step;
+        whole += density_at(i, march) * step;
     }
-    rays[at] = vec4f(span, whole, offset);
+    rays[at] = vec4f(span, whole, march.offset);
     let least = mean_transmittance(whole);
 
     // The first is where density begins, the last where it ends.
-    var packed: array<u32, SAMPLES / 2u>;
     var next = 0u;
     var passed = 0.0;
     for (var i = 0u; i < steps; i++) {
-        let here = density_inside(view.eye.xyz + direction * (span.x + (f32(i) + offset) * step)) * step;
+        let here = density_at(i, march) * step;
         let before = mean_transmittance(passed);
         passed += here;
         let after = mean_transmittance(passed);
-        while here > 0.0 && next < SAMPLES && after <= threshold(next, least, offset) {
+        while here > 0.0 && next < SAMPLES && after <= threshold(next, least, march.offset) {
             // Within a step transmittance falls evenly.
-            let part = (before - threshold(next, least, offset)) / max(before - after, 1e-30);
-            let share = (f32(i) + clamp(part, 0.0, 1.0)) / f32(steps);
-            packed[next / 2u] |= u32(share * 65535.0 + 0.5) << (16u * (next % 2u));
+            let part = (before - threshold(next, least, march.offset)) / max(before - after, 1e-30);
+            keep(next, i, clamp(part, 0.0, 1.0), march);
             next++;
         }
     }
     // What rounding leaves is at the end.
     while next < SAMPLES {
-        packed[next / 2u] |= 65535u << (16u * (next % 2u));
+        keep(next, steps - 1u, 1.0, march);
         next++;
     }
-    distances[at] = packed;
+    samples[at] = kept();
 }

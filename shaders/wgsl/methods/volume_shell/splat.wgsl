@@ -9,10 +9,10 @@
 @group(0) @binding(4) var<storage, read> totals: Totals;
 @group(0) @binding(5) var<storage, read> surfels: array<Surfel>;
 @group(0) @binding(6) var<storage, read> nodes: array<Node>;
-// [height, width, 4]: light, and how much of what falls on the ray from behind is scattered or absorbed.
+// [height, width, 4]: light, and how much the ray scatters.
 @group(0) @binding(7) var<storage, read_write> sums: array<vec4f>;
 @group(0) @binding(9) var<storage, read> rays: array<vec4f>;
-@group(0) @binding(10) var<storage, read> distances: array<array<u32, SAMPLES / 2u>>;
+@group(0) @binding(10) var<storage, read> samples: array<array<u32, SAMPLES / 2u>>;
 @group(0) @binding(11) var densities: texture_3d<f32>;
 
 // A pixel's ray, camera space.
@@ -20,10 +20,21 @@ struct Query {
     direction: vec3f,
     enters: f32,
     leaves: f32,
+    // Points at which a grid's density is looked up on the way from a surfel.
+    lookups: u32,
 }
 
-fn outer(distance: f32) -> f32 {
-    return select(min(level.reach, distance * level.farthest), level.reach, level.last == 1u);
+// Where a ray is in the shell around a surfel.
+struct Shell {
+    // The surfel's distance along the ray, and its shell's reach from there.
+    along: f32,
+    half: f32,
+    // The same of the hole in its middle; negative where the ray misses it.
+    hole: f32,
+}
+
+fn outer(radius: f32) -> f32 {
+    return select(min(level.reach, radius * level.farthest), level.reach, level.last == 1u);
 }
 
 // Whether a surfel below a node may do something to a part of the ray: by the sphere around its box.
@@ -35,20 +46,43 @@ fn reaches(node: Node, ray: Query) -> bool {
     return node.low.w > 0.0 && dot(way, way) <= reach * reach;
 }
 
-fn sample_distance(words: array<u32, SAMPLES / 2u>, index: u32, ray: Query) -> f32 {
-    var all = words;
-    let share = f32((all[index / 2u] >> (16u * (index % 2u))) & 65535u) / 65535.0;
-    return mix(ray.enters, ray.leaves, share);
+// Half of the length that a sphere has of a line at a squared distance from its middle; negative where it has none.
+fn half_chord(radius: f32, aside: f32) -> f32 {
+    let rest = radius * radius - aside;
+    return select(-1.0, sqrt(max(rest, 0.0)), rest > 0.0);
+}
+
+fn shell_around(which: u32, ray: Query) -> Shell {
+    let place = surfels[which].place;
+    let radius = surfel_radius(surfels[which]);
+    let along = dot(place, ray.direction);
+    let off = place - along * ray.direction;
+    let aside = dot(off, off);
+    return Shell(along, half_chord(outer(radius), aside), half_chord(radius * level.nearest, aside));
+}
+
+// The first point of the ray that is no nearer than this.
+fn first_beyond(distance: f32) -> u32 {
+    var low = 0u;
+    var high = INTERVALS;
+    while low < high {
+        let middle = (low + high) / 2u;
+        if points[middle] < distance {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
 }
 
 // What of light from a surfel arrives at a point of the ray.
-fn arriving_share(way: vec3f, distance: f32, point: vec3f) -> vec3f {
-    if volume.attenuated == 0u {
+fn arriving_share(way: vec3f, distance: f32, point: vec3f, ray: Query) -> vec3f {
+    if ATTENUATED == 0u {
         return vec3f(1.0);
     }
     let origin = view.eye.xyz + from_view(point, view);
-    let passed = passed_density(origin, from_view(way / distance, view), distance, volume.points);
-    return exp(-medium.extinction.rgb * passed);
+    return share_of_colours(passed_density(origin, from_view(way / distance, view), distance, ray.lookups));
 }
 
 // What a surfel scatters at a point of the ray towards the eye, of all that is scattered there.
@@ -66,28 +100,29 @@ fn scattered_at(which: u32, point: vec3f, ray: Query) -> vec3f {
     let bounded_square = max(squared, volume.nearest * volume.nearest);
     let solid_angle = PI * radius * radius * facing / (distance * (bounded_square + radius * radius));
     let cosine = dot(way, ray.direction) / distance;
-    return surfel_sent(which, way) * arriving_share(way, distance, point) * (solid_angle * phase(cosine));
+    return surfel_sent(which, way) * arriving_share(way, distance, point, ray) * (solid_angle * phase(cosine));
 }
 
 // Light of the intervals of a ray that are in the shell around a surfel.
-fn scattered_by(which: u32, ends: array<f32, SAMPLES>, weights: array<vec3f, SAMPLES>, ray: Query) -> vec3f {
-    var all = ends;
-    var shares = weights;
-    let along = dot(surfels[which].place, ray.direction);
-    let aside = surfels[which].place - along * ray.direction;
-    let farthest = outer(surfel_radius(surfels[which]));
-    let rest = farthest * farthest - dot(aside, aside);
+fn scattered_by(which: u32, ray: Query) -> vec3f {
+    let shell = shell_around(which, ray);
     var sum = vec3f(0.0);
-    if rest <= 0.0 {
+    if shell.half < 0.0 {
         return sum;
     }
-    let half = sqrt(rest);
-    for (var i = 0u; i + 1u < SAMPLES; i++) {
-        let middle = 0.5 * (all[i] + all[i + 1u]);
-        if volume.culled == 1u && abs(middle - along) > half {
-            continue;
+    var next = 0u;
+    var end = INTERVALS;
+    if TOUCHED_ONLY == 1u {
+        next = first_beyond(shell.along - shell.half);
+        end = first_beyond(shell.along + shell.half);
+    }
+    while next < end {
+        if TOUCHED_ONLY == 1u && abs(points[next] - shell.along) < shell.hole {
+            next = max(first_beyond(shell.along + shell.hole), next + 1u);
+        } else {
+            sum += weights[next] * scattered_at(which, points[next] * ray.direction, ray);
+            next++;
         }
-        sum += shares[i] * scattered_at(which, middle * ray.direction, ray);
     }
     return sum;
 }
@@ -101,21 +136,9 @@ fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
     }
     let at = pixel.y * level.width + pixel.x;
     let record = rays[at];
-    let ray = Query(normalize(view_position(vec2f(pixel) + 0.5, 1.0, view)), record.x, record.y);
-    // Where samples are, and what of the light that is scattered in the interval behind each arrives at the eye.
-    var ends: array<f32, SAMPLES>;
-    var weights: array<vec3f, SAMPLES>;
-    for (var i = 0u; i < SAMPLES; i++) {
-        ends[i] = sample_distance(distances[at], i, ray);
-    }
-    let extinction = medium.extinction.rgb;
-    let albedo = medium.scattering.rgb / max(extinction, vec3f(1e-30));
-    var before = vec3f(1.0);
-    for (var i = 0u; i + 1u < SAMPLES; i++) {
-        let after = exp(-extinction * passed_before(i + 1u, record.z, record.w));
-        weights[i] = albedo * max(before - after, vec3f(0.0));
-        before = after;
-    }
+    let direction = normalize(view_position(vec2f(pixel) + 0.5, 1.0, view));
+    let ray = Query(direction, record.x, record.y, bounded(volume.points, pixel));
+    read_intervals(samples[at], record, volume.steps);
     var sum = vec3f(0.0);
     if record.y > record.x && record.z > 0.0 {
         let leaves = bounded(level.level, pixel);
@@ -127,10 +150,12 @@ fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
                 if which >= totals.kept {
                     break;
                 }
-                sum += scattered_by(which, ends, weights, ray);
+                sum += scattered_by(which, ray);
             }
             walk = next_leaf(after(walk), leaves, ray);
         }
     }
-    sums[at] = vec4f(level.stands_for * sum, 1.0 - mean_transmittance(record.z));
+    // What is blurred is light over how much the ray scatters, or light alone.
+    let scatters = select(1.0, 1.0 - mean_transmittance(record.z), SILHOUETTES == 1u);
+    sums[at] = vec4f(level.stands_for * sum, scatters);
 }

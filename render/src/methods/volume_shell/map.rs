@@ -1,0 +1,71 @@
+//! The transmittance interval map on the GPU.
+
+use super::Parameters;
+use super::improvements::Improvement;
+use crate::raster::World;
+use crate::raster::medium::MediumOnGpu;
+use crate::screen::{GpuGBuffer, MethodStep, Step};
+use deepshade_shaders::Attribute;
+use deepshade_shaders::gpu::{self, GpuError, Pass};
+use deepshade_shaders::wgsl::{self, TILE};
+
+/// That of a frame.
+#[derive(Clone, Debug)]
+pub struct IntervalMap {
+    /// `[height, width, 4]` f32: where rays enter and leave, density times length, random offset.
+    pub rays: wgpu::Buffer,
+    /// `[height, width, samples]` u16: the samples, in one of the encodings.
+    pub samples: wgpu::Buffer,
+}
+
+/// What the march reads beside the g-buffer.
+#[derive(Clone, Copy, Debug)]
+pub struct Uniforms<'a> {
+    /// [`Intervals`](wgsl::uniforms::Intervals).
+    pub march: &'a wgpu::Buffer,
+    /// [`FrameView`](wgsl::uniforms::FrameView) of the camera.
+    pub view: &'a wgpu::Buffer,
+}
+
+impl IntervalMap {
+    /// The map and the pass that makes it.
+    ///
+    /// # Errors
+    /// If the device has no room, or refuses the pass.
+    pub fn step(
+        device: &wgpu::Device,
+        parameters: &Parameters,
+        gbuffer: &GpuGBuffer,
+        world: &World,
+        uniforms: Uniforms<'_>,
+    ) -> Result<(Self, MethodStep), GpuError> {
+        let shader = match parameters.improvements.has(Improvement::WideEncoding) {
+            true => &wgsl::VOLUME_SHELL_INTERVALS,
+            false => &wgsl::VOLUME_SHELL_PAPER_INTERVALS,
+        };
+        let source = shader.specialised(&[("SAMPLES", parameters.samples), ("MEDIUM", world.medium.kind)]);
+        let pass = Pass::new(device, shader.name, &source)?;
+        let (height, width) = (gbuffer.height(), gbuffer.width());
+        let rays = gpu::empty::<[f32; 4]>(device, "volume-shell.rays", height * width)?;
+        let count = parameters.samples as usize * height * width;
+        let samples = gpu::empty::<u16>(device, "volume-shell.samples", count)?;
+        let MediumOnGpu { record, densities } = &world.medium;
+        let [valid, position] = [Attribute::Valid, Attribute::Position].map(|a| gbuffer.buffer(a));
+        let bound = pass.bind(
+            device,
+            &[
+                uniforms.march.as_entire_binding(),
+                uniforms.view.as_entire_binding(),
+                record.as_entire_binding(),
+                wgpu::BindingResource::TextureView(densities),
+                valid.as_entire_binding(),
+                position.as_entire_binding(),
+                rays.as_entire_binding(),
+                samples.as_entire_binding(),
+            ],
+        )?;
+        let step = Step { pass: bound, workgroups: gpu::groups(height, width, TILE).into() };
+        let writes = vec![rays.clone(), samples.clone()];
+        Ok((Self { rays, samples }, MethodStep { step, writes }))
+    }
+}

@@ -1,0 +1,38 @@
+//! The passes against the plain version.
+
+use super::*;
+use crate::methods::proving::Tolerance;
+use crate::methods::proving::beyond::prove_twin;
+use crate::methods::volume_shell::direct::VolumeShellDirect;
+
+/// Radiance of surfels has nine bits, and shadow maps end within a texel of where shadows do.
+const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 2e-3 };
+
+#[test]
+fn the_passes_make_what_the_plain_version_does() {
+    let gpu = gpu();
+    let method = VolumeShell::new(&gpu, coarse()).expect("valid shaders");
+    for medium in [fog(0.3), smoke()] {
+        prove_twin(&method, &filled(medium), TOLERANCE);
+    }
+}
+
+#[test]
+fn they_do_so_without_each_improvement() {
+    let gpu = gpu();
+    let seen = filled_at(smoke(), 21, 30);
+    let as_in_the_paper = Parameters { improvements: Improvements::NONE, ..coarse() };
+    for parameters in Improvement::ALL.map(without).into_iter().chain([as_in_the_paper]) {
+        println!("{:?}", parameters.improvements);
+        prove_twin(&VolumeShell::new(&gpu, parameters).expect("valid shaders"), &seen, TOLERANCE);
+    }
+}
+
+#[test]
+fn direct_light_is_what_the_plain_version_has() {
+    let gpu = gpu();
+    let method = VolumeShellDirect::new(&gpu, coarse().into()).expect("valid shaders");
+    for medium in [fog(0.3), smoke()] {
+        prove_twin(&method, &filled(medium), Tolerance { usual: 1e-4, worst: 0.05 });
+    }
+}
