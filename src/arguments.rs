@@ -95,6 +95,14 @@ pub struct Size {
     pub height: usize,
 }
 
+impl Size {
+    /// Edges longer or shorter by a factor.
+    pub fn scaled(self, factor: f32) -> Self {
+        let times = |edge: usize| ((edge as f32 * factor).round() as usize).max(1);
+        Self { width: times(self.width), height: times(self.height) }
+    }
+}
+
 impl std::fmt::Display for Size {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}x{}", self.width, self.height)

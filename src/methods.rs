@@ -67,7 +67,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 37] = [
+const ALL: [Entry; 38] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -159,6 +159,10 @@ const ALL: [Entry; 37] = [
     }),
     screen(Effect::Aa, "fxaa", |gpu, quality| {
         Ok(Box::new(fxaa::Fxaa::new(gpu, fxaa::Parameters::of(quality))?))
+    }),
+    screen(Effect::FogDirect, "volume-shell", |gpu, quality| {
+        let parameters = volume_shell::Parameters::of(quality);
+        Ok(Box::new(volume_shell::direct::VolumeShellDirect::new(gpu, parameters.into())?))
     }),
     processor(Effect::FogDirect, "epipolar", |quality| Box::new(Shafts(epipolar::Parameters::of(quality)))),
     processor(Effect::FogDirect, "min-max", |quality| Box::new(Shafts(min_max::Parameters::of(quality)))),

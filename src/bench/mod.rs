@@ -9,9 +9,12 @@ mod net;
 #[cfg(feature = "train")]
 mod pytorch;
 mod rays;
+mod slope;
+mod stages;
 mod surfel;
 #[cfg(feature = "train")]
 mod train;
+mod volume_shell;
 
 use anyhow::Result;
 
@@ -32,6 +35,8 @@ pub enum Verb {
     Surfel(Box<surfel::Args>),
     /// Fog by partial-sum trees beside marching at equal error: speed-ups, how times grow.
     Epipolar(epipolar::Args),
+    /// Milliseconds and errors of volume shells, stage by stage; thresholds, improvements, how times grow.
+    VolumeShell(volume_shell::Args),
     /// Training pairs an hour and a core, and where the time goes.
     Dataset(dataset::Args),
 }
@@ -50,6 +55,7 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Frame(args) => frame::run(args),
         Verb::Surfel(args) => surfel::run(args),
         Verb::Epipolar(args) => epipolar::run(args),
+        Verb::VolumeShell(args) => volume_shell::run(args),
         Verb::Dataset(args) => dataset::run(args),
     }
 }

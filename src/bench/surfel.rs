@@ -2,10 +2,12 @@
 //! and sweeps of "Deep Screen Space" and "The Bounced Z-Buffer" (thesis Tables 4.1, 4.2, 6.1, 6.2, Figures 4.11, 4.12),
 //! on a scene of one's own.
 
-mod stages;
 mod subject;
 mod sweeps;
+#[cfg(test)]
+mod tests;
 
+use super::stages::{self, Cost, Stage};
 use crate::arguments::Size;
 use crate::figures::Figures;
 use crate::{methods, table};
@@ -17,7 +19,6 @@ use deepshade_render::surfels::Patch;
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, Effect};
 use serde_json::json;
-use stages::{Cost, Stage};
 use std::path::PathBuf;
 use std::time::Duration;
 use subject::Subject;
@@ -219,16 +220,19 @@ impl Measured {
 }
 
 fn cost_rows(measured: &[Measured]) -> Vec<Vec<String>> {
+    let is_had =
+        |stage: &Stage| measured.iter().any(|one| one.cost.stages.iter().any(|(other, _)| other == stage));
+    let stages: Vec<Stage> = Stage::ALL.into_iter().filter(is_had).collect();
     let head = ["effect", "method", "size", "surfels"].into_iter();
-    let head = head.chain(Stage::ALL.map(Stage::name)).chain(["total ms", "MB"]);
+    let head = head.chain(stages.iter().map(|stage| stage.name())).chain(["total ms", "MB"]);
     let mut rows = vec![head.map(str::to_owned).collect::<Vec<String>>()];
     for Measured { effect, method, size, cost } in measured {
         let mut row =
             vec![effect.to_string(), (*method).to_owned(), size.to_string(), cost.surfels_in_words()];
-        row.extend(Stage::ALL.map(|stage| {
+        row.extend(stages.iter().map(|stage| {
             cost.stages
                 .iter()
-                .find(|(other, _)| *other == stage)
+                .find(|(other, _)| other == stage)
                 .map_or(String::new(), |(_, time)| format!("{time:.2}"))
         }));
         row.extend([format!("{:.2}", cost.total), format!("{:.1}", cost.megabytes)]);

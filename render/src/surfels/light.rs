@@ -72,7 +72,7 @@ impl LightPass {
             sent.as_entire_binding(),
         ]);
         if matches!(self.lit, Lit::Dimmed { .. }) {
-            let MediumOnGpu { record, densities } = &world.medium;
+            let MediumOnGpu { record, densities, .. } = &world.medium;
             resources.extend([record.as_entire_binding(), wgpu::BindingResource::TextureView(densities)]);
         }
         let pass = self.pass.bind(device, &resources)?;

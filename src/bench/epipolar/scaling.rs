@@ -1,6 +1,7 @@
 //! How times grow with the resolution of everything (Baran et al. 2010, Figure 12).
 
 use super::subject::{Kind, Setup, Subject, View};
+use crate::bench::slope::Slope;
 use crate::figures::Figures;
 use crate::plot::{Line, Plot};
 use anyhow::Result;
@@ -11,9 +12,6 @@ use serde_json::{Value, json};
 
 /// Resolutions, as shares of the finest.
 const SHARES: [f64; 5] = [0.25, 0.35, 0.5, 0.7, 1.0];
-/// Quantile of Student's distribution for a 95 % interval of a slope through so many points: 3 degrees of freedom.
-const STUDENT: f64 = 3.182;
-
 /// Seconds at one resolution.
 struct Point {
     setup: Setup,
@@ -21,13 +19,6 @@ struct Point {
     work: f64,
     tree: f64,
     march: f64,
-}
-
-/// A slope and half of its 95 % interval.
-#[derive(Clone, Copy, Debug)]
-struct Slope {
-    value: f64,
-    half: f64,
 }
 
 /// Times at several resolutions.
@@ -99,7 +90,7 @@ impl Scaling {
                 format!("{march:.2}"),
             ]);
         }
-        let [tree, march] = self.slopes().map(|Slope { value, half }| format!("{value:.2} +- {half:.2}"));
+        let [tree, march] = self.slopes().map(|slope| slope.to_string());
         rows.push(vec!["slope".to_owned(), String::new(), tree, march]);
         rows
     }
@@ -116,34 +107,5 @@ impl Scaling {
             lines: vec![line("trees", |point| point.tree), line("march", |point| point.march)],
             level: None,
         }
-    }
-}
-
-impl Slope {
-    /// By least squares.
-    fn through(points: &[(f64, f64)]) -> Self {
-        let count = points.len() as f64;
-        let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
-        let [x, y] = [mean(|point| point.0), mean(|point| point.1)];
-        let spread: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
-        let value = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum::<f64>() / spread;
-        let left: f64 = points.iter().map(|point| (point.1 - y - value * (point.0 - x)).powi(2)).sum();
-        Self { value, half: STUDENT * (left / (count - 2.0) / spread).sqrt() }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_slope_is_found_with_its_interval() {
-        let line = [(0.0, 1.0), (1.0, 3.0), (2.0, 5.0), (3.0, 7.0), (4.0, 9.0)];
-        let exact = Slope::through(&line);
-        assert!((exact.value - 2.0).abs() < 1e-12 && exact.half < 1e-9);
-        // Residuals 0.1, -0.2, 0, 0.2, -0.1 take (-0.1 * 2 * 2 + 0.2 * 2) / 10 off; hand-calculated.
-        let noisy = Slope::through(&[(0.0, 1.1), (1.0, 2.8), (2.0, 5.0), (3.0, 7.2), (4.0, 8.9)]);
-        assert!((noisy.value - 2.0).abs() < 1e-9, "{noisy:?}");
-        assert!((noisy.half - STUDENT * (0.1f64 / 3.0 / 10.0).sqrt()).abs() < 1e-9, "{noisy:?}");
     }
 }

@@ -116,12 +116,12 @@ impl<'a> Subject<'a> {
     /// The area of all surfels that a plan's passes lay out, m².
     fn surfel_area(&self, plan: &Plan) -> Result<f64, GpuError> {
         let Gpu { device, queue, .. } = self.gpu;
-        let laying = plan.steps().iter().take_while(|step| super::stages::Stage::is_laying(step));
+        let laying = plan.steps().iter().take_while(|step| crate::bench::stages::Stage::is_laying(step));
         let laying: Vec<_> = laying.collect();
         gpu::submit(device, queue, "bench.surfel", |encoder| {
             laying.iter().for_each(|step| step.step.encode(encoder, "surfels", None));
         })?;
-        let [count, _] = super::stages::surfels(self.gpu, plan)?;
+        let [count, _] = crate::bench::stages::surfels(self.gpu, plan)?;
         let Some(made) = laying.last().and_then(|step| step.writes.last()) else { return Ok(0.0) };
         let bytes = u64::from(count) * size_of::<Surfel>() as u64;
         let made: Vec<Surfel> = gpu::read_part(device, queue, made, 0, bytes)?;

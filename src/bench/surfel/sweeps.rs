@@ -1,8 +1,8 @@
 //! What threshold, levels and resolution do to the time of ambient occlusion, and to its image: how far it is from the
 //! one that every surfel makes at every pixel.
 
-use super::stages::Cost;
 use super::subject::Subject;
+use crate::bench::stages::Cost;
 use deepshade_render::methods::surfel::{Parameters, occlusion::SurfelOcclusion};
 use deepshade_render::screen::{Plan, upsampling};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};

@@ -75,7 +75,7 @@ impl Technique for Direct {
         let pass = scatter_pass(device, &self.0, world)?;
         let buffers = [volume, view, &map.rays, &map.samples];
         let Lights { records, map_views, pictures, .. } = &world.gpu_lights;
-        let MediumOnGpu { record, densities } = &world.medium;
+        let MediumOnGpu { record, densities, .. } = &world.medium;
         let sampler = shadow_sampler(device);
         let buffers = buffers.into_iter().chain([records, map_views, pictures]);
         let mut resources: Vec<_> = (0..).zip(buffers.map(|buffer| buffer.as_entire_binding())).collect();

@@ -49,7 +49,7 @@ impl IntervalMap {
         let rays = gpu::empty::<[f32; 4]>(device, "volume-shell.rays", height * width)?;
         let count = parameters.samples as usize * height * width;
         let samples = gpu::empty::<u16>(device, "volume-shell.samples", count)?;
-        let MediumOnGpu { record, densities } = &world.medium;
+        let MediumOnGpu { record, densities, .. } = &world.medium;
         let [valid, position] = [Attribute::Valid, Attribute::Position].map(|a| gbuffer.buffer(a));
         let bound = pass.bind(
             device,

@@ -132,7 +132,7 @@ impl Splatting<'_> {
         level: &wgpu::Buffer,
         workgroups: Workgroups,
     ) -> Result<MethodStep, GpuError> {
-        let MediumOnGpu { record, densities } = &self.world.medium;
+        let MediumOnGpu { record, densities, .. } = &self.world.medium;
         let Cloud { totals, surfels, nodes, sent, .. } = self.cloud;
         let buffers = [level, self.volume, self.view, record, totals, surfels, nodes, self.sums];
         let more = sent.iter().chain([&self.map.rays, &self.map.samples]);

@@ -4,7 +4,7 @@ use deepshade_render::screen::{MethodStep, Plan};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 use deepshade_shaders::wgsl::{self, Shader};
 
-/// A stage of the thesis' Tables 4.1 and 6.1. What these have besides, shuffling and unshuffling, ours do not need:
+/// A stage of the thesis' Tables 4.1, 5.1 and 6.1. What these have besides, shuffling and unshuffling, ours do not need:
 /// places in sub-buffers are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
@@ -12,6 +12,8 @@ pub enum Stage {
     Surfels,
     /// Their direct light.
     Light,
+    /// Rays through a medium are divided into intervals.
+    Intervals,
     /// The tree over them.
     Tree,
     /// What they do to pixels, or the rays that meet them.
@@ -20,10 +22,12 @@ pub enum Stage {
     Blur,
     /// Levels are added up.
     Sum,
+    /// Direct light that a medium scatters.
+    Direct,
 }
 
 /// Which shader belongs to which stage.
-static SHADERS: [(Stage, &Shader); 34] = [
+static SHADERS: [(Stage, &Shader); 43] = [
     (Stage::Surfels, &wgsl::SURFELS_VERTICES),
     (Stage::Surfels, &wgsl::SURFELS_MEASURE),
     (Stage::Surfels, &wgsl::SURFELS_SUM),
@@ -33,6 +37,9 @@ static SHADERS: [(Stage, &Shader); 34] = [
     (Stage::Surfels, &wgsl::AOV_FACETS),
     (Stage::Light, &wgsl::SURFELS_REFLECTED),
     (Stage::Light, &wgsl::SURFELS_RECEIVED),
+    (Stage::Light, &wgsl::SURFELS_DIMMED),
+    (Stage::Intervals, &wgsl::VOLUME_SHELL_INTERVALS),
+    (Stage::Intervals, &wgsl::VOLUME_SHELL_PAPER_INTERVALS),
     (Stage::Tree, &wgsl::SURFELS_LEAVES),
     (Stage::Tree, &wgsl::SURFELS_LIT_LEAVES),
     (Stage::Tree, &wgsl::SURFELS_PARENTS),
@@ -50,7 +57,11 @@ static SHADERS: [(Stage, &Shader); 34] = [
     (Stage::Splat, &wgsl::BOUNCED_LIGHT),
     (Stage::Splat, &wgsl::AOV_OCCLUSION),
     (Stage::Splat, &wgsl::AOV_TRACE),
+    (Stage::Splat, &wgsl::VOLUME_SHELL_SPLAT),
+    (Stage::Splat, &wgsl::VOLUME_SHELL_PAPER_SPLAT),
     (Stage::Blur, &wgsl::BLUR),
+    (Stage::Blur, &wgsl::VOLUME_SHELL_REDUCE),
+    (Stage::Blur, &wgsl::VOLUME_SHELL_EXPAND),
     (Stage::Blur, &wgsl::BOUNCED_FILTER),
     (Stage::Blur, &wgsl::BOUNCED_GLOSSY_FILTER),
     (Stage::Sum, &wgsl::SURFEL_OPENNESS),
@@ -58,11 +69,22 @@ static SHADERS: [(Stage, &Shader); 34] = [
     (Stage::Sum, &wgsl::SURFEL_OPEN),
     (Stage::Sum, &wgsl::SURFEL_REFLECT),
     (Stage::Sum, &wgsl::SURFEL_SCATTER),
+    (Stage::Sum, &wgsl::VOLUME_SHELL_ADD),
+    (Stage::Direct, &wgsl::VOLUME_SHELL_DIRECT),
 ];
 
 impl Stage {
     /// All, in the order in which they run.
-    pub const ALL: [Self; 6] = [Self::Surfels, Self::Light, Self::Tree, Self::Splat, Self::Blur, Self::Sum];
+    pub const ALL: [Self; 8] = [
+        Self::Surfels,
+        Self::Light,
+        Self::Tree,
+        Self::Intervals,
+        Self::Splat,
+        Self::Blur,
+        Self::Sum,
+        Self::Direct,
+    ];
 
     /// Its name in figures.
     pub const fn name(self) -> &'static str {
@@ -70,9 +92,11 @@ impl Stage {
             Self::Surfels => "surfels",
             Self::Light => "light",
             Self::Tree => "tree",
+            Self::Intervals => "intervals",
             Self::Splat => "splat",
             Self::Blur => "blur",
             Self::Sum => "sum",
+            Self::Direct => "direct",
         }
     }
 
@@ -82,7 +106,7 @@ impl Stage {
     }
 
     /// That of a pass.
-    fn of(step: &MethodStep) -> Option<Self> {
+    pub fn of(step: &MethodStep) -> Option<Self> {
         let its = SHADERS.iter().find(|(_, shader)| step.step.pass.is_of(shader.name));
         its.map(|(stage, _)| *stage)
     }
@@ -102,6 +126,11 @@ pub struct Cost {
 }
 
 impl Cost {
+    /// Milliseconds of a stage; 0 where there is none.
+    pub fn of_stage(&self, stage: Stage) -> f64 {
+        self.stages.iter().filter(|(other, _)| *other == stage).map(|(_, time)| time).sum()
+    }
+
     /// How many surfels there are, and of how many where there is no room for all.
     pub fn surfels_in_words(&self) -> String {
         let [kept, wanted] = self.surfels;
@@ -153,52 +182,4 @@ pub fn surfels(gpu: &Gpu, plan: &Plan) -> Result<[u32; 2], GpuError> {
     let Some(counts) = counts.and_then(|step| step.writes.last()) else { return Ok([0; 2]) };
     let counts: Vec<u32> = gpu::read_part(&gpu.device, &gpu.queue, counts, 0, 8)?;
     Ok([counts[0], counts[1]])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::bench::surfel::subject::{self, Subject};
-    use crate::bench::surfel::{Args, METHODS, opened};
-    use crate::methods;
-    use deepshade_render::methods::Quality;
-    use deepshade_shaders::Effect;
-
-    #[test]
-    fn every_pass_has_a_stage_and_stages_add_up() {
-        use clap::Parser as _;
-        #[derive(clap::Parser)]
-        struct Line {
-            #[command(flatten)]
-            args: Args,
-        }
-        let line =
-            Line::try_parse_from(["deepshade", "--scene", "room:1", "--quality", "low"]).expect("a line");
-        let gpu = Gpu::new().expect("an adapter");
-        let shaded = |effect: &Effect| methods::screen_names(*effect).contains(&METHODS[0]);
-        let effects: Vec<Effect> = Effect::ALL.into_iter().filter(shaded).collect();
-        let methods = opened(&line.args, &gpu, &effects).expect("methods");
-        let attributes: Vec<_> = methods.iter().flat_map(|method| method.attributes()).copied().collect();
-        let staged = subject::staged(&line.args, &effects).expect("a room");
-        let size = "64x48".parse().expect("a size");
-        let subject = Subject::new(&gpu, &staged, None, size, &attributes).expect("room");
-        for method in &methods {
-            let name = format!("{} by {}", method.effect(), method.name());
-            let plan = Plan::new(method, &subject.inputs(), &subject.view).expect("a plan");
-            assert!(plan.steps().iter().all(|step| Stage::of(step).is_some()), "{name}");
-            let cost = Cost::of(&gpu, &plan, 1).expect("times");
-            let has = |stage| cost.stages.iter().any(|(other, _)| *other == stage);
-            assert!(has(Stage::Surfels) && has(Stage::Splat), "{name}: {cost:?}");
-            assert_eq!(
-                has(Stage::Light),
-                matches!(method.effect(), Effect::Gi | Effect::Glossy | Effect::Subsurface),
-                "{name}"
-            );
-            assert_eq!(cost.surfels[0] > 100, !method.name().starts_with("aov"), "{name}: {cost:?}");
-            assert!(cost.surfels[0] <= cost.surfels[1], "{name}: {cost:?}");
-            let sum: f64 = cost.stages.iter().map(|(_, time)| time).sum();
-            assert!(sum > 0.0 && cost.total > 0.0 && cost.megabytes > 1.0, "{name}: {cost:?}");
-        }
-        assert!(subject.area_error(Quality::Low).expect("an area").abs() < 0.01);
-    }
 }
