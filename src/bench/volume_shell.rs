@@ -55,7 +55,7 @@ const SMALL: f32 = 0.4;
 /// Samples of a pixel of truth.
 const SAMPLES: [u32; 2] = [256, 1024];
 /// Radius of surfels of which there are some 14,000.
-const SCALE: f32 = 0.02;
+const SCALE: f32 = 0.015;
 /// How long a GPU is kept busy before it is measured.
 const WAKING: Duration = Duration::from_millis(500);
 

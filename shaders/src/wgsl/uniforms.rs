@@ -77,4 +77,4 @@ pub use post::{Fxaa, Gather, Reconstruction, RingGather, Separable};
 pub use surfels::{
     BounceWindow, Bounces, FacetRays, FacetSlice, FacetSum, LevelSum, SplatLevel, Surfels, TreeLevel,
 };
-pub use volume::{Intervals, MediumRecord, Pyramid, VolumeShell};
+pub use volume::{Intervals, MediumRecord, Pyramid, SplatPart, VolumeShell};

@@ -70,7 +70,7 @@ impl Parameters {
             Quality::Low => (0.060, 0.06, 64, 2),
             Quality::Medium => (0.040, 0.03, 128, 3),
             Quality::High => (0.030, 0.02, 200, 4),
-            Quality::Ultra => (0.020, 0.01, 400, 8),
+            Quality::Ultra => (0.020, 0.015, 400, 8),
         };
         Self {
             surfels: surfels::Parameters { scale, near: 0.25 },
@@ -114,12 +114,7 @@ impl Parameters {
 
     /// What what scatters reads, beside levels.
     pub fn scattering(&self, view: &View) -> uniforms::VolumeShell {
-        uniforms::VolumeShell {
-            steps: self.steps.max(1),
-            points: self.points.max(1),
-            nearest: self.nearest * view.radius,
-            padding: 0,
-        }
+        uniforms::VolumeShell { steps: self.steps.max(1), nearest: self.nearest * view.radius }
     }
 
     /// How rays are divided, as plain Rust reads it.

@@ -14,6 +14,10 @@ use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{self, TILE, uniforms};
 
+/// Runs of a splat, each over a part of the surfels: lavapipe ends the loops of an invocation after 65,535 turns in all, and what
+/// all of them do to a pixel may take more.
+const PARTS: u32 = 8;
+
 /// The compiled passes; those that depend on parameters are compiled where they are bound.
 #[derive(Clone, Debug)]
 pub struct Passes {
@@ -80,11 +84,15 @@ impl Passes {
         let sums = gpu::empty::<[f32; 4]>(device, "volume-shell.sums", height * width)?;
         let room = Room::new(device, [width, height], levels.len() / 2 - 1)?;
         let pass = splat_pass(device, parameters, world.medium.kind)?;
+        let part = |index| gpu::uniform(device, "volume-shell.part", &uniforms::SplatPart { index });
+        let parts = (0..PARTS).map(part).collect::<Result<Vec<_>, _>>()?;
         let splatting = Splatting { pass, world, volume, view, cloud: &cloud, map: &map, sums: &sums };
         for (level, uniforms) in levels.chunks_exact(2).enumerate() {
             let [splat, sum] = uniforms else { unreachable!("a level has two uniform buffers") };
             let workgroups = groups_of_level([width, height], level);
-            steps.push(splatting.step(device, splat, workgroups.into())?);
+            for part in &parts {
+                steps.push(splatting.step(device, [splat, part], workgroups.into())?);
+            }
             let smooth = if level == 0 { &sums } else { &room.smooth };
             if level > 0 {
                 steps.extend(self.pyramid.steps(device, &sums, &room, level)?);
@@ -106,6 +114,8 @@ fn splat_pass(device: &wgpu::Device, parameters: &Parameters, medium: u32) -> Re
     let source = shader.specialised(&[
         ("SAMPLES", parameters.samples),
         ("MEDIUM", medium),
+        ("PARTS", PARTS),
+        ("LOOKUPS", parameters.points.max(1)),
         ("GREY", u32::from(parameters.is_grey())),
         ("ATTENUATED", improvements.flag(Improvement::Attenuation)),
         ("TOUCHED_ONLY", improvements.flag(Improvement::TouchedOnly)),
@@ -129,7 +139,7 @@ impl Splatting<'_> {
     fn step(
         &self,
         device: &wgpu::Device,
-        level: &wgpu::Buffer,
+        [level, part]: [&wgpu::Buffer; 2],
         workgroups: Workgroups,
     ) -> Result<MethodStep, GpuError> {
         let MediumOnGpu { record, densities, .. } = &self.world.medium;
@@ -137,7 +147,8 @@ impl Splatting<'_> {
         let buffers = [level, self.volume, self.view, record, totals, surfels, nodes, self.sums];
         let more = sent.iter().chain([&self.map.rays, &self.map.samples]);
         let buffers = buffers.into_iter().chain(more).map(|buffer| buffer.as_entire_binding());
-        let resources: Vec<_> = buffers.chain([wgpu::BindingResource::TextureView(densities)]).collect();
+        let densities = wgpu::BindingResource::TextureView(densities);
+        let resources: Vec<_> = buffers.chain([densities, part.as_entire_binding()]).collect();
         let pass = self.pass.bind(device, &resources)?;
         Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![self.sums.clone()] })
     }

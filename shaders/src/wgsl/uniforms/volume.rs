@@ -45,11 +45,13 @@ uniforms! {
     VolumeShell {
         /// Points of a ray's way through the medium at which density was looked up.
         steps: u32,
-        /// Points of the way from a surfel at which a grid's density is looked up.
-        points: u32,
         /// Surfels nearer than this, metres, do what they would at this distance.
         nearest: f32,
-        /// Nothing.
-        padding: u32,
+    }
+
+    /// The surfels of one run of `methods/volume_shell/splat`.
+    SplatPart {
+        /// Which part of them.
+        index: u32,
     }
 }

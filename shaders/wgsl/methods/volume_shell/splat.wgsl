@@ -14,14 +14,14 @@
 @group(0) @binding(9) var<storage, read> rays: array<vec4f>;
 @group(0) @binding(10) var<storage, read> samples: array<array<u32, SAMPLES / 2u>>;
 @group(0) @binding(11) var densities: texture_3d<f32>;
+// Which part of the surfels: what all do to a pixel may take more turns of loops than a software device allows.
+@group(0) @binding(12) var<uniform> part: SplatPart;
 
 // A pixel's ray, camera space.
 struct Query {
     direction: vec3f,
     enters: f32,
     leaves: f32,
-    // Points at which a grid's density is looked up on the way from a surfel.
-    lookups: u32,
 }
 
 // Where a ray is in the shell around a surfel.
@@ -77,12 +77,12 @@ fn first_beyond(distance: f32) -> u32 {
 }
 
 // What of light from a surfel arrives at a point of the ray.
-fn arriving_share(way: vec3f, distance: f32, point: vec3f, ray: Query) -> vec3f {
+fn arriving_share(way: vec3f, distance: f32, point: vec3f) -> vec3f {
     if ATTENUATED == 0u {
         return vec3f(1.0);
     }
     let origin = view.eye.xyz + from_view(point, view);
-    return share_of_colours(passed_density(origin, from_view(way / distance, view), distance, ray.lookups));
+    return share_of_colours(passed_density(origin, from_view(way / distance, view), distance, LOOKUPS));
 }
 
 // What a surfel scatters at a point of the ray towards the eye, of all that is scattered there.
@@ -100,7 +100,7 @@ fn scattered_at(which: u32, point: vec3f, ray: Query) -> vec3f {
     let bounded_square = max(squared, volume.nearest * volume.nearest);
     let solid_angle = PI * radius * radius * facing / (distance * (bounded_square + radius * radius));
     let cosine = dot(way, ray.direction) / distance;
-    return surfel_sent(which, way) * arriving_share(way, distance, point, ray) * (solid_angle * phase(cosine));
+    return surfel_sent(which, way) * arriving_share(way, distance, point) * (solid_angle * phase(cosine));
 }
 
 // Light of the intervals of a ray that are in the shell around a surfel.
@@ -137,13 +137,15 @@ fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
     let at = pixel.y * level.width + pixel.x;
     let record = rays[at];
     let direction = normalize(view_position(vec2f(pixel) + 0.5, 1.0, view));
-    let ray = Query(direction, record.x, record.y, bounded(volume.points, pixel));
+    let ray = Query(direction, record.x, record.y);
     read_intervals(samples[at], record, volume.steps);
     var sum = vec3f(0.0);
     if record.y > record.x && record.z > 0.0 {
         let leaves = bounded(level.level, pixel);
-        var walk = next_leaf(Walk(HEIGHT, 0u), leaves, ray);
-        while goes_on(walk) {
+        let count = totals.kept / first_surfel(leaves, 1u) + 1u;
+        let end = first_surfel(leaves, (part.index + 1u) * count / PARTS);
+        var walk = next_leaf(Walk(leaves, part.index * count / PARTS), leaves, ray);
+        while goes_on(walk) && first_surfel(walk.height, walk.index) < end {
             let first = first_surfel(walk.height, walk.index) + sub_buffer;
             for (var i = 0u; i < LEAF; i++) {
                 let which = first + (i << (2u * leaves));
@@ -157,5 +159,6 @@ fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
     }
     // What is blurred is light over how much the ray scatters, or light alone.
     let scatters = select(1.0, 1.0 - mean_transmittance(record.z), SILHOUETTES == 1u);
-    sums[at] = vec4f(level.stands_for * sum, scatters);
+    let before = select(sums[at].rgb, vec3f(0.0), part.index == 0u);
+    sums[at] = vec4f(before + level.stands_for * sum, scatters);
 }
