@@ -13,7 +13,7 @@ table! {
         shared ["random", "bounded", "view", "medium", "transmittance", "intervals_encode_paper"];
     /// Light that surfels scatter into the intervals of rays, of a level.
     VOLUME_SHELL_SPLAT: "volume-shell.splat", file "methods/volume_shell/splat",
-        constants [SAMPLES = 16, MEDIUM = 2, HEIGHT = 8, PARTS = 8, LOOKUPS = 4, GREY = 0,
+        constants [SAMPLES = 16, MEDIUM = 2, HEIGHT = 8, PARTS = 16, LOOKUPS = 4, GREY = 0,
                    ATTENUATED = 1, TOUCHED_ONLY = 1, SILHOUETTES = 1],
         uniforms [SplatLevel, SplatPart, VolumeShell, FrameView, MediumRecord],
         shared ["random", "bounded", "view", "packing", "interleaved", "surfel", "surfel_record", "surfel_tree",
@@ -21,7 +21,7 @@ table! {
                 "intervals_decode", "intervals_decode_wide"];
     /// The same onto samples that are kept as in the paper.
     VOLUME_SHELL_PAPER_SPLAT: "volume-shell.paper_splat", file "methods/volume_shell/splat",
-        constants [SAMPLES = 16, MEDIUM = 2, HEIGHT = 8, PARTS = 8, LOOKUPS = 4, GREY = 0,
+        constants [SAMPLES = 16, MEDIUM = 2, HEIGHT = 8, PARTS = 16, LOOKUPS = 4, GREY = 0,
                    ATTENUATED = 1, TOUCHED_ONLY = 1, SILHOUETTES = 1],
         uniforms [SplatLevel, SplatPart, VolumeShell, FrameView, MediumRecord],
         shared ["random", "bounded", "view", "packing", "interleaved", "surfel", "surfel_record", "surfel_tree",

@@ -68,9 +68,9 @@ impl Parameters {
     pub fn of(quality: Quality) -> Self {
         let (scale, threshold, steps, points) = match quality {
             Quality::Low => (0.060, 0.06, 64, 2),
-            Quality::Medium => (0.040, 0.03, 128, 3),
+            Quality::Medium => (0.040, 0.03, 128, 2),
             Quality::High => (0.030, 0.02, 200, 4),
-            Quality::Ultra => (0.020, 0.015, 400, 8),
+            Quality::Ultra => (0.020, 0.015, 400, 4),
         };
         Self {
             surfels: surfels::Parameters { scale, near: 0.25 },

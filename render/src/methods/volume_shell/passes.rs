@@ -14,9 +14,9 @@ use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{self, TILE, uniforms};
 
-/// Runs of a splat, each over a part of the surfels: lavapipe ends the loops of an invocation after 65,535 turns in all, and what
+/// Runs of a splat, each over a part of the tree's leaves: lavapipe ends the loops of an invocation after 65,535 turns in all, and what
 /// all of them do to a pixel may take more.
-const PARTS: u32 = 8;
+const PARTS: u32 = 16;
 
 /// The compiled passes; those that depend on parameters are compiled where they are bound.
 #[derive(Clone, Debug)]

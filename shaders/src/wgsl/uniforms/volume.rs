@@ -49,7 +49,7 @@ uniforms! {
         nearest: f32,
     }
 
-    /// The surfels of one run of `methods/volume_shell/splat`.
+    /// The leaves of one run of `methods/volume_shell/splat`.
     SplatPart {
         /// Which part of them.
         index: u32,

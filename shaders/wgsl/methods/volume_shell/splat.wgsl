@@ -14,7 +14,7 @@
 @group(0) @binding(9) var<storage, read> rays: array<vec4f>;
 @group(0) @binding(10) var<storage, read> samples: array<array<u32, SAMPLES / 2u>>;
 @group(0) @binding(11) var densities: texture_3d<f32>;
-// Which part of the surfels: what all do to a pixel may take more turns of loops than a software device allows.
+// Which part of the tree's leaves: what all do to a pixel may take more turns of loops than a software device allows.
 @group(0) @binding(12) var<uniform> part: SplatPart;
 
 // A pixel's ray, camera space.
@@ -127,6 +127,20 @@ fn scattered_by(which: u32, ray: Query) -> vec3f {
     return sum;
 }
 
+// Light that the surfels of a leaf scatter which a sub-buffer gets.
+fn scattered_by_leaf(walk: Walk, leaves: u32, sub_buffer: u32, ray: Query) -> vec3f {
+    let first = first_surfel(walk.height, walk.index) + sub_buffer;
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < LEAF; i++) {
+        let which = first + (i << (2u * leaves));
+        if which >= totals.kept {
+            break;
+        }
+        sum += scattered_by(which, ray);
+    }
+    return sum;
+}
+
 @compute @workgroup_size(TILE, TILE)
 fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
     let sub_buffer = group.z;
@@ -146,14 +160,7 @@ fn splat(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
         let end = first_surfel(leaves, (part.index + 1u) * count / PARTS);
         var walk = next_leaf(Walk(leaves, part.index * count / PARTS), leaves, ray);
         while goes_on(walk) && first_surfel(walk.height, walk.index) < end {
-            let first = first_surfel(walk.height, walk.index) + sub_buffer;
-            for (var i = 0u; i < LEAF; i++) {
-                let which = first + (i << (2u * leaves));
-                if which >= totals.kept {
-                    break;
-                }
-                sum += scattered_by(which, ray);
-            }
+            sum += scattered_by_leaf(walk, leaves, sub_buffer, ray);
             walk = next_leaf(after(walk), leaves, ray);
         }
     }

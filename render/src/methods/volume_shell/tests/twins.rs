@@ -33,15 +33,15 @@ fn they_do_so_without_each_improvement() {
 fn long_walks_are_walked_to_their_end() {
     let gpu = gpu();
     let long = Parameters {
-        surfels: surfels::Parameters { scale: 0.03, near: 0.25 },
+        surfels: surfels::Parameters { scale: 0.04, near: 0.25 },
         threshold: 0.01,
         levels: 2,
-        points: 8,
         ..coarse()
     };
     let seen = filled_at(smoke(), 8, 10);
     let (scene, view, gbuffer) = &seen;
     let work = reference::work(gbuffer, scene, &long, view).expect("attributes");
+    println!("{work:?}");
     assert!(work.visits > 65_535 * 80, "{work:?}");
     prove_twin(&VolumeShell::new(&gpu, long).expect("valid shaders"), &seen, TOLERANCE);
 }
