@@ -86,7 +86,7 @@ impl Technique for Direct {
             (11, record.as_entire_binding()),
             (12, wgpu::BindingResource::TextureView(densities)),
         ]);
-        let pass = pass.bind_at(device, resources.into_iter())?;
+        let pass = pass.bind_at(device, resources)?;
         let scatter = MethodStep { step: Step { pass, workgroups }, writes: vec![output.clone()] };
         Ok(vec![march, scatter])
     }

@@ -3,12 +3,14 @@
 //! Nalbach, Ritschel and Seidel, "Deep Screen Space for Indirect Lighting of Volumes", VMV 2014 (thesis chapter 5). Each
 //! pixel's ray is divided into [`intervals`] between which the transmittance to the eye falls by equal parts; surfels that the
 //! lamps light through the medium scatter light into those that lie in their shells, on the levels of an interleaved
-//! framebuffer as [`surfel`](super::surfel) has it. Levels are blurred by a Gaussian [`pyramid`] and added up.
+//! framebuffer as [`surfel`] has it. Levels are blurred by a Gaussian [`pyramid`] and added up.
 //!
 //! Beyond the paper are the [`Improvement`]s, which can be left out one by one to be measured. Surfels' shells are as wide for
 //! a dim one as for a bright one, so that the threshold has no unit. [`direct`] is light straight from the lamps by the same map.
 //!
-//! Limits. Nothing hides surfels from the medium. What glossy surfaces reflect is left out.
+//! Limits. Nothing hides surfels from the medium: where much does, light is too bright. Light of point, spot and directional lights
+//! only, so that scenes lit by emissive surfaces or an environment stay black. What glossy surfaces reflect is left out. On
+//! lavapipe, which ends long loops, images are right up to some 500,000 visits of intervals a pixel and level.
 
 pub mod direct;
 mod improvements;
@@ -64,7 +66,8 @@ impl Default for Parameters {
 pub type VolumeShell = Compiled<Parameters>;
 
 impl Parameters {
-    /// Those of a quality.
+    /// Those of a quality. On `colonnade:1` in clouds (64x48, truth of 512 and 256 samples) low, medium and high come to a relative
+    /// mean squared error within truth's own noise of each other; what more time buys is finer surfels and smaller shells.
     pub fn of(quality: Quality) -> Self {
         let (scale, threshold, steps, points) = match quality {
             Quality::Low => (0.060, 0.06, 64, 2),
