@@ -5,9 +5,9 @@ use anyhow::{Context, Result, bail, ensure};
 use deepshade_infer::Model;
 use deepshade_render::method::Method;
 use deepshade_render::methods::{
-    Quality, aov, bounced_z, epipolar, epipolar_sampling, fxaa, gather, gtao, hbao, min_max, prefiltered,
-    ray_march, reconstruction, ring_gather, separable, shafts::Shafts, ssdo, ssgi, subsurface, surfel,
-    volume_shell,
+    Quality, aov, bounced_z, epipolar, epipolar_sampling, fog_march, froxel, fxaa, gather, gtao, hbao,
+    min_max, prefiltered, ray_march, reconstruction, ring_gather, separable, shafts::Shafts, ssdo, ssgi,
+    subsurface, surfel, volume_shell,
 };
 use deepshade_render::screen::ScreenMethod;
 use deepshade_shaders::Effect;
@@ -67,7 +67,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 38] = [
+const ALL: [Entry; 40] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -163,6 +163,12 @@ const ALL: [Entry; 38] = [
     screen(Effect::FogDirect, "volume-shell", |gpu, quality| {
         let parameters = volume_shell::Parameters::of(quality);
         Ok(Box::new(volume_shell::direct::VolumeShellDirect::new(gpu, parameters.into())?))
+    }),
+    screen(Effect::FogDirect, "gpu-march", |gpu, quality| {
+        Ok(Box::new(fog_march::FogMarch::new(gpu, fog_march::Parameters::of(quality))?))
+    }),
+    screen(Effect::FogDirect, "froxel", |gpu, quality| {
+        Ok(Box::new(froxel::Froxel::new(gpu, froxel::Parameters::of(quality))?))
     }),
     processor(Effect::FogDirect, "epipolar", |quality| Box::new(Shafts(epipolar::Parameters::of(quality)))),
     processor(Effect::FogDirect, "min-max", |quality| Box::new(Shafts(min_max::Parameters::of(quality)))),

@@ -42,7 +42,7 @@ table! {
     SURFELS_DIMMED: "surfels.dimmed", file "surfels/light", constants [LIGHTS = 1, HEIGHT = 8, MEDIUM = 2, GREY = 0],
         uniforms [FrameView, LightRecord, MediumRecord],
         shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_patch_record", "surfel_order", "lights",
-                "shadow", "medium", "colours", "light_dimmed", "surfel_reflected"];
+                "shadow", "medium_span", "medium", "colours", "light_dimmed", "surfel_reflected"];
     /// Direct light that falls on surfels.
     SURFELS_RECEIVED: "surfels.received", file "surfels/light", constants [LIGHTS = 1, HEIGHT = 8],
         uniforms [FrameView, LightRecord],

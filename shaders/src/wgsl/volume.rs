@@ -6,18 +6,18 @@ table! {
     /// The transmittance interval map.
     VOLUME_SHELL_INTERVALS: "volume-shell.intervals", file "methods/volume_shell/intervals",
         constants [SAMPLES = 16, MEDIUM = 2], uniforms [Intervals, FrameView, MediumRecord],
-        shared ["random", "bounded", "view", "medium", "transmittance", "intervals_encode_wide"];
+        shared ["random", "bounded", "view", "medium_span", "medium", "transmittance", "intervals_encode_wide"];
     /// The same, with samples kept as in the paper.
     VOLUME_SHELL_PAPER_INTERVALS: "volume-shell.paper_intervals", file "methods/volume_shell/intervals",
         constants [SAMPLES = 16, MEDIUM = 2], uniforms [Intervals, FrameView, MediumRecord],
-        shared ["random", "bounded", "view", "medium", "transmittance", "intervals_encode_paper"];
+        shared ["random", "bounded", "view", "medium_span", "medium", "transmittance", "intervals_encode_paper"];
     /// Light that surfels scatter into the intervals of rays, of a level.
     VOLUME_SHELL_SPLAT: "volume-shell.splat", file "methods/volume_shell/splat",
         constants [SAMPLES = 16, MEDIUM = 2, HEIGHT = 8, PARTS = 16, LOOKUPS = 4, GREY = 0,
                    ATTENUATED = 1, TOUCHED_ONLY = 1, SILHOUETTES = 1],
         uniforms [SplatLevel, SplatPart, VolumeShell, FrameView, MediumRecord],
         shared ["random", "bounded", "view", "packing", "interleaved", "surfel", "surfel_record", "surfel_tree",
-                "surfel_walk", "surfel_facing", "surfel_sent", "medium", "colours", "phase", "transmittance",
+                "surfel_walk", "surfel_facing", "surfel_sent", "medium_span", "medium", "colours", "phase", "transmittance",
                 "intervals_decode", "intervals_decode_wide"];
     /// The same onto samples that are kept as in the paper.
     VOLUME_SHELL_PAPER_SPLAT: "volume-shell.paper_splat", file "methods/volume_shell/splat",
@@ -25,12 +25,12 @@ table! {
                    ATTENUATED = 1, TOUCHED_ONLY = 1, SILHOUETTES = 1],
         uniforms [SplatLevel, SplatPart, VolumeShell, FrameView, MediumRecord],
         shared ["random", "bounded", "view", "packing", "interleaved", "surfel", "surfel_record", "surfel_tree",
-                "surfel_walk", "surfel_facing", "surfel_sent", "medium", "colours", "phase", "transmittance",
+                "surfel_walk", "surfel_facing", "surfel_sent", "medium_span", "medium", "colours", "phase", "transmittance",
                 "intervals_decode", "intervals_decode_paper"];
     /// Light of the lamps that the intervals of rays scatter.
     VOLUME_SHELL_DIRECT: "volume-shell.direct", file "methods/volume_shell/direct",
         constants [SAMPLES = 16, MEDIUM = 2, LIGHTS = 1, GREY = 0], uniforms [VolumeShell, FrameView, MediumRecord, LightRecord],
-        shared ["view", "lights", "shadow", "medium", "colours", "light_dimmed", "phase", "transmittance",
+        shared ["view", "lights", "shadow", "medium_span", "medium", "colours", "light_dimmed", "phase", "transmittance",
                 "intervals_decode", "intervals_decode_wide"];
     /// A coarser level of a Gaussian pyramid.
     VOLUME_SHELL_REDUCE: "volume-shell.reduce", file "methods/volume_shell/reduce", constants [], uniforms [Pyramid],
@@ -38,6 +38,22 @@ table! {
     /// A coarser level of a Gaussian pyramid in the size of a finer one.
     VOLUME_SHELL_EXPAND: "volume-shell.expand", file "methods/volume_shell/expand", constants [], uniforms [Pyramid],
         shared [];
+    /// What froxels scatter of the lamps' light.
+    FROXEL_SCATTER: "froxel.scatter", file "methods/froxel/scatter", constants [LIGHTS = 1, MEDIUM = 2, GREY = 0],
+        uniforms [Froxels, FrameView, LightRecord, MediumRecord],
+        shared ["bounded", "view", "lights", "shadow", "medium_span", "medium", "colours", "light_dimmed", "phase",
+                "single_scattering", "froxel_index", "froxels"];
+    /// Sums of columns of froxels.
+    FROXEL_INTEGRATE: "froxel.integrate", file "methods/froxel/integrate", constants [],
+        uniforms [Froxels, MediumRecord], shared ["bounded", "mean_decay", "froxel_index"];
+    /// Fog in front of pixels, from froxels.
+    FROXEL_APPLY: "froxel.apply", file "methods/froxel/apply", constants [MEDIUM = 2],
+        uniforms [Froxels, FrameView, MediumRecord], shared ["view", "medium_span", "froxel_index", "froxels"];
+    /// Single scattering by steps along view rays.
+    FOG_MARCH: "fog-march.march", file "methods/fog_march/march", constants [LIGHTS = 1, MEDIUM = 2, GREY = 0],
+        uniforms [FogMarch, FrameView, LightRecord, MediumRecord],
+        shared ["random", "bounded", "view", "lights", "shadow", "medium_span", "medium", "colours", "light_dimmed", "phase",
+                "single_scattering", "mean_decay"];
     /// The sum of all levels.
     VOLUME_SHELL_ADD: "volume-shell.add", file "methods/volume_shell/add", constants [], uniforms [LevelSum],
         shared [];

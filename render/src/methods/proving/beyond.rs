@@ -6,8 +6,9 @@ use crate::bvh::TracedScene;
 use crate::gbuffer;
 use crate::method::{Frame, Method, Repeats};
 use crate::methods::lobe;
+use crate::scene::medium::Weather;
 use crate::scene::procedural::Family;
-use crate::scene::{Camera, Light, Material, Mesh, Scene};
+use crate::scene::{Bounds, Camera, Density, Light, Material, Medium, Mesh, Scene};
 use crate::screen::{self, GpuGBuffer, Inputs, PlainInputs, Plan, ScreenMethod, View};
 use crate::surfels::Surfel;
 use crate::surfels::reference::Disk;
@@ -76,6 +77,41 @@ pub fn corner() -> (TracedScene, View, GBuffer) {
     let view = View { camera, radius: 20.0, ..view(48, 64, 1.0) };
     let gbuffer = gbuffer::render(&scene, &camera, 48, 64, ATTRIBUTES);
     (scene, view, gbuffer)
+}
+
+/// The lit corner with a wall of half its height in the light, in coloured fog and in smoke, with a sun, a lamp and a spot.
+pub fn foggy() -> Vec<(TracedScene, View, GBuffer)> {
+    let (corner, view, _) = corner();
+    let bounds = Bounds { min: Vec3::new(-4.0, 0.0, -4.0), max: Vec3::new(1.0, 2.0, 4.0) };
+    let (absorption, scattering) = (Vec3::new(0.02, 0.05, 0.1), Vec3::new(0.3, 0.2, 0.25));
+    let grid = Weather::smoke(2, 1.5, 0.8).grid(bounds, 16, 0.0).expect("smoke");
+    let lamp = Light::Point {
+        position: Vec3::new(-1.2, 1.1, -0.5),
+        intensity: Vec3::new(0.3, 0.6, 0.2),
+        range: 6.0,
+    };
+    let spot = Light::Spot {
+        position: Vec3::new(-2.5, 1.9, 0.7),
+        direction: Vec3::new(1.0, -0.9, -0.2).normalize(),
+        intensity: Vec3::new(3.0, 2.0, 4.0),
+        range: f32::INFINITY,
+        cos_inner: 0.97,
+        cos_outer: 0.9,
+        slide: None,
+    };
+    let screen = [[-2., 0., 2.], [-2., 1., 2.], [-2., 1., -1.], [-2., 0., -1.]].map(Vec3::from_array);
+    let screen =
+        Mesh { positions: screen.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() };
+    let filled = |density: Density| {
+        let medium = Medium::new(absorption, scattering, 0.4, density).expect("a medium");
+        let mut scene = Scene { medium: Some(medium.into()), ..corner.scene().clone() };
+        scene.lights.extend([lamp, spot]);
+        scene.meshes = scene.meshes.iter().cloned().chain([screen.clone()]).collect::<Vec<_>>().into();
+        let scene = TracedScene::new(scene).expect("triangles");
+        let gbuffer = gbuffer::render(&scene, &view.camera, view.height, view.width, ATTRIBUTES);
+        (scene, view, gbuffer)
+    };
+    [Density::Within(bounds), Density::Grid(grid)].map(filled).into()
 }
 
 /// A procedural scene, from where it is seen, and its g-buffer.

@@ -99,7 +99,7 @@ impl<'a> General<'a> {
             Place::Local(position) => {
                 let offset = position - point;
                 let distance = offset.length().max(NEAREST[0]);
-                let towards = offset / distance;
+                let towards = offset.normalize_or_zero();
                 let irradiance = power * lamp.fade(distance) / (distance * distance);
                 (irradiance, towards.dot(direction), self.way_in(point, towards, distance))
             }

@@ -10,10 +10,14 @@ use super::{Integration, Lit, Shafts};
 use crate::bvh::TracedScene;
 use crate::gbuffer;
 use crate::method::{Frame, Method, MethodError, Repeats};
+use crate::methods::fog_march::{self, FogMarch};
+use crate::methods::froxel::{self, Froxel};
 use crate::methods::{Quality, epipolar, epipolar_sampling, min_max, ray_march};
 use crate::metrics::{exposed, exposure, relative_mse};
 use crate::path::proving::{floor, quad};
 use crate::scene::{Bounds, Camera, Density, Light, Material, Medium, Mesh, Scene};
+use crate::screen::Technique;
+use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Attribute, Effect, Planes};
 use glam::Vec3;
 use std::sync::Arc;
@@ -25,6 +29,16 @@ fn methods(quality: Quality) -> [Box<dyn Method>; 4] {
         Box::new(Shafts(epipolar::Parameters::of(quality))),
         Box::new(Shafts(epipolar_sampling::Parameters::of(quality))),
         Box::new(Shafts(min_max::Parameters::of(quality))),
+    ]
+}
+
+/// Those that run on the GPU, froxels as fine as pixels.
+fn on_gpu() -> [Box<dyn Method>; 2] {
+    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+    let fine = froxel::Parameters { tile: 1, slices: 384, samples: 1 };
+    [
+        Box::new(FogMarch::new(&gpu, fog_march::Parameters::of(Quality::Ultra)).expect("a valid shader")),
+        Box::new(Froxel::new(&gpu, fine).expect("valid shaders")),
     ]
 }
 

@@ -20,9 +20,13 @@ fn lights() -> [Light; 3] {
     [sun(Vec3::new(0.3, -1.0, 0.4)), lamp(above), spot(above, Vec3::new(-0.2, -1.0, 0.5))]
 }
 
-/// The tolerance for a method: more for the one that interpolates.
+/// The tolerance for a method: more for those that interpolate.
 fn sampled(method: &dyn Method, tolerance: f64) -> f64 {
-    if method.name() == epipolar_sampling::Parameters::NAME { 4.0 * tolerance } else { tolerance }
+    match method.name() {
+        epipolar_sampling::Parameters::NAME => 4.0 * tolerance,
+        froxel::Parameters::NAME => 5.0 * tolerance,
+        _ => tolerance,
+    }
 }
 
 /// All methods, of which epipolar sampling marches every fourth pixel, since lines are short here.
@@ -48,7 +52,7 @@ fn all_methods_see_what_the_path_tracer_sees_of_every_light() {
     for light in lights() {
         let scene = scene(pergola(), vec![light], fog(0.5, AROUND));
         let truth = truth(&scene, &camera(), 2048);
-        for method in all_methods() {
+        for method in all_methods().into_iter().chain(on_gpu()) {
             let found = image(method.as_ref(), &scene, &camera(), SIZE).expect("an image");
             let [right, brighter] = [error(&found, &truth), error(&exposed(&found, 1.2), &truth)];
             let most = sampled(method.as_ref(), 1e-3);
@@ -88,7 +92,7 @@ fn all_methods_see_rings_of_light() {
         };
         let [scene, plain] = [of(light), of(plain)];
         let truth = truth(&scene, &camera(), 2048);
-        for method in all_methods() {
+        for method in all_methods().into_iter().chain(on_gpu()) {
             let [found, without] = [&scene, &plain]
                 .map(|scene| image(method.as_ref(), scene, &camera(), SIZE).expect("an image"));
             let [right, wrong] = [error(&found, &truth), error(&without, &truth)];
@@ -108,7 +112,7 @@ fn without_a_medium_there_is_nothing() {
     };
     let scene = TracedScene::new(scene).expect("triangles");
     for quality in [Quality::Low, Quality::Ultra] {
-        for method in methods(quality) {
+        for method in methods(quality).into_iter().chain(on_gpu()) {
             let found = image(method.as_ref(), &scene, &camera(), SIZE).expect("an image");
             assert!(found.data().iter().all(|value| *value == 0.0), "{}", method.name());
         }
@@ -140,7 +144,7 @@ fn a_march_goes_through_grids() {
         let scene = scene(pergola(), vec![light], medium.clone());
         let truth = truth(&scene, &camera(), 4096);
         let [march, _, sampling, _] = all_methods();
-        for method in [march, sampling] {
+        for method in [march, sampling].into_iter().chain(on_gpu()) {
             let found = image(method.as_ref(), &scene, &camera(), SIZE).expect("an image");
             let error = error(&found, &truth);
             assert!(error < sampled(method.as_ref(), 3e-3), "{} of {light:?}: {error:e}", method.name());

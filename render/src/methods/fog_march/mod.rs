@@ -1,0 +1,98 @@
+//! `gpu-march`: single scattering by steps along every view ray, on the GPU.
+//!
+//! What [`ray_march`](super::ray_march) does on the processor, with the frame's shadow maps. Steps are as many on every ray
+//! and shifted by a number of the pixel's own; towards local lamps they are of equal angle, as seen from the lamp, which
+//! bring the same light each (Kulla and Fajardo 2012). What a step scatters is dimmed exactly within it.
+//!
+//! Why it: nothing lies between it and the medium, grids neither; the reference of a frame loop. Why not: it costs pixels
+//! times steps times lamps.
+//!
+//! Limits. Light of point, spot and directional lights only. Shadows are as fine as the frame's maps; through grids the
+//! way to a lamp is 32 points.
+
+pub mod reference;
+#[cfg(test)]
+mod tests;
+
+use super::{Quality, single_scattering};
+use crate::raster::light::shadow_sampler;
+use crate::raster::view::perspective;
+use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Step, Technique, View, Written};
+use crate::surfels::frame;
+use bytemuck::bytes_of;
+use deepshade_shaders::gpu::{self, GpuError, Pass};
+use deepshade_shaders::wgsl::{self, TILE, uniforms};
+use deepshade_shaders::{Attribute, Effect, MissingAttribute};
+
+/// What can be set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parameters {
+    /// Steps along each view ray, for each lamp.
+    pub steps: u32,
+}
+
+/// The method, compiled for a device.
+pub type FogMarch = Compiled<Parameters>;
+
+impl Parameters {
+    /// More time is more steps.
+    pub const fn of(quality: Quality) -> Self {
+        let steps = match quality {
+            Quality::Low => 16,
+            Quality::Medium => 32,
+            Quality::High => 96,
+            Quality::Ultra => 384,
+        };
+        Self { steps }
+    }
+
+    /// What the pass reads.
+    pub fn settings(self, view: &View) -> uniforms::FogMarch {
+        let (width, height) = (view.width as u32, view.height as u32);
+        uniforms::FogMarch { width, height, steps: self.steps.max(1), seed: view.seed }
+    }
+}
+
+impl Technique for Parameters {
+    const NAME: &'static str = "gpu-march";
+    const EFFECT: Effect = Effect::FogDirect;
+    const ATTRIBUTES: &'static [Attribute] = single_scattering::ATTRIBUTES;
+    const LOOKS_BEYOND: bool = true;
+    /// It is compiled for a scene's lights and medium.
+    type Passes = ();
+
+    fn compile(_: &wgpu::Device) -> Result<(), GpuError> {
+        Ok(())
+    }
+
+    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
+        let camera = perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE);
+        vec![bytes_of(&self.settings(view)).to_vec(), bytes_of(&camera).to_vec()]
+    }
+
+    fn steps(
+        &self,
+        (): &(),
+        device: &wgpu::Device,
+        inputs: &Inputs<'_>,
+        uniforms: &[wgpu::Buffer],
+        output: &wgpu::Buffer,
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let (gbuffer, world) = (inputs.gbuffer, frame::scene(inputs.world)?);
+        let source = wgsl::FOG_MARCH.specialised(&single_scattering::constants(world));
+        let sampler = shadow_sampler(device);
+        let [valid, position] = [Attribute::Valid, Attribute::Position].map(|a| gbuffer.buffer(a));
+        let [settings, view] = uniforms else { unreachable!("it has two uniform buffers") };
+        let own = [(0, settings), (1, view), (7, valid), (8, position), (9, output)];
+        let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
+        let resources = own.into_iter().chain(single_scattering::bindings(world, &sampler));
+        let pass = Pass::new(device, wgsl::FOG_MARCH.name, &source)?.bind_at(device, resources)?;
+        let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
+        Ok(vec![MethodStep { step: Step { pass, workgroups }, writes: vec![output.clone()] }])
+    }
+
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        let shaded = |scene| Ok(reference::shade(inputs.gbuffer, scene, *self, view)?.data().to_vec());
+        inputs.scene.map(shaded).into_iter().collect()
+    }
+}
