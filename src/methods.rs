@@ -5,9 +5,9 @@ use anyhow::{Context, Result, bail, ensure};
 use deepshade_infer::Model;
 use deepshade_render::method::Method;
 use deepshade_render::methods::{
-    Quality, aov, bounced_z, epipolar, epipolar_sampling, fog_march, froxel, fxaa, gather, gtao, hbao,
-    min_max, prefiltered, ray_march, reconstruction, ring_gather, separable, shafts::Shafts, ssdo, ssgi,
-    subsurface, surfel, volume_shell,
+    Quality, aov, bounced_z, epipolar, epipolar_sampling, fog_march, froxel, fxaa, gather, gpu_epipolar,
+    gtao, hbao, min_max, prefiltered, ray_march, reconstruction, ring_gather, separable, shafts::Shafts,
+    ssdo, ssgi, subsurface, surfel, volume_shell,
 };
 use deepshade_render::screen::ScreenMethod;
 use deepshade_shaders::Effect;
@@ -67,7 +67,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 40] = [
+const ALL: [Entry; 41] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -163,6 +163,9 @@ const ALL: [Entry; 40] = [
     screen(Effect::FogDirect, "volume-shell", |gpu, quality| {
         let parameters = volume_shell::Parameters::of(quality);
         Ok(Box::new(volume_shell::direct::VolumeShellDirect::new(gpu, parameters.into())?))
+    }),
+    screen(Effect::FogDirect, "gpu-epipolar", |gpu, quality| {
+        Ok(Box::new(gpu_epipolar::GpuEpipolar::new(gpu, gpu_epipolar::Parameters::of(quality))?))
     }),
     screen(Effect::FogDirect, "gpu-march", |gpu, quality| {
         Ok(Box::new(fog_march::FogMarch::new(gpu, fog_march::Parameters::of(quality))?))

@@ -12,6 +12,7 @@ pub mod fog_march;
 pub mod froxel;
 pub mod fxaa;
 pub mod gather;
+pub mod gpu_epipolar;
 pub mod gtao;
 pub mod hbao;
 pub mod lobe;

@@ -61,14 +61,31 @@ impl<'a> LitMedium<'a> {
     /// Radiance that a metre of density 1 sends against a unit direction, over its scattering coefficient, with exact
     /// shadows. What is nearer to a lamp than `nearest`, metres, gets what it would there.
     pub fn scattered_of(&self, light: &Light, point: Vec3, direction: Vec3, nearest: f32) -> Vec3 {
-        let Arrival { direction: towards, distance, irradiance } =
-            Arrival::new(self.scene.scene(), light, point);
-        if irradiance == Vec3::ZERO || self.scene.blocked(point, towards, distance) {
+        let arrived = Arrival::new(self.scene.scene(), light, point);
+        if arrived.irradiance == Vec3::ZERO || self.scene.blocked(point, arrived.direction, arrived.distance)
+        {
             return Vec3::ZERO;
         }
-        let bounded_share = if distance < nearest { (distance / nearest).powi(2) } else { 1.0 };
+        let near = arrived.distance < nearest;
+        let bounded_share = if near { (arrived.distance / nearest).powi(2) } else { 1.0 };
+        bounded_share * self.turned(&arrived, point, direction)
+    }
+
+    /// Whether something is between a lamp and a point.
+    pub fn is_hidden(&self, light: &Light, point: Vec3) -> bool {
+        let Arrival { direction, distance, .. } = Arrival::new(self.scene.scene(), light, point);
+        self.scene.blocked(point, direction, distance)
+    }
+
+    /// What [`Self::scattered_of`] is where nothing hides a lamp.
+    pub fn unhidden(&self, light: &Light, point: Vec3, direction: Vec3) -> Vec3 {
+        self.turned(&Arrival::new(self.scene.scene(), light, point), point, direction)
+    }
+
+    fn turned(&self, arrived: &Arrival, point: Vec3, direction: Vec3) -> Vec3 {
+        let Arrival { direction: towards, distance, irradiance } = *arrived;
         let passed = self.medium.passed_share(point, towards, distance, POINTS);
-        irradiance * passed * (bounded_share * self.phase.evaluate(towards.dot(direction)))
+        irradiance * passed * self.phase.evaluate(towards.dot(direction))
     }
 }
 

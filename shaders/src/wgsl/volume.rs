@@ -53,7 +53,30 @@ table! {
     FOG_MARCH: "fog-march.march", file "methods/fog_march/march", constants [LIGHTS = 1, MEDIUM = 2, GREY = 0],
         uniforms [FogMarch, FrameView, LightRecord, MediumRecord],
         shared ["random", "bounded", "view", "lights", "shadow", "medium_span", "medium", "colours", "light_dimmed", "phase",
-                "single_scattering", "mean_decay"];
+                "single_scattering", "mean_decay", "fog_steps"];
+    /// Where a lamp's epipolar slices leave the image.
+    EPIPOLAR_LINES: "epipolar.lines", file "methods/epipolar/lines", constants [LAMP = 0],
+        uniforms [Epipolar, FrameView, LightRecord], shared ["view", "lamp_axis", "epipolar_lines"];
+    /// From which to which light ray view rays are in the medium.
+    EPIPOLAR_BOUNDS: "epipolar.bounds", file "methods/epipolar/bounds", constants [LAMP = 0, MEDIUM = 2],
+        uniforms [Epipolar, FrameView, LightRecord, MediumRecord],
+        shared ["view", "lamp_axis", "medium_span", "epipolar_rays", "epipolar_view"];
+    /// Where the light rays of slices end.
+    EPIPOLAR_TRACE: "epipolar.trace", file "methods/epipolar/trace", constants [LAMP = 0],
+        uniforms [Epipolar, FrameView, LightRecord],
+        shared ["view", "shadow", "lamp_axis", "epipolar_lines", "epipolar_rays"];
+    /// Partial sums over light rays.
+    EPIPOLAR_SUMS: "epipolar.sums", file "methods/epipolar/sums", constants [], uniforms [Epipolar], shared [];
+    /// Fog in front of pixels, from partial sums.
+    EPIPOLAR_GATHER: "epipolar.gather", file "methods/epipolar/gather", constants [LAMP = 0, MEDIUM = 2, GREY = 0],
+        uniforms [Epipolar, FrameView, LightRecord, MediumRecord],
+        shared ["view", "lights", "lamp_axis", "medium_span", "medium", "colours", "light_dimmed", "phase", "epipolar_lines",
+                "epipolar_rays", "epipolar_view"];
+    /// Fog in front of pixels whose view rays cross few light rays.
+    EPIPOLAR_MARCH: "epipolar.march", file "methods/epipolar/march", constants [LAMP = 0, MEDIUM = 2, GREY = 0],
+        uniforms [Epipolar, FrameView, LightRecord, MediumRecord],
+        shared ["random", "bounded", "view", "lights", "shadow", "lamp_axis", "medium_span", "medium", "colours", "light_dimmed",
+                "phase", "single_scattering", "mean_decay", "fog_steps", "epipolar_lines", "epipolar_rays", "epipolar_view"];
     /// The sum of all levels.
     VOLUME_SHELL_ADD: "volume-shell.add", file "methods/volume_shell/add", constants [], uniforms [LevelSum],
         shared [];

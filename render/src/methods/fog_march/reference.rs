@@ -90,17 +90,22 @@ pub fn shade(
 }
 
 /// A ray from the eye through the medium.
-struct Ray {
-    eye: Vec3,
-    direction: Vec3,
-    span: [f32; 2],
-    steps: u32,
-    shift: f32,
+pub struct Ray {
+    /// Where it starts, world space.
+    pub eye: Vec3,
+    /// Unit vector.
+    pub direction: Vec3,
+    /// From which distance to which it is in the medium, metres.
+    pub span: [f32; 2],
+    /// How many steps are taken.
+    pub steps: u32,
+    /// Where in a step light is looked for, from 0 to 1.
+    pub shift: f32,
 }
 
 impl Ray {
     /// Radiance from one lamp, over the scattering coefficient.
-    fn scattered(&self, lit: &LitMedium<'_>, light: &Light) -> Vec3 {
+    pub fn scattered(&self, lit: &LitMedium<'_>, light: &Light) -> Vec3 {
         let Self { eye, direction, span: [enters, leaves], steps, shift } = *self;
         let cut = Cut::new(light, eye, direction, [enters, leaves], steps);
         let extinction = lit.medium.extinction();

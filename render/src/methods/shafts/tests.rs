@@ -12,6 +12,7 @@ use crate::gbuffer;
 use crate::method::{Frame, Method, MethodError, Repeats};
 use crate::methods::fog_march::{self, FogMarch};
 use crate::methods::froxel::{self, Froxel};
+use crate::methods::gpu_epipolar::{self, GpuEpipolar};
 use crate::methods::{Quality, epipolar, epipolar_sampling, min_max, ray_march};
 use crate::metrics::{exposed, exposure, relative_mse};
 use crate::path::proving::{floor, quad};
@@ -33,11 +34,12 @@ fn methods(quality: Quality) -> [Box<dyn Method>; 4] {
 }
 
 /// Those that run on the GPU, froxels as fine as pixels.
-fn on_gpu() -> [Box<dyn Method>; 2] {
+fn on_gpu() -> [Box<dyn Method>; 3] {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let fine = froxel::Parameters { tile: 1, slices: 384, samples: 1 };
     [
         Box::new(FogMarch::new(&gpu, fog_march::Parameters::of(Quality::Ultra)).expect("a valid shader")),
+        Box::new(GpuEpipolar::new(&gpu, gpu_epipolar::Parameters::of(Quality::Ultra)).expect("a device")),
         Box::new(Froxel::new(&gpu, fine).expect("valid shaders")),
     ]
 }

@@ -144,7 +144,10 @@ fn a_march_goes_through_grids() {
         let scene = scene(pergola(), vec![light], medium.clone());
         let truth = truth(&scene, &camera(), 4096);
         let [march, _, sampling, _] = all_methods();
-        for method in [march, sampling].into_iter().chain(on_gpu()) {
+        for method in [march, sampling]
+            .into_iter()
+            .chain(on_gpu().into_iter().filter(|method| method.name() != gpu_epipolar::Parameters::NAME))
+        {
             let found = image(method.as_ref(), &scene, &camera(), SIZE).expect("an image");
             let error = error(&found, &truth);
             assert!(error < sampled(method.as_ref(), 3e-3), "{} of {light:?}: {error:e}", method.name());

@@ -1,0 +1,21 @@
+// Where a lamp is as the eye sees it: half-planes through that line hold view rays and light rays alike (Baran et al. 2010, section
+// 3). Passes bind `lights` and `view` and are compiled for `LAMP`.
+
+const DISTANT = 2.0;
+
+struct Axis {
+    // Unit direction from the eye to the lamp, world space.
+    direction: vec3f,
+    // How far away it is, metres; negative if infinitely far.
+    reach: f32,
+}
+
+fn lamp_axis() -> Axis {
+    let light = lights[LAMP];
+    if light.place.w == DISTANT {
+        return Axis(-light.axis.xyz, -1.0);
+    }
+    let offset = light.place.xyz - view.eye.xyz;
+    let reach = max(length(offset), 1e-20);
+    return Axis(offset / reach, reach);
+}
