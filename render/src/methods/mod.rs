@@ -13,6 +13,7 @@ pub mod froxel;
 pub mod fxaa;
 pub mod gather;
 pub mod gpu_epipolar;
+pub mod growing;
 pub mod gtao;
 pub mod hbao;
 pub mod lobe;

@@ -18,6 +18,9 @@ pub struct MediumOnGpu {
 }
 
 impl MediumOnGpu {
+    /// The kind that is a grid.
+    pub const GRID: u32 = 2;
+
     /// Sends it to the GPU. Of a scene without one it is everywhere and does nothing.
     ///
     /// # Errors
@@ -31,7 +34,7 @@ impl MediumOnGpu {
         let kind = match density {
             Density::Everywhere => 0,
             Density::Within(_) => 1,
-            Density::Grid(_) => 2,
+            Density::Grid(_) => Self::GRID,
         };
         let record = record(scene.medium.as_deref());
         let densities = gpu::sent_volume(&gpu.device, &gpu.queue, "frame.densities", size, values)?;

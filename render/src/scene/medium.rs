@@ -26,7 +26,7 @@ const LARGEST_COEFFICIENT: f32 = 1e6;
 /// Largest anisotropy: beyond it f32 hardly tells the directions of the phase function's peak apart.
 const LARGEST_ANISOTROPY: f32 = 0.99;
 
-/// Beyond so many mean free paths nothing is seen of a medium without an end.
+/// Beyond so many mean free paths nothing is seen of a medium that is the same throughout.
 const FARTHEST_DEPTH: f32 = 16.0;
 
 /// Most collisions that tracking may expect along a diagonal of a grid's box, which is what a ray costs.
@@ -179,13 +179,16 @@ impl Medium {
     }
 
     /// Where a ray is in the medium, within `reach` along a unit direction, and no farther than anything is seen of a medium
-    /// without an end; empty where it misses it.
+    /// that is the same throughout; empty where it misses it.
     pub fn seen_span(&self, origin: Vec3, direction: Vec3, reach: f32) -> [f32; 2] {
-        let reach = match self.density {
-            Density::Everywhere => reach.min(FARTHEST_DEPTH / self.extinction().min_element().max(1e-12)),
-            _ => reach,
-        };
-        self.density.span(origin, direction, reach).unwrap_or([0.0; 2])
+        let [enters, leaves] = self.density.span(origin, direction, reach).unwrap_or([0.0; 2]);
+        match self.density {
+            Density::Grid(_) => [enters, leaves],
+            _ => {
+                let farthest = FARTHEST_DEPTH / self.extinction().min_element().max(1e-12);
+                [enters, leaves.min(enters + farthest)]
+            }
+        }
     }
 
     /// Density times length along a piece of a ray, metres: exact where density is the same everywhere, else by so many

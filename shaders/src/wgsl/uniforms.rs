@@ -77,4 +77,6 @@ pub use post::{Fxaa, Gather, Reconstruction, RingGather, Separable};
 pub use surfels::{
     BounceWindow, Bounces, FacetRays, FacetSlice, FacetSum, LevelSum, SplatLevel, Surfels, TreeLevel,
 };
-pub use volume::{Epipolar, FogMarch, Froxels, Intervals, MediumRecord, Pyramid, SplatPart, VolumeShell};
+pub use volume::{
+    Epipolar, FogMarch, Froxels, Intervals, MediumRecord, OfLamp, Pyramid, SplatPart, VolumeShell,
+};

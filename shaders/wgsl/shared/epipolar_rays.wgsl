@@ -1,9 +1,6 @@
 // Light rays of a lamp, the same in all slices: denser towards the line from the eye to the lamp, since view rays near it cross
 // none that are farther away. Passes bind `epipolar`. The plain version is render/src/methods/epipolar/{geometry,spacing}.rs.
 
-// How far light rays are from each other at the first, as a share of what they are on average.
-const DENSEST = 0.1;
-
 // The direction of a view ray in its half-plane: along the axis, and away from it.
 fn in_half_plane(direction: vec3f, axis: Axis) -> vec2f {
     let along = dot(direction, axis.direction);
@@ -25,20 +22,17 @@ fn gamma_of(ray: vec2f, distance: f32, axis: Axis) -> f32 {
 
 // `gamma` of a fractional light ray.
 fn gamma_at(number: f32, bounds: vec2f) -> f32 {
-    let share = number / f32(epipolar.light_rays);
-    return bounds.x + (bounds.y - bounds.x) * share * (DENSEST + (1.0 - DENSEST) * share);
+    return mix(bounds.x, bounds.y, growing(number / f32(epipolar.light_rays)));
 }
 
 // How much `gamma` grows from one light ray to the next there.
 fn gamma_growth(number: f32, bounds: vec2f) -> f32 {
     let rays = f32(epipolar.light_rays);
-    return (bounds.y - bounds.x) / rays * (DENSEST + 2.0 * (1.0 - DENSEST) * number / rays);
+    return (bounds.y - bounds.x) / rays * growth_at(number / rays);
 }
 
 // Which fractional light ray is at a value of `gamma`.
 fn number_of(gamma: f32, bounds: vec2f) -> f32 {
     let passed = clamp((gamma - bounds.x) / max(bounds.y - bounds.x, 1e-30), 0.0, 1.0);
-    // The quadratic formula without a difference of almost equal numbers.
-    let root = sqrt(DENSEST * DENSEST + 4.0 * (1.0 - DENSEST) * passed);
-    return f32(epipolar.light_rays) * 2.0 * passed / (DENSEST + root);
+    return f32(epipolar.light_rays) * share_of_parts(passed);
 }

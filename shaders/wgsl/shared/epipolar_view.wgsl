@@ -1,16 +1,16 @@
 // View rays in rectified coordinates. Passes bind `valid_plane` and `position_planes`, `[3, height, width]`, camera space, metres.
 
-// Lamps that are nearer to the eye, metres, are at the eye.
-const AT_THE_EYE = 1e-4;
+// View rays that pass a lamp nearer than this, metres, or than this part of its distance, are its light rays.
+const LEAST_ASIDE = vec2f(1e-4, 1e-5);
 
 struct SeenRay {
     // Unit vector, world space, and the same in its half-plane: along the axis, and away from it.
     direction: vec3f,
     in_plane: vec2f,
-    // Where it is in the medium and anything is seen of it, metres.
+    // From where to where it is in the medium, metres.
     enters: f32,
     leaves: f32,
-    // The light rays through both ends.
+    // The light rays through both ends; the same where it is one itself.
     gamma: vec2f,
 }
 
@@ -23,14 +23,11 @@ fn seen_ray(pixel: vec2u) -> SeenRay {
     let reach = select(1e30, length(position), valid_plane[at] > 0.5);
     let direction = from_view(normalize(view_position(vec2f(inside) + 0.5, 1.0, view)), view);
     let span = medium_span(view.eye.xyz, direction, reach);
-    let extinction = medium.extinction.rgb;
-    let deep = FARTHEST_DEPTH / max(min(extinction.r, min(extinction.g, extinction.b)), 1e-12);
-    let leaves = min(span.y, span.x + deep);
     let in_plane = in_half_plane(direction, axis);
-    let gamma = vec2f(gamma_of(in_plane, span.x, axis), gamma_of(in_plane, leaves, axis));
-    // At the eye a lamp's rays are the view rays.
-    let is_apart = axis.reach < 0.0 || axis.reach > AT_THE_EYE;
-    return SeenRay(direction, in_plane, span.x, leaves, select(vec2f(0.0), gamma, is_apart));
+    let gamma = vec2f(gamma_of(in_plane, span.x, axis), gamma_of(in_plane, span.y, axis));
+    let passes = in_plane.y * axis.reach;
+    let is_apart = axis.reach < 0.0 || passes > max(LEAST_ASIDE.x, LEAST_ASIDE.y * axis.reach);
+    return SeenRay(direction, in_plane, span.x, span.y, select(vec2f(0.0), gamma, is_apart));
 }
 
 // Which light rays a view ray crosses, from the first to the last.

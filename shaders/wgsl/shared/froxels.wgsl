@@ -1,9 +1,6 @@
 // The froxels of a view: columns of slices, which are thinner near the eye. Slices divide each ray's own way through the
 // medium. Passes bind `froxels`, `view` and `medium`.
 
-// How thick the first slice is, as a share of what they are on average; from there it grows linearly.
-const THINNEST = 0.1;
-
 // Steps of a sequence that fills a cube evenly (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
 const STRIDE = vec3f(0.8191725, 0.6710436, 0.5497005);
 
@@ -15,21 +12,16 @@ fn froxel_shift() -> vec3f {
 // From which distance to which there are froxels on a ray: where the medium is, and as far as it is seen.
 fn froxel_range(direction: vec3f) -> vec2f {
     let span = medium_span(view.eye.xyz, direction, 1e30);
-    let extinction = medium.extinction.rgb;
-    let farthest = FARTHEST_DEPTH / max(min(extinction.r, min(extinction.g, extinction.b)), 1e-12);
-    return vec2f(span.x, clamp(span.y, span.x, span.x + farthest));
+    return vec2f(span.x, max(span.y, span.x));
 }
 
 // Where a slice begins.
 fn slice_distance(slice: f32, range: vec2f) -> f32 {
-    let share = slice / f32(froxels.slices);
-    return range.x + (range.y - range.x) * share * (THINNEST + (1.0 - THINNEST) * share);
+    return mix(range.x, range.y, growing(slice / f32(froxels.slices)));
 }
 
 // Which fractional slice is at a distance.
 fn slice_at(distance: f32, range: vec2f) -> f32 {
     let passed = clamp((distance - range.x) / max(range.y - range.x, 1e-30), 0.0, 1.0);
-    // The quadratic formula without a difference of almost equal numbers.
-    let root = sqrt(THINNEST * THINNEST + 4.0 * (1.0 - THINNEST) * passed);
-    return f32(froxels.slices) * 2.0 * passed / (THINNEST + root);
+    return f32(froxels.slices) * share_of_parts(passed);
 }

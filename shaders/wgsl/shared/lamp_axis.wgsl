@@ -1,7 +1,9 @@
 // Where a lamp is as the eye sees it: half-planes through that line hold view rays and light rays alike (Baran et al. 2010, section
-// 3). Passes bind `lights` and `view` and are compiled for `LAMP`.
+// 3). Passes bind `lights`, `view`, and of which lamp they are.
 
 const DISTANT = 2.0;
+
+@group(0) @binding(13) var<uniform> of_lamp: OfLamp;
 
 struct Axis {
     // Unit direction from the eye to the lamp, world space.
@@ -11,7 +13,7 @@ struct Axis {
 }
 
 fn lamp_axis() -> Axis {
-    let light = lights[LAMP];
+    let light = lights[of_lamp.number];
     if light.place.w == DISTANT {
         return Axis(-light.axis.xyz, -1.0);
     }

@@ -2,10 +2,11 @@
 //!
 //! What [`ray_march`](super::ray_march) does on the processor, with the frame's shadow maps. Steps are as many on every ray
 //! and shifted by a number of the pixel's own; towards local lamps they are of equal angle, as seen from the lamp, which
-//! bring the same light each (Kulla and Fajardo 2012). What a step scatters is dimmed exactly within it.
+//! bring the same light each (Kulla and Fajardo 2012). What a step scatters, it scatters evenly, and what is left of that at the
+//! eye is exact.
 //!
 //! Why it: nothing lies between it and the medium, grids neither; the reference of a frame loop. Why not: it costs pixels
-//! times steps times lamps.
+//! times steps times lamps, which are passes of their own.
 //!
 //! Limits. Light of point, spot and directional lights only. Shadows are as fine as the frame's maps; through grids the
 //! way to a lamp is 32 points.
@@ -58,7 +59,7 @@ impl Technique for Parameters {
     const EFFECT: Effect = Effect::FogDirect;
     const ATTRIBUTES: &'static [Attribute] = single_scattering::ATTRIBUTES;
     const LOOKS_BEYOND: bool = true;
-    /// It is compiled for a scene's lights and medium.
+    /// It is compiled for a scene's medium.
     type Passes = ();
 
     fn compile(_: &wgpu::Device) -> Result<(), GpuError> {
@@ -79,16 +80,21 @@ impl Technique for Parameters {
         output: &wgpu::Buffer,
     ) -> Result<Vec<MethodStep>, GpuError> {
         let (gbuffer, world) = (inputs.gbuffer, frame::scene(inputs.world)?);
-        let source = wgsl::FOG_MARCH.specialised(&single_scattering::constants(world));
+        let source = wgsl::FOG_MARCH.specialised(&[("MEDIUM", world.medium.kind)]);
+        let pass = Pass::new(device, wgsl::FOG_MARCH.name, &source)?;
         let sampler = shadow_sampler(device);
         let [valid, position] = [Attribute::Valid, Attribute::Position].map(|a| gbuffer.buffer(a));
         let [settings, view] = uniforms else { unreachable!("it has two uniform buffers") };
-        let own = [(0, settings), (1, view), (7, valid), (8, position), (9, output)];
-        let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
-        let resources = own.into_iter().chain(single_scattering::bindings(world, &sampler));
-        let pass = Pass::new(device, wgsl::FOG_MARCH.name, &source)?.bind_at(device, resources)?;
-        let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
-        Ok(vec![MethodStep { step: Step { pass, workgroups }, writes: vec![output.clone()] }])
+        let of_lamp = |number: u32| {
+            let lamp = gpu::uniform(device, "fog-march.lamp", &uniforms::OfLamp { number })?;
+            let own = [(0, settings), (1, view), (7, valid), (8, position), (9, output), (13, &lamp)];
+            let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
+            let resources = own.into_iter().chain(single_scattering::bindings(world, &sampler));
+            let pass = pass.bind_at(device, resources)?;
+            let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
+            Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![output.clone()] })
+        };
+        (0..world.gpu_lights.count as u32).map(of_lamp).collect()
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {

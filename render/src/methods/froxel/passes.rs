@@ -41,7 +41,7 @@ impl Passes {
         let (height, width) = (gbuffer.height(), gbuffer.width());
         let [settings, view] = uniforms else { unreachable!("it has two uniform buffers") };
         let [rows, columns] = parameters.grid([height, width]);
-        let slices = parameters.slices;
+        let slices = parameters.slices_of([height, width]);
         let count = rows * columns * slices as usize;
         let scattered = gpu::empty::<[f32; 4]>(device, "froxel.scattered", count)?;
         let sums = gpu::empty::<[f32; 4]>(device, "froxel.sums", count)?;

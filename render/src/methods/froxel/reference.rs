@@ -1,6 +1,7 @@
 //! Froxels in plain Rust: the passes of `methods/froxel`.
 
 use crate::bvh::TracedScene;
+use crate::methods::growing::{growing, share_of_parts};
 use crate::methods::picture::every_pixel;
 use crate::methods::single_scattering::{LitMedium, distances, mean_decay};
 use crate::scene::Medium;
@@ -10,10 +11,6 @@ use deepshade_shaders::{GBuffer, MissingAttribute, Planes};
 use glam::{UVec2, UVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
-/// How thick the first slice is, as a share of what they are on average.
-const THINNEST: f32 = 0.1;
-/// Optical depth at which froxels end.
-const FARTHEST_DEPTH: f32 = 16.0;
 /// Nearer to a lamp than this part of a step it counts as that near.
 const NEAREST: f32 = 0.25;
 /// Steps of a sequence that fills a cube evenly (Roberts 2018).
@@ -29,21 +26,18 @@ struct Slices {
 impl Slices {
     fn new(medium: &Medium, count: u32, eye: Vec3, direction: Vec3) -> Self {
         let [near, far] = medium.seen_span(eye, direction, 1e30);
-        let farthest = FARTHEST_DEPTH / medium.extinction().min_element().max(1e-12);
-        Self { count: count as f32, near, far: far.clamp(near, near + farthest) }
+        Self { count: count as f32, near, far }
     }
 
     /// Where a slice begins.
     fn distance(&self, slice: u32) -> f32 {
-        let share = slice as f32 / self.count;
-        self.near + (self.far - self.near) * share * (THINNEST + (1.0 - THINNEST) * share)
+        self.near + (self.far - self.near) * growing(slice as f32 / self.count)
     }
 
     /// Which fractional slice is at a distance.
     fn at(&self, distance: f32) -> f32 {
         let passed = ((distance - self.near) / (self.far - self.near).max(1e-30)).clamp(0.0, 1.0);
-        let root = (THINNEST * THINNEST + 4.0 * (1.0 - THINNEST) * passed).sqrt();
-        self.count * 2.0 * passed / (THINNEST + root)
+        self.count * share_of_parts(passed)
     }
 }
 

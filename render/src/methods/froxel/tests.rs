@@ -28,8 +28,12 @@ fn there_are_no_more_froxels_than_a_binding_holds() {
             assert!(count <= MOST_FROXELS && count > 0, "{settings:?}");
             assert!(settings.columns * settings.tile >= width as u32, "{settings:?}");
         }
-        // No fewer than there is room for.
         let settings = parameters.settings(&View { height: 720, width: 1280, ..view });
-        assert!(settings.tile as usize == parameters.tile || quality == Quality::Ultra, "{settings:?}");
+        assert_eq!((settings.tile as usize, settings.slices), (parameters.tile, parameters.slices));
+    }
+    for [height, width] in [[1080, 1920], [2160, 3840]] {
+        let of = |quality| Parameters::of(quality).settings(&View { height, width, ..view });
+        let finer = Quality::ALL.map(of).is_sorted_by(|less, more| less.tile >= more.tile);
+        assert!(finer, "{height}");
     }
 }

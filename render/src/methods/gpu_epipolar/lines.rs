@@ -95,7 +95,7 @@ impl Lines {
 
     /// Where a line leaves the image, pixels.
     pub fn end(&self, line: f32) -> Vec2 {
-        let line = line.min(self.count() - 1e-3);
+        let line = line.min(self.count() - 0.05);
         let low = self.numbers[..self.numbers.len() - 1].partition_point(|number| *number <= line).max(1) - 1;
         let step = self.numbers[low + 1] - self.numbers[low];
         self.border_point(low as f32 + ((line - self.numbers[low]) / step.max(1e-20)).clamp(0.0, 1.0))

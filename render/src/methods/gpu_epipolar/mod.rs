@@ -14,10 +14,11 @@
 //! Lines through the epipole are counted along the image's border by how far apart they are across their direction, which the
 //! paper has in closed form, so that the epipole may be infinitely far away.
 //!
-//! Why it: 512 light rays for what a march pays for about a tenth of them. Why not: media must be the same throughout; where a
-//! lamp projects a picture, it goes light ray by light ray.
+//! Why it: an image without noise and bands in about the time of a march of 16 steps (`low` of both; README has the figures). Why
+//! not: media must be the same throughout; where a lamp projects a picture, it goes light ray by light ray.
 //!
-//! Limits. Light rays are single samples of the frame's shadow maps, not prefiltered. There are fewer where a binding had no room for their sums.
+//! Limits. Light rays are single samples of the frame's shadow maps, not prefiltered. A binding holds the sums of 832 of them at
+//! 1280x720, of 512 at 1920x1080 and of 256 at 3840x2160, so that higher qualities differ there in what is marched only.
 
 mod lines;
 pub mod passes;

@@ -8,11 +8,9 @@ use crate::screen::{Inputs, MethodStep, Step, Workgroups};
 use crate::surfels::frame;
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
+use deepshade_shaders::wgsl::uniforms::OfLamp;
 use deepshade_shaders::wgsl::{self, Shader, TILE};
 use wgpu::{BindingResource, BufferUsages};
-
-/// Which kind of medium is a grid: `GRID` in shaders.
-const GRID: u32 = 2;
 
 /// What lies between the passes; every lamp uses it again.
 struct Room {
@@ -22,6 +20,33 @@ struct Room {
     ends: wgpu::Buffer,
     /// `[5, lines, light rays, 2]` u32.
     sums: wgpu::Buffer,
+}
+
+/// The passes, compiled for a scene's medium.
+struct Passes {
+    lines: Pass,
+    bounds: Pass,
+    trace: Pass,
+    sums: Pass,
+    gather: Pass,
+    march: Pass,
+}
+
+impl Passes {
+    fn new(device: &wgpu::Device, medium: u32) -> Result<Self, GpuError> {
+        let pass = |shader: &Shader, constants: &[(&str, u32)]| {
+            Pass::new(device, shader.name, &shader.specialised(constants))
+        };
+        let medium = [("MEDIUM", medium)];
+        Ok(Self {
+            lines: pass(&wgsl::EPIPOLAR_LINES, &[])?,
+            bounds: pass(&wgsl::EPIPOLAR_BOUNDS, &medium)?,
+            trace: pass(&wgsl::EPIPOLAR_TRACE, &[])?,
+            sums: pass(&wgsl::EPIPOLAR_SUMS, &[])?,
+            gather: pass(&wgsl::EPIPOLAR_GATHER, &medium)?,
+            march: pass(&wgsl::EPIPOLAR_MARCH, &medium)?,
+        })
+    }
 }
 
 /// What the passes of every lamp are bound to.
@@ -35,7 +60,8 @@ struct Binding<'a> {
     image: &'a wgpu::Buffer,
 }
 
-/// The passes bound to a scene and a g-buffer. They write `image`, `[3, height, width]`.
+/// The passes bound to a scene and a g-buffer. They write `image`, `[3, height, width]`, which is black as it was made where there
+/// are no lamps.
 ///
 /// # Errors
 /// If there is no scene, its medium is a grid, or the device has no room.
@@ -47,7 +73,7 @@ pub fn steps(
     image: &wgpu::Buffer,
 ) -> Result<Vec<MethodStep>, GpuError> {
     let world = frame::scene(inputs.world)?;
-    if world.medium.kind == GRID {
+    if world.medium.kind == MediumOnGpu::GRID {
         return Err(GpuError::Refused {
             label: "deepshade.medium".to_owned(),
             what: "the medium is a grid, and light must be dimmed alike everywhere; `gpu-march` and `froxel` go \
@@ -56,78 +82,57 @@ pub fn steps(
         });
     }
     let [settings, view] = uniforms else { unreachable!("it has two uniform buffers") };
-    let size = [inputs.gbuffer.height(), inputs.gbuffer.width()];
+    let size @ [height, width] = [inputs.gbuffer.height(), inputs.gbuffer.width()];
     let (lines, rays) = (Parameters::lines(size), parameters.rays(size));
     let counted = BufferUsages::STORAGE | BufferUsages::INDIRECT | BufferUsages::COPY_SRC;
     let room = Room {
-        lines: gpu::filled(device, "epipolar.lines", &vec![0; 4 * (lines + 4)], counted)?,
+        lines: gpu::filled(device, "epipolar.lines", &vec![0; 4 * (2 * (height + width) + 6)], counted)?,
         ends: gpu::empty::<f32>(device, "epipolar.ends", lines * rays)?,
         sums: gpu::empty::<[u32; 2]>(device, "epipolar.sums", LEVELS * lines * rays)?,
     };
+    let passes = Passes::new(device, world.medium.kind)?;
     let binding = Binding { device, inputs, world, settings, view, room, image };
-    let lamps = (0..world.gpu_lights.count as u32).map(|lamp| binding.of_lamp(lamp));
+    let lamps = (0..world.gpu_lights.count as u32).map(|lamp| binding.of_lamp(&passes, lamp));
     Ok(lamps.collect::<Result<Vec<_>, GpuError>>()?.concat())
 }
 
 impl Binding<'_> {
-    fn of_lamp(&self, lamp: u32) -> Result<Vec<MethodStep>, GpuError> {
+    fn of_lamp(&self, passes: &Passes, number: u32) -> Result<Vec<MethodStep>, GpuError> {
         let Self { device, inputs, world, settings, view, room, image } = self;
         let Room { lines, ends, sums } = room;
         let Lights { records, map_views, pictures, .. } = &world.gpu_lights;
-        let MediumOnGpu { record, densities, kind } = &world.medium;
+        let MediumOnGpu { record, densities, .. } = &world.medium;
         let (height, width) = (inputs.gbuffer.height(), inputs.gbuffer.width());
         let [valid, position] = [Attribute::Valid, Attribute::Position].map(|a| inputs.gbuffer.buffer(a));
         let whole = Workgroups::from(gpu::groups(height, width, TILE));
         let by_lines = Workgroups::Counted(lines.clone(), 4 * (2 * (height + width) as u64 + 3));
         let sampler = shadow_sampler(device);
+        let lamp = gpu::uniform(device, "epipolar.lamp", &OfLamp { number })?;
+        let of_lamp = [(13, lamp.as_entire_binding())];
         let dimmed = [(11, record.as_entire_binding()), (12, BindingResource::TextureView(densities))];
         let maps = BindingResource::TextureView(&world.shadows.maps);
-        let step = |shader: &Shader, workgroups: &Workgroups, resources, written: &wgpu::Buffer| {
-            let known = |(name, _): &(&str, u32)| shader.constants.iter().any(|(other, _)| other == name);
-            let constants: Vec<_> = [("LAMP", lamp), ("MEDIUM", *kind)].into_iter().filter(known).collect();
-            let resources: Vec<(u32, BindingResource<'_>)> = resources;
-            let pass = Pass::new(device, shader.name, &shader.specialised(&constants))?;
-            let pass = pass.bind_at(device, resources)?;
+        let step = |pass: &Pass, workgroups: &Workgroups, resources: &[&[_]], written: &wgpu::Buffer| {
+            let pass = pass.bind_at(device, resources.concat())?;
             let step = Step { pass, workgroups: workgroups.clone() };
-            Ok(MethodStep { step, writes: vec![written.clone()] })
+            Ok::<_, GpuError>(MethodStep { step, writes: vec![written.clone()] })
         };
+        let seen = [*settings, view, record, records, valid, position, lines];
+        let traced = [*settings, view, records, map_views, lines, ends];
+        let gathered = [*settings, view, records, pictures, valid, position, lines, ends, sums, image];
+        let marched = [*settings, view, records, map_views, pictures, valid, position, lines, image];
+        let looked_up = [(9, maps.clone()), (10, BindingResource::Sampler(&sampler))];
         Ok(vec![
-            step(&wgsl::EPIPOLAR_LINES, &[1; 3].into(), buffers(&[settings, view, records, lines]), lines)?,
             step(
-                &wgsl::EPIPOLAR_BOUNDS,
-                &whole,
-                buffers(&[settings, view, record, records, valid, position, lines]),
+                &passes.lines,
+                &[1; 3].into(),
+                &[&buffers(&[settings, view, records, lines]), &of_lamp],
                 lines,
             )?,
-            step(
-                &wgsl::EPIPOLAR_TRACE,
-                &by_lines,
-                [buffers(&[settings, view, records, map_views, lines, ends]), vec![(6, maps.clone())]]
-                    .concat(),
-                ends,
-            )?,
-            step(&wgsl::EPIPOLAR_SUMS, &by_lines, buffers(&[settings, ends, sums]), sums)?,
-            step(
-                &wgsl::EPIPOLAR_GATHER,
-                &whole,
-                [
-                    buffers(&[settings, view, records, pictures, valid, position, lines, ends, sums, image]),
-                    dimmed.to_vec(),
-                ]
-                .concat(),
-                image,
-            )?,
-            step(
-                &wgsl::EPIPOLAR_MARCH,
-                &whole,
-                [
-                    buffers(&[settings, view, records, map_views, pictures, valid, position, lines, image]),
-                    vec![(9, maps), (10, BindingResource::Sampler(&sampler))],
-                    dimmed.to_vec(),
-                ]
-                .concat(),
-                image,
-            )?,
+            step(&passes.bounds, &whole, &[&buffers(&seen), &of_lamp], lines)?,
+            step(&passes.trace, &by_lines, &[&buffers(&traced), &[(6, maps)], &of_lamp], ends)?,
+            step(&passes.sums, &by_lines, &[&buffers(&[settings, ends, sums])], sums)?,
+            step(&passes.gather, &whole, &[&buffers(&gathered), &dimmed, &of_lamp], image)?,
+            step(&passes.march, &whole, &[&buffers(&marched), &looked_up, &dimmed, &of_lamp], image)?,
         ])
     }
 }

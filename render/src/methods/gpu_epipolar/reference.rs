@@ -4,6 +4,7 @@ use super::lines::Lines;
 use crate::bvh::TracedScene;
 use crate::methods::epipolar::Geometry;
 use crate::methods::fog_march::reference::Ray;
+use crate::methods::growing::{growing, growth_at, share_of_parts};
 use crate::methods::picture::every_pixel;
 use crate::methods::shafts::Lamp;
 use crate::methods::single_scattering::{LitMedium, distances};
@@ -13,11 +14,8 @@ use deepshade_shaders::wgsl::uniforms;
 use deepshade_shaders::{GBuffer, MissingAttribute, Planes, random};
 use glam::{UVec2, Vec3};
 
-/// How far light rays are from each other at the first, as a share of what they are on average.
-const DENSEST: f32 = 0.1;
-
-/// Optical depth at which view rays end.
-const FARTHEST_DEPTH: f32 = 16.0;
+/// Nearer to the line through a lamp than this, metres, or than this part of the lamp's distance, view rays are marched.
+const LEAST_ASIDE: [f32; 2] = [1e-4, 1e-5];
 
 /// The image, `[3, height, width]`; black without a medium.
 ///
@@ -82,11 +80,12 @@ impl Seen {
         let eye = view.camera.position;
         let direction = view.camera.direction(at.as_vec2() + 0.5, view.height, view.width);
         let [enters, leaves] = lit.medium.seen_span(eye, direction, reach);
-        let deep = FARTHEST_DEPTH / lit.medium.extinction().min_element().max(1e-12);
-        let leaves = leaves.min(enters + deep);
-        let seen = geometry.map(|geometry| {
+        let seen = geometry.and_then(|geometry| {
             let ray = geometry.direction(direction);
-            ([ray.along, ray.aside], [enters, leaves].map(|distance| geometry.gamma(ray, distance)))
+            let is_apart = geometry.is_parallel()
+                || ray.aside * geometry.reach > LEAST_ASIDE[0].max(LEAST_ASIDE[1] * geometry.reach);
+            let gamma = [enters, leaves].map(|distance| geometry.gamma(ray, distance));
+            is_apart.then_some(([ray.along, ray.aside], gamma))
         });
         let (in_plane, gamma) = seen.unwrap_or_default();
         Self { eye, direction, in_plane, enters, leaves, gamma }
@@ -119,18 +118,14 @@ impl OneLamp<'_> {
     fn number(&self, gamma: f32) -> f32 {
         let [first, last] = self.bounds;
         let passed = ((gamma - first) / (last - first).max(1e-30)).clamp(0.0, 1.0);
-        let root = (DENSEST * DENSEST + 4.0 * (1.0 - DENSEST) * passed).sqrt();
-        self.settings.light_rays as f32 * 2.0 * passed / (DENSEST + root)
+        self.settings.light_rays as f32 * share_of_parts(passed)
     }
 
     /// The `gamma` of a fractional light ray, and how much it grows there from one to the next.
     fn gamma(&self, number: f32) -> [f32; 2] {
         let ([first, last], count) = (self.bounds, self.settings.light_rays as f32);
         let share = number / count;
-        [
-            first + (last - first) * share * (DENSEST + (1.0 - DENSEST) * share),
-            (last - first) / count * (DENSEST + 2.0 * (1.0 - DENSEST) * share),
-        ]
+        [first + (last - first) * growing(share), (last - first) / count * growth_at(share)]
     }
 
     /// What a view ray receives by all light rays that it crosses; `None` if these are too few.

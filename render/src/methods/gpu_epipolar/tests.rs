@@ -37,6 +37,10 @@ fn there_are_no_more_light_rays_than_a_binding_holds() {
             assert!(LEVELS * lines * rays * 8 <= ROOM || rays == LEAVES, "{settings:?}");
         }
     }
-    let full_hd = View { height: 1080, width: 1920, ..view };
-    assert_eq!(Parameters::of(Quality::Medium).settings(&full_hd).light_rays, 512);
+    let rays = |height, width| {
+        Quality::ALL
+            .map(|quality| Parameters::of(quality).settings(&View { height, width, ..view }).light_rays)
+    };
+    assert_eq!([rays(720, 1280), rays(1080, 1920)], [[256, 512, 832, 832], [256, 512, 512, 512]]);
+    assert_eq!(rays(2160, 3840), [256; 4]);
 }

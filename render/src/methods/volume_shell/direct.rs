@@ -8,13 +8,10 @@ use super::Parameters;
 use super::map::{self, IntervalMap};
 use super::reference::Rays;
 use crate::bvh::TracedScene;
-use crate::path::lights::Arrival;
-use crate::path::medium::HenyeyGreenstein;
+use crate::methods::single_scattering::{self, LitMedium};
 use crate::raster::World;
-use crate::raster::light::{Lights, shadow_sampler};
-use crate::raster::medium::MediumOnGpu;
+use crate::raster::light::shadow_sampler;
 use crate::raster::view::perspective;
-use crate::scene::Medium;
 use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Step, Technique, View, Written};
 use crate::surfels::frame;
 use bytemuck::bytes_of;
@@ -73,19 +70,10 @@ impl Technique for Direct {
         let (height, width) = (inputs.gbuffer.height(), inputs.gbuffer.width());
         let workgroups = gpu::groups(height, width, TILE).into();
         let pass = scatter_pass(device, &self.0, world)?;
-        let buffers = [volume, view, &map.rays, &map.samples];
-        let Lights { records, map_views, pictures, .. } = &world.gpu_lights;
-        let MediumOnGpu { record, densities, .. } = &world.medium;
         let sampler = shadow_sampler(device);
-        let buffers = buffers.into_iter().chain([records, map_views, pictures]);
-        let mut resources: Vec<_> = (0..).zip(buffers.map(|buffer| buffer.as_entire_binding())).collect();
-        resources.extend([
-            (7, wgpu::BindingResource::TextureView(&world.shadows.maps)),
-            (8, wgpu::BindingResource::Sampler(&sampler)),
-            (9, output.as_entire_binding()),
-            (11, record.as_entire_binding()),
-            (12, wgpu::BindingResource::TextureView(densities)),
-        ]);
+        let own = [(0, volume), (1, view), (7, &map.rays), (8, &map.samples), (9, output)];
+        let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
+        let resources = own.into_iter().chain(single_scattering::bindings(world, &sampler));
         let pass = pass.bind_at(device, resources)?;
         let scatter = MethodStep { step: Step { pass, workgroups }, writes: vec![output.clone()] };
         Ok(vec![march, scatter])
@@ -99,11 +87,8 @@ impl Technique for Direct {
 
 fn scatter_pass(device: &wgpu::Device, parameters: &Parameters, world: &World) -> Result<Pass, GpuError> {
     let shader = &wgsl::VOLUME_SHELL_DIRECT;
-    let constants = [
-        ("SAMPLES", parameters.samples),
-        ("MEDIUM", world.medium.kind),
-        ("LIGHTS", world.gpu_lights.count as u32),
-    ];
+    let [lights, medium] = single_scattering::constants(world);
+    let constants = [("SAMPLES", parameters.samples), lights, medium];
     Pass::new(device, shader.name, &shader.specialised(&constants))
 }
 
@@ -118,31 +103,20 @@ pub fn shade(
     view: &View,
 ) -> Result<Planes, MissingAttribute> {
     let (height, width) = (view.height, view.width);
-    let Some(medium) = scene.scene().medium.as_deref() else {
+    let Some(lit) = LitMedium::of(scene) else {
         return Ok(Planes::filled(3, height, width, 0.0));
     };
-    let rays = Rays::new(gbuffer, medium, parameters, view)?;
+    let rays = Rays::new(gbuffer, lit.medium, parameters, view)?;
+    let nearest = parameters.nearest * view.radius;
     let radiance = |index: usize| {
         let ray = rays.of(UVec2::new((index % width) as u32, (index / width) as u32));
         let at = |distance: f32| {
-            scattered_at(scene, medium, view.camera.position + distance * ray.direction, ray.direction)
+            let point = view.camera.position + distance * ray.direction;
+            let of = |light| lit.scattered_of(light, point, ray.direction, nearest);
+            lit.lights().iter().map(of).sum::<Vec3>()
         };
         ray.intervals.iter().map(|interval| interval.weight * at(interval.distance)).sum::<Vec3>()
     };
     let radiance: Vec<Vec3> = (0..height * width).into_par_iter().map(radiance).collect();
     Ok(Planes::from_fn(3, height, width, |channel, y, x| radiance[y * width + x][channel]))
-}
-
-/// What a point of a ray scatters of the lamps' light, of all that is scattered there.
-fn scattered_at(scene: &TracedScene, medium: &Medium, point: Vec3, direction: Vec3) -> Vec3 {
-    let phase = HenyeyGreenstein::new(medium.anisotropy);
-    let of_lamp = |light| {
-        let Arrival { direction: towards, distance, irradiance } = Arrival::new(scene.scene(), light, point);
-        if irradiance == Vec3::ZERO || scene.blocked(point, towards, distance) {
-            return Vec3::ZERO;
-        }
-        let passes = medium.passed_share(point, towards, distance, crate::surfels::reference::POINTS);
-        irradiance * passes * phase.evaluate(towards.dot(direction))
-    };
-    scene.scene().lights.iter().map(of_lamp).sum()
 }

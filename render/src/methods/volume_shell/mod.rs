@@ -10,7 +10,8 @@
 //!
 //! Limits. Nothing hides surfels from the medium: where much does, light is too bright. Light of point, spot and directional lights
 //! only, so that scenes lit by emissive surfaces or an environment stay black. What glossy surfaces reflect is left out. On
-//! lavapipe, which ends long loops, images are right up to some 500,000 visits of intervals a pixel and level.
+//! lavapipe, which ends long loops, images are right up to some 500,000 visits of intervals a pixel and level. Images have at most
+//! four million pixels: a binding holds no more intervals.
 
 pub mod direct;
 mod improvements;

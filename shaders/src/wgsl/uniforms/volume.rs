@@ -41,6 +41,12 @@ uniforms! {
         seed: u32,
     }
 
+    /// Which lamp a pass is of.
+    OfLamp {
+        /// Its number.
+        number: u32,
+    }
+
     /// What the passes of `methods/epipolar` read.
     Epipolar {
         /// Columns of the image.

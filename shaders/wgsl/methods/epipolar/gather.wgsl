@@ -52,7 +52,7 @@ fn integrand(number: f32, query: Query) -> vec3f {
     }
     distance = clamp(distance, query.ray.enters, query.ray.leaves);
     let point = view.eye.xyz + query.ray.direction * distance;
-    let arrived = arrival(lights[LAMP], point);
+    let arrived = arrival(lights[of_lamp.number], point);
     if query.axis.reach > 0.0 {
         metres = arrived.distance * arrived.distance / (query.axis.reach * in_plane.y);
     }
@@ -127,6 +127,21 @@ fn sum_of_ray(number: u32, begins: f32, ends_at: f32, query: Query) -> vec3f {
     return share * integrand(0.5 * (begins + ends_at), query);
 }
 
+// Nodes are no wider than half of a spot's cone to a side, which they would miss between their three values; what a lamp projects is asked for
+// light ray by light ray.
+fn largest_level(bounds: vec2f) -> u32 {
+    let light = lights[of_lamp.number];
+    if light.picture.w > 0.0 {
+        return 0u;
+    }
+    if light.place.w != SPOT {
+        return LARGEST_LEVEL;
+    }
+    let widest = gamma_growth(f32(epipolar.light_rays), bounds);
+    let rays = 0.5 * acos(clamp(light.cone.y, -1.0, 1.0)) / max(widest, 1e-20);
+    return min(LARGEST_LEVEL, u32(log2(max(rays, 1.0))));
+}
+
 // Of all light rays from one number to another.
 fn sum_between(numbers: vec2f, query: Query) -> vec3f {
     let last = min(u32(numbers.y), epipolar.light_rays - 1u);
@@ -136,8 +151,7 @@ fn sum_between(numbers: vec2f, query: Query) -> vec3f {
         sum += sum_of_ray(next, numbers.x, min(f32(next) + 1.0, numbers.y), query);
         next++;
     }
-    // What a lamp projects is asked for ray by ray.
-    let most = select(LARGEST_LEVEL, 0u, lights[LAMP].picture.w > 0.0);
+    let most = largest_level(query.bounds);
     var allowed = most;
     while next < last {
         let level = min(min(countTrailingZeros(next), firstLeadingBit(last - next)), allowed);
@@ -185,6 +199,6 @@ fn gather(@builtin(global_invocation_id) id: vec3u) {
     let at = id.y * epipolar.width + id.x;
     for (var c = 0u; c < 3u; c++) {
         // The first lamp finds what the frame before left.
-        image[at + c * pixels] = select(image[at + c * pixels], 0.0, LAMP == 0u) + sum[c];
+        image[at + c * pixels] = select(image[at + c * pixels], 0.0, of_lamp.number == 0u) + sum[c];
     }
 }

@@ -4,8 +4,8 @@
 @group(0) @binding(0) var<uniform> epipolar: Epipolar;
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<storage, read> lights: array<LightRecord>;
-// [border + 6]: numbers of lines, of which the last is how many there are; the bounds of `gamma`, which begin empty; workgroups
-// of 64 light rays of all lines, the first and the last being two.
+// [border + 6]: numbers of lines, of which the last is how many there are; the bounds of `gamma`, which begin empty; how many
+// workgroups of 64 light rays a line has, how many lines there are with the first and the last, and 1.
 @group(0) @binding(3) var<storage, read_write> lines: array<u32>;
 
 const THREADS = 256u;

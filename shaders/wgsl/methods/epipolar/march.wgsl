@@ -25,7 +25,7 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
     }
     let steps = bounded(epipolar.steps, id.xy);
     let shift = random(id.xy, epipolar.seed, 0u);
-    let sum = scattered_along(lights[LAMP], ray.direction, vec2f(ray.enters, ray.leaves), steps, shift);
+    let sum = scattered_along(lights[of_lamp.number], ray.direction, vec2f(ray.enters, ray.leaves), steps, shift);
     let pixels = epipolar.width * epipolar.height;
     let at = id.y * epipolar.width + id.x;
     for (var c = 0u; c < 3u; c++) {

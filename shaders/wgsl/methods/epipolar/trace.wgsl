@@ -16,8 +16,8 @@ const NEVER = 2.0;
 
 // The place of the border where a line leaves, by bisection.
 fn leaves_at(line: u32) -> f32 {
-    // The last one leaves where no others do behind it.
-    let number = min(f32(line), bitcast<f32>(lines[border()]) - 1e-3);
+    // Of the last one that place counts which comes before those where no line leaves, whatever rounding made of their numbers.
+    let number = min(f32(line), bitcast<f32>(lines[border()]) - 0.05);
     var low = 0u;
     var high = border();
     while low + 1u < high {
@@ -71,13 +71,13 @@ fn trace(@builtin(global_invocation_id) id: vec3u) {
     let gamma = gamma_at(f32(number) + 0.5, gamma_bounds());
     var end = NEVER;
     if axis.reach < 0.0 {
-        let found = blocker(lights[LAMP], view.eye.xyz + outwards * gamma);
+        let found = blocker(lights[of_lamp.number], view.eye.xyz + outwards * gamma);
         if found.y >= 0.0 {
             end = beta_of(vec2f(found.x - found.y, gamma));
         }
     } else {
         let along = outwards * sin(gamma) - axis.direction * cos(gamma);
-        let found = blocker(lights[LAMP], lights[LAMP].place.xyz + along);
+        let found = blocker(lights[of_lamp.number], lights[of_lamp.number].place.xyz + along);
         if found.y >= 0.0 {
             let distance = found.y / max(found.x, 1e-20);
             end = beta_of(vec2f(axis.reach - distance * cos(gamma), distance * sin(gamma)));

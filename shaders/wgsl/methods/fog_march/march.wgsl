@@ -1,4 +1,4 @@
-// Single scattering by steps along every view ray, each of which looks into the lamps' shadow maps. The plain version is
+// Single scattering of one lamp's light by steps along every view ray, each of which looks into its shadow maps. The plain version is
 // render/src/methods/fog_march/reference.rs.
 
 @group(0) @binding(0) var<uniform> marching: FogMarch;
@@ -13,6 +13,8 @@
 @group(0) @binding(8) var<storage, read> position_planes: array<f32>;
 // [3, height, width]
 @group(0) @binding(9) var<storage, read_write> image: array<f32>;
+
+@group(0) @binding(13) var<uniform> of_lamp: OfLamp;
 
 @compute @workgroup_size(TILE, TILE)
 fn march(@builtin(global_invocation_id) id: vec3u) {
@@ -29,11 +31,11 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
     let shift = random(id.xy, marching.seed, 0u);
     var sum = vec3f(0.0);
     if span.y > span.x {
-        for (var i = 0u; i < LIGHTS; i++) {
-            sum += scattered_along(lights[i], direction, span, steps, shift);
-        }
+        sum = scattered_along(lights[of_lamp.number], direction, span, steps, shift);
     }
     for (var c = 0u; c < 3u; c++) {
-        image[at + c * pixels] = medium.scattering[c] * sum[c];
+        // The first lamp finds what the frame before left.
+        let others = select(image[at + c * pixels], 0.0, of_lamp.number == 0u);
+        image[at + c * pixels] = others + medium.scattering[c] * sum[c];
     }
 }

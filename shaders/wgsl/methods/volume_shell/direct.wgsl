@@ -2,17 +2,15 @@
 // light, with shadows by their maps and dimmed on its way, the intervals of a ray scatter to the eye. The plain version is
 // render/src/methods/volume_shell/direct.rs.
 
-const PI = 3.14159265;
-
 @group(0) @binding(0) var<uniform> volume: VolumeShell;
 @group(0) @binding(1) var<uniform> view: FrameView;
-@group(0) @binding(2) var<storage, read> rays: array<vec4f>;
-@group(0) @binding(3) var<storage, read> samples: array<array<u32, SAMPLES / 2u>>;
-@group(0) @binding(4) var<storage, read> lights: array<LightRecord>;
-@group(0) @binding(5) var<storage, read> map_views: array<FrameView>;
-@group(0) @binding(6) var<storage, read> pictures: array<u32>;
-@group(0) @binding(7) var maps: texture_depth_2d_array;
-@group(0) @binding(8) var map_sampler: sampler_comparison;
+@group(0) @binding(2) var<storage, read> lights: array<LightRecord>;
+@group(0) @binding(3) var<storage, read> map_views: array<FrameView>;
+@group(0) @binding(4) var<storage, read> pictures: array<u32>;
+@group(0) @binding(5) var maps: texture_depth_2d_array;
+@group(0) @binding(6) var map_sampler: sampler_comparison;
+@group(0) @binding(7) var<storage, read> rays: array<vec4f>;
+@group(0) @binding(8) var<storage, read> samples: array<array<u32, SAMPLES / 2u>>;
 // [3, height, width]
 @group(0) @binding(9) var<storage, read_write> image: array<f32>;
 
@@ -20,12 +18,7 @@ const PI = 3.14159265;
 fn scattered_at(point: vec3f, direction: vec3f) -> vec3f {
     var sum = vec3f(0.0);
     for (var i = 0u; i < LIGHTS; i++) {
-        let arrived = arrival(lights[i], point);
-        if any(arrived.irradiance > vec3f(0.0)) {
-            // In the air a point is lifted towards the lamp.
-            let shown = lit_share(lights[i], point, arrived.direction, arrived.direction);
-            sum += arrived.irradiance * passed_share(point, arrived) * (shown * phase(dot(arrived.direction, direction)));
-        }
+        sum += scattered_of(lights[i], point, direction, volume.nearest);
     }
     return sum;
 }

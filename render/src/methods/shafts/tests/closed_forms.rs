@@ -123,6 +123,7 @@ fn sunlight_that_nothing_hides_is_exact() {
         };
         exact().iter().for_each(|method| check(method.as_ref(), 1e-4));
         four_terms().iter().for_each(|method| check(method.as_ref(), 1e-3));
+        on_gpu().iter().for_each(|method| check(method.as_ref(), 1e-2));
     }
 }
 
@@ -176,5 +177,7 @@ fn airlight_of_a_lamp_is_suns() {
         };
         exact().iter().for_each(|method| check(method.as_ref(), if distance < 10.0 { 1e-4 } else { 1e-3 }));
         four_terms().iter().for_each(|method| check(method.as_ref(), 1e-2));
+        let [march, sums, _] = on_gpu();
+        [march, sums].iter().for_each(|method| check(method.as_ref(), 1e-2));
     }
 }
