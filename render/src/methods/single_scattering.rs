@@ -9,14 +9,12 @@ use crate::raster::World;
 use crate::raster::light::Lights;
 use crate::raster::medium::MediumOnGpu;
 use crate::scene::{Light, Medium};
+use crate::surfels::reference::POINTS;
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, shows_surface};
 use glam::Vec3;
 
 /// What methods of single scattering on the GPU read of a g-buffer.
 pub const ATTRIBUTES: &[Attribute] = &[Attribute::Position, Attribute::Valid];
-
-/// Points of the way to a lamp at which a grid's density is looked up: `POINTS` in `shared/light_dimmed.wgsl`.
-const POINTS: u32 = 32;
 
 /// What shaders are compiled for: how many lamps there are, and which kind of medium.
 pub fn constants(world: &World) -> [(&'static str, u32); 2] {

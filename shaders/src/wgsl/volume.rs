@@ -6,11 +6,11 @@ table! {
     /// The transmittance interval map.
     VOLUME_SHELL_INTERVALS: "volume-shell.intervals", file "methods/volume_shell/intervals",
         constants [SAMPLES = 16, MEDIUM = 2], uniforms [Intervals, FrameView, MediumRecord],
-        shared ["random", "bounded", "view", "medium_span", "medium", "transmittance", "intervals_encode_wide"];
+        shared ["surface_distance", "random", "bounded", "view", "medium_span", "medium", "transmittance", "intervals_encode_wide"];
     /// The same, with samples kept as in the paper.
     VOLUME_SHELL_PAPER_INTERVALS: "volume-shell.paper_intervals", file "methods/volume_shell/intervals",
         constants [SAMPLES = 16, MEDIUM = 2], uniforms [Intervals, FrameView, MediumRecord],
-        shared ["random", "bounded", "view", "medium_span", "medium", "transmittance", "intervals_encode_paper"];
+        shared ["surface_distance", "random", "bounded", "view", "medium_span", "medium", "transmittance", "intervals_encode_paper"];
     /// Light that surfels scatter into the intervals of rays, of a level.
     VOLUME_SHELL_SPLAT: "volume-shell.splat", file "methods/volume_shell/splat",
         constants [SAMPLES = 16, MEDIUM = 2, HEIGHT = 8, PARTS = 16, LOOKUPS = 4, GREY = 0,
@@ -48,11 +48,11 @@ table! {
         uniforms [Froxels, MediumRecord], shared ["bounded", "mean_decay", "froxel_index"];
     /// Fog in front of pixels, from froxels.
     FROXEL_APPLY: "froxel.apply", file "methods/froxel/apply", constants [MEDIUM = 2],
-        uniforms [Froxels, FrameView, MediumRecord], shared ["view", "medium_span", "froxel_index", "growing", "froxels"];
+        uniforms [Froxels, FrameView, MediumRecord], shared ["surface_distance", "view", "medium_span", "froxel_index", "growing", "froxels"];
     /// Single scattering by steps along view rays.
     FOG_MARCH: "fog-march.march", file "methods/fog_march/march", constants [MEDIUM = 2, GREY = 0],
         uniforms [FogMarch, OfLamp, FrameView, LightRecord, MediumRecord],
-        shared ["random", "bounded", "view", "lights", "shadow", "medium_span", "medium", "colours", "light_dimmed", "phase",
+        shared ["surface_distance", "random", "bounded", "view", "lights", "shadow", "medium_span", "medium", "colours", "light_dimmed", "phase",
                 "single_scattering", "mean_decay", "fog_steps"];
     /// Where a lamp's epipolar slices leave the image.
     EPIPOLAR_LINES: "epipolar.lines", file "methods/epipolar/lines", constants [],
@@ -60,7 +60,7 @@ table! {
     /// From which to which light ray view rays are in the medium.
     EPIPOLAR_BOUNDS: "epipolar.bounds", file "methods/epipolar/bounds", constants [MEDIUM = 2],
         uniforms [Epipolar, OfLamp, FrameView, LightRecord, MediumRecord],
-        shared ["view", "lamp_axis", "medium_span", "growing", "epipolar_rays", "epipolar_view"];
+        shared ["surface_distance", "view", "lamp_axis", "medium_span", "growing", "epipolar_rays", "epipolar_view"];
     /// Where the light rays of slices end.
     EPIPOLAR_TRACE: "epipolar.trace", file "methods/epipolar/trace", constants [],
         uniforms [Epipolar, OfLamp, FrameView, LightRecord],
@@ -70,12 +70,12 @@ table! {
     /// Fog in front of pixels, from partial sums.
     EPIPOLAR_GATHER: "epipolar.gather", file "methods/epipolar/gather", constants [MEDIUM = 2, GREY = 0],
         uniforms [Epipolar, OfLamp, FrameView, LightRecord, MediumRecord],
-        shared ["view", "lights", "lamp_axis", "medium_span", "medium", "colours", "light_dimmed", "phase", "epipolar_lines",
+        shared ["surface_distance", "view", "lights", "lamp_axis", "medium_span", "medium", "colours", "light_dimmed", "phase", "epipolar_lines",
                 "growing", "epipolar_rays", "epipolar_view"];
     /// Fog in front of pixels whose view rays cross few light rays.
     EPIPOLAR_MARCH: "epipolar.march", file "methods/epipolar/march", constants [MEDIUM = 2, GREY = 0],
         uniforms [Epipolar, OfLamp, FrameView, LightRecord, MediumRecord],
-        shared ["random", "bounded", "view", "lights", "shadow", "lamp_axis", "medium_span", "medium", "colours", "light_dimmed",
+        shared ["surface_distance", "random", "bounded", "view", "lights", "shadow", "lamp_axis", "medium_span", "medium", "colours", "light_dimmed",
                 "phase", "single_scattering", "mean_decay", "fog_steps", "epipolar_lines", "growing", "epipolar_rays", "epipolar_view"];
     /// The sum of all levels.
     VOLUME_SHELL_ADD: "volume-shell.add", file "methods/volume_shell/add", constants [], uniforms [LevelSum],

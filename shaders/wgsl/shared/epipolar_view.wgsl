@@ -19,8 +19,7 @@ fn seen_ray(pixel: vec2u) -> SeenRay {
     let inside = min(pixel, vec2u(epipolar.width, epipolar.height) - 1u);
     let pixels = epipolar.width * epipolar.height;
     let at = inside.y * epipolar.width + inside.x;
-    let position = vec3f(position_planes[at], position_planes[at + pixels], position_planes[at + 2u * pixels]);
-    let reach = select(1e30, length(position), valid_plane[at] > 0.5);
+    let reach = surface_distance(at, pixels);
     let direction = from_view(normalize(view_position(vec2f(inside) + 0.5, 1.0, view)), view);
     let span = medium_span(view.eye.xyz, direction, reach);
     let in_plane = in_half_plane(direction, axis);

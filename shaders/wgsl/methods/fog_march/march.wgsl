@@ -23,8 +23,7 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
     }
     let pixels = marching.width * marching.height;
     let at = id.y * marching.width + id.x;
-    let position = vec3f(position_planes[at], position_planes[at + pixels], position_planes[at + 2u * pixels]);
-    let reach = select(1e30, length(position), valid_plane[at] > 0.5);
+    let reach = surface_distance(at, pixels);
     let direction = from_view(normalize(view_position(vec2f(id.xy) + 0.5, 1.0, view)), view);
     let span = medium_span(view.eye.xyz, direction, reach);
     let steps = bounded(marching.steps, id.xy);

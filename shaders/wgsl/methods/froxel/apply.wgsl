@@ -25,8 +25,7 @@ fn apply(@builtin(global_invocation_id) id: vec3u) {
     }
     let pixels = froxels.width * froxels.height;
     let at = id.y * froxels.width + id.x;
-    let position = vec3f(position_planes[at], position_planes[at + pixels], position_planes[at + 2u * pixels]);
-    let reach = select(1e30, length(position), valid_plane[at] > 0.5);
+    let reach = surface_distance(at, pixels);
     let direction = from_view(normalize(view_position(vec2f(id.xy) + 0.5, 1.0, view)), view);
     let slice = slice_at(reach, froxel_range(direction));
     let first = min(u32(slice), froxels.slices - 1u);

@@ -30,12 +30,6 @@ fn density_at(step: u32, march: March) -> f32 {
     return density_inside(view.eye.xyz + march.direction * (march.enters + (f32(step) + march.offset) * march.step));
 }
 
-// Where the surface is, along the ray; far away where none is seen.
-fn surface_distance(at: u32, pixels: u32) -> f32 {
-    let position = vec3f(position_planes[at], position_planes[at + pixels], position_planes[at + 2u * pixels]);
-    return select(1e30, length(position), valid_plane[at] > 0.5);
-}
-
 @compute @workgroup_size(TILE, TILE)
 fn find_intervals(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= marching.width || id.y >= marching.height {
