@@ -8,6 +8,7 @@
 mod claims;
 mod contest;
 mod hall;
+mod on_gpu;
 mod scaling;
 mod subject;
 
@@ -16,6 +17,8 @@ use crate::table;
 use anyhow::{Context, Result};
 use claims::Claims;
 use contest::Outcome;
+use deepshade_shaders::gpu::Gpu;
+use on_gpu::OnGpu;
 use scaling::Scaling;
 use serde_json::json;
 use std::path::PathBuf;
@@ -30,7 +33,8 @@ use subject::{Kind, Setup, Subject, View};
     In the JSON file speedup_SCENE_VIEW is the time of the march with the fewest steps whose relative squared error is no \
     larger than that of the trees, over theirs; speedup_SCENE_VIEW_quarter is that of trees of a quarter of the light rays. \
     VIEW is `sun` with the sun in the image and `side` without. sampling_SCENE_VIEW is the same of epipolar sampling, null \
-    where that does not become as good. slope_tree and slope_march are of log time against log(srd) / 3.")]
+    where that does not become as good. gpu_ratio_SCENE_VIEW is that of `gpu-march` over `gpu-epipolar`, on the GPU \
+    (on a software adapter of images of 96x72 pixels). slope_tree and slope_march are of log time against log(srd) / 3.")]
 pub struct Args {
     /// At the paper's sizes (1280x960, 4096 light rays, shadow maps of 4096 x 4096) in place of half of them; takes
     /// ten minutes or so in place of one or two.
@@ -66,24 +70,29 @@ pub fn run(args: &Args) -> Result<()> {
     let scaling = Scaling::of(setup, &pool)?;
     note!("what else is claimed");
     let claims = Claims::of(setup, &pool)?;
+    note!("partial sums and the march on the GPU");
+    let on_gpu = OnGpu::of(&Gpu::new()?, setup)?;
 
     let mut figures = Figures::new("bench epipolar");
     outcomes.iter().for_each(|outcome| outcome.set(&mut figures));
     contest::set_extremes(&outcomes, &mut figures);
     scaling.set(&mut figures);
     claims.set(&mut figures);
+    on_gpu.set(&mut figures);
     figures.detail("size", json!(setup.size));
     figures.detail("light_rays", json!(setup.light_rays));
     figures.detail("shadow_size", json!(setup.shadow_size));
     figures.detail("outcomes", outcomes.iter().map(Outcome::to_json).collect());
     figures.detail("scaling", scaling.to_json());
+    figures.detail("gpu", on_gpu.to_json());
     figures.write(args.json.as_deref())?;
     if let Some(path) = &args.plot {
         write_atomically(path, scaling.plot().svg("Time against resolution")?.as_bytes())?;
     }
     say!("{}", table::aligned(&contest::rows(&outcomes)))?;
     say!("\n{}", table::aligned(&scaling.rows()))?;
-    say!("\n{}", table::aligned(&claims.rows()))
+    say!("\n{}", table::aligned(&claims.rows()))?;
+    say!("\n{}\n{}", on_gpu.title(), table::aligned(&on_gpu.rows()))
 }
 
 /// A small number for a table.

@@ -12,6 +12,7 @@ use glam::Vec3;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use serde_json::{Value, json};
+use std::convert::Infallible;
 
 /// Steps of the march that errors are against.
 pub const REFERENCE_STEPS: u32 = 32_768;
@@ -29,8 +30,10 @@ const EVERY: usize = 16;
 /// A method's time and error.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured {
-    seconds: f64,
-    relmse: f64,
+    /// What a run takes.
+    pub seconds: f64,
+    /// Its relative squared error.
+    pub relmse: f64,
 }
 
 /// Trees, and the march that is as good.
@@ -97,23 +100,30 @@ impl Reference {
             let found = marched(subject, &self.pixels, steps, |pixel| shift(pixel, 1));
             self.error(found.into_iter()) <= error
         };
-        let [mut few, mut enough] = [STEPS[0]; 2];
-        while !is_enough(enough) {
-            if enough >= STEPS[1] {
-                return None;
-            }
-            (few, enough) = (enough, 2 * enough);
-        }
-        while f64::from(enough) > PRECISION * f64::from(few) && enough > few + 1 {
-            let middle = (f64::from(few) * f64::from(enough)).sqrt() as u32;
-            if is_enough(middle.max(few + 1)) {
-                enough = middle.max(few + 1);
-            } else {
-                few = middle.max(few + 1);
-            }
-        }
-        Some(enough)
+        fewest(STEPS, |steps| Ok::<_, Infallible>(is_enough(steps))).unwrap_or_else(|never| match never {})
     }
+}
+
+/// The fewest steps that are enough, to a few percent, of those between two; `None` if the most are too few.
+///
+/// # Errors
+/// Those of the question.
+pub fn fewest<E>(
+    [fewest, most]: [u32; 2],
+    mut is_enough: impl FnMut(u32) -> Result<bool, E>,
+) -> Result<Option<u32>, E> {
+    let [mut few, mut enough] = [fewest; 2];
+    while !is_enough(enough)? {
+        if enough >= most {
+            return Ok(None);
+        }
+        (few, enough) = (enough, 2 * enough);
+    }
+    while f64::from(enough) > PRECISION * f64::from(few) && enough > few + 1 {
+        let middle = ((f64::from(few) * f64::from(enough)).sqrt() as u32).max(few + 1);
+        *(if is_enough(middle)? { &mut enough } else { &mut few }) = middle;
+    }
+    Ok(Some(enough))
 }
 
 /// What a march gives for some pixels, on all threads.

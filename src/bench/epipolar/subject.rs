@@ -96,6 +96,11 @@ impl Kind {
         }
     }
 
+    /// The name in figures of its scene from a view.
+    pub fn called(self, view: View) -> String {
+        format!("{}_{}", self.name(), view.name())
+    }
+
     fn scene(self) -> Scene {
         match self {
             Self::Indoor => hall(),
@@ -140,18 +145,27 @@ impl View {
     }
 }
 
+/// A scene in fog under the sun, and where it is seen from.
+///
+/// # Errors
+/// If there is no volume to fill.
+pub fn setting(kind: Kind, view: View, size: [usize; 2]) -> Result<(Scene, Camera)> {
+    let mut scene = kind.scene();
+    let bounds = scene.bounds();
+    let camera = kind.camera(view, bounds);
+    scene.lights = vec![sun(view.towards_sun(&camera, size))];
+    scene.medium = Some(Arc::new(fog(bounds)?));
+    Ok((scene, camera))
+}
+
 impl Subject {
     /// One of the scenes.
     ///
     /// # Errors
     /// If it cannot be traced.
     pub fn new(kind: Kind, view: View, setup: Setup) -> Result<Self> {
-        let mut scene = kind.scene();
-        let bounds = scene.bounds();
-        let camera = kind.camera(view, bounds);
-        scene.lights = vec![sun(view.towards_sun(&camera, setup.size))];
-        scene.medium = Some(Arc::new(fog(bounds)?));
-        Self::of(format!("{}_{}", kind.name(), view.name()), scene, &camera, setup)
+        let (scene, camera) = setting(kind, view, setup.size)?;
+        Self::of(kind.called(view), scene, &camera, setup)
     }
 
     /// A scene with a light and a medium.
