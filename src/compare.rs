@@ -1,7 +1,7 @@
 //! `deepshade compare`: methods against truth on the views of a scene.
 
 use crate::arguments::{check_pixels, positive};
-use crate::complete::{Additions, Wants, complete, listeners};
+use crate::complete::{Additions, Completed, Wants, complete, listeners};
 use crate::exposure_time;
 use crate::figures::{self, Figures};
 use crate::learned;
@@ -20,9 +20,10 @@ use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Method, Repeats};
 use deepshade_render::methods::Quality;
 use deepshade_render::path::{Estimate, Goal, Shot, Truth};
-use deepshade_render::scene::SceneSource;
+use deepshade_render::scene::{Density, SceneSource};
 use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
+use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -128,11 +129,8 @@ pub fn run(args: &Args) -> Result<()> {
         .then(|| learned::network(&model_folder(args), Some(args.effect)))
         .transpose()?;
     let gpu = Gpu::new()?;
-    let methods = methods::open(
-        args.effect,
-        &names,
-        Setup { gpu: &gpu, model: model.as_ref(), quality: args.quality },
-    )?;
+    let setup = Setup { gpu: &gpu, model: model.as_ref(), quality: args.quality };
+    let mut methods = methods::open(args.effect, &names, setup)?;
     let scene = TracedScene::new(args.time.scene(&args.scene, &args.props, args.effect)?)
         .with_context(|| format!("scene {}", args.scene))?;
     let space = Space { diagonal: scene.diagonal(), height: args.height };
@@ -155,16 +153,29 @@ pub fn run(args: &Args) -> Result<()> {
         animated: false,
         time: args.time.time(),
     };
+    let completed = views.iter().map(|view| complete(&scene, &view.camera, &wants));
+    let completed = completed.collect::<Result<Vec<_>>>()?;
+    let added = completed.first().map(|first| first.added.clone()).unwrap_or_default();
+    added.iter().for_each(|line| note!("{line}"));
+    let is_dark = |completed: &Completed| completed.scene.scene().lights.is_empty();
+    if matches!(args.effect, Effect::FogDirect | Effect::FogIndirect) && completed.iter().all(is_dark) {
+        note!(
+            "the scene has no lamp, and of other light only truth knows in fog: the methods' images are black"
+        );
+    }
+    let fog = completed.iter().filter_map(|completed| completed.scene.scene().medium.as_deref());
+    if fog.clone().any(|medium| matches!(medium.density, Density::Grid(_))) {
+        methods = methods::through_grids(methods, !args.methods.is_empty(), |method| &**method)?;
+    }
     let mut frames = Vec::new();
     let bar = progress::bar("frames", views.len(), 0);
-    for view in &views {
+    for (view, completed) in views.iter().zip(completed) {
         bar.set_message(view.name.clone());
-        let completed = complete(&scene, &view.camera, &wants)?;
-        if frames.is_empty() {
-            completed.added.iter().for_each(|line| note!("{line}"));
-        }
         let view = View { camera: completed.camera, ..view.clone() };
         let mut frame = compare_frame(&completed.scene, &view, settings, &methods)?;
+        if listeners::MEDIUM.contains(&args.effect) {
+            frame.facts.push(("medium".to_owned(), args.additions.medium_in_words()));
+        }
         frame.facts.extend(completed.added.into_iter().map(|added| ("added".to_owned(), added)));
         frames.push(frame);
         bar.inc(1);
@@ -175,7 +186,13 @@ pub fn run(args: &Args) -> Result<()> {
     let page = comparison.write(&args.out)?;
     let mut figures = Figures::new("compare");
     comparison.set_figures(&mut figures);
-    figures.set("radius", f64::from(settings.radius));
+    if listeners::RADIUS.contains(&args.effect) {
+        figures.set("radius", f64::from(settings.radius));
+    }
+    figures.detail("added", json!(added));
+    if listeners::MEDIUM.contains(&args.effect) {
+        figures.detail("medium", args.additions.medium_in_words().into());
+    }
     figures.detail("scene", args.scene.to_string().into());
     figures.detail("quality", args.quality.name().into());
     figures.detail("put", args.props.to_string().into());
@@ -220,7 +237,7 @@ pub fn compare_frame(
             })
         })
         .collect::<Result<_>>()?;
-    let facts = facts(scene, view, radius, &truth.truth.estimate);
+    let facts = facts(scene, view, settings, &truth.truth.estimate);
     Ok(FrameReport { name: view.name.clone(), facts, truth, methods })
 }
 
@@ -234,17 +251,20 @@ fn render_truth(frame: &Frame<'_>, settings: Settings) -> TruthReport {
     TruthReport::new(effect, truth, start.elapsed().as_secs_f64() * 1e3)
 }
 
-fn facts(scene: &TracedScene, view: &View, radius: f32, truth: &Estimate) -> Vec<(String, String)> {
+fn facts(scene: &TracedScene, view: &View, settings: Settings, truth: &Estimate) -> Vec<(String, String)> {
     let position = view.camera.position;
+    let radius = || ("radius", radius::in_words(settings.radius, scene.diagonal()));
+    let reach = listeners::RADIUS.contains(&settings.effect).then(radius);
     [
         ("scene", scene.scene().name.clone()),
         ("triangles", scene.scene().triangle_count().to_string()),
         ("camera", format!("at ({:.2}, {:.2}, {:.2})", position.x, position.y, position.z)),
-        ("radius", radius::in_words(radius, scene.diagonal())),
         ("truth", format!("{} samples a pixel", truth.samples)),
     ]
+    .into_iter()
+    .chain(reach)
     .map(|(name, value)| (name.to_owned(), value))
-    .to_vec()
+    .collect()
 }
 
 /// What everything ran on, as the report shows it.

@@ -9,10 +9,10 @@ mod score;
 
 use crate::figures::Figures;
 use crate::learned;
-use crate::methods::TRUTH;
+use crate::methods::{self, TRUTH};
 use crate::statistics::Estimate;
 use crate::table;
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use deepshade_dataset::TestSet;
 use deepshade_infer::Model;
 use deepshade_render::methods::Quality;
@@ -96,6 +96,15 @@ pub fn run(args: &Args) -> Result<()> {
     if args.all {
         return networks::run(args);
     }
+    // The parser lets them pass beside what `--all` excludes.
+    let of_all = [
+        ("--testsets", args.testsets.is_some()),
+        ("--markdown", args.markdown.is_some()),
+        ("--page", args.page.is_some()),
+    ];
+    if let Some((option, _)) = of_all.into_iter().find(|(_, given)| *given) {
+        bail!("{option} means nothing without --all");
+    }
     let gpu = Gpu::new()?;
     let contest = contest(args)?;
     let Judgement { rivals, evaluation } = judge(&contest, args, &gpu)?;
@@ -144,7 +153,12 @@ fn judge(contest: &Contest, args: &Args, gpu: &Gpu) -> Result<Judgement> {
     qualities.sort_unstable();
     qualities.dedup();
     let model = network.as_ref().map(|(_, model)| model);
-    let rivals = rivals(*effect, &args.methods, &qualities, gpu, model)?;
+    let mut rivals = rivals(*effect, &args.methods, &qualities, gpu, model)?;
+    let fog = set.recipe().vary.as_ref().and_then(|vary| vary.fog);
+    if fog.is_some_and(|fog| fog.smoke_share > 0.0) {
+        let by_name = !args.methods.iter().any(|name| name == "all");
+        rivals = methods::through_grids(rivals, by_name, |rival| rival.method.as_ref())?;
+    }
     let chosen = lists::spread(set.frames().len(), args.frames.map_or(usize::MAX, |frames| frames as usize));
     ensure!(!chosen.is_empty(), "the test set has no frame");
     if let Some(target) = &set.recipe().target {

@@ -241,6 +241,24 @@ pub fn open(effect: Effect, names: &[&str], setup: Setup<'_>) -> Result<Vec<Box<
         .collect()
 }
 
+/// Methods that go through a medium that is a grid: the others are left out and said, or refused where they are asked for by
+/// name.
+///
+/// # Errors
+/// If one that is asked for wants fog that is the same throughout, or all do; those that do not are listed.
+pub fn through_grids<T>(all: Vec<T>, by_name: bool, method: impl Fn(&T) -> &dyn Method) -> Result<Vec<T>> {
+    let name = |entry: &&T| method(entry).name();
+    let (unfit, fit): (Vec<&T>, Vec<&T>) = all.iter().partition(|entry| method(entry).wants_even_fog());
+    let [unfit, fit] = [unfit, fit].map(|entries| entries.iter().map(name).collect::<Vec<_>>().join(", "));
+    if unfit.is_empty() {
+        return Ok(all);
+    }
+    let what = "fog that is the same throughout, and here it is a grid";
+    ensure!(!by_name && !fit.is_empty(), "{unfit}: for {what}");
+    note!("without {unfit}: for {what}");
+    Ok(all.into_iter().filter(|entry| !method(entry).wants_even_fog()).collect())
+}
+
 /// Whether an effect has all of these methods, each named once.
 ///
 /// # Errors

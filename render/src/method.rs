@@ -92,6 +92,11 @@ pub trait Method {
     /// What it computes.
     fn effect(&self) -> Effect;
 
+    /// Whether it needs fog that is the same throughout, and refuses grids.
+    fn wants_even_fog(&self) -> bool {
+        false
+    }
+
     /// Computes the effect for a frame, as often as `repeats` says.
     ///
     /// # Errors

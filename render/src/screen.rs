@@ -93,6 +93,9 @@ pub trait ScreenMethod: Send + Sync {
     /// Whether it also reads the scene itself: what the camera does not see.
     fn looks_beyond(&self) -> bool;
 
+    /// As [`Method::wants_even_fog`].
+    fn wants_even_fog(&self) -> bool;
+
     /// Where its passes were compiled for.
     fn gpu(&self) -> &Gpu;
 
@@ -126,6 +129,10 @@ impl<M: ScreenMethod + ?Sized> Method for M {
 
     fn effect(&self) -> Effect {
         ScreenMethod::effect(self)
+    }
+
+    fn wants_even_fog(&self) -> bool {
+        ScreenMethod::wants_even_fog(self)
     }
 
     /// The time is that of the passes on the GPU, without sending the g-buffer there and the image back.
@@ -190,6 +197,10 @@ impl<M: ScreenMethod + ?Sized> ScreenMethod for Box<M> {
 
     fn looks_beyond(&self) -> bool {
         (**self).looks_beyond()
+    }
+
+    fn wants_even_fog(&self) -> bool {
+        (**self).wants_even_fog()
     }
 
     fn gpu(&self) -> &Gpu {

@@ -3,7 +3,7 @@
 use super::listeners;
 use anyhow::{Context, Result, ensure};
 use deepshade_render::bvh::TracedScene;
-use deepshade_render::scene::medium::DensityFile;
+use deepshade_render::scene::medium::{DensityFile, LARGEST_COEFFICIENT};
 use deepshade_render::scene::{Bounds, Density, Medium};
 use deepshade_shaders::Effect;
 use glam::Vec3;
@@ -121,6 +121,10 @@ impl Additions {
         ensure!(
             albedo.max_element() <= 1.0,
             "--scattering-albedo {albedo}: more than all cannot be scattered"
+        );
+        ensure!(
+            extinction.max_element() <= LARGEST_COEFFICIENT,
+            "--extinction {extinction}: at most {LARGEST_COEFFICIENT:e} per metre"
         );
         Ok(Medium::new((1.0 - albedo) * extinction, albedo * extinction, self.mean_cosine(), density)?)
     }

@@ -55,8 +55,13 @@ pub struct TruthReport {
 }
 
 /// What an image is called that is an effect's background everywhere.
-pub fn floor_name(effect: Effect) -> &'static str {
-    if effect.background() == Some(1.0) { "white image" } else { "black image" }
+pub fn floor_name(effect: Effect) -> String {
+    format!("{} image", floor_colour(effect))
+}
+
+/// The colour of an effect's background.
+pub fn floor_colour(effect: Effect) -> &'static str {
+    if effect.background() == Some(1.0) { "white" } else { "black" }
 }
 
 /// What a method made of a frame.

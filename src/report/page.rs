@@ -52,7 +52,7 @@ struct Page<'a> {
     /// Names of the images of every frame: the methods, then truth.
     images: Vec<String>,
     /// The image that shows what knowing nothing scores.
-    floor: &'static str,
+    floor: String,
     machine: &'a [(String, String)],
     difference_range: f32,
     difference_stops: String,
@@ -167,7 +167,7 @@ fn reference_rows(effect: Effect, noise: Scores, floor: Scores, truth_millisecon
             noise,
             Some((truth_milliseconds, clock_name(Clock::Cpu).to_owned())),
         ),
-        Row::new(floor_name(effect).to_owned(), "floor", floor, None),
+        Row::new(floor_name(effect), "floor", floor, None),
     ]
 }
 

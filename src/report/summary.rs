@@ -1,16 +1,17 @@
 //! A comparison's means as text for the terminal and as figures for JSON.
 
-use super::{Comparison, FrameReport, floor_name};
+use super::{Comparison, FrameReport, floor_colour, floor_name};
 use crate::figures::Figures;
 use crate::table;
 use deepshade_render::metrics::Scores;
+use deepshade_shaders::Effect;
 use serde_json::{Value, json};
 use std::fmt;
 
 impl Comparison {
     /// Sets `ssim_<method>`, `psnr_<method>`, `flip_<method>`, `relmse_<method>` and `ms_<method>`, means over
-    /// frames, with underscores for hyphens; the same of truth's noise (`ssim_ceiling`, ...) and of the white or black image
-    /// (`ssim_white`, ...); and every frame's own as a detail.
+    /// frames, with underscores for hyphens; the same of truth's noise (`ssim_ceiling`, ...) and of the image of background
+    /// (`ssim_white` or `ssim_black`, ...); and every frame's own as a detail.
     pub fn set_figures(&self, figures: &mut Figures) {
         for (index, method) in self.frames[0].methods.iter().enumerate() {
             let name = method.name.replace('-', "_");
@@ -18,10 +19,11 @@ impl Comparison {
             figures.set(&format!("ms_{name}"), self.mean(|frame| frame.methods[index].milliseconds));
         }
         set_scores(figures, "ceiling", self.mean_scores(|frame| frame.truth.noise));
-        set_scores(figures, "white", self.mean_scores(|frame| frame.truth.floor));
+        set_scores(figures, floor_colour(self.effect), self.mean_scores(|frame| frame.truth.floor));
         figures.set("ms_truth", self.mean(|frame| frame.truth.milliseconds));
         figures.set("frames", self.frames.len() as f64);
-        figures.detail("frames", self.frames.iter().map(frame_detail).collect());
+        let detail = |frame| frame_detail(self.effect, frame);
+        figures.detail("frames", self.frames.iter().map(detail).collect());
         figures.detail("machine", pairs(&self.machine));
     }
 }
@@ -33,7 +35,7 @@ fn set_scores(figures: &mut Figures, name: &str, scores: Scores) {
     figures.set(&format!("relmse_{name}"), scores.relative_mse);
 }
 
-fn frame_detail(frame: &FrameReport) -> Value {
+fn frame_detail(effect: Effect, frame: &FrameReport) -> Value {
     let methods = frame.methods.iter().map(|method| {
         (
             method.name.clone(),
@@ -45,7 +47,7 @@ fn frame_detail(frame: &FrameReport) -> Value {
         "facts": pairs(&frame.facts),
         "methods": methods.collect::<serde_json::Map<_, _>>(),
         "ceiling": frame.truth.noise,
-        "white": frame.truth.floor,
+        floor_colour(effect): frame.truth.floor,
     })
 }
 
@@ -68,7 +70,7 @@ impl fmt::Display for Comparison {
         let milliseconds = self.mean(|frame| frame.truth.milliseconds);
         let noise = self.mean_scores(|frame| frame.truth.noise);
         rows.push(row("truth, half against half", noise, Some(milliseconds), "the processor"));
-        rows.push(row(floor_name(self.effect), self.mean_scores(|frame| frame.truth.floor), None, ""));
+        rows.push(row(&floor_name(self.effect), self.mean_scores(|frame| frame.truth.floor), None, ""));
         writeln!(f, "{}", table::aligned(&rows))
     }
 }

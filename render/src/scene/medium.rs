@@ -21,7 +21,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 /// Largest coefficient, 1/m: a mean free path of a micrometre, at which a medium is a surface.
-const LARGEST_COEFFICIENT: f32 = 1e6;
+pub const LARGEST_COEFFICIENT: f32 = 1e6;
 
 /// Largest anisotropy: beyond it f32 hardly tells the directions of the phase function's peak apart.
 const LARGEST_ANISOTROPY: f32 = 0.99;
@@ -85,7 +85,7 @@ pub enum MediumError {
         cells: usize,
     },
     /// A density is negative, not a number or infinite.
-    #[error("density {value} at cell ({}, {}, {}) of a grid: must be finite and not negative", cell[0], cell[1], cell[2])]
+    #[error("density {value} at cell ({}, {}, {}) of a grid, along x, y and z: must be finite and not negative", cell[0], cell[1], cell[2])]
     Density {
         /// Along x, y and z.
         cell: [usize; 3],
@@ -94,7 +94,8 @@ pub enum MediumError {
     },
     /// What noise cannot make.
     #[error(
-        "{:?} at {time} s, with billows of {} m, cover {}, wind {} m/s and churn {} /s: not finite, too fine, or gone too far",
+        "{:?} at {time} s, with billows of {} m, cover {}, wind {} m/s and churn {} /s: not finite, too fine, \
+         gone too far, or more than all",
         weather.kind, weather.billow, weather.cover, weather.wind, weather.churn
     )]
     Weather {

@@ -14,6 +14,8 @@ pub trait Technique: Copy + Send + Sync {
     const ATTRIBUTES: &'static [Attribute];
     /// As [`ScreenMethod::looks_beyond`].
     const LOOKS_BEYOND: bool = false;
+    /// As [`ScreenMethod::wants_even_fog`].
+    const WANTS_EVEN_FOG: bool = false;
     /// Its compiled passes.
     type Passes: Clone + Send + Sync;
 
@@ -85,6 +87,10 @@ impl<T: Technique> ScreenMethod for Compiled<T> {
 
     fn looks_beyond(&self) -> bool {
         T::LOOKS_BEYOND
+    }
+
+    fn wants_even_fog(&self) -> bool {
+        T::WANTS_EVEN_FOG
     }
 
     fn gpu(&self) -> &Gpu {

@@ -40,10 +40,9 @@ mod terminations;
 
 use super::Quality;
 use super::ray_march::March;
-use super::shafts::{Haze, Integration, Lit};
-use crate::scene::Medium;
+use super::shafts::{Integration, Lit};
 pub use factors::Factors;
-pub use geometry::{Geometry, angle};
+pub use geometry::{Geometry, angle, beta};
 use glam::Vec3;
 pub use light_rays::{SliceOfLight, Traced};
 pub use lines::Lines;
@@ -108,13 +107,10 @@ impl Parameters {
 
 impl Integration for Parameters {
     const NAME: &'static str = "epipolar";
+    const WANTS_EVEN_FOG: bool = true;
 
     fn shadow_size(&self) -> usize {
         self.shadow_size
-    }
-
-    fn check(&self, medium: &Medium) -> Result<(), String> {
-        Haze::check(medium)
     }
 
     fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {

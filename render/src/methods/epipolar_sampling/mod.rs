@@ -12,10 +12,9 @@
 //! everywhere.
 
 use super::Quality;
-use super::epipolar::{Geometry, Lines};
+use super::epipolar::{Geometry, Lines, beta};
 use super::ray_march::March;
 use super::shafts::{Integration, Lit};
-use crate::scene::Medium;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -50,13 +49,10 @@ impl Parameters {
 
 impl Integration for Parameters {
     const NAME: &'static str = "epipolar-sampling";
+    const WANTS_EVEN_FOG: bool = false;
 
     fn shadow_size(&self) -> usize {
         self.shadow_size
-    }
-
-    fn check(&self, _: &Medium) -> Result<(), String> {
-        Ok(())
     }
 
     fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {
@@ -66,7 +62,8 @@ impl Integration for Parameters {
             return march.add(self.steps, radiance);
         };
         let lines = Lines::new(lit.rays, &geometry);
-        let found: Vec<_> = lines.all().map(|line| (line, self.line(line, lit, marched))).collect();
+        let found: Vec<_> =
+            lines.all().map(|line| (line, self.line(line, lit, &geometry, marched))).collect();
         for (line, found) in found {
             for (ray, found) in line.iter().zip(found) {
                 radiance[*ray as usize] += found;
@@ -77,7 +74,24 @@ impl Integration for Parameters {
 
 impl Parameters {
     /// Radiance of the pixels of a line, in its order.
-    fn line(&self, line: &[u32], lit: &Lit<'_>, marched: impl Fn(usize) -> Vec3) -> Vec<Vec3> {
+    ///
+    /// Towards a local lamp radiance grows as one over the sine of the angle to it: what is interpolated is its product
+    /// with that.
+    fn line(
+        &self,
+        line: &[u32],
+        lit: &Lit<'_>,
+        geometry: &Geometry,
+        marched: impl Fn(usize) -> Vec3,
+    ) -> Vec<Vec3> {
+        let of_pixel = |place: usize| geometry.direction(lit.rays.directions[line[place] as usize]);
+        let sine = |place: usize| {
+            if geometry.is_parallel() { 1.0 } else { of_pixel(place).aside.max(f32::MIN_POSITIVE) }
+        };
+        let angle = |place: usize| {
+            let direction = of_pixel(place);
+            beta(direction.along, direction.aside)
+        };
         let mut found = vec![Vec3::ZERO; line.len()];
         let mut before: Option<usize> = None;
         for place in 0..line.len() {
@@ -86,10 +100,11 @@ impl Parameters {
             }
             found[place] = marched(line[place] as usize);
             if let Some(before) = before {
-                let [first, last] = [found[before], found[place]];
-                let steps = (place - before) as f32;
-                for (step, between) in found[before + 1..place].iter_mut().enumerate() {
-                    *between = first.lerp(last, (step + 1) as f32 / steps);
+                let [first, last] = [before, place].map(|end| found[end] * sine(end));
+                let [begin, end] = [before, place].map(angle);
+                for between in before + 1..place {
+                    let share = (angle(between) - begin) / (end - begin).max(f32::MIN_POSITIVE);
+                    found[between] = first.lerp(last, share.min(1.0)) / sine(between);
                 }
             }
             before = Some(place);

@@ -100,6 +100,7 @@ impl Technique for Parameters {
     const EFFECT: Effect = Effect::FogDirect;
     const ATTRIBUTES: &'static [Attribute] = single_scattering::ATTRIBUTES;
     const LOOKS_BEYOND: bool = true;
+    const WANTS_EVEN_FOG: bool = true;
     /// They are compiled for a scene's lamps and medium.
     type Passes = ();
 

@@ -1,6 +1,7 @@
 //! What runs on the GPU, for each lamp: lines, the bounds of light rays, their ends, sums, the image, and what is marched of it.
 
 use super::{LEVELS, Parameters};
+use crate::methods::shafts::UNEVEN;
 use crate::raster::World;
 use crate::raster::light::{Lights, shadow_sampler};
 use crate::raster::medium::MediumOnGpu;
@@ -74,12 +75,7 @@ pub fn steps(
 ) -> Result<Vec<MethodStep>, GpuError> {
     let world = frame::scene(inputs.world)?;
     if world.medium.kind == MediumOnGpu::GRID {
-        return Err(GpuError::Refused {
-            label: "deepshade.medium".to_owned(),
-            what: "the medium is a grid, and light must be dimmed alike everywhere; `gpu-march` and `froxel` go \
-                   through grids"
-                .to_owned(),
-        });
+        return Err(GpuError::Refused { label: "medium".to_owned(), what: UNEVEN.to_owned() });
     }
     let [settings, view] = uniforms else { unreachable!("it has two uniform buffers") };
     let size @ [height, width] = [inputs.gbuffer.height(), inputs.gbuffer.width()];

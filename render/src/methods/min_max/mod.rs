@@ -15,8 +15,7 @@ mod mipmap;
 use super::Quality;
 use super::epipolar::{REPRESENTED, Rectified, Terms};
 use super::ray_march::March;
-use super::shafts::{Haze, Integration, Lit};
-use crate::scene::Medium;
+use super::shafts::{Integration, Lit};
 use glam::Vec3;
 use integration::{ClosedForm, PrefixSums};
 
@@ -48,13 +47,10 @@ impl Parameters {
 
 impl Integration for Parameters {
     const NAME: &'static str = "min-max";
+    const WANTS_EVEN_FOG: bool = true;
 
     fn shadow_size(&self) -> usize {
         self.shadow_size
-    }
-
-    fn check(&self, medium: &Medium) -> Result<(), String> {
-        Haze::check(medium)
     }
 
     fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {

@@ -16,7 +16,6 @@ mod general;
 use super::Quality;
 use super::shafts::{Haze, Integration, Lit, Place};
 use crate::path::sampler::hash;
-use crate::scene::Medium;
 use distant::Distant;
 use general::General;
 use glam::Vec3;
@@ -50,13 +49,10 @@ impl Parameters {
 
 impl Integration for Parameters {
     const NAME: &'static str = "ray-march";
+    const WANTS_EVEN_FOG: bool = false;
 
     fn shadow_size(&self) -> usize {
         self.shadow_size
-    }
-
-    fn check(&self, _: &Medium) -> Result<(), String> {
-        Ok(())
     }
 
     fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {

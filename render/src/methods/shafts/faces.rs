@@ -57,9 +57,12 @@ impl Faces {
     /// The same of a part in which one face counts.
     fn of_piece(&self, extinction: f32, near: f32, [from, to]: [f32; 2]) -> f32 {
         let [at_eye, slope] = self.ways[self.at(0.5 * (from + to))];
-        let ways = (from - near) + (at_eye + slope * from).max(0.0);
+        // Rounding may bring ends out of the box, where there is no way to go.
+        let [first, last] = [from, to].map(|distance| (at_eye + slope * distance).max(0.0));
         let length = to - from;
-        (-extinction * ways).exp() * length * mean_decay(extinction * (1.0 + slope) * length)
+        (-extinction * ((from - near) + first)).exp()
+            * length
+            * mean_decay(extinction * (length + last - first))
     }
 }
 

@@ -7,6 +7,9 @@ use glam::Vec3;
 /// Optical depth beyond which nothing is seen.
 pub const DEEP: f32 = 16.0;
 
+/// Why a method refuses a grid.
+pub const UNEVEN: &str = "the medium is a grid, and it must be the same throughout";
+
 /// A medium of uniform density.
 #[derive(Clone, Copy, Debug)]
 pub struct Haze<'a> {
@@ -29,16 +32,6 @@ impl<'a> Haze<'a> {
             phase: HenyeyGreenstein::new(medium.anisotropy),
             density: &medium.density,
         })
-    }
-
-    /// Whether a medium is one.
-    ///
-    /// # Errors
-    /// Says what it is instead, and which method deals with that.
-    pub fn check(medium: &'a Medium) -> Result<(), String> {
-        let what =
-            "the medium is a grid, and light must be dimmed alike everywhere; `ray-march` goes through grids";
-        Self::of(medium).map(|_| ()).ok_or_else(|| what.to_owned())
     }
 
     /// Whether all colours are dimmed alike.

@@ -24,7 +24,7 @@ mod tests;
 mod view_rays;
 
 pub use faces::{Faces, mean_decay};
-pub use haze::{DEEP, Haze};
+pub use haze::{DEEP, Haze, UNEVEN};
 pub use lamp::{Lamp, Place};
 pub use shadow_map::{Parallel, Projection, ShadowMap, Stereographic, TOGETHER};
 pub use view_rays::ViewRays;
@@ -54,15 +54,11 @@ pub struct Lit<'a> {
 pub trait Integration: Send + Sync {
     /// The method's name.
     const NAME: &'static str;
+    /// As [`Method::wants_even_fog`].
+    const WANTS_EVEN_FOG: bool;
 
     /// Texels along an edge of shadow maps; a multiple of [`shadow_map::TILE`].
     fn shadow_size(&self) -> usize;
-
-    /// Whether it can deal with a medium.
-    ///
-    /// # Errors
-    /// Says why not.
-    fn check(&self, medium: &Medium) -> Result<(), String>;
 
     /// Adds a lamp's radiance to each view ray's.
     fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]);
@@ -81,13 +77,19 @@ impl<I: Integration> Method for Shafts<I> {
         Effect::FogDirect
     }
 
+    fn wants_even_fog(&self) -> bool {
+        I::WANTS_EVEN_FOG
+    }
+
     fn shade(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Shaded, MethodError> {
         let rays = ViewRays::of(frame);
         let mut radiance = vec![Vec3::ZERO; rays.count()];
         let mut milliseconds = 0.0;
         let scene = frame.scene.scene();
         if let Some(medium) = scene.medium.as_deref().filter(|medium| medium.scattering != Vec3::ZERO) {
-            self.0.check(medium).map_err(|what| MethodError::Other { method: I::NAME, what })?;
+            if I::WANTS_EVEN_FOG && Haze::of(medium).is_none() {
+                return Err(MethodError::Other { method: I::NAME, what: UNEVEN.to_owned() });
+            }
             for light in &scene.lights {
                 let lamp = Lamp::new(scene, light);
                 let map = ShadowMap::new(frame.scene, &lamp, self.0.shadow_size());

@@ -67,13 +67,10 @@ struct Unshadowed<I>(I);
 
 impl<I: Integration> Integration for Unshadowed<I> {
     const NAME: &'static str = I::NAME;
+    const WANTS_EVEN_FOG: bool = I::WANTS_EVEN_FOG;
 
     fn shadow_size(&self) -> usize {
         self.0.shadow_size()
-    }
-
-    fn check(&self, medium: &Medium) -> Result<(), String> {
-        self.0.check(medium)
     }
 
     fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {

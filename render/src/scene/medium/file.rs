@@ -2,10 +2,10 @@
 //! they fill:
 //!
 //! ```toml
-//! [array]                    # or [weather], as `Weather` has it, with `cells` along the longest edge
-//! file = "smoke.npy"
+//! [array]                    # or [volume] with the `file` of a .vol, or [weather], as `Weather` has it, with `cells`
+//! file = "smoke.npy"         # along the longest edge
 //!
-//! [box]                      # without it, the scene's
+//! [box]                      # without it, the volume's own or the scene's
 //! min = [-1.0, 0.0, -1.0]
 //! max = [1.0, 2.0, 1.0]
 //! ```
@@ -17,7 +17,7 @@ use super::{DensityGrid, MediumError, Weather};
 use crate::scene::Bounds;
 use glam::Vec3;
 use serde::Deserialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Cells of weather along the longest edge of its box, where none are stated.
 const CELLS: usize = 64;
@@ -25,6 +25,7 @@ const CELLS: usize = 64;
 /// Densities of a file, which may change with time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DensityFile {
+    path: PathBuf,
     source: Source,
     bounds: Option<Bounds>,
 }
@@ -41,9 +42,16 @@ enum Source {
 #[serde(deny_unknown_fields)]
 struct Description {
     array: Option<Array>,
+    volume: Option<Volume>,
     weather: Option<DescribedWeather>,
     #[serde(rename = "box")]
     bounds: Option<Corners>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Volume {
+    file: PathBuf,
 }
 
 #[derive(Deserialize)]
@@ -73,7 +81,8 @@ impl DensityFile {
     pub fn read(path: &Path) -> Result<Self, MediumError> {
         let ends = |ending: &str| path.extension().is_some_and(|end| end.eq_ignore_ascii_case(ending));
         if ends("vol") {
-            return Ok(Self { source: Source::Grid(DensityGrid::read_vol(path, None)?), bounds: None });
+            let source = Source::Grid(DensityGrid::read_vol(path, None)?);
+            return Ok(Self { path: path.to_owned(), source, bounds: None });
         }
         let invalid = |what: String| MediumError::File { path: path.to_owned(), what };
         if !ends("toml") {
@@ -81,14 +90,22 @@ impl DensityFile {
         }
         let text = std::fs::read_to_string(path)
             .map_err(|source| MediumError::Io { path: path.to_owned(), source })?;
-        let Description { array, weather, bounds } =
+        let Description { array, volume, weather, bounds } =
             toml::from_str(&text).map_err(|error| invalid(error.to_string()))?;
-        let source = match (array, weather) {
-            (Some(array), None) => Source::Cells(array.read(path.parent().unwrap_or(Path::new("")))?),
-            (None, Some(DescribedWeather { cells, weather })) => Source::Weather { weather, cells },
-            _ => return Err(invalid("needs either [array] or [weather]".to_owned())),
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let source = match (array, volume, weather) {
+            (Some(array), None, None) => Source::Cells(array.read(folder)?),
+            (None, Some(Volume { file }), None) => {
+                Source::Grid(DensityGrid::read_vol(&folder.join(file), None)?)
+            }
+            (None, None, Some(DescribedWeather { cells, weather })) => Source::Weather { weather, cells },
+            _ => return Err(invalid("needs one of [array], [volume] and [weather]".to_owned())),
         };
-        Ok(Self { source, bounds: bounds.map(|Corners { min, max }| Bounds { min, max }) })
+        Ok(Self {
+            path: path.to_owned(),
+            source,
+            bounds: bounds.map(|Corners { min, max }| Bounds { min, max }),
+        })
     }
 
     /// The grid at a time, seconds; in a scene's box where the file states none.
@@ -98,8 +115,16 @@ impl DensityFile {
     pub fn grid(&self, scene: Bounds, time: f32) -> Result<DensityGrid, MediumError> {
         let bounds = self.bounds.unwrap_or(scene);
         match &self.source {
-            Source::Grid(grid) => Ok(grid.clone()),
-            Source::Cells(Cells { size, values }) => DensityGrid::new(bounds, *size, values.clone()),
+            Source::Grid(grid) => self.bounds.map_or_else(|| Ok(grid.clone()), |bounds| grid.moved(bounds)),
+            Source::Cells(Cells { size, values }) => {
+                let of_file = |error: MediumError| match error {
+                    MediumError::Density { .. } => {
+                        MediumError::File { path: self.path.clone(), what: error.to_string() }
+                    }
+                    other => other,
+                };
+                DensityGrid::new(bounds, *size, values.clone()).map_err(of_file)
+            }
             Source::Weather { weather, cells } => weather.grid(bounds, *cells, time),
         }
     }
@@ -160,14 +185,19 @@ mod tests {
         write_vol(&path, OTHER, [1, 1, 2], 1, &[0.5, 1.0]).expect("written");
         let grid = DensityFile::read(&path).expect("a file").grid(UNIT, 0.0).expect("a grid");
         assert_eq!((grid.bounds(), grid.values()), (OTHER, &[0.5, 1.0][..]));
+        let moved = folder.path().join("moved.toml");
+        let described = "[volume]\nfile = \"a.vol\"\n[box]\nmin = [0.0, 0.0, 0.0]\nmax = [1.0, 1.0, 1.0]\n";
+        std::fs::write(&moved, described).expect("written");
+        let grid = DensityFile::read(&moved).expect("a file").grid(OTHER, 0.0).expect("a grid");
+        assert_eq!((grid.bounds(), grid.values()), (UNIT, &[0.5, 1.0][..]));
     }
 
     #[test]
     fn what_a_description_cannot_say_is_named() {
         let both = format!("{EIGHT}{CLOUDS}");
         for (text, expected) in [
-            ("", "needs either [array] or [weather]"),
-            (&*both, "needs either [array] or [weather]"),
+            ("", "needs one of [array], [volume] and [weather]"),
+            (&*both, "needs one of [array], [volume] and [weather]"),
             (&CLOUDS.replace("clouds", "snow"), "snow"),
             (&CLOUDS.replace("cover", "covers"), "cover"),
             (&EIGHT.replace("scale", "scales"), "scales"),
@@ -180,7 +210,8 @@ mod tests {
             assert!(said.contains(expected), "{said}: not {expected}");
         }
         let nan = read(&EIGHT.replace("10.0", "nan")).expect("a file").grid(UNIT, 0.0);
-        assert!(nan.expect_err("no number").to_string().contains("cell (0, 0, 0)"));
+        let nan = nan.expect_err("no number").to_string();
+        assert!(nan.contains("cell (0, 0, 0)") && nan.contains("medium.toml"), "{nan}");
         let flat = format!("{EIGHT}[box]\nmin = [0.0, 0.0, 0.0]\nmax = [1.0, 0.0, 1.0]\n");
         let flat = read(&flat).expect("a file").grid(UNIT, 0.0);
         assert!(matches!(flat, Err(MediumError::Box(_))));

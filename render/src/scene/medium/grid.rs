@@ -49,6 +49,14 @@ impl DensityGrid {
         Ok(Self { bounds, size, values, largest, mean, scale })
     }
 
+    /// The same in another box.
+    ///
+    /// # Errors
+    /// If it has no volume.
+    pub fn moved(&self, bounds: Bounds) -> Result<Self, MediumError> {
+        Self::new(bounds, self.size, self.values.clone())
+    }
+
     /// Number of cells of a grid of that size.
     ///
     /// # Errors

@@ -80,7 +80,7 @@ impl Weather {
     /// What is in a box at a time, seconds, with about `cells` cubic cells along its longest edge; densities from 0 to 1.
     ///
     /// # Errors
-    /// If a number is not finite, billows are less than a millionth of the box's distance from the origin, wind or churn
+    /// If a number is not finite, the cover not from 0 to 1, billows are less than a millionth of the box's distance from the origin, wind or churn
     /// have gone farther than a million billows, or as [`DensityGrid::new`].
     pub fn grid(self, bounds: Bounds, cells: usize, time: f32) -> Result<DensityGrid, MediumError> {
         super::check_box(bounds)?;
@@ -88,7 +88,7 @@ impl Weather {
         let drifted = (self.wind * time / self.billow).extend(self.churn * time);
         let near = drifted.is_finite() && drifted.abs().max_element() <= FARTHEST;
         let fine = self.billow.is_finite() && self.billow >= FINEST * farthest && self.billow > 0.0;
-        if !(near && fine && self.cover.is_finite()) {
+        if !(near && fine && (0.0..=1.0).contains(&self.cover)) {
             return Err(MediumError::Weather { weather: self, time });
         }
         let edge = bounds.size().max_element() / cells.max(1) as f32;

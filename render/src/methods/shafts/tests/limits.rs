@@ -84,6 +84,30 @@ fn the_sun_may_be_anywhere() {
     agreed("from afar", &scene, &afar, 2e-3);
 }
 
+/// Where the way to a side of the fog's box is infinite, and rounding ends rays outside of it.
+#[test]
+fn the_sun_may_shine_along_an_axis_or_a_plane() {
+    let camera = Camera::look_at(Vec3::new(1.2, 1.7, 4.1), Vec3::new(-0.3, 1.3, 0.2));
+    for towards in [[0.0, 1.0, 0.0], [0.0, 0.2, 1.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, 0.3, -1.0]] {
+        let direction = -Vec3::from(towards).normalize();
+        let scene = scene(pergola(), vec![sun(direction)], fog(0.5, AROUND));
+        agreed(&format!("towards {towards:?}"), &scene, &camera, 2e-3);
+    }
+}
+
+/// Between two marched pixels light near a lamp grows as one over the sine of the angle to it.
+#[test]
+fn epipolar_sampling_interpolates_around_a_lamp() {
+    let scene = scene(vec![floor()], vec![lamp(Vec3::new(0.3, 1.5, -1.0))], fog(0.0, AROUND));
+    let camera = Camera::look_at(Vec3::new(0.0, 1.5, 4.0), Vec3::new(0.0, 1.4, 0.0));
+    let size = [120, 160];
+    let march = ray_march::Parameters { jitter: false, ..ray_march::Parameters::of(Quality::High) };
+    let expected = image(&Shafts(march), &scene, &camera, size).expect("an image");
+    let sampling = Shafts(epipolar_sampling::Parameters::of(Quality::Medium));
+    let off = error(&image(&sampling, &scene, &camera, size).expect("an image"), &expected);
+    assert!(off < 1e-3, "{off:e}");
+}
+
 #[test]
 fn lamps_may_be_anywhere() {
     let eye = Vec3::new(0.1, 1.2, 0.7);
