@@ -30,6 +30,7 @@ mod methods;
 mod onnxruntime;
 #[cfg(feature = "train")]
 mod parity;
+mod phosphor;
 #[cfg_attr(
     not(feature = "train"),
     expect(dead_code, reason = "curves and companions are drawn by studies only")
@@ -95,6 +96,12 @@ enum Verb {
     /// Checks truth against Mitsuba 3; `cargo xtask crosscheck` sets it up and calls this.
     #[command(hide = true)]
     Crosscheck(crosscheck::Args),
+    /// Phosphorescent materials: those that are known, and those that are measured.
+    #[command(
+        subcommand,
+        after_help = "Example:\n  deepshade phosphor fit measured --states 2 --out paint.toml"
+    )]
+    Phosphor(phosphor::Verb),
     /// Measures speed: of networks beside onnxruntime, of training, of a live frame, of rays beside Embree, of making data.
     #[command(subcommand, after_help = "Example:\n  deepshade bench net --networks ao --json net.json")]
     Bench(bench::Verb),
@@ -119,6 +126,7 @@ fn main() -> ExitCode {
         #[cfg(feature = "train")]
         Verb::Experiment(args) => experiment::run(&args),
         Verb::Tune(args) => tune::run(&args),
+        Verb::Phosphor(verb) => phosphor::run(&verb),
         Verb::Crosscheck(args) => crosscheck::run(&args),
         Verb::Bench(verb) => bench::run(&verb),
     };

@@ -11,6 +11,7 @@ pub mod method;
 pub mod methods;
 pub mod metrics;
 pub mod path;
+pub mod phosphor;
 pub mod raster;
 pub mod scene;
 pub mod screen;

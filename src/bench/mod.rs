@@ -6,6 +6,7 @@ mod epipolar;
 mod frame;
 #[cfg(feature = "train")]
 mod net;
+mod phosphor;
 #[cfg(feature = "train")]
 mod pytorch;
 mod rays;
@@ -37,6 +38,8 @@ pub enum Verb {
     Epipolar(epipolar::Args),
     /// Milliseconds and errors of volume shells, stage by stage; thresholds, improvements, how times grow.
     VolumeShell(volume_shell::Args),
+    /// Milliseconds of designing phosphorescent materials, and what light of the past costs.
+    Phosphor(phosphor::Args),
     /// Training pairs an hour and a core, and where the time goes.
     Dataset(dataset::Args),
 }
@@ -56,6 +59,7 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Surfel(args) => surfel::run(args),
         Verb::Epipolar(args) => epipolar::run(args),
         Verb::VolumeShell(args) => volume_shell::run(args),
+        Verb::Phosphor(args) => phosphor::run(args),
         Verb::Dataset(args) => dataset::run(args),
     }
 }

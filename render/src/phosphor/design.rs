@@ -1,0 +1,173 @@
+//! A material by how it should look (thesis, section 8.6): colours that places have at key frames of an animation,
+//! whose light is known, become parameters.
+//!
+//! What is sent is linear in the re-radiation functions, so that only rates are searched for: to any rates the best
+//! functions are known at once (variable projection, Golub and Pereyra 1973). [`grid`] tries rates on a grid that
+//! contains the thesis' and covers its Table 8.1, [`refinement`] goes on from the best of them. What the thesis does is
+//! beside it, as the rival: the same grid with functions on a grid, too.
+
+mod grid;
+mod propagation;
+mod refinement;
+mod thesis;
+
+pub use propagation::{Edit, Feature, Propagated, PropagationError, Reach};
+pub use thesis::thesis_grid;
+
+use super::material::{Material, State};
+use super::spectrum::Bands;
+use grid::Grid;
+
+/// The most states that are designed.
+pub const MAX_STATES: usize = 2;
+/// From how many of the best points of the grid the search goes on.
+const STARTS: usize = 4;
+
+/// A place of an animated scene, and how it should look.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// The bands of irradiance, reflectance, colours and the material.
+    pub bands: Bands,
+    /// Between frames, in seconds.
+    pub dt: f64,
+    /// Irradiance of each frame, one value a band. Before the first frame it was dark for long.
+    pub irradiance: Vec<Vec<f64>>,
+    /// What the surface reflects of irradiance in each band, from 0 to 1; radiance is that over pi.
+    pub reflectance: Vec<f64>,
+    /// How it should look, at one frame at least.
+    pub keys: Vec<Key>,
+}
+
+/// How a place should look at a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Key {
+    /// The frame, from 0 on; light of this frame is reflected, but has not yet excited.
+    pub frame: usize,
+    /// Radiance, one value a band.
+    pub radiance: Vec<f64>,
+}
+
+/// A designed material.
+#[derive(Clone, Debug)]
+pub struct Design {
+    /// The material.
+    pub material: Material,
+    /// The sum of squares of what its radiance is off at the key frames, over all bands (equation 8.7).
+    pub residual: f64,
+}
+
+/// Why nothing can be designed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DesignError {
+    /// A number of states that is not designed.
+    #[error("{0} states: 1 or {MAX_STATES} can be designed")]
+    States(usize),
+    /// No constraint.
+    #[error("a design needs one key frame at least")]
+    NoKeys,
+    /// A key at a frame that there is not.
+    #[error("a key at frame {frame}: there are frames 0 to {last}")]
+    Frame {
+        /// The key's.
+        frame: usize,
+        /// The last that there is.
+        last: usize,
+    },
+    /// Two keys at one frame.
+    #[error("two keys at frame {0}")]
+    Twice(usize),
+    /// A list of the wrong length, or a number that makes no sense.
+    #[error("{what} is {values:?}, not {bands} finite numbers that are at least 0")]
+    Values {
+        /// Of what.
+        what: &'static str,
+        /// The values.
+        values: Vec<f64>,
+        /// How many there must be.
+        bands: usize,
+    },
+    /// A time between frames that makes no sense.
+    #[error("{0} s between frames: it must be finite and above 0")]
+    TimeStep(f64),
+}
+
+/// The rates of a state: everything of it but its re-radiation function.
+#[derive(Clone, Debug, PartialEq)]
+struct Rates {
+    decay: f64,
+    /// One a band.
+    excitation: Vec<f64>,
+}
+
+impl Design {
+    /// The material of one or two states that looks most like what is wanted.
+    ///
+    /// # Errors
+    /// If the number of states is neither, or the place makes no sense.
+    pub fn new(name: &str, place: &Place, states: usize) -> Result<Self, DesignError> {
+        if !(1..=MAX_STATES).contains(&states) {
+            return Err(DesignError::States(states));
+        }
+        place.check()?;
+        let grid = Grid::new(place);
+        let starts = if states == 1 { grid.best(STARTS) } else { grid.best_pairs(STARTS) };
+        let (rates, fitted) = refinement::best(place, &starts);
+        let state = |(rates, emission): (Rates, Vec<f64>)| State {
+            decay: rates.decay,
+            excitation: rates.excitation,
+            emission,
+        };
+        let states = rates.into_iter().zip(fitted.emission).map(state).collect();
+        let material = Material { name: name.into(), bands: place.bands, doubt: None, states };
+        Ok(Self { material, residual: fitted.cost })
+    }
+}
+
+impl Place {
+    fn check(&self) -> Result<(), DesignError> {
+        let bands = self.bands.count();
+        if !(self.dt.is_finite() && self.dt > 0.0) {
+            return Err(DesignError::TimeStep(self.dt));
+        }
+        if self.keys.is_empty() {
+            return Err(DesignError::NoKeys);
+        }
+        let irradiance = self.irradiance.iter().map(|values| ("irradiance", values));
+        let keys = self.keys.iter().map(|key| ("a key's radiance", &key.radiance));
+        for (what, values) in irradiance.chain(keys).chain([("reflectance", &self.reflectance)]) {
+            if values.len() != bands || !values.iter().all(|value| value.is_finite() && *value >= 0.0) {
+                return Err(DesignError::Values { what, values: values.clone(), bands });
+            }
+        }
+        for (index, key) in self.keys.iter().enumerate() {
+            if key.frame >= self.irradiance.len() {
+                return Err(DesignError::Frame {
+                    frame: key.frame,
+                    last: self.irradiance.len().saturating_sub(1),
+                });
+            }
+            if self.keys[..index].iter().any(|other| other.frame == key.frame) {
+                return Err(DesignError::Twice(key.frame));
+            }
+        }
+        Ok(())
+    }
+
+    /// The emission that is wanted at each key, a list a band: what should be seen less what is reflected. It may be
+    /// negative where more is reflected than should be seen.
+    fn wanted(&self) -> Vec<Vec<f64>> {
+        let reflected = |key: &Key, band: usize| {
+            self.reflectance[band] * self.irradiance[key.frame][band] / std::f64::consts::PI
+        };
+        let of_band = |band| self.keys.iter().map(|key| key.radiance[band] - reflected(key, band)).collect();
+        (0..self.bands.count()).map(of_band).collect()
+    }
+
+    /// The last frame that a key is at.
+    fn last(&self) -> usize {
+        self.keys.iter().map(|key| key.frame).max().unwrap_or(0)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,131 @@
+use super::super::rate::Scheme;
+use super::super::simulation::{Initial, Simulation};
+use super::*;
+
+/// 200 frames in which lights of different colours come and go.
+fn animation(bands: Bands) -> Vec<Vec<f64>> {
+    let count = bands.count();
+    let light = |frame: usize, band: usize| {
+        let phase = frame as f64 / 200.0 * std::f64::consts::TAU;
+        (1.0 + (phase * (1.0 + 0.5 * band as f64) + band as f64).sin()) * if frame < 130 { 1.0 } else { 0.1 }
+    };
+    (0..200).map(|frame| (0..count).map(|band| light(frame, band)).collect()).collect()
+}
+
+fn state(decay: f64, excitation: &[f64], emission: &[f64]) -> State {
+    State { decay, excitation: excitation.to_vec(), emission: emission.to_vec() }
+}
+
+fn material(bands: Bands, states: Vec<State>) -> Material {
+    Material { name: "hidden".into(), bands, doubt: None, states }
+}
+
+/// A place that should look at some frames as it does with a material.
+fn place(material: &Material, frames: &[usize]) -> Place {
+    let bands = material.bands;
+    let irradiance = animation(bands);
+    let reflectance = vec![0.3; bands.count()];
+    let mut run = Simulation::new(material, Scheme::Exact, Initial::Dark).expect("a start");
+    let mut keys = Vec::new();
+    for (frame, light) in irradiance.iter().enumerate() {
+        if frames.contains(&frame) {
+            let reflected =
+                light.iter().zip(&reflectance).map(|(light, part)| light * part / std::f64::consts::PI);
+            keys.push(Key {
+                frame,
+                radiance: run.emission().iter().zip(reflected).map(|(a, b)| a + b).collect(),
+            });
+        }
+        run.step(light, 0.25).expect("a step");
+    }
+    Place { bands, dt: 0.25, irradiance, reflectance, keys }
+}
+
+fn one() -> Material {
+    material(Bands::Rgb, vec![state(0.047, &[0.002, 0.011, 0.06], &[0.4, 3.0, 1.7])])
+}
+
+#[test]
+fn hidden_parameters_are_found_again() {
+    let hidden = one();
+    let found = Design::new("found", &place(&hidden, &[20, 70, 120, 150, 190]), 1).expect("a design");
+    let (found_state, state) = (&found.material.states[0], &hidden.states[0]);
+    assert!(found.residual < 1e-12, "{found:?}");
+    assert!((found_state.decay / state.decay - 1.0).abs() < 0.01, "{found:?}");
+    let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 0.02 * b + 1e-4);
+    assert!(near(&found_state.excitation, &state.excitation), "{found:?}");
+    assert!(near(&found_state.emission, &state.emission), "{found:?}");
+}
+
+#[test]
+fn two_states_are_found_again() {
+    let fast = state(0.2, &[0.01, 0.03, 0.05], &[3.0, 0.5, 0.2]);
+    let slow = state(0.01, &[0.002, 0.01, 0.03], &[0.2, 2.0, 9.0]);
+    let hidden =
+        place(&material(Bands::Rgb, vec![fast, slow]), &[15, 40, 60, 90, 115, 135, 140, 150, 170, 199]);
+    let size: f64 = hidden.wanted().iter().flatten().map(|value| value * value).sum();
+    let [one, two] = [1, 2].map(|states| Design::new("found", &hidden, states).expect("a design").residual);
+    assert!(two < 1e-6 * size && one > 100.0 * two, "{one} {two} of {size}");
+}
+
+#[test]
+fn eight_bands_are_designed() {
+    let excitation = [0.017, 0.05, 0.004, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let emission = [0.34, 4.37, 3.65, 0.55, 0.0, 0.01, 0.0, 0.0];
+    let hidden =
+        place(&material(Bands::Eight, vec![state(0.032, &excitation, &emission)]), &[30, 90, 140, 190]);
+    let size: f64 = hidden.wanted().iter().flatten().map(|value| value * value).sum();
+    let found = Design::new("found", &hidden, 1).expect("a design");
+    assert!(found.residual < 1e-6 * size, "{} of {size}: {:?}", found.residual, found.material);
+}
+
+/// Wanted colours that no material has: the residual is at most that of the thesis' grid, and what is said of it is
+/// true.
+#[test]
+fn residuals_are_never_above_those_of_the_thesis() {
+    let mut noise = super::super::noise::Noise::new(11);
+    for _ in 0..5 {
+        let mut impossible = place(&one(), &[25, 80, 130, 180]);
+        for key in &mut impossible.keys {
+            key.radiance.iter_mut().for_each(|value| *value *= 2.0 * noise.uniform());
+        }
+        let grid = thesis_grid(&impossible).expect("a grid");
+        for states in [1, 2] {
+            let found = Design::new("found", &impossible, states).expect("a design");
+            assert!(found.residual <= grid, "{states} states: {} {grid}", found.residual);
+            let looks = place(&found.material, &[25, 80, 130, 180]);
+            let pairs =
+                looks.keys.iter().zip(&impossible.keys).flat_map(|(a, b)| a.radiance.iter().zip(&b.radiance));
+            let off: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
+            assert!((off - found.residual).abs() < 1e-9 * (1.0 + off), "{off} {}", found.residual);
+        }
+    }
+}
+
+#[test]
+fn a_single_key_is_met() {
+    let found = Design::new("found", &place(&one(), &[100]), 2).expect("a design");
+    assert!(found.residual < 1e-12, "{found:?}");
+    let at_start = Design::new("found", &place(&one(), &[0]), 1).expect("a design");
+    assert!(at_start.residual < 1e-24 && at_start.material.clone().checked().is_ok(), "{at_start:?}");
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    let good = place(&one(), &[20, 70]);
+    let fault = |change: &dyn Fn(&mut Place)| {
+        let mut changed = good.clone();
+        change(&mut changed);
+        Design::new("x", &changed, 1).expect_err("a fault")
+    };
+    assert!(matches!(Design::new("x", &good, 3), Err(DesignError::States(3))));
+    assert_eq!(fault(&|p| p.keys.clear()), DesignError::NoKeys);
+    assert_eq!(fault(&|p| p.keys[0].frame = 200), DesignError::Frame { frame: 200, last: 199 });
+    assert_eq!(fault(&|p| p.keys[0].frame = 70), DesignError::Twice(70));
+    assert_eq!(fault(&|p| p.dt = 0.0), DesignError::TimeStep(0.0));
+    assert!(matches!(
+        fault(&|p| p.irradiance[3][1] = f64::NAN),
+        DesignError::Values { what: "irradiance", .. }
+    ));
+    assert!(matches!(fault(&|p| p.keys[1].radiance.truncate(1)), DesignError::Values { .. }));
+}

@@ -1,0 +1,194 @@
+use super::super::material::file::MaterialFile;
+use super::super::spectrum::Bands;
+use super::*;
+
+fn preset(name: &str) -> Material {
+    MaterialFile::presets().named(name).expect("a preset").clone()
+}
+
+/// The stickers of two states, with emission of one spectrum: that of the table is, but for its rounding.
+fn stickers() -> Material {
+    let mut material = preset("stickers, two states");
+    material.states[1].emission = material.states[0].emission.iter().map(|value| 4.486 * value).collect();
+    material
+}
+
+/// A laboratory with hardly any noise.
+fn quiet() -> Laboratory {
+    Laboratory { pixels: 1e14, ..Laboratory::thesis() }
+}
+
+fn near(found: f64, expected: f64, relative: f64, what: &str) {
+    assert!((found - expected).abs() <= relative * expected.abs() + 1e-5, "{what}: {found}, not {expected}");
+}
+
+#[test]
+fn without_noise_materials_are_found_again() {
+    for material in ["blue", "red", "green", "stickers"].map(preset).into_iter().chain([stickers()]) {
+        let name = material.name.as_str();
+        let measurement = quiet().measure(&material, 1).expect("a measurement");
+        let fit = Fit::new(name, &measurement, material.states.len()).expect("a fit");
+        for (found, expected) in fit.material.states.iter().zip(&material.states) {
+            near(found.decay, expected.decay, 1e-4, name);
+            let brightest = expected.emission.iter().copied().fold(0.0, f64::max);
+            for (found, expected) in found.emission.iter().zip(&expected.emission) {
+                assert!((found - expected).abs() < 1e-5 * brightest, "{name}: {found}, not {expected}");
+            }
+            let pairs = found.excitation.iter().zip(&expected.excitation);
+            pairs.for_each(|(found, expected)| near(*found, *expected, 1e-4, name));
+            assert_eq!(found.excitation.len(), expected.excitation.len());
+        }
+    }
+}
+
+/// The delay until the shutter opens counts: taken for none, rates of excitation come out too small.
+#[test]
+fn delays_that_are_left_out_are_found_out() {
+    let measurement = quiet().measure(&preset("green"), 1).expect("a measurement");
+    let mut blind = measurement.clone();
+    blind.excitation.iter_mut().for_each(|charged| charged.shot.delay = 0.0);
+    let rate = |measurement: &Measurement| {
+        Fit::new("green", measurement, 1).expect("a fit").material.states[0].excitation[0]
+    };
+    assert!(rate(&blind) < 0.97 * rate(&measurement), "{} {}", rate(&blind), rate(&measurement));
+}
+
+#[test]
+fn two_excited_states_are_told_apart() {
+    let mut material = stickers();
+    material.states[0].excitation = vec![0.05, 0.02];
+    material.states[1].excitation = vec![0.01, 0.03];
+    let laboratory = Laboratory { excited: 2, ..quiet() };
+    let fit = Fit::new("two", &laboratory.measure(&material, 3).expect("a measurement"), 2).expect("a fit");
+    for (found, expected) in fit.material.states.iter().zip(&material.states) {
+        found.excitation.iter().zip(&expected.excitation).for_each(|(a, b)| near(*a, *b, 1e-3, "excitation"));
+    }
+}
+
+#[test]
+fn three_states_explain_three() {
+    let mut material = stickers();
+    material.states.push(State { decay: 0.6, ..material.states[0].clone() });
+    let laboratory = Laboratory { interval: 1.0, open: 0.2, count: 180, pixels: 1e9, ..Laboratory::thesis() };
+    let measurement = laboratory.measure(&material, 3).expect("a measurement");
+    let fit = Fit::new("three", &measurement, 3).expect("a fit");
+    let decays: Vec<f64> = fit.material.states.iter().map(|state| state.decay).collect();
+    decays
+        .iter()
+        .zip([0.6, 0.132, 0.009])
+        .for_each(|(found, expected)| near(*found, expected, 0.01, "decay"));
+    assert!(fit.residual_over_noise() < 1.1, "{}", fit.residual_over_noise());
+    let two = Fit::new("three", &measurement, 2).expect("a fit");
+    assert!(two.residual_over_noise() > 10.0, "two states do not: {}", two.residual_over_noise());
+}
+
+/// Photographs alone give a material in the camera's RGB.
+#[test]
+fn photographs_without_filters_give_rgb() {
+    let spectral = quiet().measure(&preset("blue"), 1).expect("a measurement");
+    let unit = |channel: usize| (0..3).map(|band| f64::from(u8::from(band == channel))).collect();
+    let measurement = Measurement {
+        bands: Bands::Rgb,
+        sensor: [unit(0), unit(1), unit(2)],
+        filters: vec![],
+        light: vec![1.0; 3],
+        spectrum: vec![],
+        excitation: vec![],
+        ..spectral.clone()
+    };
+    let state = &Fit::new("blue", &measurement, 1).expect("a fit").material.states[0];
+    near(state.decay, 0.032, 1e-4, "decay");
+    let preset = preset("blue");
+    for (channel, found) in state.emission.iter().enumerate() {
+        let pairs = spectral.sensor[channel].iter().zip(&preset.states[0].emission);
+        near(*found, pairs.map(|(a, b)| a * b).sum(), 1e-4, "emission");
+    }
+    assert!(state.excitation.is_empty());
+}
+
+#[test]
+fn spectra_are_recovered_as_finely_as_filters_allow() {
+    use super::super::spectrum::{Axis, lights::Light};
+    let laboratory = quiet();
+    let (filters, sensor) = (laboratory.filters.bands(Axis::FINE), laboratory.sensor.bands(Axis::FINE));
+    let sensor: [Vec<f64>; 3] = std::array::from_fn(|channel| sensor[channel].clone());
+    let light = Light::Daylight.spectrum(Axis::FINE);
+    let exposure = Exposure::of_camera(1.0, 100.0, 1.0);
+    let shot = |filter: usize| {
+        let sum = |c: usize| (0..30).map(|band| filters[filter][band] * sensor[c][band] * light[band]).sum();
+        let value = std::array::from_fn(sum);
+        Filtered { filter, shot: Shot { delay: 0.0, exposure, value, noise: [1e-6; 3] } }
+    };
+    let shots: Vec<Filtered> = (0..filters.len()).map(shot).collect();
+    let found = spectrum(&shots, &filters, &sensor, |_| 1.0).expect("a spectrum");
+    found.iter().zip(&light).for_each(|(found, expected)| near(*found, *expected, 1e-3, "spectrum"));
+    assert_eq!(spectrum(&[], &filters, &sensor, |_| 1.0), None);
+}
+
+#[test]
+fn measurements_written_and_read_are_the_same() {
+    let laboratory = Laboratory::thesis();
+    let measurement = laboratory.measure(&preset("pink"), 7).expect("a measurement");
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in laboratory.files(&measurement) {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    }
+    assert_eq!(Measurement::read(folder.path()).expect("read"), measurement);
+    let decay = folder.path().join("decay.csv");
+    std::fs::write(&decay, "time_s,red,green,blue\n0,1,1,1\n5,1,,1\n").expect("written");
+    let fault = Measurement::read(folder.path()).expect_err("a gap");
+    let source = std::error::Error::source(&fault).expect("a source").to_string();
+    assert!(source.ends_with("decay.csv:3: green is \"\", not a finite number"), "{source}");
+    std::fs::write(&decay, "time_s,red,green,blue\n5,1,1,1\n0,1,1,1\n").expect("written");
+    let fault = Measurement::read(folder.path()).expect_err("out of order");
+    assert!(
+        std::error::Error::source(&fault).expect("a source").to_string().contains("decay.csv:3: time_s is 0")
+    );
+}
+
+#[test]
+fn what_cannot_be_fitted_is_said() {
+    let measurement = Laboratory::thesis().measure(&preset("blue"), 1).expect("a measurement");
+    let fault = |change: &dyn Fn(&mut Measurement)| {
+        let mut changed = measurement.clone();
+        change(&mut changed);
+        Fit::new("x", &changed, 1).expect_err("a fault")
+    };
+    assert!(matches!(Fit::new("x", &measurement, 4), Err(FitError::States(4))));
+    assert!(matches!(
+        fault(&|m| m.decay.truncate(2)),
+        FitError::TooFew { what: "decay", count: 2, least: 3 }
+    ));
+    assert!(matches!(fault(&|m| m.spectrum.clear()), FitError::TooFew { what: "spectrum", .. }));
+    assert!(matches!(fault(&|m| m.excitation.retain(|c| c.band != 1)), FitError::TooFew { .. }));
+    assert_eq!(fault(&|m| m.decay.iter_mut().for_each(|shot| shot.value = [0.0; 3])), FitError::Dark);
+    let senseless =
+        |change: &dyn Fn(&mut Measurement)| assert!(matches!(fault(change), FitError::Measurement(_)));
+    senseless(&|m| m.decay[3].value[1] = f64::NAN);
+    senseless(&|m| m.decay[3].noise[1] = 0.0);
+    senseless(&|m| m.spectrum[0].filter = 31);
+    senseless(&|m| m.light[2] = 0.0);
+    senseless(&|m| m.sensor[0].truncate(3));
+    senseless(&|m| m.excitation[0].seconds = f64::INFINITY);
+}
+
+#[test]
+fn photographs_are_averaged_under_their_mask() {
+    let exposure = Exposure::of_camera(2.0, 400.0, 2.0);
+    let pixels = [[1.0, 2.0, 3.0], [3.0, 2.0, 5.0], [f64::NAN; 3]];
+    let shot = Shot::of_pixels(0.5, exposure, &pixels, &[true, true, false]).expect("a shot");
+    assert_eq!((shot.value, shot.noise), ([2.0, 2.0, 4.0], [1.0, 0.0, 1.0]));
+    assert_eq!((exposure.gain, shot.radiance()), (2.0, [1.0, 1.0, 2.0]));
+    let fault = |mask: &[bool]| Shot::of_pixels(0.5, exposure, &pixels, mask).expect_err("a fault");
+    assert_eq!(fault(&[false; 3]), PhotographError::Empty(0));
+    assert_eq!(fault(&[true; 3]), PhotographError::NotFinite(2));
+    assert_eq!(fault(&[true; 2]), PhotographError::MaskSize { mask: 2, pixels: 3 });
+}
+
+#[test]
+fn gains_are_measured_from_the_same_thing_twice() {
+    let (gain, error) = relative_gain(&[0.1, 0.2, 0.4], &[0.21, 0.39, 0.81]).expect("a gain");
+    assert!((gain - 2.01).abs() < 0.01 && error > 0.005 && error < 0.05, "{gain} {error}");
+    assert_eq!(relative_gain(&[0.0; 3], &[1.0; 3]), None);
+    assert_eq!(relative_gain(&[1.0], &[1.0]), None);
+}
