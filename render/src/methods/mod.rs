@@ -19,6 +19,7 @@ pub mod hbao;
 pub mod lobe;
 pub mod march;
 pub mod min_max;
+pub mod lpv;
 mod picture;
 pub mod prefiltered;
 pub mod ray_march;

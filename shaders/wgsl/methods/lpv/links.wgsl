@@ -1,0 +1,44 @@
+// What passes between cells and the neighbours of which each link counts one: render/src/lpv/blockers.rs.
+
+@group(0) @binding(0) var<uniform> grid: LightGrid;
+@group(0) @binding(1) var<storage, read> sums: array<u32>;
+// [cells, 4]: a byte a link
+@group(0) @binding(2) var<storage, read_write> links: array<vec4u>;
+
+fn opacity(cube: vec3i, direction: vec3f) -> f32 {
+    let first = 6u * cube_index(cube);
+    let along = vec3f(fixed_sum(first), fixed_sum(first + 1u), fixed_sum(first + 2u));
+    let across = vec3f(fixed_sum(first + 3u), fixed_sum(first + 4u), fixed_sum(first + 5u));
+    let squared = dot(along, direction * direction)
+        + 2.0 * dot(across, vec3f(direction.x * direction.y, direction.x * direction.z, direction.y * direction.z));
+    return clamp(3.0 / 16.0 * (along.x + along.y + along.z) + 15.0 / 16.0 * squared, 0.0, 1.0);
+}
+
+// What is hidden: the mean of the cubes around the way.
+fn hidden(at: vec3i, offset: vec3i) -> f32 {
+    let direction = normalize(vec3f(offset));
+    var sum = 0.0;
+    var count = 0.0;
+    for (var i = 0; i < 8; i++) {
+        let corner = vec3i(i & 1, (i >> 1u) & 1, i >> 2u);
+        if all((offset == vec3i(0)) | (corner == (offset + 1) / 2)) {
+            sum += opacity(at + corner, direction);
+            count += 1.0;
+        }
+    }
+    return sum / count;
+}
+
+@compute @workgroup_size(64)
+fn link(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= cell_count() {
+        return;
+    }
+    let at = cell_at(id.x);
+    var words = vec4u(0u);
+    for (var i = 0u; i < LINKS; i++) {
+        let passes = u32(floor(255.0 * (1.0 - hidden(at, neighbour(LINKS + 1u + i))) + 0.5));
+        words[i / 4u] |= passes << (8u * (i % 4u));
+    }
+    links[id.x] = words;
+}
