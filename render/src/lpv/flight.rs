@@ -11,20 +11,48 @@
 
 use super::lattice::{CLASSES, DISTANCES, mean};
 
+/// How collisions are counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Factors {
+    /// Where they happen, as above.
+    #[default]
+    Placed,
+    /// In the cell that light leaves: `1 - exp(-sigma d)` of what goes to a neighbour at a distance of `d`.
+    Exponential,
+    /// As the paper has it: `sigma d` of the mean distance. Of light that would go on, less than nothing is left where that is above 1.
+    Linear,
+}
+
+impl Factors {
+    /// All, the paper's last.
+    pub const ALL: [Self; 3] = [Self::Placed, Self::Exponential, Self::Linear];
+
+    /// Its name in figures.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Placed => "placed",
+            Self::Exponential => "exponential",
+            Self::Linear => "linear",
+        }
+    }
+}
+
 /// What a cell does to light of one colour. Lengths are in cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flight {
-    /// What passes on its way out of the cell, to a neighbour of each kind.
-    pub leaves: [f32; CLASSES],
-    /// What passes on its way into the cell.
+    /// Of light that sets out to a neighbour of each kind, what leaves the cell.
+    pub streams: [f32; CLASSES],
+    /// Of the energy in the cell, what leaves it scattered, over the share of all directions of a neighbour of each kind.
+    pub scatters: [f32; CLASSES],
+    /// Of light that comes from a neighbour of each kind, what keeps its direction.
     pub enters: [f32; CLASSES],
-    /// Of a collision, what is scattered.
+    /// Of a collision there, what is scattered.
     pub albedo: f32,
     /// Of the energy in the cell, what it sends out again by scattering, over all collisions within it.
     pub scattered: f32,
     /// Mean length of the way in the cell of light that sets out from it.
     pub track_out: f32,
-    /// That of light that arrives from each kind of neighbour.
+    /// That of light that comes from each kind of neighbour.
     pub tracks_in: [f32; CLASSES],
 }
 
@@ -37,15 +65,35 @@ impl Flight {
         let enters = DISTANCES.map(|distance| (-beyond * distance).exp());
         let left = mean(|class| leaves[class]);
         // Where all is scattered and next to nothing leaves, what is sent out is what leaves over what leaves.
-        let again = (1.0 - albedo + albedo * left).max(LEAST);
-        let track = |class: usize, passes: f32| track(passes, extinction, DISTANCES[class]);
+        let scattered = albedo * (1.0 - left) / (1.0 - albedo + albedo * left).max(LEAST);
+        let track = |class: usize, passes: f32| track(passes, extinction, 0.5 * DISTANCES[class]);
         Self {
-            leaves,
+            streams: leaves,
+            scatters: leaves.map(|leaves| leaves * scattered),
             enters,
             albedo,
-            scattered: albedo * (1.0 - left) / again,
+            scattered,
             track_out: mean(|class| track(class, leaves[class])),
             tracks_in: [0, 1, 2].map(|class| track(class, enters[class])),
+        }
+    }
+
+    /// The same with other factors.
+    pub fn by(factors: Factors, extinction: f32, albedo: f32) -> Self {
+        let streams = match factors {
+            Factors::Placed => return Self::new(extinction, albedo),
+            Factors::Exponential => DISTANCES.map(|distance| (-extinction * distance).exp()),
+            Factors::Linear => [1.0 - extinction * mean(|class| DISTANCES[class]); CLASSES],
+        };
+        let passes = mean(|class| streams[class]);
+        Self {
+            streams,
+            scatters: [albedo * (1.0 - passes); CLASSES],
+            enters: [1.0; CLASSES],
+            albedo: 0.0,
+            scattered: 0.0,
+            track_out: track(passes, extinction, mean(|class| DISTANCES[class])),
+            tracks_in: [0.0; CLASSES],
         }
     }
 }
@@ -56,9 +104,9 @@ const LEAST: f32 = 1e-20;
 /// Less extinction than this per cell counts as none where lengths are asked for.
 const CLEAR: f32 = 1e-3;
 
-/// Length of half a way on which so much passes.
-fn track(passes: f32, extinction: f32, distance: f32) -> f32 {
-    if extinction > CLEAR { (1.0 - passes) / extinction } else { 0.5 * distance }
+/// Mean length of a way on which so much passes; `whole` where nothing is lost.
+fn track(passes: f32, extinction: f32, whole: f32) -> f32 {
+    if extinction > CLEAR { (1.0 - passes) / extinction } else { whole }
 }
 
 /// The logarithm to the base 2 of the least extinction of [`table`].

@@ -12,6 +12,7 @@ pub mod injection;
 pub mod lattice;
 pub mod lobe;
 pub mod propagation;
+pub mod studies;
 #[cfg(test)]
 mod tests;
 

@@ -56,6 +56,11 @@ impl Field {
         all.map(|lobe| f64::from(energy(*lobe))).sum()
     }
 
+    /// So many iterations.
+    pub fn iterate(&mut self, volume: &Volume, shown: Shown, iterations: usize) {
+        (0..iterations).for_each(|_| self.step(volume, shown));
+    }
+
     /// One iteration.
     pub fn step(&mut self, volume: &Volume, shown: Shown) {
         let Self { fresh, scattered, .. } = &*self;
@@ -96,9 +101,10 @@ fn arriving(
         let passes = if link < LINKS { passing[cell][LINKS - 1 - link] } else { passing[from][link - LINKS] };
         let (class, direction, flight) = (neighbour.class, neighbour.direction, &flights[from][colour]);
         let lobes = [fresh, scattered].map(|light| light[from][colour]);
-        let again = flight.scattered * lobes.map(energy).iter().sum::<f32>();
-        let share = SHARES[class] * passes * flight.leaves[class];
-        let [first, second] = [towards(lobes[0], direction), towards(lobes[1], direction) + again].map(|sent| sent * share);
+        let share = SHARES[class] * passes;
+        let streams = |lobe: Vec4| share * flight.streams[class] * towards(lobe, direction);
+        let again = share * flight.scatters[class] * lobes.map(energy).iter().sum::<f32>();
+        let [first, second] = [streams(lobes[0]), streams(lobes[1]) + again];
         let enters = here.enters[class];
         let scatters = here.albedo * (1.0 - enters);
         let arrived = |energy: f32, direction: Vec3| (direction * energy).extend(energy);

@@ -11,6 +11,6 @@ fn neighbour(number: u32) -> vec3i {
     return vec3i(vec3u(number % 3u, number / 3u % 3u, number / 9u)) - 1;
 }
 
-fn class_of(offset: vec3i) -> u32 {
+fn kind_of(offset: vec3i) -> u32 {
     return u32(dot(offset, offset)) - 1u;
 }

@@ -42,8 +42,8 @@ fn fill(@builtin(global_invocation_id) id: vec3u) {
     let extinction = reduced_extinction() * density * grid.low.w;
     let within = extinction * vec3f(own_share(extinction.r), own_share(extinction.g), own_share(extinction.b));
     var left = vec3f(0.0);
-    for (var class = 0u; class < 3u; class++) {
-        left += COUNTS[class] * SHARES[class] * exp(-within * DISTANCES[class]);
+    for (var kind = 0u; kind < 3u; kind++) {
+        left += COUNTS[kind] * SHARES[kind] * exp(-within * DISTANCES[kind]);
     }
     let albedo = reduced_albedo();
     media[2u * id.x] = vec4f(within, density);

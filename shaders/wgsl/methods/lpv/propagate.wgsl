@@ -27,12 +27,12 @@ fn passing(link: u32, cell: u32) -> f32 {
     return f32((links[cell][link / 4u] >> (8u * (link % 4u))) & 255u) / 255.0;
 }
 
-fn energies(of: mat3x4f) -> vec3f {
-    return vec3f(lobe_energy(of[0]), lobe_energy(of[1]), lobe_energy(of[2]));
+fn energies(light: mat3x4f) -> vec3f {
+    return vec3f(lobe_energy(light[0]), lobe_energy(light[1]), lobe_energy(light[2]));
 }
 
-fn sent(of: mat3x4f, direction: vec3f) -> vec3f {
-    return vec3f(towards(of[0], direction), towards(of[1], direction), towards(of[2], direction));
+fn sent(light: mat3x4f, direction: vec3f) -> vec3f {
+    return vec3f(towards(light[0], direction), towards(light[1], direction), towards(light[2], direction));
 }
 
 fn lobes(field: u32, cell: u32) -> mat3x4f {
@@ -54,10 +54,10 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
     let albedo = reduced_albedo();
     var enters: array<vec3f, 3>;
     var track_out = vec3f(0.0);
-    for (var class = 0u; class < 3u; class++) {
-        enters[class] = exp(-(extinction - own.rgb) * DISTANCES[class]);
-        let leaves = exp(-own.rgb * DISTANCES[class]);
-        track_out += COUNTS[class] * SHARES[class] * track(leaves, extinction, DISTANCES[class]);
+    for (var kind = 0u; kind < 3u; kind++) {
+        enters[kind] = exp(-(extinction - own.rgb) * DISTANCES[kind]);
+        let leaves = exp(-own.rgb * DISTANCES[kind]);
+        track_out += COUNTS[kind] * SHARES[kind] * track(leaves, extinction, DISTANCES[kind]);
     }
     // Iterations beyond the reach take nothing on.
     let on = select(0.0, 1.0, f32(iteration.number) * grid.low.w < propagation.reach);
@@ -80,37 +80,37 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
         if number == LINKS || !is_cell(there) {
             continue;
         }
-        let from = cell_index(there);
+        let source = cell_index(there);
         var passes = on;
         if number < LINKS {
             passes *= passing(LINKS - 1u - number, cell);
         } else {
-            passes *= passing(number - LINKS - 1u, from);
+            passes *= passing(number - LINKS - 1u, source);
         }
         if passes == 0.0 {
             continue;
         }
-        let class = class_of(offset);
+        let kind = kind_of(offset);
         let direction = normalize(vec3f(offset));
-        let share = SHARES[class] * passes * exp(-media[2u * from].rgb * DISTANCES[class]);
-        let fresh = lobes(0u, from);
+        let share = SHARES[kind] * passes * exp(-media[2u * source].rgb * DISTANCES[kind]);
+        let fresh = lobes(0u, source);
         let first = share * sent(fresh, direction);
-        let length = track(enters[class], extinction, DISTANCES[class]);
-        energy[0] += first * enters[class];
+        let length = track(enters[kind], extinction, DISTANCES[kind]);
+        energy[0] += first * enters[kind];
         var arrived = first;
         if MULTIPLE == 1u {
-            let scattered = lobes(1u, from);
-            let again = media[2u * from + 1u].rgb * (energies(fresh) + energies(scattered));
+            let scattered = lobes(1u, source);
+            let again = media[2u * source + 1u].rgb * (energies(fresh) + energies(scattered));
             let second = share * (sent(scattered, direction) + again);
-            energy[1] += second * enters[class] + (first + second) * (albedo * (1.0 - enters[class]));
+            energy[1] += second * enters[kind] + (first + second) * (albedo * (1.0 - enters[kind]));
             for (var c = 0u; c < 3u; c++) {
-                flux[1][c] += direction * (second[c] * enters[class][c]);
+                flux[1][c] += direction * (second[c] * enters[kind][c]);
             }
             arrived = select(first, second, SHOWN == 1u);
         }
         energy[2] += arrived * length;
         for (var c = 0u; c < 3u; c++) {
-            flux[0][c] += direction * (first[c] * enters[class][c]);
+            flux[0][c] += direction * (first[c] * enters[kind][c]);
             flux[2][c] += direction * (arrived[c] * length[c]);
         }
     }
