@@ -32,7 +32,8 @@ impl Blockers {
         let at = self.cubes.in_cells(point).floor().as_ivec3();
         if let Some(index) = self.cubes.index(at) {
             let share = area / (self.cubes.cell * self.cubes.cell);
-            self.matrices[index] += Mat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z) * share;
+            self.matrices[index] +=
+                Mat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z) * share;
         }
     }
 

@@ -81,7 +81,8 @@ pub fn single_scattering(grid: &LightGrid, scene: &TracedScene) -> Vec<Light> {
                 }
                 let near = (distance / (NEAREST * grid.cell)).powi(2).min(1.0);
                 let passed = medium.passed_share(point, direction, distance, POINTS);
-                let power = irradiance * passed * medium.scattering * (near * density * grid.cell.powi(3) / 8.0);
+                let power =
+                    irradiance * passed * medium.scattering * (near * density * grid.cell.powi(3) / 8.0);
                 let moments = (-direction * medium.anisotropy).extend(1.0);
                 (0..3).for_each(|c| sum[c] += moments * power[c]);
             }
@@ -92,7 +93,13 @@ pub fn single_scattering(grid: &LightGrid, scene: &TracedScene) -> Vec<Light> {
 }
 
 /// A scene's volume, with the light that its disks reflect.
-pub fn volume(grid: LightGrid, scene: &Scene, disks: &[Disk], camera: &Camera, filled: bool) -> (Volume, Vec<Light>) {
+pub fn volume(
+    grid: LightGrid,
+    scene: &Scene,
+    disks: &[Disk],
+    camera: &Camera,
+    filled: bool,
+) -> (Volume, Vec<Light>) {
     let (light, passing) = surfaces(&grid, disks, camera);
     let medium = scene.medium.as_deref().filter(|_| filled);
     (Volume { grid, flights: flights(&grid, medium), passing }, light)

@@ -72,7 +72,9 @@ pub fn decay(albedo: f64) -> f64 {
 pub fn over_monopole(factors: Factors, path: f32, albedo: f32, half: i32) -> Vec<(f64, f64)> {
     let (volume, field) = around_a_point(Flight::by(factors, 1.0 / path, albedo), half, 4 * half as usize);
     let middle = IVec3::splat(half);
-    let at = |r: i32| volume.grid.index(middle + r * IVec3::X).map_or(0.0, |index| f64::from(field.shown[index][0].w));
+    let at = |r: i32| {
+        volume.grid.index(middle + r * IVec3::X).map_or(0.0, |index| f64::from(field.shown[index][0].w))
+    };
     let decay = decay(f64::from(albedo)) / f64::from(path);
     let monopole = |r: f64| (-decay * r).exp() / r;
     let first = (3.0 * path).ceil() as i32;

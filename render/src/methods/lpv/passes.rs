@@ -152,9 +152,10 @@ impl Passes {
         let mut steps = self.surfels.surfel_steps(device, world, &cloud, of_surfels)?;
         let sent = cloud.sent.as_ref().expect("they are lit");
         steps.push(LightPass::new(device, world, lit)?.step(device, world, &cloud, view, sent)?);
-        let bind = |pass: &Pass, workgroups: &Workgroups, reads: &[&wgpu::Buffer], writes: &[&wgpu::Buffer]| {
-            MethodStep::bind(device, pass, workgroups.clone(), reads, writes)
-        };
+        let bind =
+            |pass: &Pass, workgroups: &Workgroups, reads: &[&wgpu::Buffer], writes: &[&wgpu::Buffer]| {
+                MethodStep::bind(device, pass, workgroups.clone(), reads, writes)
+            };
         let words = LIGHT_WORDS.max(CUBE_WORDS) * grid.cells() * 2;
         let counted = Workgroups::Counted(cloud.totals.clone(), SURFEL_GROUPS);
         let read = [record, view, &cloud.totals, &cloud.surfels, sent];

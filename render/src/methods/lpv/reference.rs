@@ -3,9 +3,9 @@
 use super::Parameters;
 use super::passes::{Filled, Pixel, surfel_settings};
 use crate::bvh::TracedScene;
+use crate::lpv::LightGrid;
 use crate::lpv::injection::{single_scattering, volume};
 use crate::lpv::propagation::{Field, Light, Shown};
-use crate::lpv::LightGrid;
 use crate::methods::picture::every_pixel;
 use crate::methods::single_scattering::mean_decay;
 use crate::scene::Medium;
@@ -46,7 +46,10 @@ impl LitVolume {
     /// Fluence of a cell, of each colour the flux in a column, and over all directions.
     fn of_cell(&self, at: IVec3) -> (Mat3, Vec3) {
         let light = &self.shown[self.grid.index(at).expect("it is clamped")];
-        (Mat3::from_cols(light[0].xyz(), light[1].xyz(), light[2].xyz()), Vec3::from([0, 1, 2].map(|c| light[c].w)))
+        (
+            Mat3::from_cols(light[0].xyz(), light[1].xyz(), light[2].xyz()),
+            Vec3::from([0, 1, 2].map(|c| light[c].w)),
+        )
     }
 
     /// The eight cells around a point, with their trilinear weights.
