@@ -39,7 +39,7 @@ pub enum Stage {
 }
 
 /// Which shader belongs to which stage.
-static SHADERS: [(Stage, &Shader); 52] = [
+static SHADERS: [(Stage, &Shader); 53] = [
     (Stage::Surfels, &wgsl::SURFELS_VERTICES),
     (Stage::Surfels, &wgsl::SURFELS_MEASURE),
     (Stage::Surfels, &wgsl::SURFELS_SUM),
@@ -92,6 +92,7 @@ static SHADERS: [(Stage, &Shader); 52] = [
     (Stage::Propagate, &wgsl::LPV_PROPAGATE),
     (Stage::March, &wgsl::LPV_LIT),
     (Stage::March, &wgsl::LPV_MARCH),
+    (Stage::March, &wgsl::LPV_APPLY),
 ];
 
 impl Stage {

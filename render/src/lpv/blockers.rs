@@ -18,20 +18,23 @@ const STEPS: f32 = 255.0;
 pub struct Blockers {
     cubes: LightGrid,
     matrices: Vec<Mat3>,
+    /// `sum A colour / s^2`.
+    colours: Vec<Vec3>,
 }
 
 impl Blockers {
     /// None yet, between the cells of a grid.
     pub fn new(grid: &LightGrid) -> Self {
         let cubes = LightGrid { low: grid.low - 0.5 * grid.cell, size: grid.size + 1, ..*grid };
-        Self { cubes, matrices: vec![Mat3::ZERO; cubes.cells()] }
+        Self { cubes, matrices: vec![Mat3::ZERO; cubes.cells()], colours: vec![Vec3::ZERO; cubes.cells()] }
     }
 
-    /// Adds a surface at a point, of an area and a unit normal, world space.
-    pub fn add(&mut self, point: Vec3, normal: Vec3, area: f32) {
+    /// Adds a surface at a point, of an area, a unit normal, world space, and a diffuse reflectance.
+    pub fn add(&mut self, point: Vec3, normal: Vec3, area: f32, colour: Vec3) {
         let at = self.cubes.in_cells(point).floor().as_ivec3();
         if let Some(index) = self.cubes.index(at) {
             let share = area / (self.cubes.cell * self.cubes.cell);
+            self.colours[index] += share * colour;
             self.matrices[index] +=
                 Mat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z) * share;
         }
@@ -51,11 +54,25 @@ impl Blockers {
         (0..grid.cells()).into_par_iter().map(of_cell).collect()
     }
 
+    /// Mean reflectance of the surfaces around each cell, by their areas: red, green and blue.
+    pub fn reflectances(&self, grid: &LightGrid) -> Vec<[f32; 3]> {
+        let of_cell = |index: usize| {
+            let cubes = corners().filter_map(|corner| self.cubes.index(grid.at(index) + corner));
+            let (mut colour, mut area) = (Vec3::ZERO, 0.0);
+            for cube in cubes {
+                colour += self.colours[cube];
+                area += trace(self.matrices[cube]);
+            }
+            let colour = (colour / area.max(1e-30)).clamp(Vec3::ZERO, Vec3::ONE);
+            ((STEPS * colour + 0.5).floor() / STEPS).to_array()
+        };
+        (0..grid.cells()).into_par_iter().map(of_cell).collect()
+    }
+
     /// What is hidden between a cell and a neighbour: the mean of the cubes around the way.
     fn hidden(&self, at: IVec3, offset: IVec3, direction: Vec3) -> f32 {
         let (mut sum, mut count) = (0.0, 0.0);
-        for corner in 0..8 {
-            let corner = IVec3::new(corner & 1, corner >> 1 & 1, corner >> 2);
+        for corner in corners() {
             // Along an axis of the way the cube between both cells, across it those on both sides.
             let around = offset.cmpeq(IVec3::ZERO) | corner.cmpeq((offset + 1) / 2);
             if around.all() {
@@ -68,8 +85,16 @@ impl Blockers {
     }
 }
 
+/// The cubes around a cell, or around a link's way.
+fn corners() -> impl Iterator<Item = IVec3> {
+    (0..8).map(|i| IVec3::new(i & 1, i >> 1 & 1, i >> 2))
+}
+
+fn trace(matrix: Mat3) -> f32 {
+    matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z
+}
+
 /// What surfaces of such a matrix hide along a direction: `|c|` in bands 0 and 2 is `3/16 + 15/16 c^2`.
 fn opacity(matrix: Mat3, direction: Vec3) -> f32 {
-    let trace = matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z;
-    (3.0 / 16.0 * trace + 15.0 / 16.0 * direction.dot(matrix * direction)).clamp(0.0, 1.0)
+    (3.0 / 16.0 * trace(matrix) + 15.0 / 16.0 * direction.dot(matrix * direction)).clamp(0.0, 1.0)
 }

@@ -54,6 +54,8 @@ pub struct Flight {
     pub track_out: f32,
     /// That of light that comes from each kind of neighbour.
     pub tracks_in: [f32; CLASSES],
+    /// That of light that a surface on the way to each kind of neighbour sends back.
+    pub tracks_back: [f32; CLASSES],
 }
 
 impl Flight {
@@ -75,6 +77,7 @@ impl Flight {
             scattered,
             track_out: mean(|class| track(class, leaves[class])),
             tracks_in: [0, 1, 2].map(|class| track(class, enters[class])),
+            tracks_back: [0, 1, 2].map(|class| track(class, leaves[class])),
         }
     }
 
@@ -94,6 +97,7 @@ impl Flight {
             scattered: 0.0,
             track_out: track(passes, extinction, mean(|class| DISTANCES[class])),
             tracks_in: [0.0; CLASSES],
+            tracks_back: [0.0; CLASSES],
         }
     }
 }

@@ -1,30 +1,32 @@
 //! What is in a volume before the first iteration: light that surfels reflect, light of the lamps that the medium scatters, and the
 //! medium itself.
 
-use super::lattice::LINKS;
-use super::propagation::{Light, Volume};
+use super::propagation::{DIRECTED, Light, Volume};
 use super::{Blockers, Flight, LightGrid};
 use crate::bvh::TracedScene;
 use crate::path::lights::Arrival;
 use crate::scene::{Camera, Density, Medium, Scene};
+use crate::surfels::Patch;
 use crate::surfels::reference::{Disk, POINTS};
 use glam::{IVec3, Vec3, Vec4};
 use rayon::prelude::*;
 use std::f32::consts::PI;
 
-/// Mean cosine of light that a matte surface sends.
-const DIRECTED: f32 = 2.0 / 3.0;
-
 /// Nearer to a lamp than this, in cells, a point of the medium counts as that near.
 const NEAREST: f32 = 0.25;
 
-/// Light that disks reflect, and what they block. Light begins half a cell before its disk, so that it lies before what blocks.
-pub fn surfaces(grid: &LightGrid, disks: &[Disk], camera: &Camera) -> (Vec<Light>, Vec<[f32; LINKS]>) {
+/// Light that disks reflect, and what they block and of which patch's colour. Light begins half a cell before its disk, so that it
+/// lies before what blocks.
+fn surfaces(
+    grid: &LightGrid,
+    (disks, patches): (&[Disk], &[Patch]),
+    camera: &Camera,
+) -> (Vec<Light>, Blockers) {
     let (mut light, mut blockers) = (vec![[Vec4::ZERO; 3]; grid.cells()], Blockers::new(grid));
     for disk in disks {
         let (point, normal) = (camera.position + camera.rotation * disk.place, camera.rotation * disk.normal);
         let area = PI * disk.radius * disk.radius;
-        blockers.add(point, normal, area);
+        blockers.add(point, normal, area, patches[disk.patch as usize].colour());
         for (normal, sent) in [(normal, disk.sent[0]), (-normal, disk.sent[1])] {
             let at = (grid.in_cells(point) + 0.5 * normal).floor().as_ivec3();
             let Some(index) = grid.index(at) else { continue };
@@ -32,7 +34,7 @@ pub fn surfaces(grid: &LightGrid, disks: &[Disk], camera: &Camera) -> (Vec<Light
             (0..3).for_each(|c| light[index][c] += moments * (PI * area * sent[c]));
         }
     }
-    (light, blockers.passing(grid))
+    (light, blockers)
 }
 
 /// Eight points of a cell, world space.
@@ -92,15 +94,18 @@ pub fn single_scattering(grid: &LightGrid, scene: &TracedScene) -> Vec<Light> {
     (0..grid.cells()).into_par_iter().map(of_cell).collect()
 }
 
-/// A scene's volume, with the light that its disks reflect.
+/// A scene's volume, and the light that its disks, of such patches, reflect; where it is not filled, nothing is between surfaces, and
+/// they reflect no light that comes to them.
 pub fn volume(
     grid: LightGrid,
     scene: &Scene,
-    disks: &[Disk],
+    disks: (&[Disk], &[Patch]),
     camera: &Camera,
     filled: bool,
 ) -> (Volume, Vec<Light>) {
-    let (light, passing) = surfaces(&grid, disks, camera);
+    let (light, blockers) = surfaces(&grid, disks, camera);
     let medium = scene.medium.as_deref().filter(|_| filled);
-    (Volume { grid, flights: flights(&grid, medium), passing }, light)
+    let reflectances = if filled { blockers.reflectances(&grid) } else { vec![[0.0; 3]; grid.cells()] };
+    let passing = blockers.passing(&grid);
+    (Volume { grid, flights: flights(&grid, medium), passing, reflectances }, light)
 }

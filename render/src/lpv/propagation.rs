@@ -9,6 +9,9 @@ use super::{Flight, LightGrid};
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
+/// Mean cosine of light that a matte surface sends.
+pub const DIRECTED: f32 = 2.0 / 3.0;
+
 /// Light of three colours in a cell, of each its flux and, last, its energy, watts.
 pub type Light = [Vec4; 3];
 
@@ -21,6 +24,8 @@ pub struct Volume {
     pub flights: Vec<[Flight; 3]>,
     /// What passes between cells, `[cells, 13]`, as [`Blockers`](super::Blockers) has it.
     pub passing: Vec<[f32; LINKS]>,
+    /// Of each cell and colour, what surfaces around it reflect of light that does not pass.
+    pub reflectances: Vec<[f32; 3]>,
 }
 
 /// Light on its way through a volume.
@@ -86,7 +91,7 @@ fn arriving(
     colour: usize,
     shown: Shown,
 ) -> [Vec4; 3] {
-    let Volume { grid, flights, passing } = volume;
+    let Volume { grid, flights, passing, reflectances } = volume;
     let here = &flights[cell][colour];
     let own = [fresh, scattered].map(|light| light[cell][colour]);
     let again = here.scattered * own.map(energy).iter().sum::<f32>();
@@ -112,6 +117,16 @@ fn arriving(
         sums[1] += arrived(second * enters, direction) + Vec4::W * ((first + second) * scatters);
         let seen = if shown == Shown::Fresh { first } else { second };
         sums[2] += arrived(seen * here.tracks_in[class], direction);
+        // What the cell itself sends there and surfaces on the way reflect comes back half a way later.
+        let returns = SHARES[class] * (1.0 - passes) * reflectances[cell][colour];
+        let [first, second] = own.map(|lobe| returns * here.streams[class] * towards(lobe, -direction));
+        let second = second + returns * here.scatters[class] * own.map(energy).iter().sum::<f32>();
+        let enters = here.streams[class];
+        let reflected = |energy: f32| (DIRECTED * direction * energy).extend(energy);
+        sums[0] += reflected(first * enters);
+        sums[1] += reflected(second * enters) + Vec4::W * ((first + second) * here.albedo * (1.0 - enters));
+        let seen = if shown == Shown::Fresh { first } else { second };
+        sums[2] += reflected(seen * here.tracks_back[class]);
     }
     sums
 }

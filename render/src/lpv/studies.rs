@@ -9,7 +9,12 @@ use glam::{IVec3, Vec3, Vec4};
 /// Cells of one metre, all alike, with nothing between them.
 pub fn alike(size: IVec3, flight: Flight) -> Volume {
     let grid = LightGrid { low: Vec3::ZERO, cell: 1.0, size };
-    Volume { grid, flights: vec![[flight; 3]; grid.cells()], passing: vec![[1.0; LINKS]; grid.cells()] }
+    Volume {
+        grid,
+        flights: vec![[flight; 3]; grid.cells()],
+        passing: vec![[1.0; LINKS]; grid.cells()],
+        reflectances: vec![[0.0; 3]; grid.cells()],
+    }
 }
 
 /// Scattered light of one colour in one cell, of a flux and, last, an energy.

@@ -124,7 +124,7 @@ fn walls_between_cells_let_nothing_through() {
     // A wall across x, between the middles of two layers of cells.
     for i in 0..14 * 14 {
         let point = Vec3::new(5.7, (i % 14) as f32 - 1.5, (i / 14) as f32 - 1.5);
-        blockers.add(point, Vec3::X, 1.0);
+        blockers.add(point, Vec3::X, 1.0, Vec3::ONE);
     }
     let open = alike(grid.size, Flight::new(0.2, 1.0));
     let walled = Volume { grid, passing: blockers.passing(&grid), ..open.clone() };
@@ -136,6 +136,18 @@ fn walls_between_cells_let_nothing_through() {
     };
     let [open, walled] = [behind(&open), behind(&walled)];
     assert!(open > 1.0 && walled < 0.2 * open, "{walled} of {open}");
+}
+
+#[test]
+fn white_surfaces_send_back_all_that_does_not_pass() {
+    let mut volume = alike(IVec3::splat(15), Flight::new(0.4, 1.0));
+    volume.passing.fill([0.3; LINKS]);
+    let after = |reflectance: f32| {
+        let mut volume = volume.clone();
+        volume.reflectances.fill([reflectance; 3]);
+        iterated(&volume, lit(&volume, IVec3::splat(7), Vec4::new(0.2, 0.1, 0.0, 1.0)), 6).energy()
+    };
+    assert!((after(1.0) - 1.0).abs() < 1e-5 && after(0.5) < 0.9, "{} {}", after(1.0), after(0.5));
 }
 
 #[test]

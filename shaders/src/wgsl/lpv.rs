@@ -7,7 +7,7 @@ table! {
     LPV_CLEAR: "lpv.clear", file "methods/lpv/clear", constants [], uniforms [], shared [];
     /// Surfels as light and as blockers.
     LPV_INJECT: "lpv.inject", file "methods/lpv/inject", constants [HEIGHT = 8], uniforms [LightGrid, FrameView],
-        shared ["view", "packing", "surfel", "surfel_record", "lpv_grid"];
+        shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_patch_record", "surfel_order", "lpv_grid"];
     /// What passes between cells.
     LPV_LINKS: "lpv.links", file "methods/lpv/links", constants [], uniforms [LightGrid],
         shared ["lpv_grid", "lpv_fixed", "lpv_lattice"];
@@ -28,8 +28,13 @@ table! {
     /// Surfaces lit by the grid.
     LPV_LIT: "lpv.lit", file "methods/lpv/lit", constants [], uniforms [LightGrid, FrameView],
         shared ["surface", "surface_valid", "view", "lpv_grid", "lpv_irradiance"];
-    /// The medium and the surfaces behind it, lit by the grid.
-    LPV_MARCH: "lpv.march", file "methods/lpv/march", constants [MEDIUM = 2, SCATTERS = 1, LIT = 1],
+    /// The medium, lit by the grid, in an image of fewer pixels.
+    LPV_MARCH: "lpv.march", file "methods/lpv/march", constants [MEDIUM = 2, SCALE = 1],
         uniforms [LightGrid, Marching, FrameView, MediumRecord],
-        shared ["surface", "surface_valid", "random", "bounded", "view", "medium_span", "medium", "mean_decay", "lpv_grid", "lpv_irradiance"];
+        shared ["surface_distance", "random", "bounded", "view", "medium_span", "medium", "mean_decay", "lpv_grid",
+                "lpv_irradiance"];
+    /// The medium in front of each pixel and the surface behind it.
+    LPV_APPLY: "lpv.apply", file "methods/lpv/apply", constants [MEDIUM = 2, SCALE = 1, SCATTERS = 1, LIT = 1],
+        uniforms [LightGrid, Marching, FrameView, MediumRecord],
+        shared ["surface", "surface_valid", "view", "medium_span", "medium", "lpv_grid", "lpv_irradiance"];
 }

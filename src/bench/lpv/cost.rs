@@ -13,8 +13,9 @@ use deepshade_shaders::wgsl;
 const GRIDS: [(usize, &str); 2] = [(32, ""), (64, "_64")];
 /// The paper's iterations.
 const ITERATIONS: usize = 8;
-/// Steps of the march.
+/// Steps of the march, of one pixel of so many along each axis.
 const STEPS: u32 = 32;
+const SCALE: usize = 2;
 /// Bytes that an iteration reads and writes of a cell at least: lobes of two kinds of light and three colours in both directions, what
 /// is shown likewise, links and the medium.
 const BYTES: u64 = 2 * 96 + 2 * 48 + 16 + 32;
@@ -36,7 +37,8 @@ impl Costs {
         let mut of_grids = Vec::new();
         let mut moved = 0.0;
         for (cells, suffix) in GRIDS {
-            let plan = subject.plan(Parameters { cells, iterations: ITERATIONS, steps: STEPS })?;
+            let plan =
+                subject.plan(Parameters { cells, iterations: ITERATIONS, steps: STEPS, scale: SCALE })?;
             let cost = Cost::of(subject.gpu, &plan, runs)?;
             moved = bytes(&plan) as f64 / (1e-3 * cost.of_stage(Stage::Propagate));
             of_grids.push((suffix, cost));

@@ -66,7 +66,8 @@ impl InMedium {
         let (volume, mut steps) = passes.volume_steps(device, inputs, self.parameters, uniforms, filled)?;
         let [.., march] = uniforms else { unreachable!("the march has a uniform buffer") };
         let read = [&uniforms[passes::VIEW], march];
-        steps.push(volume.march_step(device, inputs, read, self.pixel, output)?);
+        let shown = (self.pixel, self.parameters.scale);
+        steps.extend(volume.march_steps(device, inputs, read, shown, output)?);
         Ok(steps)
     }
 
@@ -76,8 +77,7 @@ impl InMedium {
             return Ok(vec![vec![0.0; 3 * view.height * view.width]]);
         };
         let volume = LitVolume::new(scene, self.parameters, view, Filled::Medium(self.light), f32::MAX);
-        let steps = self.parameters.steps;
-        let image = reference::march(inputs.gbuffer, &volume, medium, steps, (self.pixel, view))?;
+        let image = reference::shade(inputs.gbuffer, &volume, medium, self.parameters, (self.pixel, view))?;
         Ok(vec![image.data().to_vec()])
     }
 }

@@ -12,9 +12,10 @@
 //! Why not: light that a cell cannot tell apart it mixes, so that shadows of indirect light are as blurred as cells are large, and
 //! some light passes through what is thinner than a cell.
 //!
-//! Limits. Light of point, spot and directional lights only. Surfaces reflect fresh light once; what falls on them afterwards is lost.
-//! Light outside the grid, which ends a cell beyond the scene, is lost too. A medium with a preferred direction of scattering is
-//! replaced by a thinner one without, but for the last scattering towards the eye.
+//! Limits. Light of point, spot and directional lights only. In a medium, surfaces send back light that comes to them, in the mean colour
+//! of those around a cell and the way that it came; of what they send so, light that goes from the medium straight to the eye is not shown.
+//! Light outside the grid, which ends a cell beyond the scene, is lost. A medium with a preferred direction of scattering is replaced by
+//! a thinner one without, but for the last scattering towards the eye.
 
 pub mod in_medium;
 pub mod passes;
@@ -38,6 +39,8 @@ pub struct Parameters {
     pub iterations: usize,
     /// Steps of the march through the medium.
     pub steps: u32,
+    /// Of so many pixels along each axis one is marched.
+    pub scale: usize,
 }
 
 impl Default for Parameters {
@@ -49,13 +52,13 @@ impl Default for Parameters {
 impl Parameters {
     /// More time is more cells.
     pub const fn of(quality: Quality) -> Self {
-        let (cells, iterations, steps) = match quality {
-            Quality::Low => (16, 16, 16),
-            Quality::Medium => (32, 24, 32),
-            Quality::High => (48, 48, 48),
-            Quality::Ultra => (64, 96, 64),
+        let (cells, iterations, steps, scale) = match quality {
+            Quality::Low => (16, 16, 16, 2),
+            Quality::Medium => (32, 32, 32, 2),
+            Quality::High => (48, 48, 48, 1),
+            Quality::Ultra => (64, 96, 64, 1),
         };
-        Self { cells, iterations, steps }
+        Self { cells, iterations, steps, scale }
     }
 }
 

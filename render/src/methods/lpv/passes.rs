@@ -29,7 +29,7 @@ const SURFEL: f32 = 0.2;
 const FAR: f32 = 1e3;
 /// Words of a cell's light and of a cube of blockers.
 const LIGHT_WORDS: usize = 24;
-const CUBE_WORDS: usize = 12;
+const CUBE_WORDS: usize = 18;
 
 /// What is between surfaces, and what of the light there is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -159,9 +159,10 @@ impl Passes {
         let words = LIGHT_WORDS.max(CUBE_WORDS) * grid.cells() * 2;
         let counted = Workgroups::Counted(cloud.totals.clone(), SURFEL_GROUPS);
         let read = [record, view, &cloud.totals, &cloud.surfels, sent];
+        let read: Vec<_> = (0..).zip(read).chain([(7, &cloud.patches), (8, &cloud.starts)]).collect();
         steps.extend([
             bind(&self.clear, &surfels::groups(words).into(), &[], &[sums, cubes])?,
-            bind(&self.inject, &counted, &read, &[sums, cubes])?,
+            MethodStep::bind_at(device, &self.inject, counted, &read, &[(5, sums), (6, cubes)])?,
             bind(&self.links, groups, &[record, cubes], &[links])?,
             bind(&self.fresh, groups, &[record, sums], &[&states[0], shown])?,
         ]);
@@ -174,7 +175,7 @@ struct Room {
     record: wgpu::Buffer,
     /// `[cells, 3, 4, 2]` u32: light of surfels, in fixed point.
     sums: wgpu::Buffer,
-    /// `[cubes, 6, 2]` u32: blockers, in fixed point.
+    /// `[cubes, 9, 2]` u32: blockers, in fixed point.
     cubes: wgpu::Buffer,
     /// `[cells, 4]` u32.
     links: wgpu::Buffer,
@@ -252,35 +253,56 @@ impl VolumeOnGpu {
         MethodStep::bind(device, &pass, groups, &reads, &[image])
     }
 
-    /// The pass that lights the medium and the surfaces behind it: radiance, `[3, height, width]`.
+    /// The passes that light the medium, of one pixel of `scale` x `scale`, and the surfaces behind it: radiance,
+    /// `[3, height, width]`.
     ///
     /// # Errors
-    /// If the device refuses it.
-    pub fn march_step(
+    /// If the device refuses them.
+    pub fn march_steps(
         &self,
         device: &wgpu::Device,
         inputs: &Inputs<'_>,
         [view, march]: [&wgpu::Buffer; 2],
-        pixel: Pixel,
+        (pixel, scale): (Pixel, usize),
         image: &wgpu::Buffer,
-    ) -> Result<MethodStep, GpuError> {
+    ) -> Result<[MethodStep; 2], GpuError> {
         let MediumOnGpu { kind, record: medium, densities } = &frame::scene(inputs.world)?.medium;
-        let source = wgsl::LPV_MARCH.specialised(&[
-            ("MEDIUM", *kind),
-            ("SCATTERS", u32::from(pixel.medium)),
-            ("LIT", u32::from(pixel.surface)),
-        ]);
-        let pass = Pass::new(device, wgsl::LPV_MARCH.name, &source)?;
         let gbuffer = inputs.gbuffer;
+        let (height, width) = (gbuffer.height(), gbuffer.width());
+        let [rows, columns] = [height, width].map(|edge| edge.div_ceil(scale));
+        let scattered = gpu::empty::<f32>(device, "lpv.scattered", 3 * rows * columns)?;
         let [position, normal, valid] = surface(gbuffer);
-        let before = [&self.record, position, normal, valid, view, &self.shown, image, march, medium];
-        let mut resources: Vec<_> = before.map(|buffer| buffer.as_entire_binding()).into();
-        resources.push(wgpu::BindingResource::TextureView(densities));
-        resources.push(gbuffer.buffer(Attribute::Diffuse).as_entire_binding());
-        let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
-        let step = Step { pass: pass.bind(device, &resources)?, workgroups };
-        Ok(MethodStep { step, writes: vec![image.clone()] })
+        let diffuse = gbuffer.buffer(Attribute::Diffuse);
+        let constants = [("MEDIUM", *kind), ("SCALE", scale as u32)];
+        let shows = [("SCATTERS", u32::from(pixel.medium)), ("LIT", u32::from(pixel.surface))];
+        let texture = || wgpu::BindingResource::TextureView(densities);
+        let step = |shader: &Shader,
+                    constants: &[_],
+                    its: Bound<'_>,
+                    size: [usize; 2],
+                    written: &wgpu::Buffer| {
+            let pass = Pass::new(device, shader.name, &shader.specialised(constants))?;
+            let buffers = its.buffers.iter().map(|(binding, buffer)| (*binding, buffer.as_entire_binding()));
+            let pass = pass.bind_at(device, buffers.chain([(its.densities, texture())]))?;
+            let workgroups = gpu::groups(size[0], size[1], TILE).into();
+            Ok::<_, GpuError>(MethodStep { step: Step { pass, workgroups }, writes: vec![written.clone()] })
+        };
+        let buffers = [&self.record, march, medium, valid, position, view, &self.shown, &scattered];
+        let marched = Bound { buffers: (0..).zip(buffers).collect(), densities: 8 };
+        let buffers = [&self.record, position, normal, valid, view, &self.shown, image, march, medium];
+        let more = [(10, diffuse), (11, &scattered)];
+        let applied = Bound { buffers: (0..).zip(buffers).chain(more).collect(), densities: 9 };
+        Ok([
+            step(&wgsl::LPV_MARCH, &constants, marched, [rows, columns], &scattered)?,
+            step(&wgsl::LPV_APPLY, &[&constants[..], &shows].concat(), applied, [height, width], image)?,
+        ])
     }
+}
+
+/// What a pass through the medium is bound to: buffers by their numbers, and the number of the densities.
+struct Bound<'a> {
+    buffers: Vec<(u32, &'a wgpu::Buffer)>,
+    densities: u32,
 }
 
 fn surface(gbuffer: &GpuGBuffer) -> [&wgpu::Buffer; 3] {

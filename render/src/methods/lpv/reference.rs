@@ -10,10 +10,10 @@ use crate::methods::picture::every_pixel;
 use crate::methods::single_scattering::mean_decay;
 use crate::scene::Medium;
 use crate::screen::View;
-use crate::surfels::{Lit, patches, reference as surfels};
+use crate::surfels::{Lit, Patch, patches, reference as surfels};
 use deepshade_shaders::random::random;
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes, shows_surface};
-use glam::{IVec3, Mat3, Vec2, Vec3, Vec4Swizzles};
+use glam::{IVec3, Mat3, UVec2, Vec2, Vec3, Vec4Swizzles};
 use std::f32::consts::PI;
 
 /// A volume whose light has been handed on.
@@ -24,14 +24,22 @@ pub struct LitVolume {
 
 /// What a cell behind a surface counts at least.
 const LEAST_SEEN: f32 = 1e-3;
+/// What `apply.wgsl` calls so.
+const TOLERANCE: f32 = 0.02;
+const LEAST: f32 = 1e-4;
+const POINTS: u32 = 16;
+
+/// Place, normal and diffuse colour of a surface, world space.
+type Seen = [Vec3; 3];
 
 impl LitVolume {
     /// That of a scene, of light that goes no farther than `reach`, metres.
     pub fn new(scene: &TracedScene, parameters: Parameters, view: &View, filled: Filled, reach: f32) -> Self {
         let bounds = scene.scene().bounds();
         let grid = LightGrid::around(bounds, parameters.cells);
-        let (disks, medium) = (disks(scene, &grid, view, filled), filled != Filled::Clear);
-        let (volume, fresh) = volume(grid, scene.scene(), &disks, &view.camera, medium);
+        let patches = patches::of_scene(scene.scene());
+        let (disks, medium) = (disks(scene, &patches, &grid, view, filled), filled != Filled::Clear);
+        let (volume, fresh) = volume(grid, scene.scene(), (&disks, &patches), &view.camera, medium);
         let scattered = match filled {
             Filled::Medium(_) => single_scattering(&grid, scene),
             Filled::Clear => vec![Light::default(); grid.cells()],
@@ -99,12 +107,17 @@ impl LitVolume {
 }
 
 /// The surfels of a scene, as many as a grid wants, with their light.
-fn disks(scene: &TracedScene, grid: &LightGrid, view: &View, filled: Filled) -> Vec<surfels::Disk> {
-    let patches = patches::of_scene(scene.scene());
+fn disks(
+    scene: &TracedScene,
+    patches: &[Patch],
+    grid: &LightGrid,
+    view: &View,
+    filled: Filled,
+) -> Vec<surfels::Disk> {
     let vertices = surfels::vertices(scene.scene().meshes.iter(), &view.camera);
     let settings = surfel_settings(grid, scene.scene().bounds());
-    let amounts = surfels::amounts(&patches, &vertices, &settings, view);
-    let disks = surfels::disks(&patches, &vertices, &amounts, &settings);
+    let amounts = surfels::amounts(patches, &vertices, &settings, view);
+    let disks = surfels::disks(patches, &vertices, &amounts, &settings);
     let lit = match filled {
         Filled::Clear => Lit::Reflected,
         Filled::Medium(_) => Lit::Dimmed { is_grey: false },
@@ -113,7 +126,7 @@ fn disks(scene: &TracedScene, grid: &LightGrid, view: &View, filled: Filled) -> 
 }
 
 /// Place, normal and, if it is asked for, diffuse colour of the surface of each pixel, world space; none where none is seen.
-fn seen(gbuffer: &GBuffer, view: &View, colour: bool) -> Result<Vec<Option<[Vec3; 3]>>, MissingAttribute> {
+fn seen(gbuffer: &GBuffer, view: &View, colour: bool) -> Result<Vec<Option<Seen>>, MissingAttribute> {
     let of = |attribute| gbuffer.select(&[attribute]);
     let (position, normal, valid) = (of(Attribute::Position)?, of(Attribute::Normal)?, of(Attribute::Valid)?);
     let diffuse = if colour { Some(of(Attribute::Diffuse)?) } else { None };
@@ -134,51 +147,110 @@ fn seen(gbuffer: &GBuffer, view: &View, colour: bool) -> Result<Vec<Option<[Vec3
 /// If the g-buffer lacks an attribute.
 pub fn lit(gbuffer: &GBuffer, volume: &LitVolume, view: &View) -> Result<Planes, MissingAttribute> {
     let seen = seen(gbuffer, view, false)?;
-    let light = |surface: &Option<[Vec3; 3]>| {
+    let light = |surface: &Option<Seen>| {
         surface.map_or(Vec3::ZERO, |[point, normal, _]| volume.irradiance(point, normal) / PI)
     };
     let pixels: Vec<Vec3> = seen.iter().map(light).collect();
     Ok(Planes::from_fn(3, view.height, view.width, |c, y, x| pixels[y * view.width + x][c]))
 }
 
-/// The medium in front of each pixel and the surface behind it: radiance, `[3, height, width]`.
+/// The medium in front of each pixel and the surface behind it, as far as they are shown: radiance, `[3, height, width]`.
 ///
 /// # Errors
 /// If the g-buffer lacks an attribute.
-pub fn march(
+pub fn shade(
     gbuffer: &GBuffer,
     volume: &LitVolume,
     medium: &Medium,
-    steps: u32,
+    parameters: Parameters,
     (shown, view): (Pixel, &View),
 ) -> Result<Planes, MissingAttribute> {
-    let (seen, extinction) = (seen(gbuffer, view, true)?, medium.extinction());
+    let seen = seen(gbuffer, view, true)?;
+    let marched = Marched::new(&seen, volume, medium, parameters, view);
     let pixels = every_pixel(view.height, view.width, |pixel| {
-        let surface = seen[pixel.y as usize * view.width + pixel.x as usize];
-        let eye = view.camera.position;
-        let reach = surface.map_or(1e30, |[point, ..]| point.distance(eye));
-        let at = Vec2::new(pixel.x as f32 + 0.5, pixel.y as f32 + 0.5);
-        let direction = view.camera.direction(at, view.height, view.width);
-        let [begins, ends] = medium.seen_span(eye, direction, reach);
-        let [begins, ends] = volume.span(eye, direction, [begins, begins.max(ends)]);
-        let step = (ends - begins) / steps as f32;
-        let shift = random(pixel.x as u32, pixel.y as u32, view.seed, 0);
-        let mut passed = (-extinction * medium.passed_density(eye, direction, begins, 8)).exp();
-        let mut sum = Vec3::ZERO;
-        for i in 0..steps {
-            let point = eye + direction * (begins + (i as f32 + shift) * step);
-            let here = medium.density.inside(point) * step;
-            if shown.medium {
-                let scattered = volume.scattered_along(point, -direction, medium.anisotropy);
-                sum += passed * mean_decay(extinction * here) * here * scattered;
-            }
-            passed *= (-extinction * here).exp();
-        }
-        sum *= medium.scattering;
-        if let Some([point, normal, diffuse]) = surface.filter(|_| shown.surface) {
-            sum += passed * diffuse / PI * volume.irradiance(point, normal);
-        }
-        sum
+        let pixel = pixel.as_uvec2();
+        let scattered = if shown.medium { marched.before(pixel) } else { Vec3::ZERO };
+        let surface = seen[(pixel.y as usize) * view.width + pixel.x as usize].filter(|_| shown.surface);
+        scattered + surface.map_or(Vec3::ZERO, |surface| lit_through(volume, medium, surface, view))
     });
     Ok(Planes::from_fn(3, view.height, view.width, |c, y, x| pixels[y * view.width + x][c]))
+}
+
+/// What a surface sends to the eye through the medium.
+fn lit_through(volume: &LitVolume, medium: &Medium, [point, normal, diffuse]: Seen, view: &View) -> Vec3 {
+    let way = point - view.camera.position;
+    let passed = medium.passed_share(view.camera.position, way.normalize(), way.length(), POINTS);
+    passed * diffuse / PI * volume.irradiance(point, normal)
+}
+
+/// What the medium scatters in front of one pixel of some.
+struct Marched {
+    scale: u32,
+    size: UVec2,
+    scattered: Vec<Vec3>,
+    /// How far away the surfaces of all pixels are, metres.
+    distances: Vec<f32>,
+    width: usize,
+}
+
+impl Marched {
+    fn new(
+        seen: &[Option<Seen>],
+        volume: &LitVolume,
+        medium: &Medium,
+        Parameters { steps, scale, .. }: Parameters,
+        view: &View,
+    ) -> Self {
+        let eye = view.camera.position;
+        let distance = |surface: &Option<Seen>| surface.map_or(1e30, |[point, ..]| point.distance(eye));
+        let distances: Vec<f32> = seen.iter().map(distance).collect();
+        let [rows, columns] = [view.height, view.width].map(|edge| edge.div_ceil(scale));
+        let scattered = every_pixel(rows, columns, |small| {
+            let pixel = small.as_uvec2() * scale as u32;
+            let reach = distances[pixel.y as usize * view.width + pixel.x as usize];
+            march(volume, medium, steps, (pixel, reach), view)
+        });
+        let size = UVec2::new(columns as u32, rows as u32);
+        Self { scale: scale as u32, size, scattered, distances, width: view.width }
+    }
+
+    fn distance(&self, pixel: UVec2) -> f32 {
+        self.distances[pixel.y as usize * self.width + pixel.x as usize]
+    }
+
+    /// In front of a pixel, from those around it whose surfaces are as far away.
+    fn before(&self, pixel: UVec2) -> Vec3 {
+        let (low, reach) = (pixel / self.scale, self.distance(pixel));
+        let part = (pixel - low * self.scale).as_vec2() / self.scale as f32;
+        let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
+        for corner in [UVec2::ZERO, UVec2::X, UVec2::Y, UVec2::ONE] {
+            let tap = (low + corner).min(self.size - 1);
+            let near = Vec2::select(corner.cmpeq(UVec2::ONE), part, 1.0 - part).element_product();
+            let off = (self.distance(tap * self.scale) - reach) / (TOLERANCE * reach);
+            let weight = near * (1.0 / (1.0 + off * off)).max(LEAST);
+            sum += weight * self.scattered[(tap.y * self.size.x + tap.x) as usize];
+            weights += weight;
+        }
+        sum / weights
+    }
+}
+
+/// What the medium scatters to the eye in front of a pixel, up to a distance.
+fn march(volume: &LitVolume, medium: &Medium, steps: u32, (pixel, reach): (UVec2, f32), view: &View) -> Vec3 {
+    let (eye, extinction) = (view.camera.position, medium.extinction());
+    let direction = view.camera.direction(pixel.as_vec2() + 0.5, view.height, view.width);
+    let [begins, ends] = medium.seen_span(eye, direction, reach);
+    let [begins, ends] = volume.span(eye, direction, [begins, begins.max(ends)]);
+    let step = (ends - begins) / steps as f32;
+    let shift = random(pixel.x, pixel.y, view.seed, 0);
+    let mut passed = medium.passed_share(eye, direction, begins, 8);
+    let mut sum = Vec3::ZERO;
+    for i in 0..steps {
+        let point = eye + direction * (begins + (i as f32 + shift) * step);
+        let here = medium.density.inside(point) * step;
+        let scattered = volume.scattered_along(point, -direction, medium.anisotropy);
+        sum += passed * mean_decay(extinction * here) * here * scattered;
+        passed *= (-extinction * here).exp();
+    }
+    sum * medium.scattering
 }

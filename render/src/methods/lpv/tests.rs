@@ -6,7 +6,7 @@ use crate::methods::proving::Tolerance;
 use crate::methods::proving::beyond::{corner, foggy, prove_twin};
 use deepshade_shaders::gpu::Gpu;
 
-const FEW: Parameters = Parameters { cells: 14, iterations: 9, steps: 12 };
+const FEW: Parameters = Parameters { cells: 14, iterations: 9, steps: 12, scale: 2 };
 
 #[test]
 fn the_passes_make_what_the_plain_version_does() {

@@ -9,8 +9,11 @@
 @group(0) @binding(4) var<storage, read> sent: array<vec2u>;
 // [cells, 3, 4, 2]: flux and energy of each colour, watts
 @group(0) @binding(5) var<storage, read_write> light: array<atomic<u32>>;
-// [cubes, 6, 2]: xx, yy, zz, xy, xz and yz of `sum A n n^T / s^2`
+// [cubes, 9, 2]: xx, yy, zz, xy, xz and yz of `sum A n n^T / s^2`; `sum A colour / s^2`
 @group(0) @binding(6) var<storage, read_write> cubes: array<atomic<u32>>;
+
+@group(0) @binding(7) var<storage, read> patches: array<Patch>;
+@group(0) @binding(8) var<storage, read> starts: array<u32>;
 
 // Mean cosine of light that a matte surface sends.
 const DIRECTED = 2.0 / 3.0;
@@ -66,10 +69,12 @@ fn inject(@builtin(global_invocation_id) id: vec3u) {
     send(point, -normal, PI * area * unpack_radiance(sent[id.x].y));
     let cube = vec3i(floor(in_cells(point) + 0.5));
     if all(cube >= vec3i(0)) && all(cube <= vec3i(grid.size.xyz)) {
-        let first = 6u * cube_index(cube);
+        let first = 9u * cube_index(cube);
         let share = area / (grid.low.w * grid.low.w);
+        let colour = patch_colour(patches[patch_of(chosen(id.x))]);
         for (var axis = 0u; axis < 3u; axis++) {
             add_blocker(first + axis, share * normal[axis] * normal[axis]);
+            add_blocker(first + 6u + axis, share * colour[axis]);
             add_blocker(first + 3u + axis, share * normal[select(0u, 1u, axis == 2u)] * normal[select(2u, 1u, axis == 0u)]);
         }
     }

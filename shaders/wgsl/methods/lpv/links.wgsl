@@ -2,11 +2,11 @@
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<storage, read> sums: array<u32>;
-// [cells, 4]: a byte a link
+// [cells, 4]: a byte a link, then one each for red, green and blue of what surfaces around the cell reflect
 @group(0) @binding(2) var<storage, read_write> links: array<vec4u>;
 
 fn opacity(cube: vec3i, direction: vec3f) -> f32 {
-    let first = 6u * cube_index(cube);
+    let first = 9u * cube_index(cube);
     let along = vec3f(fixed_sum(first), fixed_sum(first + 1u), fixed_sum(first + 2u));
     let across = vec3f(fixed_sum(first + 3u), fixed_sum(first + 4u), fixed_sum(first + 5u));
     let squared = dot(along, direction * direction)
@@ -29,6 +29,18 @@ fn hidden(at: vec3i, offset: vec3i) -> f32 {
     return sum / count;
 }
 
+// Mean reflectance of the surfaces around a cell, by their areas.
+fn colour_around(at: vec3i) -> vec3f {
+    var sum = vec3f(0.0);
+    var area = 0.0;
+    for (var i = 0; i < 8; i++) {
+        let first = 9u * cube_index(at + vec3i(i & 1, (i >> 1u) & 1, i >> 2u));
+        sum += vec3f(fixed_sum(first + 6u), fixed_sum(first + 7u), fixed_sum(first + 8u));
+        area += fixed_sum(first) + fixed_sum(first + 1u) + fixed_sum(first + 2u);
+    }
+    return clamp(sum / max(area, 1e-30), vec3f(0.0), vec3f(1.0));
+}
+
 @compute @workgroup_size(64)
 fn link(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= cell_count() {
@@ -40,5 +52,7 @@ fn link(@builtin(global_invocation_id) id: vec3u) {
         let passes = u32(floor(255.0 * (1.0 - hidden(at, neighbour(LINKS + 1u + i))) + 0.5));
         words[i / 4u] |= passes << (8u * (i % 4u));
     }
+    let colour = vec3u(floor(255.0 * colour_around(at) + 0.5));
+    words.w |= colour.r << 8u | colour.g << 16u | colour.b << 24u;
     links[id.x] = words;
 }

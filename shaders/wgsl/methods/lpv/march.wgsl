@@ -1,16 +1,17 @@
-// The medium in front of each pixel and the surface behind it, lit by the grid's light: what it scatters to the eye, by a march, and
-// what the surface reflects.
+// What the medium in front of pixels scatters to the eye of the grid's light, by a march; of one pixel of SCALE x SCALE, since it
+// hardly changes from pixel to pixel.
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
-@group(0) @binding(4) var<uniform> view: FrameView;
-@group(0) @binding(5) var<storage, read> shown: array<vec4f>;
-// [3, height, width]
-@group(0) @binding(6) var<storage, read_write> image: array<f32>;
-@group(0) @binding(7) var<uniform> march: Marching;
-@group(0) @binding(8) var<uniform> medium: MediumRecord;
-@group(0) @binding(9) var densities: texture_3d<f32>;
-// [3, height, width]
-@group(0) @binding(10) var<storage, read> diffuse_planes: array<f32>;
+@group(0) @binding(1) var<uniform> march: Marching;
+@group(0) @binding(2) var<uniform> medium: MediumRecord;
+@group(0) @binding(3) var<storage, read> valid_plane: array<f32>;
+// [3, height, width], camera space, metres
+@group(0) @binding(4) var<storage, read> position_planes: array<f32>;
+@group(0) @binding(5) var<uniform> view: FrameView;
+@group(0) @binding(6) var<storage, read> shown: array<vec4f>;
+// [3, height / SCALE, width / SCALE], rounded up
+@group(0) @binding(7) var<storage, read_write> scattered: array<f32>;
+@group(0) @binding(8) var densities: texture_3d<f32>;
 
 const PI = 3.14159265;
 
@@ -45,21 +46,19 @@ fn scattered_along(point: vec3f, direction: vec3f) -> vec3f {
 
 @compute @workgroup_size(TILE, TILE)
 fn shade(@builtin(global_invocation_id) id: vec3u) {
-    if id.x >= march.width || id.y >= march.height {
+    let small = (vec2u(march.width, march.height) + SCALE - 1u) / SCALE;
+    if id.x >= small.x || id.y >= small.y {
         return;
     }
-    let pixels = march.width * march.height;
-    let at = id.y * march.width + id.x;
-    let valid = surface_valid(at);
-    let offset = surface_position(at, pixels);
-    let reach = select(1e30, length(offset), valid);
-    let direction = from_view(normalize(view_position(vec2f(id.xy) + 0.5, 1.0, view)), view);
+    let pixel = id.xy * SCALE;
+    let reach = surface_distance(pixel.y * march.width + pixel.x, march.width * march.height);
+    let direction = from_view(normalize(view_position(vec2f(pixel) + 0.5, 1.0, view)), view);
     let eye = view.eye.xyz;
     let in_medium = medium_span(eye, direction, reach);
     let span = grid_span(eye, direction, vec2f(in_medium.x, max(in_medium.x, in_medium.y)));
-    let steps = bounded(march.steps, id.xy);
+    let steps = bounded(march.steps, pixel);
     let step = (span.y - span.x) / f32(steps);
-    let shift = random(id.xy, march.seed, 0u);
+    let shift = random(pixel, march.seed, 0u);
     let extinction = medium.extinction.rgb;
     // What passes before the grid begins.
     var passed = exp(-extinction * passed_density(eye, direction, span.x, 8u));
@@ -67,18 +66,10 @@ fn shade(@builtin(global_invocation_id) id: vec3u) {
     for (var i = 0u; i < steps; i++) {
         let point = eye + direction * (span.x + (f32(i) + shift) * step);
         let here = density_inside(point) * step;
-        if SCATTERS == 1u {
-            sum += passed * mean_decay(extinction * here) * here * scattered_along(point, -direction);
-        }
+        sum += passed * mean_decay(extinction * here) * here * scattered_along(point, -direction);
         passed *= exp(-extinction * here);
     }
-    sum *= medium.scattering.rgb;
-    if valid && LIT == 1u {
-        let point = eye + from_view(offset, view);
-        let diffuse = vec3f(diffuse_planes[at], diffuse_planes[at + pixels], diffuse_planes[at + 2u * pixels]);
-        sum += passed * diffuse / PI * irradiance(point, from_view(surface_normal(at, pixels), view));
-    }
     for (var c = 0u; c < 3u; c++) {
-        image[at + c * pixels] = sum[c];
+        scattered[id.x + small.x * (id.y + small.y * c)] = sum[c] * medium.scattering[c];
     }
 }

@@ -3,7 +3,7 @@
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<uniform> medium: MediumRecord;
-// [cells, 4]: a byte a link
+// [cells, 4]: as links.wgsl writes it
 @group(0) @binding(2) var<storage, read> links: array<vec4u>;
 // [cells, 2]: as media.wgsl writes it
 @group(0) @binding(3) var<storage, read> media: array<vec4f>;
@@ -15,6 +15,8 @@
 @group(0) @binding(7) var<uniform> iteration: Iteration;
 @group(0) @binding(8) var<uniform> propagation: Propagation;
 
+// Mean cosine of light that a matte surface sends.
+const DIRECTED = 2.0 / 3.0;
 // Less extinction than this per cell counts as none where lengths are asked for.
 const CLEAR = 1e-3;
 
@@ -25,6 +27,11 @@ fn track(passes: vec3f, extinction: vec3f, distance: f32) -> vec3f {
 
 fn passing(link: u32, cell: u32) -> f32 {
     return f32((links[cell][link / 4u] >> (8u * (link % 4u))) & 255u) / 255.0;
+}
+
+// What surfaces around a cell reflect.
+fn reflectance(cell: u32) -> vec3f {
+    return vec3f((vec3u(links[cell].w) >> vec3u(8u, 16u, 24u)) & vec3u(255u)) / 255.0;
 }
 
 fn energies(light: mat3x4f) -> vec3f {
@@ -74,6 +81,9 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
     for (var c = 0u; c < 3u; c++) {
         flux[2][c] = lobe_flux(seen[c]) * track_out[c];
     }
+    let colour = reflectance(cell);
+    let own_fresh = lobes(0u, cell);
+    let own_scattered = lobes(MULTIPLE, cell);
     for (var number = 0u; number < 27u; number++) {
         let offset = neighbour(number);
         let there = at - offset;
@@ -86,9 +96,6 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
             passes *= passing(LINKS - 1u - number, cell);
         } else {
             passes *= passing(number - LINKS - 1u, source);
-        }
-        if passes == 0.0 {
-            continue;
         }
         let kind = kind_of(offset);
         let direction = normalize(vec3f(offset));
@@ -112,6 +119,24 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
         for (var c = 0u; c < 3u; c++) {
             flux[0][c] += direction * (first[c] * enters[kind][c]);
             flux[2][c] += direction * (arrived[c] * length[c]);
+        }
+        // What the cell itself sends there and surfaces on the way reflect comes back half a way later.
+        if MULTIPLE == 1u {
+            let out = exp(-own.rgb * DISTANCES[kind]);
+            let returns = (SHARES[kind] * (on - passes)) * colour * out;
+            let back = returns * sent(own_fresh, -direction);
+            let own_again = media[2u * cell + 1u].rgb * (energies(own_fresh) + energies(own_scattered));
+            let back_again = returns * (sent(own_scattered, -direction) + own_again);
+            let way = track(out, extinction, DISTANCES[kind]);
+            energy[0] += back * out;
+            energy[1] += back_again * out + (back + back_again) * (albedo * (1.0 - out));
+            let shown_back = select(back, back_again, SHOWN == 1u) * way;
+            energy[2] += shown_back;
+            for (var c = 0u; c < 3u; c++) {
+                flux[0][c] += (DIRECTED * back[c] * out[c]) * direction;
+                flux[1][c] += (DIRECTED * back_again[c] * out[c]) * direction;
+                flux[2][c] += (DIRECTED * shown_back[c]) * direction;
+            }
         }
     }
     for (var c = 0u; c < 3u; c++) {
