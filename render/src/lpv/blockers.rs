@@ -2,8 +2,7 @@
 //!
 //! As in Kaplanyan and Dachsbacher 2010 they lie on a lattice of their own, shifted by half a cell, so that what stands between
 //! the middles of cells is in one of its cubes. A cube keeps the matrix `sum A n n^T / s^2` of its surfels' areas, unit normals and
-//! its edge: bands 0 and 2 of `sum A |n . w| / s^2`, what they hide along a direction, whose odd bands are 0 whichever way
-//! surfaces face.
+//! its edge, from which follows what they hide along a direction, whichever way they face.
 
 use super::LightGrid;
 use super::lattice::{LINKS, neighbours};
@@ -94,7 +93,8 @@ fn trace(matrix: Mat3) -> f32 {
     matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z
 }
 
-/// What surfaces of such a matrix hide along a direction: `|c|` in bands 0 and 2 is `3/16 + 15/16 c^2`.
+/// What surfaces of such a matrix hide along a direction: of a plane `A |n . w| / s^2` exactly, of surfaces that face all ways alike
+/// 1.15 times that.
 fn opacity(matrix: Mat3, direction: Vec3) -> f32 {
-    (3.0 / 16.0 * trace(matrix) + 15.0 / 16.0 * direction.dot(matrix * direction)).clamp(0.0, 1.0)
+    (trace(matrix) * direction.dot(matrix * direction)).max(0.0).sqrt().min(1.0)
 }

@@ -34,6 +34,13 @@ pub fn towards(lobe: Vec4, direction: Vec3) -> f32 {
     root * root
 }
 
+/// Irradiance of a lobe on the front of a surface: with the cosine the means of 1, `w` and `w w^T` over the sphere are 1/4, `-n / 6` and
+/// `(1 + n n^T) / 16`.
+pub fn irradiance(lobe: Vec4, normal: Vec3) -> f32 {
+    let (v, along) = (lobe.xyz(), lobe.xyz().dot(normal));
+    0.25 * lobe.w * lobe.w - lobe.w * along / 3.0 + (v.length_squared() + along * along) / 16.0
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -51,6 +58,22 @@ mod tests {
             let way: Vec3 = neighbours().map(|n| n.direction * sent(n)).sum();
             assert!((all - 3.0).abs() < 1e-5 && (way - moments.xyz()).length() < 1e-5, "{all} {way}");
         }
+    }
+
+    #[test]
+    fn irradiance_is_the_integral_over_the_hemisphere() {
+        let (lobe, normal) = (Vec4::new(0.7, -0.2, 0.5, 0.8), Vec3::new(0.6, 0.0, 0.8));
+        let (rings, segments) = (400u16, 400u16);
+        let mut sum = 0.0;
+        for i in 0..u32::from(rings) * u32::from(segments) {
+            let z = 1.0 - 2.0 * ((i / u32::from(segments)) as f32 + 0.5) / f32::from(rings);
+            let (sin, cos) =
+                (std::f32::consts::TAU * (i % u32::from(segments)) as f32 / f32::from(segments)).sin_cos();
+            let direction = Vec3::new((1.0 - z * z).sqrt() * cos, (1.0 - z * z).sqrt() * sin, z);
+            sum += f64::from(towards(lobe, direction) * (-direction.dot(normal)).max(0.0));
+        }
+        let mean = sum / f64::from(u32::from(rings) * u32::from(segments));
+        assert!((mean / f64::from(irradiance(lobe, normal)) - 1.0).abs() < 1e-3, "{mean}");
     }
 
     #[test]

@@ -27,14 +27,14 @@ table! {
         shared ["lpv_grid", "lpv_lattice", "lpv_lobe", "lpv_medium"];
     /// Surfaces lit by the grid.
     LPV_LIT: "lpv.lit", file "methods/lpv/lit", constants [], uniforms [LightGrid, FrameView],
-        shared ["surface", "surface_valid", "view", "lpv_grid", "lpv_irradiance"];
+        shared ["surface", "surface_valid", "view", "lpv_grid", "lpv_lobe", "lpv_irradiance"];
     /// The medium, lit by the grid, in an image of fewer pixels.
     LPV_MARCH: "lpv.march", file "methods/lpv/march", constants [MEDIUM = 2, SCALE = 1],
         uniforms [LightGrid, Marching, FrameView, MediumRecord],
         shared ["surface_distance", "random", "bounded", "view", "medium_span", "medium", "mean_decay", "lpv_grid",
-                "lpv_irradiance"];
+                "lpv_lobe", "lpv_irradiance"];
     /// The medium in front of each pixel and the surface behind it.
     LPV_APPLY: "lpv.apply", file "methods/lpv/apply", constants [MEDIUM = 2, SCALE = 1, SCATTERS = 1, LIT = 1],
         uniforms [LightGrid, Marching, FrameView, MediumRecord],
-        shared ["surface", "surface_valid", "view", "medium_span", "medium", "lpv_grid", "lpv_irradiance"];
+        shared ["surface", "surface_valid", "view", "medium_span", "medium", "lpv_grid", "lpv_lobe", "lpv_irradiance"];
 }

@@ -33,6 +33,12 @@ fn tap_weight(taps: Taps, corner: vec3i) -> f32 {
     return weights.x * weights.y * weights.z;
 }
 
+// Irradiance of light of a lobe: with the cosine the means of 1, w and w w^T over the sphere are 1/4, -n / 6 and (1 + n n^T) / 16.
+fn lobe_irradiance(lobe: vec4f, normal: vec3f) -> f32 {
+    let along = dot(lobe.xyz, normal);
+    return 0.25 * lobe.w * lobe.w - lobe.w * along / 3.0 + (dot(lobe.xyz, lobe.xyz) + along * along) / 16.0;
+}
+
 // Irradiance on one side of a surface, of cells whose middle it sees: what is behind it does not light it.
 fn irradiance(point: vec3f, normal: vec3f) -> vec3f {
     let lifted = point + 0.5 * grid.low.w * normal;
@@ -46,8 +52,9 @@ fn irradiance(point: vec3f, normal: vec3f) -> vec3f {
         let before = clamp(dot(middle - point, normal) / (0.25 * grid.low.w), 0.0, 1.0);
         let weight = tap_weight(around, corner) * max(before, LEAST_SEEN);
         let light = fluence_of_cell(at);
-        // The cosine is 1/4 in band 0 and 1/2 in band 1.
-        sum += weight * max(0.25 * light.all - 0.5 * (normal * light.flux), vec3f(0.0));
+        for (var c = 0u; c < 3u; c++) {
+            sum[c] += weight * lobe_irradiance(lobe(light.flux[c], light.all[c]), normal);
+        }
         weights += weight;
     }
     return sum / (weights * grid.low.w * grid.low.w);

@@ -116,7 +116,7 @@ impl Passes {
         };
         let mut steps = self.injection(device, world, &grid, &room, &uniforms[VIEW], lit)?;
         if filled != Filled::Clear {
-            steps.extend(medium_steps(device, world, &room, &uniforms[VIEW])?);
+            steps.extend(medium_steps(device, world, &room)?);
         }
         let shader = wgsl::LPV_PROPAGATE.specialised(&[
             ("MULTIPLE", u32::from(filled != Filled::Clear)),
@@ -207,12 +207,7 @@ impl Room {
 }
 
 /// What the medium does in cells, and what it scatters of the lamps' light.
-fn medium_steps(
-    device: &wgpu::Device,
-    world: &World,
-    room: &Room,
-    view: &wgpu::Buffer,
-) -> Result<[MethodStep; 2], GpuError> {
+fn medium_steps(device: &wgpu::Device, world: &World, room: &Room) -> Result<[MethodStep; 2], GpuError> {
     let Room { record, media, states, groups, .. } = room;
     let MediumOnGpu { record: medium, densities, .. } = &world.medium;
     let [lights, kind] = single_scattering::constants(world);
@@ -224,7 +219,7 @@ fn medium_steps(
     let fill = Step { pass: pass.bind(device, &resources)?, workgroups: groups.clone() };
     let pass = Pass::new(device, wgsl::LPV_BEGIN.name, &wgsl::LPV_BEGIN.specialised(&[lights, kind]))?;
     let sampler = shadow_sampler(device);
-    let own = [(0, record), (1, view), (7, &states[0])];
+    let own = [(0, record), (7, &states[0])];
     let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
     let bound = pass.bind_at(device, own.into_iter().chain(single_scattering::bindings(world, &sampler)))?;
     let begin = Step { pass: bound, workgroups: groups.clone() };

@@ -5,6 +5,7 @@ use super::passes::{Filled, Pixel, surfel_settings};
 use crate::bvh::TracedScene;
 use crate::lpv::LightGrid;
 use crate::lpv::injection::{single_scattering, volume};
+use crate::lpv::lobe::{irradiance, lobe};
 use crate::lpv::propagation::{Field, Light, Shown};
 use crate::methods::picture::every_pixel;
 use crate::methods::single_scattering::mean_decay;
@@ -79,8 +80,8 @@ impl LitVolume {
         for (at, weight) in self.taps(point + 0.5 * cell * normal) {
             let before = ((self.grid.middle(at) - point).dot(normal) / (0.25 * cell)).clamp(0.0, 1.0);
             let weight = weight * before.max(LEAST_SEEN);
-            let (flux, all) = self.of_cell(at);
-            sum += weight * (0.25 * all - 0.5 * (flux.transpose() * normal)).max(Vec3::ZERO);
+            let light = &self.shown[self.grid.index(at).expect("it is clamped")];
+            sum += weight * Vec3::from(light.map(|moments| irradiance(lobe(moments), normal)));
             weights += weight;
         }
         sum / (weights * cell * cell)

@@ -2,7 +2,6 @@
 // mean of eight points of each cell; where the phase function has a mean cosine, light goes on along it.
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
-@group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<storage, read> lights: array<LightRecord>;
 @group(0) @binding(3) var<storage, read> map_views: array<FrameView>;
 @group(0) @binding(4) var<storage, read> pictures: array<u32>;

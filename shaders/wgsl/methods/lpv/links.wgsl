@@ -5,13 +5,15 @@
 // [cells, 4]: a byte a link, then one each for red, green and blue of what surfaces around the cell reflect
 @group(0) @binding(2) var<storage, read_write> links: array<vec4u>;
 
+// What a cube's surfaces hide along a direction.
 fn opacity(cube: vec3i, direction: vec3f) -> f32 {
     let first = 9u * cube_index(cube);
     let along = vec3f(fixed_sum(first), fixed_sum(first + 1u), fixed_sum(first + 2u));
     let across = vec3f(fixed_sum(first + 3u), fixed_sum(first + 4u), fixed_sum(first + 5u));
     let squared = dot(along, direction * direction)
         + 2.0 * dot(across, vec3f(direction.x * direction.y, direction.x * direction.z, direction.y * direction.z));
-    return clamp(3.0 / 16.0 * (along.x + along.y + along.z) + 15.0 / 16.0 * squared, 0.0, 1.0);
+    // Of a plane it is the matrix' trace times |n . w|.
+    return min(sqrt(max((along.x + along.y + along.z) * squared, 0.0)), 1.0);
 }
 
 // What is hidden: the mean of the cubes around the way.
