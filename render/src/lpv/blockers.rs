@@ -45,7 +45,7 @@ impl Blockers {
         let of_cell = |index: usize| {
             let at = grid.at(index);
             let passing = |link: usize| {
-                let passes = 1.0 - self.hidden(at, links[link].offset, links[link].direction);
+                let passes = 1.0 - self.hidden(at, links[link].offset);
                 (STEPS * passes + 0.5).floor() / STEPS
             };
             std::array::from_fn(passing)
@@ -69,14 +69,14 @@ impl Blockers {
     }
 
     /// What is hidden between a cell and a neighbour: the mean of the cubes around the way.
-    fn hidden(&self, at: IVec3, offset: IVec3, direction: Vec3) -> f32 {
+    fn hidden(&self, at: IVec3, offset: IVec3) -> f32 {
         let (mut sum, mut count) = (0.0, 0.0);
         for corner in corners() {
             // Along an axis of the way the cube between both cells, across it those on both sides.
             let around = offset.cmpeq(IVec3::ZERO) | corner.cmpeq((offset + 1) / 2);
             if around.all() {
                 let matrix = self.cubes.index(at + corner).map_or(Mat3::ZERO, |index| self.matrices[index]);
-                sum += opacity(matrix, direction);
+                sum += opacity(matrix, offset.as_vec3());
                 count += 1.0;
             }
         }
@@ -93,8 +93,8 @@ fn trace(matrix: Mat3) -> f32 {
     matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z
 }
 
-/// What surfaces of such a matrix hide along a direction: of a plane `A |n . w| / s^2` exactly, of surfaces that face all ways alike
-/// 1.15 times that.
-fn opacity(matrix: Mat3, direction: Vec3) -> f32 {
-    (trace(matrix) * direction.dot(matrix * direction)).max(0.0).sqrt().min(1.0)
+/// What surfaces of such a matrix hide on a way through their cube, in cells: of a plane how often it is crossed, `A |n . way| / s^2`,
+/// exactly; of surfaces that face all ways alike 1.15 times that.
+fn opacity(matrix: Mat3, way: Vec3) -> f32 {
+    (trace(matrix) * way.dot(matrix * way)).max(0.0).sqrt().min(1.0)
 }

@@ -104,6 +104,10 @@ fn arriving(
     for (link, neighbour) in neighbours().enumerate() {
         let Some(from) = grid.index(at - neighbour.offset) else { continue };
         let passes = if link < LINKS { passing[cell][LINKS - 1 - link] } else { passing[from][link - LINKS] };
+        if own == [Vec4::ZERO; 2] && [fresh, scattered].iter().all(|light| light[from][colour] == Vec4::ZERO)
+        {
+            continue;
+        }
         let (class, direction, flight) = (neighbour.class, neighbour.direction, &flights[from][colour]);
         let lobes = [fresh, scattered].map(|light| light[from][colour]);
         let share = SHARES[class] * passes;

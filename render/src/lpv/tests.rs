@@ -71,18 +71,18 @@ fn mirrored_light_makes_a_mirrored_image() {
 #[test]
 fn collisions_are_as_far_away_as_in_an_infinite_medium() {
     for (path, albedo, half, [low, high]) in [
-        (0.25, 0.5, 8, [0.99, 1.01]),
-        (0.25, 0.9, 12, [0.98, 1.01]),
-        (0.5, 0.5, 10, [0.99, 1.01]),
-        (0.5, 0.9, 16, [0.98, 1.01]),
-        (1.0, 0.5, 14, [0.93, 1.01]),
-        (2.0, 0.5, 18, [0.75, 0.9]),
+        (0.25, 0.5, 6, [0.99, 1.01]),
+        (0.25, 0.9, 9, [0.98, 1.01]),
+        (0.5, 0.5, 8, [0.99, 1.01]),
+        (0.5, 0.9, 13, [0.97, 1.01]),
+        (1.0, 0.5, 12, [0.93, 1.01]),
+        (2.0, 0.5, 15, [0.75, 0.9]),
     ] {
         let ratio = moment_ratio(Factors::Placed, path, albedo, half);
         assert!(ratio > low && ratio < high, "path {path}, albedo {albedo}: {ratio}");
     }
     // Where each collision costs the length of a cell, dense media spread light too far.
-    assert!(moment_ratio(Factors::Exponential, 0.5, 0.9, 20) > 3.0);
+    assert!(moment_ratio(Factors::Exponential, 0.5, 0.9, 16) > 2.5);
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn walls_between_cells_let_nothing_through() {
         (0..grid.cells()).filter(is_behind).map(|index| f64::from(field.shown[index][0].w)).sum()
     };
     let [open, walled] = [behind(&open), behind(&walled)];
-    assert!(open > 1.0 && walled < 0.2 * open, "{walled} of {open}");
+    assert!(open > 1.0 && walled < 1e-6 * open, "{walled} of {open}");
 }
 
 #[test]

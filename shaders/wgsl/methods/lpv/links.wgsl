@@ -5,26 +5,25 @@
 // [cells, 4]: a byte a link, then one each for red, green and blue of what surfaces around the cell reflect
 @group(0) @binding(2) var<storage, read_write> links: array<vec4u>;
 
-// What a cube's surfaces hide along a direction.
-fn opacity(cube: vec3i, direction: vec3f) -> f32 {
+// What a cube's surfaces hide on a way through it, in cells.
+fn opacity(cube: vec3i, way: vec3f) -> f32 {
     let first = 9u * cube_index(cube);
     let along = vec3f(fixed_sum(first), fixed_sum(first + 1u), fixed_sum(first + 2u));
     let across = vec3f(fixed_sum(first + 3u), fixed_sum(first + 4u), fixed_sum(first + 5u));
-    let squared = dot(along, direction * direction)
-        + 2.0 * dot(across, vec3f(direction.x * direction.y, direction.x * direction.z, direction.y * direction.z));
-    // Of a plane it is the matrix' trace times |n . w|.
+    let squared = dot(along, way * way)
+        + 2.0 * dot(across, vec3f(way.x * way.y, way.x * way.z, way.y * way.z));
+    // Of a plane it is how often it is crossed, A |n . way| / s^2.
     return min(sqrt(max((along.x + along.y + along.z) * squared, 0.0)), 1.0);
 }
 
 // What is hidden: the mean of the cubes around the way.
 fn hidden(at: vec3i, offset: vec3i) -> f32 {
-    let direction = normalize(vec3f(offset));
     var sum = 0.0;
     var count = 0.0;
     for (var i = 0; i < 8; i++) {
         let corner = vec3i(i & 1, (i >> 1u) & 1, i >> 2u);
         if all((offset == vec3i(0)) | (corner == (offset + 1) / 2)) {
-            sum += opacity(at + corner, direction);
+            sum += opacity(at + corner, vec3f(offset));
             count += 1.0;
         }
     }
