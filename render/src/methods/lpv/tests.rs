@@ -135,7 +135,7 @@ fn extremes_make_no_negative_light() {
     for (medium, camera, parameters, is_dark) in [
         (medium(0.0, 0.0), camera, few, true),
         (medium(0.1, 0.0), camera, few, true),
-        (medium(0.0, 1e5), camera, few, false),
+        (medium(0.0, 1e5), camera, few, true),
         (medium(0.0, 0.3), outside, few, false),
         (medium(0.1, 0.3), camera, Parameters { cells: 1, ..few }, false),
     ] {
