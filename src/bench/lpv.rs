@@ -1,5 +1,5 @@
-//! `deepshade bench lpv`: what light propagation volumes cost stage by stage, how wrong they are beside what else could be shown, and
-//! where propagation holds: Billeter, Sintorn and Assarsson 2012, Table 1 and Figure 5, measured again.
+//! `deepshade bench lpv`: what light propagation volumes cost stage by stage, how wrong they are beside what else could
+//! be shown, and where propagation holds: Billeter, Sintorn and Assarsson 2012, Table 1 and Figure 5, measured again.
 
 mod alternatives;
 mod cost;
@@ -20,7 +20,8 @@ use std::time::Duration;
 use studies::Studies;
 use subject::Subject;
 
-/// Milliseconds of light propagation volumes stage by stage, errors beside the paper's alternatives, how far propagation is right.
+/// Milliseconds of light propagation volumes stage by stage, errors beside the paper's alternatives, how far
+/// propagation is right.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     deepshade bench lpv --json lpv.json --plot lpv.svg\n  \

@@ -1,13 +1,14 @@
 //! What a medium does to light between a cell and its neighbours.
 //!
-//! The way to a neighbour lies in the cell up to a share of it, and in the neighbour from there on; collisions happen where they
-//! lie. The share is chosen so that in a medium that is the same everywhere the squared distance between two collisions is on
-//! average `2 / sigma^2`, as it is on exponential flights, whatever the length of a cell. Light that collides in its cell and is
-//! scattered there may collide there again: the sum of all of that is a geometric series, so that one iteration takes light on by a
-//! cell, be a cell as many mean free paths long as it may.
+//! The way to a neighbour lies in the cell up to a share of it, and in the neighbour from there on; collisions happen
+//! where they lie. The share is chosen so that in a medium that is the same everywhere the squared distance between two
+//! collisions is on average `2 / sigma^2`, as it is on exponential flights, whatever the length of a cell. Light that
+//! collides in its cell and is scattered there may collide there again: the sum of all of that is a geometric series,
+//! so that one iteration takes light on by a cell, be a cell as many mean free paths long as it may.
 //!
-//! Billeter, Sintorn and Assarsson 2012, equation (3), lets all collisions happen in the cell that light leaves and takes what is
-//! scattered on to a neighbour: each collision costs at least the length of a cell, in dense media many times what it should.
+//! Billeter, Sintorn and Assarsson 2012, equation (3), lets all collisions happen in the cell that light leaves and
+//! takes what is scattered on to a neighbour: each collision costs at least the length of a cell, in dense media many
+//! times what it should.
 
 use super::lattice::{CLASSES, DISTANCES, mean};
 
@@ -19,7 +20,8 @@ pub enum Factors {
     Placed,
     /// In the cell that light leaves: `1 - exp(-sigma d)` of what goes to a neighbour at a distance of `d`.
     Exponential,
-    /// As the paper has it: `sigma d` of the mean distance. Of light that would go on, less than nothing is left where that is above 1.
+    /// As the paper has it: `sigma d` of the mean distance. Of light that would go on, less than nothing is left where
+    /// that is above 1.
     Linear,
 }
 
@@ -42,7 +44,8 @@ impl Factors {
 pub struct Flight {
     /// Of light that sets out to a neighbour of each kind, what leaves the cell.
     pub streams: [f32; CLASSES],
-    /// Of the energy in the cell, what leaves it scattered, over the share of all directions of a neighbour of each kind.
+    /// Of the energy in the cell, what leaves it scattered, over the share of all directions of a neighbour of each
+    /// kind.
     pub scatters: [f32; CLASSES],
     /// Of light that comes from a neighbour of each kind, what keeps its direction.
     pub enters: [f32; CLASSES],
@@ -146,8 +149,9 @@ fn exact_share(extinction: f64) -> f32 {
     (0.5 * (low + high)) as f32
 }
 
-/// Mean squared distance to the next collision of light that sets out alike in all directions, over `2 / extinction^2`: the sum
-/// over the steps of a walk whose direction is kept, where a collision on the second part of a way is in the cell beyond.
+/// Mean squared distance to the next collision of light that sets out alike in all directions, over `2 / extinction^2`:
+/// the sum over the steps of a walk whose direction is kept, where a collision on the second part of a way is in the
+/// cell beyond.
 fn moment_ratio(extinction: f64, share: f64) -> f64 {
     let mean = |of: &dyn Fn(f64) -> f64| -> f64 {
         let weights = [6.0 / 21.0, 48.0 / 105.0, 72.0 / 280.0];

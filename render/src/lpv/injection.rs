@@ -1,5 +1,5 @@
-//! What is in a volume before the first iteration: light that surfels reflect, light of the lamps that the medium scatters, and the
-//! medium itself.
+//! What is in a volume before the first iteration: light that surfels reflect, light of the lamps that the medium
+//! scatters, and the medium itself.
 
 use super::propagation::{DIRECTED, Light, Volume};
 use super::{Blockers, Flight, LightGrid};
@@ -15,8 +15,8 @@ use std::f32::consts::PI;
 /// Nearer to a lamp than this, in cells, a point of the medium counts as that near.
 const NEAREST: f32 = 0.25;
 
-/// Light that disks reflect, and what they block and of which patch's colour. Light begins half a cell before its disk, so that it
-/// lies before what blocks.
+/// Light that disks reflect, and what they block and of which patch's colour. Light begins half a cell before its disk,
+/// so that it lies before what blocks.
 fn surfaces(
     grid: &LightGrid,
     (disks, patches): (&[Disk], &[Patch]),
@@ -55,8 +55,8 @@ fn density_at(medium: &Medium, point: Vec3) -> f32 {
     if inside { medium.density.inside(point) } else { 0.0 }
 }
 
-/// What a medium does in each cell: by similarity one that scatters alike in all directions, and as much less of it as keeps the
-/// mean flux (van de Hulst 1980).
+/// What a medium does in each cell: by similarity one that scatters alike in all directions, and as much less of it as
+/// keeps the mean flux (van de Hulst 1980).
 pub fn flights(grid: &LightGrid, medium: Option<&Medium>) -> Vec<[Flight; 3]> {
     let Some(medium) = medium else { return vec![[Flight::new(0.0, 0.0); 3]; grid.cells()] };
     let scattering = medium.scattering * (1.0 - medium.anisotropy);
@@ -69,7 +69,8 @@ pub fn flights(grid: &LightGrid, medium: Option<&Medium>) -> Vec<[Flight; 3]> {
     (0..grid.cells()).into_par_iter().map(of_cell).collect()
 }
 
-/// Light of the lamps that the medium in each cell scatters, with exact shadows; it goes on along the mean of the phase function.
+/// Light of the lamps that the medium in each cell scatters, with exact shadows; it goes on along the mean of the phase
+/// function.
 pub fn single_scattering(grid: &LightGrid, scene: &TracedScene) -> Vec<Light> {
     let Some(medium) = scene.scene().medium.as_deref() else { return vec![[Vec4::ZERO; 3]; grid.cells()] };
     let of_cell = |index: usize| {
@@ -94,8 +95,8 @@ pub fn single_scattering(grid: &LightGrid, scene: &TracedScene) -> Vec<Light> {
     (0..grid.cells()).into_par_iter().map(of_cell).collect()
 }
 
-/// A scene's volume, and the light that its disks, of such patches, reflect; where it is not filled, nothing is between surfaces, and
-/// they reflect no light that comes to them.
+/// A scene's volume, and the light that its disks, of such patches, reflect; where it is not filled, nothing is between
+/// surfaces, and they reflect no light that comes to them.
 pub fn volume(
     grid: LightGrid,
     scene: &Scene,

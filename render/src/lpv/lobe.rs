@@ -1,7 +1,7 @@
-//! How light in a cell is spread over directions, by its energy and its flux: as the square of a function of two spherical
-//! harmonic bands, `(p + v . w)^2`. It is nowhere negative, however directed the light, has any mean direction up to a length of
-//! `1 / sqrt(3)`, the most that a positive function of three bands may have, and needs as many numbers as two bands do. What is
-//! directed more is spread until it has that length; its energy stays.
+//! How light in a cell is spread over directions, by its energy and its flux: as the square of a function of two
+//! spherical harmonic bands, `(p + v . w)^2`. It is nowhere negative, however directed the light, has any mean
+//! direction up to a length of `1 / sqrt(3)`, the most that a positive function of three bands may have, and needs as
+//! many numbers as two bands do. What is directed more is spread until it has that length; its energy stays.
 
 use glam::{Vec3, Vec4, Vec4Swizzles};
 
@@ -34,8 +34,8 @@ pub fn towards(lobe: Vec4, direction: Vec3) -> f32 {
     root * root
 }
 
-/// Irradiance of a lobe on the front of a surface: with the cosine the means of 1, `w` and `w w^T` over the sphere are 1/4, `-n / 6` and
-/// `(1 + n n^T) / 16`.
+/// Irradiance of a lobe on the front of a surface: with the cosine the means of 1, `w` and `w w^T` over the sphere are
+/// 1/4, `-n / 6` and `(1 + n n^T) / 16`.
 pub fn irradiance(lobe: Vec4, normal: Vec3) -> f32 {
     let (v, along) = (lobe.xyz(), lobe.xyz().dot(normal));
     0.25 * lobe.w * lobe.w - lobe.w * along / 3.0 + (v.length_squared() + along * along) / 16.0

@@ -1,7 +1,7 @@
 //! Propagation: equation (3) of Billeter et al. 2012, with the flights and lobes of this module.
 //!
-//! Light that met no medium yet, `fresh`, is kept apart from what was scattered, so that what is shown can leave out what other
-//! methods show sharper: single scattering, and surfaces lit by surfaces.
+//! Light that met no medium yet, `fresh`, is kept apart from what was scattered, so that what is shown can leave out
+//! what other methods show sharper: single scattering, and surfaces lit by surfaces.
 
 use super::lattice::{LINKS, SHARES, neighbours};
 use super::lobe::{energy, flux, lobe, towards};

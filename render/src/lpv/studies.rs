@@ -27,7 +27,8 @@ pub fn lit(volume: &Volume, at: IVec3, moments: Vec4) -> Field {
     Field::new(&none, &light)
 }
 
-/// Light of a point that sends alike in all directions, after so many iterations, in a grid of `2 half + 1` cells to a side.
+/// Light of a point that sends alike in all directions, after so many iterations, in a grid of `2 half + 1` cells to a
+/// side.
 pub fn around_a_point(flight: Flight, half: i32, iterations: usize) -> (Volume, Field) {
     let volume = alike(IVec3::splat(2 * half + 1), flight);
     let mut field = lit(&volume, IVec3::splat(half), Vec4::W);
@@ -35,8 +36,8 @@ pub fn around_a_point(flight: Flight, half: i32, iterations: usize) -> (Volume, 
     (volume, field)
 }
 
-/// Mean squared distance of collisions from a point source over `2 l^2 / (1 - albedo)`, which it is in an infinite medium; the mean
-/// free path `l` in cells.
+/// Mean squared distance of collisions from a point source over `2 l^2 / (1 - albedo)`, which it is in an infinite
+/// medium; the mean free path `l` in cells.
 pub fn moment_ratio(factors: Factors, path: f32, albedo: f32, half: i32) -> f64 {
     let flight = Flight::by(factors, 1.0 / path, albedo);
     let (volume, field) = around_a_point(flight, half, 3 * half as usize);
@@ -62,7 +63,8 @@ pub fn energy_loss(factors: Factors, extinction: f32) -> f64 {
     worst
 }
 
-/// How fast fluence falls far from a point source, per mean free path: the root `k` of `albedo artanh(k) = k` (Case and Zweifel 1967).
+/// How fast fluence falls far from a point source, per mean free path: the root `k` of `albedo artanh(k) = k` (Case and
+/// Zweifel 1967).
 pub fn decay(albedo: f64) -> f64 {
     let (mut low, mut high) = (1e-6, 1.0 - 1e-12);
     for _ in 0..100 {
@@ -72,8 +74,8 @@ pub fn decay(albedo: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Fluence at each distance along an axis, cells, over that of a monopole `exp(-k r) / r` which is what it is three mean free paths
-/// from the source.
+/// Fluence at each distance along an axis, cells, over that of a monopole `exp(-k r) / r` which is what it is three
+/// mean free paths from the source.
 pub fn over_monopole(factors: Factors, path: f32, albedo: f32, half: i32) -> Vec<(f64, f64)> {
     let (volume, field) = around_a_point(Flight::by(factors, 1.0 / path, albedo), half, 4 * half as usize);
     let middle = IVec3::splat(half);
@@ -87,8 +89,8 @@ pub fn over_monopole(factors: Factors, path: f32, albedo: f32, half: i32) -> Vec
     (first..=half / 2).map(|r| (f64::from(r), scale * at(r) / monopole(f64::from(r)))).collect()
 }
 
-/// Fluence of a point source without a medium, times `4 pi r^2`, along an axis, across an edge and across a corner: 1 where light goes
-/// alike everywhere.
+/// Fluence of a point source without a medium, times `4 pi r^2`, along an axis, across an edge and across a corner: 1
+/// where light goes alike everywhere.
 pub fn fluence_by_direction(half: i32) -> [f64; 3] {
     let (volume, field) = around_a_point(Flight::new(0.0, 0.0), half, 2 * half as usize);
     let r = f64::from(half) * 0.6;

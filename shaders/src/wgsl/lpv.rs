@@ -7,7 +7,8 @@ table! {
     LPV_CLEAR: "lpv.clear", file "methods/lpv/clear", constants [], uniforms [], shared [];
     /// Surfels as light and as blockers.
     LPV_INJECT: "lpv.inject", file "methods/lpv/inject", constants [HEIGHT = 8], uniforms [LightGrid, FrameView],
-        shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_patch_record", "surfel_order", "lpv_grid"];
+        shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_patch_record", "surfel_order",
+                "lpv_grid"];
     /// What passes between cells.
     LPV_LINKS: "lpv.links", file "methods/lpv/links", constants [], uniforms [LightGrid],
         shared ["lpv_grid", "lpv_fixed", "lpv_lattice"];

@@ -1,5 +1,5 @@
-// Light of a volume at points between the middles of cells. Passes bind `shown`, [3, cells]: flux and energy times lengths of ways,
-// watts times cells.
+// Light of a volume at points between the middles of cells. Passes bind `shown`, [3, cells]: flux and energy times
+// lengths of ways, watts times cells.
 
 struct Fluence {
     // Of red, green and blue in columns, watts for each square metre.
@@ -33,7 +33,8 @@ fn tap_weight(taps: Taps, corner: vec3i) -> f32 {
     return weights.x * weights.y * weights.z;
 }
 
-// Irradiance of light of a lobe: with the cosine the means of 1, w and w w^T over the sphere are 1/4, -n / 6 and (1 + n n^T) / 16.
+// Irradiance of light of a lobe: with the cosine the means of 1, w and w w^T over the sphere are 1/4, -n / 6 and (1 + n
+// n^T) / 16.
 fn lobe_irradiance(lobe: vec4f, normal: vec3f) -> f32 {
     let along = dot(lobe.xyz, normal);
     return 0.25 * lobe.w * lobe.w - lobe.w * along / 3.0 + (dot(lobe.xyz, lobe.xyz) + along * along) / 16.0;

@@ -52,7 +52,8 @@ fn less(image: &Planes, other: &Planes) -> Planes {
 }
 
 impl Alternatives {
-    /// Measures them against truth of so many samples a pixel. What is not of a light propagation volume is truth's own in all of them.
+    /// Measures them against truth of so many samples a pixel. What is not of a light propagation volume is truth's own
+    /// in all of them.
     ///
     /// # Errors
     /// If the device fails.

@@ -16,8 +16,8 @@ const ITERATIONS: usize = 8;
 /// Steps of the march, of one pixel of so many along each axis.
 const STEPS: u32 = 32;
 const SCALE: usize = 2;
-/// Bytes that an iteration reads and writes of a cell at least: lobes of two kinds of light and three colours in both directions, what
-/// is shown likewise, links and the medium.
+/// Bytes that an iteration reads and writes of a cell at least: lobes of two kinds of light and three colours in both
+/// directions, what is shown likewise, links and the medium.
 const BYTES: u64 = 2 * 96 + 2 * 48 + 16 + 32;
 
 /// Costs of both grids.

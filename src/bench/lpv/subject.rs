@@ -95,7 +95,8 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// A scene in fog with a spot that shines across it from above, as in the paper's figures, and a camera that looks along it.
+/// A scene in fog with a spot that shines across it from above, as in the paper's figures, and a camera that looks
+/// along it.
 fn foggy(scene: Scene) -> Result<(Scene, Camera)> {
     let (bounds, size) = (scene.bounds(), scene.bounds().size());
     let at = |x: f32, y: f32, z: f32| bounds.centre() + size * Vec3::new(x, y, z);

@@ -1,5 +1,5 @@
-//! Light in a medium by the grid: `fog-multiple`, which the medium scattered more than once or between surfaces, and `fog-indirect`,
-//! which surfaces throw into it.
+//! Light in a medium by the grid: `fog-multiple`, which the medium scattered more than once or between surfaces, and
+//! `fog-indirect`, which surfaces throw into it.
 
 use super::Parameters;
 use super::passes::{self, Filled, Passes, Pixel};

@@ -1,21 +1,23 @@
 //! `lpv`: light in a grid of cells around the scene, handed on from cell to cell.
 //!
-//! Kaplanyan and Dachsbacher 2010, "Cascaded Light Propagation Volumes for Real-Time Indirect Illumination", is `lpv` of `gi`;
-//! Billeter, Sintorn and Assarsson 2012, "Real-Time Multiple Scattering using Light Propagation Volumes", of `fog-multiple`. The
-//! propagation is [`crate::lpv`]'s, which says in what it differs.
+//! Kaplanyan and Dachsbacher 2010, "Cascaded Light Propagation Volumes for Real-Time Indirect Illumination", is `lpv`
+//! of `gi`; Billeter, Sintorn and Assarsson 2012, "Real-Time Multiple Scattering using Light Propagation Volumes", of
+//! `fog-multiple`. The propagation is [`crate::lpv`]'s, which says in what it differs.
 //!
-//! What surfaces reflect, and what blocks light, is injected from surfels in place of reflective shadow maps: of all lamps alike and
-//! also where no lamp or camera looks. Single scattering is looked for at eight points of each cell, by the lamps' shadow maps.
-//! Sums over surfels are in fixed point, so that the same frame gives the same bits. Nothing is kept from frame to frame.
+//! What surfaces reflect, and what blocks light, is injected from surfels in place of reflective shadow maps: of all
+//! lamps alike and also where no lamp or camera looks. Single scattering is looked for at eight points of each cell, by
+//! the lamps' shadow maps. Sums over surfels are in fixed point, so that the same frame gives the same bits. Nothing is
+//! kept from frame to frame.
 //!
-//! Why it: it costs cells times iterations, whatever the scene and the image, and it is the only method of `fog-multiple`.
-//! Why not: light that a cell cannot tell apart it mixes, so that shadows of indirect light are as blurred as cells are large, and
-//! some light passes through what is thinner than a cell.
+//! Why it: it costs cells times iterations, whatever the scene and the image, and it is the only method of
+//! `fog-multiple`. Why not: light that a cell cannot tell apart it mixes, so that shadows of indirect light are as
+//! blurred as cells are large, and some light passes through what is thinner than a cell.
 //!
-//! Limits. Light of point, spot and directional lights only. In a medium, surfaces send back light that comes to them, in the mean colour
-//! of those around a cell and the way that it came; of what they send so, light that goes from the medium straight to the eye is not shown.
-//! Light outside the grid, which ends a cell beyond the scene, is lost. A medium with a preferred direction of scattering is replaced by
-//! a thinner one without, but for the last scattering towards the eye.
+//! Limits. Light of point, spot and directional lights only. In a medium, surfaces send back light that comes to them,
+//! in the mean colour of those around a cell and the way that it came; of what they send so, light that goes from the
+//! medium straight to the eye is not shown. Light outside the grid, which ends a cell beyond the scene, is lost. A
+//! medium with a preferred direction of scattering is replaced by a thinner one without, but for the last scattering
+//! towards the eye.
 
 pub mod in_medium;
 pub mod passes;

@@ -25,7 +25,8 @@ const REACH: usize = 1;
 
 /// Radius of a surfel, cells.
 const SURFEL: f32 = 0.1;
-/// How far away, over the scene's diagonal, surfels are laid out as if they were, so that all are of a size wherever the camera is.
+/// How far away, over the scene's diagonal, surfels are laid out as if they were, so that all are of a size wherever
+/// the camera is.
 const FAR: f32 = 1e3;
 /// Words of a cell's light and of a cube of blockers.
 const LIGHT_WORDS: usize = 24;

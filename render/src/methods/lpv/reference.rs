@@ -126,7 +126,8 @@ fn disks(
     surfels::lit(scene, disks, &view.camera, lit)
 }
 
-/// Place, normal and, if it is asked for, diffuse colour of the surface of each pixel, world space; none where none is seen.
+/// Place, normal and, if it is asked for, diffuse colour of the surface of each pixel, world space; none where none is
+/// seen.
 fn seen(gbuffer: &GBuffer, view: &View, colour: bool) -> Result<Vec<Option<Seen>>, MissingAttribute> {
     let of = |attribute| gbuffer.select(&[attribute]);
     let (position, normal, valid) = (of(Attribute::Position)?, of(Attribute::Normal)?, of(Attribute::Valid)?);
@@ -155,7 +156,8 @@ pub fn lit(gbuffer: &GBuffer, volume: &LitVolume, view: &View) -> Result<Planes,
     Ok(Planes::from_fn(3, view.height, view.width, |c, y, x| pixels[y * view.width + x][c]))
 }
 
-/// The medium in front of each pixel and the surface behind it, as far as they are shown: radiance, `[3, height, width]`.
+/// The medium in front of each pixel and the surface behind it, as far as they are shown: radiance, `[3, height,
+/// width]`.
 ///
 /// # Errors
 /// If the g-buffer lacks an attribute.

@@ -1,5 +1,5 @@
-// The medium in front of each pixel, from an image of fewer pixels of which those count whose surfaces are as far away (Kopf et al.
-// 2007), and the surface behind it, lit by the grid's light.
+// The medium in front of each pixel, from an image of fewer pixels of which those count whose surfaces are as far away
+// (Kopf et al. 2007), and the surface behind it, lit by the grid's light.
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(4) var<uniform> view: FrameView;

@@ -1,5 +1,6 @@
-// Light of the lamps that the medium in each cell scatters: single scattering, which goes on from there but is not shown itself. The
-// mean of eight points of each cell; where the phase function has a mean cosine, light goes on along it.
+// Light of the lamps that the medium in each cell scatters: single scattering, which goes on from there but is not
+// shown itself. The mean of eight points of each cell; where the phase function has a mean cosine, light goes on along
+// it.
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(2) var<storage, read> lights: array<LightRecord>;
@@ -33,8 +34,9 @@ fn scatter(@builtin(global_invocation_id) id: vec3u) {
                 if any(arrived.irradiance > vec3f(0.0)) {
                     let squared = arrived.distance * arrived.distance;
                     let bounded_share = select(1.0, squared / max(squared, nearest * nearest), arrived.distance > 0.0);
-                    let shown = lit_share(lights[j], point, vec3f(0.0), arrived.direction) * passed_share(point, arrived);
-                    let scattered = arrived.irradiance * shown * (bounded_share * density);
+                    let lit = lit_share(lights[j], point, vec3f(0.0), arrived.direction);
+                    let passed = lit * passed_share(point, arrived);
+                    let scattered = arrived.irradiance * passed * (bounded_share * density);
                     energy += scattered;
                     for (var c = 0u; c < 3u; c++) {
                         flux[c] -= scattered[c] * arrived.direction;

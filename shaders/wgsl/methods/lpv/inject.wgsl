@@ -1,6 +1,6 @@
-// Surfels as light and as blockers. Light that a surfel reflects begins in the cell before it, half a cell along its normal, so that
-// it lies before what blocks; directed as Lambert's cosine is on average. Sums are in fixed point, so that their order does not
-// matter: render/src/lpv/injection.rs.
+// Surfels as light and as blockers. Light that a surfel reflects begins in the cell before it, half a cell along its
+// normal, so that it lies before what blocks; directed as Lambert's cosine is on average. Sums are in fixed point, so
+// that their order does not matter: render/src/lpv/injection.rs.
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<uniform> view: FrameView;
@@ -75,7 +75,9 @@ fn inject(@builtin(global_invocation_id) id: vec3u) {
         for (var axis = 0u; axis < 3u; axis++) {
             add_blocker(first + axis, share * normal[axis] * normal[axis]);
             add_blocker(first + 6u + axis, share * colour[axis]);
-            add_blocker(first + 3u + axis, share * normal[select(0u, 1u, axis == 2u)] * normal[select(2u, 1u, axis == 0u)]);
+            // xy, xz, yz.
+            let product = normal[select(0u, 1u, axis == 2u)] * normal[select(2u, 1u, axis == 0u)];
+            add_blocker(first + 3u + axis, share * product);
         }
     }
 }

@@ -1,5 +1,5 @@
-// What the medium in front of pixels scatters to the eye of the grid's light, by a march; of one pixel of SCALE x SCALE, since it
-// hardly changes from pixel to pixel.
+// What the medium in front of pixels scatters to the eye of the grid's light, by a march; of one pixel of SCALE x
+// SCALE, since it hardly changes from pixel to pixel.
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<uniform> march: Marching;

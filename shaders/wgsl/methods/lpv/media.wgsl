@@ -2,8 +2,8 @@
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<storage, read> table: array<f32>;
-// [cells, 2]: of each colour extinction on the part of the way to a neighbour that lies in the cell, per distance of one cell, and,
-// last, density; what is scattered of the energy that is there.
+// [cells, 2]: of each colour extinction on the part of the way to a neighbour that lies in the cell, per distance of
+// one cell, and, last, density; what is scattered of the energy that is there.
 @group(0) @binding(2) var<storage, read_write> media: array<vec4f>;
 @group(0) @binding(3) var<uniform> medium: MediumRecord;
 @group(0) @binding(4) var densities: texture_3d<f32>;

@@ -1,5 +1,5 @@
-// One iteration of propagation (Billeter et al. 2012, equation 3): each cell gathers what its 26 neighbours send to it, after what
-// blocks and what the medium does on the way. The plain version is render/src/lpv/propagation.rs.
+// One iteration of propagation (Billeter et al. 2012, equation 3): each cell gathers what its 26 neighbours send to it,
+// after what blocks and what the medium does on the way. The plain version is render/src/lpv/propagation.rs.
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<uniform> medium: MediumRecord;
