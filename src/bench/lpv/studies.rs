@@ -6,7 +6,7 @@ use deepshade_render::lpv::flight::Factors;
 use deepshade_render::lpv::studies::{energy_loss, fluence_by_direction, moment_ratio, over_monopole};
 
 /// Mean free paths, cells, and half of the cells of a grid that is large enough for each.
-const PATHS: [(f32, i32); 4] = [(0.5, 14), (1.0, 18), (2.0, 24), (4.0, 32)];
+const PATHS: [(f32, i32); 4] = [(0.5, 12), (1.0, 14), (2.0, 18), (4.0, 22)];
 const ALBEDOS: [f32; 2] = [0.5, 0.9];
 
 /// A ratio for each way to count collisions, mean free path and albedo.
