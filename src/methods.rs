@@ -6,7 +6,7 @@ use deepshade_infer::Model;
 use deepshade_render::method::Method;
 use deepshade_render::methods::{
     Quality, aov, bounced_z, epipolar, epipolar_sampling, fog_march, froxel, fxaa, gather, gpu_epipolar,
-    gtao, hbao, min_max, prefiltered, ray_march, reconstruction, ring_gather, separable, shafts::Shafts,
+    gtao, hbao, lpv, min_max, prefiltered, ray_march, reconstruction, ring_gather, separable, shafts::Shafts,
     ssdo, ssgi, subsurface, surfel, volume_shell,
 };
 use deepshade_render::screen::ScreenMethod;
@@ -67,7 +67,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 41] = [
+const ALL: [Entry; 44] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -118,6 +118,13 @@ const ALL: [Entry; 41] = [
             bounced_z::Parameters::of(quality).into(),
         )?))
     }),
+    screen(Effect::Gi, "lpv", |gpu, quality| {
+        Ok(Box::new(lpv::LightVolume::new(gpu, lpv::Parameters::of(quality))?))
+    }),
+    screen(Effect::FogMultiple, "lpv", |gpu, quality| {
+        let parameters = lpv::Parameters::of(quality);
+        Ok(Box::new(lpv::in_medium::MultipleScattering::new(gpu, lpv::in_medium::Multiple(parameters))?))
+    }),
     screen(Effect::Glossy, "surfel", |gpu, quality| {
         Ok(Box::new(surfel::glossy::SurfelGlossy::new(gpu, surfel::Parameters::of(quality).into())?))
     }),
@@ -126,6 +133,11 @@ const ALL: [Entry; 41] = [
     }),
     screen(Effect::FogIndirect, "volume-shell", |gpu, quality| {
         Ok(Box::new(volume_shell::VolumeShell::new(gpu, volume_shell::Parameters::of(quality))?))
+    }),
+    screen(Effect::FogIndirect, "lpv", |gpu, quality| {
+        let medium = lpv::passes::Pixel { medium: true, surface: false };
+        let indirect = lpv::in_medium::Indirect(lpv::Parameters::of(quality), medium);
+        Ok(Box::new(lpv::in_medium::IndirectScattering::new(gpu, indirect)?))
     }),
     screen(Effect::Ibl, "prefiltered", |gpu, quality| {
         Ok(Box::new(prefiltered::Prefiltered::new(gpu, prefiltered::Parameters::of(quality))?))

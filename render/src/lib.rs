@@ -6,6 +6,7 @@ pub mod bvh;
 pub mod exr_file;
 pub mod gbuffer;
 pub mod intersection;
+pub mod lpv;
 mod memory;
 pub mod method;
 pub mod methods;

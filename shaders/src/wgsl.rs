@@ -83,6 +83,7 @@ macro_rules! table {
 mod ceilings;
 pub mod frame;
 mod indirect;
+mod lpv;
 mod nets;
 mod occlusion;
 mod post;
@@ -91,6 +92,10 @@ mod volume;
 
 pub use ceilings::{COPY, FMA};
 pub use indirect::{PREFILTERED_SHADE, SSGI_LIGHT};
+pub use lpv::{
+    LPV_APPLY, LPV_BEGIN, LPV_CLEAR, LPV_FRESH, LPV_INJECT, LPV_LINKS, LPV_LIT, LPV_MARCH, LPV_MEDIA,
+    LPV_PROPAGATE,
+};
 pub use nets::{
     NAIVE_ACTIVATION, NAIVE_CONCATENATION, NAIVE_CONVOLUTION, NAIVE_DOUBLING, NAIVE_POOLING, NET_BOTTOM,
     NET_DOWN, NET_FIRST, NET_IMAGE, NET_ONLY, NET_PLAIN, NET_UP,
@@ -123,6 +128,7 @@ pub fn all() -> impl Iterator<Item = &'static Shader> {
         ceilings::TABLE,
         frame::TABLE,
         indirect::TABLE,
+        lpv::TABLE,
         nets::TABLE,
         occlusion::TABLE,
         post::TABLE,

@@ -4,6 +4,7 @@
 mod dataset;
 mod epipolar;
 mod frame;
+mod lpv;
 #[cfg(feature = "train")]
 mod net;
 mod phosphor;
@@ -38,6 +39,8 @@ pub enum Verb {
     Epipolar(epipolar::Args),
     /// Milliseconds and errors of volume shells, stage by stage; thresholds, improvements, how times grow.
     VolumeShell(volume_shell::Args),
+    /// Milliseconds and errors of light propagation volumes, stage by stage; the paper's alternatives, how far propagation is right.
+    Lpv(lpv::Args),
     /// Milliseconds of designing phosphorescent materials, and what light of the past costs.
     Phosphor(phosphor::Args),
     /// Training pairs an hour and a core, and where the time goes.
@@ -59,6 +62,7 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Surfel(args) => surfel::run(args),
         Verb::Epipolar(args) => epipolar::run(args),
         Verb::VolumeShell(args) => volume_shell::run(args),
+        Verb::Lpv(args) => lpv::run(args),
         Verb::Phosphor(args) => phosphor::run(args),
         Verb::Dataset(args) => dataset::run(args),
     }

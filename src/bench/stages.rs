@@ -24,10 +24,22 @@ pub enum Stage {
     Sum,
     /// Direct light that a medium scatters.
     Direct,
+    /// Surfels as light and blockers of a volume.
+    Inject,
+    /// What passes between its cells.
+    Blockers,
+    /// What the medium in its cells does.
+    Medium,
+    /// Light of the lamps that its cells scatter.
+    Scatter,
+    /// Light is handed on.
+    Propagate,
+    /// Pixels are lit by a volume.
+    March,
 }
 
 /// Which shader belongs to which stage.
-static SHADERS: [(Stage, &Shader); 43] = [
+static SHADERS: [(Stage, &Shader); 53] = [
     (Stage::Surfels, &wgsl::SURFELS_VERTICES),
     (Stage::Surfels, &wgsl::SURFELS_MEASURE),
     (Stage::Surfels, &wgsl::SURFELS_SUM),
@@ -71,11 +83,21 @@ static SHADERS: [(Stage, &Shader); 43] = [
     (Stage::Sum, &wgsl::SURFEL_SCATTER),
     (Stage::Sum, &wgsl::VOLUME_SHELL_ADD),
     (Stage::Direct, &wgsl::VOLUME_SHELL_DIRECT),
+    (Stage::Inject, &wgsl::LPV_CLEAR),
+    (Stage::Inject, &wgsl::LPV_INJECT),
+    (Stage::Inject, &wgsl::LPV_FRESH),
+    (Stage::Blockers, &wgsl::LPV_LINKS),
+    (Stage::Medium, &wgsl::LPV_MEDIA),
+    (Stage::Scatter, &wgsl::LPV_BEGIN),
+    (Stage::Propagate, &wgsl::LPV_PROPAGATE),
+    (Stage::March, &wgsl::LPV_LIT),
+    (Stage::March, &wgsl::LPV_MARCH),
+    (Stage::March, &wgsl::LPV_APPLY),
 ];
 
 impl Stage {
     /// All, in the order in which they run.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 14] = [
         Self::Surfels,
         Self::Light,
         Self::Tree,
@@ -84,6 +106,12 @@ impl Stage {
         Self::Blur,
         Self::Sum,
         Self::Direct,
+        Self::Inject,
+        Self::Blockers,
+        Self::Medium,
+        Self::Scatter,
+        Self::Propagate,
+        Self::March,
     ];
 
     /// Its name in figures.
@@ -97,6 +125,12 @@ impl Stage {
             Self::Blur => "blur",
             Self::Sum => "sum",
             Self::Direct => "direct",
+            Self::Inject => "inject",
+            Self::Blockers => "blockers",
+            Self::Medium => "medium",
+            Self::Scatter => "scatter",
+            Self::Propagate => "propagate",
+            Self::March => "march",
         }
     }
 

@@ -17,6 +17,7 @@ pub mod growing;
 pub mod gtao;
 pub mod hbao;
 pub mod lobe;
+pub mod lpv;
 pub mod march;
 pub mod min_max;
 mod picture;

@@ -11,7 +11,7 @@ use wgpu::BufferUsages;
 /// Numbers that a pass sums up.
 const BLOCK: usize = 64;
 /// Byte of [`Cloud::totals`] at which the workgroups for one invocation a surfel stand, and for one a leaf.
-pub(super) const SURFEL_GROUPS: u64 = 8;
+pub(crate) const SURFEL_GROUPS: u64 = 8;
 const LEAF_GROUPS: u64 = 20;
 
 /// The compiled passes.

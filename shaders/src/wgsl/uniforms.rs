@@ -78,5 +78,6 @@ pub use surfels::{
     BounceWindow, Bounces, FacetRays, FacetSlice, FacetSum, LevelSum, SplatLevel, Surfels, TreeLevel,
 };
 pub use volume::{
-    Epipolar, FogMarch, Froxels, Intervals, MediumRecord, OfLamp, Pyramid, SplatPart, VolumeShell,
+    Epipolar, FogMarch, Froxels, Intervals, Iteration, LightGrid, Marching, MediumRecord, OfLamp,
+    Propagation, Pyramid, SplatPart, VolumeShell,
 };

@@ -152,8 +152,12 @@ fn looking(direction: Vec3) -> Mat3 {
     Camera::look_at(Vec3::ZERO, direction).rotation
 }
 
-/// The sphere around a cascade's slice of what a camera sees, as far as the scene goes.
+/// The sphere around a cascade's slice of what a camera sees, as far as the scene goes; the last around all of the
+/// scene, for what is lit where the camera does not look.
 fn slice(cascade: usize, Seen { camera, aspect, bounds }: Seen) -> (Vec3, f32) {
+    if cascade + 1 == CASCADES {
+        return (bounds.centre(), rounded_up(0.5 * bounds.diagonal()));
+    }
     let farthest =
         bounds.corners().map(|corner| camera.position.distance(corner)).into_iter().fold(0.0, f32::max);
     let nearest = 2e-3 * farthest;

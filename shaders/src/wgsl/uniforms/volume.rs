@@ -110,4 +110,36 @@ uniforms! {
         /// Which part of them.
         index: u32,
     }
+
+    /// The cells of a light propagation volume.
+    LightGrid {
+        /// The lowest corner, world space, and the edge of a cell, metres.
+        low: vec4f,
+        /// Cells along x, y and z, and all of them.
+        size: vec4f,
+    }
+
+    /// One iteration of propagation.
+    Iteration {
+        /// Its number, from 0.
+        number: u32,
+    }
+
+    /// How far light is propagated.
+    Propagation {
+        /// Metres.
+        reach: f32,
+    }
+
+    /// What `methods/lpv/march` reads.
+    Marching {
+        /// Columns of the image.
+        width: u32,
+        /// Rows of the image.
+        height: u32,
+        /// Steps along each view ray.
+        steps: u32,
+        /// Chooses by how much they are shifted.
+        seed: u32,
+    }
 }

@@ -1,0 +1,123 @@
+//! Light in a medium by the grid: `fog-multiple`, which the medium scattered more than once or between surfaces, and
+//! `fog-indirect`, which surfaces throw into it.
+
+use super::Parameters;
+use super::passes::{self, Filled, Passes, Pixel};
+use super::reference::{self, LitVolume};
+use crate::lpv::propagation::Shown;
+use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use bytemuck::bytes_of;
+use deepshade_shaders::gpu::GpuError;
+use deepshade_shaders::wgsl::uniforms;
+use deepshade_shaders::{Attribute, Effect, MissingAttribute};
+
+/// Light that was scattered, shown by the medium and by surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Multiple(pub Parameters);
+
+/// Light of surfaces that was not scattered yet, shown by what is said.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Indirect(pub Parameters, pub Pixel);
+
+/// `fog-multiple`, compiled for a device.
+pub type MultipleScattering = Compiled<Multiple>;
+
+/// `fog-indirect`, compiled for a device.
+pub type IndirectScattering = Compiled<Indirect>;
+
+/// What of light in a medium is shown where.
+#[derive(Clone, Copy)]
+struct InMedium {
+    parameters: Parameters,
+    light: Shown,
+    pixel: Pixel,
+}
+
+impl From<Multiple> for InMedium {
+    fn from(Multiple(parameters): Multiple) -> Self {
+        Self { parameters, light: Shown::Scattered, pixel: Pixel { medium: true, surface: true } }
+    }
+}
+
+impl From<Indirect> for InMedium {
+    fn from(Indirect(parameters, pixel): Indirect) -> Self {
+        Self { parameters, light: Shown::Fresh, pixel }
+    }
+}
+
+impl InMedium {
+    fn uniforms(self, view: &View) -> Vec<Vec<u8>> {
+        let (width, height) = (view.width as u32, view.height as u32);
+        let march = uniforms::Marching { width, height, steps: self.parameters.steps, seed: view.seed };
+        let mut all = passes::uniforms(view, f32::MAX);
+        all.push(bytes_of(&march).to_vec());
+        all
+    }
+
+    fn steps(
+        self,
+        passes: &Passes,
+        device: &wgpu::Device,
+        inputs: &Inputs<'_>,
+        uniforms: &[wgpu::Buffer],
+        output: &wgpu::Buffer,
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let filled = Filled::Medium(self.light);
+        let (volume, mut steps) = passes.volume_steps(device, inputs, self.parameters, uniforms, filled)?;
+        let [.., march] = uniforms else { unreachable!("the march has a uniform buffer") };
+        let read = [&uniforms[passes::VIEW], march];
+        let shown = (self.pixel, self.parameters.scale);
+        steps.extend(volume.march_steps(device, inputs, read, shown, output)?);
+        Ok(steps)
+    }
+
+    fn reference(self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        let Some(scene) = inputs.scene else { return Ok(Written::new()) };
+        let Some(medium) = scene.scene().medium.as_deref() else {
+            return Ok(vec![vec![0.0; 3 * view.height * view.width]]);
+        };
+        let volume = LitVolume::new(scene, self.parameters, view, Filled::Medium(self.light), f32::MAX);
+        let image = reference::shade(inputs.gbuffer, &volume, medium, self.parameters, (self.pixel, view))?;
+        Ok(vec![image.data().to_vec()])
+    }
+}
+
+/// Both are the same technique but for their effect.
+macro_rules! technique {
+    ($name:ident, $effect:expr) => {
+        impl Technique for $name {
+            const NAME: &'static str = "lpv";
+            const EFFECT: Effect = $effect;
+            const ATTRIBUTES: &'static [Attribute] =
+                &[Attribute::Position, Attribute::Normal, Attribute::Diffuse, Attribute::Valid];
+            const LOOKS_BEYOND: bool = true;
+            type Passes = Passes;
+
+            fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
+                Passes::new(device)
+            }
+
+            fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
+                InMedium::from(*self).uniforms(view)
+            }
+
+            fn steps(
+                &self,
+                passes: &Passes,
+                device: &wgpu::Device,
+                inputs: &Inputs<'_>,
+                uniforms: &[wgpu::Buffer],
+                output: &wgpu::Buffer,
+            ) -> Result<Vec<MethodStep>, GpuError> {
+                InMedium::from(*self).steps(passes, device, inputs, uniforms, output)
+            }
+
+            fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+                InMedium::from(*self).reference(inputs, view)
+            }
+        }
+    };
+}
+
+technique!(Multiple, Effect::FogMultiple);
+technique!(Indirect, Effect::FogIndirect);

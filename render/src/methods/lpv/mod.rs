@@ -1,0 +1,105 @@
+//! `lpv`: light in a grid of cells around the scene, handed on from cell to cell.
+//!
+//! Kaplanyan and Dachsbacher 2010, "Cascaded Light Propagation Volumes for Real-Time Indirect Illumination", is `lpv`
+//! of `gi`; Billeter, Sintorn and Assarsson 2012, "Real-Time Multiple Scattering using Light Propagation Volumes", of
+//! `fog-multiple`. The propagation is [`crate::lpv`]'s, which says in what it differs.
+//!
+//! What surfaces reflect, and what blocks light, is injected from surfels in place of reflective shadow maps: of all
+//! lamps alike and also where no lamp or camera looks. Single scattering is looked for at eight points of each cell, by
+//! the lamps' shadow maps. Sums over surfels are in fixed point, so that the same frame gives the same bits. Nothing is
+//! kept from frame to frame.
+//!
+//! Why it: it costs cells times iterations, whatever the scene and the image, and it is the only method of
+//! `fog-multiple`. Why not: light that a cell cannot tell apart it mixes, so that shadows of indirect light are as
+//! blurred as cells are large, and some light passes through what is thinner than a cell.
+//!
+//! Limits. Light of point, spot and directional lights only. In a medium, surfaces send back light that comes to them,
+//! in the mean colour of those around a cell and the way that it came; of what they send so, light that goes from the
+//! medium straight to the eye is not shown. Light outside the grid, which ends a cell beyond the scene, is lost. A
+//! medium with a preferred direction of scattering is replaced by a thinner one without, but for the last scattering
+//! towards the eye.
+
+pub mod in_medium;
+pub mod passes;
+pub mod reference;
+#[cfg(test)]
+mod tests;
+
+use super::Quality;
+use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use deepshade_shaders::gpu::GpuError;
+use deepshade_shaders::{Attribute, Effect, MissingAttribute};
+use passes::{Filled, Passes};
+use reference::LitVolume;
+
+/// What can be set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parameters {
+    /// Cells along the longest edge of the scene's box.
+    pub cells: usize,
+    /// How often light is handed on.
+    pub iterations: usize,
+    /// Steps of the march through the medium.
+    pub steps: u32,
+    /// Of so many pixels along each axis one is marched.
+    pub scale: usize,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self::of(Quality::default())
+    }
+}
+
+impl Parameters {
+    /// More time is more cells.
+    pub const fn of(quality: Quality) -> Self {
+        let (cells, iterations, steps, scale) = match quality {
+            Quality::Low => (16, 16, 16, 2),
+            Quality::Medium => (32, 32, 32, 2),
+            Quality::High => (48, 48, 48, 1),
+            Quality::Ultra => (64, 96, 64, 1),
+        };
+        Self { cells, iterations, steps, scale }
+    }
+}
+
+/// Diffuse indirect light by the grid. Its parameters are those of the volume.
+pub type LightVolume = Compiled<Parameters>;
+
+impl Technique for Parameters {
+    const NAME: &'static str = "lpv";
+    const EFFECT: Effect = Effect::Gi;
+    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
+    const LOOKS_BEYOND: bool = true;
+    type Passes = Passes;
+
+    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
+        Passes::new(device)
+    }
+
+    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
+        passes::uniforms(view, view.radius)
+    }
+
+    fn steps(
+        &self,
+        passes: &Passes,
+        device: &wgpu::Device,
+        inputs: &Inputs<'_>,
+        uniforms: &[wgpu::Buffer],
+        output: &wgpu::Buffer,
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let (volume, mut steps) = passes.volume_steps(device, inputs, *self, uniforms, Filled::Clear)?;
+        steps.push(volume.lit_step(device, inputs.gbuffer, &uniforms[passes::VIEW], output)?);
+        Ok(steps)
+    }
+
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        let shaded = |scene| {
+            let volume = LitVolume::new(scene, *self, view, Filled::Clear, view.radius);
+            Ok(reference::lit(inputs.gbuffer, &volume, view)?.data().to_vec())
+        };
+        inputs.scene.map(shaded).into_iter().collect()
+    }
+}

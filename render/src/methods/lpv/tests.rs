@@ -1,0 +1,154 @@
+//! The passes against their plain version, and what must hold of images.
+
+use super::in_medium::{Indirect, IndirectScattering, Multiple, MultipleScattering};
+use super::passes::Pixel;
+use super::*;
+use crate::bvh::TracedScene;
+use crate::gbuffer;
+use crate::lpv::injection::flights;
+use crate::lpv::propagation::{Field, Light, Shown, Volume};
+use crate::lpv::{LightGrid, lobe};
+use crate::method::{Frame, Method, Repeats};
+use crate::methods::proving::Tolerance;
+use crate::methods::proving::beyond::{corner, foggy, prove_twin};
+use crate::scene::{Camera, Density, Medium, Scene};
+use crate::screen::{self, GpuGBuffer, Plan, ScreenMethod};
+use deepshade_shaders::GBuffer;
+use deepshade_shaders::gpu::{self, Gpu};
+use deepshade_shaders::wgsl::{self, Shader};
+use glam::{Vec3, Vec4};
+
+const FEW: Parameters = Parameters { cells: 14, iterations: 9, steps: 12, scale: 2 };
+
+/// Shadow maps end within a texel of where shadows do.
+const TOLERANCE: Tolerance = Tolerance { usual: 5e-3, worst: 0.05 };
+
+type Seen = (TracedScene, View, GBuffer);
+
+fn gpu() -> Gpu {
+    Gpu::new().expect("an adapter; lavapipe will do")
+}
+
+/// The same frame with all that the method reads.
+fn with_colours((scene, view, _): Seen) -> Seen {
+    let attributes = <Multiple as Technique>::ATTRIBUTES;
+    let gbuffer = gbuffer::render(&scene, &view.camera, view.height, view.width, attributes);
+    (scene, view, gbuffer)
+}
+
+#[test]
+fn surfaces_are_lit_as_the_plain_version_has_it() {
+    prove_twin(&LightVolume::new(&gpu(), FEW).expect("valid shaders"), &with_colours(corner()), TOLERANCE);
+}
+
+#[test]
+fn a_medium_is_lit_as_the_plain_version_has_it() {
+    let gpu = gpu();
+    let multiple = MultipleScattering::new(&gpu, Multiple(FEW)).expect("valid shaders");
+    let pixel = Pixel { medium: true, surface: false };
+    let indirect = IndirectScattering::new(&gpu, Indirect(FEW, pixel)).expect("valid shaders");
+    for frame in foggy().into_iter().map(with_colours) {
+        prove_twin(&multiple, &frame, TOLERANCE);
+        prove_twin(&indirect, &frame, TOLERANCE);
+    }
+}
+
+/// A plan of multiple scattering that has run twice, and its image, which is the same both times.
+fn run_twice(gpu: &Gpu, (scene, view, gbuffer): &Seen, parameters: Parameters) -> Plan {
+    let method = MultipleScattering::new(gpu, Multiple(parameters)).expect("valid shaders");
+    let there =
+        GpuGBuffer::upload(&gpu.device, gbuffer, ScreenMethod::attributes(&method)).expect("attributes");
+    let world = screen::world(gpu, scene.scene(), view).expect("room");
+    let inputs = Inputs { gbuffer: &there, environment: None, world: Some(&world) };
+    let plan = Plan::new(&method, &inputs, view).expect("room");
+    let image = || -> Vec<f32> {
+        gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
+        gpu::read(&gpu.device, &gpu.queue, plan.output()).expect("an image")
+    };
+    assert_eq!(image(), image(), "nothing is kept from frame to frame");
+    plan
+}
+
+/// What a pass of a plan has written last.
+fn written<T: bytemuck::Pod>(gpu: &Gpu, plan: &Plan, shader: &Shader) -> Vec<T> {
+    let step = plan.steps().iter().rfind(|step| step.step.pass.is_of(shader.name)).expect("a pass");
+    gpu::read(&gpu.device, &gpu.queue, step.writes.last().expect("a buffer")).expect("its contents")
+}
+
+/// Three planes of cells.
+fn light_of(planes: &[[f32; 4]], cells: usize) -> Vec<Light> {
+    (0..cells).map(|cell| [0, 1, 2].map(|colour| Vec4::from(planes[colour * cells + cell]))).collect()
+}
+
+#[test]
+fn each_cell_has_what_the_plain_version_makes_of_the_same_start() {
+    let gpu = gpu();
+    for frame in foggy().into_iter().map(with_colours) {
+        let scene = frame.0.scene();
+        let grid = LightGrid::around(scene.bounds(), FEW.cells);
+        let cells = grid.cells();
+        let start = run_twice(&gpu, &frame, Parameters { iterations: 0, ..FEW });
+        let state: Vec<[f32; 4]> = written(&gpu, &start, &wgsl::LPV_BEGIN);
+        let links: Vec<[u32; 4]> = written(&gpu, &start, &wgsl::LPV_LINKS);
+        let byte = |cell: usize, i: usize| (links[cell][i / 4] >> (8 * (i % 4)) & 255) as f32 / 255.0;
+        let volume = Volume {
+            grid,
+            flights: flights(&grid, scene.medium.as_deref()),
+            passing: (0..cells).map(|cell| std::array::from_fn(|link| byte(cell, link))).collect(),
+            reflectances: (0..cells).map(|cell| [13, 14, 15].map(|i| byte(cell, i))).collect(),
+        };
+        let (fresh, scattered) = (light_of(&state, cells), light_of(&state[3 * cells..], cells));
+        let mut field = Field { fresh, scattered, shown: vec![Light::default(); cells] };
+        assert!(field.energy() > 1.0 && volume.passing.iter().flatten().any(|passes| *passes < 0.5));
+        field.iterate(&volume, Shown::Scattered, FEW.iterations);
+        let shown = written(&gpu, &run_twice(&gpu, &frame, FEW), &wgsl::LPV_PROPAGATE);
+        let pairs = light_of(&shown, cells).into_iter().flatten().zip(field.shown.into_iter().flatten());
+        let (mut largest, mut worst) = (0.0f32, 0.0f32);
+        for (here, there) in pairs {
+            largest = largest.max(there.w);
+            worst = worst.max((here - there).abs().max_element());
+        }
+        assert!(largest > 0.0 && worst < 1e-5 * largest, "{worst} of {largest}");
+    }
+}
+
+/// A frame in another medium, from another place.
+fn changed((scene, view, _): &Seen, medium: Medium, camera: Camera) -> Seen {
+    let scene = Scene { medium: Some(medium.into()), ..scene.scene().clone() };
+    let scene = TracedScene::new(scene).expect("triangles");
+    let view = View { camera, ..*view };
+    let gbuffer = gbuffer::render(&scene, &camera, view.height, view.width, &[Attribute::Valid]);
+    with_colours((scene, view, gbuffer))
+}
+
+#[test]
+fn extremes_make_no_negative_light() {
+    let gpu = gpu();
+    let frame = foggy().remove(0);
+    let (camera, bounds) = (frame.1.camera, frame.0.scene().bounds());
+    let medium = |absorption: f32, scattering: f32| {
+        let density = Density::Within(bounds);
+        Medium::new(Vec3::splat(absorption), Vec3::splat(scattering), 0.0, density).expect("a medium")
+    };
+    let outside = Camera::look_at(Vec3::new(-30.0, 20.0, 25.0), bounds.centre());
+    let few = Parameters { iterations: 4, ..FEW };
+    for (medium, camera, parameters, is_dark) in [
+        (medium(0.0, 0.0), camera, few, true),
+        (medium(0.1, 0.0), camera, few, true),
+        (medium(0.0, 1e5), camera, few, true),
+        (medium(0.0, 0.3), outside, few, false),
+        (medium(0.1, 0.3), camera, Parameters { cells: 1, ..few }, false),
+    ] {
+        let (scene, view, gbuffer) = changed(&frame, medium, camera);
+        let method = MultipleScattering::new(&gpu, Multiple(parameters)).expect("valid shaders");
+        let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius: view.radius, seed: 1 };
+        let image = Method::shade(&method, &frame, Repeats::ONCE).expect("an image").image;
+        assert!(image.data().iter().all(|value| value.is_finite() && *value >= 0.0));
+        assert_eq!(image.data().iter().all(|value| *value == 0.0), is_dark);
+    }
+}
+
+#[test]
+fn lobes_of_no_light_are_none() {
+    assert_eq!(lobe::irradiance(lobe::lobe(Vec4::ZERO), Vec3::Y), 0.0);
+}

@@ -1,0 +1,41 @@
+//! Light propagation volumes.
+
+use super::{Shader, uniforms};
+
+table! {
+    /// Sums of the frame before are forgotten.
+    LPV_CLEAR: "lpv.clear", file "methods/lpv/clear", constants [], uniforms [], shared [];
+    /// Surfels as light and as blockers.
+    LPV_INJECT: "lpv.inject", file "methods/lpv/inject", constants [HEIGHT = 8], uniforms [LightGrid, FrameView],
+        shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_patch_record", "surfel_order",
+                "lpv_grid"];
+    /// What passes between cells.
+    LPV_LINKS: "lpv.links", file "methods/lpv/links", constants [], uniforms [LightGrid],
+        shared ["lpv_grid", "lpv_fixed", "lpv_lattice"];
+    /// What the medium in cells does to light.
+    LPV_MEDIA: "lpv.media", file "methods/lpv/media", constants [MEDIUM = 2], uniforms [LightGrid, MediumRecord],
+        shared ["lpv_grid", "lpv_lattice", "medium_span", "medium", "lpv_medium"];
+    /// Light that surfaces reflect.
+    LPV_FRESH: "lpv.fresh", file "methods/lpv/fresh", constants [], uniforms [LightGrid],
+        shared ["lpv_grid", "lpv_fixed", "lpv_lobe"];
+    /// Light of the lamps that the medium in cells scatters.
+    LPV_BEGIN: "lpv.begin", file "methods/lpv/begin", constants [LIGHTS = 1, MEDIUM = 2, GREY = 0],
+        uniforms [LightGrid, FrameView, LightRecord, MediumRecord],
+        shared ["lpv_grid", "lpv_lobe", "view", "lights", "shadow", "medium_span", "medium", "colours", "light_dimmed"];
+    /// One iteration.
+    LPV_PROPAGATE: "lpv.propagate", file "methods/lpv/propagate", constants [MULTIPLE = 1, SHOWN = 1],
+        uniforms [LightGrid, MediumRecord, Iteration, Propagation],
+        shared ["lpv_grid", "lpv_lattice", "lpv_lobe", "lpv_medium"];
+    /// Surfaces lit by the grid.
+    LPV_LIT: "lpv.lit", file "methods/lpv/lit", constants [], uniforms [LightGrid, FrameView],
+        shared ["surface", "surface_valid", "view", "lpv_grid", "lpv_lobe", "lpv_irradiance"];
+    /// The medium, lit by the grid, in an image of fewer pixels.
+    LPV_MARCH: "lpv.march", file "methods/lpv/march", constants [MEDIUM = 2, SCALE = 1],
+        uniforms [LightGrid, Marching, FrameView, MediumRecord],
+        shared ["surface_distance", "random", "bounded", "view", "medium_span", "medium", "mean_decay", "lpv_grid",
+                "lpv_lobe", "lpv_irradiance"];
+    /// The medium in front of each pixel and the surface behind it.
+    LPV_APPLY: "lpv.apply", file "methods/lpv/apply", constants [MEDIUM = 2, SCALE = 1, SCATTERS = 1, LIT = 1],
+        uniforms [LightGrid, Marching, FrameView, MediumRecord],
+        shared ["surface", "surface_valid", "view", "medium_span", "medium", "lpv_grid", "lpv_lobe", "lpv_irradiance"];
+}

@@ -1,0 +1,53 @@
+// Light of the lamps that the medium in each cell scatters: single scattering, which goes on from there but is not
+// shown itself. The mean of eight points of each cell; where the phase function has a mean cosine, light goes on along
+// it.
+
+@group(0) @binding(0) var<uniform> grid: LightGrid;
+@group(0) @binding(2) var<storage, read> lights: array<LightRecord>;
+@group(0) @binding(3) var<storage, read> map_views: array<FrameView>;
+@group(0) @binding(4) var<storage, read> pictures: array<u32>;
+@group(0) @binding(5) var maps: texture_depth_2d_array;
+@group(0) @binding(6) var map_sampler: sampler_comparison;
+// [fields, 3, cells]: lobes
+@group(0) @binding(7) var<storage, read_write> state: array<vec4f>;
+
+// Nearer to a lamp than this, in cells, a point counts as that near.
+const NEAREST = 0.25;
+
+@compute @workgroup_size(64)
+fn scatter(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= cell_count() {
+        return;
+    }
+    let at = cell_at(id.x);
+    let nearest = NEAREST * grid.low.w;
+    var energy = vec3f(0.0);
+    var flux = mat3x3f();
+    for (var i = 0; i < 8; i++) {
+        let corner = vec3f(vec3i(i & 1, (i >> 1u) & 1, i >> 2u));
+        let point = grid.low.xyz + grid.low.w * (vec3f(at) + 0.25 + 0.5 * corner);
+        let inside = MEDIUM == EVERYWHERE || (all(point >= medium.low.xyz) && all(point < medium.high.xyz));
+        let density = select(0.0, density_inside(point), inside);
+        if density > 0.0 {
+            for (var j = 0u; j < LIGHTS; j++) {
+                let arrived = arrival(lights[j], point);
+                if any(arrived.irradiance > vec3f(0.0)) {
+                    let squared = arrived.distance * arrived.distance;
+                    let bounded_share = select(1.0, squared / max(squared, nearest * nearest), arrived.distance > 0.0);
+                    let lit = lit_share(lights[j], point, vec3f(0.0), arrived.direction);
+                    let passed = lit * passed_share(point, arrived);
+                    let scattered = arrived.irradiance * passed * (bounded_share * density);
+                    energy += scattered;
+                    for (var c = 0u; c < 3u; c++) {
+                        flux[c] -= scattered[c] * arrived.direction;
+                    }
+                }
+            }
+        }
+    }
+    let volume = grid.low.w * grid.low.w * grid.low.w;
+    let power = medium.scattering.rgb * (volume / 8.0);
+    for (var c = 0u; c < 3u; c++) {
+        state[(3u + c) * cell_count() + id.x] = lobe(flux[c] * (power[c] * medium.scattering.w), energy[c] * power[c]);
+    }
+}

@@ -1,0 +1,51 @@
+// What the medium in each cell does to light that sets out from it: render/src/lpv/flight.rs.
+
+@group(0) @binding(0) var<uniform> grid: LightGrid;
+@group(0) @binding(1) var<storage, read> table: array<f32>;
+// [cells, 2]: of each colour extinction on the part of the way to a neighbour that lies in the cell, per distance of
+// one cell, and, last, density; what is scattered of the energy that is there.
+@group(0) @binding(2) var<storage, read_write> media: array<vec4f>;
+@group(0) @binding(3) var<uniform> medium: MediumRecord;
+@group(0) @binding(4) var densities: texture_3d<f32>;
+
+const FIRST = -6.0;
+const PER_DOUBLING = 4.0;
+const ENTRIES = 129u;
+// What leaves a cell of any medium at least.
+const LEAST = 1e-20;
+
+// The share of the way to a neighbour that lies in the cell.
+fn own_share(extinction: f32) -> f32 {
+    let at = clamp((log2(max(extinction, 1e-30)) - FIRST) * PER_DOUBLING, 0.0, f32(ENTRIES - 1u));
+    let low = min(u32(at), ENTRIES - 2u);
+    return mix(table[low], table[low + 1u], at - f32(low));
+}
+
+// Density in a cell: the mean of eight points.
+fn density_of(at: vec3i) -> f32 {
+    var sum = 0.0;
+    for (var i = 0; i < 8; i++) {
+        let corner = vec3f(vec3i(i & 1, (i >> 1u) & 1, i >> 2u));
+        let point = grid.low.xyz + grid.low.w * (vec3f(at) + 0.25 + 0.5 * corner);
+        let inside = MEDIUM == EVERYWHERE || (all(point >= medium.low.xyz) && all(point < medium.high.xyz));
+        sum += select(0.0, density_inside(point), inside);
+    }
+    return sum / 8.0;
+}
+
+@compute @workgroup_size(64)
+fn fill(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= cell_count() {
+        return;
+    }
+    let density = density_of(cell_at(id.x));
+    let extinction = reduced_extinction() * density * grid.low.w;
+    let within = extinction * vec3f(own_share(extinction.r), own_share(extinction.g), own_share(extinction.b));
+    var left = vec3f(0.0);
+    for (var kind = 0u; kind < 3u; kind++) {
+        left += COUNTS[kind] * SHARES[kind] * exp(-within * DISTANCES[kind]);
+    }
+    let albedo = reduced_albedo();
+    media[2u * id.x] = vec4f(within, density);
+    media[2u * id.x + 1u] = vec4f(albedo * (1.0 - left) / max(1.0 - albedo + albedo * left, vec3f(LEAST)), 0.0);
+}

@@ -1,0 +1,12 @@
+// The medium as light propagation sees it: with a phase function that is the same for all directions, and as much less
+// of it as keeps the mean flux (similarity: van de Hulst 1980).
+
+fn reduced_extinction() -> vec3f {
+    return medium.extinction.rgb - medium.scattering.w * medium.scattering.rgb;
+}
+
+// What is scattered of a collision.
+fn reduced_albedo() -> vec3f {
+    let scattered = medium.scattering.rgb * (1.0 - medium.scattering.w);
+    return clamp(scattered / max(reduced_extinction(), vec3f(1e-30)), vec3f(0.0), vec3f(1.0));
+}

@@ -1,0 +1,114 @@
+//! The paper's Figure 5: what could be shown of a scene in fog, and how far each is from all its light.
+
+use super::subject::Subject;
+use crate::figures::Figures;
+use anyhow::Result;
+use deepshade_render::methods::Quality;
+use deepshade_render::methods::lpv::Parameters;
+use deepshade_render::methods::lpv::passes::Pixel;
+use deepshade_render::metrics::{exposed, exposure, flip, relative_mse};
+use deepshade_render::path::Part;
+use deepshade_shaders::{Effect, Planes};
+
+/// Cells along the scene, and iterations, at which multiple scattering is measured by itself.
+const GRIDS: [usize; 2] = [32, 64];
+const ITERATIONS: [usize; 5] = [1, 2, 4, 8, 16];
+
+/// An image's relative squared error, FLIP, and mean over that of truth.
+struct Row {
+    name: String,
+    relmse: f64,
+    flip: f64,
+    brightness: f64,
+}
+
+impl Row {
+    fn new(name: String, image: &Planes, truth: &Planes) -> Self {
+        let exposure = exposure(Effect::Path, truth);
+        let mean = |image: &Planes| image.data().iter().map(|value| f64::from(*value)).sum::<f64>();
+        let brightness = mean(image) / mean(truth);
+        let [image, truth] = [image, truth].map(|image| exposed(image, exposure));
+        Self { name, relmse: relative_mse(&image, &truth), flip: flip(&image, &truth), brightness }
+    }
+}
+
+/// Errors of everything.
+pub struct Alternatives(Vec<Row>);
+
+/// The sum of images.
+fn sum(images: &[&Planes]) -> Planes {
+    let mut sum = images[0].clone();
+    for image in &images[1..] {
+        sum.data_mut().iter_mut().zip(image.data()).for_each(|(sum, value)| *sum += value);
+    }
+    sum
+}
+
+/// An image less another.
+fn less(image: &Planes, other: &Planes) -> Planes {
+    let mut left = image.clone();
+    left.data_mut().iter_mut().zip(other.data()).for_each(|(left, value)| *left = (*left - value).max(0.0));
+    left
+}
+
+impl Alternatives {
+    /// Measures them against truth of so many samples a pixel. What is not of a light propagation volume is truth's own
+    /// in all of them.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn of(subject: &Subject<'_>, samples: u32) -> Result<Self> {
+        let truth = |effect, part| subject.truth(effect, part, samples);
+        let all = truth(Effect::Path, Part::All);
+        let single = truth(Effect::FogDirect, Part::All);
+        let shadowed = less(&truth(Effect::Path, Part::Direct), &single);
+        let parameters = Parameters::of(Quality::High);
+        let shown = |medium, surface| subject.indirect(parameters, Pixel { medium, surface });
+        let (on_surfaces, marched) = (shown(false, true)?, shown(true, false)?);
+        let multiple = subject.multiple(parameters)?;
+        let images = [
+            ("shadow_map", sum(&[&shadowed])),
+            ("plain", sum(&[&shadowed, &on_surfaces])),
+            ("single", sum(&[&shadowed, &single])),
+            ("marched", sum(&[&shadowed, &on_surfaces, &marched])),
+            ("sum", sum(&[&shadowed, &single, &on_surfaces, &marched])),
+            ("lpv", sum(&[&shadowed, &single, &on_surfaces, &marched, &multiple])),
+            ("black", less(&all, &all)),
+        ];
+        let mut rows: Vec<Row> =
+            images.iter().map(|(name, image)| Row::new((*name).to_owned(), image, &all)).collect();
+        let wanted = truth(Effect::FogMultiple, Part::All);
+        rows.push(Row::new("multiple".to_owned(), &multiple, &wanted));
+        for cells in GRIDS {
+            for iterations in ITERATIONS {
+                let image = subject.multiple(Parameters { cells, iterations, ..parameters })?;
+                rows.push(Row::new(format!("multiple_{cells}_{iterations}"), &image, &wanted));
+            }
+        }
+        Ok(Self(rows))
+    }
+
+    /// Sets its figures.
+    pub fn set(&self, figures: &mut Figures) {
+        for Row { name, relmse, flip, brightness } in &self.0 {
+            figures.set(&format!("relmse_{name}"), *relmse);
+            figures.set(&format!("flip_{name}"), *flip);
+            figures.set(&format!("brightness_{name}"), *brightness);
+        }
+    }
+
+    /// Rows of a table.
+    pub fn rows(&self) -> Vec<Vec<String>> {
+        let head = ["shown", "relMSE", "FLIP", "brightness"].map(str::to_owned).to_vec();
+        let row = |row: &Row| {
+            let Row { name, relmse, flip, brightness } = row;
+            vec![
+                name.replace('_', " "),
+                format!("{relmse:.4}"),
+                format!("{flip:.4}"),
+                format!("{brightness:.3}"),
+            ]
+        };
+        std::iter::once(head).chain(self.0.iter().map(row)).collect()
+    }
+}
