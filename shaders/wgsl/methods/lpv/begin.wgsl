@@ -25,7 +25,7 @@ fn scatter(@builtin(global_invocation_id) id: vec3u) {
     var flux = mat3x3f();
     for (var i = 0; i < 8; i++) {
         let corner = vec3f(vec3i(i & 1, (i >> 1u) & 1, i >> 2u));
-        let point = grid.low.xyz + grid.low.w * (vec3f(at) + 0.25 + 0.5 * corner);
+        let point = grid.low.xyz + grid.low.w * (vec3f(at) + GAUSS.x + GAUSS.y * corner);
         let inside = MEDIUM == EVERYWHERE || (all(point >= medium.low.xyz) && all(point < medium.high.xyz));
         let density = select(0.0, density_inside(point), inside);
         if density > 0.0 {

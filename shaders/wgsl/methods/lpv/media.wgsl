@@ -26,7 +26,7 @@ fn density_of(at: vec3i) -> f32 {
     var sum = 0.0;
     for (var i = 0; i < 8; i++) {
         let corner = vec3f(vec3i(i & 1, (i >> 1u) & 1, i >> 2u));
-        let point = grid.low.xyz + grid.low.w * (vec3f(at) + 0.25 + 0.5 * corner);
+        let point = grid.low.xyz + grid.low.w * (vec3f(at) + GAUSS.x + GAUSS.y * corner);
         let inside = MEDIUM == EVERYWHERE || (all(point >= medium.low.xyz) && all(point < medium.high.xyz));
         sum += select(0.0, density_inside(point), inside);
     }
