@@ -102,9 +102,10 @@ impl Parameters {
             if let Some(before) = before {
                 let [first, last] = [before, place].map(|end| found[end] * sine(end));
                 let [begin, end] = [before, place].map(angle);
-                for between in before + 1..place {
-                    let share = (angle(between) - begin) / (end - begin).max(f32::MIN_POSITIVE);
-                    found[between] = first.lerp(last, share.min(1.0)) / sine(between);
+                for (step, between) in found[before + 1..place].iter_mut().enumerate() {
+                    let at = before + 1 + step;
+                    let share = (angle(at) - begin) / (end - begin).max(f32::MIN_POSITIVE);
+                    *between = first.lerp(last, share.min(1.0)) / sine(at);
                 }
             }
             before = Some(place);
