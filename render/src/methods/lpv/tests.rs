@@ -21,7 +21,7 @@ use glam::{Vec3, Vec4};
 const FEW: Parameters = Parameters { cells: 14, iterations: 9, steps: 12, scale: 2 };
 
 /// Shadow maps end within a texel of where shadows do.
-const TOLERANCE: Tolerance = Tolerance { usual: 5e-3, worst: 0.05 };
+const TOLERANCE: Tolerance = Tolerance { usual: 1e-3, worst: 0.02 };
 
 type Seen = (TracedScene, View, GBuffer);
 
@@ -132,19 +132,20 @@ fn extremes_make_no_negative_light() {
     };
     let outside = Camera::look_at(Vec3::new(-30.0, 20.0, 25.0), bounds.centre());
     let few = Parameters { iterations: 4, ..FEW };
-    for (medium, camera, parameters, is_dark) in [
-        (medium(0.0, 0.0), camera, few, true),
-        (medium(0.1, 0.0), camera, few, true),
-        (medium(0.0, 1e5), camera, few, true),
-        (medium(0.0, 0.3), outside, few, false),
-        (medium(0.1, 0.3), camera, Parameters { cells: 1, ..few }, false),
+    for (medium, camera, parameters, least, most) in [
+        (medium(0.0, 0.0), camera, few, 0.0, 0.0),
+        (medium(0.1, 0.0), camera, few, 0.0, 0.0),
+        (medium(0.0, 1e5), camera, few, 0.0, 1.0),
+        (medium(0.0, 0.3), outside, few, 1e-3, 10.0),
+        (medium(0.1, 0.3), camera, Parameters { cells: 1, ..few }, 1e-3, 10.0),
     ] {
         let (scene, view, gbuffer) = changed(&frame, medium, camera);
         let method = MultipleScattering::new(&gpu, Multiple(parameters)).expect("valid shaders");
         let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius: view.radius, seed: 1 };
         let image = Method::shade(&method, &frame, Repeats::ONCE).expect("an image").image;
         assert!(image.data().iter().all(|value| value.is_finite() && *value >= 0.0));
-        assert_eq!(image.data().iter().all(|value| *value == 0.0), is_dark);
+        let largest = image.data().iter().copied().fold(0.0, f32::max);
+        assert!((least..=most).contains(&largest), "{largest} is not from {least} to {most}");
     }
 }
 
