@@ -199,7 +199,11 @@ mod tests {
                 assert!(grid.largest() <= 1.0);
                 share(&grid, |value, _| value > 0.0)
             };
-            assert_eq!(covered(-1.0), 0.0, "{kind:?}");
+            assert!(covered(0.0) < 0.02, "{kind:?}: {}", covered(0.0));
+            for cover in [-0.1, 1.1, f32::NAN] {
+                let refused = Weather { kind, cover, ..SMOKE }.grid(BOX, 32, 0.0);
+                assert!(matches!(refused, Err(MediumError::Weather { .. })), "{cover}");
+            }
             let [few, half, all] = [0.3, 0.5, 1.0].map(covered);
             assert!(few < half && half < all, "{kind:?}: {few}, {half}, {all}");
             match kind {
