@@ -11,6 +11,7 @@
 //! times what it should.
 
 use super::lattice::{CLASSES, DISTANCES, mean};
+use std::sync::LazyLock;
 
 /// How collisions are counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -125,7 +126,7 @@ pub const ENTRIES: usize = 129;
 
 /// Shares of the way to a neighbour that lie in the cell, by extinction; between them [`own_share`] is linear.
 pub fn table() -> &'static [f32; ENTRIES] {
-    static TABLE: std::sync::LazyLock<[f32; ENTRIES]> = std::sync::LazyLock::new(|| {
+    static TABLE: LazyLock<[f32; ENTRIES]> = LazyLock::new(|| {
         std::array::from_fn(|i| exact_share(f64::from(FIRST + i as f32 / PER_DOUBLING).exp2()))
     });
     &TABLE

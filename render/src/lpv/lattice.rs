@@ -3,6 +3,7 @@
 //! degree. So what two bands say of energy and flux is kept exactly.
 
 use glam::{IVec3, Vec3};
+use std::sync::LazyLock;
 
 /// Kinds of neighbours: across a face, an edge and a corner.
 pub const CLASSES: usize = 3;
@@ -31,13 +32,18 @@ pub struct Neighbour {
 }
 
 /// All of them; x changes fastest. The last [`LINKS`] are the opposites of the first, in reverse.
-pub fn neighbours() -> impl Iterator<Item = Neighbour> {
-    let offset = |i: i32| IVec3::new(i % 3, i / 3 % 3, i / 9) - 1;
-    (0..27).map(offset).filter(|offset| *offset != IVec3::ZERO).map(|offset| Neighbour {
-        offset,
-        direction: offset.as_vec3().normalize(),
-        class: offset.length_squared() as usize - 1,
-    })
+pub fn neighbours() -> impl ExactSizeIterator<Item = Neighbour> {
+    static ALL: LazyLock<Vec<Neighbour>> = LazyLock::new(|| {
+        let offset = |i: i32| IVec3::new(i % 3, i / 3 % 3, i / 9) - 1;
+        let others = (0..27).map(offset).filter(|offset| *offset != IVec3::ZERO);
+        let neighbour = |offset: IVec3| Neighbour {
+            offset,
+            direction: offset.as_vec3().normalize(),
+            class: offset.length_squared() as usize - 1,
+        };
+        others.map(neighbour).collect()
+    });
+    ALL.iter().copied()
 }
 
 /// The mean over all directions of what is the same for neighbours of a kind.
