@@ -18,6 +18,7 @@
 //! medium straight to the eye is not shown. Light outside the grid, which ends a cell beyond the scene, is lost. A
 //! medium with a preferred direction of scattering is replaced by a thinner one without, but for the last scattering
 //! towards the eye.
+//! Of hundreds of mean free paths in a cell, light that enters hardly leaves again, and such a medium is far too bright.
 
 pub mod in_medium;
 pub mod passes;
