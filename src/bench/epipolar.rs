@@ -54,8 +54,9 @@ const PAPER: Setup = Setup { size: [960, 1280], light_rays: 4096, shadow_size: 4
 /// Measures and prints.
 ///
 /// # Errors
-/// If no thread can be made, or a file cannot be written.
+/// If there is no adapter, no thread can be made, or a file cannot be written.
 pub fn run(args: &Args) -> Result<()> {
+    let gpu = Gpu::new()?;
     let setup = if args.full { PAPER } else { PAPER.scaled(0.5) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().context("one thread")?;
     let mut outcomes = Vec::new();
@@ -71,7 +72,7 @@ pub fn run(args: &Args) -> Result<()> {
     note!("what else is claimed");
     let claims = Claims::of(setup, &pool)?;
     note!("partial sums and the march on the GPU");
-    let on_gpu = OnGpu::of(&Gpu::new()?, setup)?;
+    let on_gpu = OnGpu::of(&gpu, setup)?;
 
     let mut figures = Figures::new("bench epipolar");
     outcomes.iter().for_each(|outcome| outcome.set(&mut figures));

@@ -37,26 +37,36 @@ fn surfaces(
     (light, blockers)
 }
 
-/// The first of Gauss' two points along an edge of a cell, and from there to the second. No surface or medium is likely
-/// to end there.
+/// The first of Gauss' two points along an edge, and from there to the second, as shares of it. No surface is likely to be there.
 const GAUSS: [f32; 2] = [0.211_324_87, 0.577_350_26];
 
-/// Eight points of a cell, world space.
-fn points(grid: &LightGrid, at: IVec3) -> impl Iterator<Item = Vec3> {
-    let corner = |i: i32| IVec3::new(i & 1, i >> 1 & 1, i >> 2).as_vec3();
-    let (low, cell) = (grid.low + grid.cell * at.as_vec3(), grid.cell);
-    (0..8).map(move |i| low + cell * (GAUSS[0] + GAUSS[1] * corner(i)))
+/// What of a cell lies in a medium's box, so that none is lost between the points of a cell that is larger than it.
+struct CellPart {
+    low: Vec3,
+    /// Edges, metres; none is below 0.
+    size: Vec3,
+    /// Its share of the cell.
+    share: f32,
 }
 
-/// Density at a point; 0 outside the medium.
-fn density_at(medium: &Medium, point: Vec3) -> f32 {
-    let bounds = match &medium.density {
-        Density::Everywhere => return 1.0,
-        Density::Within(bounds) => *bounds,
-        Density::Grid(grid) => grid.bounds(),
-    };
-    let inside = point.cmpge(bounds.min).all() && point.cmplt(bounds.max).all();
-    if inside { medium.density.inside(point) } else { 0.0 }
+impl CellPart {
+    fn of(grid: &LightGrid, at: IVec3, density: &Density) -> Self {
+        let low = grid.low + grid.cell * at.as_vec3();
+        let bounds = match density {
+            Density::Everywhere => return Self { low, size: Vec3::splat(grid.cell), share: 1.0 },
+            Density::Within(bounds) => *bounds,
+            Density::Grid(grid) => grid.bounds(),
+        };
+        let (begins, ends) = (low.max(bounds.min), (low + grid.cell).min(bounds.max));
+        let size = (ends - begins).max(Vec3::ZERO);
+        Self { low: begins, size, share: (size / grid.cell).element_product() }
+    }
+
+    /// Eight points of it, world space.
+    fn points(&self) -> impl Iterator<Item = Vec3> {
+        let corner = |i: i32| IVec3::new(i & 1, i >> 1 & 1, i >> 2).as_vec3();
+        (0..8).map(move |i| self.low + self.size * (GAUSS[0] + GAUSS[1] * corner(i)))
+    }
 }
 
 /// What a medium does in each cell: by similarity one that scatters alike in all directions, and as much less of it as
@@ -67,7 +77,8 @@ pub fn flights(grid: &LightGrid, medium: Option<&Medium>) -> Vec<[Flight; 3]> {
     let extinction = medium.absorption + scattering;
     let albedo = (scattering / extinction.max(Vec3::splat(1e-30))).clamp(Vec3::ZERO, Vec3::ONE);
     let of_cell = |index: usize| {
-        let density = points(grid, grid.at(index)).map(|point| density_at(medium, point)).sum::<f32>() / 8.0;
+        let part = CellPart::of(grid, grid.at(index), &medium.density);
+        let density = part.points().map(|point| medium.density.inside(point)).sum::<f32>() / 8.0 * part.share;
         [0, 1, 2].map(|c| Flight::new(extinction[c] * density * grid.cell, albedo[c]))
     };
     (0..grid.cells()).into_par_iter().map(of_cell).collect()
@@ -79,8 +90,9 @@ pub fn single_scattering(grid: &LightGrid, scene: &TracedScene) -> Vec<Light> {
     let Some(medium) = scene.scene().medium.as_deref() else { return vec![[Vec4::ZERO; 3]; grid.cells()] };
     let of_cell = |index: usize| {
         let mut sum = [Vec4::ZERO; 3];
-        for point in points(grid, grid.at(index)) {
-            let density = density_at(medium, point);
+        let part = CellPart::of(grid, grid.at(index), &medium.density);
+        for point in part.points() {
+            let density = medium.density.inside(point) * part.share;
             for light in &scene.scene().lights {
                 let Arrival { direction, distance, irradiance } = Arrival::new(scene.scene(), light, point);
                 if irradiance == Vec3::ZERO || density == 0.0 || scene.blocked(point, direction, distance) {

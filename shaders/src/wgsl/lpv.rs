@@ -14,14 +14,15 @@ table! {
         shared ["lpv_grid", "lpv_fixed", "lpv_lattice"];
     /// What the medium in cells does to light.
     LPV_MEDIA: "lpv.media", file "methods/lpv/media", constants [MEDIUM = 2], uniforms [LightGrid, MediumRecord],
-        shared ["lpv_grid", "lpv_lattice", "medium_span", "medium", "lpv_medium"];
+        shared ["lpv_grid", "lpv_lattice", "medium_span", "medium", "lpv_medium", "lpv_part"];
     /// Light that surfaces reflect.
     LPV_FRESH: "lpv.fresh", file "methods/lpv/fresh", constants [], uniforms [LightGrid],
         shared ["lpv_grid", "lpv_fixed", "lpv_lobe"];
     /// Light of the lamps that the medium in cells scatters.
     LPV_BEGIN: "lpv.begin", file "methods/lpv/begin", constants [LIGHTS = 1, MEDIUM = 2, GREY = 0],
         uniforms [LightGrid, FrameView, LightRecord, MediumRecord],
-        shared ["lpv_grid", "lpv_lobe", "view", "lights", "shadow", "medium_span", "medium", "colours", "light_dimmed"];
+        shared ["lpv_grid", "lpv_lobe", "view", "lights", "shadow", "medium_span", "medium", "colours", "light_dimmed",
+                "lpv_part"];
     /// One iteration.
     LPV_PROPAGATE: "lpv.propagate", file "methods/lpv/propagate", constants [MULTIPLE = 1, SHOWN = 1],
         uniforms [LightGrid, MediumRecord, Iteration, Propagation],

@@ -1,8 +1,5 @@
 // Cells of a light propagation volume: render/src/lpv/grid.rs. Passes bind `grid`.
 
-// The first of Gauss' two points along an edge of a cell, and from there to the second.
-const GAUSS = vec2f(0.21132487, 0.57735026);
-
 fn cell_count() -> u32 {
     return u32(grid.size.w);
 }

@@ -139,8 +139,8 @@ fn extremes_make_no_negative_light() {
         (medium(0.1, 0.0), camera, few, 0.0, 0.0),
         // Far too bright, which is stated.
         (medium(0.0, 1e5), camera, few, 0.0, 1e3),
-        (medium(0.0, 0.3), outside, few, 0.0, 10.0),
-        (medium(0.1, 0.3), camera, Parameters { cells: 1, ..few }, 0.0, 10.0),
+        (medium(0.0, 0.3), outside, few, 1e-3, 10.0),
+        (medium(0.1, 0.3), camera, Parameters { cells: 1, ..few }, 1e-3, 10.0),
     ] {
         let (scene, view, gbuffer) = changed(&frame, medium, camera);
         let method = MultipleScattering::new(&gpu, Multiple(parameters)).expect("valid shaders");

@@ -1,5 +1,5 @@
 // Light of the lamps that the medium in each cell scatters: single scattering, which goes on from there but is not
-// shown itself. The mean of eight points of each cell; where the phase function has a mean cosine, light goes on along
+// shown itself. The mean of eight points of what of each cell lies in the medium; where the phase function has a mean cosine, light goes on along
 // it.
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
@@ -19,15 +19,14 @@ fn scatter(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= cell_count() {
         return;
     }
-    let at = cell_at(id.x);
+    let part = part_in_medium(cell_at(id.x));
+    let share = share_of(part);
     let nearest = NEAREST * grid.low.w;
     var energy = vec3f(0.0);
     var flux = mat3x3f();
     for (var i = 0; i < 8; i++) {
-        let corner = vec3f(vec3i(i & 1, (i >> 1u) & 1, i >> 2u));
-        let point = grid.low.xyz + grid.low.w * (vec3f(at) + GAUSS.x + GAUSS.y * corner);
-        let inside = MEDIUM == EVERYWHERE || (all(point >= medium.low.xyz) && all(point < medium.high.xyz));
-        let density = select(0.0, density_inside(point), inside);
+        let point = part_point(part, i);
+        let density = density_inside(point) * share;
         if density > 0.0 {
             for (var j = 0u; j < LIGHTS; j++) {
                 let arrived = arrival(lights[j], point);

@@ -21,16 +21,14 @@ fn own_share(extinction: f32) -> f32 {
     return mix(table[low], table[low + 1u], at - f32(low));
 }
 
-// Density in a cell: the mean of eight points.
+// Mean density of a cell.
 fn density_of(at: vec3i) -> f32 {
+    let part = part_in_medium(at);
     var sum = 0.0;
     for (var i = 0; i < 8; i++) {
-        let corner = vec3f(vec3i(i & 1, (i >> 1u) & 1, i >> 2u));
-        let point = grid.low.xyz + grid.low.w * (vec3f(at) + GAUSS.x + GAUSS.y * corner);
-        let inside = MEDIUM == EVERYWHERE || (all(point >= medium.low.xyz) && all(point < medium.high.xyz));
-        sum += select(0.0, density_inside(point), inside);
+        sum += density_inside(part_point(part, i));
     }
-    return sum / 8.0;
+    return sum / 8.0 * share_of(part);
 }
 
 @compute @workgroup_size(64)
