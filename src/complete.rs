@@ -9,7 +9,7 @@ use anyhow::{Result, ensure};
 use deepshade_dataset::vary::Lamp;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::procedural::sky;
-use deepshade_render::scene::{Camera, Environment, Lens, Look};
+use deepshade_render::scene::{Camera, Environment, Lens, Look, Medium};
 use deepshade_shaders::Effect;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
@@ -45,6 +45,8 @@ pub struct Wants<'a> {
 const BLUR: f32 = 8.0;
 /// Mean free path of red, green and blue in pixels, at 512 rows, of what is in the middle of the picture.
 const MEAN_FREE_PATH: Vec3 = Vec3::new(6.0, 4.0, 3.0);
+/// Rays along each side of a picture that look for the medium.
+const PROBES: u32 = 32;
 
 /// Adds to a scene and a camera what is wanted and what is missing.
 ///
@@ -78,6 +80,11 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
         for (option, given) in additions.of_a_medium() {
             ensure!(!given, "{option} means nothing without --extinction");
         }
+    }
+    if let Some(medium) = look.medium.as_deref().filter(|_| foggy)
+        && !meets(scene, &camera, wants.size, medium)
+    {
+        added.push("no ray of the picture meets the medium: it lies elsewhere".to_owned());
     }
     let still = scene.scene().meshes.iter().all(|mesh| mesh.displacements.is_empty());
     if effect == Effect::MotionBlur && still && !wants.animated {
@@ -136,6 +143,19 @@ fn middle_depth(scene: &TracedScene, camera: &Camera, [height, width]: [usize; 2
     let depth = |distance: f32| -camera.to_camera(camera.position + direction * distance).z;
     let met = scene.hit(camera.position, direction, f32::INFINITY);
     met.map_or(scene.diagonal(), |hit| depth(hit.distance))
+}
+
+/// Whether some ray of a picture of `[height, width]` goes through a medium before it meets a surface, as far as
+/// `PROBES` rays a side say.
+fn meets(scene: &TracedScene, camera: &Camera, [height, width]: [usize; 2], medium: &Medium) -> bool {
+    let ray_meets = |x: u32, y: u32| {
+        let share = (Vec2::new(x as f32, y as f32) + 0.5) / PROBES as f32;
+        let direction = camera.direction(share * Vec2::new(width as f32, height as f32), height, width);
+        let met = scene.hit(camera.position, direction, f32::INFINITY);
+        let reach = met.map_or(f32::INFINITY, |hit| hit.distance);
+        medium.density.span(camera.position, direction, reach).is_some()
+    };
+    (0..PROBES).any(|y| (0..PROBES).any(|x| ray_meets(x, y)))
 }
 
 #[cfg(test)]
@@ -221,6 +241,26 @@ mod tests {
         };
         assert_eq!(at(1.0), at(1.0));
         assert_ne!(at(1.0), at(0.0));
+    }
+
+    #[test]
+    fn a_medium_out_of_view_is_said() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("smoke.toml");
+        let said = |low: f32, high: f32| {
+            let smoke = format!(
+                "[weather]\nkind = \"smoke\"\nseed = 7\nbillow = 1.0\ncover = 1.0\n[box]\n\
+                 min = [-1.0, -1.0, {low:.1}]\nmax = [1.0, 1.0, {high:.1}]\n"
+            );
+            std::fs::write(&path, smoke).expect("written");
+            let additions = additions(&["--medium", path.to_str().expect("a path"), "--extinction", "2"]);
+            let camera = Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO);
+            let completed = complete(&wall(), &camera, &wants(Effect::FogDirect, &additions));
+            completed.expect("completed").added.iter().any(|line| line.contains("meets the medium"))
+        };
+        assert!(!said(0.5, 1.0), "before the wall");
+        assert!(said(-2.0, -1.0), "behind the wall");
+        assert!(said(4.0, 5.0), "behind the camera");
     }
 
     #[test]

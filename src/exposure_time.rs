@@ -12,7 +12,7 @@ const SHUTTER: f32 = 0.04;
 /// The moment of an image.
 #[derive(clap::Args, Clone, Copy, Debug)]
 pub struct Args {
-    /// Moment of animations, skins and morph targets, seconds.
+    /// Moment of animations, skins, morph targets and of a medium that drifts, seconds.
     #[arg(long, default_value_t = 0.0)]
     time: f32,
     /// How long the shutter is open around that moment, seconds, for motion-blur; 0.04 by default.

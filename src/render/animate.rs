@@ -36,8 +36,8 @@ pub struct Sequence {
     /// white (a value of 1 of the image under one exposure). 0 is calm, smaller is better; --temporal makes it smaller.
     #[arg(long)]
     animate: bool,
-    /// What computes the images, of --effect, by default its first method; `light` is direct light alone, the default where
-    /// --effect has no method that runs live.
+    /// What computes the images, of --effect, by default its first method on the GPU (fog-direct: volume-shell,
+    /// gpu-epipolar, gpu-march or froxel); `light` is direct light alone, the default where --effect has no method that runs live.
     #[arg(long)]
     method: Option<String>,
     /// How much time the method may take for a better image: low, medium, high or ultra; high by default.

@@ -34,12 +34,12 @@ struct Budget {
 /// without bound, to where structural similarity has no gradient.
 const BUDGETS: [Budget; 11] = [
     Budget { name: "aa", steps: 16_000, batch: 8, crop: 128, rate: "0.005" },
-    Budget { name: "ibl", steps: 16_000, batch: 8, crop: 128, rate: "0.005" },
+    Budget { name: "ibl", steps: 8_000, batch: 4, crop: 128, rate: "0.005" },
     Budget { name: "dof", steps: 20_000, batch: 4, crop: 128, rate: "0.004" },
     Budget { name: "motion-blur", steps: 20_000, batch: 4, crop: 128, rate: "0.004" },
     Budget { name: "sss", steps: 20_000, batch: 4, crop: 128, rate: "0.004" },
-    Budget { name: "gi", steps: 20_000, batch: 4, crop: 128, rate: "0.001" },
-    Budget { name: "gi-paper", steps: 20_000, batch: 4, crop: 128, rate: "0.001" },
+    Budget { name: "gi", steps: 16_000, batch: 4, crop: 128, rate: "0.003" },
+    Budget { name: "gi-paper", steps: 16_000, batch: 4, crop: 128, rate: "0.003" },
     Budget { name: "do", steps: 20_000, batch: 4, crop: 128, rate: "0.004" },
     Budget { name: "multi", steps: 20_000, batch: 4, crop: 128, rate: "0.004" },
     Budget { name: "real", steps: 20_000, batch: 4, crop: 128, rate: "0.004" },

@@ -2,6 +2,7 @@
 
 use super::{Scene, SceneError, TextureId};
 use glam::Vec3;
+use std::fmt;
 
 /// A light without an extent, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +43,27 @@ pub enum Light {
         /// which it repeats.
         pattern: Option<(TextureId, f32)>,
     },
+}
+
+/// Its kind, place and power in words.
+impl fmt::Display for Light {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Point { position, intensity, .. } => {
+                write!(f, "point at {position:.3} m, {intensity:.3} W/sr")
+            }
+            Self::Spot { position, direction, intensity, cos_outer, .. } => {
+                let angle = cos_outer.acos().to_degrees();
+                write!(
+                    f,
+                    "spot at {position:.3} m along {direction:.3}, {angle:.1} degrees, {intensity:.3} W/sr"
+                )
+            }
+            Self::Directional { direction, irradiance, .. } => {
+                write!(f, "directional along {direction:.3}, {irradiance:.3} W/m^2")
+            }
+        }
+    }
 }
 
 impl Light {

@@ -1,7 +1,10 @@
 //! What a scene holds, in numbers.
 
-use super::{Bounds, Scene};
+use super::{Bounds, Light, Scene};
 use std::fmt;
+
+/// Lights that are listed one by one.
+const LISTED: usize = 8;
 
 /// What a scene holds, in numbers; prints as one line a number.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +20,7 @@ pub struct SceneSummary {
     /// Textures.
     pub textures: usize,
     /// Point, spot and directional lights.
-    pub lights: usize,
+    pub lights: Vec<Light>,
     /// Names of the cameras.
     pub cameras: Vec<String>,
     /// The box around all triangles, metres.
@@ -33,7 +36,7 @@ impl SceneSummary {
             meshes: scene.meshes.len(),
             materials: scene.materials.len(),
             textures: scene.textures.len(),
-            lights: scene.lights.len(),
+            lights: scene.lights.clone(),
             cameras: scene.cameras.iter().map(|(name, _)| name.clone()).collect(),
             bounds: scene.bounds(),
         }
@@ -48,7 +51,13 @@ impl fmt::Display for SceneSummary {
         writeln!(f, "meshes     {}", self.meshes)?;
         writeln!(f, "materials  {}", self.materials)?;
         writeln!(f, "textures   {}", self.textures)?;
-        writeln!(f, "lights     {}", self.lights)?;
+        writeln!(f, "lights     {}", self.lights.len())?;
+        for light in self.lights.iter().take(LISTED) {
+            writeln!(f, "           {light}")?;
+        }
+        if let more @ 1.. = self.lights.len().saturating_sub(LISTED) {
+            writeln!(f, "           and {more} more")?;
+        }
         match self.cameras.as_slice() {
             [] => writeln!(f, "cameras    0")?,
             names => writeln!(f, "cameras    {} ({})", names.len(), names.join(", "))?,
@@ -73,15 +82,24 @@ mod tests {
         let positions = vec![Vec3::ZERO, Vec3::new(3.0, 0.0, 0.0), Vec3::new(0.0, 4.0, 0.0)];
         let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() };
         let cameras = ["front", "side"].map(|name| (name.to_owned(), Camera::look_at(Vec3::Z, Vec3::ZERO)));
+        let lamp = Light::Point { position: Vec3::Y, intensity: Vec3::ONE, range: f32::INFINITY };
         let scene = Scene {
             name: "corner".into(),
             meshes: vec![mesh].into(),
             cameras: cameras.to_vec(),
+            lights: vec![lamp; LISTED + 2],
             ..Scene::default()
         };
         let text = SceneSummary::of(&scene).to_string();
-        for line in ["scene      corner", "triangles  1", "cameras    2 (front, side)", "diagonal   5.000 m"]
-        {
+        for line in [
+            "scene      corner",
+            "triangles  1",
+            "lights     10",
+            "           point at [0.000, 1.000, 0.000] m, [1.000, 1.000, 1.000] W/sr",
+            "           and 2 more",
+            "cameras    2 (front, side)",
+            "diagonal   5.000 m",
+        ] {
             assert!(text.lines().any(|found| found == line), "{line} in\n{text}");
         }
     }
