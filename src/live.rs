@@ -154,14 +154,7 @@ impl Live {
             return Ok(Vec::new());
         };
         let Running::Network(learned) = &self.shading[index].method else { return Ok(Vec::new()) };
-        let attributes = truth::attributes(learned.spec().effect);
-        let mut planes = Vec::new();
-        for attribute in attributes {
-            planes.extend_from_slice(self.attribute(*attribute)?.data());
-        }
-        let channels = attributes.iter().map(|attribute| attribute.width()).sum();
-        let planes = Planes::from_data(channels, self.view.height, self.view.width, planes);
-        let gbuffer = GBuffer::new(attributes.to_vec(), planes);
+        let gbuffer = self.gbuffer(truth::attributes(learned.spec().effect))?;
         let shaded = learned.image(&gbuffer, self.view.radius, Repeats::ONCE)?;
         let queue = &self.gpu.queue;
         let shading = &mut self.shading[index];
@@ -229,6 +222,20 @@ impl Live {
     /// If the device fails.
     pub fn attribute(&self, attribute: Attribute) -> Result<Planes> {
         self.read(self.frame.gbuffer().buffer(attribute), attribute.width())
+    }
+
+    /// Several attributes of the last frame.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn gbuffer(&self, attributes: &[Attribute]) -> Result<GBuffer> {
+        let mut planes = Vec::new();
+        for attribute in attributes {
+            planes.extend_from_slice(self.attribute(*attribute)?.data());
+        }
+        let channels = attributes.iter().map(|attribute| attribute.width()).sum();
+        let planes = Planes::from_data(channels, self.view.height, self.view.width, planes);
+        Ok(GBuffer::new(attributes.to_vec(), planes))
     }
 
     /// How far each pixel's surface moved since the frame before (x to the right, y up, pixels), its depth, and the
