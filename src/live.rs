@@ -13,6 +13,8 @@ use deepshade_render::method::Repeats;
 use deepshade_render::raster::Frame;
 use deepshade_render::raster::frame::{Settings, Stage};
 use deepshade_render::raster::since::Since;
+#[cfg(feature = "view")]
+use deepshade_render::scene::Light;
 use deepshade_render::scene::{AnimatedScene, Camera};
 use deepshade_render::screen::reprojection::{Parameters, Reprojection};
 use deepshade_render::screen::{Inputs, Plan, ScreenMethod, View};
@@ -122,6 +124,12 @@ impl Live {
             passes.extend(shading.temporal.iter().map(|_| format!("{LEARNED}_temporal")));
         }
         passes
+    }
+
+    /// Moves, turns, dims or brightens the scene's lights, as many and of the same kinds, from the next frame on.
+    #[cfg(feature = "view")]
+    pub fn set_lights(&mut self, lights: &[Light]) {
+        self.frame.set_lights(&self.gpu.queue, lights);
     }
 
     /// Makes the frame of a moment, seen by a camera. Gives the milliseconds of each pass: of this frame, or, by the GPU's

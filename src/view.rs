@@ -5,6 +5,7 @@
 
 mod canvas;
 mod judge;
+mod lights;
 mod mailbox;
 mod panel;
 mod pictures;

@@ -1,5 +1,6 @@
 //! Where images are seen: over each other or beside each other, under hands that move the camera.
 
+use super::lights;
 use super::state::Arrangement;
 use super::window::Window;
 use deepshade_shaders::Planes;
@@ -55,7 +56,7 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
             };
             wipe(ui, place, &borders, &shown);
             probe(ui, &response, place, &shown, None);
-            drag_border(ui, &response, place, window, count)
+            drag_border(ui, &response, place, window, count) || lights::handles(ui, &response, place, window)
         }
         Arrangement::Tiles => {
             let places = tiles(area, aspect, count);

@@ -1,5 +1,6 @@
 //! The choices beside the images, and the figures under them.
 
+use super::lights;
 use super::state::{Arrangement, Map, State};
 use super::window::Window;
 use crate::complete::listeners;
@@ -13,6 +14,7 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
     keys(ui, window);
     ScrollArea::vertical().show(ui, |ui| {
         scene(ui, window);
+        lights::show(ui, window);
         ui.separator();
         effect(ui, window);
         ui.separator();

@@ -2,6 +2,7 @@
 
 use super::state::{Arrangement, Map};
 use super::window::Window;
+use crate::figures::memory;
 use crate::methods;
 use crate::report::images::write_png;
 use anyhow::{Context as _, Result, bail};
@@ -56,6 +57,10 @@ enum Step {
     /// Seconds.
     Wait(f32),
     Screenshot(PathBuf),
+    /// Pictures while the camera goes around, for how many come in a second.
+    Measure(u32),
+    /// Seconds for which the camera goes around while truth begins again and again, for what memory is lost.
+    Soak(f32),
     Quit,
 }
 
@@ -66,6 +71,10 @@ pub struct Script {
     began: Option<Instant>,
     /// The picture that was taken of the window, once it is there.
     taken: Arc<Mutex<Option<Arc<ColorImage>>>>,
+    /// Pictures that the step at the front has seen.
+    seen: u32,
+    /// Megabytes after the first part of a soak.
+    memory: Option<f64>,
 }
 
 /// How a script comes on.
@@ -95,7 +104,7 @@ impl Script {
             step(line).map(|step| (number, step)).with_context(|| format!("line {number}, `{line}`"))
         };
         let steps = lines.filter(|(_, line)| !line.is_empty()).map(read).collect::<Result<_>>()?;
-        Ok(Self { steps, began: None, taken: Arc::default() })
+        Ok(Self { steps, began: None, taken: Arc::default(), seen: 0, memory: None })
     }
 
     /// Does the steps that can be done now.
@@ -106,9 +115,9 @@ impl Script {
             match self.take(&step, window, context, first, began.elapsed()) {
                 Ok(true) => {
                     self.steps.pop_front();
-                    self.began = None;
+                    (self.began, self.seen, self.memory) = (None, 0, None);
                 }
-                Ok(false) if began.elapsed() > PATIENCE => {
+                Ok(false) if began.elapsed() > PATIENCE && !matches!(step, Step::Soak(_)) => {
                     let said = window.message.clone().unwrap_or_default();
                     return Progress::Failed(format!("line {number} of the script waits in vain; {said}"));
                 }
@@ -173,9 +182,50 @@ impl Script {
             Step::WaitRefusal => return Ok(window.message.is_some()),
             Step::Wait(seconds) => return Ok(since.as_secs_f32() >= *seconds),
             Step::Screenshot(path) => return self.screenshot(path, context, first),
+            Step::Measure(pictures) => return Ok(self.measure(*pictures, window, since)),
+            Step::Soak(seconds) => return Ok(self.soak(*seconds, window, since)),
             Step::Quit => context.send_viewport_cmd(ViewportCommand::Close),
         }
         Ok(true)
+    }
+
+    /// Goes around by a degree a picture. Whether all of them are there; the first one, which may be long in coming, does not count.
+    fn measure(&mut self, pictures: u32, window: &mut Window, since: Duration) -> bool {
+        if !window.is_up_to_date() {
+            return false;
+        }
+        if self.seen == 0 {
+            self.began = Some(Instant::now());
+        } else if self.seen == pictures {
+            let show = &window.state.show;
+            let name = format!("fps_{}_{}", show.effect, show.methods.join("_")).replace('-', "_");
+            window.measured(&name, f64::from(pictures) / since.as_secs_f64());
+            return true;
+        }
+        self.seen += 1;
+        window.state.pilot.iter_mut().for_each(|pilot| pilot.orbit(Vec2::new(1f32.to_radians(), 0.0)));
+        false
+    }
+
+    /// Goes around, and stands still at every tenth picture until truth has begun. Whether the time is over; what memory grows
+    /// by is counted from a quarter of it on, when drivers have what they need.
+    fn soak(&mut self, seconds: f32, window: &mut Window, since: Duration) -> bool {
+        if self.memory.is_none() && since.as_secs_f32() > 0.25 * seconds {
+            self.memory = memory();
+        }
+        let truth_began = || !window.state.truth || window.truth_of_picture().is_some();
+        if !window.is_up_to_date() || (self.seen.is_multiple_of(10) && !truth_began()) {
+            return false;
+        }
+        if since.as_secs_f32() >= seconds {
+            if let (Some(before), Some(after)) = (self.memory, memory()) {
+                window.measured("memory_growth_mb", after - before);
+            }
+            return true;
+        }
+        self.seen += 1;
+        window.state.pilot.iter_mut().for_each(|pilot| pilot.orbit(Vec2::new(1f32.to_radians(), 0.0)));
+        false
     }
 
     /// Asks for a picture of the window, and writes it once it is there.
@@ -260,6 +310,8 @@ fn step(line: &str) -> Result<Step> {
             _ => Step::Wait(one()?),
         },
         "screenshot" => Step::Screenshot(crate::arguments::png_file(rest).map_err(anyhow::Error::msg)?),
+        "measure" => Step::Measure(one()?.clamp(1.0, 1e6) as u32),
+        "soak" => Step::Soak(one()?),
         "quit" => Step::Quit,
         _ => bail!("there is no such step"),
     })

@@ -6,6 +6,7 @@ use super::studio::Show;
 use crate::learned;
 use crate::methods::{self, LEARNED, TRUTH};
 use anyhow::Result;
+use deepshade_render::scene::Light;
 use deepshade_shaders::Effect;
 use std::path::Path;
 use std::sync::Arc;
@@ -72,6 +73,8 @@ pub struct State {
     pub show: Show,
     /// The camera, once the scene was read.
     pub pilot: Option<Pilot>,
+    /// The lights, once the scene was read.
+    pub lights: Option<Vec<Light>>,
     /// The moment of animations, seconds.
     pub time: f32,
     /// Whether the animation plays.
@@ -120,6 +123,7 @@ impl State {
             args: Arc::new(args.clone()),
             show,
             pilot: None,
+            lights: None,
             time: args.time,
             playing: false,
             stops: 0.0,

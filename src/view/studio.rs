@@ -14,7 +14,7 @@ use anyhow::{Context, Result};
 use deepshade_dataset::truth;
 use deepshade_render::method::{Frame, Method, Repeats};
 use deepshade_render::methods::Quality;
-use deepshade_render::scene::{Camera, SceneSource};
+use deepshade_render::scene::{Camera, Light, SceneSource};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Attribute, Effect, Planes};
 use std::path::PathBuf;
@@ -53,6 +53,8 @@ pub struct Order {
     pub camera: Option<Camera>,
     /// When, seconds.
     pub time: f32,
+    /// Under which lights; where nothing is said, the scene's own.
+    pub lights: Option<Vec<Light>>,
     /// How it is exposed; by default as suits the first image.
     pub exposure: Option<Exposure>,
     /// Chooses random numbers.
@@ -67,6 +69,8 @@ pub struct Picture {
     pub subject: Arc<Subject>,
     /// From where it is seen.
     pub camera: Camera,
+    /// Under which lights.
+    pub lights: Vec<Light>,
     /// How far the effect reached, metres.
     pub radius: f32,
     /// How it was exposed.
@@ -128,10 +132,12 @@ impl Studio {
             }
         };
         let set = self.set.insert(set);
+        let lights = order.lights.clone().unwrap_or_else(|| subject.animated.scene.lights.clone());
+        set.live.set_lights(&lights);
         if let Some(times) = set.live.make(order.time, order.number, &camera)? {
             self.passes = set.live.passes().into_iter().zip(times).collect();
         }
-        let (images, of_processor) = set.images(&subject, &order, &camera)?;
+        let (images, of_processor) = set.images(&subject, &order, &camera, &lights)?;
         let exposure = order.exposure.unwrap_or_else(|| match images.first() {
             Some((_, image)) => Exposure::new(show.effect, image, None),
             None => Exposure::Plain,
@@ -144,7 +150,18 @@ impl Studio {
         let passes = self.passes.iter().cloned().chain(of_processor).collect();
         let radius = set.radius;
         let milliseconds = start.elapsed().as_secs_f64() * 1e3;
-        Ok(Picture { subject, camera, radius, exposure, images, inspected, passes, milliseconds, order })
+        Ok(Picture {
+            subject,
+            camera,
+            lights,
+            radius,
+            exposure,
+            images,
+            inspected,
+            passes,
+            milliseconds,
+            order,
+        })
     }
 
     /// The scene, read anew where another one is wanted or another effect of it.
@@ -210,13 +227,14 @@ impl Set {
         subject: &Subject,
         order: &Order,
         camera: &Camera,
+        lights: &[Light],
     ) -> Result<(Vec<Image>, Vec<(String, f64)>)> {
         let (mut images, mut times) = (Vec::new(), Vec::new());
         for (index, name) in self.live_names.iter().enumerate() {
             images.push((*name, self.live.image(index)?));
         }
         if !self.on_processor.is_empty() {
-            let scene = subject.traced(order.time)?;
+            let scene = subject.traced(order.time, lights)?;
             let gbuffer = self.live.gbuffer(truth::attributes(self.show.effect))?;
             let frame =
                 Frame { scene: &scene, camera, gbuffer: &gbuffer, radius: self.radius, seed: order.number };

@@ -8,7 +8,7 @@ use crate::view::pilot::Pilot;
 use crate::views::Viewpoint;
 use anyhow::Result;
 use deepshade_render::bvh::TracedScene;
-use deepshade_render::scene::{AnimatedScene, SceneSource};
+use deepshade_render::scene::{AnimatedScene, Light, Look, SceneSource};
 use deepshade_shaders::Effect;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -63,11 +63,20 @@ impl Subject {
         })
     }
 
-    /// The scene at a moment, seconds, ready for rays.
+    /// The scene at a moment, seconds, under these lights, ready for rays.
     ///
     /// # Errors
     /// If its file has gone meanwhile.
-    pub fn traced(&self, time: f32) -> Result<Arc<TracedScene>> {
+    pub fn traced(&self, time: f32, lights: &[Light]) -> Result<Arc<TracedScene>> {
+        let traced = self.at(time)?;
+        if traced.scene().lights == lights {
+            return Ok(traced);
+        }
+        let look = Look { lights: lights.to_vec(), ..traced.scene().look() };
+        Ok(Arc::new(traced.with_look(look)?))
+    }
+
+    fn at(&self, time: f32) -> Result<Arc<TracedScene>> {
         let mut kept = self.traced.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((moment, traced)) = kept.as_ref()
             && (*moment == time || self.animated.span().is_none())

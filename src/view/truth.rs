@@ -9,7 +9,7 @@ use crate::render::picture::Exposure;
 use anyhow::Result;
 use deepshade_render::metrics::exposure;
 use deepshade_render::path::{Refinement, SCRAMBLINGS, Shot};
-use deepshade_render::scene::Camera;
+use deepshade_render::scene::{Camera, Light};
 use deepshade_shaders::Planes;
 use std::sync::Arc;
 use std::time::Instant;
@@ -23,6 +23,8 @@ pub struct Sight {
     pub camera: Camera,
     /// When, seconds.
     pub time: f32,
+    /// Under which lights.
+    pub lights: Vec<Light>,
     /// How far the effect reaches, metres.
     pub radius: f32,
     /// Rows and columns.
@@ -32,8 +34,8 @@ pub struct Sight {
 impl PartialEq for Sight {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.subject, &other.subject)
-            && (self.camera, self.time, self.radius, self.size)
-                == (other.camera, other.time, other.radius, other.size)
+            && (self.camera, self.time, &self.lights, self.radius, self.size)
+                == (other.camera, other.time, &other.lights, other.radius, other.size)
     }
 }
 
@@ -108,8 +110,8 @@ fn refine(
         return Ok(None);
     }
     let start = Instant::now();
-    let Sight { subject, camera, time, radius, size } = &order.sight;
-    let scene = subject.traced(*time)?;
+    let Sight { subject, camera, time, lights, radius, size } = &order.sight;
+    let scene = subject.traced(*time, lights)?;
     let shot = Shot::new(&scene, camera, *size, *radius);
     let mut refinement = Refinement::new(subject.effect, &shot, SCRAMBLINGS, order.seed);
     let mut best = None;

@@ -24,6 +24,8 @@ pub struct Outcome {
     pub first_picture: Option<f64>,
     /// Pictures that were made.
     pub pictures: u32,
+    /// What a script measured, by name.
+    pub measured: Vec<(String, f64)>,
     /// Things that could not be done, and were said.
     pub refusals: u32,
     /// Why the script did not come to its end.
@@ -36,6 +38,7 @@ impl Outcome {
         if let Some(seconds) = self.first_picture {
             figures.set("seconds_to_first_picture", seconds);
         }
+        self.measured.iter().for_each(|(name, value)| figures.set(name, *value));
         figures.set("pictures", f64::from(self.pictures));
         figures.set("refusals", f64::from(self.refusals));
     }
@@ -136,8 +139,14 @@ impl Window {
     pub fn open_scene(&mut self, source: SceneSource) {
         self.state.show.source = source;
         self.state.pilot = None;
+        self.state.lights = None;
         self.state.time = 0.0;
         self.changed();
+    }
+
+    /// Keeps a figure that a script measured.
+    pub fn measured(&self, name: &str, value: f64) {
+        self.outcome().measured.push((name.to_owned(), value));
     }
 
     /// Says that something cannot be done.
@@ -198,6 +207,8 @@ impl Window {
         let mut pilot = pilot;
         pilot.camera.lens = subject.pilot.camera.lens;
         self.state.pilot = Some(pilot);
+        // Another effect may have given the scene another lamp.
+        self.state.lights = Some(subject.animated.scene.lights.clone());
         self.subject = Some(subject);
     }
 
@@ -212,6 +223,7 @@ impl Window {
         self.exposure.get_or_insert_with(|| picture.exposure.brighter(-stops));
         let mut made = picture.order.clone();
         made.camera = Some(picture.camera);
+        made.lights = Some(picture.lights.clone());
         made.exposure = Some(picture.exposure);
         self.made = Some(made);
         let seconds = self.began.elapsed().as_secs_f64();
@@ -249,6 +261,7 @@ impl Window {
             show: self.state.show.clone(),
             camera: self.state.pilot.map(|pilot| pilot.camera),
             time: self.state.time,
+            lights: self.state.lights.clone(),
             exposure: self.exposure.map(|exposure| exposure.brighter(self.state.stops)),
             number,
         }
@@ -257,7 +270,8 @@ impl Window {
     /// Whether what is wanted now is something else than an order.
     fn differs(&self, other: &Order) -> bool {
         let order = self.order(other.number);
-        (&order.show, order.camera, order.time) != (&other.show, other.camera, other.time)
+        (&order.show, order.camera, order.time, &order.lights)
+            != (&other.show, other.camera, other.time, &other.lights)
             || order.exposure.is_some_and(|exposure| Some(exposure) != other.exposure)
     }
 
@@ -288,6 +302,7 @@ impl Window {
             subject: Arc::clone(&picture.subject),
             camera: picture.camera,
             time: picture.order.time,
+            lights: picture.lights.clone(),
             radius: picture.radius,
             size: picture.order.show.size,
         })
@@ -373,10 +388,10 @@ impl eframe::App for Window {
         let context = ui.ctx().clone();
         let dropped = context.input(|input| input.raw.dropped_files.clone());
         dropped.iter().for_each(|file| self.open(file.path()));
-        let before = (self.state.pilot, self.state.time);
+        let before = (self.state.pilot, self.state.time, self.state.lights.clone());
         Panel::left("choices").default_size(290.0).show(ui, |ui| panel::show(ui, self));
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| canvas::show(ui, self));
-        if before != (self.state.pilot, self.state.time) {
+        if before != (self.state.pilot, self.state.time, self.state.lights.clone()) {
             self.moved = Instant::now();
             context.request_repaint();
         }
