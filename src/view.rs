@@ -45,8 +45,8 @@ use window::{Outcome, Window};
     deepshade view --scene sponza.gltf --effect gi --methods ssgi,surfel\n  \
     deepshade view --scene hall.gltf --put fox.gltf@-5,0,0,0.01,60 --effect fog-direct --extinction 0.2\n\n\
     Drag to go around, with the right button to look around, with the middle one to move; the wheel comes nearer; W, A, S, D, Q and \
-    E fly, with Shift faster. Space plays the animation, T turns truth on and off, M goes through image, difference and FLIP. A scene, \
-    a folder with a network or a picture of settings dropped onto the window is opened.")]
+    E fly, with Shift faster. Space plays the animation, T turns truth on and off, M goes through image, difference and FLIP. A scene \
+    file or a model folder dropped onto the window is opened.")]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
     #[arg(long, default_value = "room:7")]
