@@ -153,6 +153,10 @@ pub fn run(args: &Args) -> Result<()> {
             "deepshade",
             options,
             Box::new(move |creation| {
+                let mut visuals = egui::Visuals::dark();
+                // What is said beside images is read at a glance.
+                visuals.override_text_color = Some(egui::Color32::from_gray(215));
+                creation.egui_ctx.set_visuals(visuals);
                 let desk = Desk::new(&args, &creation.egui_ctx)?;
                 Ok(Box::new(Window::new(state, desk, script, outcome)))
             }),

@@ -30,7 +30,7 @@ const GRIP: f32 = 6.0;
 /// Shows the images and moves the camera.
 pub fn show(ui: &mut Ui, window: &mut Window) {
     let area = ui.available_rect_before_wrap();
-    let response = ui.interact(area, ui.id().with("canvas"), Sense::click_and_drag());
+    let response = ui.interact(area, ui.scope_id().with("canvas"), Sense::click_and_drag());
     ui.painter().rect_filled(area, 0.0, Color32::from_gray(24));
     let shown = window.shown();
     let count = shown.len();
@@ -130,7 +130,7 @@ fn wipe(ui: &Ui, place: Rect, borders: &[f32], shown: &[Shown<'_>]) {
 
 /// Moves the border under the pointer. Whether it has hold of one.
 fn drag_border(ui: &Ui, response: &Response, place: Rect, window: &mut Window, count: usize) -> bool {
-    let held = ui.id().with("border");
+    let held = ui.scope_id().with("border");
     let borders = window.state.borders(count);
     let x = |share: f32| place.left() + share * place.width();
     let near = |at: Pos2| borders.iter().position(|border| (x(*border) - at.x).abs() < GRIP);

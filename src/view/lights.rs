@@ -73,7 +73,7 @@ pub fn handles(ui: &Ui, response: &Response, place: Rect, window: &mut Window) -
     for spot in lights.iter().filter_map(at) {
         ui.painter().circle(spot, 4.0, Color32::from_rgb(255, 220, 120), Stroke::new(1.5, Color32::BLACK));
     }
-    let held = Id::new("light in hand");
+    let held = Id::unique("light in hand");
     if response.drag_started() {
         let origin = ui.input(|input| input.pointer.press_origin());
         let near = |light: &Light| Some(at(light)?.distance(origin?) < GRIP);

@@ -177,7 +177,9 @@ impl Script {
             Step::WaitTruth(samples) => {
                 let enough = window.truth_of_picture().is_some_and(|truth| truth.samples >= *samples);
                 let judged = window.verdict_of_picture().is_some_and(|verdict| verdict.samples >= *samples);
-                return Ok(enough && (judged || window.state.show.methods.is_empty()));
+                return Ok(window.is_up_to_date()
+                    && enough
+                    && (judged || window.state.show.methods.is_empty()));
             }
             Step::WaitRefusal => return Ok(window.message.is_some()),
             Step::Wait(seconds) => return Ok(since.as_secs_f32() >= *seconds),
