@@ -73,8 +73,8 @@ pub struct Picture {
     pub lights: Vec<Light>,
     /// How far the effect reached, metres.
     pub radius: f32,
-    /// How it was exposed.
-    pub exposure: Exposure,
+    /// How it was exposed, if there was anything to expose.
+    pub exposure: Option<Exposure>,
     /// What each method made.
     pub images: Vec<Developed>,
     /// The attribute that is inspected.
@@ -138,11 +138,10 @@ impl Studio {
             self.passes = set.live.passes().into_iter().zip(times).collect();
         }
         let (images, of_processor) = set.images(&subject, &order, &camera, &lights)?;
-        let exposure = order.exposure.unwrap_or_else(|| match images.first() {
-            Some((_, image)) => Exposure::new(show.effect, image, None),
-            None => Exposure::Plain,
-        });
-        let images = images.into_iter().map(|(name, image)| Developed::new(name, image, exposure)).collect();
+        let suits = || Some(Exposure::new(show.effect, &images.first()?.1, None));
+        let exposure = order.exposure.or_else(suits);
+        let developed = exposure.unwrap_or(Exposure::Plain);
+        let images = images.into_iter().map(|(name, image)| Developed::new(name, image, developed)).collect();
         let inspected =
             show.inspected.map(|attribute| set.live.attribute(attribute).map(|values| (attribute, values)));
         let inspected =

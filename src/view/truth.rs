@@ -41,15 +41,26 @@ impl PartialEq for Sight {
 }
 
 /// Truth that is wanted.
+#[derive(Clone, PartialEq)]
 pub struct Order {
     /// Of what.
     pub sight: Sight,
-    /// How it is exposed.
-    pub exposure: Exposure,
+    /// How it is exposed; by default as suits it.
+    pub exposure: Option<Exposure>,
+    /// How much brighter than suits it, stops.
+    pub stops: f32,
     /// With how many samples of a pixel.
     pub samples: u32,
     /// Chooses random numbers.
     pub seed: u32,
+}
+
+impl Order {
+    fn developed(&self, values: Planes) -> Developed {
+        let suits = || Exposure::new(self.sight.subject.effect, &values, None).brighter(self.stops);
+        let exposure = self.exposure.unwrap_or_else(suits);
+        Developed::new(TRUTH, values, exposure)
+    }
 }
 
 /// Truth as far as it is known.
@@ -83,8 +94,7 @@ pub fn run(orders: &Mailbox<Order>, tell: &(dyn Fn(News) + Sync)) {
         let before =
             known.iter().position(|truth| truth.sight == order.sight).map(|index| known.remove(index));
         if let Some(truth) = &before {
-            let values = Planes::clone(&truth.image.values);
-            let image = Developed::new(TRUTH, values, order.exposure);
+            let image = order.developed(Planes::clone(&truth.image.values));
             tell(News::Truth(Truth { image, ..truth.clone() }));
         }
         let samples = before.as_ref().map_or(0, |truth| truth.samples);
@@ -132,7 +142,7 @@ fn refine(
         let samples = estimate.samples;
         let truth = Truth {
             sight: order.sight.clone(),
-            image: Developed::new(TRUTH, estimate.mean, order.exposure),
+            image: order.developed(estimate.mean),
             samples,
             noise,
             seconds: start.elapsed().as_secs_f64(),

@@ -72,7 +72,7 @@ pub struct Window {
     ordered: Option<(Order, Instant)>,
     /// What the newest picture was ordered as.
     made: Option<Order>,
-    asked: Option<(Sight, Exposure, u32)>,
+    asked: Option<truth::Order>,
     judged: Option<(u32, u32)>,
     exposure: Option<Exposure>,
     textures: HashMap<(String, Map), TextureHandle>,
@@ -219,12 +219,12 @@ impl Window {
         for image in picture.images.iter().chain(&picture.inspected) {
             self.show(context, &image.name, Map::Image, &image.picture);
         }
-        let stops = self.state.stops;
-        self.exposure.get_or_insert_with(|| picture.exposure.brighter(-stops));
+        let suits = picture.exposure.map(|exposure| exposure.brighter(-self.state.stops));
+        self.exposure = self.exposure.or(suits);
         let mut made = picture.order.clone();
         made.camera = Some(picture.camera);
         made.lights = Some(picture.lights.clone());
-        made.exposure = Some(picture.exposure);
+        made.exposure = picture.exposure;
         self.made = Some(made);
         let seconds = self.began.elapsed().as_secs_f64();
         let mut outcome = self.outcome();
@@ -313,14 +313,14 @@ impl Window {
         let (Some(sight), Some(picture)) = (self.sight(), &self.picture) else { return };
         let still = self.is_up_to_date() && self.moved.elapsed() > STILL && !self.state.playing;
         let samples = if still && self.state.truth { self.state.samples } else { 0 };
-        let asked = (sight, picture.exposure, samples);
-        let resting = self.asked.as_ref().is_none_or(|asked| asked.2 == 0);
-        if self.asked.as_ref() == Some(&asked) || (samples == 0 && resting) {
+        let resting = self.asked.as_ref().is_none_or(|asked| asked.samples == 0);
+        let (exposure, stops, seed) = (picture.exposure, self.state.stops, self.state.args.seed);
+        let order = truth::Order { sight, exposure, stops, samples, seed };
+        if self.asked.as_ref() == Some(&order) || (samples == 0 && resting) {
             return;
         }
-        let (sight, exposure, samples) = asked.clone();
-        self.desk.truth.put(truth::Order { sight, exposure, samples, seed: self.state.args.seed });
-        self.asked = Some(asked);
+        self.desk.truth.put(order.clone());
+        self.asked = Some(order);
     }
 
     fn order_verdict(&mut self) {

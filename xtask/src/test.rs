@@ -94,7 +94,7 @@ fn set_up() -> Result<std::path::PathBuf> {
     if !succeeds(&mut command(&compiler, &["--version"])) {
         apt::install(&["g++"], "A C++ compiler, for nv-flip in the tests,")?;
     }
-    if cfg!(target_os = "linux") && !succeeds(&mut command("Xvfb", &["-version"])) {
+    if cfg!(target_os = "linux") && !succeeds(&mut command("xvfb-run", &["--help"])) {
         apt::install(&["xvfb"], "A screen that is none (Xvfb), for the tests of the window,")?;
     }
     let onnxruntime = python::onnxruntime()?;
