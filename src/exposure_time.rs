@@ -21,6 +21,12 @@ pub struct Args {
 }
 
 impl Args {
+    #[cfg(feature = "view")]
+    /// A moment, seconds, with the usual shutter.
+    pub const fn at(time: f32) -> Self {
+        Self { time, shutter: None }
+    }
+
     /// The moment, seconds.
     pub const fn time(self) -> f32 {
         self.time

@@ -13,6 +13,8 @@ use deepshade_render::method::Repeats;
 use deepshade_render::raster::Frame;
 use deepshade_render::raster::frame::{Settings, Stage};
 use deepshade_render::raster::since::Since;
+#[cfg(feature = "view")]
+use deepshade_render::scene::Light;
 use deepshade_render::scene::{AnimatedScene, Camera};
 use deepshade_render::screen::reprojection::{Parameters, Reprojection};
 use deepshade_render::screen::{Inputs, Plan, ScreenMethod, View};
@@ -124,6 +126,12 @@ impl Live {
         passes
     }
 
+    /// Moves, turns, dims or brightens the scene's lights, as many and of the same kinds, from the next frame on.
+    #[cfg(feature = "view")]
+    pub fn set_lights(&mut self, lights: &[Light]) {
+        self.frame.set_lights(&self.gpu.queue, lights);
+    }
+
     /// Makes the frame of a moment, seen by a camera. Gives the milliseconds of each pass: of this frame, or, by the GPU's
     /// clock, of one before, where that is known.
     ///
@@ -154,14 +162,7 @@ impl Live {
             return Ok(Vec::new());
         };
         let Running::Network(learned) = &self.shading[index].method else { return Ok(Vec::new()) };
-        let attributes = truth::attributes(learned.spec().effect);
-        let mut planes = Vec::new();
-        for attribute in attributes {
-            planes.extend_from_slice(self.attribute(*attribute)?.data());
-        }
-        let channels = attributes.iter().map(|attribute| attribute.width()).sum();
-        let planes = Planes::from_data(channels, self.view.height, self.view.width, planes);
-        let gbuffer = GBuffer::new(attributes.to_vec(), planes);
+        let gbuffer = self.gbuffer(truth::attributes(learned.spec().effect))?;
         let shaded = learned.image(&gbuffer, self.view.radius, Repeats::ONCE)?;
         let queue = &self.gpu.queue;
         let shading = &mut self.shading[index];
@@ -229,6 +230,20 @@ impl Live {
     /// If the device fails.
     pub fn attribute(&self, attribute: Attribute) -> Result<Planes> {
         self.read(self.frame.gbuffer().buffer(attribute), attribute.width())
+    }
+
+    /// Several attributes of the last frame.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn gbuffer(&self, attributes: &[Attribute]) -> Result<GBuffer> {
+        let mut planes = Vec::new();
+        for attribute in attributes {
+            planes.extend_from_slice(self.attribute(*attribute)?.data());
+        }
+        let channels = attributes.iter().map(|attribute| attribute.width()).sum();
+        let planes = Planes::from_data(channels, self.view.height, self.view.width, planes);
+        Ok(GBuffer::new(attributes.to_vec(), planes))
     }
 
     /// How far each pixel's surface moved since the frame before (x to the right, y up, pixels), its depth, and the

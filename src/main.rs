@@ -47,6 +47,8 @@ mod table;
 #[cfg(feature = "train")]
 mod train;
 mod tune;
+#[cfg(feature = "view")]
+mod view;
 mod views;
 #[cfg(feature = "train")]
 mod wgsl_folder;
@@ -86,6 +88,9 @@ enum Verb {
     Parity(parity::Args),
     /// Compares methods on a scene: images, errors, milliseconds and a page to look at.
     Compare(compare::Args),
+    /// Shows a scene in a window, by several methods at once, beside truth.
+    #[cfg(feature = "view")]
+    View(view::Args),
     /// Evaluates an effect's methods, learned and analytic, on a test set.
     Eval(eval::Args),
     /// Reruns a study of the thesis: data, networks, tests, a table and plots.
@@ -122,6 +127,8 @@ fn main() -> ExitCode {
         #[cfg(feature = "train")]
         Verb::Parity(args) => parity::run(&args),
         Verb::Compare(args) => compare::run(&args),
+        #[cfg(feature = "view")]
+        Verb::View(args) => view::run(&args),
         Verb::Eval(args) => eval::run(&args),
         #[cfg(feature = "train")]
         Verb::Experiment(args) => experiment::run(&args),

@@ -4,7 +4,7 @@
 //! scramblings, so that the error of the image is known without another image.
 
 mod animate;
-mod picture;
+pub mod picture;
 
 use crate::arguments::{check_pixels, positive, reach};
 use crate::complete::{Additions, Completed, Wants, complete, listeners};

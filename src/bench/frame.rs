@@ -3,7 +3,7 @@
 
 use crate::arguments::Size;
 use crate::complete::Additions;
-use crate::figures::Figures;
+use crate::figures::{Figures, memory};
 use crate::learned::{self, Learned};
 use crate::live::stage::{self, Seen};
 use crate::live::{Live, Wanted};
@@ -200,13 +200,6 @@ fn opened(args: &Args, chosen: &[(Effect, String)], gpu: &Gpu) -> Result<Opened>
         anyhow::Ok(Learned::new(gpu, &learned::network(&folder, Some(*effect))?)?)
     });
     Ok((others.into_iter().map(open).collect::<Result<_>>()?, learned.transpose()?))
-}
-
-/// Resident memory of the program, megabytes; `None` where the system does not say.
-fn memory() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
-    line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok().map(|kilobytes| kilobytes / 1024.0)
 }
 
 fn print(measured: &Measured) -> Result<()> {

@@ -16,6 +16,8 @@ mod stages;
 mod surfel;
 #[cfg(feature = "train")]
 mod train;
+#[cfg(feature = "view")]
+mod view;
 mod volume_shell;
 
 use anyhow::Result;
@@ -43,6 +45,9 @@ pub enum Verb {
     Lpv(lpv::Args),
     /// Milliseconds of designing phosphorescent materials, and what light of the past costs.
     Phosphor(phosphor::Args),
+    /// Pictures a second of the window by every method, seconds to the first one, memory.
+    #[cfg(feature = "view")]
+    View(view::Args),
     /// Training pairs an hour and a core, and where the time goes.
     Dataset(dataset::Args),
 }
@@ -64,6 +69,8 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::VolumeShell(args) => volume_shell::run(args),
         Verb::Lpv(args) => lpv::run(args),
         Verb::Phosphor(args) => phosphor::run(args),
+        #[cfg(feature = "view")]
+        Verb::View(args) => view::run(args),
         Verb::Dataset(args) => dataset::run(args),
     }
 }

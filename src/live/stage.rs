@@ -139,6 +139,12 @@ impl Staged {
         }
     }
 
+    #[cfg(feature = "view")]
+    /// Distance of what the camera looks at first, metres.
+    pub fn distance(&self) -> f32 {
+        self.pivot.distance(self.camera.position)
+    }
+
     /// Where the camera is: on a circle around what it looked at first.
     pub fn camera(&self, frame: u32) -> Camera {
         let turn = Mat3::from_rotation_y((self.orbit * frame as f32 / self.frames as f32).rem_euclid(TAU));

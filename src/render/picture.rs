@@ -46,6 +46,16 @@ impl Exposure {
         Self::Tone { middle, white }
     }
 
+    /// The same, brighter by so many stops.
+    #[cfg(feature = "view")]
+    pub fn brighter(self, stops: f32) -> Self {
+        match self {
+            Self::Plain if stops == 0.0 => Self::Plain,
+            Self::Plain => Self::Tone { middle: KEY * (-stops).exp2(), white: f32::INFINITY },
+            Self::Tone { middle, white } => Self::Tone { middle: middle * (-stops).exp2(), white },
+        }
+    }
+
     /// The picture of an image, sRGB.
     pub fn picture(self, image: &Planes) -> RgbImage {
         painted(image, |pixel| self.shown(colour(image, pixel)))

@@ -77,7 +77,7 @@ pub fn shown(image: &Planes) -> RgbImage {
 }
 
 /// The signed difference of two images, mean over channels, in colours.
-fn difference(image: &Planes, truth: &Planes) -> RgbImage {
+pub fn difference(image: &Planes, truth: &Planes) -> RgbImage {
     let channels = image.channels();
     painted(image, |pixel| {
         let sum: f32 = (0..channels).map(|c| image.plane(c)[pixel] - truth.plane(c)[pixel]).sum();
@@ -86,7 +86,7 @@ fn difference(image: &Planes, truth: &Planes) -> RgbImage {
 }
 
 /// FLIP of two images, in colours.
-fn flip(image: &Planes, truth: &Planes) -> RgbImage {
+pub fn flip(image: &Planes, truth: &Planes) -> RgbImage {
     let map = flip_map(image, truth);
     painted(&map, |pixel| colour_map::sequential(map.data()[pixel]))
 }

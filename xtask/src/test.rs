@@ -85,7 +85,7 @@ pub fn run() -> Result<()> {
     Ok(())
 }
 
-/// Vulkan, a C++ compiler and onnxruntime; gives the path of the latter's library.
+/// Vulkan, a C++ compiler, Xvfb and onnxruntime; gives the path of the latter's library.
 fn set_up() -> Result<std::path::PathBuf> {
     println!("=== set-up");
     vulkan::ensure()?;
@@ -93,6 +93,9 @@ fn set_up() -> Result<std::path::PathBuf> {
     let compiler = std::env::var("CXX").unwrap_or_else(|_| "c++".to_owned());
     if !succeeds(&mut command(&compiler, &["--version"])) {
         apt::install(&["g++"], "A C++ compiler, for nv-flip in the tests,")?;
+    }
+    if cfg!(target_os = "linux") && !succeeds(&mut command("xvfb-run", &["--help"])) {
+        apt::install(&["xvfb"], "A screen that is none (Xvfb), for the tests of the window,")?;
     }
     let onnxruntime = python::onnxruntime()?;
     println!("onnxruntime: {}", onnxruntime.display());

@@ -8,7 +8,7 @@ pub use super::stage::Stage;
 use super::surface::{SurfaceImage, SurfacePass};
 use super::view::perspective;
 use super::world::World;
-use crate::scene::{AnimatedScene, Camera};
+use crate::scene::{AnimatedScene, Camera, Light};
 use crate::screen::{GpuGBuffer, Step};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, Gpu, GpuError, Stamps};
@@ -78,6 +78,14 @@ impl Frame {
         queue.write_buffer(&self.view_before, 0, bytemuck::bytes_of(&self.view.unwrap_or(view)));
         self.view = Some(view);
         self.world.set(queue, time, shutter, camera, width as f32 / height as f32);
+    }
+
+    /// As [`World::set_lights`], from the next frame on.
+    ///
+    /// # Panics
+    /// As it does.
+    pub fn set_lights(&mut self, queue: &wgpu::Queue, lights: &[Light]) {
+        self.world.set_lights(queue, lights);
     }
 
     /// Records a stage. Shadow maps that show what they already do are kept.

@@ -107,6 +107,19 @@ impl World {
         self.seen = Some(seen);
     }
 
+    /// Moves, turns, dims or brightens the lights; those that an animation moves go on as it says.
+    ///
+    /// # Panics
+    /// If they are not as many, and of the same kinds: their maps are laid out.
+    pub fn set_lights(&mut self, queue: &wgpu::Queue, lights: &[Light]) {
+        let kinds = |lights: &[Light]| lights.iter().map(std::mem::discriminant).collect::<Vec<_>>();
+        assert_eq!(kinds(lights), kinds(&self.lights), "lights keep their kinds");
+        if lights != self.lights {
+            self.lights = lights.to_vec();
+            self.gpu_lights.set(queue, lights);
+        }
+    }
+
     /// The parts of its surface that surfels are laid out on; made when they are asked for first.
     pub fn patches(&self) -> &[Patch] {
         self.patches.get_or_init(|| patches::patches(&self.scene, &self.geometry.draws))

@@ -102,7 +102,7 @@ impl Light {
 
     /// The same in another place and direction, of which it has what its kind has.
     #[must_use]
-    pub(crate) fn moved(mut self, to: impl Fn(Vec3) -> Vec3, turned: impl Fn(Vec3) -> Vec3) -> Self {
+    pub fn moved(mut self, to: impl Fn(Vec3) -> Vec3, turned: impl Fn(Vec3) -> Vec3) -> Self {
         match &mut self {
             Self::Point { position, .. } => *position = to(*position),
             Self::Spot { position, direction, .. } => {
@@ -111,6 +111,32 @@ impl Light {
             Self::Directional { direction, .. } => *direction = turned(*direction),
         }
         self
+    }
+
+    /// The same, brighter by a factor.
+    #[must_use]
+    pub fn brighter(mut self, factor: f32) -> Self {
+        match &mut self {
+            Self::Point { intensity, .. } | Self::Spot { intensity, .. } => *intensity *= factor,
+            Self::Directional { irradiance, .. } => *irradiance *= factor,
+        }
+        self
+    }
+
+    /// Where it is, if it is anywhere.
+    pub const fn position(&self) -> Option<Vec3> {
+        match *self {
+            Self::Point { position, .. } | Self::Spot { position, .. } => Some(position),
+            Self::Directional { .. } => None,
+        }
+    }
+
+    /// The unit direction in which it shines, if it has one.
+    pub const fn direction(&self) -> Option<Vec3> {
+        match *self {
+            Self::Point { .. } => None,
+            Self::Spot { direction, .. } | Self::Directional { direction, .. } => Some(direction),
+        }
     }
 
     /// The picture that it projects.

@@ -1,0 +1,125 @@
+//! `deepshade bench view`: the window under a script: seconds to the first picture, pictures a second by every method,
+//! what it takes badly, memory. Without a screen it runs under Xvfb (`xvfb-run -a deepshade bench view`).
+
+use crate::figures::Figures;
+use crate::learned;
+use crate::methods::{self, LEARNED, TRUTH};
+use anyhow::{Context, Result, ensure};
+use deepshade_render::scene::SceneSource;
+use deepshade_shaders::Effect;
+use serde_json::Value;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Measures the window.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:\n  deepshade bench view --json view.json\n  \
+    xvfb-run -a deepshade bench view --effects ao,gi --minutes 10 --json view.json\n\n\
+    In the JSON file seconds_to_first_picture is from the program's beginning, fps_EFFECT_METHOD pictures a second while the camera goes \
+    around, memory_growth_mb_10min what memory grew by in the minutes of --minutes, scaled to ten, panics how many threads died.")]
+pub struct Args {
+    /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
+    #[arg(long, default_value = "room:7")]
+    scene: SceneSource,
+    /// Which effects; by default all that have a method.
+    #[arg(long, value_delimiter = ',')]
+    effects: Vec<Effect>,
+    /// Pictures of each method.
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pictures: u32,
+    /// For how long memory is watched; 0 for not at all.
+    #[arg(long, default_value_t = 1.0, value_parser = crate::arguments::within(0.0..=600.0))]
+    minutes: f32,
+    /// Pictures of the window, one an effect, are written into this folder.
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Writes the figures here as JSON.
+    #[arg(long, value_parser = crate::arguments::written_file)]
+    json: Option<PathBuf>,
+}
+
+/// Measures and prints.
+///
+/// # Errors
+/// If there is no display or no adapter, or the window does not come to the end of its script.
+pub fn run(args: &Args) -> Result<()> {
+    let folder = tempfile::tempdir().context("a folder for the script")?;
+    let broken = folder.path().join("broken.glb");
+    std::fs::write(&broken, b"glTF, but not for long").context("a broken file")?;
+    let [script, json] = ["script.txt", "view.json"].map(|name| folder.path().join(name));
+    let shots = args.out.as_deref();
+    if let Some(folder) = shots {
+        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    }
+    std::fs::write(&script, steps(args, &broken, shots)).context("the script")?;
+    let window = Command::new(std::env::current_exe().context("this program")?)
+        .args(["view", "--scene", &args.scene.to_string(), "--height", "144", "--width", "224", "--script"])
+        .arg(&script)
+        .arg("--json")
+        .arg(&json)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .output()
+        .context("the window")?;
+    let said = String::from_utf8_lossy(&window.stderr);
+    let panics = said.matches("panicked at").count();
+    ensure!(window.status.success(), "the window: {}", said.trim());
+    let text = std::fs::read_to_string(&json).context("the window's figures")?;
+    let measured: Value = serde_json::from_str(&text).context("the window's figures")?;
+    let mut figures = Figures::new("bench view");
+    for (name, value) in measured["figures"].as_object().into_iter().flatten() {
+        let Some(value) = value.as_f64() else { continue };
+        match name.as_str() {
+            "memory_growth_mb" => {
+                figures.set("memory_growth_mb_10min", value * 10.0 / (0.75 * f64::from(args.minutes)));
+            }
+            name => figures.set(name, value),
+        }
+        say!("{name:<40} {value:>10.3}")?;
+    }
+    figures.set("panics", panics as f64);
+    figures.detail("scene", args.scene.to_string().into());
+    figures.write(args.json.as_deref())?;
+    say!("{:<40} {panics:>10}", "panics")
+}
+
+/// What hands would do: every effect by every method, odd sizes, a window that is put away, broken files, and long walks.
+fn steps(args: &Args, broken: &Path, shots: Option<&Path>) -> String {
+    let all = Effect::ALL.into_iter().filter(|effect| !opened(*effect).is_empty());
+    let effects: Vec<Effect> = if args.effects.is_empty() { all.collect() } else { args.effects.clone() };
+    let mut steps = "truth off\nquality low\nwait picture\n".to_owned();
+    let mut add = |step: String| writeln!(steps, "{step}").unwrap_or_default();
+    for effect in &effects {
+        add(format!("effect {effect}"));
+        for method in opened(*effect) {
+            add(format!("methods {method}\nmeasure {}", args.pictures));
+        }
+        if let Some(folder) = shots {
+            add(format!("methods {}", opened(*effect).join(",")));
+            add(format!("wait picture\nscreenshot {}", folder.join(format!("{effect}.png")).display()));
+        }
+    }
+    if let Some(effect) = effects.first() {
+        add(format!("effect {effect}\nmethods {}", opened(*effect)[0]));
+    }
+    for size in ["333 217", "1 1", "1601 901", "640 480"] {
+        add(format!("resize {size}\nwait 0.3\nwait picture"));
+    }
+    add("size 37 23\nwait picture\nsize 224 144\nwait picture".to_owned());
+    add("minimise on\nwait 0.5\nminimise off\nwait picture".to_owned());
+    add(format!("open {}\nwait refusal\nopen {}\nwait picture", broken.display(), args.scene));
+    if args.minutes > 0.0 {
+        add(format!("truth on\nsoak {}", 60.0 * args.minutes));
+    }
+    add("quit".to_owned());
+    steps
+}
+
+/// Methods that can be opened: a trained network only where there is one.
+fn opened(effect: Effect) -> Vec<&'static str> {
+    let there = |name: &&str| {
+        *name != TRUTH && (*name != LEARNED || learned::usual_folder(effect).join("net.json").is_file())
+    };
+    methods::names_of(effect).into_iter().filter(there).collect()
+}

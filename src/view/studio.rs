@@ -1,0 +1,259 @@
+//! The thread that makes frames: a scene on the GPU and the methods that are wanted. It has a device of its own, so that
+//! the window stays awake while a frame takes its time, and outlives a device that is lost.
+
+use super::mailbox::Mailbox;
+use super::pictures::Developed;
+use super::subject::Subject;
+use super::{Args, News};
+use crate::learned::{self, Learned};
+use crate::live::{Live, Wanted};
+use crate::methods::{self, LEARNED, Setup};
+use crate::radius::{self, Space};
+use crate::render::picture::Exposure;
+use anyhow::{Context, Result};
+use deepshade_dataset::truth;
+use deepshade_render::method::{Frame, Method, Repeats};
+use deepshade_render::methods::Quality;
+use deepshade_render::scene::{Camera, Light, SceneSource};
+use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{Attribute, Effect, Planes};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// What is made of every frame; where this changes, the scene goes to the GPU anew.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Show {
+    /// The scene.
+    pub source: SceneSource,
+    /// What is computed.
+    pub effect: Effect,
+    /// By which methods, in the order in which they are shown.
+    pub methods: Vec<&'static str>,
+    /// How much time they may take.
+    pub quality: Quality,
+    /// How far the effect reaches, metres; by default as far as it does everywhere.
+    pub radius: Option<f32>,
+    /// Rows and columns.
+    pub size: [usize; 2],
+    /// Whether images are mixed with those of the frames before.
+    pub temporal: bool,
+    /// What of the g-buffer is shown beside.
+    pub inspected: Option<Attribute>,
+    /// Folder of the trained network; by default the usual one of the effect.
+    pub model: Option<PathBuf>,
+}
+
+/// A frame that is wanted.
+#[derive(Clone)]
+pub struct Order {
+    /// What is made of it.
+    pub show: Show,
+    /// From where it is seen; where nothing is said, from where the scene is seen first.
+    pub camera: Option<Camera>,
+    /// When, seconds.
+    pub time: f32,
+    /// Under which lights; where nothing is said, the scene's own.
+    pub lights: Option<Vec<Light>>,
+    /// How it is exposed; by default as suits the first image.
+    pub exposure: Option<Exposure>,
+    /// Chooses random numbers.
+    pub number: u32,
+}
+
+/// A frame that was made.
+pub struct Picture {
+    /// What was ordered.
+    pub order: Order,
+    /// Of what.
+    pub subject: Arc<Subject>,
+    /// From where it is seen.
+    pub camera: Camera,
+    /// Under which lights.
+    pub lights: Vec<Light>,
+    /// How far the effect reached, metres.
+    pub radius: f32,
+    /// How it was exposed, if there was anything to expose.
+    pub exposure: Option<Exposure>,
+    /// What each method made.
+    pub images: Vec<Developed>,
+    /// The attribute that is inspected.
+    pub inspected: Option<Developed>,
+    /// Milliseconds of passes, as far as they are known.
+    pub passes: Vec<(String, f64)>,
+    /// Milliseconds from the order to the picture.
+    pub milliseconds: f64,
+}
+
+/// Makes what is ordered until the mailbox is closed.
+pub fn run(args: &Args, orders: &Mailbox<Order>, tell: &dyn Fn(News)) {
+    let mut studio = Studio::default();
+    while let Some(order) = orders.take() {
+        match studio.make(args, order, tell) {
+            Ok(picture) => tell(News::Picture(Box::new(picture))),
+            Err(error) => {
+                studio = Studio::default();
+                tell(News::Refused(format!("{error:#}")));
+            }
+        }
+    }
+}
+
+/// What is kept from frame to frame.
+#[derive(Default)]
+struct Studio {
+    gpu: Option<Gpu>,
+    subject: Option<Arc<Subject>>,
+    set: Option<Set>,
+    passes: Vec<(String, f64)>,
+}
+
+/// A scene on the GPU with its methods.
+struct Set {
+    show: Show,
+    live: Live,
+    /// Methods of the live scene, in its order.
+    live_names: Vec<&'static str>,
+    on_processor: Vec<Box<dyn Method>>,
+    radius: f32,
+}
+
+impl Studio {
+    fn make(&mut self, args: &Args, order: Order, tell: &dyn Fn(News)) -> Result<Picture> {
+        let start = Instant::now();
+        let show = &order.show;
+        let subject = self.subject(args, show, tell)?;
+        let camera = order.camera.unwrap_or(subject.pilot.camera);
+        let set = match self.set.take() {
+            Some(set) if set.show == *show => set,
+            _ => {
+                self.passes.clear();
+                Set::new(args, self.gpu()?, &subject, show, &camera)?
+            }
+        };
+        let set = self.set.insert(set);
+        let lights = order.lights.clone().unwrap_or_else(|| subject.animated.scene.lights.clone());
+        set.live.set_lights(&lights);
+        if let Some(times) = set.live.make(order.time, order.number, &camera)? {
+            self.passes = set.live.passes().into_iter().zip(times).collect();
+        }
+        let (images, of_processor) = set.images(&subject, &order, &camera, &lights)?;
+        let suits = || Some(Exposure::new(show.effect, &images.first()?.1, None));
+        let exposure = order.exposure.or_else(suits);
+        let developed = exposure.unwrap_or(Exposure::Plain);
+        let images = images.into_iter().map(|(name, image)| Developed::new(name, image, developed)).collect();
+        let inspected =
+            show.inspected.map(|attribute| set.live.attribute(attribute).map(|values| (attribute, values)));
+        let inspected =
+            inspected.transpose()?.map(|(attribute, values)| Developed::of_attribute(attribute, values));
+        let passes = self.passes.iter().cloned().chain(of_processor).collect();
+        let radius = set.radius;
+        let milliseconds = start.elapsed().as_secs_f64() * 1e3;
+        Ok(Picture {
+            subject,
+            camera,
+            lights,
+            radius,
+            exposure,
+            images,
+            inspected,
+            passes,
+            milliseconds,
+            order,
+        })
+    }
+
+    /// The scene, read anew where another one is wanted or another effect of it.
+    fn subject(&mut self, args: &Args, show: &Show, tell: &dyn Fn(News)) -> Result<Arc<Subject>> {
+        if let Some(subject) = &self.subject
+            && subject.source == show.source
+            && subject.effect == show.effect
+        {
+            return Ok(Arc::clone(subject));
+        }
+        self.set = None;
+        let subject = Arc::new(Subject::load(args, &show.source, show.effect)?);
+        tell(News::Subject(Arc::clone(&subject)));
+        Ok(Arc::clone(self.subject.insert(subject)))
+    }
+
+    fn gpu(&mut self) -> Result<Gpu> {
+        let gpu = match self.gpu.take() {
+            Some(gpu) => gpu,
+            None => Gpu::new()?,
+        };
+        Ok(self.gpu.insert(gpu).clone())
+    }
+}
+
+impl Set {
+    fn new(args: &Args, gpu: Gpu, subject: &Subject, show: &Show, camera: &Camera) -> Result<Self> {
+        let screen = methods::screen_names(show.effect);
+        let (on_screen, others): (Vec<&str>, Vec<&str>) =
+            show.methods.iter().partition(|name| screen.contains(name));
+        let open = |name: &&str| methods::open_screen(show.effect, name, &gpu, show.quality);
+        let opened = on_screen.iter().map(open).collect::<Result<Vec<_>>>()?;
+        let learned = others.contains(&LEARNED).then(|| network(show, &gpu)).transpose()?;
+        let processor: Vec<&str> = others.into_iter().filter(|name| *name != LEARNED).collect();
+        let setup = Setup { gpu: &gpu, model: None, quality: show.quality };
+        let on_processor = methods::open(show.effect, &processor, setup)?;
+        let space = Space { diagonal: subject.diagonal, height: show.size[0] };
+        let reach = learned.as_ref().map(|learned| learned.spec().reach);
+        let radius = radius::wanted(show.radius, reach, &[show.effect], space);
+        let mut attributes = vec![Attribute::Valid];
+        attributes.extend(show.inspected);
+        if !on_processor.is_empty() {
+            attributes.extend_from_slice(truth::attributes(show.effect));
+        }
+        let mut live_names: Vec<&'static str> = opened.iter().map(|method| method.name()).collect();
+        live_names.extend(learned.as_ref().map(|_| LEARNED));
+        let wanted = Wanted {
+            size: show.size,
+            methods: opened,
+            learned,
+            attributes,
+            temporal: show.temporal,
+            radius,
+            shutter: args.shutter(),
+        };
+        let live = Live::new(&gpu, &subject.animated, camera, wanted)?;
+        Ok(Self { show: show.clone(), live, live_names, on_processor, radius })
+    }
+
+    /// What each method made of the last frame, in the order asked for, and the milliseconds of those that run on the processor.
+    fn images(
+        &self,
+        subject: &Subject,
+        order: &Order,
+        camera: &Camera,
+        lights: &[Light],
+    ) -> Result<(Vec<Image>, Vec<(String, f64)>)> {
+        let (mut images, mut times) = (Vec::new(), Vec::new());
+        for (index, name) in self.live_names.iter().enumerate() {
+            images.push((*name, self.live.image(index)?));
+        }
+        if !self.on_processor.is_empty() {
+            let scene = subject.traced(order.time, lights)?;
+            let gbuffer = self.live.gbuffer(truth::attributes(self.show.effect))?;
+            let frame =
+                Frame { scene: &scene, camera, gbuffer: &gbuffer, radius: self.radius, seed: order.number };
+            for method in &self.on_processor {
+                let shaded = method.shade(&frame, Repeats::ONCE)?;
+                times.push((method.name().to_owned(), shaded.milliseconds));
+                images.push((method.name(), shaded.image));
+            }
+        }
+        let place = |name: &str| self.show.methods.iter().position(|method| *method == name);
+        images.sort_by_key(|(name, _)| place(name));
+        Ok((images, times))
+    }
+}
+
+/// A method's name and its image.
+type Image = (&'static str, Planes);
+
+fn network(show: &Show, gpu: &Gpu) -> Result<Learned> {
+    let folder = show.model.clone().unwrap_or_else(|| learned::usual_folder(show.effect));
+    let model = learned::network(&folder, Some(show.effect))?;
+    Learned::new(gpu, &model).with_context(|| format!("the network in {}", folder.display()))
+}
