@@ -7,7 +7,8 @@ use anyhow::{Context, Result, bail};
 use deepshade_dataset::progress::in_words;
 use deepshade_dataset::target;
 use deepshade_dataset::{
-    Dataset, Recipe, TargetMethod, TestSet, contact_sheet, generate_by, test_sheet, verify,
+    Dataset, Recipe, Shard, TargetMethod, TestSet, contact_sheet, generate_by, generate_shard, merge,
+    test_sheet, verify,
 };
 use deepshade_render::method::{Frame, Method, MethodError, Repeats, Shaded};
 use deepshade_shaders::gpu::Gpu;
@@ -22,6 +23,8 @@ use std::time::{Duration, Instant};
 pub enum Verb {
     /// Makes the pairs of a recipe, or those that are still missing.
     Generate(Generate),
+    /// Puts the shards of a dataset together.
+    Merge(Merge),
     /// Checks every file of a dataset against its manifest.
     Verify(Verify),
     /// Draws every channel and the target of some pairs, or of some frames of a test set, into one picture.
@@ -52,10 +55,33 @@ impl RecipeArgs {
 
 /// Makes the pairs of a recipe, or those that are still missing.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  deepshade dataset generate dataset/recipes/ao.toml --out data/ao")]
+#[command(after_help = "Examples:\n  deepshade dataset generate dataset/recipes/ao.toml --out data/ao\n  \
+    deepshade dataset generate dataset/recipes/ao.toml --shard 2/5 --out data/ao-2\n\n\
+    Shards may be made on any machines of one kind, in any order; `deepshade dataset merge` puts them together to the bytes \
+    that one run makes.")]
 pub struct Generate {
     #[command(flatten)]
     recipe: RecipeArgs,
+    /// Folder of the dataset, or of the shard.
+    #[arg(long)]
+    out: PathBuf,
+    /// Makes one part alone, such as 2/5: the second of five.
+    #[arg(long)]
+    shard: Option<Shard>,
+    /// Writes the figures here as JSON.
+    #[arg(long, value_parser = crate::arguments::written_file)]
+    json: Option<PathBuf>,
+}
+
+/// Puts the shards of a dataset together.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  deepshade dataset merge data/ao-1 data/ao-2 data/ao-3 --out data/ao\n\n\
+    Every file is checked; a shard that is missing, unfinished, damaged or of other data is named. Interrupted, the same \
+    command goes on.")]
+pub struct Merge {
+    /// Folders of all shards, in any order.
+    #[arg(required = true)]
+    shards: Vec<PathBuf>,
     /// Folder of the dataset.
     #[arg(long)]
     out: PathBuf,
@@ -122,6 +148,7 @@ pub struct Testset {
 pub fn run(verb: &Verb) -> Result<()> {
     match verb {
         Verb::Generate(args) => generate_pairs(args),
+        Verb::Merge(args) => merge_shards(args),
         Verb::Verify(args) => verify_pairs(args),
         Verb::Show(args) => show_pairs(args),
         Verb::Testset(args) => make_testset(args),
@@ -163,8 +190,11 @@ fn generate_pairs(args: &Generate) -> Result<()> {
     let recipe = args.recipe.load()?;
     let start = Instant::now();
     let method = target_method(&recipe)?;
-    let summary =
-        generate_by(&recipe, &args.out, method.as_deref().map(|method| method as TargetMethod<'_>))?;
+    let method = method.as_deref().map(|method| method as TargetMethod<'_>);
+    let summary = match args.shard {
+        Some(shard) => generate_shard(&recipe, &args.out, method, shard)?,
+        None => generate_by(&recipe, &args.out, method)?,
+    };
     let seconds = start.elapsed().as_secs_f64();
     let mut figures = Figures::new("dataset generate");
     figures.set("pairs", summary.pairs as f64);
@@ -180,6 +210,15 @@ fn generate_pairs(args: &Generate) -> Result<()> {
         summary.rendered,
         summary.bytes as f64 / 1e6
     )
+}
+
+fn merge_shards(args: &Merge) -> Result<()> {
+    let pairs = merge(&args.shards, &args.out)?;
+    let mut figures = Figures::new("dataset merge");
+    figures.set("pairs", pairs as f64);
+    figures.set("shards", args.shards.len() as f64);
+    figures.write(args.json.as_deref())?;
+    say!("{pairs} pairs of {} shards in {}", args.shards.len(), args.out.display())
 }
 
 fn verify_pairs(args: &Verify) -> Result<()> {

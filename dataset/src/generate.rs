@@ -11,6 +11,7 @@ use crate::journal::{Journal, checked};
 use crate::manifest::{MANIFEST, Manifest, PairRecord};
 use crate::origin::Origin;
 use crate::plan::{Part, PlannedScene, PlannedView};
+use crate::shard::Shard;
 use crate::target::{self, TargetMethod};
 use crate::{DatasetError, Props, Recipe, StagedScene, Subject, progress, truth};
 use deepshade_render::exr_file::{Layer, Metadata, encode};
@@ -25,7 +26,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 /// Where the pairs lie in a dataset's folder.
-const PAIRS: &str = "pairs";
+pub(crate) const PAIRS: &str = "pairs";
 /// So many scenes are in memory at a time; their views and tiles keep all threads busy.
 const SCENES_AT_ONCE: usize = 2;
 
@@ -59,6 +60,28 @@ pub fn generate_by(
     folder: &Path,
     method: Option<TargetMethod<'_>>,
 ) -> Result<Summary, DatasetError> {
+    generate_part(recipe, folder, method, None)
+}
+
+/// One part of what [`generate_by`] makes, in a folder of its own, for [`crate::merge`].
+///
+/// # Errors
+/// Those of [`generate_by`], also if the folder holds another shard.
+pub fn generate_shard(
+    recipe: &Recipe,
+    folder: &Path,
+    method: Option<TargetMethod<'_>>,
+    shard: Shard,
+) -> Result<Summary, DatasetError> {
+    generate_part(recipe, folder, method, Some(shard))
+}
+
+fn generate_part(
+    recipe: &Recipe,
+    folder: &Path,
+    method: Option<TargetMethod<'_>>,
+    shard: Option<Shard>,
+) -> Result<Summary, DatasetError> {
     target::check(recipe, method)?;
     for (holds, what) in [
         (recipe.split == Split::Test, "`split` says testing, where pairs are for training"),
@@ -70,9 +93,14 @@ pub fn generate_by(
         }
     }
     let plan = recipe.plan()?;
-    let origin = Origin::new(recipe, &plan, folder)?;
-    let earlier = earlier_pairs(folder, &origin)?;
-    let (journal, mut entries) = Journal::open(folder, &[PAIRS], MANIFEST, &origin)?;
+    let origin = Origin { shard, ..Origin::new(recipe, &plan, folder)? };
+    let plan = match shard {
+        Some(shard) => shard.of(plan),
+        None => plan,
+    };
+    let list = shard.map_or_else(|| MANIFEST.to_owned(), Shard::file_name);
+    let earlier = earlier_pairs(folder, &list, &origin)?;
+    let (journal, mut entries) = Journal::open(folder, &[PAIRS], &list, &origin)?;
     entries.extend(earlier);
     let known = checked(folder, entries);
     let total = plan.iter().map(|scene| scene.views.len()).sum();
@@ -81,7 +109,7 @@ pub fn generate_by(
     let work = Work { recipe, method, props: &props, folder, journal: &journal, known: &known, bar: &bar };
     let manifest = Manifest { origin, pairs: by_scene(&plan, |_, scene| work.scene(scene))? };
     bar.finish_and_clear();
-    manifest.save(folder)?;
+    manifest.save_list(folder, &list)?;
     journal.finish()?;
     let size = |pair: &PairRecord| {
         let path = folder.join(&pair.file);
@@ -108,11 +136,11 @@ pub(crate) fn by_scene<R: Send>(
 }
 
 /// The pairs of a dataset that is whole, or was before a file was damaged.
-fn earlier_pairs(folder: &Path, ours: &Origin) -> Result<Vec<PairRecord>, DatasetError> {
-    if !folder.join(MANIFEST).exists() {
+fn earlier_pairs(folder: &Path, list: &str, ours: &Origin) -> Result<Vec<PairRecord>, DatasetError> {
+    if !folder.join(list).exists() {
         return Ok(Vec::new());
     }
-    let earlier = Manifest::load(folder)?;
+    let earlier = Manifest::load_list(folder, list)?;
     earlier.origin.check_same(ours, folder)?;
     Ok(earlier.pairs)
 }
@@ -290,4 +318,4 @@ fn varied(record: &PairRecord) -> Vec<(&'static str, String)> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

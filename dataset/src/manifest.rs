@@ -64,7 +64,12 @@ impl Manifest {
     /// # Errors
     /// If it is missing, damaged, of another version of the data, or states values beyond a recipe's limits.
     pub fn load(folder: &Path) -> Result<Self, DatasetError> {
-        let path = folder.join(MANIFEST);
+        Self::load_list(folder, MANIFEST)
+    }
+
+    /// [`Manifest::load`] of a file of another name: the list of a shard.
+    pub(crate) fn load_list(folder: &Path, name: &str) -> Result<Self, DatasetError> {
+        let path = folder.join(name);
         let mut manifest: Self = read_json(&path)?;
         manifest.origin.opened(&path)?;
         Ok(manifest)
@@ -84,7 +89,12 @@ impl Manifest {
     /// # Errors
     /// If it cannot be written.
     pub fn save(&self, folder: &Path) -> Result<(), DatasetError> {
-        write_json(&folder.join(MANIFEST), self)
+        self.save_list(folder, MANIFEST)
+    }
+
+    /// [`Manifest::save`] as a file of another name: the list of a shard.
+    pub(crate) fn save_list(&self, folder: &Path, name: &str) -> Result<(), DatasetError> {
+        write_json(&folder.join(name), self)
     }
 }
 

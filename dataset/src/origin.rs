@@ -1,6 +1,7 @@
 //! What data on disk were made by and from: the head of a manifest and of a test set's list.
 
 use crate::plan::PlannedScene;
+use crate::shard::Shard;
 use crate::{DatasetError, Recipe, vary};
 use deepshade_render::exr_file;
 use deepshade_shaders::Effect;
@@ -35,6 +36,9 @@ pub struct Origin {
     /// BLAKE3 hashes, in hexadecimal, of the files and folders that the recipe's table `vary` names.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub props: BTreeMap<PathBuf, String>,
+    /// Which part of the data these are, where they are one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shard: Option<Shard>,
     /// Name of the recipe's file.
     pub recipe_file: String,
     /// The recipe itself.
@@ -87,6 +91,7 @@ impl Origin {
             program: exr_file::PROGRAM.to_owned(),
             recipe_hash: recipe_hash(recipe, hashes.chain(props.values().map(String::as_str)))?,
             props,
+            shard: None,
             scenes: recipe.names_files().then(|| relative(&recipe.folder, folder)).transpose()?,
             recipe_file: recipe.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             recipe: recipe.clone(),
@@ -98,7 +103,9 @@ impl Origin {
     /// # Errors
     /// If so, with what differs.
     pub(crate) fn check_same(&self, ours: &Self, folder: &Path) -> Result<(), DatasetError> {
-        let job = |origin: &Self| (origin.program.clone(), origin.data_version, origin.recipe_hash.clone());
+        let job = |origin: &Self| {
+            (origin.program.clone(), origin.data_version, origin.recipe_hash.clone(), origin.shard)
+        };
         if job(self) == job(ours) {
             return Ok(());
         }
@@ -143,6 +150,7 @@ fn leaves_of(origin: &Origin) -> Result<BTreeMap<String, String>, DatasetError> 
         ("program".to_owned(), origin.program.clone()),
         ("data_version".to_owned(), origin.data_version.to_string()),
     ]);
+    leaves.extend(origin.shard.map(|shard| ("shard".to_owned(), shard.to_string())));
     add_leaves(String::new(), &recipe, &mut leaves);
     for (path, hash) in &origin.props {
         leaves.insert(path.display().to_string(), format!("of hash {hash:.8}"));
@@ -178,7 +186,7 @@ pub(crate) fn recipe_hash<'a>(
 
 /// The way to a folder from another, which may not be there yet; the whole path where there is no way, as from one
 /// drive to another.
-fn relative(to: &Path, from: &Path) -> Result<PathBuf, DatasetError> {
+pub(crate) fn relative(to: &Path, from: &Path) -> Result<PathBuf, DatasetError> {
     let whole = |path: &Path| {
         let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
         path.canonicalize().map_err(|source| DatasetError::io(path, source))

@@ -9,7 +9,7 @@ use deepshade_render::scene::procedural::{Family, Split};
 use deepshade_shaders::{Attribute, Effect, Planes};
 
 /// A recipe of two scenes with two views each.
-fn recipe(folder: &Path, seed: u32) -> Recipe {
+pub(crate) fn recipe(folder: &Path, seed: u32) -> Recipe {
     let train = Family::ALL.into_iter().find(|family| family.split() == Split::Train).expect("a family");
     let path = folder.join(format!("recipe-{seed}.toml"));
     let text = format!(
