@@ -212,11 +212,11 @@ fn make_all(
     Ok(frames)
 }
 
-/// All qualities, in words.
+/// The qualities of all methods, in words.
 fn quality(comparison: &Comparison) -> String {
     let own = |run: &Run| {
-        let of_methods = run.methods().iter().filter_map(|method| method.qualities.clone()).flatten();
-        run.qualities().iter().copied().chain(of_methods).collect::<Vec<_>>()
+        let of = |method: &MethodChoice| method.qualities.clone().unwrap_or(run.qualities().to_vec());
+        run.methods().iter().flat_map(of).collect::<Vec<_>>()
     };
     let mut qualities = distinct(comparison.runs.iter().flat_map(own));
     qualities.sort_unstable();

@@ -84,7 +84,7 @@ enum Verb {
     /// Checks that burn, the reference, WGSL and onnxruntime agree.
     #[cfg(feature = "train")]
     Parity(parity::Args),
-    /// Compares methods on a scene: images, errors, milliseconds and a page to look at.
+    /// Compares methods on scenes: images, errors, milliseconds and a page to look at.
     Compare(compare::Args),
     /// Evaluates an effect's methods, learned and analytic, on a test set.
     Eval(eval::Args),

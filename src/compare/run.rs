@@ -78,18 +78,23 @@ pub struct Run {
 }
 
 impl Run {
-    /// What is stated here, and elsewhere what is stated by another. What stands in either is left out.
+    /// What is stated here, and elsewhere what is stated by another; of its methods those that are for effects that are stated
+    /// here. What stands in either is left out.
     #[must_use]
     pub fn over(self, other: &Self) -> Self {
         let other = other.clone();
         // Samples and error are one statement: a count does not mean the most for an error of the other's.
         let stated = self.samples.is_some() || self.error.is_some();
         let (samples, error) = if stated { (self.samples, self.error) } else { (other.samples, other.error) };
+        let methods = match &self.effects {
+            Some(effects) => other.methods.and_then(|methods| fitting(methods, effects)),
+            None => other.methods,
+        };
         Self {
             name: self.name.or(other.name),
             scenes: self.scenes.or(other.scenes),
             effects: self.effects.or(other.effects),
-            methods: self.methods.or(other.methods),
+            methods: self.methods.or(methods),
             qualities: self.qualities.or(other.qualities),
             model: self.model.or(other.model),
             views: self.views.or(other.views),
@@ -245,4 +250,16 @@ impl Run {
     pub fn learns(&self) -> bool {
         self.methods().iter().any(|method| method.name == methods::LEARNED)
     }
+}
+
+/// Methods without those that only other effects have; nothing where no effect has any. What is no method at all stays, to be
+/// refused by name.
+fn fitting(mut methods: Vec<MethodChoice>, effects: &[Effect]) -> Option<Vec<MethodChoice>> {
+    let has =
+        |effect: &Effect, method: &MethodChoice| methods::names_of(*effect).contains(&method.name.as_str());
+    methods.retain(|method| {
+        effects.iter().any(|effect| has(effect, method))
+            || !Effect::ALL.iter().any(|effect| has(effect, method))
+    });
+    (!methods.is_empty()).then_some(methods)
 }

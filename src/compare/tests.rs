@@ -137,6 +137,23 @@ fn the_command_line_comes_before_the_file_in_every_run() {
 }
 
 #[test]
+fn of_methods_that_are_stated_elsewhere_a_run_has_those_of_its_effects() {
+    let names = |text: &str, line: &Run| -> Result<Vec<String>> {
+        let run = comparison(text, line)?.runs.remove(0);
+        Ok(run.methods().iter().map(|method| method.name.clone()).collect())
+    };
+    let text =
+        "scenes = [\"room:1\"]\neffects = [\"ao\", \"gi\"]\nmethods = [\"gtao\", \"ssgi\", \"surfel\"]";
+    let only = |effect: Effect| Run { effects: Some(vec![effect]), ..Run::default() };
+    assert_eq!(names(text, &only(Effect::Ao)).expect("sound"), ["gtao", "surfel"]);
+    assert_eq!(names(text, &only(Effect::Aa)).expect("sound"), [""; 0], "all that there are");
+    let run = format!("{text}\n[[runs]]\neffects = [\"gi\"]");
+    assert_eq!(names(&run, &Run::default()).expect("sound"), ["ssgi", "surfel"]);
+    let wrong = text.replace("gtao", "ssao");
+    assert!(names(&wrong, &only(Effect::Gi)).expect_err("none").to_string().contains("comparison"));
+}
+
+#[test]
 fn what_is_wrong_is_named_with_its_line_or_its_key() {
     for (text, named) in [
         ("scenes = [\"room:1\"]\ncolour = 1", &["line 2", "colour", "effects"][..]),
