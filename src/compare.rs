@@ -40,6 +40,7 @@ use deepshade_shaders::gpu::Gpu;
 use description::{Comparison, distinct};
 use plan::{Planned, Stages, completed, plan};
 use serde_json::json;
+use std::cell::Cell;
 use std::path::PathBuf;
 
 /// Methods are timed as the median of so many runs.
@@ -182,7 +183,9 @@ fn make_all(
     if whole > 0 {
         note!("{whole} of {} frames are there from an earlier run", planned.len());
     }
-    let bar = progress::bar("frames", planned.len(), whole);
+    let all = planned.iter().map(|frame| 1 + frame.head.wanted.len()).sum();
+    let there = planned.iter().flat_map(|frame| &frame.head.kept).map(|kept| 1 + kept.images.len()).sum();
+    let (bar, begun) = (progress::bar("images", all, there), Cell::new(there));
     let mut frames = Vec::new();
     for Planned { run, stage, view, settings, added, head, .. } in planned {
         if let Some(kept) = head.kept.as_ref().filter(|_| head.is_whole()) {
@@ -204,9 +207,11 @@ fn make_all(
             contestants: contest.of(effect).collect(),
             facts: medium.into_iter().chain(added).collect(),
         };
-        let at = |what: &str| bar.set_message(format!("{}, {effect}: {what}", head.name));
+        let at = |what: &str| {
+            bar.set_position(begun.replace(begun.get() + 1) as u64);
+            bar.set_message(format!("{}, {effect}: {what}", head.name));
+        };
         frames.push(make(folder, head, &subject, &at).with_context(|| format!("{}, {effect}", head.name))?);
-        bar.inc(1);
     }
     bar.finish_and_clear();
     Ok(frames)

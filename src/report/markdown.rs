@@ -12,7 +12,10 @@ pub fn text(report: &Report) -> String {
     let mut text = vec![
         "# Comparison".to_owned(),
         String::new(),
-        format!("Quality {}. `deepshade compare --config {DESCRIPTION}` makes it again.", report.quality),
+        format!(
+            "Quality {}. `deepshade compare --config {DESCRIPTION} --out FOLDER` makes it again.",
+            report.quality
+        ),
     ];
     for effect in report.effects() {
         let (frames, scenes) = (report.frames_of(effect), report.scenes_of(effect));
@@ -20,16 +23,16 @@ pub fn text(report: &Report) -> String {
         text.extend([String::new(), format!("## {} (`{effect}`)", title(effect)), String::new()]);
         text.push(format!("On {} frame{plural}:", frames.len()));
         text.push(String::new());
-        text.extend(table(effect, &[("", frames.clone())]));
+        text.extend(table(effect, None, &[("", frames.clone())]));
         if scenes.len() > 1 {
             text.extend([String::new(), "By scene:".to_owned(), String::new()]);
-            text.extend(table(effect, &scenes));
+            text.extend(table(effect, Some("scene"), &scenes));
         }
         if frames.len() > scenes.len() {
             let of_frame = |frame| (frame_name(frame), vec![frame]);
             let frames: Vec<(&str, Vec<&FrameRecord>)> = frames.into_iter().map(of_frame).collect();
             text.extend([String::new(), "By frame:".to_owned(), String::new()]);
-            text.extend(table(effect, &frames));
+            text.extend(table(effect, Some("frame"), &frames));
         }
     }
     text.push(String::new());
@@ -40,11 +43,10 @@ fn frame_name(frame: &FrameRecord) -> &str {
     &frame.name
 }
 
-/// A table of groups of frames, whose names are a column where there are any.
-fn table(effect: Effect, groups: &[(&str, Vec<&FrameRecord>)]) -> Vec<String> {
-    let named = groups.iter().any(|(name, _)| !name.is_empty());
+/// A table of groups of frames, whose names are a column where there is a name for it.
+fn table(effect: Effect, column: Option<&str>, groups: &[(&str, Vec<&FrameRecord>)]) -> Vec<String> {
     let row = |group: &str, name: String, cells: [String; 5], device: String| {
-        let group = named.then(|| group.to_owned());
+        let group = column.map(|_| group.to_owned());
         group
             .into_iter()
             .chain([name])
@@ -53,8 +55,12 @@ fn table(effect: Effect, groups: &[(&str, Vec<&FrameRecord>)]) -> Vec<String> {
             .map(|cell| cell.replace('|', "\\|"))
             .collect()
     };
-    let mut rows: Vec<Vec<String>> =
-        vec![row("frames", "method".to_owned(), COLUMNS.map(str::to_owned), "on".to_owned())];
+    let mut rows: Vec<Vec<String>> = vec![row(
+        column.unwrap_or_default(),
+        "method".to_owned(),
+        COLUMNS.map(str::to_owned),
+        "on".to_owned(),
+    )];
     for (group, frames) in groups {
         let line = |line: Line| {
             let cells = line.cells();

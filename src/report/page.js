@@ -70,6 +70,14 @@ function showWipe() {
   element("canvas").style.setProperty("--split", `${state.wipe}%`);
 }
 
+// Scrolls the strip of frames, and not the page.
+function bringIntoStrip(button) {
+  const strip = button.parentElement;
+  const start = button.offsetLeft - strip.offsetLeft;
+  const end = start + button.offsetWidth - strip.clientWidth;
+  strip.scrollLeft = Math.min(start, Math.max(strip.scrollLeft, end));
+}
+
 // What the frame that is shown has; another frame may have other images.
 function showChoices() {
   if (!files().includes(state.left)) state.left = files()[0];
@@ -124,7 +132,7 @@ function show() {
   for (const button of all(".frames button")) {
     const current = Number(button.dataset.frame) === state.frame;
     button.toggleAttribute("aria-current", current);
-    if (current) button.scrollIntoView({ block: "nearest", inline: "nearest" });
+    if (current) bringIntoStrip(button);
   }
   showEffect();
   showChoices();

@@ -60,15 +60,16 @@ type Room = [f64; 4];
 /// The plot of some lines; nothing where no method has both time and error.
 pub fn svg(lines: &[Line], measure: &Measure) -> Option<String> {
     let points = points(lines, measure);
+    let times = Axis::of(points.iter().map(|point| point.time), LEFT..WIDTH - RIGHT)?;
+    let own = points.iter().map(|point| point.error);
+    let alone = Axis::of(own.clone(), HEIGHT - BOTTOM..TOP)?;
     let levels: Vec<(&str, f64)> = lines
         .iter()
         .filter(|line| line.kind == Kind::Floor)
         .map(|line| (line.name.as_str(), (measure.error)(line)))
-        .filter(|(_, error)| *error > 0.0 && error.is_finite())
+        .filter(|(_, error)| *error > 0.0 && alone.is_near(*error))
         .collect();
-    let times = Axis::of(points.iter().map(|point| point.time), LEFT..WIDTH - RIGHT)?;
-    let errors = points.iter().map(|point| point.error).chain(levels.iter().map(|level| level.1));
-    let errors = Axis::of(errors, HEIGHT - BOTTOM..TOP)?;
+    let errors = Axis::of(own.chain(levels.iter().map(|level| level.1)), HEIGHT - BOTTOM..TOP)?;
     let mut svg = format!(
         "<svg class=\"plot\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{} against milliseconds\">",
         escaped(measure.axis)
@@ -116,7 +117,7 @@ impl Axis {
     /// An axis a little longer than some values are apart; none without a value.
     fn of(values: impl Iterator<Item = f64>, places: Range<f64>) -> Option<Self> {
         let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)));
-        let margin = (high / low).powf(0.08).max(1.25);
+        let margin = (high / low).powf(0.08).max(1.05);
         (low <= high).then(|| Self { values: low / margin..high * margin, places })
     }
 
@@ -126,18 +127,33 @@ impl Axis {
         self.places.start + share * (self.places.end - self.places.start)
     }
 
-    /// Round values along it, a few of each decade where there are few decades.
+    /// Whether a value can be shown, too, without all others being pressed into less than half of the axis.
+    fn is_near(&self, value: f64) -> bool {
+        let place = self.place(value);
+        let Range { start, end } = self.places;
+        (place - 0.5 * (start + end)).abs() <= 1.5 * (end - start).abs()
+    }
+
+    /// Round values along it: every so much where it is short, else a few of each decade where there are few.
     fn ticks(&self) -> Vec<f64> {
-        let decades = (self.values.end / self.values.start).log10();
-        let steps: &[f64] = match decades {
-            ..0.7 => &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0],
-            0.7..2.5 => &[1.0, 2.0, 5.0],
-            _ => &[1.0],
-        };
-        let (low, high) = (self.values.start.log10().floor() as i32, self.values.end.log10().ceil() as i32);
+        let Range { start, end } = self.values;
+        let decades = (end / start).log10();
+        if decades < 0.5 {
+            let step = round_step((end - start) / 5.0);
+            let ticks = (start / step).ceil() as i64..=(end / step).floor() as i64;
+            return ticks.map(|tick| tick as f64 * step).collect();
+        }
+        let steps: &[f64] = if decades < 2.5 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+        let (low, high) = (start.log10().floor() as i32, end.log10().ceil() as i32);
         let ticks = (low..=high).flat_map(|power| steps.iter().map(move |step| step * 10f64.powi(power)));
         ticks.filter(|tick| self.values.contains(tick)).collect()
     }
+}
+
+/// The nearest of 1, 2, 5, 10 times a power of ten that is not below a step.
+fn round_step(step: f64) -> f64 {
+    let power = 10f64.powf(step.log10().floor());
+    [1.0, 2.0, 5.0, 10.0].map(|digit| digit * power).into_iter().find(|round| *round >= step).unwrap_or(step)
 }
 
 fn draw_axes(svg: &mut String, times: &Axis, errors: &Axis, measure: &Measure) {
@@ -326,6 +342,9 @@ mod tests {
         let axis = Axis::of([1.0, 100.0].into_iter(), 0.0..100.0).expect("an axis");
         assert!((axis.place(10.0) - 50.0).abs() < 1e-9);
         assert!(axis.ticks().contains(&10.0) && axis.ticks().len() >= 3, "{:?}", axis.ticks());
+        let short_axis = Axis::of([0.476, 0.49].into_iter(), 100.0..0.0).expect("an axis");
+        assert_eq!(short_axis.ticks().into_iter().map(short).collect::<Vec<_>>(), ["0.46", "0.48", "0.5"]);
+        assert!(short_axis.is_near(0.5) && !short_axis.is_near(0.988), "it would press them flat");
         assert_eq!([0.05, 20.0, 1500.0, 0.0001].map(short), ["0.05", "20", "1500", "0.0001"]);
     }
 
