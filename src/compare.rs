@@ -1,71 +1,98 @@
-//! `deepshade compare`: methods against truth on the views of a scene.
+//! `deepshade compare`: methods against truth, for any set of effects, methods, scenes and views, which the command line
+//! says or a TOML file.
 
-use crate::arguments::{check_pixels, positive};
-use crate::complete::{Additions, Completed, Wants, complete, listeners};
+mod contest;
+mod description;
+mod key;
+mod make;
+mod plan;
+mod run;
+#[cfg(test)]
+mod tests;
+mod values;
+
+pub use contest::Contest;
+pub use key::{Digest, maker};
+pub use make::{Head, Settings, Subject, make, wanted};
+pub use plan::folder_name;
+pub use run::Run;
+pub use values::MethodChoice;
+
+use crate::arguments::positive;
+use crate::complete::{Additions, listeners};
 use crate::exposure_time;
 use crate::figures::{self, Figures};
-use crate::learned;
-use crate::methods::{self, Setup};
 use crate::props;
-use crate::radius::{self, Space};
-use crate::report::{Comparison, FrameReport, MethodReport, TruthReport, check_folder};
+use crate::report::Report;
+use crate::report::folder::{self, DESCRIPTION, Folder};
 use crate::samples;
 use crate::views::{self, View};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use clap::builder::RangedU64ValueParser;
+use deepshade_dataset::Radius;
 use deepshade_dataset::progress;
-use deepshade_dataset::truth;
-use deepshade_render::bvh::TracedScene;
-use deepshade_render::gbuffer;
-use deepshade_render::method::{Frame, Method, Repeats};
+use deepshade_dataset::recipe::Resolution;
+use deepshade_render::method::Repeats;
 use deepshade_render::methods::Quality;
-use deepshade_render::path::{Estimate, Goal, Shot, Truth};
-use deepshade_render::scene::{Density, SceneSource};
+use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
+use description::{Comparison, distinct};
+use plan::{Planned, Stages, completed, plan};
 use serde_json::json;
+use std::cell::Cell;
 use std::path::PathBuf;
-use std::time::Instant;
 
 /// Methods are timed as the median of so many runs.
 pub const REPEATS: Repeats = Repeats { warm_up: 2, timed: 11 };
 
-/// Samples of a pixel of truth where none are asked for.
-const SAMPLES: u32 = 512;
-/// The method that takes minutes where others take seconds.
-const SLOW: &str = "aov";
-
-/// Compares methods on a scene: images, errors, milliseconds and a page to look at.
+/// Compares methods on scenes: images, errors, milliseconds and a page to look at.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  deepshade compare --scene stairs:7 --out report\n  \
     deepshade compare --scene sponza.gltf --views 3 --methods learned,hbao,truth --out report\n  \
-    deepshade compare --scene sponza.gltf --put fox.gltf@-5,0,0,0.01,60 --eye -9,1.6,0 --look-at 0,1.2,0 --out report")]
+    deepshade compare --scene sponza.gltf --put fox.gltf@-5,0,0,0.01,60 --eye -9,1.6,0 --look-at 0,1.2,0 --out report\n  \
+    deepshade compare --scene room:7 --scene stairs:7 --effect ao,gi --quality low,high --out report\n  \
+    deepshade compare --config comparison.toml --out report\n\n\
+    Every run writes compare.toml into its folder: what --config takes, with every default stated. Images that are there \
+    from an earlier run, made by the same program from the same things, are not made again.\n\n\
+    A file for --config, of which all but the first line may be left out (more keys: the options' names with underscores):\n  \
+    scenes = [\"room:7\", \"sponza.gltf\"]\n  \
+    effects = [\"ao\", \"gi\"]\n  \
+    methods = [\"surfel\", { name = \"gtao\", qualities = [\"low\", \"ultra\"] }]\n  \
+    views = 2    # sampled ones; or [{ camera = \"left\" }, { eye = [-9, 1.6, 0], look_at = [0, 1.2, 0] }]\n\n  \
+    [[runs]]     # one or several, if not all is the same for all scenes\n  \
+    radius = { metres = 0.5 }")]
 pub struct Args {
-    /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
+    /// A comparison's TOML file. Options beside it take the place of what it says.
     #[arg(long)]
-    scene: SceneSource,
-    /// What is computed.
-    #[arg(long, default_value = "ao")]
-    effect: Effect,
-    /// Which methods, by default all that compute the effect, `learned` only where there is a network, and not `aov`, which
-    /// takes minutes where the radius is large; truth is always rendered, since the others are measured against it.
+    config: Option<PathBuf>,
+    /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7. May be given several times.
+    #[arg(long, required_unless_present = "config")]
+    scene: Vec<SceneSource>,
+    /// What is computed, one effect or several; ao by default.
+    #[arg(long, value_delimiter = ',')]
+    effect: Vec<Effect>,
+    /// Which methods, each for those of the effects that have it; by default all that compute the effects, `learned` only
+    /// where there is a network, and not `aov`, which takes minutes where the radius is large. Truth is always rendered,
+    /// since the others are measured against it.
     #[arg(long, value_delimiter = ',')]
     methods: Vec<String>,
-    /// How much time analytic methods may take for a better image: low, medium, high or ultra.
-    #[arg(long, default_value = "high")]
-    quality: Quality,
+    /// How much time analytic methods may take for a better image: one or several of low, medium, high, ultra; high by
+    /// default.
+    #[arg(long, value_delimiter = ',')]
+    quality: Vec<Quality>,
     /// Folder of the page and its images.
     #[arg(long)]
     out: PathBuf,
     /// Folder of the network of `learned`; by default models/EFFECT.
     #[arg(long)]
     model: Option<PathBuf>,
-    /// Rows of the images.
-    #[arg(long, default_value_t = 512, value_parser = RangedU64ValueParser::<usize>::new().range(16..=8192))]
-    height: usize,
-    /// Columns of the images.
-    #[arg(long, default_value_t = 512, value_parser = RangedU64ValueParser::<usize>::new().range(16..=8192))]
-    width: usize,
+    /// Rows of the images; 512 by default.
+    #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(16..=8192))]
+    height: Option<usize>,
+    /// Columns of the images; 512 by default.
+    #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(16..=8192))]
+    width: Option<usize>,
     /// How far the effect reaches, metres. By default a share of the scene's diagonal, divided by N in images N times
     /// as high as those that it is meant for: share and height are those that the network of `learned` was trained with,
     /// else 15 % at 512 rows. In lower images it is more, up to half the diagonal.
@@ -86,185 +113,141 @@ pub struct Args {
     additions: Additions,
 }
 
-/// How a frame is compared.
-#[derive(Clone, Copy, Debug)]
-pub struct Settings {
-    /// What is computed.
-    pub effect: Effect,
-    /// Rows.
-    pub height: usize,
-    /// Columns.
-    pub width: usize,
-    /// How far the effect reaches, metres.
-    pub radius: f32,
-    /// When truth has samples enough.
-    pub goal: Goal,
-    /// Chooses all random numbers.
-    pub seed: u32,
-    /// How often a method runs.
-    pub repeats: Repeats,
+impl Args {
+    /// What the options state, beside a file.
+    fn stated(&self, file: Option<&Run>) -> Run {
+        let size = file.unwrap_or(&Run::default()).size();
+        let resolution = (self.height.is_some() || self.width.is_some()).then(|| Resolution {
+            height: self.height.unwrap_or(size[0]),
+            width: self.width.unwrap_or(size[1]),
+        });
+        let run = Run {
+            scenes: some(&self.scene),
+            effects: some(&self.effect),
+            methods: some(&self.methods).map(|names| names.into_iter().map(MethodChoice::named).collect()),
+            qualities: some(&self.quality),
+            model: self.model.clone(),
+            put: some(self.props.all()),
+            resolution,
+            radius: self.radius.map(Radius::Metres),
+            ..Run::default()
+        };
+        run.with_options(&self.additions, &self.views, self.samples, self.time)
+    }
 }
 
-/// All methods of the effect, but for [`SLOW`], and for `learned` where nobody names a network and none lies where it would.
-fn default_methods(args: &Args) -> Vec<&'static str> {
-    let mut names = methods::names_of(args.effect);
-    let folder = model_folder(args);
-    if names.contains(&methods::LEARNED) && args.model.is_none() && !folder.exists() {
-        note!("no network in {}: without the method `{}`", folder.display(), methods::LEARNED);
-        names.retain(|name| *name != methods::LEARNED);
-    }
-    names.retain(|name| *name != SLOW);
-    names
+/// A list, if anything is in it.
+fn some<T: Clone>(list: &[T]) -> Option<Vec<T>> {
+    (!list.is_empty()).then(|| list.to_vec())
 }
 
-/// Compares, writes the page, prints the table.
-pub fn run(args: &Args) -> Result<()> {
-    check_pixels(args.height, args.width)?;
-    check_folder(&args.out)?;
-    listeners::check(args.effect, listeners::RADIUS, &[("--radius", args.radius.is_some())])?;
-    let names = if args.methods.is_empty() { default_methods(args) } else { names(&args.methods) };
-    methods::check(args.effect, &names)?;
-    let model = names
-        .contains(&methods::LEARNED)
-        .then(|| learned::network(&model_folder(args), Some(args.effect)))
-        .transpose()?;
-    let gpu = Gpu::new()?;
-    let setup = Setup { gpu: &gpu, model: model.as_ref(), quality: args.quality };
-    let mut methods = methods::open(args.effect, &names, setup)?;
-    let scene = TracedScene::new(args.time.scene(&args.scene, &args.props, args.effect)?)
-        .with_context(|| format!("scene {}", args.scene))?;
-    let space = Space { diagonal: scene.diagonal(), height: args.height };
-    let reach = model.as_ref().map(|model| model.spec.reach);
-    let settings = Settings {
-        effect: args.effect,
-        height: args.height,
-        width: args.width,
-        radius: radius::wanted(args.radius, reach, &[args.effect], space),
-        goal: args.samples.goal(SAMPLES),
-        seed: args.views.seed,
-        repeats: REPEATS,
-    };
-    let views = args.views.of(&scene, [args.height, args.width])?;
-    let wants = Wants {
-        effect: args.effect,
-        size: [args.height, args.width],
-        additions: &args.additions,
-        seed: args.views.seed,
-        animated: false,
-        time: args.time.time(),
-    };
-    let completed = views.iter().map(|view| complete(&scene, &view.camera, &wants));
-    let completed = completed.collect::<Result<Vec<_>>>()?;
-    let added = completed.first().map(|first| first.added.clone()).unwrap_or_default();
-    added.iter().for_each(|line| note!("{line}"));
-    let is_dark = |completed: &Completed| completed.scene.scene().lights.is_empty();
-    if matches!(args.effect, Effect::FogDirect | Effect::FogIndirect) && completed.iter().all(is_dark) {
-        note!(
-            "the scene has no lamp, and of other light only truth knows in fog: the methods' images are black"
-        );
-    }
-    let fog = completed.iter().filter_map(|completed| completed.scene.scene().medium.as_deref());
-    if fog.clone().any(|medium| matches!(medium.density, Density::Grid(_))) {
-        methods = methods::through_grids(methods, !args.methods.is_empty(), |method| &**method)?;
-    }
-    let mut frames = Vec::new();
-    let bar = progress::bar("frames", views.len(), 0);
-    for (view, completed) in views.iter().zip(completed) {
-        bar.set_message(view.name.clone());
-        let view = View { camera: completed.camera, ..view.clone() };
-        let mut frame = compare_frame(&completed.scene, &view, settings, &methods)?;
-        if listeners::MEDIUM.contains(&args.effect) {
-            frame.facts.push(("medium".to_owned(), args.additions.medium_in_words()));
-        }
-        frame.facts.extend(completed.added.into_iter().map(|added| ("added".to_owned(), added)));
-        frames.push(frame);
-        bar.inc(1);
-    }
-    bar.finish_and_clear();
-    let comparison =
-        Comparison { effect: args.effect, quality: args.quality, frames, machine: machine(&gpu) };
-    let page = comparison.write(&args.out)?;
-    let mut figures = Figures::new("compare");
-    comparison.set_figures(&mut figures);
-    if listeners::RADIUS.contains(&args.effect) {
-        figures.set("radius", f64::from(settings.radius));
-    }
-    figures.detail("added", json!(added));
-    if listeners::MEDIUM.contains(&args.effect) {
-        figures.detail("medium", args.additions.medium_in_words().into());
-    }
-    figures.detail("scene", args.scene.to_string().into());
-    figures.detail("quality", args.quality.name().into());
-    figures.detail("put", args.props.to_string().into());
-    figures.write(args.json.as_deref())?;
-    say!("{comparison}{}", page.display())
-}
-
-fn names(names: &[String]) -> Vec<&str> {
-    names.iter().map(String::as_str).collect()
-}
-
-fn model_folder(args: &Args) -> PathBuf {
-    args.model.clone().unwrap_or_else(|| learned::usual_folder(args.effect))
-}
-
-/// Renders a frame's g-buffer and truth, runs every method on it and scores what they make.
+/// Compares, writes the page, prints the tables.
 ///
 /// # Errors
-/// If the view sees nothing, or a method fails.
-pub fn compare_frame(
-    scene: &TracedScene,
-    view: &View,
-    settings: Settings,
-    methods: &[Box<dyn Method>],
-) -> Result<FrameReport> {
-    let Settings { effect, height, width, radius, seed, repeats, .. } = settings;
-    let gbuffer = gbuffer::render(scene, &view.camera, height, width, truth::attributes(effect));
-    ensure!(gbuffer.seen()?.contains(&true), "view `{}` sees nothing of the scene", view.name);
-    let frame = Frame { scene, camera: &view.camera, gbuffer: &gbuffer, radius, seed };
-    let truth = render_truth(&frame, settings);
-    let methods = methods
-        .iter()
-        .map(|method| {
-            let shaded = method.shade(&frame, repeats)?;
-            Ok(MethodReport {
-                name: method.name().to_owned(),
-                scores: truth.scores(&shaded.image),
-                image: shaded.image,
-                milliseconds: shaded.milliseconds,
-                clock: shaded.clock,
-                device: shaded.device,
-            })
-        })
-        .collect::<Result<_>>()?;
-    let facts = facts(scene, view, settings, &truth.truth.estimate);
-    Ok(FrameReport { name: view.name.clone(), facts, truth, methods })
+/// If what is asked for cannot be, or a part of it fails.
+pub fn run(args: &Args) -> Result<()> {
+    folder::check(&args.out)?;
+    let file = args.config.as_deref().map(description::read).transpose()?;
+    let stated = args.stated(file.as_ref());
+    let mut comparison = Comparison::new(file, &stated)?;
+    let gpu = Gpu::new()?;
+    let machine = machine(&gpu);
+    let by_name: Vec<bool> = comparison.runs.iter().map(|run| run.methods.is_some()).collect();
+    let contests = comparison.runs.iter_mut().map(|run| Contest::open(run, &gpu));
+    let mut contests = contests.collect::<Result<Vec<_>>>()?;
+    let (mut stages, maker) = (Stages::default(), maker(&machine)?);
+    let planned = plan(&comparison, &mut contests, &mut stages, &by_name, (&maker, &args.out))?;
+    for (run, contest) in comparison.runs.iter_mut().zip(&contests) {
+        contest.state(run);
+    }
+    let folder = Folder::open(&args.out)?;
+    folder.write(DESCRIPTION, &comparison.to_toml(&args.out)?)?;
+    let mut frames = make_all(&comparison, &contests, &planned, &mut stages, &folder)?;
+    let effects = comparison.effects();
+    frames.sort_by_key(|frame| effects.iter().position(|effect| *effect == frame.effect));
+    let report = Report { frames, quality: quality(&comparison), machine };
+    let page = report.write(&folder)?;
+    figures(&report, &comparison, &planned)?.write(args.json.as_deref())?;
+    say!("{report}{}", page.display())
 }
 
-/// Truth, no brighter than its file can hold.
-fn render_truth(frame: &Frame<'_>, settings: Settings) -> TruthReport {
-    let Settings { effect, height, width, radius, goal, seed, .. } = settings;
-    let shot = Shot::new(frame.scene, frame.camera, [height, width], radius);
-    let start = Instant::now();
-    let mut truth = Truth::render(effect, &shot, goal, seed, |_, _| true);
-    truth.estimate.mean = truth::within_half(truth.estimate.mean);
-    TruthReport::new(effect, truth, start.elapsed().as_secs_f64() * 1e3)
+/// Makes every frame's images that are not there.
+fn make_all(
+    comparison: &Comparison,
+    contests: &[Contest],
+    planned: &[Planned],
+    stages: &mut Stages,
+    folder: &Folder,
+) -> Result<Vec<crate::report::record::FrameRecord>> {
+    let whole = planned.iter().filter(|frame| frame.head.is_whole()).count();
+    if whole > 0 {
+        note!("{whole} of {} frames are there from an earlier run", planned.len());
+    }
+    let all = planned.iter().map(|frame| 1 + frame.head.wanted.len()).sum();
+    let there = planned.iter().flat_map(|frame| &frame.head.kept).map(|kept| 1 + kept.images.len()).sum();
+    let (bar, begun) = (progress::bar("images", all, there), Cell::new(there));
+    let mut frames = Vec::new();
+    for Planned { run, stage, view, settings, added, head, .. } in planned {
+        if let Some(kept) = head.kept.as_ref().filter(|_| head.is_whole()) {
+            let record = head.renamed(kept.clone());
+            record.write(&folder.path)?;
+            frames.push(record);
+            continue;
+        }
+        let (effect, contest) = (settings.effect, &contests[*run]);
+        let run = &comparison.runs[*run];
+        let completed = completed(run, stages.get(stage)?, view, effect)?;
+        let medium = || ("medium".to_owned(), run.additions().heard_by(effect).medium_in_words());
+        let medium = listeners::MEDIUM.contains(&effect).then(medium);
+        let added = added.iter().map(|added| ("added".to_owned(), added.clone()));
+        let subject = Subject {
+            scene: &completed.scene,
+            view: &View { camera: completed.camera, ..view.clone() },
+            settings: *settings,
+            contestants: contest.of(effect).collect(),
+            facts: medium.into_iter().chain(added).collect(),
+        };
+        let at = |what: &str| {
+            bar.set_position(begun.replace(begun.get() + 1) as u64);
+            bar.set_message(format!("{}, {effect}: {what}", head.name));
+        };
+        frames.push(make(folder, head, &subject, &at).with_context(|| format!("{}, {effect}", head.name))?);
+    }
+    bar.finish_and_clear();
+    Ok(frames)
 }
 
-fn facts(scene: &TracedScene, view: &View, settings: Settings, truth: &Estimate) -> Vec<(String, String)> {
-    let position = view.camera.position;
-    let radius = || ("radius", radius::in_words(settings.radius, scene.diagonal()));
-    let reach = listeners::RADIUS.contains(&settings.effect).then(radius);
-    [
-        ("scene", scene.scene().name.clone()),
-        ("triangles", scene.scene().triangle_count().to_string()),
-        ("camera", format!("at ({:.2}, {:.2}, {:.2})", position.x, position.y, position.z)),
-        ("truth", format!("{} samples a pixel", truth.samples)),
-    ]
-    .into_iter()
-    .chain(reach)
-    .map(|(name, value)| (name.to_owned(), value))
-    .collect()
+/// The qualities of all methods, in words.
+fn quality(comparison: &Comparison) -> String {
+    let own = |run: &Run| {
+        let of = |method: &MethodChoice| method.qualities.clone().unwrap_or(run.qualities().to_vec());
+        run.methods().iter().flat_map(of).collect::<Vec<_>>()
+    };
+    let mut qualities = distinct(comparison.runs.iter().flat_map(own));
+    qualities.sort_unstable();
+    qualities.iter().map(|quality| quality.name()).collect::<Vec<_>>().join(", ")
+}
+
+/// What scripts ask for.
+fn figures(report: &Report, comparison: &Comparison, planned: &[Planned]) -> Result<Figures> {
+    let mut figures = Figures::new("compare");
+    report.set_figures(&mut figures);
+    let radii = distinct(report.frames.iter().filter_map(|frame| frame.radius));
+    if let [radius] = radii[..] {
+        figures.set("radius", f64::from(radius));
+    }
+    let runs = &comparison.runs;
+    let words = |of: &dyn Fn(&Run) -> Vec<String>| distinct(runs.iter().flat_map(of)).join(", ");
+    figures.detail("added", json!(planned.first().map(|first| &first.added)));
+    if comparison.effects().iter().any(|effect| listeners::MEDIUM.contains(effect)) {
+        figures.detail("medium", words(&|run| vec![run.additions().medium_in_words()]).into());
+    }
+    figures.detail("scene", words(&|run| run.scenes().iter().map(ToString::to_string).collect()).into());
+    figures.detail("quality", quality(comparison).into());
+    figures.detail("put", words(&|run| vec![run.props().to_string()]).into());
+    let described = runs.iter().map(toml::Table::try_from).collect::<Result<Vec<_>, _>>();
+    figures.detail("runs", json!(described.context("the comparison as TOML")?));
+    Ok(figures)
 }
 
 /// What everything ran on, as the report shows it.

@@ -1,10 +1,12 @@
 //! `deepshade demo`: the whole chain. The shipped network beside its analytic rival and truth, on scenes of families
 //! that it was not trained on; then data, a short training, export and a check of another one, on the spot.
 
-use crate::compare::{self, Settings, compare_frame};
+use crate::compare::{self, Contest, Digest, Head, MethodChoice, Run, Settings, Subject};
 use crate::figures::Figures;
-use crate::methods::{self, Setup};
-use crate::report::{Comparison, check_folder};
+use crate::methods;
+use crate::report::Report;
+use crate::report::folder::{self, Folder};
+use crate::report::record::FrameRecord;
 use crate::views::View;
 use anyhow::{Context, Result};
 use deepshade_dataset::views::sample_view;
@@ -61,43 +63,71 @@ const METHODS: [&str; 3] = [methods::LEARNED, "gtao", "hbao"];
 /// If a part of the chain fails; it is named.
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
-    check_folder(&args.out)?;
+    folder::check(&args.out)?;
     let gpu = Gpu::new()?;
     let model = Model::load(&args.model)?;
     note!(
         "1. {} beside gtao, hbao and truth, on scenes of families it was not trained on",
         args.model.display()
     );
-    let comparison = compare_on_test_scenes(args, &gpu, &model)?;
-    let page = comparison.write(&args.out)?;
+    let folder = Folder::open(&args.out)?;
+    let report = compare_on_test_scenes(args, &gpu, &model, &folder)?;
+    let page = report.write(&folder)?;
     let mut figures = Figures::new("demo");
-    comparison.set_figures(&mut figures);
+    report.set_figures(&mut figures);
     #[cfg(feature = "train")]
     short_training::run(args, &gpu, &mut figures)?;
     figures.set("seconds", start.elapsed().as_secs_f64());
     figures.write(args.json.as_deref())?;
-    say!("\n{comparison}\n{}", page.display())
+    say!("\n{report}{}", page.display())
 }
 
 /// One frame of each family that is for testing only.
-fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model) -> Result<Comparison> {
-    let effect = model.spec.effect;
-    let (height, width) = (model.spec.reach.height, model.spec.reach.height);
-    let quality = Quality::High;
-    let methods = methods::open(effect, &METHODS, Setup { gpu, model: Some(model), quality })?;
+fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model, folder: &Folder) -> Result<Report> {
+    let (effect, height) = (model.spec.effect, model.spec.reach.height);
+    let methods = METHODS.map(MethodChoice::named).to_vec();
+    let mut run = Run {
+        effects: Some(vec![effect]),
+        methods: Some(methods),
+        qualities: Some(vec![Quality::High]),
+        model: Some(args.model.clone()),
+        ..Run::default()
+    };
+    let contest = Contest::open(&mut run, gpu)?;
+    let machine = compare::machine(gpu);
+    let maker = compare::maker(&machine)?;
     let mut frames = Vec::new();
     for family in Family::ALL.into_iter().filter(|family| family.split() == Split::Test) {
         let scene = TracedScene::new(family.scene(u64::from(SEED)))?;
-        let camera = sample_view(&scene, [height, width], SEED, u64::from(SEED), 0)?;
+        let camera = sample_view(&scene, [height, height], SEED, u64::from(SEED), 0)?;
         let view = View { name: family.name().to_owned(), camera };
         note!("   {}, {} triangles", view.name, scene.scene().triangle_count());
-        let radius = model.spec.reach.radius(scene.diagonal(), height);
-        let repeats = Repeats { warm_up: 1, timed: 3 };
-        let goal = Goal::samples(args.samples);
-        let settings = Settings { effect, height, width, radius, goal, seed: SEED, repeats };
-        frames.push(compare_frame(&scene, &view, settings, &methods).with_context(|| view.name.clone())?);
+        let settings = Settings {
+            effect,
+            height,
+            width: height,
+            radius: model.spec.reach.radius(scene.diagonal(), height),
+            goal: Goal::samples(args.samples),
+            seed: SEED,
+            repeats: Repeats { warm_up: 1, timed: 3 },
+        };
+        let head = head(&maker, &view, settings, &contest, folder);
+        let contestants = contest.of(effect).collect();
+        let subject = Subject { scene: &scene, view: &view, settings, contestants, facts: Vec::new() };
+        frames.push(compare::make(folder, &head, &subject, &|_| ()).with_context(|| view.name.clone())?);
     }
-    Ok(Comparison { effect, quality, frames, machine: compare::machine(gpu) })
+    Ok(Report { frames, quality: Quality::High.name().to_owned(), machine })
+}
+
+/// What a frame is called, and what of it an earlier demo left.
+fn head(maker: &str, view: &View, settings: Settings, contest: &Contest, folder: &Folder) -> Head {
+    let mut digest = Digest::default();
+    digest.say(&(maker, &view.name, view.camera, settings));
+    let (key, name) = (digest.finish(), view.name.clone());
+    let folder_name = compare::folder_name(&name);
+    let wanted: Vec<_> = contest.of(settings.effect).map(|one| compare::wanted(&key, one)).collect();
+    let kept = FrameRecord::kept(&folder.path, &folder_name, &key, &wanted);
+    Head { key, scene: name.clone(), view: name.clone(), name, folder: folder_name, wanted, kept }
 }
 
 /// A training run short enough to watch: from a recipe to a network that runs in WGSL.

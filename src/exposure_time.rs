@@ -10,26 +10,30 @@ use deepshade_shaders::Effect;
 const SHUTTER: f32 = 0.04;
 
 /// The moment of an image.
-#[derive(clap::Args, Clone, Copy, Debug)]
+#[derive(clap::Args, Clone, Copy, Debug, PartialEq)]
 pub struct Args {
-    /// Moment of animations, skins, morph targets and of a medium that drifts, seconds.
-    #[arg(long, default_value_t = 0.0)]
-    time: f32,
+    /// Moment of animations, skins, morph targets and of a medium that drifts, seconds; 0 by default.
+    #[arg(long)]
+    time: Option<f32>,
     /// How long the shutter is open around that moment, seconds, for motion-blur; 0.04 by default.
     #[arg(long)]
     shutter: Option<f32>,
 }
 
 impl Args {
-    #[cfg(feature = "view")]
-    /// A moment, seconds, with the usual shutter.
-    pub const fn at(time: f32) -> Self {
-        Self { time, shutter: None }
+    /// A moment, and for how long the shutter is open around it, seconds, as far as they are stated.
+    pub const fn new(time: Option<f32>, shutter: Option<f32>) -> Self {
+        Self { time, shutter }
     }
 
     /// The moment, seconds.
-    pub const fn time(self) -> f32 {
-        self.time
+    pub fn time(self) -> f32 {
+        self.time.unwrap_or(0.0)
+    }
+
+    /// What is stated: the moment, and how long the shutter is open.
+    pub const fn stated(self) -> (Option<f32>, Option<f32>) {
+        (self.time, self.shutter)
     }
 
     /// How long the shutter is open, seconds.
@@ -55,9 +59,9 @@ impl Args {
         let load = |source: &SceneSource| {
             let scene = match source {
                 SceneSource::File(path) if effect == Effect::MotionBlur => {
-                    Scene::load_moving(path, self.time, self.shutter())
+                    Scene::load_moving(path, self.time(), self.shutter())
                 }
-                source => source.scene(self.time),
+                source => source.scene(self.time()),
             };
             scene.with_context(|| format!("scene {source}"))
         };
@@ -71,6 +75,6 @@ impl Args {
 
 impl std::fmt::Display for Args {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} s, shutter open for {} s", self.time, self.shutter())
+        write!(f, "{} s, shutter open for {} s", self.time(), self.shutter())
     }
 }

@@ -86,7 +86,7 @@ enum Verb {
     /// Checks that burn, the reference, WGSL and onnxruntime agree.
     #[cfg(feature = "train")]
     Parity(parity::Args),
-    /// Compares methods on a scene: images, errors, milliseconds and a page to look at.
+    /// Compares methods on scenes: images, errors, milliseconds and a page to look at.
     Compare(compare::Args),
     /// Shows a scene in a window, by several methods at once, beside truth.
     #[cfg(feature = "view")]

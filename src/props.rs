@@ -3,11 +3,13 @@
 use crate::arguments::{place, within};
 use deepshade_render::scene::{SceneError, SceneSource};
 use glam::{Mat4, Quat, Vec3};
+use serde::{Deserialize, Serialize};
 use std::fmt::{Display, Formatter};
 use std::str::FromStr;
 
 /// A scene that is put into another one, written like `fox.gltf@0,0,1.5,0.02,90`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Prop {
     /// The scene.
     pub source: SceneSource,
@@ -19,7 +21,7 @@ pub struct Prop {
 }
 
 /// What is put into a scene.
-#[derive(clap::Args, Clone, Debug, Default)]
+#[derive(clap::Args, Clone, Debug, Default, PartialEq)]
 pub struct Args {
     /// Puts another scene into this one: SCENE@X,Y,Z,SCALE,DEGREES, metres and degrees about the upward axis, of which the
     /// last one or two may be left out. May be given several times.
@@ -28,6 +30,11 @@ pub struct Args {
 }
 
 impl Args {
+    /// These.
+    pub const fn new(put: Vec<Prop>) -> Self {
+        Self { put }
+    }
+
     /// Everything that is put into the scene.
     pub fn all(&self) -> &[Prop] {
         &self.put
@@ -70,6 +77,20 @@ impl FromStr for Prop {
             scale: within(1e-6..=1e6)(scale).map_err(|what| format!("scale {what}"))?,
             turn: within(-360.0..=360.0)(turn).map_err(|what| format!("degrees {what}"))?,
         })
+    }
+}
+
+impl TryFrom<String> for Prop {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl From<Prop> for String {
+    fn from(prop: Prop) -> Self {
+        prop.to_string()
     }
 }
 

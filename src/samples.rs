@@ -20,6 +20,11 @@ pub struct Args {
 }
 
 impl Args {
+    /// At most so many samples of a pixel, where that is stated, and so much noise.
+    pub const fn new(spp: Option<u32>, error: Option<f32>) -> Self {
+        Self { spp, error }
+    }
+
     /// How many samples are asked for.
     pub const fn spp(&self) -> Option<u32> {
         self.spp

@@ -98,7 +98,7 @@ pub struct Args {
 impl Args {
     /// How long the shutter is open, seconds.
     fn shutter(&self) -> f32 {
-        exposure_time::Args::at(self.time).shutter()
+        exposure_time::Args::new(Some(self.time), None).shutter()
     }
 }
 

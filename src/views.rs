@@ -7,6 +7,7 @@ use deepshade_dataset::views::{inside_geometry, sample_view};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::Camera;
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// A camera with a name.
 #[derive(Clone, Debug)]
@@ -18,7 +19,8 @@ pub struct View {
 }
 
 /// From where a scene is seen.
-#[derive(clap::Args, Clone, Debug, Default)]
+#[derive(clap::Args, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Viewpoint {
     /// One of the file's cameras, by its name.
     #[arg(long)]
@@ -34,6 +36,15 @@ pub struct Viewpoint {
     look_at: Option<Vec3>,
 }
 
+/// Which views of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Choice {
+    /// So many sampled ones.
+    Sampled(usize),
+    /// These.
+    Stated(Vec<Viewpoint>),
+}
+
 /// Which views; without any of these, the file's own cameras, or one sampled view where it has none.
 #[derive(clap::Args)]
 pub struct Args {
@@ -42,12 +53,29 @@ pub struct Args {
     /// So many views sampled in the scene.
     #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(1..=1000), conflicts_with_all = ["camera", "view", "eye"])]
     views: Option<usize>,
-    /// Chooses sampled views, and all other random numbers.
-    #[arg(long, default_value_t = 0)]
-    pub seed: u32,
+    /// Chooses sampled views, and all other random numbers; 0 by default.
+    #[arg(long)]
+    pub seed: Option<u32>,
 }
 
 impl Viewpoint {
+    /// Whether one thing is stated, and whole.
+    ///
+    /// # Errors
+    /// If not.
+    pub fn check(&self) -> Result<()> {
+        let one = match (&self.camera, self.view, self.eye, self.look_at) {
+            (Some(_), None, None, None) | (None, Some(_), None, None) => true,
+            (None, None, Some(eye), Some(target)) => eye.is_finite() && target.is_finite(),
+            _ => false,
+        };
+        ensure!(
+            one,
+            "a view is a `camera`, the number of a `view`, or an `eye` with what it is to `look_at`"
+        );
+        Ok(())
+    }
+
     /// The view that is stated, else that of the file's first camera, or the first sampled one where it has none.
     ///
     /// # Errors
@@ -82,20 +110,38 @@ impl Args {
     /// # Errors
     /// As [`Viewpoint::of`], and if a camera stands inside of geometry.
     pub fn of(&self, scene: &TracedScene, size: [usize; 2]) -> Result<Vec<View>> {
-        let own = &scene.scene().cameras;
-        let views = match self.viewpoint.stated(scene, size, self.seed)? {
-            Some(view) => vec![view],
-            None if self.views.is_none() && !own.is_empty() => own.iter().map(view).collect(),
-            None => {
-                let count = self.views.unwrap_or(1);
-                (0..count).map(|index| sampled(scene, size, self.seed, index)).collect::<Result<_>>()?
-            }
-        };
-        for View { name, camera } in &views {
-            ensure!(!inside_geometry(scene, camera.position), "camera `{name}` stands inside of geometry");
-        }
-        Ok(views)
+        views(self.choice().as_ref(), scene, size, self.seed.unwrap_or(0))
     }
+
+    /// The views that are stated, if some are.
+    pub fn choice(&self) -> Option<Choice> {
+        let one = (self.viewpoint != Viewpoint::default()).then(|| vec![self.viewpoint.clone()]);
+        one.map(Choice::Stated).or(self.views.map(Choice::Sampled))
+    }
+}
+
+/// The views of a scene that are chosen, for images of `[height, width]`; else its file's own cameras, or one sampled view
+/// where it has none.
+///
+/// # Errors
+/// As [`Viewpoint::of`], and if a camera stands inside of geometry.
+pub fn views(choice: Option<&Choice>, scene: &TracedScene, size: [usize; 2], seed: u32) -> Result<Vec<View>> {
+    let own = &scene.scene().cameras;
+    let several = |count: usize| -> Result<Vec<View>> {
+        (0..count).map(|index| sampled(scene, size, seed, index)).collect()
+    };
+    let views: Vec<View> = match choice {
+        Some(Choice::Sampled(count)) => several(*count)?,
+        Some(Choice::Stated(viewpoints)) => {
+            viewpoints.iter().map(|viewpoint| viewpoint.of(scene, size, seed)).collect::<Result<_>>()?
+        }
+        None if own.is_empty() => several(1)?,
+        None => own.iter().map(view).collect(),
+    };
+    for View { name, camera } in &views {
+        ensure!(!inside_geometry(scene, camera.position), "camera `{name}` stands inside of geometry");
+    }
+    Ok(views)
 }
 
 /// A view that a dataset could hold.
@@ -109,7 +155,9 @@ fn named(cameras: &[(String, Camera)], wanted: &str) -> Result<View> {
     match cameras.iter().find(|(name, _)| name == wanted) {
         Some(camera) => Ok(view(camera)),
         None if names.is_empty() => {
-            bail!("no camera `{wanted}`: the scene brings none, without --camera views are sampled in it")
+            bail!(
+                "no camera `{wanted}`: the scene brings none, and where none is asked for views are sampled in it"
+            )
         }
         None => bail!("no camera `{wanted}`; the scene brings {}", names.join(", ")),
     }
@@ -137,7 +185,7 @@ mod tests {
 
     fn args(camera: Option<&str>, views: Option<usize>) -> Args {
         let viewpoint = Viewpoint { camera: camera.map(str::to_owned), ..Viewpoint::default() };
-        Args { viewpoint, views, seed: 3 }
+        Args { viewpoint, views, seed: Some(3) }
     }
 
     #[test]
@@ -157,8 +205,9 @@ mod tests {
         let target = scene.bounds().centre();
         let eye = target + Vec3::new(0.0, 500.0, 900.0);
         let viewpoint = Viewpoint { eye: Some(eye), look_at: Some(target), ..Viewpoint::default() };
-        let views =
-            Args { viewpoint: viewpoint.clone(), views: None, seed: 3 }.of(&scene, SIZE).expect("a view");
+        let views = Args { viewpoint: viewpoint.clone(), views: None, seed: Some(3) }
+            .of(&scene, SIZE)
+            .expect("a view");
         assert_eq!(views.len(), 1);
         let camera = views[0].camera;
         assert_eq!(camera.position, eye);

@@ -1,7 +1,7 @@
 //! Progress on stderr, with the time left: a bar where that is a terminal, else a plain line now and then. The one way in
 //! which the project shows it.
 
-use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle, TermLike};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle, TermLike};
 use std::fmt::{self, Debug, Formatter};
 use std::io::{self, IsTerminal, Write};
 use std::sync::{Mutex, PoisonError};
@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 /// Between two lines where stderr is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(30);
-const BAR: &str = "{prefix} {bar:40} {pos}/{len}, {per_sec}, {eta} left {msg}";
-const LINE: &str = "{prefix} {pos}/{len}, {eta} left {msg}";
+const BAR: &str = "{prefix} {bar:40} {pos}/{len}, {per_sec}, {left} left {msg}";
+const LINE: &str = "{prefix} {pos}/{len}, {left} left {msg}";
 
 /// A bar over `total` of something, of which `done` are done already, or lines that say the same. A bar's message is shown
 /// at the end.
@@ -34,11 +34,25 @@ fn styled(
     total: usize,
     done: usize,
 ) -> ProgressBar {
-    let style = ProgressStyle::with_template(template).expect("a valid template");
+    let left = move |state: &ProgressState, out: &mut dyn fmt::Write| {
+        let (made, rest) =
+            (state.pos().saturating_sub(done as u64), (total as u64).saturating_sub(state.pos()));
+        let _ = out.write_str(&left(state.elapsed(), made, rest));
+    };
+    let style = ProgressStyle::with_template(template).expect("a valid template").with_key("left", left);
     let bar = ProgressBar::with_draw_target(Some(total as u64), target).with_prefix(what);
     let bar = bar.with_style(style).with_position(done as u64);
     bar.reset_eta();
     bar
+}
+
+/// How long the rest takes if it goes on as it went on the whole. What indicatif says of itself is by how long the last
+/// pieces took, and grows without bound while a piece takes longer than those before.
+fn left(elapsed: Duration, made: u64, rest: u64) -> String {
+    if made == 0 {
+        return "?".to_owned();
+    }
+    format!("{:#}", HumanDuration(elapsed.mul_f64(rest as f64 / made as f64)))
 }
 
 /// What draws a bar as lines, of which it leaves out those that come too soon after another.
@@ -164,6 +178,12 @@ mod tests {
     fn lines_that_come_too_soon_are_left_out() {
         assert_eq!(said(Duration::from_secs(60)), "");
         assert!(said(Duration::from_millis(30)).lines().count() < 3);
+    }
+
+    #[test]
+    fn what_is_left_takes_as_long_as_what_is_done_and_nothing_says_how_long_before() {
+        let minute = Duration::from_secs(60);
+        assert_eq!([left(minute, 2, 8), left(minute, 8, 2), left(minute, 0, 8)], ["4m", "15s", "?"]);
     }
 
     #[test]

@@ -34,7 +34,8 @@ impl Repeats {
 }
 
 /// Which clock measured a method.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Clock {
     /// Timestamp queries around the passes.
     Gpu,

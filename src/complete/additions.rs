@@ -55,15 +55,41 @@ impl Additions {
     /// # Errors
     /// If not.
     pub fn check(&self, effect: Effect) -> Result<()> {
+        self.check_any(&[effect])
+    }
+
+    /// Whether all that is given means something to one at least of some effects.
+    ///
+    /// # Errors
+    /// If not.
+    pub fn check_any(&self, effects: &[Effect]) -> Result<()> {
         let environment = [("--environment", self.environment.is_some())];
         let lens = [("--aperture", self.aperture.is_some()), ("--focus", self.focus.is_some())];
         let medium = [("--medium", self.medium.is_some()), ("--extinction", self.extinction.is_some())];
         let inside = [("--mean-free-path", self.mean_free_path.is_some())];
-        listeners::check(effect, listeners::MEAN_FREE_PATH, &inside)?;
-        listeners::check(effect, listeners::ENVIRONMENT, &environment)?;
-        listeners::check(effect, listeners::LENS, &lens)?;
-        listeners::check(effect, listeners::MEDIUM, &medium)?;
-        listeners::check(effect, listeners::MEDIUM, &self.of_a_medium())
+        listeners::check_any(effects, listeners::MEAN_FREE_PATH, &inside)?;
+        listeners::check_any(effects, listeners::ENVIRONMENT, &environment)?;
+        listeners::check_any(effects, listeners::LENS, &lens)?;
+        listeners::check_any(effects, listeners::MEDIUM, &medium)?;
+        listeners::check_any(effects, listeners::MEDIUM, &self.of_a_medium())
+    }
+
+    /// What of this means something to an effect.
+    #[must_use]
+    pub fn heard_by(&self, effect: Effect) -> Self {
+        let [inside, around, lens, medium] =
+            [listeners::MEAN_FREE_PATH, listeners::ENVIRONMENT, listeners::LENS, listeners::MEDIUM]
+                .map(|listeners| listeners.contains(&effect));
+        Self {
+            environment: self.environment.clone().filter(|_| around),
+            aperture: self.aperture.filter(|_| lens),
+            focus: self.focus.filter(|_| lens),
+            medium: self.medium.clone().filter(|_| medium),
+            extinction: self.extinction.filter(|_| medium),
+            scattering_albedo: self.scattering_albedo.filter(|_| medium),
+            anisotropy: self.anisotropy.filter(|_| medium),
+            mean_free_path: self.mean_free_path.filter(|_| inside),
+        }
     }
 
     /// The options that say more of a medium, each with whether it is given.

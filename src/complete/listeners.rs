@@ -44,10 +44,23 @@ pub const ENVIRONMENT: &[Effect] = &[
 /// # Errors
 /// If one is given that the effect does not listen to.
 pub fn check(effect: Effect, listeners: &[Effect], options: &[(&str, bool)]) -> Result<()> {
+    check_any(&[effect], listeners, options)
+}
+
+/// Whether options, each with whether it is given, are for one at least of some effects.
+///
+/// # Errors
+/// If one is given that none of the effects listens to.
+pub fn check_any(effects: &[Effect], listeners: &[Effect], options: &[(&str, bool)]) -> Result<()> {
     let given = options.iter().find(|(_, given)| *given);
-    if let Some((option, _)) = given.filter(|_| !listeners.contains(&effect)) {
-        let names: Vec<&str> = listeners.iter().map(|effect| effect.name()).collect();
-        bail!("{option} means nothing to the effect {effect}, only to {}", names.join(", "));
+    if let Some((option, _)) = given.filter(|_| !effects.iter().any(|effect| listeners.contains(effect))) {
+        let names = |effects: &[Effect]| effects.iter().map(|e| e.name()).collect::<Vec<_>>().join(", ");
+        let plural = if effects.len() == 1 { "" } else { "s" };
+        bail!(
+            "{option} means nothing to the effect{plural} {}, only to {}",
+            names(effects),
+            names(listeners)
+        );
     }
     Ok(())
 }

@@ -3,12 +3,13 @@
 //! PNG files show linear values, exposed as for their scores and encoded as sRGB, one channel as grey, so that they
 //! look on a screen as the values are; EXR files hold the linear values themselves.
 
-use super::{FrameReport, colour_map};
+use super::colour_map;
+use super::record::TRUTH;
 use crate::figures::write_atomically;
 use anyhow::{Context, Result};
 use deepshade_render::exr_file::{self, Layer, Metadata};
-use deepshade_render::metrics::{exposed, flip_map};
-use deepshade_render::path::Estimate;
+use deepshade_render::metrics::{Scores, exposed, flip_map};
+use deepshade_render::path::{Estimate, Truth};
 use deepshade_shaders::colour::srgb_byte;
 use deepshade_shaders::{Effect, Planes};
 use glam::Vec3;
@@ -21,32 +22,78 @@ pub const DIFFERENCE_RANGE: f32 = 0.25;
 /// The three views of an image, as the page calls them: the image, how it differs from truth, and FLIP.
 pub const VIEWS: [&str; 3] = ["image", "difference", "flip"];
 
-/// Writes every image of a frame into its folder: `<method>.<view>.png` and `<method>.exr`.
-///
-/// Truth's difference and FLIP are those between its two halves: its own noise.
+/// Truth, and by how much light is scaled before images are scored and shown.
+pub struct Lit<'a> {
+    /// What is computed.
+    pub effect: Effect,
+    /// Truth, `[effect.channels(), height, width]`.
+    pub image: &'a Planes,
+    /// What images are multiplied by.
+    pub exposure: f32,
+}
+
+impl Lit<'_> {
+    /// Scores of an image against it.
+    pub fn scores(&self, image: &Planes) -> Scores {
+        Scores::new(&exposed(image, self.exposure), &exposed(self.image, self.exposure))
+    }
+}
+
+/// Writes truth into its frame's folder: its three views as PNG files, and its values, of which none is lost, as an EXR
+/// file. Its difference and FLIP are those between its two halves: its own noise.
 ///
 /// # Errors
 /// If a file cannot be written.
-pub fn write_frame(folder: &Path, effect: Effect, frame: &FrameReport) -> Result<()> {
-    let shown = |image: &Planes| exposed(image, frame.truth.exposure);
-    let truth = &frame.truth.truth;
+pub fn write_truth(
+    folder: &Path,
+    effect: Effect,
+    truth: &Truth,
+    exposure: f32,
+    facts: &Metadata,
+) -> Result<()> {
+    let shown = |image: &Planes| exposed(image, exposure);
     let Estimate { mean, variance, .. } = &truth.estimate;
-    let expected = shown(mean);
-    for method in &frame.methods {
-        let image = shown(&method.image);
-        write_pngs(folder, &method.name, &image, [&image, &expected])?;
-        write_exr(folder, frame, &method.name, &[Layer::image(effect.name(), &method.image)])?;
-    }
     let [a, b] = [0, 1].map(|half: usize| shown(&truth.halves[half]));
-    write_pngs(folder, "truth", &expected, [&a, &b])?;
-    let variance = variance.iter().map(|variance| Layer::image("variance", variance).in_full());
-    let layers: Vec<Layer<'_>> = [Layer::image(effect.name(), mean)].into_iter().chain(variance).collect();
-    write_exr(folder, frame, "truth", &layers)
+    write_pngs(folder, TRUTH, &shown(mean), [&a, &b])?;
+    let layers = variance.iter().map(|variance| Layer::image("variance", variance));
+    let layers = [Layer::image(effect.name(), mean)].into_iter().chain(layers).map(Layer::in_full);
+    write_exr(folder, facts, TRUTH, &layers.collect::<Vec<_>>())
 }
 
-/// Whether a frame's folder has files of that name from [`write_frame`].
-pub fn is_ours(name: &str) -> bool {
-    name.ends_with(".exr") || VIEWS.iter().any(|view| name.ends_with(&format!(".{view}.png")))
+/// Truth as [`write_truth`] wrote it.
+///
+/// # Errors
+/// If the file is missing or damaged.
+pub fn read_truth(folder: &Path, effect: Effect) -> Result<Planes> {
+    Ok(exr_file::read(&folder.join(format!("{TRUTH}.exr")))?.image(effect.name(), effect.channels())?)
+}
+
+/// Writes a method's image into its frame's folder: `<file>.<view>.png` and `<file>.exr`.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn write_image(
+    folder: &Path,
+    file: &str,
+    image: &Planes,
+    truth: &Lit<'_>,
+    facts: &Metadata,
+) -> Result<()> {
+    let shown = exposed(image, truth.exposure);
+    write_pngs(folder, file, &shown, [&shown, &exposed(truth.image, truth.exposure)])?;
+    write_exr(folder, facts, file, &[Layer::image(truth.effect.name(), image)])
+}
+
+/// Whether all files of an image are in a frame's folder.
+pub fn are_there(folder: &Path, file: &str) -> bool {
+    let pngs = VIEWS.iter().map(|view| format!("{file}.{view}.png"));
+    pngs.chain([format!("{file}.exr")]).all(|name| folder.join(name).is_file())
+}
+
+/// What the image is called whose file has this name, if it is one of ours.
+pub fn stem(name: &str) -> Option<&str> {
+    let png = VIEWS.iter().find_map(|view| name.strip_suffix(&format!(".{view}.png")));
+    png.or_else(|| name.strip_suffix(".exr"))
 }
 
 /// Writes the three views of an image, the second and third of a pair.
@@ -59,9 +106,8 @@ fn write_pngs(folder: &Path, name: &str, image: &Planes, [wrong, right]: [&Plane
 }
 
 /// Writes a method's values, with the frame's facts as text.
-fn write_exr(folder: &Path, frame: &FrameReport, method: &str, layers: &[Layer<'_>]) -> Result<()> {
-    let mut metadata: Metadata = frame.facts.iter().cloned().collect();
-    metadata.insert("frame".to_owned(), frame.name.clone());
+fn write_exr(folder: &Path, facts: &Metadata, method: &str, layers: &[Layer<'_>]) -> Result<()> {
+    let mut metadata = facts.clone();
     metadata.insert("method".to_owned(), method.to_owned());
     let path = folder.join(format!("{method}.exr"));
     Ok(exr_file::write(&path, layers, &metadata)?)

@@ -1,42 +1,37 @@
 //! The page's content, ready to be filled into `page.html`.
 
-use super::{Comparison, FrameReport, colour_map, floor_name, frame_folder, images};
-use anyhow::{Result, ensure};
+use super::folder::{DESCRIPTION, MARKDOWN};
+use super::record::{FrameRecord, TRUTH};
+use super::scatter::{self, MEASURES};
+use super::summary::{Line, lines};
+use super::{Report, colour_map, floor_name, images, title};
+use anyhow::Result;
 use askama::Template;
-use deepshade_render::{method::Clock, metrics::Scores};
-use deepshade_shaders::Effect;
 use serde::Serialize;
-use std::collections::BTreeSet;
 
 /// The page as HTML.
 ///
 /// # Errors
-/// If the frames have not the same methods.
-pub fn render(comparison: &Comparison) -> Result<String> {
-    let names = |frame: &FrameReport| frame.methods.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
-    let methods = names(&comparison.frames[0]);
-    ensure!(comparison.frames.iter().all(|frame| names(frame) == methods), "frames with different methods");
+/// If the template cannot be filled.
+pub fn render(report: &Report) -> Result<String> {
+    let effects: Vec<EffectPart> =
+        report.effects().into_iter().map(|effect| EffectPart::new(report, effect)).collect();
+    let titles: Vec<&str> = effects.iter().map(|part| part.title).collect();
+    let mut floors: Vec<String> = report.effects().into_iter().map(floor_name).collect();
+    floors.dedup();
     let page = Page {
-        title: title(comparison.effect),
-        subtitle: format!(
-            "{}, quality {}",
-            subtitle(&methods, comparison.frames.len()),
-            comparison.quality.name()
-        ),
-        means: mean_rows(comparison),
-        frames: comparison
-            .frames
-            .iter()
-            .enumerate()
-            .map(|(index, frame)| Section::new(index, comparison.effect, frame))
-            .collect(),
-        images: methods.iter().cloned().chain(["truth".to_owned()]).collect(),
-        floor: floor_name(comparison.effect),
-        machine: &comparison.machine,
+        title: titles.join(", "),
+        subtitle: subtitle(report),
+        frames: report.frames.iter().enumerate().map(|(index, frame)| FramePart::new(index, frame)).collect(),
+        floor: floors.join(" or "),
+        machine: &report.machine,
+        description: DESCRIPTION,
+        markdown: MARKDOWN,
         difference_range: images::DIFFERENCE_RANGE,
         difference_stops: colour_map::css_stops(colour_map::diverging, -1.0, 1.0),
         flip_stops: colour_map::css_stops(colour_map::sequential, 0.0, 1.0),
-        data: data(comparison, &methods)?,
+        data: data(report)?,
+        effects,
     };
     Ok(page.render()?)
 }
@@ -45,15 +40,15 @@ pub fn render(comparison: &Comparison) -> Result<String> {
 #[derive(Template)]
 #[template(path = "report/page.html")]
 struct Page<'a> {
-    title: &'static str,
+    title: String,
     subtitle: String,
-    means: Vec<Row>,
-    frames: Vec<Section<'a>>,
-    /// Names of the images of every frame: the methods, then truth.
-    images: Vec<String>,
+    effects: Vec<EffectPart>,
+    frames: Vec<FramePart<'a>>,
     /// The image that shows what knowing nothing scores.
     floor: String,
     machine: &'a [(String, String)],
+    description: &'static str,
+    markdown: &'static str,
     difference_range: f32,
     difference_stops: String,
     flip_stops: String,
@@ -61,177 +56,162 @@ struct Page<'a> {
     data: String,
 }
 
+/// An effect's part of the page: means, error against time, and scene by scene.
+struct EffectPart {
+    name: &'static str,
+    title: &'static str,
+    frames: usize,
+    rows: Vec<Row>,
+    /// Of each measure, if there is something to draw.
+    plots: Vec<(&'static str, String)>,
+    /// Empty of one scene.
+    scenes: Vec<Row>,
+}
+
 /// A frame's part of the page.
-struct Section<'a> {
+struct FramePart<'a> {
     index: usize,
-    folder: String,
+    folder: &'a str,
+    effect: &'static str,
+    title: &'static str,
     name: &'a str,
     facts: &'a [(String, String)],
     rows: Vec<Row>,
     width: usize,
     height: usize,
+    /// Labels and names of files, truth last.
+    images: Vec<(&'a str, &'a str)>,
 }
 
 /// A line of a table.
 struct Row {
+    /// Of a table scene by scene.
+    scene: String,
     name: String,
     /// What kind of line: `method`, `ceiling` or `floor`.
     kind: &'static str,
-    ssim: String,
-    psnr: String,
-    flip: String,
-    relative_mse: String,
-    time: String,
+    /// Texts, and numbers to sort by.
+    cells: Vec<(String, String)>,
     measured_by: String,
+    /// Where the values are, if they are one image's.
+    exr: Option<String>,
 }
 
 /// What the script needs to know.
 #[derive(Serialize)]
 struct Data<'a> {
-    images: &'a [String],
     views: [&'static str; 3],
     frames: Vec<DataFrame<'a>>,
 }
 
 #[derive(Serialize)]
 struct DataFrame<'a> {
-    folder: String,
-    name: &'a str,
+    folder: &'a str,
+    effect: &'static str,
+    scene: &'a str,
+    view: &'a str,
     width: usize,
     height: usize,
+    /// Names of files by label, truth last.
+    images: Vec<(&'a str, &'a str)>,
 }
 
-impl<'a> Section<'a> {
-    fn new(index: usize, effect: Effect, frame: &'a FrameReport) -> Self {
-        let methods = frame.methods.iter().map(|method| {
-            let by = format!("{}, {}", clock_name(method.clock), method.device);
-            Row::new(method.name.clone(), "method", method.scores, Some((method.milliseconds, by)))
+impl EffectPart {
+    fn new(report: &Report, effect: deepshade_shaders::Effect) -> Self {
+        let (frames, scenes) = (report.frames_of(effect), report.scenes_of(effect));
+        let means = lines(effect, &frames);
+        let plots = MEASURES
+            .iter()
+            .filter_map(|measure| Some((measure.name, scatter::svg(&means, measure)?)))
+            .collect();
+        let by_scene = scenes.iter().filter(|_| scenes.len() > 1).flat_map(|(scene, frames)| {
+            lines(effect, frames).into_iter().map(|line| Row::new(scene, &line, None)).collect::<Vec<_>>()
         });
-        let truth = &frame.truth;
-        let rows =
-            methods.chain(reference_rows(effect, truth.noise, truth.floor, truth.milliseconds)).collect();
-        let image = &truth.truth.estimate.mean;
+        Self {
+            name: effect.name(),
+            title: title(effect),
+            frames: frames.len(),
+            rows: means.iter().map(|line| Row::new("", line, None)).collect(),
+            plots,
+            scenes: by_scene.collect(),
+        }
+    }
+}
+
+impl<'a> FramePart<'a> {
+    fn new(index: usize, frame: &'a FrameRecord) -> Self {
+        let row = |line: Line| Row::new("", &line, Some(&frame.folder));
         Self {
             index,
-            folder: frame_folder(index),
+            folder: &frame.folder,
+            effect: frame.effect.name(),
+            title: title(frame.effect),
             name: &frame.name,
             facts: &frame.facts,
-            rows,
-            width: image.width(),
-            height: image.height(),
+            rows: lines(frame.effect, &[frame]).into_iter().map(row).collect(),
+            width: frame.width,
+            height: frame.height,
+            images: images_of(frame),
         }
     }
 }
 
 impl Row {
-    fn new(name: String, kind: &'static str, scores: Scores, time: Option<(f64, String)>) -> Self {
+    fn new(scene: &str, line: &Line, folder: Option<&str>) -> Self {
+        let scores = line.scores;
+        let values = [scores.ssim, scores.psnr, scores.flip, scores.relative_mse].map(Some);
+        let values = values.into_iter().chain([line.milliseconds]);
+        let value = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+        let exr = folder.zip(line.file.as_ref()).map(|(folder, file)| format!("{folder}/{file}.exr"));
         Self {
-            name,
-            kind,
-            ssim: number(scores.ssim, 3),
-            psnr: number(scores.psnr, 1),
-            flip: number(scores.flip, 3),
-            relative_mse: number(scores.relative_mse, 4),
-            time: time.as_ref().map_or_else(String::new, |(milliseconds, _)| duration(*milliseconds)),
-            measured_by: time.map(|(_, by)| by).unwrap_or_default(),
+            scene: scene.to_owned(),
+            name: line.name.clone(),
+            kind: line.kind.name(),
+            cells: line.cells().into_iter().zip(values.map(value)).collect(),
+            measured_by: line.measured_by.clone(),
+            exr,
         }
     }
 }
 
-/// Means over all frames, line by line.
-fn mean_rows(comparison: &Comparison) -> Vec<Row> {
-    let first = &comparison.frames[0];
-    let methods = (0..first.methods.len()).map(|i| {
-        let clocks: BTreeSet<_> = comparison.frames.iter().map(|f| clock_name(f.methods[i].clock)).collect();
-        let clock = if clocks.len() == 1 { clock_name(first.methods[i].clock) } else { "mixed" };
-        let milliseconds = comparison.mean(|frame| frame.methods[i].milliseconds);
-        let scores = comparison.mean_scores(|frame| frame.methods[i].scores);
-        let by = format!("{clock}, {}", first.methods[i].device);
-        Row::new(first.methods[i].name.clone(), "method", scores, Some((milliseconds, by)))
-    });
-    let references = reference_rows(
-        comparison.effect,
-        comparison.mean_scores(|frame| frame.truth.noise),
-        comparison.mean_scores(|frame| frame.truth.floor),
-        comparison.mean(|frame| frame.truth.milliseconds),
-    );
-    methods.chain(references).collect()
+/// Labels of a frame's images with the names of their files, truth last.
+fn images_of(frame: &FrameRecord) -> Vec<(&str, &str)> {
+    let methods = frame.images.iter().map(|image| (image.label.as_str(), image.file.as_str()));
+    methods.chain([(TRUTH, TRUTH)]).collect()
 }
 
-/// The lines to read a method's scores beside.
-fn reference_rows(effect: Effect, noise: Scores, floor: Scores, truth_milliseconds: f64) -> [Row; 2] {
-    [
-        Row::new(
-            "truth, half against half".to_owned(),
-            "ceiling",
-            noise,
-            Some((truth_milliseconds, clock_name(Clock::Cpu).to_owned())),
-        ),
-        Row::new(floor_name(effect), "floor", floor, None),
-    ]
-}
-
-const fn title(effect: Effect) -> &'static str {
-    match effect {
-        Effect::Ao => "Ambient occlusion",
-        Effect::Do => "Directional occlusion",
-        Effect::Gi => "Diffuse indirect light",
-        Effect::Glossy => "Indirect light in glossy surfaces",
-        Effect::Ibl => "Image-based lighting",
-        Effect::Sss => "Subsurface scattering in screen space",
-        Effect::Subsurface => "Subsurface scattering",
-        Effect::Dof => "Depth of field",
-        Effect::MotionBlur => "Motion blur",
-        Effect::Aa => "Anti-aliasing",
-        Effect::Multi => "Ambient occlusion and depth of field",
-        Effect::FogDirect => "Fog, light scattered once",
-        Effect::FogIndirect => "Fog, light from surfaces",
-        Effect::FogMultiple => "Fog, light scattered many times",
-        Effect::Path => "All light",
-        Effect::Real => "The look of photographs",
+/// `learned, hbao and truth on 4 frames of 2 scenes, quality high`.
+fn subtitle(report: &Report) -> String {
+    let mut methods: Vec<&str> = Vec::new();
+    let mut scenes: Vec<&str> = Vec::new();
+    for frame in &report.frames {
+        if !scenes.contains(&frame.scene.as_str()) {
+            scenes.push(&frame.scene);
+        }
+        for image in &frame.images {
+            if !methods.contains(&image.method.as_str()) {
+                methods.push(&image.method);
+            }
+        }
     }
-}
-
-/// `learned, hbao and truth on 4 frames`.
-fn subtitle(methods: &[String], frames: usize) -> String {
-    let plural = if frames == 1 { "" } else { "s" };
-    match methods {
-        [] => format!("truth on {frames} frame{plural}"),
-        methods => format!("{} and truth on {frames} frame{plural}", methods.join(", ")),
-    }
-}
-
-const fn clock_name(clock: Clock) -> &'static str {
-    match clock {
-        Clock::Gpu => "GPU timestamps",
-        Clock::Cpu => "wall clock",
-    }
-}
-
-/// A number with so many decimals.
-fn number(value: f64, decimals: usize) -> String {
-    format!("{value:.decimals$}")
-}
-
-/// Milliseconds with three digits or more.
-fn duration(milliseconds: f64) -> String {
-    let decimals = match milliseconds {
-        ..10.0 => 2,
-        10.0..100.0 => 1,
-        _ => 0,
-    };
-    number(milliseconds, decimals)
+    let count = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+    let methods = if methods.is_empty() { String::new() } else { format!("{} and ", methods.join(", ")) };
+    let scenes =
+        if scenes.len() > 1 { format!(" of {}", count(scenes.len(), "scene")) } else { String::new() };
+    format!("{methods}truth on {}{scenes}, quality {}", count(report.frames.len(), "frame"), report.quality)
 }
 
 /// The script's data as JSON in which no `<` can end or open an element.
-fn data(comparison: &Comparison, methods: &[String]) -> Result<String> {
-    let images: Vec<String> = methods.iter().cloned().chain(["truth".to_owned()]).collect();
-    let frames = comparison.frames.iter().enumerate().map(|(index, frame)| DataFrame {
-        folder: frame_folder(index),
-        name: &frame.name,
-        width: frame.truth.truth.estimate.mean.width(),
-        height: frame.truth.truth.estimate.mean.height(),
+fn data(report: &Report) -> Result<String> {
+    let frames = report.frames.iter().map(|frame| DataFrame {
+        folder: &frame.folder,
+        effect: frame.effect.name(),
+        scene: &frame.scene,
+        view: &frame.view,
+        width: frame.width,
+        height: frame.height,
+        images: images_of(frame),
     });
-    let data = Data { images: &images, views: images::VIEWS, frames: frames.collect() };
+    let data = Data { views: images::VIEWS, frames: frames.collect() };
     Ok(serde_json::to_string(&data)?.replace('<', "\\u003c"))
 }

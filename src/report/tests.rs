@@ -1,10 +1,16 @@
 //! The report as a whole: what is on the disk, and that the page asks for nothing else.
 
+use super::images::{self, Lit};
+use super::record::{ImageRecord, TRUTH};
 use super::*;
 use crate::figures::Figures;
+use deepshade_render::exr_file::Metadata;
+use deepshade_render::method::Clock;
 use deepshade_render::path::Estimate;
 use deepshade_shaders::random::random;
+use serde_json::Value;
 use std::collections::BTreeSet;
+use std::path::Path;
 
 const EFFECT: Effect = Effect::Ao;
 
@@ -13,35 +19,69 @@ fn wave(phase: f32) -> Planes {
 }
 
 /// Truth of two halves.
-fn truth(halves: [Planes; 2], milliseconds: f64) -> TruthReport {
+fn truth(halves: [Planes; 2]) -> Truth {
     let [a, b] = &halves;
     let mut image = a.clone();
     image.data_mut().iter_mut().zip(b.data()).for_each(|(a, b)| *a = 0.5 * (*a + b));
     let variance = Some(Planes::filled(1, a.height(), a.width(), 0.01));
-    let estimate = Estimate { mean: image, variance, samples: 64 };
-    TruthReport::new(EFFECT, Truth { estimate, halves }, milliseconds)
+    Truth { estimate: Estimate { mean: image, variance, samples: 64 }, halves }
 }
 
-fn frame(name: &str, methods: &[&str]) -> FrameReport {
-    let truth = truth([wave(0.0), wave(0.1)], 1234.5);
-    let methods = methods.iter().enumerate().map(|(i, name)| {
+/// A frame whose images are written into a folder.
+fn frame(out: &Path, effect: Effect, name: &str, methods: &[&str]) -> FrameRecord {
+    let truth = truth([wave(0.0), wave(0.1)]);
+    let mean = &truth.estimate.mean;
+    let record = TruthRecord::new(effect, &truth, 1234.5);
+    let folder =
+        format!("frame-{}-{effect}", name.chars().filter(char::is_ascii_alphanumeric).collect::<String>());
+    let place = out.join(&folder);
+    std::fs::create_dir_all(&place).expect("made");
+    images::write_truth(&place, effect, &truth, record.exposure, &Metadata::default()).expect("written");
+    let lit = Lit { effect, image: mean, exposure: record.exposure };
+    let images = methods.iter().enumerate().map(|(i, name)| {
         let image = wave(0.3 * (i + 1) as f32);
-        let scores = truth.scores(&image);
-        let (name, clock, device) = ((*name).to_owned(), Clock::Gpu, "a card".to_owned());
-        MethodReport { name, scores, image, milliseconds: 2.5, clock, device }
+        images::write_image(&place, name, &image, &lit, &Metadata::default()).expect("written");
+        ImageRecord {
+            key: format!("key of {name}"),
+            file: (*name).to_owned(),
+            label: (*name).to_owned(),
+            method: (*name).to_owned(),
+            milliseconds: 2.5 * (i + 1) as f64,
+            clock: Clock::Gpu,
+            device: "a card".to_owned(),
+            scores: lit.scores(&image),
+        }
     });
-    let methods = methods.collect();
-    FrameReport {
+    let frame = FrameRecord {
+        key: "key".to_owned(),
+        effect,
         name: name.to_owned(),
+        scene: name.to_owned(),
+        view: "view 0".to_owned(),
+        folder,
+        height: 24,
+        width: 32,
+        radius: None,
         facts: vec![("radius".to_owned(), "0.5 m".to_owned())],
-        truth,
-        methods,
-    }
+        images: images.collect(),
+        truth: record,
+    };
+    frame.write(out).expect("written");
+    frame
 }
 
-fn comparison(frames: Vec<FrameReport>) -> Comparison {
+fn report(frames: Vec<FrameRecord>) -> Report {
     let machine = vec![("adapter".to_owned(), "none <of> any".to_owned())];
-    Comparison { effect: EFFECT, quality: Quality::High, frames, machine }
+    Report { frames, quality: "high".to_owned(), machine }
+}
+
+/// A report of frames of an effect, each of which has a name and methods, in a folder of its own.
+fn written(out: &Path, frames: &[(&str, &[&str])]) -> Report {
+    let folder = Folder::open(out).expect("a folder");
+    let frames = frames.iter().map(|(name, methods)| frame(out, EFFECT, name, methods));
+    let report = report(frames.collect());
+    report.write(&folder).expect("a report");
+    report
 }
 
 /// Values of an attribute in the page's source.
@@ -49,11 +89,15 @@ fn values<'a>(page: &'a str, attribute: &str) -> Vec<&'a str> {
     page.split(attribute).skip(1).filter_map(|rest| rest.split('"').next()).collect()
 }
 
+fn page_of(out: &Path) -> String {
+    std::fs::read_to_string(out.join(PAGE)).expect("the page")
+}
+
 #[test]
 fn noise_is_between_the_halves() {
-    let truth = truth([wave(0.0), wave(0.1)], 0.0);
-    assert_eq!(truth.noise, Scores::new(&wave(0.0), &wave(0.1)));
-    assert!(truth.floor.ssim < truth.noise.ssim);
+    let record = TruthRecord::new(EFFECT, &truth([wave(0.0), wave(0.1)]), 0.0);
+    assert_eq!(record.noise, Scores::new(&wave(0.0), &wave(0.1)));
+    assert!(record.floor.ssim < record.noise.ssim);
 }
 
 #[test]
@@ -64,80 +108,142 @@ fn a_perfect_image_scores_better_than_half_against_half() {
             image.at(0, y, x) + 0.1 * (random(x as u32, y as u32, seed, 0) - 0.5)
         })
     };
-    let truth = truth([noisy(1), noisy(2)], 0.0);
-    let perfect = truth.scores(&wave(0.0));
-    assert!(perfect.ssim > truth.noise.ssim && perfect.psnr > truth.noise.psnr, "{perfect:?}");
+    let truth = truth([noisy(1), noisy(2)]);
+    let record = TruthRecord::new(EFFECT, &truth, 0.0);
+    let lit = Lit { effect: EFFECT, image: &truth.estimate.mean, exposure: record.exposure };
+    let perfect = lit.scores(&wave(0.0));
+    assert!(perfect.ssim > record.noise.ssim && perfect.psnr > record.noise.psnr, "{perfect:?}");
 }
 
 #[test]
-fn everything_that_the_page_shows_is_there() {
+fn everything_that_the_page_shows_and_leads_to_is_there() {
     let folder = tempfile::tempdir().expect("a folder");
-    let frames = vec![frame("one", &["learned", "hbao"]), frame("two", &["learned", "hbao"])];
-    let path = comparison(frames).write(&folder.path().join("deep/report")).expect("a report");
-    let page = std::fs::read_to_string(&path).expect("the page");
-    let place = path.parent().expect("its folder");
-    let sources = values(&page, "src=\"");
-    assert!(sources.len() >= 8, "{sources:?}");
-    for source in sources {
+    let place = folder.path().join("deep/report");
+    written(&place, &[("one", &["learned", "hbao"]), ("two", &["learned", "hbao"])]);
+    let page = page_of(&place);
+    let sources = [values(&page, "src=\""), values(&page, "href=\"")].concat();
+    assert!(sources.iter().filter(|source| source.ends_with(".exr")).count() == 6, "{sources:?}");
+    for source in sources.into_iter().filter(|source| *source != folder::DESCRIPTION) {
         assert!(place.join(source).is_file(), "{source}");
     }
     for image in ["learned", "hbao", "truth"] {
-        for ending in ["image.png", "difference.png", "flip.png", "exr"] {
-            assert!(place.join(format!("frame-01/{image}.{ending}")).is_file(), "{image}.{ending}");
-        }
+        assert!(images::are_there(&place.join("frame-two-ao"), image), "{image}");
     }
     assert!(!page.contains("http"), "nothing from elsewhere");
-    for text in ["white image", "half against half", "1234", "2.50", "GPU timestamps", "0.5 m", "Mean over 2"]
-    {
+    for text in [
+        "white image",
+        "half against half",
+        "1234",
+        "2.50",
+        "GPU timestamps",
+        "0.5 m",
+        "mean over 2",
+        "Scene by scene",
+    ] {
         assert!(page.contains(text), "{text}");
     }
+    assert_eq!(page.matches("<svg").count(), 3, "error against time by three measures");
+}
+
+#[test]
+fn truth_comes_back_from_its_file_to_the_last_digit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let frame = frame(folder.path(), EFFECT, "one", &[]);
+    let expected = truth([wave(0.0), wave(0.1)]).estimate.mean;
+    let found = images::read_truth(&folder.path().join(&frame.folder), EFFECT).expect("an image");
+    assert_eq!(found, expected);
 }
 
 #[test]
 fn a_second_report_leaves_nothing_of_the_first_and_all_that_is_not_its_own() {
     let folder = tempfile::tempdir().expect("a folder");
-    let written = |frames: Vec<FrameReport>| comparison(frames).write(folder.path()).expect("a report");
-    written(vec![frame("one", &["learned", "hbao"]), frame("two", &["learned", "hbao"])]);
-    for name in ["notes.txt", "frame-00/notes.txt", "frame-x.exr"] {
+    written(folder.path(), &[("one", &["learned", "hbao"]), ("two", &["learned", "hbao"])]);
+    std::fs::create_dir(folder.path().join("frame-of-mine")).expect("made");
+    let others = ["notes.txt", "frame-one-ao/notes.txt", "frame-x.exr", "frame-of-mine/hbao.exr"];
+    for name in others {
         std::fs::write(folder.path().join(name), "kept").expect("written");
     }
-    written(vec![frame("one", &["hbao"])]);
+    written(folder.path(), &[("one", &["hbao"])]);
     let there = |name: &str| folder.path().join(name).exists();
-    assert!(!there("frame-01") && !there("frame-00/learned.exr") && !there("frame-00/learned.flip.png"));
-    for name in ["index.html", "frame-00/hbao.exr", "notes.txt", "frame-00/notes.txt", "frame-x.exr"] {
+    assert!(!there("frame-two-ao") && !there("frame-one-ao/learned.exr"));
+    assert!(!there("frame-one-ao/learned.flip.png") && !there("compare.lock"));
+    for name in others.into_iter().chain(["index.html", "frame-one-ao/hbao.exr"]) {
         assert!(there(name), "{name}");
     }
-    // The page is gone as soon as an image cannot be written.
-    std::fs::remove_dir_all(folder.path().join("frame-00")).expect("removed");
-    std::fs::write(folder.path().join("frame-00"), "in the way").expect("written");
-    assert!(comparison(vec![frame("one", &["hbao"])]).write(folder.path()).is_err());
-    assert!(!there("index.html"));
+}
+
+#[test]
+fn a_folder_is_one_programs_and_has_no_page_while_images_may_change() {
+    let folder = tempfile::tempdir().expect("a folder");
+    written(folder.path(), &[("one", &["hbao"])]);
+    let taken = Folder::open(folder.path()).expect("a report's folder");
+    assert!(!folder.path().join(PAGE).exists());
+    let error = Folder::open(folder.path()).expect_err("it is taken").to_string();
+    assert!(error.contains("another comparison"), "{error}");
+    drop(taken);
+    Folder::open(folder.path()).expect("free again");
 }
 
 #[test]
 fn a_folder_that_holds_something_else_is_refused_and_left_as_it_is() {
     let folder = tempfile::tempdir().expect("a folder");
     let place = |name: &str| folder.path().join(name);
-    let report = comparison(vec![frame("one", &["hbao"])]);
-    for (name, text) in [("holiday.png", "a picture"), ("index.html", "<html>my own page</html>")] {
+    for (name, text) in [
+        ("holiday.png", "a picture"),
+        ("index.html", "<html>my own page</html>"),
+        ("compare.toml", "scenes = [\"room:1\"]"),
+    ] {
         std::fs::write(place(name), text).expect("written");
-        let error = report.write(folder.path()).expect_err("another's folder").to_string();
+        let error = Folder::open(folder.path()).expect_err("another's folder").to_string();
         assert!(error.contains(name) && error.contains("no report"), "{error}");
         assert_eq!(std::fs::read_to_string(place(name)).expect("read"), text);
         assert_eq!(std::fs::read_dir(folder.path()).expect("entries").count(), 1);
         std::fs::remove_file(place(name)).expect("removed");
     }
     // What a report leaves that was killed while it was written.
-    report.write(folder.path()).expect("a report");
+    written(folder.path(), &[("one", &["hbao"])]);
     std::fs::remove_file(place("index.html")).expect("removed");
-    report.write(folder.path()).expect("only frames are left");
-    report.write(folder.path()).expect("an earlier report");
+    std::fs::remove_file(place("compare.md")).expect("removed");
+    written(folder.path(), &[("one", &["hbao"])]);
+    written(folder.path(), &[("one", &["hbao"])]);
+}
+
+#[test]
+fn only_images_that_are_wanted_and_whole_are_kept() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let frame = frame(folder.path(), EFFECT, "one", &["learned", "hbao"]);
+    let wanted: Vec<record::Wanted> = frame
+        .images
+        .iter()
+        .map(|image| record::Wanted {
+            key: image.key.clone(),
+            file: image.file.clone(),
+            label: "new".to_owned(),
+        })
+        .collect();
+    let kept =
+        |key: &str, wanted: &[record::Wanted]| FrameRecord::kept(folder.path(), &frame.folder, key, wanted);
+    let whole = kept("key", &wanted).expect("truth is there");
+    assert_eq!(whole.images.len(), 2);
+    assert_eq!(whole.images[0].scores, frame.images[0].scores, "to the last digit");
+    assert_eq!((whole.images[0].label.as_str(), &whole.truth), ("new", &frame.truth));
+    assert_eq!(kept("another", &wanted), None);
+    let other = [record::Wanted { key: "another".to_owned(), ..wanted[0].clone() }];
+    assert_eq!(kept("key", &other).expect("truth is there").images, []);
+    let place = folder.path().join(&frame.folder);
+    std::fs::remove_file(place.join("hbao.flip.png")).expect("removed");
+    assert_eq!(kept("key", &wanted).expect("truth is there").files().collect::<Vec<_>>(), ["learned", TRUTH]);
+    std::fs::remove_file(place.join("truth.exr")).expect("removed");
+    assert_eq!(kept("key", &wanted), None);
 }
 
 #[test]
 fn names_cannot_break_the_page() {
+    let folder = tempfile::tempdir().expect("a folder");
     let hostile = "</script><img src=x>";
-    let page = page::render(&comparison(vec![frame(hostile, &["hbao"])])).expect("a page");
+    let mut frames = vec![frame(folder.path(), EFFECT, hostile, &["hbao"])];
+    hostile.clone_into(&mut frames[0].images[0].label);
+    let page = page::render(&report(frames)).expect("a page");
     assert!(!page.contains(hostile) && !page.contains("<of>"));
     assert_eq!(page.matches("</script>").count(), 2);
     assert!(page.contains("\\u003c/script>"));
@@ -145,7 +251,10 @@ fn names_cannot_break_the_page() {
 
 #[test]
 fn ids_are_unique_and_the_script_finds_them() {
-    let page = page::render(&comparison(vec![frame("a", &["hbao"]), frame("b", &["hbao"])])).expect("a page");
+    let folder = tempfile::tempdir().expect("a folder");
+    let frames = [(Effect::Ao, "a"), (Effect::Ao, "b"), (Effect::Aa, "a")];
+    let frames = frames.map(|(effect, name)| frame(folder.path(), effect, name, &["hbao"]));
+    let page = page::render(&report(frames.to_vec())).expect("a page");
     let ids = values(&page, " id=\"");
     let distinct: BTreeSet<&&str> = ids.iter().collect();
     assert_eq!(ids.len(), distinct.len(), "{ids:?}");
@@ -155,30 +264,40 @@ fn ids_are_unique_and_the_script_finds_them() {
 }
 
 #[test]
-fn means_are_over_frames() {
-    let comparison = comparison(vec![frame("a", &["hbao"]), frame("b", &["hbao"])]);
-    let expected = comparison.frames[0].truth.noise;
-    let mean = comparison.mean_scores(|frame| frame.truth.noise);
-    assert!((mean.ssim - expected.ssim).abs() < 1e-12 && (mean.flip - expected.flip).abs() < 1e-12);
-    assert!((comparison.mean(|frame| frame.truth.milliseconds) - 1234.5).abs() < 1e-9);
+fn means_are_over_those_frames_that_have_an_image() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let frames: [FrameRecord; 2] = [("a", &["hbao"][..]), ("b", &["gtao", "hbao"])]
+        .map(|(name, methods)| frame(folder.path(), EFFECT, name, methods));
+    let lines = summary::lines(EFFECT, &frames.iter().collect::<Vec<_>>());
+    let names: Vec<&str> = lines.iter().map(|line| line.name.as_str()).collect();
+    assert_eq!(names, ["hbao", "gtao (1 of 2 frames)", "truth, half against half", "white image"]);
+    let scores = |frame: usize, image: usize| frames[frame].images[image].scores;
+    assert!((lines[0].scores.ssim - 0.5 * (scores(0, 0).ssim + scores(1, 1).ssim)).abs() < 1e-12);
+    assert_eq!((lines[0].milliseconds, lines[1].milliseconds), (Some(3.75), Some(2.5)));
+    assert_eq!(lines[1].scores, scores(1, 0));
+    assert!((lines[2].scores.flip - frames[0].truth.noise.flip).abs() < 1e-12);
 }
 
 #[test]
-fn a_report_needs_frames_with_the_same_methods() {
+fn a_report_needs_frames() {
     let folder = tempfile::tempdir().expect("a folder");
-    let none = comparison(Vec::new()).write(folder.path()).expect_err("no frame");
+    let taken = Folder::open(folder.path()).expect("a folder");
+    let none = report(Vec::new()).write(&taken).expect_err("no frame");
     assert!(none.to_string().contains("without frames"));
-    let mixed = comparison(vec![frame("a", &["hbao"]), frame("b", &["learned"])]);
-    let error = mixed.write(folder.path()).expect_err("mixed methods");
-    assert!(format!("{error:#}").contains("different methods"));
-    assert_eq!(std::fs::read_dir(folder.path()).expect("entries").count(), 0, "nothing half-written");
+}
+
+/// A report's figures as JSON.
+fn figures(report: &Report) -> Value {
+    let mut figures = Figures::new("compare");
+    report.set_figures(&mut figures);
+    figures.to_json()
 }
 
 #[test]
 fn figures_bear_the_names_that_scripts_ask_for() {
-    let mut figures = Figures::new("compare");
-    comparison(vec![frame("a", &["bounced-z"])]).set_figures(&mut figures);
-    let json = figures.to_json();
+    let folder = tempfile::tempdir().expect("a folder");
+    let one = vec![frame(folder.path(), EFFECT, "a", &["bounced-z"])];
+    let json = figures(&report(one));
     for name in ["ssim_", "psnr_", "flip_", "relmse_", "ms_"].map(|metric| format!("{metric}bounced_z")) {
         assert!(json["figures"][&name].is_number(), "{name}: {json}");
     }
@@ -186,12 +305,44 @@ fn figures_bear_the_names_that_scripts_ask_for() {
         assert!(json["figures"][name].is_number(), "{name}");
     }
     assert_eq!(json["details"]["frames"][0]["facts"]["radius"], "0.5 m");
+    let two = [Effect::Ao, Effect::Aa].map(|effect| frame(folder.path(), effect, "a", &["hbao"]));
+    let json = figures(&report(two.to_vec()));
+    for name in
+        ["ssim_ao_hbao", "ms_aa_hbao", "flip_ao_white", "flip_aa_black", "ssim_aa_ceiling", "ms_ao_truth"]
+    {
+        assert!(json["figures"][name].is_number(), "{name}: {json}");
+    }
 }
 
 #[test]
 fn the_table_has_a_line_for_everything() {
-    let text = comparison(vec![frame("a", &["learned", "hbao"])]).to_string();
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = report(vec![frame(folder.path(), EFFECT, "a", &["learned", "hbao"])]).to_string();
     let starts: Vec<&str> =
-        text.lines().map(|line| line.split([' ', ',']).next().unwrap_or_default()).collect();
+        text.trim().lines().map(|line| line.split([' ', ',']).next().unwrap_or_default()).collect();
     assert_eq!(starts, ["ao", "learned", "hbao", "truth", "white"]);
+}
+
+#[test]
+fn markdown_has_the_figures_of_the_json_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let frames = ["a|b", "c"].map(|name| frame(folder.path(), EFFECT, name, &["learned", "hbao"]));
+    let report = report(frames.to_vec());
+    let (text, json) = (markdown::text(&report), figures(&report));
+    assert!(text.contains("a\\|b"), "a bar ends no cell");
+    let (means, by_scene) = text.split_once("By scene:").expect("two tables");
+    assert_eq!(by_scene.lines().filter(|line| line.starts_with('|')).count(), 2 + 2 * 4, "{text}");
+    for (name, figure) in
+        [("learned", "learned"), ("hbao", "hbao"), ("truth, half", "ceiling"), ("white", "white")]
+    {
+        let line = means.lines().find(|line| line.starts_with(&format!("| {name}"))).expect(name);
+        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+        for (column, metric, within) in
+            [(2, "ssim", 5e-4), (3, "psnr", 5e-2), (4, "flip", 5e-4), (5, "relmse", 5e-5)]
+        {
+            let stated: f64 = cells[column].parse().expect("a number");
+            let exact = json["figures"][format!("{metric}_{figure}")].as_f64().expect("a figure");
+            assert!((stated - exact).abs() <= within * 1.001, "{metric} of {name}: {stated}, {exact}");
+        }
+    }
 }

@@ -53,7 +53,10 @@ fn images<const COUNT: usize>(images: [Planes; COUNT]) -> Written {
 }
 
 /// How much time a method may take for a better image. Each says in its `Parameters::of` what that means to it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "kebab-case")]
 pub enum Quality {
     /// Fast.
     Low,

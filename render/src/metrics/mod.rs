@@ -24,7 +24,7 @@ pub use ssim::ssim;
 use deepshade_shaders::Planes;
 
 /// Every metric of an image against truth.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Scores {
     /// Structural similarity, 1 where equal; higher is better.
     pub ssim: f64,

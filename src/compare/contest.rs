@@ -1,0 +1,208 @@
+//! Who takes part in a run: methods of each effect, in their qualities, opened on the device.
+
+use super::description::distinct;
+use super::key::{Digest, file_digest};
+use super::run::Run;
+use super::values::MethodChoice;
+use crate::eval::rivals::{Rival, rivals};
+use crate::learned;
+use crate::methods::{self, LEARNED, TRUTH};
+use anyhow::{Result, ensure};
+use deepshade_infer::{Model, Reach};
+use deepshade_shaders::Effect;
+use deepshade_shaders::gpu::Gpu;
+use std::path::{Path, PathBuf};
+
+/// The method that takes minutes where others take seconds: it takes part where it is asked for.
+const SLOW: &str = "aov";
+
+/// A method that takes part.
+pub struct Contestant {
+    /// What it computes.
+    pub effect: Effect,
+    /// The method, under the name that figures have for it where it is there in several qualities.
+    pub rival: Rival,
+    /// What pages, tables and figures call it: plainly, where that says all.
+    pub label: String,
+    /// What tells its images from those of another version.
+    pub fingerprint: String,
+}
+
+/// Everybody who takes part in a run.
+pub struct Contest {
+    /// Effect by effect.
+    pub contestants: Vec<Contestant>,
+    /// What networks say of the effects' reach.
+    reaches: Vec<(Effect, Reach)>,
+}
+
+/// A network, and the folder that it is from.
+struct Network {
+    folder: PathBuf,
+    model: Model,
+}
+
+impl Contestant {
+    /// The name of its files.
+    pub fn file_name(&self) -> String {
+        self.rival.name.replace('_', "-")
+    }
+}
+
+impl Contest {
+    /// Opens a run's methods, which are stated from here on, those too that it has by default.
+    ///
+    /// # Errors
+    /// If there is no such network, or one is for another effect, or a method cannot be opened.
+    pub fn open(run: &mut Run, gpu: &Gpu) -> Result<Self> {
+        if run.methods.is_none() {
+            run.methods = Some(default_methods(run));
+        }
+        let (mut contestants, mut reaches) = (Vec::new(), Vec::new());
+        for effect in run.effects() {
+            let names = methods::names_of(*effect);
+            for choice in run.methods().iter().filter(|choice| names.contains(&choice.name.as_str())) {
+                let network = match choice.name.as_str() {
+                    TRUTH => continue,
+                    LEARNED => match network(run, choice, *effect)? {
+                        Some(network) => Some(network),
+                        None => continue,
+                    },
+                    _ => None,
+                };
+                let opened = opened(run, choice, *effect, network.as_ref(), gpu)?;
+                contestants.extend(opened);
+                reaches.extend(network.map(|network| (*effect, network.model.spec.reach)));
+            }
+        }
+        let learners = contestants.iter().any(|contestant| contestant.rival.method_name == LEARNED);
+        if run.learns() && !learners {
+            let effect = run.effects().iter().find(|effect| methods::names_of(**effect).contains(&LEARNED));
+            let effect = effect.copied().unwrap_or(Effect::Ao);
+            learned::network(&learned::usual_folder(effect), Some(effect))?;
+        }
+        Ok(Self { contestants, reaches })
+    }
+
+    /// Those who compute an effect.
+    pub fn of(&self, effect: Effect) -> impl Iterator<Item = &Contestant> {
+        self.contestants.iter().filter(move |contestant| contestant.effect == effect)
+    }
+
+    /// How far an effect reaches by its first network.
+    pub fn reach(&self, effect: Effect) -> Option<Reach> {
+        self.reaches.iter().find(|(of, _)| *of == effect).map(|(_, reach)| *reach)
+    }
+
+    /// States those methods in their run that take part, so that it can be said again by name.
+    pub fn state(&self, run: &mut Run) {
+        let takes_part = |choice: &MethodChoice| {
+            choice.name == TRUTH || self.contestants.iter().any(|one| one.rival.method_name == choice.name)
+        };
+        run.methods = Some(run.methods().iter().filter(|choice| takes_part(choice)).cloned().collect());
+        run.model = run.model.take().filter(|_| run.learns());
+    }
+
+    /// Leaves methods of an effect out that do not go through a medium that is a grid, or refuses them where they are asked
+    /// for by name.
+    ///
+    /// # Errors
+    /// If one that is asked for wants fog that is the same throughout, or all do.
+    pub fn through_grids(&mut self, effect: Effect, by_name: bool) -> Result<()> {
+        let all = std::mem::take(&mut self.contestants);
+        let (of, others): (Vec<_>, Vec<_>) = all.into_iter().partition(|one| one.effect == effect);
+        let of = methods::through_grids(of, by_name, |one| one.rival.method.as_ref())?;
+        self.contestants = others.into_iter().chain(of).collect();
+        Ok(())
+    }
+}
+
+/// Gives everybody a label: the method's name where it takes part in one form only.
+pub fn label(contests: &mut [Contest]) {
+    let forms: Vec<(Effect, &str, String)> = distinct(
+        contests
+            .iter()
+            .flat_map(|contest| &contest.contestants)
+            .map(|one| (one.effect, one.rival.method_name, one.rival.name.clone())),
+    );
+    for contestant in contests.iter_mut().flat_map(|contest| &mut contest.contestants) {
+        let name = contestant.rival.method_name;
+        let count = forms.iter().filter(|form| (form.0, form.1) == (contestant.effect, name)).count();
+        contestant.label = if count == 1 { name.to_owned() } else { contestant.file_name() };
+    }
+}
+
+/// All methods of the effects, but for [`SLOW`], and for `learned` where nobody names a network and none lies where it would.
+fn default_methods(run: &Run) -> Vec<MethodChoice> {
+    let mut names = Vec::new();
+    for effect in run.effects() {
+        let mut of = methods::names_of(*effect);
+        let folder = learned::usual_folder(*effect);
+        if of.contains(&LEARNED) && run.model.is_none() && !folder.exists() {
+            note!("no network in {}: without the method `{LEARNED}`", folder.display());
+            of.retain(|name| *name != LEARNED);
+        }
+        names.extend(of);
+    }
+    let names = distinct(names).into_iter().filter(|name| ![SLOW, TRUTH].contains(name));
+    names.chain([TRUTH]).map(MethodChoice::named).collect()
+}
+
+/// The network that `learned` is for an effect; none where it is one of several effects and the network is another's, or
+/// none is there.
+fn network(run: &Run, choice: &MethodChoice, effect: Effect) -> Result<Option<Network>> {
+    let several = run.effects().len() > 1;
+    let stated = choice.model.as_ref().or(run.model.as_ref());
+    let folder = stated.cloned().unwrap_or_else(|| learned::usual_folder(effect));
+    if several && stated.is_none() && !folder.exists() {
+        note!("no network in {}: {effect} without the method `{LEARNED}`", folder.display());
+        return Ok(None);
+    }
+    let model = learned::network(&folder, if several { None } else { Some(effect) })?;
+    let made = model.spec.effect;
+    ensure!(
+        run.effects().contains(&made),
+        "the network in {} is for {made}, which is none of the effects",
+        folder.display()
+    );
+    Ok((made == effect).then_some(Network { folder, model }))
+}
+
+/// A method of an effect in all its qualities.
+fn opened(
+    run: &Run,
+    choice: &MethodChoice,
+    effect: Effect,
+    network: Option<&Network>,
+    gpu: &Gpu,
+) -> Result<Vec<Contestant>> {
+    let qualities = choice.qualities.as_deref().unwrap_or(run.qualities());
+    let names = [choice.name.clone()];
+    let rivals = rivals(effect, &names, qualities, gpu, network.map(|network| &network.model))?;
+    let weights = network.map(|network| weights(&network.folder)).transpose()?;
+    let suffix = choice.model.as_deref().map(folder_name);
+    let contestants = rivals.into_iter().map(|mut rival| {
+        if let Some(suffix) = &suffix {
+            rival.name = format!("{}_{suffix}", rival.name);
+        }
+        let label = rival.method_name.to_owned();
+        let fingerprint = format!("{} {:?} {weights:?}", rival.method_name, rival.quality);
+        Contestant { effect, rival, label, fingerprint }
+    });
+    Ok(contestants.collect())
+}
+
+/// What tells a network from another.
+fn weights(folder: &Path) -> Result<String> {
+    let mut digest = Digest::default();
+    for name in ["net.json", "weights.safetensors"] {
+        digest.say(&file_digest(&folder.join(name))?);
+    }
+    Ok(digest.finish())
+}
+
+/// What a network's folder is called, in letters that figures are named by.
+fn folder_name(folder: &Path) -> String {
+    let name = folder.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    name.chars().map(|letter| if letter.is_ascii_alphanumeric() { letter } else { '_' }).collect()
+}

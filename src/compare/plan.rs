@@ -1,0 +1,233 @@
+//! What frames a comparison has, and which of their images are there: found out for all scenes before the first image is
+//! made, so that what is wrong with the last scene is said at once.
+
+use super::REPEATS;
+use super::contest::Contest;
+use super::description::{Comparison, distinct, short_name};
+use super::key::{Digest, file_digest};
+use super::make::{Head, Settings, wanted};
+use super::run::Run;
+use crate::complete::{Completed, Wants, complete};
+use crate::radius::{self, Space};
+use crate::report::folder::FRAME_PREFIX;
+use crate::report::record::FrameRecord;
+use crate::views::{self, View};
+use crate::{exposure_time, props};
+use anyhow::{Context, Result};
+use deepshade_dataset::identity::scene_hash;
+use deepshade_render::bvh::TracedScene;
+use deepshade_render::scene::{Density, SceneSource};
+use deepshade_shaders::Effect;
+use std::path::Path;
+
+/// A scene at a moment, with what is put into it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stage {
+    source: SceneSource,
+    props: props::Args,
+    moment: exposure_time::Args,
+    /// Whether it shows what moves while the shutter is open.
+    moving: bool,
+}
+
+/// Scenes as they are asked for; the last one stays, since several frames in a row are of it.
+#[derive(Default)]
+pub struct Stages(Option<(Stage, TracedScene)>);
+
+/// A frame that is to be there.
+pub struct Planned {
+    /// Which run it is of.
+    pub run: usize,
+    /// What is seen.
+    pub stage: Stage,
+    /// From where, before the effect's needs are met.
+    pub view: View,
+    /// How it is made.
+    pub settings: Settings,
+    /// What is added to the scene.
+    pub added: Vec<String>,
+    /// What it is called, and what of it is there.
+    pub head: Head,
+    /// Whether light goes through a medium that is a grid there.
+    grid: bool,
+    /// Whether no lamp shines.
+    dark: bool,
+}
+
+impl Stage {
+    fn of(run: &Run, source: &SceneSource, effect: Effect) -> Self {
+        let (source, props, moment) = (source.clone(), run.props(), run.moment(effect));
+        Self { source, props, moment, moving: effect == Effect::MotionBlur }
+    }
+
+    fn load(&self) -> Result<TracedScene> {
+        let effect = if self.moving { Effect::MotionBlur } else { Effect::Aa };
+        let scene = self.moment.scene(&self.source, &self.props, effect)?;
+        TracedScene::new(scene).with_context(|| format!("scene {}", self.source))
+    }
+}
+
+impl Stages {
+    /// A scene, loaded where it is not the last one.
+    ///
+    /// # Errors
+    /// If it cannot be loaded.
+    pub fn get(&mut self, stage: &Stage) -> Result<&TracedScene> {
+        let last = self.0.take().filter(|(last, _)| last == stage);
+        let found = match last {
+            Some(found) => found,
+            None => (stage.clone(), stage.load()?),
+        };
+        Ok(&self.0.insert(found).1)
+    }
+}
+
+/// A scene with all that an effect in a run needs.
+///
+/// # Errors
+/// If something that the run states cannot be read or is impossible.
+pub fn completed(run: &Run, scene: &TracedScene, view: &View, effect: Effect) -> Result<Completed> {
+    let additions = run.additions().heard_by(effect);
+    let wants = Wants {
+        effect,
+        size: run.size(),
+        additions: &additions,
+        seed: run.seed(),
+        animated: false,
+        time: run.moment(effect).time(),
+    };
+    complete(scene, &view.camera, &wants)
+}
+
+/// All frames, those of a scene one after the other, with what of them is in a folder. Methods that do not go through a
+/// run's medium are left out of its contest.
+///
+/// # Errors
+/// If a scene cannot be loaded, a view is impossible, or something that a run states is.
+pub fn plan(
+    comparison: &Comparison,
+    contests: &mut [Contest],
+    stages: &mut Stages,
+    by_name: &[bool],
+    (maker, out): (&str, &Path),
+) -> Result<Vec<Planned>> {
+    let mut all = Vec::new();
+    for (index, run) in comparison.runs.iter().enumerate() {
+        let mut frames = Vec::new();
+        for source in run.scenes() {
+            for effect in run.effects() {
+                frames.extend(frames_of(index, run, source, *effect, &contests[index], stages, maker)?);
+            }
+        }
+        for effect in run.effects() {
+            let of = || frames.iter().filter(|frame: &&Planned| frame.settings.effect == *effect);
+            if matches!(effect, Effect::FogDirect | Effect::FogIndirect) && of().all(|frame| frame.dark) {
+                note!(
+                    "the scene has no lamp, and of other light only truth knows in fog: the methods' images are black"
+                );
+            }
+            if of().any(|frame| frame.grid) {
+                contests[index].through_grids(*effect, by_name[index])?;
+            }
+        }
+        all.extend(frames);
+    }
+    name(comparison, &mut all);
+    super::contest::label(contests);
+    for frame in &mut all {
+        let contest = contests[frame.run].of(frame.settings.effect);
+        let head = &mut frame.head;
+        head.wanted = contest.map(|contestant| wanted(&head.key, contestant)).collect();
+        head.kept = FrameRecord::kept(out, &head.folder, &head.key, &head.wanted);
+    }
+    Ok(all)
+}
+
+/// The frames of an effect in a scene, without names.
+fn frames_of(
+    index: usize,
+    run: &Run,
+    source: &SceneSource,
+    effect: Effect,
+    contest: &Contest,
+    stages: &mut Stages,
+    maker: &str,
+) -> Result<Vec<Planned>> {
+    let stage = Stage::of(run, source, effect);
+    let scene = stages.get(&stage)?;
+    let [height, width] = run.size();
+    let space = Space { diagonal: scene.diagonal(), height };
+    let radius = radius::wanted(run.reach(scene.diagonal()), contest.reach(effect), &[effect], space);
+    let settings =
+        Settings { effect, height, width, radius, goal: run.goal(), seed: run.seed(), repeats: REPEATS };
+    let contents = scene_hash(scene.scene());
+    let views = views::views(run.views.as_ref(), scene, run.size(), run.seed())?;
+    let mut frames = Vec::new();
+    for view in views {
+        let Completed { scene: shown, camera, added } = completed(run, scene, &view, effect)?;
+        let shown = shown.scene();
+        if frames.is_empty() {
+            added.iter().for_each(|line| note!("{line}"));
+        }
+        let mut digest = Digest::default();
+        digest.say(&(maker, &contents, settings, camera, &stage.moment, &added));
+        digest.say(&(&shown.lights, &shown.medium, run.additions().heard_by(effect).mean_free_path));
+        digest.say(&run.environment.as_deref().map(file_digest).transpose()?);
+        let grid = shown.medium.as_deref().is_some_and(|medium| matches!(medium.density, Density::Grid(_)));
+        let dark = shown.lights.is_empty();
+        let head = Head {
+            key: digest.finish(),
+            name: view.name.clone(),
+            scene: shown.name.clone(),
+            view: short_name(&view, &shown.name),
+            folder: String::new(),
+            wanted: Vec::new(),
+            kept: None,
+        };
+        let stage = stage.clone();
+        frames.push(Planned { run: index, stage, view, settings, added, head, grid, dark });
+    }
+    Ok(frames)
+}
+
+/// Gives frames names that tell them apart, and folders named like them.
+fn name(comparison: &Comparison, frames: &mut [Planned]) {
+    let sources = distinct(frames.iter().map(|frame| (frame.head.scene.clone(), frame.stage.source.clone())));
+    let mut seen: Vec<(Effect, String, String)> = Vec::new();
+    for frame in frames.iter_mut() {
+        let head = &mut frame.head;
+        if sources.iter().filter(|(scene, _)| *scene == head.scene).count() > 1 {
+            head.scene = frame.stage.source.to_string();
+        }
+        if let Some(name) = &comparison.runs[frame.run].name {
+            head.scene = format!("{}, {name}", head.scene);
+        }
+        let triple = |head: &Head| (frame.settings.effect, head.scene.clone(), head.view.clone());
+        if seen.contains(&triple(head)) {
+            head.scene = format!("{}, run {}", head.scene, frame.run + 1);
+        }
+        seen.push(triple(head));
+    }
+    let several = distinct(frames.iter().map(|frame| frame.head.scene.clone())).len() > 1;
+    let mut folders: Vec<String> = Vec::new();
+    for frame in frames {
+        let head = &mut frame.head;
+        if several {
+            head.name = format!("{}, {}", head.scene, head.view);
+        }
+        let stem = folder_name(&format!("{} {} {}", head.scene, head.view, frame.settings.effect));
+        let candidates = (1..).map(|n| if n == 1 { stem.clone() } else { format!("{stem}-{n}") });
+        head.folder = candidates.into_iter().find(|name| !folders.contains(name)).unwrap_or_default();
+        folders.push(head.folder.clone());
+    }
+}
+
+/// A name that every file system and every address takes.
+pub fn folder_name(text: &str) -> String {
+    const LONGEST: usize = 100;
+    let letters = text.to_lowercase();
+    let words = letters.split(|letter: char| !letter.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+    let mut name = format!("{FRAME_PREFIX}{}", words.collect::<Vec<_>>().join("-"));
+    name.truncate(LONGEST);
+    name
+}

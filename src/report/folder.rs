@@ -1,0 +1,171 @@
+//! The folder of a report: whose it is, and clearing away what an earlier report left in it, and nothing else that people
+//! keep there.
+
+use super::record::{FrameRecord, RECORD};
+use super::{PAGE, images};
+use crate::figures::write_atomically;
+use anyhow::{Context, Result, bail};
+use deepshade_shaders::atomic_file;
+use std::fs::{self, File, TryLockError};
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+/// What stands in every page of ours, and in no other.
+const MARK: &str = "<meta name=\"generator\" content=\"deepshade compare\">";
+/// What a report was made from.
+pub const DESCRIPTION: &str = "compare.toml";
+/// How every description of ours begins.
+pub const DESCRIPTION_MARK: &str = "# What `deepshade compare` made";
+/// The same figures as on the page.
+pub const MARKDOWN: &str = "compare.md";
+/// Who holds this file's lock writes into the folder.
+const LOCK: &str = "compare.lock";
+/// How names of frames' folders begin.
+pub const FRAME_PREFIX: &str = "frame-";
+
+/// A folder that this program alone writes a report into.
+#[derive(Debug)]
+pub struct Folder {
+    /// Where it is.
+    pub path: PathBuf,
+    _lock: File,
+}
+
+impl Folder {
+    /// Takes a folder, which is made where it is missing. An earlier page goes first and the new one is written last, so that
+    /// a page never shows what is not there or is from another comparison.
+    ///
+    /// # Errors
+    /// If it holds something else, is in use, or cannot be written to.
+    pub fn open(path: &Path) -> Result<Self> {
+        check(path)?;
+        let place = || path.display().to_string();
+        fs::create_dir_all(path).with_context(place)?;
+        let lock = File::create(path.join(LOCK)).with_context(place)?;
+        match lock.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => bail!("{}: another comparison is being written there", place()),
+            Err(TryLockError::Error(error)) => return Err(error).with_context(place),
+        }
+        atomic_file::delete_temporaries(path).with_context(place)?;
+        for name in [PAGE, MARKDOWN] {
+            delete(&path.join(name)).with_context(place)?;
+        }
+        Ok(Self { path: path.to_owned(), _lock: lock })
+    }
+
+    /// Writes a file of the report beside the page.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn write(&self, name: &str, text: &str) -> Result<PathBuf> {
+        let path = self.path.join(name);
+        write_atomically(&path, text.as_bytes())?;
+        Ok(path)
+    }
+
+    /// Makes a frame's folder ready to be written into.
+    ///
+    /// # Errors
+    /// If it cannot be made.
+    pub fn frame(&self, name: &str) -> Result<PathBuf> {
+        let path = self.path.join(name);
+        let made = fs::create_dir_all(&path).and_then(|()| atomic_file::delete_temporaries(&path));
+        made.with_context(|| path.display().to_string())?;
+        Ok(path)
+    }
+
+    /// Deletes what earlier reports left that is none of these frames'.
+    ///
+    /// # Errors
+    /// If something cannot be deleted.
+    pub fn keep_only(&self, frames: &[FrameRecord]) -> Result<()> {
+        let cleared = fs::read_dir(&self.path).and_then(|mut entries| {
+            entries.try_for_each(|entry| {
+                let entry = entry?;
+                let name = entry.file_name().to_string_lossy().into_owned();
+                let ours = entry.path().join(RECORD).is_file() || is_numbered(&name);
+                match ours && name.starts_with(FRAME_PREFIX) {
+                    true => clear(&entry.path(), frames.iter().find(|frame| frame.folder == name)),
+                    false => Ok(()),
+                }
+            })
+        });
+        cleared.with_context(|| format!("the earlier comparison in {}", self.path.display()))
+    }
+}
+
+impl Drop for Folder {
+    /// Whether the file stays matters to nobody: its lock ends with the program.
+    fn drop(&mut self) {
+        let _ = delete(&self.path.join(LOCK));
+    }
+}
+
+/// Refuses a folder that is not for a report: one that holds something, but no earlier report.
+///
+/// # Errors
+/// If so, with what it holds; or if it cannot be read.
+pub fn check(folder: &Path) -> Result<()> {
+    let foreign = foreign(folder).with_context(|| folder.display().to_string())?;
+    if let Some(name) = foreign {
+        bail!(
+            "{} holds `{name}` and no report: choose another folder, a new or an empty one",
+            folder.display()
+        );
+    }
+    Ok(())
+}
+
+/// What a folder holds beside no report of ours; frames of one that was never finished do not count.
+fn foreign(folder: &Path) -> io::Result<Option<String>> {
+    let text = |name: &str| {
+        let bytes = fs::read(folder.join(name)).unwrap_or_default();
+        String::from_utf8_lossy(&bytes).into_owned()
+    };
+    if !folder.exists() || text(PAGE).contains(MARK) {
+        return Ok(None);
+    }
+    let began = !folder.join(PAGE).exists() && text(DESCRIPTION).starts_with(DESCRIPTION_MARK);
+    if began {
+        return Ok(None);
+    }
+    let names: Vec<_> =
+        fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name())).collect::<io::Result<_>>()?;
+    let names = names.iter().map(|name| name.to_string_lossy().into_owned());
+    let own = |name: &String| name.starts_with(FRAME_PREFIX) || name == LOCK;
+    Ok(names.into_iter().find(|name| !own(name)))
+}
+
+/// Deletes images in a frame's folder but for those of a record, and the folder where it is empty then.
+fn clear(folder: &Path, record: Option<&FrameRecord>) -> io::Result<()> {
+    let kept: Vec<&str> = record.iter().flat_map(|record| record.files()).collect();
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let stale = images::stem(&name).is_some_and(|stem| !kept.contains(&stem));
+        if stale || (record.is_none() && name == RECORD) {
+            fs::remove_file(entry.path())?;
+        }
+    }
+    if record.is_some() {
+        return Ok(());
+    }
+    match fs::remove_dir(folder) {
+        Err(error) if error.kind() != ErrorKind::DirectoryNotEmpty => Err(error),
+        _ => Ok(()),
+    }
+}
+
+/// Whether earlier versions of the program gave folders of frames names like this.
+fn is_numbered(name: &str) -> bool {
+    name.strip_prefix(FRAME_PREFIX)
+        .is_some_and(|index| index.len() >= 2 && index.bytes().all(|byte| byte.is_ascii_digit()))
+}
+
+fn delete(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
+}
