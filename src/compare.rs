@@ -12,6 +12,7 @@ mod tests;
 mod values;
 
 pub use contest::Contest;
+pub use description::Comparison;
 pub use key::{Digest, maker};
 pub use make::{Head, Settings, Subject, make, wanted};
 pub use plan::folder_name;

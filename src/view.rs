@@ -10,6 +10,7 @@ mod mailbox;
 mod panel;
 mod pictures;
 mod pilot;
+mod saved;
 mod script;
 mod state;
 mod studio;

@@ -59,6 +59,12 @@ pub struct Args {
 }
 
 impl Viewpoint {
+    /// Where a camera stands that looks at a point.
+    #[cfg(feature = "view")]
+    pub fn looking(eye: Vec3, target: Vec3) -> Self {
+        Self { eye: Some(eye), look_at: Some(target), ..Self::default() }
+    }
+
     /// Whether one thing is stated, and whole.
     ///
     /// # Errors
@@ -105,6 +111,12 @@ impl Viewpoint {
 }
 
 impl Args {
+    /// One view, and what chooses random numbers.
+    #[cfg(feature = "view")]
+    pub const fn one(viewpoint: Viewpoint, seed: u32) -> Self {
+        Self { viewpoint, views: None, seed: Some(seed) }
+    }
+
     /// The views of a scene, for images of `[height, width]`.
     ///
     /// # Errors

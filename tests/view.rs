@@ -71,7 +71,7 @@ fn a_window_shows_methods_beside_truth_and_survives_what_is_done_to_it() {
     std::fs::write(folder.path().join("broken.glb"), b"glTF, but not for long").expect("written");
     let script = "wait truth 8\nscreenshot wipe.png\nsee difference\narrange tiles\nwait 0.1\nscreenshot tiles.png\n\
         orbit 20 -10\nfly 0 0.1 0\nwait truth 8\ntruth off\neffect gi\nmethods ssgi\nmeasure 2\n\
-        effect path\nwait picture\neffect aa\nwait picture\ninspect normal\nwait picture\nscreenshot normal.png\n\
+        effect path\nwait picture\neffect aa\nwait picture\ninspect normal\nwait picture\nscreenshot normal.png\nsave kept\n\
         size 37 23\nresize 333 217\nwait picture\nresize 1 1\nwait 0.2\nresize 900 700\nwait picture\n\
         minimise on\nwait 0.2\nminimise off\nopen broken.glb\nwait refusal\nopen missing\nwait refusal\n\
         open playground:1\nwait picture\nquit\n";
@@ -82,6 +82,16 @@ fn a_window_shows_methods_beside_truth_and_survives_what_is_done_to_it() {
         let found = colours(&folder.path().join(name)).len();
         assert!(found > 40, "{name}: {found} colours");
     }
+    for name in ["kept/fxaa.exr", "kept/fxaa.png", "kept/normal.exr"] {
+        assert!(folder.path().join(name).is_file(), "{name}");
+    }
+    // What was saved runs without a window, and makes the same image.
+    let again = Command::new(PROGRAM)
+        .args(["compare", "--config", "kept/compare.toml", "--spp", "8", "--out", "again"])
+        .current_dir(folder.path())
+        .output()
+        .expect("starts");
+    assert!(again.status.success(), "{}", String::from_utf8_lossy(&again.stderr));
     let figures = figures(folder.path());
     assert!(figures["fps_gi_ssgi"].as_f64().expect("measured") > 0.0);
     assert!(figures["refusals"].as_f64().expect("counted") >= 2.0);

@@ -60,19 +60,27 @@ impl Comparison {
         distinct(self.runs.iter().flat_map(|run| run.effects().iter().copied()))
     }
 
-    /// The TOML file, in a folder that its paths are relative to.
+    /// The TOML file, in a folder that its paths are relative to, with a head that says where it is from.
     ///
     /// # Errors
     /// If a file that it names is gone.
     pub fn to_toml(&self, folder: &Path) -> Result<String> {
+        let text = self.keys(folder)?;
+        Ok(format!("{HEAD}\n#   deepshade compare --config compare.toml --out FOLDER\n{text}"))
+    }
+
+    /// The keys of [`Comparison::to_toml`].
+    ///
+    /// # Errors
+    /// As it.
+    pub fn keys(&self, folder: &Path) -> Result<String> {
         let mut whole = match &self.runs[..] {
             [one] => one.clone(),
             several => Run { runs: several.to_vec(), ..Run::default() },
         };
         let folder = folder.canonicalize().with_context(|| folder.display().to_string())?;
         whole.map_paths(&|path| relative(path, &folder));
-        let text = toml::to_string(&whole).context("the comparison as TOML")?;
-        Ok(format!("{HEAD}\n#   deepshade compare --config compare.toml --out FOLDER\n{text}"))
+        toml::to_string(&whole).context("the comparison as TOML")
     }
 }
 

@@ -65,9 +65,18 @@ fn scene(ui: &mut Ui, window: &mut Window) {
             }
         });
     }
-    if ui.button("back to the first view").clicked() {
-        window.state.pilot = Some(subject.pilot);
-    }
+    ui.horizontal(|ui| {
+        if ui.button("back to the first view").clicked() {
+            window.state.pilot = Some(subject.pilot);
+        }
+        if ui
+            .button("save")
+            .on_hover_text("every image, and a comparison that makes them without a window")
+            .clicked()
+        {
+            window.save();
+        }
+    });
     if let Some([begin, end]) = subject.animated.span() {
         let state = &mut window.state;
         ui.horizontal(|ui| {

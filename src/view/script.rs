@@ -1,5 +1,6 @@
 //! What hands would do, from a file: a line a step, `#` begins a comment.
 
+use super::saved;
 use super::state::{Arrangement, Map};
 use super::window::Window;
 use crate::figures::memory;
@@ -57,6 +58,8 @@ enum Step {
     /// Seconds.
     Wait(f32),
     Screenshot(PathBuf),
+    /// Images and a comparison, into a folder.
+    Save(PathBuf),
     /// Pictures while the camera goes around, for how many come in a second.
     Measure(u32),
     /// Seconds for which the camera goes around while truth begins again and again, for what memory is lost.
@@ -184,6 +187,7 @@ impl Script {
             Step::WaitRefusal => return Ok(window.message.is_some()),
             Step::Wait(seconds) => return Ok(since.as_secs_f32() >= *seconds),
             Step::Screenshot(path) => return self.screenshot(path, context, first),
+            Step::Save(folder) => saved::save(window, folder)?,
             Step::Measure(pictures) => return Ok(self.measure(*pictures, window, since)),
             Step::Soak(seconds) => return Ok(self.soak(*seconds, window, since)),
             Step::Quit => context.send_viewport_cmd(ViewportCommand::Close),
@@ -312,6 +316,7 @@ fn step(line: &str) -> Result<Step> {
             _ => Step::Wait(one()?),
         },
         "screenshot" => Step::Screenshot(crate::arguments::png_file(rest).map_err(anyhow::Error::msg)?),
+        "save" => Step::Save(rest.into()),
         "measure" => Step::Measure(one()?.clamp(1.0, 1e6) as u32),
         "soak" => Step::Soak(one()?),
         "quit" => Step::Quit,

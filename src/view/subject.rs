@@ -84,7 +84,9 @@ impl Subject {
             return Ok(Arc::clone(traced));
         }
         let mut scene = match self.animated.span() {
-            Some(_) => exposure_time::Args::new(Some(time), None).scene(&self.source, &self.props, self.effect)?,
+            Some(_) => {
+                exposure_time::Args::new(Some(time), None).scene(&self.source, &self.props, self.effect)?
+            }
             None => self.animated.scene.clone(),
         };
         scene.set_look(self.animated.scene.look());

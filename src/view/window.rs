@@ -7,7 +7,7 @@ use super::state::{Map, State};
 use super::studio::{Order, Picture};
 use super::subject::Subject;
 use super::truth::{self, Sight, Truth};
-use super::{Desk, News, panel};
+use super::{Desk, News, panel, saved};
 use crate::figures::Figures;
 use crate::render::picture::Exposure;
 use deepshade_render::scene::SceneSource;
@@ -142,6 +142,15 @@ impl Window {
         self.state.lights = None;
         self.state.time = 0.0;
         self.changed();
+    }
+
+    /// Saves what is shown into a folder of its own, and says where.
+    pub fn save(&mut self) {
+        let folder = saved::free_folder();
+        match saved::save(self, &folder) {
+            Ok(()) => self.message = Some(format!("saved in {}", folder.display())),
+            Err(error) => self.refuse(format!("{error:#}")),
+        }
     }
 
     /// Keeps a figure that a script measured.

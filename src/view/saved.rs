@@ -1,0 +1,110 @@
+//! What the window shows, in a folder: every image as EXR and PNG, and a comparison that makes them without a window.
+
+use super::window::Window;
+use crate::compare::{Comparison, MethodChoice, Run};
+use crate::figures::write_atomically;
+use crate::report::images::write_png;
+use crate::{exposure_time, samples, views};
+use anyhow::{Context, Result};
+use deepshade_dataset::Radius;
+use deepshade_dataset::recipe::Resolution;
+use deepshade_render::exr_file::{self, Layer, Metadata};
+use deepshade_render::scene::Camera;
+use image::{Rgb, RgbImage};
+use std::path::{Path, PathBuf};
+
+/// The comparison's file.
+const COMPARISON: &str = "compare.toml";
+
+/// The first folder `view-1`, `view-2` and so on that is not there yet.
+pub fn free_folder() -> PathBuf {
+    (1u32..)
+        .map(|number| PathBuf::from(format!("view-{number}")))
+        .find(|path| !path.exists())
+        .unwrap_or_default()
+}
+
+/// Writes what is shown into a folder.
+///
+/// # Errors
+/// If there is nothing yet, or a file cannot be written.
+pub fn save(window: &Window, folder: &Path) -> Result<()> {
+    let picture = window.picture.as_ref().context("there is no picture yet")?;
+    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    let facts: Metadata = [
+        ("scene", picture.order.show.source.to_string()),
+        ("effect", picture.order.show.effect.to_string()),
+        ("time", picture.order.time.to_string()),
+        ("camera_position", picture.camera.position.to_string()),
+        ("camera_rotation", picture.camera.rotation.to_string()),
+        ("radius_metres", picture.radius.to_string()),
+    ]
+    .map(|(name, value)| (name.to_owned(), value))
+    .into();
+    let truth = window.truth_of_picture().map(|truth| &truth.image);
+    for image in picture.images.iter().chain(truth).chain(&picture.inspected) {
+        let layer = Layer::image(&image.name, &image.values).in_full();
+        exr_file::write(&folder.join(format!("{}.exr", image.name)), &[layer], &facts)?;
+        let [width, height] = image.picture.size.map(|side| side as u32);
+        let pixel = |x: u32, y: u32| image.picture.pixels[(y * width + x) as usize].to_array();
+        let png = RgbImage::from_fn(width, height, |x, y| {
+            let [red, green, blue, _] = pixel(x, y);
+            Rgb([red, green, blue])
+        });
+        write_png(&folder.join(format!("{}.png", image.name)), &png)?;
+    }
+    let text = format!("{}{}", head(window, folder), comparison(window)?.keys(folder)?);
+    write_atomically(&folder.join(COMPARISON), text.as_bytes())
+}
+
+/// What the comparison's file is for, and what of the window it cannot say.
+fn head(window: &Window, folder: &Path) -> String {
+    let place = folder.join(COMPARISON);
+    let mut lines = vec![
+        "What a window showed; without it:".to_owned(),
+        format!("  deepshade compare --config {} --out FOLDER", place.display()),
+    ];
+    let moved = window.subject.as_ref().is_some_and(|subject| {
+        window.state.lights.as_ref().is_some_and(|lights| *lights != subject.animated.scene.lights)
+    });
+    if moved {
+        lines.push("Lights are where the scene has them, not where they were dragged to.".to_owned());
+    }
+    let usual = Camera::look_at(glam::Vec3::ZERO, glam::Vec3::NEG_Z).vertical_fov;
+    if window.state.pilot.is_some_and(|pilot| pilot.camera.vertical_fov != usual) {
+        lines.push(format!(
+            "The angle of view is {} degrees, not the camera's of the file.",
+            usual.to_degrees()
+        ));
+    }
+    lines.iter().map(|line| format!("# {line}\n")).collect()
+}
+
+/// The comparison that makes what is shown.
+fn comparison(window: &Window) -> Result<Comparison> {
+    let (state, show) = (&window.state, &window.state.show);
+    let args = &state.args;
+    let pilot = state.pilot.context("there is no picture yet")?;
+    let [height, width] = show.size;
+    let put = args.props.all().to_vec();
+    let run = Run {
+        scenes: Some(vec![show.source.clone()]),
+        effects: Some(vec![show.effect]),
+        methods: (!show.methods.is_empty())
+            .then(|| show.methods.iter().map(|name| MethodChoice::named(*name)).collect()),
+        qualities: Some(vec![show.quality]),
+        model: show.model.clone(),
+        put: (!put.is_empty()).then_some(put),
+        resolution: Some(Resolution { height, width }),
+        radius: show.radius.map(Radius::Metres),
+        ..Run::default()
+    };
+    let viewpoint = views::Viewpoint::looking(pilot.camera.position, pilot.pivot());
+    let run = run.with_options(
+        &args.additions,
+        &views::Args::one(viewpoint, args.seed),
+        samples::Args::new(Some(state.samples), None),
+        exposure_time::Args::new((state.time != 0.0).then_some(state.time), None),
+    );
+    Comparison::new(None, &run)
+}
