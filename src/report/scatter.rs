@@ -331,7 +331,7 @@ mod tests {
     #[test]
     fn nothing_to_show_is_no_plot_and_a_perfect_image_has_a_place() {
         let floor = line("white image", Kind::Floor, None, 0.9);
-        assert_eq!(svg(&[floor.clone()], &MEASURES[0]), None);
+        assert_eq!(svg(std::slice::from_ref(&floor), &MEASURES[0]), None);
         assert_eq!(svg(&[line("a", Kind::Method, Some(1.0), f64::NAN), floor], &MEASURES[1]), None);
         let perfect = svg(&[line("a", Kind::Method, Some(1.0), 0.0)], &MEASURES[1]).expect("a plot");
         assert!(perfect.contains("class=\"dot ") && !perfect.contains("NaN") && !perfect.contains("inf"));
