@@ -38,10 +38,10 @@ fn shards_put_together_are_the_bytes_of_one_run() {
 #[test]
 fn what_is_no_whole_set_of_shards_is_refused_and_named() {
     let folder = tempfile::tempdir().expect("a folder");
-    let recipe = recipe(folder.path(), 6);
-    let parts = shards(&recipe, folder.path(), 3);
-    let other = shards(&crate::generate::tests::recipe(folder.path(), 7), &folder.path().join("other"), 3);
-    let halves = shards(&recipe, folder.path(), 2);
+    let ours = recipe(folder.path(), 6);
+    let parts = shards(&ours, folder.path(), 3);
+    let other = shards(&recipe(folder.path(), 7), &folder.path().join("other"), 3);
+    let halves = shards(&ours, folder.path(), 2);
     let whole = folder.path().join("whole");
     let refused = |parts: &[&PathBuf]| {
         let parts: Vec<PathBuf> = parts.iter().map(|part| (*part).clone()).collect();
@@ -51,7 +51,7 @@ fn what_is_no_whole_set_of_shards_is_refused_and_named() {
     assert!(refused(&[&parts[0], &parts[1], &parts[2], &parts[1]]).contains("it is shard 2/3, as is"));
     assert!(refused(&[&parts[0], &parts[1], &halves[0]]).contains("where others are of"));
     assert!(refused(&[&parts[0], &parts[1], &other[2]]).contains("`seed` is"));
-    generate(&recipe, &whole).expect("generated");
+    generate(&ours, &whole).expect("generated");
     assert!(refused(&[&whole]).contains("no list of a shard"));
     assert!(refused(&[]).contains("no shard is given"));
 
@@ -61,7 +61,7 @@ fn what_is_no_whole_set_of_shards_is_refused_and_named() {
     std::fs::write(&damaged, b"noise").expect("damaged");
     let all: Vec<&PathBuf> = parts.iter().collect();
     assert!(refused(&all).contains("generate that shard again"));
-    assert_eq!(generate_shard(&recipe, &parts[0], None, shard("3/3")).expect("mended").rendered, 1);
+    assert_eq!(generate_shard(&ours, &parts[0], None, shard("3/3")).expect("mended").rendered, 1);
     let merged = folder.path().join("merged");
     assert_eq!(merge(&parts, &merged).expect("merged"), 4);
     assert!(contents(&merged) == contents(&whole));
