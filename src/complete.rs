@@ -79,7 +79,7 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
             ensure!(!given, "{option} means nothing without --extinction");
         }
     }
-    if effect == Effect::Phosphor {
+    if effect == Effect::Phosphor || additions.phosphor.is_some() {
         let lit = scene.with_look(look.clone())?;
         let (glow, said) = additions.glow(lit.scene(), wants.time)?;
         look.glow = Some(Arc::new(glow));

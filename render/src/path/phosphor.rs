@@ -142,10 +142,11 @@ impl Integrator for Phosphor<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::path::proving::quad;
+    use crate::path::FullPath;
+    use crate::path::proving::{Measured, quad};
     use crate::scene::glow::Start;
     use crate::scene::glow::tests::glow;
-    use crate::scene::{Camera, Light, Material, Scene};
+    use crate::scene::{Camera, Gloss, Light, Material, MaterialId, Scene};
     use std::sync::Arc;
 
     /// A square of 2 m at z = 0 under a lamp of 8 W/sr at a distance of 2 m, of which only the middle is asked.
@@ -200,6 +201,43 @@ mod tests {
         assert!((found - 0.2 * 0.8 / (0.8 + 0.2)).abs() < 1e-6, "{found}");
         let corners = [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)].map(|(x, y)| Vec3::new(x, y, 1.5));
         assert_eq!(middle(&square(lit, vec![quad(corners)]), EYE), Vec3::ZERO);
+    }
+
+    /// A small patch without paint that looks at a square of half an edge `half` above it, which glows.
+    fn reflected(start: f32, moment: f32) -> Measured {
+        let corners = |half: f32, y: f32| {
+            [(-1., 1.), (1., 1.), (1., -1.), (-1., -1.)].map(|(x, z)| Vec3::new(half * x, y, half * z))
+        };
+        let mut kept = glow(&[0.3], &[[0.0, 1.0]], moment);
+        (kept.start, kept.surfaces[0].0) = (Start::Share(start), Some("sender".to_owned()));
+        let sender = Mesh { material: MaterialId(1), ..quad(corners(1.0, 0.7)) };
+        let matte = |name, grey| Material { gloss: Gloss::None, ..Material::matte(name, Vec3::splat(grey)) };
+        let scene = TracedScene::new(Scene {
+            meshes: vec![quad(corners(1e-3, 0.0)), sender].into(),
+            materials: vec![matte("patch", 0.5), matte("sender", 0.0)],
+            lights: vec![Light::Directional { direction: Vec3::NEG_Y, irradiance: Vec3::ONE, pattern: None }],
+            glow: Some(Arc::new(kept)),
+            ..Scene::default()
+        });
+        let scene = scene.expect("squares");
+        let camera = Camera::look_at(Vec3::new(0.0, 0.01, 0.01), Vec3::ZERO);
+        let shot = Shot::new(&scene, &camera, [1, 1], f32::INFINITY);
+        Measured::of(&FullPath::new(&shot), &shot, 4096)
+    }
+
+    #[test]
+    fn kept_light_lights_other_surfaces_once_the_lamp_is_off() {
+        // Four corners of `(2 pi)^-1 2 A atan A` with A = (a / h) / sqrt(1 + (a / h)^2) each (Howell's catalogue, B-3).
+        let ratio = 1.0f32 / 0.7;
+        let part = ratio / (1.0 + ratio * ratio).sqrt();
+        let factor = 4.0 / std::f32::consts::PI * part * part.atan();
+        let expected = |share: f32| Vec3::new(1.0, 0.5, 0.25) * 0.3 * share * 0.5 * factor;
+        // From full, in light from behind at the sender's rate of 0.4 for a second, then in the dark.
+        let lit = 0.4 / 0.7 + (1.0 - 0.4 / 0.7) * (-0.7f32).exp();
+        let dark = lit * (-0.3f32 * 2.0).exp();
+        reflected(1.0, 3.0).proves("phosphor/reflected", expected(dark));
+        reflected(1.0, 3.0).refutes("phosphor/reflected", expected(1.02 * dark));
+        assert_eq!(reflected(0.0, 0.0).mean, Vec3::ZERO, "the lamp is behind the sender");
     }
 
     #[test]

@@ -90,6 +90,12 @@ impl Glow {
         named.unwrap_or(self.schedules.len() - 1)
     }
 
+    /// Whether a lamp shines at the moment that a still shows.
+    pub fn shines(&self, light: usize) -> bool {
+        let on = &self.schedules[self.schedule_of(light)].on;
+        on.iter().any(|[on, off]| (*on..*off).contains(&self.moment))
+    }
+
     /// The share of each state that is excited before the first piece of [`Self::past`].
     pub const fn before(&self) -> f32 {
         match self.start {
