@@ -85,7 +85,7 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
         look.glow = Some(Arc::new(glow));
         if !said {
             added.push(
-                "nothing is said of what glows: all does, blue, after long light that ends at second 0"
+                "nothing is said of what glows: all does, blue, after a second of light that ends at second 0"
                     .to_owned(),
             );
         }

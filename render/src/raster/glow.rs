@@ -41,7 +41,7 @@ impl GlowOnGpu {
     pub fn set(&mut self, queue: &wgpu::Queue, moment: f32) {
         let past = self.time(true, &self.glow.past(moment));
         let since = match self.before.filter(|before| moment >= *before) {
-            Some(before) => self.time(false, &self.glow.between(before.max(0.0), moment)),
+            Some(before) => self.time(false, &self.glow.between(before.max(self.glow.begin()), moment)),
             None => past.clone(),
         };
         queue.write_buffer(&self.past, 0, bytemuck::cast_slice(&past));

@@ -20,9 +20,9 @@ pub struct Glow {
     pub surfaces: Vec<(Option<String>, Paint)>,
     /// When lamps shine; the last is of all lamps that no other names.
     pub schedules: Vec<Schedule>,
-    /// How it is at time 0.
+    /// How it is at the [beginning](Self::begin).
     pub start: Start,
-    /// The moment at which a still shows it, seconds. Before time 0 it is as at time 0.
+    /// The moment at which a still shows it, seconds. Before the beginning it is as then.
     pub moment: f32,
 }
 
@@ -35,7 +35,7 @@ pub struct Schedule {
     pub on: Vec<[f32; 2]>,
 }
 
-/// What surfaces are like at time 0.
+/// What surfaces are like at the beginning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Start {
     /// This share of each state is excited.
@@ -53,21 +53,21 @@ pub struct Piece {
     pub on: Vec<bool>,
 }
 
-/// All surfaces glow, have been lit for long, and are in the dark from time 0 on.
+/// All surfaces glow: dark before, lamps have shone for the second before time 0. Longer light would fill all states alike.
 static AFTERGLOW: LazyLock<Glow> = LazyLock::new(|| {
     let presets = MaterialFile::presets();
     let material = presets.named(USUAL).expect("a preset");
     Glow {
         surfaces: vec![(None, Paint::new(material).expect("one state"))],
-        schedules: vec![Schedule { lights: Vec::new(), on: Vec::new() }],
-        start: Start::LitForLong,
+        schedules: vec![Schedule { lights: Vec::new(), on: vec![[-1.0, 0.0]] }],
+        start: Start::Share(0.0),
         moment: 0.0,
     }
 });
 
 impl Glow {
-    /// That of a scene; where it says nothing, all surfaces are of the preset `blue`, were lit for long, and are seen as the
-    /// light goes out.
+    /// That of a scene; where it says nothing, all surfaces are of the preset `blue`, lamps shone for a second, and it is seen
+    /// as they go out.
     pub fn of(scene: &Scene) -> &Self {
         scene.glow.as_deref().unwrap_or(&AFTERGLOW)
     }
@@ -104,11 +104,16 @@ impl Glow {
         }
     }
 
+    /// When time begins, seconds: at 0, or before, when the first lamp is switched.
+    pub fn begin(&self) -> f32 {
+        self.switches().fold(0.0, f32::min)
+    }
+
     /// All time until a moment, from its beginning on.
     pub fn past(&self, moment: f32) -> Vec<Piece> {
         let lit = Piece { seconds: FOR_LONG, on: vec![true; self.schedules.len()] };
         let first = (self.start == Start::LitForLong).then_some(lit);
-        first.into_iter().chain(self.between(0.0, moment)).collect()
+        first.into_iter().chain(self.between(self.begin(), moment)).collect()
     }
 
     /// The time from one moment to another, cut where a lamp is switched; nothing where the other is not later.
@@ -179,6 +184,17 @@ pub(crate) mod tests {
         glow.start = Start::LitForLong;
         assert_eq!(glow.past(0.0), vec![piece(FOR_LONG, [true; 2])]);
         assert!(glow.past(1e9).len() <= glow.most_pieces());
+    }
+
+    #[test]
+    fn a_scene_that_says_nothing_was_lit_for_a_second() {
+        let glow = Glow::of(&Scene::default());
+        assert_eq!(
+            glow.past(2.0),
+            vec![Piece { seconds: 1.0, on: vec![true] }, Piece { seconds: 2.0, on: vec![false] }]
+        );
+        assert!(glow.past(-1.0).is_empty() && !glow.shines(0) && glow.before() == 0.0);
+        assert_eq!(glow.surfaces[0].1.name, USUAL);
     }
 
     #[test]

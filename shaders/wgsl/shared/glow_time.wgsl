@@ -19,12 +19,17 @@ fn charge_of(state: PaintState, irradiance: vec3f) -> f32 {
     return select(0.0, min(charge, FASTEST), charge > 0.0);
 }
 
+// Rate times time, where it matters: nothing is left of what decays by more.
+fn exponent(rate: f32, seconds: f32) -> f32 {
+    return select(rate * seconds, 80.0, rate > 80.0 / max(seconds, 1e-30));
+}
+
 // How much of the way to the equilibrium a time goes: 1 - exp(-x), without loss where x is small.
 fn progress(x: f32) -> f32 {
     if x < 0.02 {
         return x * (1.0 - x * (0.5 - x * (1.0 / 6.0 - x / 24.0)));
     }
-    return 1.0 - exp(-min(x, 80.0));
+    return 1.0 - exp(-x);
 }
 
 // One exact step of the rate equation (thesis, equation 8.1).
@@ -33,6 +38,5 @@ fn stepped(share: f32, charge: f32, decay: f32, seconds: f32) -> f32 {
     if rate <= 0.0 {
         return share;
     }
-    let way = progress(min(rate, FASTEST) * min(seconds, 1e8));
-    return clamp(share + (charge / rate - share) * way, 0.0, 1.0);
+    return clamp(share + (charge / rate - share) * progress(exponent(rate, seconds)), 0.0, 1.0);
 }

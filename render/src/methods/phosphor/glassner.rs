@@ -131,7 +131,7 @@ fn share(
     let within = -(-state.decay * whole).exp_m1();
     let count = numbers.len() as f32;
     let charge = |number: f32| {
-        let ago = -(1.0 - number * within).max(1e-38).ln() / state.decay;
+        let ago = -(-number * within).ln_1p() / state.decay;
         state.charge(light_at(past, received, ago))
     };
     numbers.map(charge).sum::<f32>() / count * within / state.decay + before * (-state.decay * whole).exp()

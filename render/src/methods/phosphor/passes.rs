@@ -86,13 +86,9 @@ impl Finding {
         let mut steps = Vec::new();
         for (height, level) in self.levels.iter().enumerate() {
             let uniform = gpu::uniform(device, "phosphor.level", level)?;
-            let boxes = self.boxes.as_entire_binding();
-            let bound = if height == 0 {
-                let reads = [&uniform, &self.tiles, posed].map(|buffer| buffer.as_entire_binding());
-                leaves.bind(device, &[&reads[..], &[boxes]].concat())?
-            } else {
-                parents.bind_at(device, [(0, uniform.as_entire_binding()), (3, boxes)])?
-            };
+            let buffers =
+                [&uniform, &self.tiles, posed, &self.boxes].map(|buffer| buffer.as_entire_binding());
+            let bound = if height == 0 { &leaves } else { &parents }.bind(device, &buffers)?;
             let workgroups = groups(level.nodes as usize).into();
             steps.push(MethodStep { step: Step { pass: bound, workgroups }, writes: Vec::new() });
         }

@@ -24,6 +24,14 @@ fn whole_past() -> f32 {
     return seconds;
 }
 
+// The inverse of `progress`.
+fn exponent_of(part: f32) -> f32 {
+    if part < 0.02 {
+        return part * (1.0 + part * (0.5 + part * (1.0 / 3.0 + part * 0.25)));
+    }
+    return -log(max(1.0 - part, 1e-37));
+}
+
 // The piece in which so many seconds ago was.
 fn piece_at(ago: f32) -> u32 {
     var left = ago;
@@ -73,14 +81,14 @@ fn look_back(@builtin(global_invocation_id) id: vec3u) {
             if decay <= 0.0 {
                 continue;
             }
-            let within = progress(decay * past);
+            let within = progress(exponent(decay, past));
             var charges = 0.0;
             for (var i = 0u; i < samples; i++) {
                 let number = random(id.xy, settings.seed, i * STATES + s);
-                let ago = -log(max(1.0 - number * within, 1e-38)) / decay;
+                let ago = exponent_of(number * within) / decay;
                 charges += charge_of(state, irradiance_in(piece_at(ago), place));
             }
-            let share = charges / f32(samples) * within / decay + state.emission.w * exp(-min(decay * past, 80.0));
+            let share = charges / f32(samples) * within / decay + state.emission.w * exp(-exponent(decay, past));
             sent += state.emission.rgb * share;
         }
     }
