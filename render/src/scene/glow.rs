@@ -188,7 +188,8 @@ pub(crate) mod tests {
 
     #[test]
     fn a_scene_that_says_nothing_was_lit_for_a_second() {
-        let glow = Glow::of(&Scene::default());
+        let scene = Scene::default();
+        let glow = Glow::of(&scene);
         assert_eq!(
             glow.past(2.0),
             vec![Piece { seconds: 1.0, on: vec![true] }, Piece { seconds: 2.0, on: vec![false] }]
