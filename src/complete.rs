@@ -86,6 +86,17 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
     {
         added.push("no ray of the picture meets the medium: it lies elsewhere".to_owned());
     }
+    if effect == Effect::Phosphor || additions.phosphor.is_some() {
+        let lit = scene.with_look(look.clone())?;
+        let (glow, said) = additions.glow(lit.scene(), wants.time)?;
+        look.glow = Some(Arc::new(glow));
+        if !said {
+            added.push(
+                "nothing is said of what glows: all does, blue, after a second of light that ends at second 0"
+                    .to_owned(),
+            );
+        }
+    }
     let still = scene.scene().meshes.iter().all(|mesh| mesh.displacements.is_empty());
     if effect == Effect::MotionBlur && still && !wants.animated {
         added.push("nothing in the scene moves: the picture is of a still scene".to_owned());

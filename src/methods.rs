@@ -6,8 +6,8 @@ use deepshade_infer::Model;
 use deepshade_render::method::Method;
 use deepshade_render::methods::{
     Quality, aov, bounced_z, epipolar, epipolar_sampling, fog_march, froxel, fxaa, gather, gpu_epipolar,
-    gtao, hbao, lpv, min_max, prefiltered, ray_march, reconstruction, ring_gather, separable, shafts::Shafts,
-    ssdo, ssgi, subsurface, surfel, volume_shell,
+    gtao, hbao, lpv, min_max, phosphor, prefiltered, ray_march, reconstruction, ring_gather, separable,
+    shafts::Shafts, ssdo, ssgi, subsurface, surfel, volume_shell,
 };
 use deepshade_render::screen::ScreenMethod;
 use deepshade_shaders::Effect;
@@ -67,7 +67,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 44] = [
+const ALL: [Entry; 46] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -184,6 +184,12 @@ const ALL: [Entry; 44] = [
     }),
     screen(Effect::FogDirect, "froxel", |gpu, quality| {
         Ok(Box::new(froxel::Froxel::new(gpu, froxel::Parameters::of(quality))?))
+    }),
+    screen(Effect::Phosphor, "rate-equation", |gpu, quality| {
+        Ok(Box::new(phosphor::RateEquation::new(gpu, phosphor::Parameters::of(quality))?))
+    }),
+    screen(Effect::Phosphor, "glassner", |gpu, quality| {
+        Ok(Box::new(phosphor::glassner::Glassner::new(gpu, phosphor::glassner::Parameters::of(quality))?))
     }),
     processor(Effect::FogDirect, "epipolar", |quality| Box::new(Shafts(epipolar::Parameters::of(quality)))),
     processor(Effect::FogDirect, "min-max", |quality| Box::new(Shafts(min_max::Parameters::of(quality)))),

@@ -24,6 +24,7 @@ use deepshade_render::metrics::{exposed, exposure, ssim};
 use deepshade_render::path::estimate::SCRAMBLINGS;
 use deepshade_render::path::{Estimate, Footprint, Part, Shot, Truth};
 use deepshade_render::scene::{Lens, SceneSource};
+use deepshade_render::scotopic::Scotopic;
 use deepshade_shaders::{Effect, Planes};
 use picture::Exposure;
 use serde_json::json;
@@ -51,7 +52,7 @@ pub struct Args {
     #[arg(long)]
     scene: SceneSource,
     /// What is computed: ao, do, gi, glossy, ibl, sss, subsurface, dof, motion-blur, aa, multi, fog-direct,
-    /// fog-indirect, fog-multiple or path; the README says what each of them is.
+    /// fog-indirect, fog-multiple, phosphor or path; the README says what each of them is.
     #[arg(long, default_value = "path")]
     effect: Effect,
     /// Which of the effect's light: of path emitted, direct, first-indirect (after one bounce) or rest.
@@ -81,6 +82,9 @@ pub struct Args {
     /// Radiance that becomes 1 in the PNG; by default as the picture's brightness wants it.
     #[arg(long, value_parser = positive)]
     white: Option<f32>,
+    /// Shows the PNG as eyes in the dark see it: bluish, blurred, noisy; by how much, from 0 (day) to 1 (night).
+    #[arg(long, num_args = 0..=1, default_missing_value = "1", value_parser = crate::arguments::within(0.0..=1.0))]
+    scotopic: Option<f32>,
     /// Chooses sampled views, added lights and samples.
     #[arg(long, default_value_t = 0)]
     seed: u32,
@@ -91,6 +95,13 @@ pub struct Args {
     additions: Additions,
     #[command(flatten)]
     sequence: animate::Sequence,
+}
+
+impl Args {
+    /// The eyes that are asked for, of a frame of a sequence.
+    fn eyes(&self, frame: u32) -> Option<Scotopic> {
+        self.scotopic.map(|share| Scotopic::slight(share, self.height, self.seed.wrapping_add(frame)))
+    }
 }
 
 /// Samples of a pixel where none are asked for.
@@ -137,7 +148,7 @@ pub fn run(args: &Args) -> Result<()> {
 
     let tone = Exposure::new(args.effect, &estimate.mean, args.white);
     let provenance = provenance(args, part, &view, &completed, radius, estimate.samples);
-    write_png(&png, &tone.picture(&estimate.mean))?;
+    write_png(&png, &tone.picture(&estimate.mean, args.eyes(0).as_ref()))?;
     write_exr(&exr, args.effect, &estimate, &provenance)?;
     let exposure = exposure(args.effect, &estimate.mean);
     let noise = estimate.noise_relmse(exposure).unwrap_or(f64::NAN);
@@ -201,7 +212,11 @@ fn refined(args: &Args, shot: &Shot<'_>, png: &Path) -> Result<Truth> {
     let truth = Truth::refine(args.effect, shot, goal, args.seed, finished, |estimate| {
         let noise = estimate.noise_relmse(exposure(args.effect, &estimate.mean)).unwrap_or(f64::NAN).sqrt();
         bar.set_message(format!("{} a pixel, noise {:.1} %", estimate.samples, 100.0 * noise));
-        write_png(png, &Exposure::new(args.effect, &estimate.mean, args.white).picture(&estimate.mean))
+        write_png(
+            png,
+            &Exposure::new(args.effect, &estimate.mean, args.white)
+                .picture(&estimate.mean, args.eyes(0).as_ref()),
+        )
     })?;
     bar.finish_and_clear();
     Ok(truth)

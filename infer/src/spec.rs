@@ -183,6 +183,7 @@ impl NetSpec {
             | Effect::FogDirect
             | Effect::FogIndirect
             | Effect::FogMultiple
+            | Effect::Phosphor
             | Effect::Path => return None,
         };
         let image_groups = if effect == Effect::Ibl { 3 } else { 1 };

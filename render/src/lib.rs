@@ -15,5 +15,6 @@ pub mod path;
 pub mod phosphor;
 pub mod raster;
 pub mod scene;
+pub mod scotopic;
 pub mod screen;
 pub mod surfels;

@@ -20,7 +20,7 @@ use crate::bvh::TracedScene;
 
 use crate::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
 use crate::raster::World;
-use crate::scene::{Camera, Environment, Scene};
+use crate::scene::{Camera, Environment, Glow, Scene};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
 use std::borrow::Cow;
@@ -177,7 +177,8 @@ const SHADOW_SIZE: usize = 2048;
 /// A scene that stays, with the shadow maps for a view drawn.
 pub(crate) fn world(gpu: &Gpu, scene: &Scene, view: &View) -> Result<World, GpuError> {
     let mut world = World::new(gpu, &scene.clone().into(), Some(SHADOW_SIZE))?;
-    world.set(&gpu.queue, 0.0, 0.0, &view.camera, view.width as f32 / view.height as f32);
+    let moment = Glow::of(scene).moment;
+    world.set(&gpu.queue, moment, 0.0, &view.camera, view.width as f32 / view.height as f32);
     gpu::submit(&gpu.device, &gpu.queue, "world", |encoder| world.encode_shadows(encoder, None))?;
     Ok(world)
 }

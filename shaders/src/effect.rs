@@ -39,6 +39,8 @@ pub enum Effect {
     FogIndirect,
     /// Light of every other path with a vertex in the medium, radiance, RGB.
     FogMultiple,
+    /// Phosphorescence: what the surface that is seen gives back of light of lamps that it kept, radiance, RGB (thesis 8.3).
+    Phosphor,
     /// All light, radiance, RGB.
     Path,
     /// The look of photographs, radiance, RGB: all light, in a setting that a network learns by heart (thesis 7.4).
@@ -47,7 +49,7 @@ pub enum Effect {
 
 impl Effect {
     /// Every effect.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Ao,
         Self::Do,
         Self::Gi,
@@ -62,6 +64,7 @@ impl Effect {
         Self::FogDirect,
         Self::FogIndirect,
         Self::FogMultiple,
+        Self::Phosphor,
         Self::Path,
         Self::Real,
     ];
@@ -83,6 +86,7 @@ impl Effect {
             Self::FogDirect => "fog-direct",
             Self::FogIndirect => "fog-indirect",
             Self::FogMultiple => "fog-multiple",
+            Self::Phosphor => "phosphor",
             Self::Path => "path",
             Self::Real => "real",
         }
@@ -101,7 +105,13 @@ impl Effect {
     pub const fn background(self) -> Option<f32> {
         match self {
             Self::Ao => Some(1.0),
-            Self::Do | Self::Gi | Self::Glossy | Self::Ibl | Self::Sss | Self::Subsurface => Some(0.0),
+            Self::Do
+            | Self::Gi
+            | Self::Glossy
+            | Self::Ibl
+            | Self::Sss
+            | Self::Subsurface
+            | Self::Phosphor => Some(0.0),
             Self::Dof
             | Self::MotionBlur
             | Self::Aa
@@ -118,7 +128,13 @@ impl Effect {
     /// is left out.
     pub const fn lit_by_lamps_alone(self) -> bool {
         match self {
-            Self::Sss | Self::Subsurface | Self::Dof | Self::MotionBlur | Self::Aa | Self::Multi => true,
+            Self::Sss
+            | Self::Subsurface
+            | Self::Dof
+            | Self::MotionBlur
+            | Self::Aa
+            | Self::Multi
+            | Self::Phosphor => true,
             Self::Ao
             | Self::Do
             | Self::Gi
@@ -145,6 +161,7 @@ impl Effect {
             | Self::FogDirect
             | Self::FogIndirect
             | Self::FogMultiple
+            | Self::Phosphor
             | Self::Path
             | Self::Real => false,
         }

@@ -86,6 +86,7 @@ mod indirect;
 mod lpv;
 mod nets;
 mod occlusion;
+mod phosphor;
 mod post;
 mod surfels;
 mod volume;
@@ -101,6 +102,7 @@ pub use nets::{
     NET_DOWN, NET_FIRST, NET_IMAGE, NET_ONLY, NET_PLAIN, NET_UP,
 };
 pub use occlusion::{BLUR, GTAO_OCCLUSION, HBAO_OCCLUSION, SSDO_LIGHT};
+pub use phosphor::{PHOSPHOR_FIND, PHOSPHOR_FIT, PHOSPHOR_GLASSNER, PHOSPHOR_SHOW, PHOSPHOR_STEP};
 pub use post::{
     FXAA_LUMA, FXAA_SMOOTH, GATHER_AREAS, GATHER_GATHER, RECONSTRUCTION_GATHER, RECONSTRUCTION_NEIGHBOURS,
     RECONSTRUCTION_TILES, RING_GATHER_COMBINE, RING_GATHER_GATHER, RING_GATHER_NEIGHBOURS,
@@ -131,6 +133,7 @@ pub fn all() -> impl Iterator<Item = &'static Shader> {
         lpv::TABLE,
         nets::TABLE,
         occlusion::TABLE,
+        phosphor::TABLE,
         post::TABLE,
         surfels::TABLE,
         volume::TABLE,

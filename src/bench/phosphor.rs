@@ -1,9 +1,17 @@
-//! `deepshade bench phosphor`: what a design takes, and what light of the past costs by the rate equation and by Glassner's
-//! integral (thesis, sections 8.5 and 8.6).
+//! `deepshade bench phosphor`: what a step of all texels takes, what light of the past costs by the rate equation and by
+//! Glassner's integral, in images and at one place, and what a design takes (thesis, sections 8.5 and 8.6).
 
+mod contest;
+mod cornell;
+mod pictures;
+mod step;
+mod subject;
+
+use crate::arguments::Size;
 use crate::figures::Figures;
 use crate::table;
 use anyhow::{Context, Result};
+use contest::Contest;
 use deepshade_render::phosphor::design::{Design, Key, Place, thesis_grid};
 use deepshade_render::phosphor::glassner::Past;
 use deepshade_render::phosphor::material::file::MaterialFile;
@@ -12,19 +20,38 @@ use deepshade_render::phosphor::noise::Noise;
 use deepshade_render::phosphor::rate::Scheme;
 use deepshade_render::phosphor::simulation::{Initial, Simulation};
 use deepshade_render::phosphor::spectrum::Bands;
+use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::lists::median;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
+use step::Step;
 
-/// Milliseconds of a design, and what light of the past costs at one place by the rate equation and by Glassner's integral.
+/// Milliseconds of a step of 4.7 million texels and of a design, and what light of the past costs by the rate equation and by
+/// Glassner's integral.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  deepshade bench phosphor --json phosphor.json\n\n\
-    In the JSON file ms_design is the median over places of a material of one state and three colours that meets four keys of a \
+#[command(after_help = "Examples:\n  deepshade bench phosphor --json phosphor.json\n  \
+    deepshade bench phosphor --size 1024x512 --pictures glowing-box\n\n\
+    In the JSON file ms_step_4_7m is of one step of all states of a glowing box with 4.7 million texels, irradiance by shadow maps \
+    included, texels_per_second what that makes, bandwidth_share the bytes that it moves over what the device copies in the same \
+    time. ratio_glassner_equal_quality is what the integral takes for an image of the same error over what the rate equation takes, \
+    with samples_glassner_equal_quality moments a pixel (neither is there if 4096 moments are not enough), \
+    ratio_error_glassner_equal_time its squared error over the rate equation's with as many moments as cost no more. ms_design is the median over places of a material of one state and three colours that meets four keys of a \
     sequence of 200 frames, design_residual the sum of what is left over all places, design_residual_grid that of the thesis' \
-    grid; ms_design_BANDS_STATES and so on are of other bands and states. ratio_glassner_equal_quality is what the integral takes \
-    at an error of 1 % over what a step of the rate equation takes, after 600 frames.")]
+    grid; ms_design_BANDS_STATES and so on are of other bands and states. ratio_glassner_one_place is what the integral takes \
+    at one place on the processor, at an error of 1 %, over what a step of the rate equation takes there, after 600 frames.")]
 pub struct Args {
+    /// Size of the images that are compared, columns x rows; those of the thesis have 1024x512.
+    #[arg(long, default_value = "256x128")]
+    size: Size,
+    /// Timed runs of each pass; by default 20 on a graphics card and 1 on a software adapter.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    runs: Option<u16>,
+    /// Writes pictures of a box with glowing walls here, before and after its lamp has gone out: from left to right all light,
+    /// path traced; what the walls give back by truth; by the rate equation in frames; by the integral in equal time; by the
+    /// integral in equal quality.
+    #[arg(long)]
+    pictures: Option<PathBuf>,
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
@@ -67,6 +94,16 @@ struct Rivals {
 /// # Errors
 /// If a material makes no sense, or the figures cannot be written.
 pub fn run(args: &Args) -> Result<()> {
+    let gpu = Gpu::new()?;
+    let runs = args.runs.map_or(if gpu.is_software() { 1 } else { 20 }, usize::from);
+    note!("a step of all texels");
+    let step = Step::of(&gpu, runs)?;
+    note!("images at {}", args.size);
+    let contest = Contest::of(&gpu, args.size, runs)?;
+    let pictures = match &args.pictures {
+        Some(folder) => pictures::write(&gpu, folder, args.size, contest.rivals())?,
+        None => Vec::new(),
+    };
     note!("designs");
     let kinds = [
         ("rgb_1", Bands::Rgb, 1),
@@ -79,6 +116,10 @@ pub fn run(args: &Args) -> Result<()> {
     note!("light of the past");
     let rivals = PASTS.map(Rivals::after).into_iter().collect::<Result<Vec<_>>>()?;
     let mut figures = Figures::new("bench phosphor");
+    step.set(&mut figures);
+    contest.set(&mut figures);
+    figures.detail("adapter", json!(gpu.info.name));
+    figures.detail("contest", contest.to_json());
     for of in &designed {
         figures.set(&format!("ms_design_{}", of.name), of.milliseconds);
         figures.set(&format!("design_residual_{}", of.name), of.residual);
@@ -89,12 +130,18 @@ pub fn run(args: &Args) -> Result<()> {
     figures.set("design_residual", usual.residual);
     figures.set("design_residual_grid", usual.of_grid);
     if let Some(of) = rivals.iter().find(|of| of.frames == FIGURED_PAST) {
-        figures.set("ratio_glassner_equal_quality", of.drawn / of.step);
+        figures.set("ratio_glassner_one_place", of.drawn / of.step);
     }
     let detail = |of: &Rivals| json!([of.frames, of.step, of.samples, of.drawn, of.error_in_a_step]);
     figures.detail("glassner", rivals.iter().map(detail).collect());
     figures.write(args.json.as_deref())?;
-    say!("{}", table::aligned(&design_rows(&designed)))?;
+    say!("{}, on {}", step.in_words(), gpu.info.name)?;
+    if gpu.is_software() {
+        say!("(a software adapter: of milliseconds the order alone means something)")?;
+    }
+    say!("\n{}", table::aligned(&contest.rows()))?;
+    pictures.iter().try_for_each(|path| say!("{}", path.display()))?;
+    say!("\n{}", table::aligned(&design_rows(&designed)))?;
     say!("\n{}", table::aligned(&rival_rows(&rivals)))
 }
 

@@ -171,7 +171,12 @@ fn frames_of(
         }
         let mut digest = Digest::default();
         digest.say(&(maker, &contents, settings, camera, &stage.moment, &added));
-        digest.say(&(&shown.lights, &shown.medium, run.additions().heard_by(effect).mean_free_path));
+        digest.say(&(
+            &shown.lights,
+            &shown.medium,
+            &shown.glow,
+            run.additions().heard_by(effect).mean_free_path,
+        ));
         digest.say(&run.environment.as_deref().map(file_digest).transpose()?);
         let grid = shown.medium.as_deref().is_some_and(|medium| matches!(medium.density, Density::Grid(_)));
         let dark = shown.lights.is_empty();

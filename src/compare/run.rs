@@ -72,6 +72,8 @@ pub struct Run {
     pub anisotropy: Option<f32>,
     /// How far light goes within every material, metres.
     pub mean_free_path: Option<Colour>,
+    /// What glows: which materials keep light, and when lamps shine.
+    pub phosphor: Option<PathBuf>,
     /// Runs that differ in what they state from this one.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub runs: Vec<Self>,
@@ -114,6 +116,7 @@ impl Run {
             scattering_albedo: self.scattering_albedo.or(other.scattering_albedo),
             anisotropy: self.anisotropy.or(other.anisotropy),
             mean_free_path: self.mean_free_path.or(other.mean_free_path),
+            phosphor: self.phosphor.or(other.phosphor),
             runs: Vec::new(),
         }
     }
@@ -142,7 +145,7 @@ impl Run {
         self.scenes.iter_mut().flatten().for_each(source);
         self.put.iter_mut().flatten().for_each(|prop| source(&mut prop.source));
         let models = self.methods.iter_mut().flatten().filter_map(|method| method.model.as_mut());
-        [&mut self.environment, &mut self.medium, &mut self.model]
+        [&mut self.environment, &mut self.medium, &mut self.phosphor, &mut self.model]
             .into_iter()
             .flatten()
             .chain(models)
@@ -214,6 +217,7 @@ impl Run {
             scattering_albedo: vector(self.scattering_albedo),
             anisotropy: self.anisotropy,
             mean_free_path: vector(self.mean_free_path),
+            phosphor: self.phosphor.clone(),
         }
     }
 
@@ -242,6 +246,7 @@ impl Run {
             scattering_albedo: additions.scattering_albedo.map(Colour),
             anisotropy: additions.anisotropy,
             mean_free_path: additions.mean_free_path.map(Colour),
+            phosphor: additions.phosphor,
             ..self
         }
     }

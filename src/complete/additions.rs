@@ -4,7 +4,7 @@ use super::listeners;
 use anyhow::{Context, Result, ensure};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::medium::{DensityFile, LARGEST_COEFFICIENT};
-use deepshade_render::scene::{Bounds, Density, Medium};
+use deepshade_render::scene::{Bounds, Density, Glow, Medium, Scene};
 use deepshade_shaders::Effect;
 use glam::Vec3;
 use std::path::PathBuf;
@@ -47,6 +47,10 @@ pub struct Additions {
     /// rows) of what is in the middle of the picture.
     #[arg(long, value_parser = colour)]
     pub mean_free_path: Option<Vec3>,
+    /// What glows: a file (.toml) that says which materials keep light, and when lamps shine; the README has one. By default
+    /// all surfaces do, as the preset blue, after a second of light that ends at second 0. --time is the moment that is seen.
+    #[arg(long)]
+    pub phosphor: Option<PathBuf>,
 }
 
 impl Additions {
@@ -67,6 +71,8 @@ impl Additions {
         let lens = [("--aperture", self.aperture.is_some()), ("--focus", self.focus.is_some())];
         let medium = [("--medium", self.medium.is_some()), ("--extinction", self.extinction.is_some())];
         let inside = [("--mean-free-path", self.mean_free_path.is_some())];
+        let phosphor = [("--phosphor", self.phosphor.is_some())];
+        listeners::check_any(effects, listeners::PHOSPHOR, &phosphor)?;
         listeners::check_any(effects, listeners::MEAN_FREE_PATH, &inside)?;
         listeners::check_any(effects, listeners::ENVIRONMENT, &environment)?;
         listeners::check_any(effects, listeners::LENS, &lens)?;
@@ -89,6 +95,7 @@ impl Additions {
             scattering_albedo: self.scattering_albedo.filter(|_| medium),
             anisotropy: self.anisotropy.filter(|_| medium),
             mean_free_path: self.mean_free_path.filter(|_| inside),
+            phosphor: self.phosphor.clone().filter(|_| listeners::PHOSPHOR.contains(&effect)),
         }
     }
 
@@ -132,6 +139,19 @@ impl Additions {
             self.albedo(),
             self.mean_cosine()
         )
+    }
+
+    /// What glows, at a time, seconds; whether that is said.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or names what the scene lacks.
+    pub fn glow(&self, scene: &Scene, time: f32) -> Result<(Glow, bool)> {
+        let Some(path) = &self.phosphor else {
+            return Ok((Glow { moment: time, ..Glow::of(scene).clone() }, scene.glow.is_some()));
+        };
+        let glow = Glow::read(path, time)?;
+        glow.check(scene).map_err(anyhow::Error::msg).with_context(|| path.display().to_string())?;
+        Ok((glow, true))
     }
 
     fn albedo(&self) -> Vec3 {

@@ -22,6 +22,8 @@ pub const LENS: &[Effect] = &[
     Effect::Path,
     Effect::Real,
 ];
+/// Effects of light that surfaces keep.
+pub const PHOSPHOR: &[Effect] = &[Effect::Phosphor, Effect::Path];
 /// Effects that show an environment, or are lit by it.
 pub const ENVIRONMENT: &[Effect] = &[
     Effect::Do,

@@ -74,6 +74,7 @@ pub const fn trivial_name(effect: Effect) -> &'static str {
         | Effect::FogDirect
         | Effect::FogIndirect
         | Effect::FogMultiple
+        | Effect::Phosphor
         | Effect::Real => "black",
         _ => "light",
     }

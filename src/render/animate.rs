@@ -198,7 +198,10 @@ fn write_sequence(
             (Exposure::new(shown.effect, &image, args.white), exposure(shown.effect, &image))
         });
         if frame % every == 0 {
-            write_png(&folder.join(format!("{frame:05}.png")), &white.picture(&image))?;
+            write_png(
+                &folder.join(format!("{frame:05}.png")),
+                &white.picture(&image, args.eyes(frame).as_ref()),
+            )?;
         }
         if shown.attribute.is_none() {
             let since = live.since_before()?;

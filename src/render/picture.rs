@@ -1,6 +1,7 @@
 //! Linear values as a picture: exposure and tone curve.
 
 use crate::report::images::painted;
+use deepshade_render::scotopic::Scotopic;
 use deepshade_shaders::colour::luminance;
 use deepshade_shaders::{Effect, Planes};
 use glam::Vec3;
@@ -56,9 +57,14 @@ impl Exposure {
         }
     }
 
-    /// The picture of an image, sRGB.
-    pub fn picture(self, image: &Planes) -> RgbImage {
-        painted(image, |pixel| self.shown(colour(image, pixel)))
+    /// The picture of an image, sRGB, and by which eyes in the dark it is seen, if any.
+    pub fn picture(self, image: &Planes, eyes: Option<&Scotopic>) -> RgbImage {
+        let Some(eyes) = eyes else { return painted(image, |pixel| self.shown(colour(image, pixel))) };
+        let width = image.width();
+        let pixels: Vec<Vec3> = (0..image.pixels()).map(|pixel| self.shown(colour(image, pixel))).collect();
+        let screen = Planes::from_fn(3, image.height(), width, |c, y, x| pixels[y * width + x][c].min(1.0));
+        let seen = eyes.seen(&screen);
+        painted(&seen, |pixel| colour(&seen, pixel))
     }
 
     /// The linear colour on the screen.
@@ -109,7 +115,7 @@ mod tests {
     #[test]
     fn brightness_of_the_scene_does_not_matter() {
         let (dim, bright) = (grey(&[0.01, 0.02, 0.08]), grey(&[10.0, 20.0, 80.0]));
-        let picture = |image: &Planes| Exposure::new(Effect::Path, image, None).picture(image);
+        let picture = |image: &Planes| Exposure::new(Effect::Path, image, None).picture(image, None);
         assert_eq!(picture(&dim), picture(&bright));
         let levels: Vec<u8> = picture(&dim).pixels().map(|pixel| pixel.0[0]).collect();
         assert!(levels.is_sorted() && levels[0] > 20 && levels[2] < 255, "{levels:?}");
@@ -129,7 +135,7 @@ mod tests {
     fn shares_and_darkness_are_shown_as_they_are() {
         assert_eq!(Exposure::new(Effect::Ao, &Planes::filled(1, 1, 2, 0.3), None), Exposure::Plain);
         assert_eq!(Exposure::new(Effect::Path, &grey(&[0.0, 0.0]), None), Exposure::Plain);
-        let picture = Exposure::Plain.picture(&Planes::from_data(1, 1, 2, vec![0.0, 1.0]));
+        let picture = Exposure::Plain.picture(&Planes::from_data(1, 1, 2, vec![0.0, 1.0]), None);
         assert_eq!((picture.get_pixel(0, 0).0, picture.get_pixel(1, 0).0), ([0; 3], [255; 3]));
     }
 }

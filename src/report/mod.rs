@@ -113,6 +113,7 @@ pub const fn title(effect: Effect) -> &'static str {
         Effect::FogDirect => "Fog, light scattered once",
         Effect::FogIndirect => "Fog, light from surfaces",
         Effect::FogMultiple => "Fog, light scattered many times",
+        Effect::Phosphor => "Phosphorescence",
         Effect::Path => "All light",
         Effect::Real => "The look of photographs",
     }

@@ -22,7 +22,7 @@ pub struct Developed {
 impl Developed {
     /// Develops an effect's image.
     pub fn new(name: &str, values: Planes, exposure: Exposure) -> Self {
-        let picture = Arc::new(on_screen(&exposure.picture(&values)));
+        let picture = Arc::new(on_screen(&exposure.picture(&values, None)));
         Self { name: name.to_owned(), values: Arc::new(values), picture }
     }
 
@@ -37,7 +37,7 @@ impl Developed {
             let value = values.at(c.min(last), y, x);
             if value.is_finite() { (value - low) * scale } else { 1.0 }
         });
-        let picture = Exposure::Plain.picture(&stretched);
+        let picture = Exposure::Plain.picture(&stretched, None);
         Self {
             name: attribute.name().to_owned(),
             values: Arc::new(values),

@@ -20,6 +20,7 @@ pub mod lobe;
 pub mod lpv;
 pub mod march;
 pub mod min_max;
+pub mod phosphor;
 mod picture;
 pub mod prefiltered;
 pub mod ray_march;

@@ -29,6 +29,8 @@ use std::f32::consts::PI;
 pub struct Lights<'a> {
     scene: &'a TracedScene,
     emitters: Option<Emitters>,
+    /// Which lights without an extent shine: all, but for those that [`Glow`](crate::scene::Glow) has switched off.
+    on: Vec<bool>,
     environment: Option<&'a Environment>,
     /// What would arrive from a hemisphere of the environment's mean.
     environment_importance: f32,
@@ -56,7 +58,10 @@ impl<'a> Lights<'a> {
         let environment = scene.scene().environment.as_deref();
         let environment_importance =
             environment.map_or(0.0, |environment| PI * brightness(environment.mean()));
-        Self { scene, emitters: Emitters::new(scene), environment, environment_importance }
+        let glow = scene.scene().glow.as_deref();
+        let shines = |light: usize| glow.is_none_or(|glow| glow.shines(light));
+        let on = (0..scene.scene().lights.len()).map(shines).collect();
+        Self { scene, emitters: Emitters::new(scene), on, environment, environment_importance }
     }
 
     /// As they are from a point of the medium.

@@ -24,6 +24,7 @@ pub mod medium;
 pub mod motion_blur;
 pub mod multi;
 pub mod part;
+pub mod phosphor;
 #[cfg(test)]
 pub(crate) mod proving;
 pub mod refinement;
@@ -47,6 +48,7 @@ pub use ibl::Ibl;
 pub use motion_blur::MotionBlur;
 pub use multi::Multi;
 pub use part::Part;
+pub use phosphor::Phosphor;
 pub use refinement::Refinement;
 pub use sss::ScreenSpaceScattering;
 pub use subsurface::Subsurface;
@@ -148,6 +150,7 @@ pub fn integrator<'a>(effect: Effect, shot: &Shot<'a>) -> Box<dyn Integrator + '
         Effect::FogDirect => Box::new(fog::direct(shot)),
         Effect::FogIndirect => Box::new(fog::indirect(shot)),
         Effect::FogMultiple => Box::new(fog::multiple(shot)),
+        Effect::Phosphor => Box::new(Phosphor::new(shot)),
         Effect::Path | Effect::Real => Box::new(FullPath::new(shot)),
     }
 }

@@ -8,6 +8,7 @@
 
 use super::lights::{LightSample, Lights, LightsAt};
 use super::medium::{Flight, Media, Segment};
+use super::phosphor::Afterglow;
 use super::route::{Route, Vertices};
 use super::sampler::Stream;
 use super::vertex::Vertex;
@@ -38,6 +39,8 @@ pub enum Finding {
 pub struct Transport<'a> {
     scene: &'a TracedScene,
     lights: Lights<'a>,
+    /// What surfaces give back of light that they kept, where the scene says that they do.
+    afterglow: Option<Afterglow<'a>>,
     media: Media<'a>,
     /// Most vertices of a path.
     most_vertices: u32,
@@ -92,6 +95,7 @@ impl<'a> Transport<'a> {
         Self {
             scene,
             lights: Lights::new(scene),
+            afterglow: scene.scene().glow.is_some().then(|| Afterglow::new(scene)),
             media: Media::of(scene),
             most_vertices: u32::MAX,
             finding: Finding::Both,
@@ -257,11 +261,13 @@ impl<'a> Transport<'a> {
 
     /// Emission of a surface at the end of an edge, weighed.
     fn emission(&self, edge: &Edge<'_>, point: &SurfacePoint, hit: &Hit) -> Vec3 {
+        // Nothing but paths finds it.
+        let kept = self.afterglow.as_ref().map_or(Vec3::ZERO, |afterglow| afterglow.emission(hit));
         let emission = point.surface.emission;
         if emission == Vec3::ZERO {
-            return emission;
+            return kept;
         }
-        emission * self.weight(edge, |lights| lights.density_of_hit(edge.direction, hit))
+        kept + emission * self.weight(edge, |lights| lights.density_of_hit(edge.direction, hit))
     }
 
     /// How much light that an edge met counts, which is sampled among the lights with the density of `sampled`.

@@ -15,6 +15,7 @@ pub mod glassner;
 mod least_squares;
 pub mod material;
 pub mod noise;
+pub mod paint;
 pub mod rate;
 pub mod self_test;
 pub mod simulation;

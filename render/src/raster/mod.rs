@@ -6,12 +6,14 @@
 //! - [`surface`] draws the nearest surface of each pixel into eight words, which [`attributes`] spreads over the planes of
 //!   a [`GpuGBuffer`](crate::screen::GpuGBuffer): the same channels as those of [`crate::gbuffer`], which traces rays.
 //! - [`shadow`] draws the lights' maps, [`light`] gathers what they send, [`reflective`] what a light's rays meet.
+//! - [`glow`] holds what surfaces keep light of, and the time that passes.
 //! - [`since`] says how far surfaces moved since the frame before.
 //! - [`frame`] is all of it in order.
 
 pub mod attributes;
 pub mod frame;
 pub mod geometry;
+pub mod glow;
 pub mod light;
 pub mod material;
 pub mod medium;

@@ -2,6 +2,7 @@
 
 use super::attributes::Materials;
 use super::geometry::Geometry;
+use super::glow::GlowOnGpu;
 use super::light::Lights;
 use super::medium::MediumOnGpu;
 use super::pose::Posing;
@@ -33,6 +34,8 @@ pub struct World {
     pub gpu_lights: Lights,
     /// What fills it.
     pub medium: MediumOnGpu,
+    /// What of it keeps light.
+    pub glow: GlowOnGpu,
     map_plan: MapPlan,
     /// The lights' maps.
     pub shadows: ShadowPass,
@@ -75,6 +78,7 @@ impl World {
             materials: Materials::new(device, scene)?,
             gpu_lights,
             medium: MediumOnGpu::new(gpu, scene)?,
+            glow: GlowOnGpu::new(device, scene)?,
             map_plan,
             shadows,
             maps_stay: false,
@@ -90,6 +94,7 @@ impl World {
         if let Some(posing) = &mut self.posing {
             posing.set(queue, &self.rigs, time, shutter);
         }
+        self.glow.set(queue, time);
         let were = self.lights.clone();
         self.rigs.iter().for_each(|rig| rig.light(&mut self.lights, time));
         if self.lights != were {
@@ -118,6 +123,11 @@ impl World {
             self.lights = lights.to_vec();
             self.gpu_lights.set(queue, lights);
         }
+    }
+
+    /// The scene at one moment; what moves lies elsewhere at others.
+    pub const fn scene(&self) -> &Scene {
+        &self.scene
     }
 
     /// The parts of its surface that surfels are laid out on; made when they are asked for first.

@@ -1,6 +1,8 @@
 //! What can change in a scene without a triangle moving: materials, lights and what is between and around.
 
-use super::{Environment, Light, Material, Medium, Mesh, Scene, SceneError, Texture, TextureId, TextureSlot};
+use super::{
+    Environment, Glow, Light, Material, Medium, Mesh, Scene, SceneError, Texture, TextureId, TextureSlot,
+};
 use std::sync::Arc;
 
 /// What a scene shows, but for its triangles. Large things are shared, so that looks are cheap to copy.
@@ -16,6 +18,8 @@ pub struct Look {
     pub environment: Option<Arc<Environment>>,
     /// What fills the space between surfaces.
     pub medium: Option<Arc<Medium>>,
+    /// Which surfaces keep light.
+    pub glow: Option<Arc<Glow>>,
 }
 
 impl Scene {
@@ -27,14 +31,15 @@ impl Scene {
             lights: self.lights.clone(),
             environment: self.environment.clone(),
             medium: self.medium.clone(),
+            glow: self.glow.clone(),
         }
     }
 
     /// Gives the scene another look.
     pub fn set_look(&mut self, look: Look) {
-        let Look { materials, textures, lights, environment, medium } = look;
+        let Look { materials, textures, lights, environment, medium, glow } = look;
         (self.materials, self.textures, self.lights) = (materials, textures, lights);
-        (self.environment, self.medium) = (environment, medium);
+        (self.environment, self.medium, self.glow) = (environment, medium, glow);
     }
 
     /// Whether a scene of these triangles can look like that: each mesh has a material, each material and light its

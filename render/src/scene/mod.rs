@@ -6,6 +6,7 @@ pub mod camera;
 pub mod environment;
 mod file;
 mod finish;
+pub mod glow;
 pub mod gltf;
 pub mod light;
 pub mod look;
@@ -23,6 +24,7 @@ pub use animated::AnimatedScene;
 pub use camera::{Camera, Lens};
 pub(crate) use environment::Cumulative;
 pub use environment::Environment;
+pub use glow::Glow;
 pub use light::Light;
 pub use look::Look;
 pub use material::{AlphaMode, Gloss, Material, Surface, TextureSlot};
@@ -62,6 +64,8 @@ pub struct Scene {
     pub environment: Option<Arc<Environment>>,
     /// What fills the space between surfaces.
     pub medium: Option<Arc<Medium>>,
+    /// Which surfaces keep light, and when lamps shine; see [`Glow::of`].
+    pub glow: Option<Arc<Glow>>,
     /// Cameras that the file brings, with their names.
     pub cameras: Vec<(String, Camera)>,
 }

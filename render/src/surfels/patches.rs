@@ -134,7 +134,7 @@ pub fn covered_area(patches: &[Patch], vertices: &[Vec3]) -> f64 {
 }
 
 /// The place of a point of the unit cube along Morton's curve: the bits of its coordinates, interleaved.
-fn morton(at: Vec3) -> u64 {
+pub(crate) fn morton(at: Vec3) -> u64 {
     let spread = |coordinate: f32| {
         let mut bits = (coordinate.clamp(0.0, 1.0) * ((1 << 21) - 1) as f32) as u64;
         for (shift, mask) in [

@@ -6,6 +6,7 @@ mod damaged;
 mod data;
 mod environment;
 mod fuzz;
+mod glowing;
 mod moving;
 mod obj;
 mod on_gpu;

@@ -141,7 +141,9 @@ fn arrivals(
     scene
         .lights
         .iter()
-        .map(move |light| Arrival::new(scene, light, point))
+        .zip(&lights.on)
+        .filter(|(_, on)| **on)
+        .map(move |(light, _)| Arrival::new(scene, light, point))
         .map(|arrival| (arrival, brightness(arrival.irradiance)))
         .filter(move |(arrival, importance)| *importance > 0.0 && above(arrival.direction))
 }

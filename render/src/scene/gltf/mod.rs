@@ -61,6 +61,7 @@ pub fn load(path: &Path, time: f32, shutter: f32) -> Result<Scene, SceneError> {
         cameras: light::cameras(&file, &hierarchy)?,
         environment: None,
         medium: None,
+        glow: None,
     })
 }
 

@@ -1,0 +1,150 @@
+//! `glassner`: phosphorescence as an integral over the past (Glassner 1995, "A Model for Fluorescence and Phosphorescence"), by
+//! Monte Carlo with moments drawn by the decay, as the thesis compares itself with (section 8.5, Figure 8.16).
+//!
+//! Each pixel draws moments of the past for each state, and at each looks up the light of the lamps that shone then, with their
+//! shadows. That model knows no saturation: strong light makes it too bright. The start is what the rate equation's is.
+//!
+//! Why it: no state is kept, so that any moment can be shown at once. Why not: noise that falls with the root of the
+//! samples, and light anew for each. What moves is taken as it is now, at every moment of the past: shadow maps of frames
+//! gone by are not kept.
+
+use super::passes::Finding;
+use super::reference::{found, image};
+use super::{ATTRIBUTES, Parameters as Texels, Quality};
+use crate::bvh::TracedScene;
+use crate::path::phosphor::{Afterglow, Place};
+use crate::phosphor::paint::PaintState;
+use crate::raster::view::perspective;
+use crate::scene::Glow;
+use crate::scene::glow::Piece;
+use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use crate::surfels::frame;
+use bytemuck::bytes_of;
+use deepshade_shaders::gpu::GpuError;
+use deepshade_shaders::random::random;
+use deepshade_shaders::wgsl::uniforms::GlowSamples;
+use deepshade_shaders::{Attribute, Effect, MissingAttribute};
+use glam::{Vec2, Vec3};
+
+/// What can be set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parameters {
+    /// Moments that are drawn of each state.
+    pub samples: u32,
+}
+
+/// The method, compiled for a device.
+pub type Glassner = Compiled<Parameters>;
+
+impl Parameters {
+    /// More time is more moments: from as many as cost what the rate equation does to those that the thesis calls of the
+    /// same quality.
+    pub const fn of(quality: Quality) -> Self {
+        let samples = match quality {
+            Quality::Low => 1,
+            Quality::Medium => 16,
+            Quality::High => 128,
+            Quality::Ultra => 1024,
+        };
+        Self { samples }
+    }
+
+    fn settings(self, view: &View) -> GlowSamples {
+        let (width, height) = (view.width as u32, view.height as u32);
+        GlowSamples { width, height, samples: self.samples.max(1), seed: view.seed }
+    }
+}
+
+impl Technique for Parameters {
+    const NAME: &'static str = "glassner";
+    const EFFECT: Effect = Effect::Phosphor;
+    const ATTRIBUTES: &'static [Attribute] = ATTRIBUTES;
+    const LOOKS_BEYOND: bool = true;
+    /// They are compiled for a scene.
+    type Passes = ();
+
+    fn compile(_: &wgpu::Device) -> Result<(), GpuError> {
+        Ok(())
+    }
+
+    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
+        let camera = perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE);
+        vec![bytes_of(&camera).to_vec(), bytes_of(&self.settings(view)).to_vec()]
+    }
+
+    fn steps(
+        &self,
+        (): &(),
+        device: &wgpu::Device,
+        inputs: &Inputs<'_>,
+        uniforms: &[wgpu::Buffer],
+        output: &wgpu::Buffer,
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let (world, gbuffer) = (frame::scene(inputs.world)?, inputs.gbuffer);
+        let [view, settings] = uniforms else { unreachable!("it has two uniform buffers") };
+        // It has no texels; tiles are how a pixel finds its triangle.
+        let coarsest = Texels { texels: 1 };
+        let finding = Finding::new(device, world, gbuffer, coarsest.texels)?;
+        let mut steps = finding.steps(device, world, gbuffer, view)?;
+        steps.push(finding.look_back(device, world, gbuffer, [settings, output])?);
+        Ok(steps)
+    }
+
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        Ok(inputs.scene.map(|scene| shaded(scene, view, *self)).into_iter().collect())
+    }
+}
+
+/// The plain version's image.
+fn shaded(scene: &TracedScene, view: &View, parameters: Parameters) -> Vec<f32> {
+    let (afterglow, glow) = (Afterglow::new(scene), Glow::of(scene.scene()));
+    let past = glow.past(glow.moment);
+    let states = glow.surfaces.iter().map(|(_, paint)| paint.states.len()).max().unwrap_or(1) as u32;
+    image(view, |at| {
+        let found = found(scene, view, at)?;
+        let mesh = &scene.scene().meshes[found.mesh as usize];
+        let paint = glow.paint_of(&scene.scene().material(mesh.material).name)?;
+        let Vec2 { x, y } = found.place;
+        let received = afterglow.irradiance(&Place::new(mesh, found.triangle as usize, [1.0 - x - y, x, y]));
+        let of_state = |(index, state): (usize, &PaintState)| {
+            let number =
+                |sample: u32| random(at.x as u32, at.y as u32, view.seed, sample * states + index as u32);
+            state.emission
+                * share(state, glow.before(), &past, &received, (0..parameters.samples).map(number))
+        };
+        Some(glow.surfaces[paint].1.states.iter().enumerate().map(of_state).sum())
+    })
+}
+
+/// The excited share of a state without saturation, by moments that random numbers draw.
+fn share(
+    state: &PaintState,
+    before: f32,
+    past: &[Piece],
+    received: &[Vec3],
+    numbers: impl ExactSizeIterator<Item = f32>,
+) -> f32 {
+    if state.decay <= 0.0 {
+        return 0.0;
+    }
+    let whole: f32 = past.iter().map(|piece| piece.seconds).sum();
+    let within = -(-state.decay * whole).exp_m1();
+    let count = numbers.len() as f32;
+    let charge = |number: f32| {
+        let ago = -(-number * within).ln_1p() / state.decay;
+        state.charge(light_at(past, received, ago))
+    };
+    numbers.map(charge).sum::<f32>() / count * within / state.decay + before * (-state.decay * whole).exp()
+}
+
+/// Irradiance so many seconds ago.
+fn light_at(past: &[Piece], received: &[Vec3], ago: f32) -> Vec3 {
+    let mut left = ago;
+    for piece in past.iter().rev() {
+        if left < piece.seconds {
+            return piece.on.iter().zip(received).filter(|(on, _)| **on).map(|(_, light)| *light).sum();
+        }
+        left -= piece.seconds;
+    }
+    Vec3::ZERO
+}

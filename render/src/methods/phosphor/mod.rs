@@ -1,0 +1,97 @@
+//! Phosphorescence by states that stay on surfaces (`rate-equation`, thesis 8.5), and its rival (`glassner`).
+//!
+//! Every triangle that keeps light has a lattice of texels of its own ([`tile`]), so that a mesh needs no texture coordinates,
+//! and texels keep their place however it moves or bends. Each frame one pass moves their states on by the time that went by,
+//! under the lamps' shadow maps as they are now, exactly for light that stays the same ([`rate`](crate::phosphor::rate)). A
+//! pixel finds its triangle by where its surface is, in a tree of boxes that is fitted to the triangles of each frame: a
+//! g-buffer knows objects, not triangles, and one that rays made is as good as one that was drawn. What it shows is linear
+//! between texels.
+//!
+//! A still goes through all of the past in one frame, lamps being switched at their moments. In a sequence a frame costs the
+//! same however long it has lasted; states are the past.
+//!
+//! Why it: cost does not grow with time, strong light saturates, what moves takes its light along. Why not: light is kept only
+//! where texels are; what the camera never looks at costs as much as what it sees.
+//!
+//! Limits. Lamps without an extent excite, as they are at a frame's end; light by detours does not. Texels are as many as
+//! the mesh's area asks for, and slivers have more.
+
+pub mod glassner;
+pub mod passes;
+pub mod reference;
+#[cfg(test)]
+mod tests;
+pub mod tile;
+
+use super::Quality;
+use crate::raster::view::perspective;
+use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use crate::surfels::frame;
+use bytemuck::bytes_of;
+use deepshade_shaders::gpu::GpuError;
+use deepshade_shaders::{Attribute, Effect, MissingAttribute};
+use passes::Finding;
+
+/// What can be set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parameters {
+    /// Texels along the scene's diagonal.
+    pub texels: u32,
+}
+
+/// The method, compiled for a device.
+pub type RateEquation = Compiled<Parameters>;
+
+/// What both methods read of a g-buffer.
+const ATTRIBUTES: &[Attribute] = &[Attribute::Position, Attribute::ObjectId, Attribute::Valid];
+
+impl Parameters {
+    /// More time is finer texels.
+    pub const fn of(quality: Quality) -> Self {
+        let texels = match quality {
+            Quality::Low => 128,
+            Quality::Medium => 256,
+            Quality::High => 512,
+            Quality::Ultra => 1536,
+        };
+        Self { texels }
+    }
+}
+
+impl Technique for Parameters {
+    const NAME: &'static str = "rate-equation";
+    const EFFECT: Effect = Effect::Phosphor;
+    const ATTRIBUTES: &'static [Attribute] = ATTRIBUTES;
+    const LOOKS_BEYOND: bool = true;
+    /// They are compiled for a scene.
+    type Passes = ();
+
+    fn compile(_: &wgpu::Device) -> Result<(), GpuError> {
+        Ok(())
+    }
+
+    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
+        vec![bytes_of(&perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE)).to_vec()]
+    }
+
+    fn steps(
+        &self,
+        (): &(),
+        device: &wgpu::Device,
+        inputs: &Inputs<'_>,
+        uniforms: &[wgpu::Buffer],
+        output: &wgpu::Buffer,
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let world = frame::scene(inputs.world)?;
+        let finding = Finding::new(device, world, inputs.gbuffer, self.texels)?;
+        let mut steps = finding.steps(device, world, inputs.gbuffer, &uniforms[0])?;
+        let states = finding.states(device, world)?;
+        steps.push(finding.step(device, world, &states)?);
+        steps.push(finding.show(device, world, &states, output)?);
+        Ok(steps)
+    }
+
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        Ok(inputs.scene.map(|scene| reference::shade(scene, view, *self)).into_iter().flatten().collect())
+    }
+}

@@ -1,0 +1,234 @@
+//! The passes: boxes around tiles, the tile of each pixel, a step of all states, what is seen of them.
+
+use super::tile::Tiles;
+use crate::raster::World;
+use crate::raster::light::{Lights, shadow_sampler};
+use crate::screen::{GpuGBuffer, MethodStep, Step};
+use crate::surfels::groups;
+use deepshade_shaders::Attribute;
+use deepshade_shaders::gpu::{self, GpuError, Pass};
+use deepshade_shaders::wgsl::uniforms::GlowLevel;
+use deepshade_shaders::wgsl::{self, TILE};
+
+/// Tiles, or nodes, of a node of the tree.
+const FAN: usize = 8;
+
+/// The tiles of a scene on the GPU, and where each pixel's is written.
+#[derive(Debug)]
+pub struct Finding {
+    tiles: wgpu::Buffer,
+    owners: wgpu::Buffer,
+    boxes: wgpu::Buffer,
+    found: wgpu::Buffer,
+    levels: Vec<GlowLevel>,
+    texels: usize,
+}
+
+impl Finding {
+    /// Those of a scene with so many texels along its diagonal, for images of the g-buffer's size.
+    ///
+    /// # Errors
+    /// If the device has no room.
+    pub fn new(
+        device: &wgpu::Device,
+        world: &World,
+        gbuffer: &GpuGBuffer,
+        texels: u32,
+    ) -> Result<Self, GpuError> {
+        let all = Tiles::new(world.scene(), &world.geometry.draws, texels);
+        let levels = levels(all.tiles.len());
+        let nodes: u32 = levels.iter().map(|level| level.nodes).sum();
+        let pixels = gbuffer.height() * gbuffer.width();
+        // A binding holds at least one.
+        let (mut tiles, mut owners) = (all.tiles.clone(), all.owners());
+        tiles.resize(tiles.len().max(1), bytemuck::Zeroable::zeroed());
+        owners.resize(owners.len().max(1), 0);
+        Ok(Self {
+            tiles: gpu::storage(device, "phosphor.tiles", &tiles)?,
+            owners: gpu::storage(device, "phosphor.owners", &owners)?,
+            boxes: gpu::empty::<[f32; 6]>(device, "phosphor.boxes", nodes as usize)?,
+            found: gpu::empty::<[f32; 4]>(device, "phosphor.found", pixels)?,
+            levels,
+            texels: all.texels,
+        })
+    }
+
+    /// How many texels there are.
+    pub const fn texels(&self) -> usize {
+        self.texels
+    }
+
+    /// Room for the states of all texels.
+    ///
+    /// # Errors
+    /// If the device has none.
+    pub fn states(&self, device: &wgpu::Device, world: &World) -> Result<wgpu::Buffer, GpuError> {
+        gpu::empty::<f32>(device, "phosphor.states", self.texels.max(1) * world.glow.states())
+    }
+
+    /// The passes that fit the tree to the frame and find each pixel's tile; `view` is the camera's.
+    ///
+    /// # Errors
+    /// If the device refuses.
+    pub fn steps(
+        &self,
+        device: &wgpu::Device,
+        world: &World,
+        gbuffer: &GpuGBuffer,
+        view: &wgpu::Buffer,
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let posed = &world.geometry.posed;
+        let pass = |leaves: u32| {
+            let source = wgsl::PHOSPHOR_FIT.specialised(&[("FAN", FAN as u32), ("LEAVES", leaves)]);
+            Pass::new(device, wgsl::PHOSPHOR_FIT.name, &source)
+        };
+        let (leaves, parents) = (pass(1)?, pass(0)?);
+        let mut steps = Vec::new();
+        for (height, level) in self.levels.iter().enumerate() {
+            let uniform = gpu::uniform(device, "phosphor.level", level)?;
+            let buffers =
+                [&uniform, &self.tiles, posed, &self.boxes].map(|buffer| buffer.as_entire_binding());
+            let bound = if height == 0 { &leaves } else { &parents }.bind(device, &buffers)?;
+            let workgroups = groups(level.nodes as usize).into();
+            steps.push(MethodStep { step: Step { pass: bound, workgroups }, writes: Vec::new() });
+        }
+        steps.push(self.find(device, world, gbuffer, view)?);
+        Ok(steps)
+    }
+
+    fn find(
+        &self,
+        device: &wgpu::Device,
+        world: &World,
+        gbuffer: &GpuGBuffer,
+        view: &wgpu::Buffer,
+    ) -> Result<MethodStep, GpuError> {
+        let tiles = self.levels[0].children;
+        let constants = [("FAN", FAN as u32), ("LEVELS", self.levels.len() as u32), ("TILES", tiles)];
+        let source = wgsl::PHOSPHOR_FIND.specialised(&constants);
+        let pass = Pass::new(device, wgsl::PHOSPHOR_FIND.name, &source)?;
+        let levels: Vec<[u32; 4]> =
+            self.levels.iter().map(|level| [level.first, level.nodes, 0, 0]).collect();
+        let levels = gpu::uniforms(device, "phosphor.levels", &levels)?;
+        let [valid, position, object] =
+            [Attribute::Valid, Attribute::Position, Attribute::ObjectId].map(|a| gbuffer.buffer(a));
+        let posed = &world.geometry.posed;
+        let buffers = [view, &levels, &self.tiles, posed, &self.boxes, valid, position, object, &self.found];
+        let pass = pass.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()))?;
+        let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
+        Ok(MethodStep { step: Step { pass, workgroups }, writes: Vec::new() })
+    }
+
+    /// The pass that moves all states on by the time since the frame before.
+    ///
+    /// # Errors
+    /// If the device refuses.
+    pub fn step(
+        &self,
+        device: &wgpu::Device,
+        world: &World,
+        states: &wgpu::Buffer,
+    ) -> Result<MethodStep, GpuError> {
+        let glow = &world.glow;
+        let lights = ("LIGHTS", world.gpu_lights.count as u32);
+        let source = wgsl::PHOSPHOR_STEP.specialised(&[&glow.constants()[..], &[lights]].concat());
+        let pass = Pass::new(device, wgsl::PHOSPHOR_STEP.name, &source)?;
+        let sampler = shadow_sampler(device);
+        let own = [&glow.paints, &self.tiles, &self.owners, &world.geometry.posed, &glow.since];
+        let resources = own.map(|buffer| buffer.as_entire_binding()).into_iter();
+        let resources: Vec<_> =
+            resources.chain(lamps(world, &sampler)).chain([states.as_entire_binding()]).collect();
+        let pass = pass.bind(device, &resources)?;
+        Ok(MethodStep {
+            step: Step { pass, workgroups: groups(self.texels).into() },
+            writes: vec![states.clone()],
+        })
+    }
+
+    /// The pass that shows states.
+    ///
+    /// # Errors
+    /// If the device refuses.
+    pub fn show(
+        &self,
+        device: &wgpu::Device,
+        world: &World,
+        states: &wgpu::Buffer,
+        image: &wgpu::Buffer,
+    ) -> Result<MethodStep, GpuError> {
+        let glow = &world.glow;
+        let constants = [("STATES", glow.states() as u32), glow.paint_states()];
+        let source = wgsl::PHOSPHOR_SHOW.specialised(&constants);
+        let pass = Pass::new(device, wgsl::PHOSPHOR_SHOW.name, &source)?;
+        let pixels = (self.found.size() / 16) as usize;
+        let reads = [&glow.paints, &self.tiles, &self.found, states];
+        MethodStep::bind(device, &pass, groups(pixels), &reads, &[image])
+    }
+
+    /// The pass that looks back over the past; `settings` are its samples.
+    ///
+    /// # Errors
+    /// If the device refuses.
+    pub fn look_back(
+        &self,
+        device: &wgpu::Device,
+        world: &World,
+        gbuffer: &GpuGBuffer,
+        [settings, image]: [&wgpu::Buffer; 2],
+    ) -> Result<MethodStep, GpuError> {
+        let glow = &world.glow;
+        let lights = ("LIGHTS", world.gpu_lights.count as u32);
+        let source = wgsl::PHOSPHOR_GLASSNER.specialised(&[&glow.constants()[..], &[lights]].concat());
+        let pass = Pass::new(device, wgsl::PHOSPHOR_GLASSNER.name, &source)?;
+        let sampler = shadow_sampler(device);
+        let own = [settings, &glow.paints, &self.tiles, &world.geometry.posed, &self.found, &glow.past];
+        let resources = own.map(|buffer| buffer.as_entire_binding()).into_iter();
+        let resources: Vec<_> =
+            resources.chain(lamps(world, &sampler)).chain([image.as_entire_binding()]).collect();
+        let pass = pass.bind(device, &resources)?;
+        let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
+        Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![image.clone()] })
+    }
+}
+
+/// Lamps and their maps.
+fn lamps<'a>(world: &'a World, sampler: &'a wgpu::Sampler) -> [wgpu::BindingResource<'a>; 5] {
+    let Lights { records, map_views, pictures, .. } = &world.gpu_lights;
+    [
+        records.as_entire_binding(),
+        map_views.as_entire_binding(),
+        pictures.as_entire_binding(),
+        wgpu::BindingResource::TextureView(&world.shadows.maps),
+        wgpu::BindingResource::Sampler(sampler),
+    ]
+}
+
+/// The tree over so many tiles, leaves first, up to a single node.
+fn levels(tiles: usize) -> Vec<GlowLevel> {
+    let mut levels: Vec<GlowLevel> = Vec::new();
+    let (mut children, mut first, mut first_child) = (tiles as u32, 0, 0);
+    loop {
+        let nodes = children.div_ceil(FAN as u32).max(1);
+        levels.push(GlowLevel { nodes, children, first, first_child });
+        if nodes == 1 {
+            return levels;
+        }
+        (first_child, first, children) = (first, first + nodes, nodes);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tree_ends_in_one_node() {
+        let shape = |tiles| -> Vec<[u32; 4]> {
+            let level = |l: &GlowLevel| [l.nodes, l.children, l.first, l.first_child];
+            levels(tiles).iter().map(level).collect()
+        };
+        assert_eq!(shape(0), [[1, 0, 0, 0]]);
+        assert_eq!(shape(8), [[1, 8, 0, 0]]);
+        assert_eq!(shape(65), [[9, 65, 0, 0], [2, 9, 9, 0], [1, 2, 11, 9]]);
+    }
+}

@@ -1,0 +1,71 @@
+//! The plain version: the same texels by rays and closed forms.
+
+use super::Parameters;
+use super::tile::{Tiles, texel_weights, texels_around};
+use crate::bvh::TracedScene;
+use crate::methods::picture::every_pixel;
+use crate::path::phosphor::Afterglow;
+use crate::phosphor::paint::MOST_STATES;
+use crate::raster::geometry::draws_of;
+use crate::scene::Glow;
+use crate::screen::{View, Written};
+use deepshade_shaders::Planes;
+use deepshade_shaders::wgsl::uniforms::GlowTile;
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// States of all texels, `[texels, states]`, and the image, `[3, height, width]`.
+pub fn shade(scene: &TracedScene, view: &View, parameters: Parameters) -> Written {
+    let tiles = Tiles::new(scene.scene(), &draws_of(scene.scene()), parameters.texels);
+    let shares = shares(scene, &tiles);
+    let glow = Glow::of(scene.scene());
+    let room = glow.surfaces.iter().map(|(_, paint)| paint.states.len()).max().unwrap_or(1);
+    let states = shares.iter().flat_map(|shares| shares[..room].iter().copied()).collect();
+    let index: HashMap<[u32; 2], usize> =
+        tiles.origins.iter().enumerate().map(|(index, origin)| (*origin, index)).collect();
+    let image = image(view, |at| {
+        let found = found(scene, view, at)?;
+        let tile = &tiles.tiles[*index.get(&[found.mesh, found.triangle])?];
+        let mut mixed = [0.0; MOST_STATES];
+        for (texel, weight) in texels_around(tile.divisions, found.place) {
+            let shares = &shares[tile.first as usize + texel];
+            mixed.iter_mut().zip(shares).for_each(|(mixed, share)| *mixed += weight * share);
+        }
+        Some(glow.surfaces[tile.paint as usize].1.emission(&mixed))
+    });
+    vec![states, image]
+}
+
+/// The triangle that a pixel shows, and where on it.
+pub(super) struct Found {
+    pub(super) mesh: u32,
+    pub(super) triangle: u32,
+    /// Weights of the second and third corner.
+    pub(super) place: Vec2,
+}
+
+/// What is seen at the middle of a pixel.
+pub(super) fn found(scene: &TracedScene, view: &View, at: Vec2) -> Option<Found> {
+    let direction = view.camera.direction(at, view.height, view.width);
+    let hit = scene.hit(view.camera.position, direction, f32::INFINITY)?;
+    Some(Found { mesh: hit.mesh, triangle: hit.triangle, place: hit.barycentric })
+}
+
+/// An image of what each pixel's middle sends, `[3, height, width]`; black where that is nothing.
+pub(super) fn image(view: &View, sent: impl Fn(Vec2) -> Option<Vec3> + Sync) -> Vec<f32> {
+    let pixels = every_pixel(view.height, view.width, |at| sent(at.as_vec2() + 0.5).unwrap_or(Vec3::ZERO));
+    let planes = Planes::from_fn(3, view.height, view.width, |c, y, x| pixels[y * view.width + x][c]);
+    planes.data().to_vec()
+}
+
+/// The excited shares of all texels.
+fn shares(scene: &TracedScene, tiles: &Tiles) -> Vec<[f32; MOST_STATES]> {
+    let afterglow = Afterglow::new(scene);
+    let of_tile = |(tile, [mesh, triangle]): (&GlowTile, &[u32; 2])| {
+        let mesh = &scene.scene().meshes[*mesh as usize];
+        let share = |weights| afterglow.shares(mesh, *triangle as usize, weights).unwrap_or_default();
+        texel_weights(tile.divisions).map(share).collect::<Vec<_>>()
+    };
+    tiles.tiles.par_iter().zip(&tiles.origins).flat_map_iter(of_tile).collect()
+}

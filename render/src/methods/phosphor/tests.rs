@@ -1,0 +1,246 @@
+//! The passes against their plain versions and closed forms; what moves and what bends; extremes.
+
+use super::glassner::{Glassner, Parameters as Moments};
+use super::*;
+use crate::bvh::TracedScene;
+use crate::gbuffer;
+use crate::method::{Frame, Method, Repeats};
+use crate::methods::proving::Tolerance;
+use crate::methods::proving::beyond::prove_twin;
+use crate::scene::glow::tests::glow;
+use crate::scene::glow::{Glow, Start};
+use crate::scene::{Camera, Light, Material, MaterialId, Mesh, Scene};
+use crate::screen::{self, GpuGBuffer, Plan};
+use deepshade_shaders::gpu::{self, Gpu};
+use deepshade_shaders::{GBuffer, Planes};
+use glam::Vec3;
+use std::sync::Arc;
+
+fn gpu() -> Gpu {
+    Gpu::new().expect("an adapter; lavapipe will do")
+}
+
+fn quad(corners: [Vec3; 4], material: u32) -> Mesh {
+    Mesh {
+        positions: corners.to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        material: MaterialId(material),
+        ..Mesh::default()
+    }
+}
+
+/// A floor of 4 m at y = 0.
+fn floor() -> Mesh {
+    quad([(-2., 2.), (2., 2.), (2., -2.), (-2., -2.)].map(|(x, z)| Vec3::new(x, 0.0, z)), 0)
+}
+
+/// A wall of 2 m behind it, a little above and of another material.
+fn wall() -> Mesh {
+    quad([(-1., 0.1), (1., 0.1), (1., 2.1), (-1., 2.1)].map(|(x, y)| Vec3::new(x, y, -1.5)), 1)
+}
+
+fn lamp(position: Vec3, power: f32) -> Light {
+    Light::Point { position, intensity: Vec3::splat(power), range: f32::INFINITY }
+}
+
+fn scene(meshes: Vec<Mesh>, lights: Vec<Light>, glow: Glow) -> TracedScene {
+    TracedScene::new(Scene {
+        meshes: meshes.into(),
+        materials: vec![Material::matte("floor", Vec3::splat(0.5)), Material::matte("wall", Vec3::ONE)],
+        lights,
+        glow: Some(Arc::new(glow)),
+        ..Scene::default()
+    })
+    .expect("a scene")
+}
+
+fn seen(scene: TracedScene, camera: Camera, [height, width]: [usize; 2]) -> (TracedScene, View, GBuffer) {
+    let gbuffer = gbuffer::render(&scene, &camera, height, width, ATTRIBUTES);
+    (scene, View { height, width, camera, radius: 1.0, seed: 3 }, gbuffer)
+}
+
+fn camera() -> Camera {
+    Camera::look_at(Vec3::new(0.6, 1.7, 3.1), Vec3::new(0.0, 0.6, 0.0))
+}
+
+/// Floor and wall of two states under two lamps that shine at different times.
+fn room() -> (TracedScene, View, GBuffer) {
+    let mut glow = glow(&[0.7, 0.1], &[[0.5, 2.0]], 3.0);
+    glow.start = Start::Share(0.1);
+    glow.schedules.insert(0, crate::scene::glow::Schedule { lights: vec![1], on: vec![[0.0, 2.5]] });
+    let lights = vec![lamp(Vec3::new(1.5, 1.5, 1.5), 6.0), lamp(Vec3::new(-1.7, 2.2, 0.4), 9.0)];
+    seen(scene(vec![floor(), wall()], lights, glow), camera(), [37, 53])
+}
+
+fn shaded(method: &impl Method, (scene, view, gbuffer): &(TracedScene, View, GBuffer)) -> Planes {
+    let frame = Frame { scene, camera: &view.camera, gbuffer, radius: view.radius, seed: view.seed };
+    method.shade(&frame, Repeats::ONCE).expect("an image").image
+}
+
+#[test]
+fn states_and_images_are_those_of_the_plain_version() {
+    let gpu = gpu();
+    let method = RateEquation::new(&gpu, Parameters { texels: 100 }).expect("valid shaders");
+    // Shadow maps end within a texel of where shadows do.
+    prove_twin(&method, &room(), Tolerance { usual: 2e-3, worst: 0.06 });
+}
+
+#[test]
+fn moments_of_the_past_are_those_of_the_plain_version() {
+    let gpu = gpu();
+    let method = Glassner::new(&gpu, Moments { samples: 9 }).expect("valid shaders");
+    prove_twin(&method, &room(), Tolerance { usual: 2e-3, worst: 0.06 });
+}
+
+#[test]
+fn without_shadows_states_are_exact() {
+    let gpu = gpu();
+    let mut glow = glow(&[0.7, 0.1, 0.0], &[[0.5, 2.0]], 3.0);
+    glow.start = Start::LitForLong;
+    let room =
+        seen(scene(vec![floor()], vec![lamp(Vec3::new(0.3, 2.0, 0.2), 20.0)], glow), camera(), [9, 11]);
+    let method = RateEquation::new(&gpu, Parameters { texels: 60 }).expect("valid shaders");
+    let (scene, view, gbuffer) = &room;
+    let uploaded = GpuGBuffer::upload(&gpu.device, gbuffer, ATTRIBUTES).expect("attributes");
+    let world = screen::world(&gpu, scene.scene(), view).expect("room");
+    let inputs = Inputs { gbuffer: &uploaded, environment: None, world: Some(&world) };
+    let plan = Plan::new(&method, &inputs, view).expect("a plan");
+    gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
+    let [.., step, _] = plan.steps() else { panic!("passes") };
+    let states: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, &step.writes[0]).expect("states");
+    let expected = &reference::shade(scene, view, Parameters { texels: 60 })[0];
+    assert!(states.len() == expected.len() && states.len() > 3000);
+    let worst = states.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(worst < 1e-5, "{worst}");
+    assert!(states.iter().skip(2).step_by(3).all(|share| *share == 1.0), "what does not decay is full");
+}
+
+/// The error of images with few moments falls with their root, and they have the right mean where light is weak.
+#[test]
+fn moments_tend_to_the_rate_equation_where_light_is_weak() {
+    let gpu = gpu();
+    let glow = glow(&[0.7, 0.1], &[[0.5, 2.0]], 3.0);
+    let room =
+        seen(scene(vec![floor()], vec![lamp(Vec3::new(0.3, 2.0, 0.2), 1e-3)], glow), camera(), [24, 32]);
+    let right = shaded(&RateEquation::new(&gpu, Parameters { texels: 200 }).expect("valid shaders"), &room);
+    let error = |samples| {
+        let image = shaded(&Glassner::new(&gpu, Moments { samples }).expect("valid shaders"), &room);
+        let squares = image.data().iter().zip(right.data()).map(|(a, b)| (a - b).powi(2)).sum::<f32>();
+        (squares / right.data().iter().map(|value| value * value).sum::<f32>()).sqrt()
+    };
+    let (few, many) = (error(16), error(1024));
+    assert!((4.0..14.0).contains(&(few / many)) && many < 0.1, "{few} {many}");
+}
+
+/// A frame loop of one's own: the world as it is at a moment, then the plan.
+struct Loop {
+    gpu: Gpu,
+    world: crate::raster::World,
+    plan: Plan,
+    view: View,
+}
+
+impl Loop {
+    fn new(
+        animated: &crate::scene::AnimatedScene,
+        frame: &(TracedScene, View, GBuffer),
+        texels: u32,
+    ) -> Self {
+        let gpu = gpu();
+        let (_, view, gbuffer) = frame;
+        let method = RateEquation::new(&gpu, Parameters { texels }).expect("valid shaders");
+        let uploaded = GpuGBuffer::upload(&gpu.device, gbuffer, ATTRIBUTES).expect("attributes");
+        let world = crate::raster::World::new(&gpu, animated, Some(512)).expect("room");
+        let inputs = Inputs { gbuffer: &uploaded, environment: None, world: Some(&world) };
+        let plan = Plan::new(&method, &inputs, view).expect("a plan");
+        Self { gpu, world, plan, view: *view }
+    }
+
+    /// The states after the frame of a moment.
+    fn states(&mut self, moment: f32) -> Vec<f32> {
+        let Self { gpu, world, plan, view } = self;
+        world.set(&gpu.queue, moment, 0.0, &view.camera, view.width as f32 / view.height as f32);
+        let pose = |encoder: &mut wgpu::CommandEncoder| {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            world.encode_pose(&mut pass);
+        };
+        gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| {
+            pose(encoder);
+            world.encode_shadows(encoder, None);
+            plan.encode(encoder);
+        })
+        .expect("valid passes");
+        let [.., step, _] = plan.steps() else { panic!("passes") };
+        gpu::read(&gpu.device, &gpu.queue, &step.writes[0]).expect("states")
+    }
+}
+
+#[test]
+fn frames_add_up_to_the_same_past_whatever_their_steps() {
+    let frame = room();
+    let animated = frame.0.scene().clone().into();
+    let mut frames = Loop::new(&animated, &frame, 40);
+    let at_once = frames.states(3.0);
+    assert!(at_once.iter().any(|share| *share > 0.2));
+    let start = frames.states(0.0);
+    assert!(start.iter().all(|share| (*share - 0.1).abs() < 1e-6), "time goes back: all begins anew");
+    let moments = [0.3, 0.3, 0.95, 1.7, 2.2, 2.6, 3.0];
+    let last = moments.map(|moment| frames.states(moment)).into_iter().next_back().expect("a frame");
+    let worst = last.iter().zip(&at_once).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(worst < 1e-5, "{worst}");
+}
+
+#[test]
+fn extremes_give_shares_and_finite_images() {
+    let gpu = gpu();
+    let method = RateEquation::new(&gpu, Parameters { texels: 30 }).expect("valid shaders");
+    let rival = Glassner::new(&gpu, Moments { samples: 4 }).expect("valid shaders");
+    for (decays, power, moment, start) in [
+        (&[0.0, 1e30][..], 1e30, 1.0, Start::Share(1.0)),
+        (&[1e-30], 0.0, 1e30, Start::LitForLong),
+        (&[0.3], 3e38, 2.0, Start::LitForLong),
+        (&[0.3], 5.0, -7.0, Start::Share(0.5)),
+        (&[0.3], 5.0, 0.0, Start::Share(0.0)),
+    ] {
+        let mut glow = glow(decays, &[[0.5, f32::INFINITY]], moment);
+        glow.start = start;
+        // The lamp is in the floor: some texel is as near as can be.
+        let lights = vec![lamp(Vec3::new(0.0, 0.0, 0.1), power), lamp(Vec3::Y, power)];
+        let room = seen(scene(vec![floor()], lights, glow), camera(), [9, 11]);
+        for image in [shaded(&method, &room), shaded(&rival, &room)] {
+            let sound = |value: &f32| value.is_finite() && *value >= 0.0;
+            assert!(image.data().iter().all(sound), "{decays:?} under {power} after {moment}");
+        }
+    }
+}
+
+#[test]
+fn nothing_glows_without_paint_or_lamps() {
+    let gpu = gpu();
+    let method = RateEquation::new(&gpu, Parameters { texels: 30 }).expect("valid shaders");
+    let lit = || vec![lamp(Vec3::Y, 5.0)];
+    let mut unpainted = glow(&[0.3], &[[0.0, 9.0]], 1.0);
+    unpainted.surfaces[0].0 = Some("no such material".to_owned());
+    for (lights, glow) in [(lit(), unpainted), (vec![], glow(&[0.3], &[[0.0, 9.0]], 1.0))] {
+        let room = seen(scene(vec![floor()], lights, glow), camera(), [9, 11]);
+        assert!(shaded(&method, &room).data().iter().all(|value| *value == 0.0));
+    }
+}
+
+/// Only the wall's material has paint: the floor stays dark up to where both meet.
+#[test]
+fn each_material_has_its_own_paint() {
+    let gpu = gpu();
+    let method = RateEquation::new(&gpu, Parameters { texels: 60 }).expect("valid shaders");
+    let mut of_wall = glow(&[0.3], &[[0.0, 9.0]], 1.0);
+    of_wall.surfaces[0].0 = Some("wall".to_owned());
+    let (scene, view, _) =
+        seen(scene(vec![floor(), wall()], vec![lamp(Vec3::Y, 5.0)], of_wall), camera(), [37, 53]);
+    let gbuffer = gbuffer::render(&scene, &view.camera, 37, 53, ATTRIBUTES);
+    let object = gbuffer.select(&[Attribute::ObjectId, Attribute::Valid]).expect("objects");
+    let image = shaded(&method, &(scene, view, gbuffer));
+    for (y, x) in (0..37).flat_map(|y| (0..53).map(move |x| (y, x))) {
+        let is_wall = object.at(0, y, x) == 1.0 && object.at(1, y, x) == 1.0;
+        assert_eq!(image.at(0, y, x) > 0.0, is_wall, "{x}, {y}");
+    }
+}

@@ -1,0 +1,135 @@
+//! A material as images need it: how linear RGB light excites each state, and the linear RGB colour of what each sends.
+//! Both are linear in the light, so that nothing is lost but what a spectrum is beyond its colour.
+
+use super::material::{Material, State};
+use super::rate::Scheme;
+use super::spectrum::Bands;
+use glam::{DVec3, Vec3};
+
+/// Most states of a material that is rendered.
+pub const MOST_STATES: usize = 4;
+
+/// Rates above this, per second, are taken for this: its state is full within any step.
+pub const FASTEST: f32 = 1e30;
+
+/// What a state does in images.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PaintState {
+    /// Re-radiation rate, per second.
+    pub decay: f32,
+    /// Excitation rate by irradiance of 1 of each colour, per second.
+    pub excitation: Vec3,
+    /// Radiance where all of it is excited, linear RGB: what screens cannot show of a colour is left out.
+    pub emission: Vec3,
+}
+
+/// A material of at most [`MOST_STATES`] states.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Paint {
+    /// What it is called.
+    pub name: String,
+    /// Its states.
+    pub states: Vec<PaintState>,
+}
+
+/// Light that stays the same for a while.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lit {
+    /// For how long, seconds.
+    pub seconds: f32,
+    /// Irradiance, linear RGB.
+    pub irradiance: Vec3,
+}
+
+impl Paint {
+    /// What a material does in images.
+    ///
+    /// # Errors
+    /// If it has more states than are rendered; in words.
+    pub fn new(material: &Material) -> Result<Self, String> {
+        let (name, count) = (&material.name, material.states.len());
+        if count > MOST_STATES {
+            return Err(format!("{name} has {count} states; at most {MOST_STATES} are rendered"));
+        }
+        let states = material.states.iter().map(|state| PaintState::new(state, material.bands)).collect();
+        Ok(Self { name: name.clone(), states })
+    }
+
+    /// The excited share of each state after a past, which began with `start` of each excited. What is no amount of light
+    /// is none, and endless light fills a state.
+    pub fn after(&self, start: f32, past: impl Iterator<Item = Lit> + Clone) -> [f32; MOST_STATES] {
+        let mut shares = [0.0; MOST_STATES];
+        for (share, state) in shares.iter_mut().zip(&self.states) {
+            let step = |share: f64, lit: Lit| {
+                let (charge, seconds) = (state.charge(lit.irradiance), f64::from(lit.seconds));
+                Scheme::Exact.step(share, f64::from(charge), f64::from(state.decay), seconds)
+            };
+            *share = past.clone().fold(f64::from(start), step) as f32;
+        }
+        shares
+    }
+
+    /// Radiance where these shares are excited (thesis, equation 8.3).
+    pub fn emission(&self, shares: &[f32; MOST_STATES]) -> Vec3 {
+        self.states.iter().zip(shares).map(|(state, share)| state.emission * *share).sum()
+    }
+}
+
+impl PaintState {
+    fn new(state: &State, bands: Bands) -> Self {
+        let charge = |channel: usize| {
+            let mut colour = [0.0; 3];
+            colour[channel] = 1.0;
+            state.charge(&bands.of_linear_srgb(colour))
+        };
+        let sent: Vec<f64> = state.emission.iter().map(|emission| emission * state.decay).collect();
+        let narrow = |colour: [f64; 3]| DVec3::from(colour).as_vec3().max(Vec3::ZERO);
+        Self {
+            decay: state.decay as f32,
+            excitation: narrow([0, 1, 2].map(charge)),
+            emission: narrow(bands.linear_srgb(&sent)),
+        }
+    }
+
+    /// The rate at which irradiance excites it, per second, at most [`FASTEST`].
+    pub fn charge(&self, irradiance: Vec3) -> f32 {
+        let charge = self.excitation.dot(irradiance);
+        if charge > 0.0 { charge.min(FASTEST) } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::material::file::MaterialFile;
+    use super::super::simulation::{Initial, Simulation};
+    use super::*;
+
+    #[test]
+    fn a_paint_does_what_its_material_does_under_the_same_colours() {
+        let presets = MaterialFile::presets();
+        let light = [0.3f64, 0.7, 1.9];
+        for material in presets.materials.iter().filter(|material| material.excitation_is_known()) {
+            let paint = Paint::new(material).expect("few states");
+            let mut run = Simulation::new(material, Scheme::Exact, Initial::Dark).expect("a start");
+            run.step(&material.bands.of_linear_srgb(light), 3.0).expect("a step");
+            run.step(&vec![0.0; material.bands.count()], 2.0).expect("a step");
+            let irradiance = DVec3::from(light).as_vec3();
+            let past = [Lit { seconds: 3.0, irradiance }, Lit { seconds: 2.0, irradiance: Vec3::ZERO }];
+            let shares = paint.after(0.0, past.into_iter());
+            assert!((f64::from(shares[0]) - run.shares()[0]).abs() < 1e-6, "{}", material.name);
+            let expected = material.bands.linear_srgb(&run.emission()).map(|part| part.max(0.0) as f32);
+            assert!((paint.emission(&shares) - Vec3::from(expected)).abs().max_element() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn light_that_is_none_does_nothing_and_endless_light_fills() {
+        let state = PaintState { decay: 0.0, excitation: Vec3::ONE, emission: Vec3::ONE };
+        let paint = Paint { name: "test".to_owned(), states: vec![state] };
+        let under = |irradiance: Vec3, seconds: f32| {
+            paint.after(0.25, std::iter::once(Lit { seconds, irradiance }))[0]
+        };
+        assert_eq!([under(Vec3::NAN, 1.0), under(Vec3::NEG_ONE, 1.0), under(Vec3::ONE, 0.0)], [0.25; 3]);
+        assert_eq!([under(Vec3::INFINITY, 1.0), under(Vec3::ONE, f32::MAX)], [1.0; 2]);
+    }
+}

@@ -1,0 +1,109 @@
+//! What of a scene keeps light, on the GPU: its paints, and the time that passes from frame to frame.
+
+use crate::phosphor::paint::PaintState as State;
+use crate::scene::Scene;
+use crate::scene::glow::{Glow, Piece};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::uniforms::PaintState;
+
+/// Paints and time. Buffers of time are as `shared/glow_time.wgsl` says.
+#[derive(Debug)]
+pub struct GlowOnGpu {
+    glow: Glow,
+    /// The schedule of each lamp.
+    schedules: Vec<usize>,
+    /// The moment of the frame before.
+    before: Option<f32>,
+    /// `[paints, states]` records.
+    pub paints: wgpu::Buffer,
+    /// The time since the frame before. In the first frame, and where time has gone back, it is all of the past.
+    pub since: wgpu::Buffer,
+    /// All of the past.
+    pub past: wgpu::Buffer,
+}
+
+impl GlowOnGpu {
+    /// That of a scene.
+    ///
+    /// # Errors
+    /// If the device has no room.
+    pub fn new(device: &wgpu::Device, scene: &Scene) -> Result<Self, GpuError> {
+        let glow = Glow::of(scene).clone();
+        let schedules = (0..scene.lights.len()).map(|light| glow.schedule_of(light)).collect();
+        let paints = gpu::uniforms(device, "frame.paints", &records(&glow))?;
+        let nothing = vec![0.0f32; 1 + scene.lights.len() + glow.most_pieces() * (1 + glow.schedules.len())];
+        let since = gpu::storage(device, "frame.glow_since", &nothing)?;
+        let past = gpu::storage(device, "frame.glow_past", &nothing)?;
+        Ok(Self { glow, schedules, before: None, paints, since, past })
+    }
+
+    /// Says which moment the next frame shows, seconds.
+    pub fn set(&mut self, queue: &wgpu::Queue, moment: f32) {
+        let past = self.time(true, &self.glow.past(moment));
+        let since = match self.before.filter(|before| moment >= *before) {
+            Some(before) => self.time(false, &self.glow.between(before.max(self.glow.begin()), moment)),
+            None => past.clone(),
+        };
+        queue.write_buffer(&self.past, 0, bytemuck::cast_slice(&past));
+        queue.write_buffer(&self.since, 0, bytemuck::cast_slice(&since));
+        self.before = Some(moment);
+    }
+
+    /// What it is of.
+    pub const fn glow(&self) -> &Glow {
+        &self.glow
+    }
+
+    /// States that each paint has room for.
+    pub fn states(&self) -> usize {
+        states(&self.glow)
+    }
+
+    /// The constants of passes that move states on.
+    pub fn constants(&self) -> [(&'static str, u32); 4] {
+        [
+            ("SCHEDULES", self.glow.schedules.len() as u32),
+            ("PIECES", self.glow.most_pieces() as u32),
+            ("STATES", self.states() as u32),
+            self.paint_states(),
+        ]
+    }
+
+    /// The length of the list of paints.
+    pub fn paint_states(&self) -> (&'static str, u32) {
+        ("PAINT_STATES", (self.glow.surfaces.len() * self.states()) as u32)
+    }
+
+    /// A stretch of time as passes read it; what is not needed of its room passes in no time.
+    fn time(&self, anew: bool, pieces: &[Piece]) -> Vec<f32> {
+        let number = |is: bool| f32::from(u8::from(is));
+        let mut time = vec![number(anew)];
+        time.extend(self.schedules.iter().map(|schedule| *schedule as f32));
+        for piece in pieces {
+            time.push(piece.seconds);
+            time.extend(piece.on.iter().map(|on| number(*on)));
+        }
+        let stride = 1 + self.glow.schedules.len();
+        time.resize(1 + self.schedules.len() + self.glow.most_pieces() * stride, 0.0);
+        time
+    }
+}
+
+fn states(glow: &Glow) -> usize {
+    glow.surfaces.iter().map(|(_, paint)| paint.states.len()).max().unwrap_or(1)
+}
+
+/// All paints, filled up with states that stay dark.
+fn records(glow: &Glow) -> Vec<PaintState> {
+    let before = glow.before();
+    let record = |state: &State| PaintState {
+        rates: state.excitation.extend(state.decay).to_array(),
+        emission: state.emission.extend(before).to_array(),
+    };
+    let of_paint = |own: &[State]| {
+        let mut records: Vec<PaintState> = own.iter().map(record).collect();
+        records.resize(states(glow), bytemuck::Zeroable::zeroed());
+        records
+    };
+    glow.surfaces.iter().flat_map(|(_, paint)| of_paint(&paint.states)).collect()
+}

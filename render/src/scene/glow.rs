@@ -1,0 +1,209 @@
+//! Which surfaces of a scene keep light, and when its lamps shine: what phosphorescence is of.
+
+pub mod file;
+
+use super::Scene;
+use crate::phosphor::material::file::MaterialFile;
+use crate::phosphor::paint::Paint;
+use std::sync::LazyLock;
+
+/// The paint of surfaces where nothing is said: a preset.
+const USUAL: &str = "blue";
+
+/// A time so long that every state that changes has reached its equilibrium, seconds.
+const FOR_LONG: f32 = 1e12;
+
+/// What of a scene keeps light, and the moment at which it is seen. Lamps are the scene's lights without an extent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Glow {
+    /// Paints, each with the name of the material that has it; the one without a name is of all others.
+    pub surfaces: Vec<(Option<String>, Paint)>,
+    /// When lamps shine; the last is of all lamps that no other names.
+    pub schedules: Vec<Schedule>,
+    /// How it is at the [beginning](Self::begin).
+    pub start: Start,
+    /// The moment at which a still shows it, seconds. Before the beginning it is as then.
+    pub moment: f32,
+}
+
+/// When some lamps shine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Schedule {
+    /// Their numbers in the scene.
+    pub lights: Vec<usize>,
+    /// From when to when, seconds, in order and apart.
+    pub on: Vec<[f32; 2]>,
+}
+
+/// What surfaces are like at the beginning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Start {
+    /// This share of each state is excited.
+    Share(f32),
+    /// All lamps have shone for so long that nothing changes any more.
+    LitForLong,
+}
+
+/// A time in which no lamp is switched.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Piece {
+    /// How long it is, seconds.
+    pub seconds: f32,
+    /// Which schedules have their lamps on.
+    pub on: Vec<bool>,
+}
+
+/// All surfaces glow: dark before, lamps have shone for the second before time 0. Longer light would fill all states alike.
+static AFTERGLOW: LazyLock<Glow> = LazyLock::new(|| {
+    let presets = MaterialFile::presets();
+    let material = presets.named(USUAL).expect("a preset");
+    Glow {
+        surfaces: vec![(None, Paint::new(material).expect("one state"))],
+        schedules: vec![Schedule { lights: Vec::new(), on: vec![[-1.0, 0.0]] }],
+        start: Start::Share(0.0),
+        moment: 0.0,
+    }
+});
+
+impl Glow {
+    /// That of a scene; where it says nothing, all surfaces are of the preset `blue`, lamps shone for a second, and it is seen
+    /// as they go out.
+    pub fn of(scene: &Scene) -> &Self {
+        scene.glow.as_deref().unwrap_or(&AFTERGLOW)
+    }
+
+    /// The paint of a material, by its name: its place in `surfaces`.
+    pub fn paint_of(&self, material: &str) -> Option<usize> {
+        let named =
+            |wanted: Option<&str>| self.surfaces.iter().position(|(name, _)| name.as_deref() == wanted);
+        named(Some(material)).or_else(|| named(None))
+    }
+
+    /// The paint of each of a scene's materials.
+    pub fn paints_of(&self, scene: &Scene) -> Vec<Option<usize>> {
+        scene.materials.iter().map(|material| self.paint_of(&material.name)).collect()
+    }
+
+    /// Which schedule a lamp follows.
+    pub fn schedule_of(&self, light: usize) -> usize {
+        let named = self.schedules.iter().position(|schedule| schedule.lights.contains(&light));
+        named.unwrap_or(self.schedules.len() - 1)
+    }
+
+    /// Whether a lamp shines at the moment that a still shows.
+    pub fn shines(&self, light: usize) -> bool {
+        let on = &self.schedules[self.schedule_of(light)].on;
+        on.iter().any(|[on, off]| (*on..*off).contains(&self.moment))
+    }
+
+    /// The share of each state that is excited before the first piece of [`Self::past`].
+    pub const fn before(&self) -> f32 {
+        match self.start {
+            Start::Share(share) => share,
+            Start::LitForLong => 0.0,
+        }
+    }
+
+    /// When time begins, seconds: at 0, or before, when the first lamp is switched.
+    pub fn begin(&self) -> f32 {
+        self.switches().fold(0.0, f32::min)
+    }
+
+    /// All time until a moment, from its beginning on.
+    pub fn past(&self, moment: f32) -> Vec<Piece> {
+        let lit = Piece { seconds: FOR_LONG, on: vec![true; self.schedules.len()] };
+        let first = (self.start == Start::LitForLong).then_some(lit);
+        first.into_iter().chain(self.between(self.begin(), moment)).collect()
+    }
+
+    /// The time from one moment to another, cut where a lamp is switched; nothing where the other is not later.
+    pub fn between(&self, from: f32, to: f32) -> Vec<Piece> {
+        let mut cuts: Vec<f32> = self.switches().filter(|at| (from..to).contains(at)).collect();
+        cuts.extend((from < to).then_some([from, to]).into_iter().flatten());
+        cuts.sort_unstable_by(f32::total_cmp);
+        cuts.dedup();
+        let is_on = |at: f32| {
+            move |schedule: &Schedule| schedule.on.iter().any(|[on, off]| (*on..*off).contains(&at))
+        };
+        let piece = |ends: &[f32]| Piece {
+            seconds: ends[1] - ends[0],
+            on: self.schedules.iter().map(is_on(ends[0])).collect(),
+        };
+        cuts.windows(2).map(piece).collect()
+    }
+
+    /// No stretch of time has more pieces.
+    pub fn most_pieces(&self) -> usize {
+        2 + self.switches().count()
+    }
+
+    fn switches(&self) -> impl Iterator<Item = f32> {
+        self.schedules.iter().flat_map(|schedule| &schedule.on).flatten().copied()
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::phosphor::paint::PaintState;
+    use glam::Vec3;
+
+    /// White paint that red light excites and that decays at these rates.
+    pub fn paint(decays: &[f32]) -> Paint {
+        let state = |decay: &f32| PaintState {
+            decay: *decay,
+            excitation: Vec3::new(0.4, 0.0, 0.0),
+            emission: Vec3::new(1.0, 0.5, 0.25) * *decay,
+        };
+        Paint { name: "test".to_owned(), states: decays.iter().map(state).collect() }
+    }
+
+    /// All surfaces of that paint, dark at first, under lamps that all shine at these times.
+    pub fn glow(decays: &[f32], on: &[[f32; 2]], moment: f32) -> Glow {
+        Glow {
+            surfaces: vec![(None, paint(decays))],
+            schedules: vec![Schedule { lights: Vec::new(), on: on.to_vec() }],
+            start: Start::Share(0.0),
+            moment,
+        }
+    }
+
+    #[test]
+    fn time_is_cut_where_lamps_are_switched() {
+        let mut glow = glow(&[1.0], &[[1.0, 2.5]], 4.0);
+        glow.schedules.insert(0, Schedule { lights: vec![3], on: vec![[0.0, f32::INFINITY]] });
+        assert_eq!([glow.schedule_of(3), glow.schedule_of(0)], [0, 1]);
+        let piece = |seconds, on: [bool; 2]| Piece { seconds, on: on.to_vec() };
+        let expected = vec![piece(1.0, [true, false]), piece(1.5, [true, true]), piece(1.5, [true, false])];
+        assert_eq!(glow.past(4.0), expected);
+        assert_eq!(glow.between(1.5, 2.0), vec![piece(0.5, [true, true])]);
+        for nothing in [glow.between(2.0, 2.0), glow.between(3.0, 2.0), glow.past(-1.0), glow.past(f32::NAN)]
+        {
+            assert_eq!(nothing, Vec::new());
+        }
+        glow.start = Start::LitForLong;
+        assert_eq!(glow.past(0.0), vec![piece(FOR_LONG, [true; 2])]);
+        assert!(glow.past(1e9).len() <= glow.most_pieces());
+    }
+
+    #[test]
+    fn a_scene_that_says_nothing_was_lit_for_a_second() {
+        let scene = Scene::default();
+        let glow = Glow::of(&scene);
+        assert_eq!(
+            glow.past(2.0),
+            vec![Piece { seconds: 1.0, on: vec![true] }, Piece { seconds: 2.0, on: vec![false] }]
+        );
+        assert!(glow.past(-1.0).is_empty() && !glow.shines(0) && glow.before() == 0.0);
+        assert_eq!(glow.surfaces[0].1.name, USUAL);
+    }
+
+    #[test]
+    fn materials_have_the_paint_of_their_name_or_of_all_others() {
+        let mut glow = glow(&[1.0], &[], 0.0);
+        glow.surfaces.insert(0, (Some("wall".to_owned()), paint(&[2.0])));
+        assert_eq!([glow.paint_of("wall"), glow.paint_of("floor")], [Some(0), Some(1)]);
+        glow.surfaces.pop();
+        assert_eq!(glow.paint_of("floor"), None);
+    }
+}

@@ -1,0 +1,280 @@
+//! Files (TOML) that say which surfaces of a scene keep light and when its lamps shine.
+
+use super::{Glow, Schedule, Start};
+use crate::phosphor::material::Material;
+use crate::phosphor::material::file::{FileError, MaterialFile};
+use crate::phosphor::paint::Paint;
+use crate::scene::Scene;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// Why a file cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum GlowError {
+    /// It cannot be read.
+    #[error("{}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// It is not TOML of the right form.
+    #[error("{} does not say what glows", path.display())]
+    Form {
+        /// The file.
+        path: PathBuf,
+        /// Why, with the line.
+        source: Box<toml::de::Error>,
+    },
+    /// A file of materials that it names cannot be used.
+    #[error("{}: its materials", path.display())]
+    Materials {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: FileError,
+    },
+    /// It says what makes no sense, or what the scene lacks.
+    #[error("{}: {what}", path.display())]
+    Sense {
+        /// The file.
+        path: PathBuf,
+        /// What.
+        what: String,
+    },
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Written {
+    #[serde(default)]
+    start: WrittenStart,
+    /// Own materials beside the presets, from here on.
+    materials: Option<PathBuf>,
+    #[serde(rename = "surface")]
+    surfaces: Vec<WrittenSurface>,
+    #[serde(default, rename = "lamps")]
+    lamps: Vec<WrittenLamps>,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum WrittenStart {
+    Named(NamedStart),
+    Share(f32),
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum NamedStart {
+    Dark,
+    Lit,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WrittenSurface {
+    material: Option<String>,
+    paint: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WrittenLamps {
+    lights: Option<Vec<usize>>,
+    on: Vec<[f32; 2]>,
+}
+
+impl Default for WrittenStart {
+    fn default() -> Self {
+        Self::Named(NamedStart::Dark)
+    }
+}
+
+impl Glow {
+    /// What a file says, seen at a moment, seconds. Lamps of which it says nothing shine all the time.
+    ///
+    /// # Errors
+    /// If the file, or one that it names, cannot be read or says what makes no sense.
+    pub fn read(path: &Path, moment: f32) -> Result<Self, GlowError> {
+        let text =
+            std::fs::read_to_string(path).map_err(|source| GlowError::Read { path: path.into(), source })?;
+        let written: Written = toml::from_str(&text)
+            .map_err(|source| GlowError::Form { path: path.into(), source: Box::new(source) })?;
+        let own = written.materials.as_ref().map(|own| {
+            let own = path.parent().unwrap_or(Path::new("")).join(own);
+            MaterialFile::read(&own).map_err(|source| GlowError::Materials { path: path.into(), source })
+        });
+        let own = own.transpose()?.map_or_else(Vec::new, |file| file.materials);
+        written.glow(&own, moment).map_err(|what| GlowError::Sense { path: path.into(), what })
+    }
+
+    /// Whether a scene has the materials and lamps that are named, and something that glows.
+    ///
+    /// # Errors
+    /// If not; what it lacks is named, in words.
+    pub fn check(&self, scene: &Scene) -> Result<(), String> {
+        for (name, _) in &self.surfaces {
+            if let Some(name) = name.as_ref().filter(|name| !has(scene, name)) {
+                let known: Vec<&str> =
+                    scene.materials.iter().map(|material| material.name.as_str()).collect();
+                return Err(format!("the scene has no material `{name}`; there are {}", known.join(", ")));
+            }
+        }
+        let count = scene.lights.len();
+        match self.schedules.iter().flat_map(|schedule| &schedule.lights).find(|light| **light >= count) {
+            Some(light) => Err(format!("there is no light {light}; the scene has {count}, counted from 0")),
+            None => Ok(()),
+        }
+    }
+}
+
+fn has(scene: &Scene, name: &str) -> bool {
+    scene.materials.iter().any(|material| material.name == name)
+}
+
+impl Written {
+    fn glow(self, own: &[Material], moment: f32) -> Result<Glow, String> {
+        if !moment.is_finite() {
+            return Err(format!("{moment} s is no moment"));
+        }
+        let start = match self.start {
+            WrittenStart::Named(NamedStart::Dark) => Start::Share(0.0),
+            WrittenStart::Named(NamedStart::Lit) => Start::LitForLong,
+            WrittenStart::Share(share) if (0.0..=1.0).contains(&share) => Start::Share(share),
+            WrittenStart::Share(share) => return Err(format!("`start` is {share}, no share from 0 to 1")),
+        };
+        if self.surfaces.is_empty() {
+            return Err("no surface glows".to_owned());
+        }
+        let mut surfaces: Vec<(Option<String>, Paint)> = Vec::new();
+        for WrittenSurface { material, paint } in self.surfaces {
+            if surfaces.iter().any(|(name, _)| *name == material) {
+                return Err(format!(
+                    "{} has two paints",
+                    material.unwrap_or_else(|| "everything else".to_owned())
+                ));
+            }
+            surfaces.push((material, found(&paint, own, start)?));
+        }
+        Ok(Glow { surfaces, schedules: schedules(self.lamps)?, start, moment })
+    }
+}
+
+/// The paint of that name, own ones first.
+fn found(name: &str, own: &[Material], start: Start) -> Result<Paint, String> {
+    let presets = MaterialFile::presets().materials;
+    let material = own.iter().chain(&presets).find(|material| material.name == name).ok_or_else(|| {
+        let known: Vec<&str> = own.iter().chain(&presets).map(|material| material.name.as_str()).collect();
+        format!("there is no paint `{name}`; there are {}", known.join(", "))
+    })?;
+    if !material.excitation_is_known() && !matches!(start, Start::Share(share) if share > 0.0) {
+        return Err(format!(
+            "how light excites {name} was never measured: it can only decay, from a `start` that is a number"
+        ));
+    }
+    Paint::new(material)
+}
+
+/// All schedules, that of all other lamps last.
+fn schedules(written: Vec<WrittenLamps>) -> Result<Vec<Schedule>, String> {
+    let mut others = None;
+    let mut schedules: Vec<Schedule> = Vec::new();
+    for WrittenLamps { lights, on } in written {
+        let sound = on.iter().all(|[from, to]| from.is_finite() && from < to);
+        if !sound || on.windows(2).any(|pair| pair[0][1] > pair[1][0]) {
+            return Err(format!("lamps are on {on:?}: not from one moment to a later one, in order"));
+        }
+        let Some(lights) = lights else {
+            if others.replace(on).is_some() {
+                return Err("all other lamps are named twice".to_owned());
+            }
+            continue;
+        };
+        let taken = |light: &&usize| schedules.iter().any(|schedule| schedule.lights.contains(light));
+        if let Some(light) = lights.iter().find(taken) {
+            return Err(format!("light {light} is named twice"));
+        }
+        schedules.push(Schedule { lights, on });
+    }
+    let others = others.unwrap_or_else(|| vec![[0.0, f32::INFINITY]]);
+    schedules.push(Schedule { lights: Vec::new(), on: others });
+    Ok(schedules)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Light, Material as Look};
+    use glam::Vec3;
+    use std::error::Error;
+
+    fn read(text: &str) -> Result<Glow, GlowError> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("glow.toml");
+        std::fs::write(&path, text).expect("written");
+        let own = "[[material]]\nname = 'mine'\nbands = 'rgb'\n\
+                   states = [{ decay = 0.1, excitation = [0.1, 0.2, 0.3], emission = [1, 2, 3] }]";
+        std::fs::write(folder.path().join("own.toml"), own).expect("written");
+        Glow::read(&path, 2.0)
+    }
+
+    const GOOD: &str = "start = 'lit'\nmaterials = 'own.toml'\n\
+        [[surface]]\nmaterial = 'wall'\npaint = 'mine'\n[[surface]]\npaint = 'orange'\n\
+        [[lamps]]\nlights = [0]\non = [[0, 1.5], [2, inf]]\n";
+
+    #[test]
+    fn a_file_says_what_glows_and_when_lamps_shine() {
+        let glow = read(GOOD).expect("a sound file");
+        assert_eq!((glow.start, glow.moment), (Start::LitForLong, 2.0));
+        let excitation = glow.surfaces[0].1.states[0].excitation;
+        assert!((excitation - Vec3::new(0.1, 0.2, 0.3)).abs().max_element() < 1e-6);
+        assert_eq!(glow.surfaces[1].1.name, "orange");
+        assert_eq!(
+            glow.schedules[0],
+            Schedule { lights: vec![0], on: vec![[0.0, 1.5], [2.0, f32::INFINITY]] }
+        );
+        assert_eq!(glow.schedules[1].on, [[0.0, f32::INFINITY]], "others shine all the time");
+        let lamp = Light::Point { position: Vec3::ZERO, intensity: Vec3::ONE, range: f32::INFINITY };
+        let mut scene = Scene { materials: vec![Look::matte("wall", Vec3::ONE)], ..Scene::default() };
+        assert!(glow.check(&scene).expect_err("dark").contains("no light 0"));
+        scene.lights.push(lamp);
+        assert_eq!(glow.check(&scene), Ok(()));
+        scene.materials[0].name = "floor".to_owned();
+        assert!(glow.check(&scene).expect_err("none").contains("no material `wall`; there are floor"));
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused_by_name() {
+        let said = |from: &str, to: &str| {
+            let error = read(&GOOD.replace(from, to)).expect_err("refused");
+            let (mut said, mut cause) = (error.to_string(), error.source());
+            while let Some(error) = cause {
+                said = format!("{said}: {error}");
+                cause = error.source();
+            }
+            said
+        };
+        for (from, to, expected) in [
+            ("'lit'", "1.5", "`start` is 1.5"),
+            ("'lit'", "nan", "`start` is NaN"),
+            ("'orange'", "'orang'", "there is no paint `orang`; there are mine, blue"),
+            ("'orange'", "'stickers'", "stickers was never measured"),
+            ("material = 'wall'\n", "", "everything else has two paints"),
+            ("[0, 1.5]", "[0, 2.5]", "not from one moment to a later one"),
+            ("[0, 1.5]", "[1.5, 1.5]", "not from one moment to a later one"),
+            ("[0, 1.5]", "[nan, 1.5]", "not from one moment to a later one"),
+            ("paint = 'mine'", "pant = 'mine'", "pant"),
+            ("own.toml", "none.toml", "none.toml"),
+        ] {
+            let said = said(from, to);
+            assert!(said.contains(expected), "{to}: {said}");
+        }
+        let twice = format!("{GOOD}[[lamps]]\nlights = [1, 0]\non = []\n");
+        assert!(read(&twice).expect_err("twice").to_string().contains("light 0 is named twice"));
+        assert!(read("surface = []").expect_err("nothing").to_string().contains("no surface glows"));
+        let decaying = read("start = 0.5\n[[surface]]\npaint = 'stickers'").expect("it decays");
+        assert!(decaying.surfaces[0].1.states[0].emission.max_element() > 0.1);
+    }
+}

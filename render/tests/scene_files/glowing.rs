@@ -1,0 +1,173 @@
+//! Light that surfaces keep goes with them: a plate that rises, walks aside and bends, in frames on the GPU, against the rate
+//! equation at its texels in the file at each moment.
+
+use crate::build::{Builder, write};
+use deepshade_render::bvh::TracedScene;
+use deepshade_render::methods::phosphor::tile::{Tiles, texel_weights, texels_around};
+use deepshade_render::methods::phosphor::{Parameters, RateEquation};
+use deepshade_render::path::phosphor::{Afterglow, Place};
+use deepshade_render::phosphor::paint::{Lit, MOST_STATES, Paint, PaintState};
+use deepshade_render::raster::{Frame, frame::Settings, frame::Stage};
+use deepshade_render::scene::glow::{Glow, Schedule, Start};
+use deepshade_render::scene::{AnimatedScene, Camera, Scene, SceneSource};
+use deepshade_render::screen::{Inputs, Plan, ScreenMethod, View};
+use deepshade_shaders::Attribute;
+use deepshade_shaders::gpu::{self, Gpu};
+use glam::{Vec2, Vec3};
+use std::path::Path;
+use std::sync::Arc;
+
+const SIZE: usize = 48;
+const TEXELS: Parameters = Parameters { texels: 120 };
+/// Frames a second; the sequence lasts one.
+const FPS: u16 = 8;
+
+/// A floor, and a plate above it of which two corners fold up while it moves; both under one lamp.
+fn stage() -> String {
+    let mut builder = Builder::default();
+    let square = |half: f32| [-half, 0.0, half, half, 0.0, half, half, 0.0, -half, -half, 0.0, -half];
+    let floor = builder.floats("VEC3", &square(2.0));
+    let plate = builder.floats("VEC3", &square(0.7));
+    let folds = builder.floats("VEC3", &[0.0, 0.0, 0.0, -0.3, 0.8, 0.0, -0.3, 0.8, 0.0, 0.0, 0.0, 0.0]);
+    let indices = builder.shorts("SCALAR", &[0, 1, 2, 0, 2, 3]);
+    let times = builder.floats("SCALAR", &[0.0, 1.0]);
+    let walks = builder.floats("VEC3", &[-1.5, 0.3, 0.0, 1.2, 1.0, 0.2]);
+    let weights = builder.floats("SCALAR", &[0.0, 1.0]);
+    builder.gltf(&format!(
+        r#""extensionsUsed":["KHR_lights_punctual"],
+        "extensions":{{"KHR_lights_punctual":{{"lights":[{{"type":"point","intensity":3000}}]}}}},
+        "nodes":[{{"mesh":0}},{{"mesh":1}},{{"translation":[-1.4,3,0.3],"extensions":{{"KHR_lights_punctual":{{"light":0}}}}}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":{floor}}},"indices":{indices},"material":0}}]}},
+            {{"primitives":[{{"attributes":{{"POSITION":{plate}}},"indices":{indices},"material":0,
+                "targets":[{{"POSITION":{folds}}}]}}]}}],
+        "materials":[{{"name":"paint"}}],
+        "animations":[{{"channels":[{{"sampler":0,"target":{{"node":1,"path":"translation"}}}},
+            {{"sampler":1,"target":{{"node":1,"path":"weights"}}}}],
+        "samplers":[{{"input":{times},"output":{walks}}},{{"input":{times},"output":{weights}}}]}}]"#
+    ))
+}
+
+fn glow() -> Glow {
+    let state = PaintState { decay: 0.4, excitation: Vec3::splat(0.05), emission: Vec3::new(1.0, 0.8, 0.2) };
+    Glow {
+        surfaces: vec![(None, Paint { name: "test".to_owned(), states: vec![state] })],
+        schedules: vec![Schedule { lights: vec![], on: vec![[0.0, 0.6]] }],
+        start: Start::Share(0.0),
+        moment: 0.0,
+    }
+}
+
+fn camera() -> Camera {
+    Camera::look_at(Vec3::new(0.4, 3.2, 4.0), Vec3::new(0.0, 0.2, 0.0))
+}
+
+/// The file at a moment.
+fn posed(path: &Path, time: f32) -> TracedScene {
+    let mut scene = Scene::load(path, time).expect("the file");
+    scene.glow = Some(Arc::new(glow()));
+    TracedScene::new(scene).expect("a scene")
+}
+
+/// The share of each texel after all frames: of each the time since the one before, lit as the scene is then.
+fn expected(path: &Path, tiles: &Tiles) -> Vec<f32> {
+    let mut shares = vec![0.0f32; tiles.texels];
+    let glow = glow();
+    let paint = &glow.surfaces[0].1;
+    for frame in 1..=FPS {
+        let [before, now] = [frame - 1, frame].map(|frame| f32::from(frame) / f32::from(FPS));
+        let scene = posed(path, now);
+        let afterglow = Afterglow::new(&scene);
+        let pieces = glow.between(before, now);
+        for (tile, [mesh, triangle]) in tiles.tiles.iter().zip(&tiles.origins) {
+            let mesh = &scene.scene().meshes[*mesh as usize];
+            for (texel, weights) in texel_weights(tile.divisions).enumerate() {
+                let received = afterglow.irradiance(&Place::new(mesh, *triangle as usize, weights))[0];
+                let lit = |on: bool| if on { received } else { Vec3::ZERO };
+                let past =
+                    pieces.iter().map(|piece| Lit { seconds: piece.seconds, irradiance: lit(piece.on[0]) });
+                let share = &mut shares[tile.first as usize + texel];
+                *share = paint.after(*share, past)[0];
+            }
+        }
+    }
+    shares
+}
+
+/// The share of values that differ by more than a fiftieth of the largest.
+fn off(a: &[f32], b: &[f32]) -> f32 {
+    assert_eq!(a.len(), b.len());
+    let largest = b.iter().copied().fold(0.0, f32::max);
+    let differs = |(a, b): &(&f32, &f32)| (*a - *b).abs() > 0.02 * largest;
+    a.iter().zip(b).filter(differs).count() as f32 / b.len() as f32
+}
+
+#[test]
+fn kept_light_moves_and_bends_with_its_surface() {
+    let gpu = Gpu::new().expect("an adapter");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    write(folder.path(), "stage.gltf", stage());
+    let path = folder.path().join("stage.gltf");
+    let mut animated = AnimatedScene::load(&SceneSource::File(path.clone()), 0.0).expect("a file");
+    animated.scene.glow = Some(Arc::new(glow()));
+
+    let method = RateEquation::new(&gpu, TEXELS).expect("valid shaders");
+    let mut attributes = vec![Attribute::Light, Attribute::DiffuseLight];
+    attributes.extend(ScreenMethod::attributes(&method));
+    let settings = Settings { height: SIZE, width: SIZE, attributes, shadow_size: 2048 };
+    let mut frame = Frame::new(&gpu, &animated, &settings).expect("a frame");
+    let view = View { height: SIZE, width: SIZE, camera: camera(), radius: 1.0, seed: 0 };
+    let inputs = Inputs { gbuffer: frame.gbuffer(), environment: None, world: Some(frame.world()) };
+    let plan = Plan::new(&method, &inputs, &view).expect("a plan");
+    for number in 0..=FPS {
+        frame.set(&gpu.queue, f32::from(number) / f32::from(FPS), 0.0, &camera());
+        gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| {
+            Stage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
+            plan.encode(encoder);
+        })
+        .expect("a frame");
+    }
+    let [.., step, _] = plan.steps() else { panic!("passes") };
+    let states: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, &step.writes[0]).expect("states");
+    let image: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, plan.output()).expect("an image");
+
+    let tiles = Tiles::new(&animated.scene, &frame.world().geometry.draws, TEXELS.texels);
+    let right = expected(&path, &tiles);
+    assert!(
+        right.iter().any(|share| *share > 0.3) && off(&states, &right) < 0.03,
+        "{}",
+        off(&states, &right)
+    );
+
+    // Where it is seen at the end.
+    let last = posed(&path, 1.0);
+    let sent = |pixel: usize| {
+        let at = Vec2::new((pixel % SIZE) as f32 + 0.5, (pixel / SIZE) as f32 + 0.5);
+        let hit = last.hit(camera().position, camera().direction(at, SIZE, SIZE), f32::INFINITY)?;
+        let tile = tiles.origins.iter().position(|origin| *origin == [hit.mesh, hit.triangle])?;
+        let tile = &tiles.tiles[tile];
+        let around = texels_around(tile.divisions, hit.barycentric);
+        let share = around.iter().map(|(texel, weight)| weight * right[tile.first as usize + texel]).sum();
+        let mut shares = [0.0; MOST_STATES];
+        shares[0] = share;
+        Some(glow().surfaces[0].1.emission(&shares).x)
+    };
+    let seen: Vec<f32> = (0..SIZE * SIZE).map(|pixel| sent(pixel).unwrap_or(0.0)).collect();
+    assert!(off(&image[..SIZE * SIZE], &seen) < 0.03, "{}", off(&image[..SIZE * SIZE], &seen));
+
+    // Somebody who took the last pose for all of the past would be wrong.
+    let (ended, glow) = (Afterglow::new(&last), glow());
+    let still = |(tile, [mesh, triangle]): (_, &[u32; 2])| {
+        let tile: &deepshade_shaders::wgsl::uniforms::GlowTile = tile;
+        let mesh = &last.scene().meshes[*mesh as usize];
+        let share = |weights| {
+            let received = ended.irradiance(&Place::new(mesh, *triangle as usize, weights))[0];
+            let lit = |on: bool| if on { received } else { Vec3::ZERO };
+            let past = glow.past(1.0);
+            let past = past.iter().map(|piece| Lit { seconds: piece.seconds, irradiance: lit(piece.on[0]) });
+            glow.surfaces[0].1.after(0.0, past)[0]
+        };
+        texel_weights(tile.divisions).map(share).collect::<Vec<_>>()
+    };
+    let still: Vec<f32> = tiles.tiles.iter().zip(&tiles.origins).flat_map(still).collect();
+    assert!(off(&still, &right) > 0.1, "{}", off(&still, &right));
+}

@@ -1,0 +1,38 @@
+// A point of a tile as light falls on it: render/src/path/phosphor.rs.
+
+struct Place {
+    position: vec3f,
+    geometric: vec3f,
+    normal: vec3f,
+}
+
+fn vertex_normal(vertex: u32) -> vec3f {
+    let first = vertex * POSED + 3u;
+    return vec3f(posed[first], posed[first + 1u], posed[first + 2u]);
+}
+
+// `weights` are those of the triangle's corners.
+fn place_of(tile: GlowTile, weights: vec3f) -> Place {
+    let corners = tile_corners(tile);
+    let across = cross(corners[1] - corners[0], corners[2] - corners[0]);
+    let area = length(across);
+    let geometric = select(vec3f(0.0), across / area, area > 0.0);
+    let sum = vertex_normal(tile.corner_0) * weights.x + vertex_normal(tile.corner_1) * weights.y
+        + vertex_normal(tile.corner_2) * weights.z;
+    let length = length(sum);
+    let smooth_normal = select(geometric, sum / length, length > 0.0);
+    let normal = select(smooth_normal, -smooth_normal, dot(smooth_normal, geometric) < 0.0);
+    return Place(corners * weights, geometric, normal);
+}
+
+// Irradiance by one lamp on both sides together, W/m².
+fn received(light: LightRecord, place: Place) -> vec3f {
+    let arrived = arrival(light, place.position);
+    let facing = dot(place.geometric, arrived.direction);
+    let geometric = select(-place.geometric, place.geometric, facing >= 0.0);
+    let cosine = dot(place.normal, arrived.direction) * select(-1.0, 1.0, facing >= 0.0);
+    if cosine <= 0.0 || all(arrived.irradiance == vec3f(0.0)) {
+        return vec3f(0.0);
+    }
+    return arrived.irradiance * cosine * lit_share(light, place.position, geometric, arrived.direction);
+}

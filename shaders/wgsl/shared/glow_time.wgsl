@@ -1,0 +1,42 @@
+// A stretch of time, and what it does to states: render/src/scene/glow.rs, render/src/phosphor/paint.rs. `time` is whether
+// states begin anew (1), for each lamp its schedule, and PIECES times how long no lamp is switched, seconds, and for each
+// schedule whether its lamps are on (1).
+
+// Rates above this are taken for this.
+const FASTEST = 1e30;
+
+fn schedule_of(light: u32) -> u32 {
+    return u32(time[1u + light]);
+}
+
+fn piece_start(piece: u32) -> u32 {
+    return 1u + LIGHTS + piece * (1u + SCHEDULES);
+}
+
+// The rate at which light excites a state; what is no amount of light is none.
+fn charge_of(state: PaintState, irradiance: vec3f) -> f32 {
+    let charge = dot(state.rates.rgb, irradiance);
+    return select(0.0, min(charge, FASTEST), charge > 0.0);
+}
+
+// Rate times time, where it matters: nothing is left of what decays by more.
+fn exponent(rate: f32, seconds: f32) -> f32 {
+    return select(rate * seconds, 80.0, rate > 80.0 / max(seconds, 1e-30));
+}
+
+// How much of the way to the equilibrium a time goes: 1 - exp(-x), without loss where x is small.
+fn progress(x: f32) -> f32 {
+    if x < 0.02 {
+        return x * (1.0 - x * (0.5 - x * (1.0 / 6.0 - x / 24.0)));
+    }
+    return 1.0 - exp(-x);
+}
+
+// One exact step of the rate equation (thesis, equation 8.1).
+fn stepped(share: f32, charge: f32, decay: f32, seconds: f32) -> f32 {
+    let rate = charge + decay;
+    if rate <= 0.0 {
+        return share;
+    }
+    return clamp(share + (charge / rate - share) * progress(exponent(rate, seconds)), 0.0, 1.0);
+}
