@@ -38,7 +38,7 @@ use deepshade_render::methods::Quality;
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
-use description::{Comparison, distinct};
+use description::distinct;
 use plan::{Planned, Stages, completed, plan};
 use serde_json::json;
 use std::cell::Cell;
