@@ -55,12 +55,15 @@ impl Scotopic {
             |y: usize, x: usize| Vec3::new(picture.at(0, y, x), picture.at(1, y, x), picture.at(2, y, x));
         let rods = Planes::from_fn(1, height, width, |_, y, x| by_rods(colour(y, x)));
         let [near, far] = [self.blur, WIDER * self.blur].map(|deviation| blurred(&rods, deviation));
-        let grey = luminance(NIGHT.to_array());
+        // Rods take blue for far brighter than cones do; eyes adapt, so that nothing outshines the screen.
+        let tint = NIGHT / luminance(NIGHT.to_array());
+        let brightest = tint.max_element() * near.data().iter().copied().fold(0.0, f32::max);
+        let tint = tint / brightest.max(1.0);
         let night = |y: usize, x: usize| {
             let edge = near.at(0, y, x) - far.at(0, y, x);
             let sharpened = far.at(0, y, x) + edge.signum() * edge.abs().min(1.0).powf(1.0 / EDGE_ROOT);
             let value = sharpened + self.noise * self.normal(x, y);
-            NIGHT * (value.max(0.0) / grey)
+            tint * value.max(0.0)
         };
         let pixels: Vec<Vec3> = (0..height * width)
             .map(|pixel| (pixel / width, pixel % width))
@@ -133,6 +136,12 @@ mod tests {
             night(1.0, 0.0).seen(&even(colour)).at(1, 5, 7)
         };
         assert!(bright(Vec3::Z) > 3.0 * bright(Vec3::X), "{} {}", bright(Vec3::Z), bright(Vec3::X));
+    }
+
+    #[test]
+    fn nothing_outshines_the_screen() {
+        let seen = night(1.0, 0.0).seen(&even(Vec3::new(0.0, 0.5, 1.0)));
+        assert!((seen.at(2, 5, 7) - 1.0).abs() < 1e-4 && seen.at(0, 5, 7) < 0.9, "{}", seen.at(2, 5, 7));
     }
 
     #[test]
