@@ -1,5 +1,5 @@
 //! What the book promises: its summary lists its chapters, what it links to is there, its commands are the program's, and
-//! no command, effect or method is left out.
+//! no command, effect or method is left out. What README.md and CONTRIBUTING.md show of commands is the program's, too.
 
 use deepshade_shaders::Effect;
 use std::collections::{BTreeMap, BTreeSet};
@@ -72,8 +72,8 @@ fn broken(name: &str, chapter: &str) -> Vec<String> {
 fn commands(chapter: &str) -> Vec<String> {
     let shell = lines(chapter).into_iter().filter(|(block, _)| *block == Some("sh"));
     let joined = shell.map(|(_, line)| format!("{line}\n")).collect::<String>().replace("\\\n", " ");
-    let bare = joined.lines().map(|line| line.split('#').next().unwrap_or(line).trim().to_owned());
-    bare.filter(|line| !line.is_empty()).collect()
+    let bare = joined.lines().map(|line| line.split('#').next().unwrap_or(line).split_whitespace());
+    bare.map(|words| words.collect::<Vec<_>>().join(" ")).filter(|line| !line.is_empty()).collect()
 }
 
 /// The program's own words on a command, such as `bench net`.
@@ -172,8 +172,10 @@ fn every_reference_leads_somewhere_and_every_picture_is_shown() {
 }
 
 #[test]
-fn every_command_and_option_in_the_book_is_the_programs() {
-    let commands: BTreeSet<String> = chapters().values().flat_map(|chapter| commands(chapter)).collect();
+fn every_command_and_option_in_the_book_and_beside_it_is_the_programs() {
+    let beside = ["README.md", "CONTRIBUTING.md"].map(|file| text(&format!("../../{file}")));
+    let commands: BTreeSet<String> =
+        chapters().values().chain(&beside).flat_map(|text| commands(text)).collect();
     assert!(commands.iter().filter(|line| line.starts_with("deepshade ")).count() > 30);
     let faults: Vec<String> = commands.iter().flat_map(|line| unknown(line)).collect();
     assert!(faults.is_empty(), "{faults:#?}");
