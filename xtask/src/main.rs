@@ -1,9 +1,10 @@
 //! Set-up and the commands that the README and CI call: `cargo xtask demo`, `cargo xtask test`,
-//! `cargo xtask prove`, `cargo xtask crosscheck`, `cargo xtask models`, `cargo xtask deny`.
+//! `cargo xtask prove`, `cargo xtask crosscheck`, `cargo xtask models`, `cargo xtask book`, `cargo xtask deny`.
 //!
 //! Nothing but std and anyhow, so that it builds in seconds on a machine that has nothing else yet.
 
 mod apt;
+mod book;
 mod command;
 mod crosscheck;
 mod demo;
@@ -35,6 +36,7 @@ Commands:
   models [--only NAME] [--work DIR]
                Make every network in `models` from nothing: data, training, export, test set, evaluation, parity; hours.
                Given again it goes on. --work keeps data, runs and test sets, by default below the target folder
+  book         Build the book in `book` with mdBook, as web pages below the target folder
   deny         Check licences, banned crates and sources of all dependencies with cargo-deny
   help         Print this
 
@@ -63,6 +65,7 @@ fn run(args: &[String]) -> Result<()> {
         ("prove", rest) => prove::run(rest),
         ("crosscheck", rest) => crosscheck::run(rest),
         ("models", rest) => models::run(rest),
+        ("book", []) => book::run(),
         ("deny", []) => deny::run(),
         ("help" | "-h" | "--help", []) => {
             println!("{HELP}");
