@@ -80,7 +80,7 @@ pub struct Picture {
     /// The attribute that is inspected.
     pub inspected: Option<Developed>,
     /// Milliseconds of passes, as far as they are known.
-    pub passes: Vec<(String, f64)>,
+    pub passes: Vec<Pass>,
     /// Milliseconds from the order to the picture.
     pub milliseconds: f64,
 }
@@ -105,7 +105,7 @@ struct Studio {
     gpu: Option<Gpu>,
     subject: Option<Arc<Subject>>,
     set: Option<Set>,
-    passes: Vec<(String, f64)>,
+    passes: Vec<Pass>,
 }
 
 /// A scene on the GPU with its methods.
@@ -227,7 +227,7 @@ impl Set {
         order: &Order,
         camera: &Camera,
         lights: &[Light],
-    ) -> Result<(Vec<Image>, Vec<(String, f64)>)> {
+    ) -> Result<(Vec<Image>, Vec<Pass>)> {
         let (mut images, mut times) = (Vec::new(), Vec::new());
         for (index, name) in self.live_names.iter().enumerate() {
             images.push((*name, self.live.image(index)?));
@@ -248,6 +248,9 @@ impl Set {
         Ok((images, times))
     }
 }
+
+/// A pass and its milliseconds.
+type Pass = (String, f64);
 
 /// A method's name and its image.
 type Image = (&'static str, Planes);
