@@ -13,6 +13,7 @@ pub mod injection;
 pub mod lattice;
 pub mod lobe;
 pub mod propagation;
+pub mod scheme;
 pub mod studies;
 #[cfg(test)]
 mod tests;
@@ -21,3 +22,4 @@ pub use blockers::Blockers;
 pub use flight::Flight;
 pub use grid::LightGrid;
 pub use propagation::{Light, Volume};
+pub use scheme::Scheme;

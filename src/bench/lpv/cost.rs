@@ -4,6 +4,7 @@ use super::subject::Subject;
 use crate::bench::stages::{Cost, Stage};
 use crate::figures::Figures;
 use anyhow::Result;
+use deepshade_render::lpv::Scheme;
 use deepshade_render::methods::lpv::Parameters;
 use deepshade_render::screen::Plan;
 use deepshade_shaders::gpu::{self, Gpu};
@@ -37,8 +38,13 @@ impl Costs {
         let mut of_grids = Vec::new();
         let mut moved = 0.0;
         for (cells, suffix) in GRIDS {
-            let plan =
-                subject.plan(Parameters { cells, iterations: ITERATIONS, steps: STEPS, scale: SCALE })?;
+            let plan = subject.plan(Parameters {
+                cells,
+                iterations: ITERATIONS,
+                steps: STEPS,
+                scale: SCALE,
+                scheme: Scheme::OURS,
+            })?;
             let cost = Cost::of(subject.gpu, &plan, runs)?;
             moved = bytes(&plan) as f64 / (1e-3 * cost.of_stage(Stage::Propagate));
             of_grids.push((suffix, cost));

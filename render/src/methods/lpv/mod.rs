@@ -27,6 +27,7 @@ pub mod reference;
 mod tests;
 
 use super::Quality;
+use crate::lpv::Scheme;
 use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
@@ -44,6 +45,8 @@ pub struct Parameters {
     pub steps: u32,
     /// Of so many pixels along each axis one is marched.
     pub scale: usize,
+    /// How light is handed on and looked up.
+    pub scheme: Scheme,
 }
 
 impl Default for Parameters {
@@ -61,7 +64,7 @@ impl Parameters {
             Quality::High => (48, 48, 48, 1),
             Quality::Ultra => (64, 96, 64, 1),
         };
-        Self { cells, iterations, steps, scale }
+        Self { cells, iterations, steps, scale, scheme: Scheme::OURS }
     }
 }
 
