@@ -6,6 +6,7 @@
 //! spread over directions as a [`lobe`], through what [`blockers`] leave open, and lets the medium on the way scatter
 //! it, as a [`flight`] says.
 
+pub mod bands;
 pub mod blockers;
 pub mod flight;
 pub mod grid;

@@ -1,5 +1,6 @@
 //! Closed forms and properties of propagation.
 
+use super::bands::{Bands, ringing};
 use super::flight::Factors;
 use super::lattice::LINKS;
 use super::lobe::Lobes;
@@ -189,4 +190,13 @@ fn light_that_surfaces_reflect_again_is_kept_apart_from_what_one_reflected() {
     let (energy, by_medium, by_surfaces) = after(several, 2);
     assert!((energy - 1.0).abs() < 1e-6, "white surfaces keep it: {energy}");
     assert!(by_medium > 0.1 && by_surfaces == 0.0, "surfaces show scattered light alone: {by_surfaces}");
+}
+
+#[test]
+fn bands_by_themselves_send_less_than_nothing_and_three_send_less_alike() {
+    let [two, three] = [Bands::Two, Bands::Three].map(|bands| ringing(bands, 10));
+    assert!(two.negative > 0.3 && three.negative > 0.25 && three.negative < two.negative);
+    let uneven = |[axis, _, corner]: [f64; 3]| corner / axis;
+    let ours = flux_by_direction(Scheme::OURS, 10).map(|[flux, _]| flux);
+    assert!(uneven(three.flux) > 2.0 * uneven(two.flux) && uneven(ours) < uneven(two.flux));
 }

@@ -17,9 +17,11 @@ const ITERATIONS: usize = 8;
 /// Steps of the march, of one pixel of so many along each axis.
 const STEPS: u32 = 32;
 const SCALE: usize = 2;
-/// Bytes that an iteration reads and writes of a cell at least: lobes of two kinds of light and three colours in both
-/// directions, what is shown likewise, links and the medium.
-const BYTES: u64 = 2 * 96 + 2 * 48 + 16 + 32;
+/// Bytes that an iteration reads and writes of a cell at least: lobes of three kinds of light and three colours and what
+/// is sent out again in both directions, what is shown by the medium and by surfaces likewise, links and the medium.
+const BYTES: u64 = 2 * (144 + 16) + 2 * SHOWN + 16 + 32;
+/// Of these, what is shown.
+const SHOWN: u64 = 96;
 
 /// Costs of both grids.
 pub struct Costs {
@@ -88,6 +90,5 @@ impl Costs {
 /// Bytes that a plan's propagation moves at least.
 fn bytes(plan: &Plan) -> u64 {
     let steps = plan.steps().iter().filter(|step| step.step.pass.is_of(wgsl::LPV_PROPAGATE.name));
-    // What is shown has 48 bytes of each cell and is written last.
-    steps.filter_map(|step| step.writes.last()).map(|shown| shown.size() / 48 * BYTES).sum()
+    steps.filter_map(|step| step.writes.last()).map(|shown| shown.size() / SHOWN * BYTES).sum()
 }

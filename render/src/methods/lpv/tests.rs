@@ -1,5 +1,7 @@
 //! The passes against their plain version, and what must hold of images.
 
+mod motion;
+
 use super::in_medium::{Indirect, IndirectScattering, Multiple, MultipleScattering};
 use super::passes::{Filled, Pixel, Shown};
 use super::*;
