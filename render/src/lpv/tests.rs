@@ -81,11 +81,11 @@ fn mirrored_light_makes_a_mirrored_image() {
 fn collisions_are_as_far_away_as_in_an_infinite_medium() {
     for (path, albedo, half, [low, high]) in [
         (0.25, 0.5, 6, [0.99, 1.01]),
-        (0.25, 0.9, 9, [0.98, 1.01]),
+        (0.25, 0.9, 9, [0.99, 1.01]),
         (0.5, 0.5, 8, [0.99, 1.01]),
-        (0.5, 0.9, 13, [0.97, 1.01]),
-        (1.0, 0.5, 12, [0.93, 1.01]),
-        (2.0, 0.5, 15, [0.75, 0.9]),
+        (0.5, 0.9, 13, [0.99, 1.01]),
+        (1.0, 0.5, 12, [0.99, 1.01]),
+        (2.0, 0.5, 15, [0.95, 0.97]),
     ] {
         let ratio = moment_ratio(Scheme::OURS, path, albedo, half);
         assert!(ratio > low && ratio < high, "path {path}, albedo {albedo}: {ratio}");
@@ -100,7 +100,7 @@ fn far_from_a_source_light_falls_as_transport_has_it() {
     assert!((decay(0.99) / 0.03f64.sqrt() - 1.0).abs() < 0.01 && (decay(0.5) - 0.957_5).abs() < 1e-3);
     for (path, half) in [(0.5, 14), (1.0, 16)] {
         for (r, ratio) in over_monopole(Scheme::OURS, path, 0.9, half) {
-            assert!((ratio - 1.0).abs() < 0.15, "path {path}, at {r}: {ratio}");
+            assert!((ratio - 1.0).abs() < 0.03, "path {path}, at {r}: {ratio}");
         }
     }
 }
