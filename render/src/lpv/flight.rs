@@ -98,7 +98,7 @@ impl Flight {
             streams,
             scatters: [1.0; CLASSES],
             enters: [1.0; CLASSES],
-            albedo: 0.0,
+            albedo,
             again: albedo,
             track_out: track(passes, extinction, mean(|class| DISTANCES[class])),
             track_again: 0.0,
