@@ -45,17 +45,18 @@ impl Factors {
 pub struct Flight {
     /// Of light that sets out to a neighbour of each kind, what leaves the cell.
     pub streams: [f32; CLASSES],
-    /// Of the energy in the cell, what leaves it scattered, over the share of all directions of a neighbour of each
-    /// kind.
+    /// Of light that was scattered in the cell, what leaves it towards each kind.
     pub scatters: [f32; CLASSES],
     /// Of light that comes from a neighbour of each kind, what keeps its direction.
     pub enters: [f32; CLASSES],
     /// Of a collision there, what is scattered.
     pub albedo: f32,
-    /// Of the energy in the cell, what it sends out again by scattering, over all collisions within it.
-    pub scattered: f32,
+    /// Of light that collides on its way out, what sets out again in all directions, over all collisions in the cell.
+    pub again: f32,
     /// Mean length of the way in the cell of light that sets out from it.
     pub track_out: f32,
+    /// That of light that sets out again.
+    pub track_again: f32,
     /// That of light that comes from each kind of neighbour.
     pub tracks_in: [f32; CLASSES],
     /// That of light that a surface on the way to each kind of neighbour sends back.
@@ -70,16 +71,16 @@ impl Flight {
         let leaves = DISTANCES.map(|distance| (-within * distance).exp());
         let enters = DISTANCES.map(|distance| (-beyond * distance).exp());
         let left = mean(|class| leaves[class]);
-        // Where all is scattered and next to nothing leaves, what is sent out is what leaves over what leaves.
-        let scattered = albedo * (1.0 - left) / (1.0 - albedo + albedo * left).max(LEAST);
         let track = |class: usize, passes: f32| track(passes, extinction, 0.5 * DISTANCES[class]);
+        let track_out = mean(|class| track(class, leaves[class]));
         Self {
             streams: leaves,
-            scatters: leaves.map(|leaves| leaves * scattered),
+            scatters: leaves,
             enters,
             albedo,
-            scattered,
-            track_out: mean(|class| track(class, leaves[class])),
+            again: albedo / (1.0 - albedo + albedo * left).max(LEAST),
+            track_out,
+            track_again: track_out,
             tracks_in: [0, 1, 2].map(|class| track(class, enters[class])),
             tracks_back: [0, 1, 2].map(|class| track(class, leaves[class])),
         }
@@ -95,11 +96,12 @@ impl Flight {
         let passes = mean(|class| streams[class]);
         Self {
             streams,
-            scatters: [albedo * (1.0 - passes); CLASSES],
+            scatters: [1.0; CLASSES],
             enters: [1.0; CLASSES],
-            albedo: 0.0,
-            scattered: 0.0,
+            albedo,
+            again: albedo,
             track_out: track(passes, extinction, mean(|class| DISTANCES[class])),
+            track_again: 0.0,
             tracks_in: [0.0; CLASSES],
             tracks_back: [0.0; CLASSES],
         }

@@ -1,8 +1,10 @@
 //! What is in a volume before the first iteration: light that surfels reflect, light of the lamps that the medium
 //! scatters, and the medium itself.
 
-use super::propagation::{DIRECTED, Light, Volume};
-use super::{Blockers, Flight, LightGrid};
+use super::flight::Factors;
+use super::lobe::MATTE;
+use super::propagation::{Light, Volume};
+use super::{Blockers, Flight, LightGrid, Scheme};
 use crate::bvh::TracedScene;
 use crate::path::lights::Arrival;
 use crate::scene::{Camera, Density, Medium, Scene};
@@ -30,7 +32,7 @@ fn surfaces(
         for (normal, sent) in [(normal, disk.sent[0]), (-normal, disk.sent[1])] {
             let at = (grid.in_cells(point) + 0.5 * normal).floor().as_ivec3();
             let Some(index) = grid.index(at) else { continue };
-            let moments = (DIRECTED * normal).extend(1.0);
+            let moments = (MATTE * normal).extend(1.0);
             (0..3).for_each(|c| light[index][c] += moments * (PI * area * sent[c]));
         }
     }
@@ -71,15 +73,15 @@ impl CellPart {
 
 /// What a medium does in each cell: by similarity one that scatters alike in all directions, and as much less of it as
 /// keeps the mean flux (van de Hulst 1980).
-pub fn flights(grid: &LightGrid, medium: Option<&Medium>) -> Vec<[Flight; 3]> {
-    let Some(medium) = medium else { return vec![[Flight::new(0.0, 0.0); 3]; grid.cells()] };
+pub fn flights(grid: &LightGrid, medium: Option<&Medium>, factors: Factors) -> Vec<[Flight; 3]> {
+    let Some(medium) = medium else { return vec![[Flight::by(factors, 0.0, 0.0); 3]; grid.cells()] };
     let scattering = medium.scattering * (1.0 - medium.anisotropy);
     let extinction = medium.absorption + scattering;
     let albedo = (scattering / extinction.max(Vec3::splat(1e-30))).clamp(Vec3::ZERO, Vec3::ONE);
     let of_cell = |index: usize| {
         let part = CellPart::of(grid, grid.at(index), &medium.density);
         let density = part.points().map(|point| medium.density.inside(point)).sum::<f32>() / 8.0 * part.share;
-        [0, 1, 2].map(|c| Flight::new(extinction[c] * density * grid.cell, albedo[c]))
+        [0, 1, 2].map(|c| Flight::by(factors, extinction[c] * density * grid.cell, albedo[c]))
     };
     (0..grid.cells()).into_par_iter().map(of_cell).collect()
 }
@@ -112,17 +114,16 @@ pub fn single_scattering(grid: &LightGrid, scene: &TracedScene) -> Vec<Light> {
 }
 
 /// A scene's volume, and the light that its disks, of such patches, reflect; where it is not filled, nothing is between
-/// surfaces, and they reflect no light that comes to them.
+/// surfaces.
 pub fn volume(
-    grid: LightGrid,
+    (grid, scheme): (LightGrid, Scheme),
     scene: &Scene,
     disks: (&[Disk], &[Patch]),
     camera: &Camera,
     filled: bool,
 ) -> (Volume, Vec<Light>) {
     let (light, blockers) = surfaces(&grid, disks, camera);
-    let medium = scene.medium.as_deref().filter(|_| filled);
-    let reflectances = if filled { blockers.reflectances(&grid) } else { vec![[0.0; 3]; grid.cells()] };
-    let passing = blockers.passing(&grid);
-    (Volume { grid, flights: flights(&grid, medium), passing, reflectances }, light)
+    let flights = flights(&grid, scene.medium.as_deref().filter(|_| filled), scheme.factors);
+    let (passing, reflectances) = (blockers.passing(&grid), blockers.reflectances(&grid));
+    (Volume { grid, flights, passing, reflectances, scheme }, light)
 }

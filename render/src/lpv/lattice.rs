@@ -31,6 +31,14 @@ pub struct Neighbour {
     pub class: usize,
 }
 
+impl Neighbour {
+    /// The one on the other side.
+    #[must_use]
+    pub fn opposite(self) -> Self {
+        Self { offset: -self.offset, direction: -self.direction, ..self }
+    }
+}
+
 /// All of them; x changes fastest. The last [`LINKS`] are the opposites of the first, in reverse.
 pub fn neighbours() -> impl ExactSizeIterator<Item = Neighbour> {
     static ALL: LazyLock<Vec<Neighbour>> = LazyLock::new(|| {

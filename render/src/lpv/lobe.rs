@@ -1,89 +1,200 @@
-//! How light in a cell is spread over directions, by its energy and its flux: as the square of a function of two
-//! spherical harmonic bands, `(p + v . w)^2`. It is nowhere negative, however directed the light, has any mean
-//! direction up to a length of `1 / sqrt(3)`, the most that a positive function of three bands may have, and needs as
-//! many numbers as two bands do. What is directed more is spread until it has that length; its energy stays.
+//! How light in a cell is spread over directions, by its energy and its flux: as the square of what is above 0 of a
+//! function of two spherical harmonic bands, `max(0, p + v . w)^2`. It is nowhere negative, however directed the light,
+//! and needs as many numbers as two bands do. Its mean direction may be 3/4 long, somewhat more than that of light from
+//! a matte surface; what is directed more is spread until it is. Sums over the 26 neighbours of a cell give its energy,
+//! to which it is scaled; its flux they give exactly up to half of the energy, as long as the function is nowhere below
+//! 0, and to 4 % beyond.
 
+use super::lattice::{CLASSES, Neighbour, SHARES, neighbours};
 use glam::{Vec3, Vec4, Vec4Swizzles};
 
-const ROOT: f32 = 1.732_050_8;
+/// Length of the mean direction at which a lobe ends at a right angle.
+const MOST_DIRECTED: f32 = 0.75;
+
+/// Mean cosine of light that a matte surface sends.
+pub const MATTE: f32 = 2.0 / 3.0;
+
+/// How light is spread over directions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Lobes {
+    /// As above.
+    #[default]
+    Squared,
+    /// Two bands by themselves, which may be negative, as in Billeter et al. 2012: what goes to a neighbour is their
+    /// product with a transfer function, of a cone as wide as the neighbour's share of all directions in two bands, and
+    /// is spread there as that function is. The shares add up to 1, so that energy is kept.
+    TwoBands,
+}
+
+impl Lobes {
+    /// What is kept of light of a flux and, last, an energy.
+    pub fn of(self, moments: Vec4) -> Vec4 {
+        match self {
+            Self::Squared => lobe(moments),
+            Self::TwoBands => moments,
+        }
+    }
+
+    /// Flux and, last, energy of what is kept.
+    pub fn moments(self, kept: Vec4) -> Vec4 {
+        match self {
+            Self::Squared => moments(kept),
+            Self::TwoBands => kept,
+        }
+    }
+
+    /// Energy towards all neighbours of each kind together.
+    pub fn by_class(self, kept: Vec4) -> [f32; CLASSES] {
+        let mut sums = [0.0; CLASSES];
+        if kept != Vec4::ZERO {
+            neighbours().for_each(|n| sums[n.class] += SHARES[n.class] * self.towards(kept, &n));
+        }
+        sums
+    }
+
+    /// Energy towards a neighbour, over its share of all directions.
+    pub fn towards(self, kept: Vec4, neighbour: &Neighbour) -> f32 {
+        match self {
+            Self::Squared => towards(kept, neighbour.direction),
+            Self::TwoBands => {
+                kept.w + 3.0 * self.kept_direction(neighbour.class) * kept.xyz().dot(neighbour.direction)
+            }
+        }
+    }
+
+    /// Mean cosine, with the way to a neighbour, of light that has gone there.
+    pub fn kept_direction(self, class: usize) -> f32 {
+        match self {
+            Self::Squared => 1.0,
+            // Of a cone that is so large a share of all directions.
+            Self::TwoBands => 1.0 - SHARES[class],
+        }
+    }
+}
 
 /// `v` and, last, `p`, from flux and, last, energy.
 pub fn lobe(moments: Vec4) -> Vec4 {
-    let (flux, energy) = (moments.xyz(), moments.w.max(0.0));
+    let (flux, energy) = (moments.xyz(), moments.w);
+    // Most cells of many volumes are dark.
+    if energy <= 0.0 {
+        return Vec4::ZERO;
+    }
     let length = flux.length();
-    let directed = (ROOT * length).min(energy);
-    let p = 0.5 * ((energy + directed).sqrt() + (energy - directed).sqrt());
-    // p v = 3/2 flux; where there is no energy both are 0.
-    let kept = directed / (ROOT * length).max(1e-30);
-    (flux * (1.5 * kept / p.max(1e-30))).extend(p)
+    let directed = (length / energy.max(1e-30)).min(MOST_DIRECTED);
+    // Of such light of all directions, not of 26 alone, they follow from the integrals of (p + v x)^2 and x (p + v x)^2.
+    let (p, v) = if directed < 0.5 {
+        (1.0 + (1.0 - 3.0 * directed * directed).sqrt(), 3.0 * directed)
+    } else {
+        (3.0 - 4.0 * directed, 1.0)
+    };
+    let shape = (flux * (v / length.max(1e-30))).extend(p);
+    shape * (energy / self::moments(shape).w).sqrt()
 }
 
-/// Energy of a lobe.
-pub fn energy(lobe: Vec4) -> f32 {
-    lobe.w * lobe.w + lobe.xyz().length_squared() / 3.0
-}
-
-/// Flux of a lobe.
-pub fn flux(lobe: Vec4) -> Vec3 {
-    lobe.xyz() * (lobe.w * (2.0 / 3.0))
+/// Flux and, last, energy of a lobe.
+pub fn moments(lobe: Vec4) -> Vec4 {
+    if lobe == Vec4::ZERO {
+        return Vec4::ZERO;
+    }
+    let sent = |n: Neighbour| n.direction.extend(1.0) * (SHARES[n.class] * towards(lobe, n.direction));
+    neighbours().map(sent).sum()
 }
 
 /// Energy along a direction, over its share of all directions.
 pub fn towards(lobe: Vec4, direction: Vec3) -> f32 {
-    let root = lobe.w + lobe.xyz().dot(direction);
+    let root = (lobe.w + lobe.xyz().dot(direction)).max(0.0);
     root * root
 }
 
-/// Irradiance of a lobe on the front of a surface: with the cosine the means of 1, `w` and `w w^T` over the sphere are
-/// 1/4, `-n / 6` and `(1 + n n^T) / 16`.
-pub fn irradiance(lobe: Vec4, normal: Vec3) -> f32 {
-    let (v, along) = (lobe.xyz(), lobe.xyz().dot(normal));
-    0.25 * lobe.w * lobe.w - lobe.w * along / 3.0 + (v.length_squared() + along * along) / 16.0
+/// Irradiance of light of a flux and, last, an energy on the front of a surface: of a lobe of these the bands of the
+/// clamped cosine up to the second. The next that it has is the fourth, of which a lobe has none or little.
+pub fn irradiance(light: Vec4, normal: Vec3) -> f32 {
+    let (flux, energy) = (light.xyz(), light.w.max(1e-30));
+    let length = flux.length();
+    let directed = (length / energy).min(1.0);
+    let (root, rest) = ((1.0 - 3.0 * directed * directed).max(0.0).sqrt(), 4.0 * (1.0 - directed));
+    // The mean of (3 x^2 - 1) / 2.
+    let second = if directed < 0.5 {
+        0.6 * directed * directed / (1.0 + root)
+    } else {
+        1.0 - 0.75 * rest + 0.15 * rest * rest
+    };
+    let along = flux.dot(normal) / length.max(1e-30);
+    (0.25 - 0.5 * directed * along + 0.156_25 * second * (3.0 * along * along - 1.0)).max(0.0)
+        * light.w.max(0.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lpv::lattice::{SHARES, neighbours};
 
-    #[test]
-    fn energy_and_flux_are_kept_and_are_what_neighbours_get() {
-        let direction = Vec3::new(0.2, -0.7, 0.4).normalize();
-        for directed in [0.0, 1e-4, 0.2, 0.5, 0.577] {
-            let moments = (3.0 * directed * direction).extend(3.0);
-            let lobe = lobe(moments);
-            assert!((energy(lobe) - 3.0).abs() < 1e-5 && (flux(lobe) - moments.xyz()).length() < 1e-5);
-            let sent = |n: crate::lpv::lattice::Neighbour| SHARES[n.class] * towards(lobe, n.direction);
-            let all: f32 = neighbours().map(sent).sum();
-            let way: Vec3 = neighbours().map(|n| n.direction * sent(n)).sum();
-            assert!((all - 3.0).abs() < 1e-5 && (way - moments.xyz()).length() < 1e-5, "{all} {way}");
-        }
+    fn light(directed: f32) -> Vec4 {
+        (3.0 * directed * Vec3::new(0.2, -0.7, 0.4).normalize()).extend(3.0)
     }
 
     #[test]
-    fn irradiance_is_the_integral_over_the_hemisphere() {
-        let (lobe, normal) = (Vec4::new(0.7, -0.2, 0.5, 0.8), Vec3::new(0.6, 0.0, 0.8));
+    fn energy_and_flux_are_kept() {
+        for (directed, off) in
+            [(0.0, 1e-5), (1e-4, 1e-5), (0.2, 1e-5), (0.5, 1e-5), (0.6, 0.04), (0.75, 0.04)]
+        {
+            let light = light(directed);
+            let sent = moments(lobe(light));
+            assert!((sent.w - 3.0).abs() < 1e-5, "{directed}: {sent}");
+            assert!((sent.xyz() - light.xyz()).length() < off * 3.0, "{directed}: {sent} of {light}");
+        }
+    }
+
+    /// The mean over the sphere.
+    fn mean(of: impl Fn(Vec3) -> f32) -> f32 {
         let (rings, segments) = (400u16, 400u16);
         let mut sum = 0.0;
         for i in 0..u32::from(rings) * u32::from(segments) {
             let z = 1.0 - 2.0 * ((i / u32::from(segments)) as f32 + 0.5) / f32::from(rings);
             let (sin, cos) =
                 (std::f32::consts::TAU * (i % u32::from(segments)) as f32 / f32::from(segments)).sin_cos();
-            let direction = Vec3::new((1.0 - z * z).sqrt() * cos, (1.0 - z * z).sqrt() * sin, z);
-            sum += f64::from(towards(lobe, direction) * (-direction.dot(normal)).max(0.0));
+            sum += f64::from(of(Vec3::new((1.0 - z * z).sqrt() * cos, (1.0 - z * z).sqrt() * sin, z)));
         }
-        let mean = sum / f64::from(u32::from(rings) * u32::from(segments));
-        assert!((mean / f64::from(irradiance(lobe, normal)) - 1.0).abs() < 1e-3, "{mean}");
+        (sum / f64::from(u32::from(rings) * u32::from(segments))) as f32
+    }
+
+    #[test]
+    fn irradiance_is_the_integral_over_the_hemisphere() {
+        for (directed, off) in [(0.3, 1e-3), (0.5, 1e-3), (0.6, 5e-3), (0.75, 5e-3)] {
+            let light = light(directed);
+            let lobe = lobe(light);
+            let energy = mean(|direction| towards(lobe, direction));
+            for normal in [Vec3::new(0.6, 0.0, 0.8), Vec3::Y, Vec3::NEG_Y] {
+                let arrives = mean(|direction| towards(lobe, direction) * (-direction.dot(normal)).max(0.0));
+                // Without what sums over 26 directions are off integrals.
+                let wanted = arrives * light.w / energy;
+                let is = irradiance(light, normal);
+                assert!((is - wanted).abs() < off * light.w, "{directed}, {normal}: {is} for {wanted}");
+            }
+        }
     }
 
     #[test]
     fn what_is_directed_too_much_keeps_its_energy_and_direction() {
-        for moments in [Vec4::new(0.0, 2.0, 0.0, 2.0), Vec4::new(9.0, 0.0, 0.0, 2.0)] {
-            let lobe = lobe(moments);
-            assert!((energy(lobe) - 2.0).abs() < 1e-5);
-            assert!((flux(lobe) - moments.xyz().normalize() * 2.0 / ROOT).length() < 1e-5);
+        for light in [Vec4::new(0.0, 2.0, 0.0, 2.0), Vec4::new(9.0, 0.0, 0.0, 2.0)] {
+            let sent = moments(lobe(light));
+            assert!((sent.w - 2.0).abs() < 1e-5);
+            let along = sent.xyz().dot(light.xyz().normalize()) / 2.0;
+            assert!(
+                (along - MOST_DIRECTED).abs() < 0.04
+                    && sent.xyz().normalize().dot(light.xyz().normalize()) > 0.999
+            );
         }
-        assert_eq!(lobe(Vec4::ZERO), Vec4::ZERO);
-        assert_eq!(lobe(Vec4::new(0.0, 0.0, 0.0, -1.0)), Vec4::ZERO);
+        for light in [Vec4::ZERO, Vec4::new(0.0, 0.0, 0.0, -1.0)] {
+            assert_eq!(lobe(light), Vec4::ZERO);
+            assert_eq!(irradiance(light, Vec3::Y), 0.0);
+        }
+    }
+
+    #[test]
+    fn two_bands_keep_energy_and_may_be_negative() {
+        let light = light(0.9);
+        let sent = |n: Neighbour| SHARES[n.class] * Lobes::TwoBands.towards(light, &n);
+        assert!((neighbours().map(sent).sum::<f32>() - 3.0).abs() < 1e-5);
+        assert!(neighbours().map(sent).fold(0.0, f32::min) < -0.1 && lobe(light).w >= 0.0);
     }
 }

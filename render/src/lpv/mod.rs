@@ -6,6 +6,7 @@
 //! spread over directions as a [`lobe`], through what [`blockers`] leave open, and lets the medium on the way scatter
 //! it, as a [`flight`] says.
 
+pub mod bands;
 pub mod blockers;
 pub mod flight;
 pub mod grid;
@@ -13,6 +14,7 @@ pub mod injection;
 pub mod lattice;
 pub mod lobe;
 pub mod propagation;
+pub mod scheme;
 pub mod studies;
 #[cfg(test)]
 mod tests;
@@ -21,3 +23,4 @@ pub use blockers::Blockers;
 pub use flight::Flight;
 pub use grid::LightGrid;
 pub use propagation::{Light, Volume};
+pub use scheme::Scheme;

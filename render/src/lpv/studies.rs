@@ -1,48 +1,52 @@
 //! What propagation does in a medium that is the same everywhere, beside what is known of it.
 
-use super::flight::Factors;
 use super::lattice::LINKS;
-use super::propagation::{Field, Light, Shown, Volume};
-use super::{Flight, LightGrid};
-use glam::{IVec3, Vec3, Vec4};
+use super::propagation::{Field, Light, Volume};
+use super::{Flight, LightGrid, Scheme};
+use glam::{IVec3, Vec3, Vec4, Vec4Swizzles};
 
 /// Cells of one metre, all alike, with nothing between them.
-pub fn alike(size: IVec3, flight: Flight) -> Volume {
+pub fn alike(scheme: Scheme, size: IVec3, flight: Flight) -> Volume {
     let grid = LightGrid { low: Vec3::ZERO, cell: 1.0, size };
     Volume {
         grid,
         flights: vec![[flight; 3]; grid.cells()],
         passing: vec![[1.0; LINKS]; grid.cells()],
         reflectances: vec![[0.0; 3]; grid.cells()],
+        scheme,
     }
 }
 
 /// Scattered light of one colour in one cell, of a flux and, last, an energy.
 pub fn lit(volume: &Volume, at: IVec3, moments: Vec4) -> Field {
-    let none = vec![Light::default(); volume.grid.cells()];
-    let mut light = none.clone();
+    let mut light = vec![Light::default(); volume.grid.cells()];
     if let Some(index) = volume.grid.index(at) {
         light[index][0] = moments;
     }
-    Field::new(&none, &light)
+    Field::scattered(volume.scheme, &light)
 }
 
 /// Light of a point that sends alike in all directions, after so many iterations, in a grid of `2 half + 1` cells to a
-/// side.
-pub fn around_a_point(flight: Flight, half: i32, iterations: usize) -> (Volume, Field) {
-    let volume = alike(IVec3::splat(2 * half + 1), flight);
+/// side of a medium of such an extinction per cell.
+pub fn around_a_point(
+    scheme: Scheme,
+    [extinction, albedo]: [f32; 2],
+    half: i32,
+    iterations: usize,
+) -> (Volume, Field) {
+    let flight = Flight::by(scheme.factors, extinction, albedo);
+    let volume = alike(scheme, IVec3::splat(2 * half + 1), flight);
     let mut field = lit(&volume, IVec3::splat(half), Vec4::W);
-    field.iterate(&volume, Shown::Scattered, iterations);
+    field.iterate(&volume, iterations);
     (volume, field)
 }
 
 /// Mean squared distance of collisions from a point source over `2 l^2 / (1 - albedo)`, which it is in an infinite
 /// medium; the mean free path `l` in cells.
-pub fn moment_ratio(factors: Factors, path: f32, albedo: f32, half: i32) -> f64 {
-    let flight = Flight::by(factors, 1.0 / path, albedo);
-    let (volume, field) = around_a_point(flight, half, 3 * half as usize);
+pub fn moment_ratio(scheme: Scheme, path: f32, albedo: f32, half: i32) -> f64 {
+    let (volume, field) = around_a_point(scheme, [1.0 / path, albedo], half, 3 * half as usize);
     let (mut all, mut second) = (0.0, 0.0);
-    for (index, shown) in field.shown.iter().enumerate() {
+    for (index, shown) in field.shown.by_medium.iter().enumerate() {
         let squared = (volume.grid.at(index) - half).as_dvec3().length_squared();
         all += f64::from(shown[0].w);
         second += f64::from(shown[0].w) * squared;
@@ -51,13 +55,13 @@ pub fn moment_ratio(factors: Factors, path: f32, albedo: f32, half: i32) -> f64 
 }
 
 /// Largest share of its energy that light loses in an iteration where nothing is absorbed, before any leaves the grid.
-pub fn energy_loss(factors: Factors, extinction: f32) -> f64 {
-    let volume = alike(IVec3::splat(25), Flight::by(factors, extinction, 1.0));
+pub fn energy_loss(scheme: Scheme, extinction: f32) -> f64 {
+    let volume = alike(scheme, IVec3::splat(25), Flight::by(scheme.factors, extinction, 1.0));
     let mut field = lit(&volume, IVec3::splat(12), Vec4::new(0.5, -0.3, 0.8, 2.0));
     let mut worst = 0.0f64;
     for _ in 0..11 {
         let before = field.energy();
-        field.step(&volume, Shown::Scattered);
+        field.step(&volume);
         worst = worst.max((1.0 - field.energy() / before).abs());
     }
     worst
@@ -76,12 +80,12 @@ pub fn decay(albedo: f64) -> f64 {
 
 /// Fluence at each distance along an axis, cells, over that of a monopole `exp(-k r) / r` which is what it is three
 /// mean free paths from the source.
-pub fn over_monopole(factors: Factors, path: f32, albedo: f32, half: i32) -> Vec<(f64, f64)> {
-    let (volume, field) = around_a_point(Flight::by(factors, 1.0 / path, albedo), half, 4 * half as usize);
+pub fn over_monopole(scheme: Scheme, path: f32, albedo: f32, half: i32) -> Vec<(f64, f64)> {
+    let (volume, field) = around_a_point(scheme, [1.0 / path, albedo], half, 4 * half as usize);
     let middle = IVec3::splat(half);
-    let at = |r: i32| {
-        volume.grid.index(middle + r * IVec3::X).map_or(0.0, |index| f64::from(field.shown[index][0].w))
-    };
+    let shown = &field.shown.by_medium;
+    let at =
+        |r: i32| volume.grid.index(middle + r * IVec3::X).map_or(0.0, |index| f64::from(shown[index][0].w));
     let decay = decay(f64::from(albedo)) / f64::from(path);
     let monopole = |r: f64| (-decay * r).exp() / r;
     let first = (3.0 * path).ceil() as i32;
@@ -89,14 +93,16 @@ pub fn over_monopole(factors: Factors, path: f32, albedo: f32, half: i32) -> Vec
     (first..=half / 2).map(|r| (f64::from(r), scale * at(r) / monopole(f64::from(r)))).collect()
 }
 
-/// Fluence of a point source without a medium, times `4 pi r^2`, along an axis, across an edge and across a corner: 1
-/// where light goes alike everywhere.
-pub fn fluence_by_direction(half: i32) -> [f64; 3] {
-    let (volume, field) = around_a_point(Flight::new(0.0, 0.0), half, 2 * half as usize);
+/// Flux of a point source without a medium, times `4 pi r^2`, along an axis, across an edge and across a corner: 1
+/// where light goes alike everywhere. Fluence, which is the flux where light goes straight, is after it.
+pub fn flux_by_direction(scheme: Scheme, half: i32) -> [[f64; 2]; 3] {
+    let (volume, field) = around_a_point(scheme, [0.0, 0.0], half, 3 * half as usize);
     let r = f64::from(half) * 0.6;
     [IVec3::X, IVec3::new(1, 1, 0), IVec3::ONE].map(|way| {
         let offset = (way.as_dvec3().normalize() * r).round().as_ivec3();
-        let shown = volume.grid.index(half + offset).map_or(0.0, |index| f64::from(field.shown[index][0].w));
-        4.0 * std::f64::consts::PI * shown * offset.as_dvec3().length_squared()
+        let shown =
+            volume.grid.index(half + offset).map_or(Vec4::ZERO, |index| field.shown.by_medium[index][0]);
+        let spread = 4.0 * std::f64::consts::PI * offset.as_dvec3().length_squared();
+        [shown.xyz().length(), shown.w].map(|of| spread * f64::from(of))
     })
 }

@@ -13,30 +13,34 @@ table! {
     LPV_LINKS: "lpv.links", file "methods/lpv/links", constants [], uniforms [LightGrid],
         shared ["lpv_grid", "lpv_fixed", "lpv_lattice"];
     /// What the medium in cells does to light.
-    LPV_MEDIA: "lpv.media", file "methods/lpv/media", constants [MEDIUM = 2], uniforms [LightGrid, MediumRecord],
-        shared ["lpv_grid", "lpv_lattice", "medium_span", "medium", "lpv_medium", "lpv_part"];
+    LPV_MEDIA: "lpv.media", file "methods/lpv/media", constants [MEDIUM = 2, FACTORS = 0, LOBES = 0],
+        uniforms [LightGrid, MediumRecord],
+        shared ["lpv_grid", "lpv_lattice", "lpv_lobe", "lpv_flight", "medium_span", "medium", "lpv_medium", "lpv_part"];
     /// Light that surfaces reflect.
-    LPV_FRESH: "lpv.fresh", file "methods/lpv/fresh", constants [], uniforms [LightGrid],
-        shared ["lpv_grid", "lpv_fixed", "lpv_lobe"];
+    LPV_FRESH: "lpv.fresh", file "methods/lpv/fresh", constants [UNSCATTERED = 2, SCATTERED = 1, LOBES = 0],
+        uniforms [LightGrid], shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_fixed", "lpv_lobe"];
     /// Light of the lamps that the medium in cells scatters.
-    LPV_BEGIN: "lpv.begin", file "methods/lpv/begin", constants [LIGHTS = 1, MEDIUM = 2, GREY = 0],
+    LPV_BEGIN: "lpv.begin", file "methods/lpv/begin",
+        constants [LIGHTS = 1, MEDIUM = 2, GREY = 0, UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0],
         uniforms [LightGrid, FrameView, LightRecord, MediumRecord],
-        shared ["lpv_grid", "lpv_lobe", "view", "lights", "shadow", "medium_span", "medium", "colours", "light_dimmed",
-                "lpv_part"];
+        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "view", "lights", "shadow",
+                "medium_span", "medium", "colours", "light_dimmed", "lpv_part"];
     /// One iteration.
-    LPV_PROPAGATE: "lpv.propagate", file "methods/lpv/propagate", constants [MULTIPLE = 1, SHOWN = 1],
+    LPV_PROPAGATE: "lpv.propagate", file "methods/lpv/propagate",
+        constants [UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0],
         uniforms [LightGrid, MediumRecord, Iteration, Propagation],
-        shared ["lpv_grid", "lpv_lattice", "lpv_lobe", "lpv_medium"];
+        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "lpv_medium"];
     /// Surfaces lit by the grid.
-    LPV_LIT: "lpv.lit", file "methods/lpv/lit", constants [], uniforms [LightGrid, FrameView],
-        shared ["surface", "surface_valid", "view", "lpv_grid", "lpv_lobe", "lpv_irradiance"];
+    LPV_LIT: "lpv.lit", file "methods/lpv/lit", constants [LOOKUP = 0], uniforms [LightGrid, FrameView],
+        shared ["surface", "surface_valid", "view", "lpv_grid", "lpv_irradiance"];
     /// The medium, lit by the grid, in an image of fewer pixels.
-    LPV_MARCH: "lpv.march", file "methods/lpv/march", constants [MEDIUM = 2, SCALE = 1],
+    LPV_MARCH: "lpv.march", file "methods/lpv/march", constants [MEDIUM = 2, SCALE = 1, LOOKUP = 0],
         uniforms [LightGrid, Marching, FrameView, MediumRecord],
         shared ["surface_distance", "random", "bounded", "view", "medium_span", "medium", "mean_decay", "lpv_grid",
-                "lpv_lobe", "lpv_irradiance"];
+                "lpv_irradiance"];
     /// The medium in front of each pixel and the surface behind it.
-    LPV_APPLY: "lpv.apply", file "methods/lpv/apply", constants [MEDIUM = 2, SCALE = 1, SCATTERS = 1, LIT = 1],
+    LPV_APPLY: "lpv.apply", file "methods/lpv/apply",
+        constants [MEDIUM = 2, SCALE = 1, LOOKUP = 0, SCATTERS = 1, LIT = 1, SCATTERED = 1],
         uniforms [LightGrid, Marching, FrameView, MediumRecord],
-        shared ["surface", "surface_valid", "view", "medium_span", "medium", "lpv_grid", "lpv_lobe", "lpv_irradiance"];
+        shared ["surface", "surface_valid", "view", "medium_span", "medium", "lpv_grid", "lpv_irradiance"];
 }

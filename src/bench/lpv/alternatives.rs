@@ -3,6 +3,7 @@
 use super::subject::Subject;
 use crate::figures::Figures;
 use anyhow::Result;
+use deepshade_render::lpv::Scheme;
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::lpv::Parameters;
 use deepshade_render::methods::lpv::passes::Pixel;
@@ -66,6 +67,8 @@ impl Alternatives {
         let shown = |medium, surface| subject.indirect(parameters, Pixel { medium, surface });
         let (on_surfaces, marched) = (shown(false, true)?, shown(true, false)?);
         let multiple = subject.multiple(parameters)?;
+        let as_in_paper = Parameters { scheme: Scheme::PAPER, ..parameters };
+        let paper = subject.multiple(as_in_paper)?;
         let images = [
             ("shadow_map", sum(&[&shadowed])),
             ("plain", sum(&[&shadowed, &on_surfaces])),
@@ -73,12 +76,14 @@ impl Alternatives {
             ("marched", sum(&[&shadowed, &on_surfaces, &marched])),
             ("sum", sum(&[&shadowed, &single, &on_surfaces, &marched])),
             ("lpv", sum(&[&shadowed, &single, &on_surfaces, &marched, &multiple])),
+            ("paper", sum(&[&shadowed, &single, &on_surfaces, &marched, &paper])),
             ("black", less(&all, &all)),
         ];
         let mut rows: Vec<Row> =
             images.iter().map(|(name, image)| Row::new((*name).to_owned(), image, &all)).collect();
         let wanted = truth(Effect::FogMultiple, Part::All);
         rows.push(Row::new("multiple".to_owned(), &multiple, &wanted));
+        rows.push(Row::new("multiple_paper".to_owned(), &paper, &wanted));
         for cells in GRIDS {
             for iterations in ITERATIONS {
                 let image = subject.multiple(Parameters { cells, iterations, ..parameters })?;

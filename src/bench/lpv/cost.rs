@@ -4,6 +4,7 @@ use super::subject::Subject;
 use crate::bench::stages::{Cost, Stage};
 use crate::figures::Figures;
 use anyhow::Result;
+use deepshade_render::lpv::Scheme;
 use deepshade_render::methods::lpv::Parameters;
 use deepshade_render::screen::Plan;
 use deepshade_shaders::gpu::{self, Gpu};
@@ -16,9 +17,11 @@ const ITERATIONS: usize = 8;
 /// Steps of the march, of one pixel of so many along each axis.
 const STEPS: u32 = 32;
 const SCALE: usize = 2;
-/// Bytes that an iteration reads and writes of a cell at least: lobes of two kinds of light and three colours in both
-/// directions, what is shown likewise, links and the medium.
-const BYTES: u64 = 2 * 96 + 2 * 48 + 16 + 32;
+/// Bytes that an iteration reads and writes of a cell at least: lobes of three kinds of light and three colours and what
+/// is sent out again in both directions, what is shown by the medium and by surfaces likewise, links and the medium.
+const BYTES: u64 = 2 * (144 + 16) + 2 * SHOWN + 16 + 32;
+/// Of these, what is shown.
+const SHOWN: u64 = 96;
 
 /// Costs of both grids.
 pub struct Costs {
@@ -37,8 +40,13 @@ impl Costs {
         let mut of_grids = Vec::new();
         let mut moved = 0.0;
         for (cells, suffix) in GRIDS {
-            let plan =
-                subject.plan(Parameters { cells, iterations: ITERATIONS, steps: STEPS, scale: SCALE })?;
+            let plan = subject.plan(Parameters {
+                cells,
+                iterations: ITERATIONS,
+                steps: STEPS,
+                scale: SCALE,
+                scheme: Scheme::OURS,
+            })?;
             let cost = Cost::of(subject.gpu, &plan, runs)?;
             moved = bytes(&plan) as f64 / (1e-3 * cost.of_stage(Stage::Propagate));
             of_grids.push((suffix, cost));
@@ -82,6 +90,5 @@ impl Costs {
 /// Bytes that a plan's propagation moves at least.
 fn bytes(plan: &Plan) -> u64 {
     let steps = plan.steps().iter().filter(|step| step.step.pass.is_of(wgsl::LPV_PROPAGATE.name));
-    // What is shown has 48 bytes of each cell and is written last.
-    steps.filter_map(|step| step.writes.last()).map(|shown| shown.size() / 48 * BYTES).sum()
+    steps.filter_map(|step| step.writes.last()).map(|shown| shown.size() / SHOWN * BYTES).sum()
 }

@@ -2,16 +2,24 @@
 
 use crate::figures::Figures;
 use crate::plot::{Line, Plot};
+use deepshade_render::lpv::Scheme;
+use deepshade_render::lpv::bands::{Bands, Ringing, ringing};
 use deepshade_render::lpv::flight::Factors;
-use deepshade_render::lpv::studies::{energy_loss, fluence_by_direction, moment_ratio, over_monopole};
+use deepshade_render::lpv::studies::{energy_loss, flux_by_direction, moment_ratio, over_monopole};
 
-/// Mean free paths, cells, and half of the cells of a grid that is large enough for each.
+/// Mean free paths, cells, and half of the cells of a grid that is large enough for each; the last takes as long as all
+/// others together.
 const PATHS: [(f32, i32); 4] = [(0.5, 12), (1.0, 14), (2.0, 18), (4.0, 22)];
 const ALBEDOS: [f32; 2] = [0.5, 0.9];
+/// Half of the cells of a grid in which light goes without a medium.
+const HALF: i32 = 15;
+/// How collisions are counted, and what figures of it begin with.
+const SCHEMES: [(Scheme, &str); 2] =
+    [(Scheme::OURS, ""), (Scheme { factors: Factors::Exponential, ..Scheme::OURS }, "exponential_")];
 
 /// A ratio for each way to count collisions, mean free path and albedo.
 struct Moment {
-    factors: Factors,
+    scheme: (Scheme, &'static str),
     path: f32,
     albedo: f32,
     ratio: f64,
@@ -22,31 +30,37 @@ pub struct Studies {
     energy_loss: f64,
     moments: Vec<Moment>,
     monopole_error: f64,
-    fluence: [f64; 3],
+    /// Flux and fluence along an axis, across an edge and across a corner, with our lobes and the paper's.
+    directions: [(&'static str, [[f64; 2]; 3]); 2],
+    /// Of two and of three bands by themselves.
+    ringing: [Ringing; 2],
 }
 
 impl Studies {
-    /// Measures.
-    pub fn new() -> Self {
-        let moment = |factors, albedo, (path, half)| {
-            let ratio = moment_ratio(factors, path, albedo, half);
-            Moment { factors, path, albedo, ratio }
+    /// Measures, also where a mean free path is long if `full`.
+    pub fn new(full: bool) -> Self {
+        let paths = if full { &PATHS[..] } else { &PATHS[..3] };
+        let moment = |scheme: (Scheme, _), albedo, (path, half)| {
+            let ratio = moment_ratio(scheme.0, path, albedo, half);
+            Moment { scheme, path, albedo, ratio }
         };
-        let of = |factors| {
-            ALBEDOS.into_iter().flat_map(move |albedo| PATHS.map(|path| moment(factors, albedo, path)))
+        let of = |scheme| {
+            ALBEDOS
+                .into_iter()
+                .flat_map(move |albedo| paths.iter().map(move |path| moment(scheme, albedo, *path)))
         };
         let error = |(_, ratio): (f64, f64)| (ratio - 1.0).abs();
+        let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+        let monopole: Vec<f64> = over_monopole(Scheme::OURS, 1.0, 0.9, 18).into_iter().map(error).collect();
         Self {
-            energy_loss: [0.0, 0.3, 2.0, 40.0]
-                .map(|e| energy_loss(Factors::Placed, e))
-                .into_iter()
-                .fold(0.0, f64::max),
-            moments: [Factors::Placed, Factors::Exponential].into_iter().flat_map(of).collect(),
-            monopole_error: over_monopole(Factors::Placed, 1.0, 0.9, 18)
-                .into_iter()
-                .map(error)
-                .fold(0.0, f64::max),
-            fluence: fluence_by_direction(15),
+            energy_loss: largest(
+                &[0.0, 0.3, 2.0, 40.0].map(|extinction| energy_loss(Scheme::OURS, extinction)),
+            ),
+            moments: SCHEMES.into_iter().flat_map(of).collect(),
+            monopole_error: largest(&monopole),
+            directions: [("", Scheme::OURS), ("paper_", Scheme::PAPER)]
+                .map(|(name, scheme)| (name, flux_by_direction(scheme, HALF))),
+            ringing: [Bands::Two, Bands::Three].map(|bands| ringing(bands, HALF)),
         }
     }
 
@@ -54,13 +68,19 @@ impl Studies {
     pub fn set(&self, figures: &mut Figures) {
         figures.set("energy_loss_iteration", self.energy_loss);
         figures.set("monopole_error", self.monopole_error);
-        for (name, fluence) in ["axis", "edge", "corner"].into_iter().zip(self.fluence) {
-            figures.set(&format!("fluence_{name}"), fluence);
+        for (scheme, directions) in &self.directions {
+            for (name, [flux, fluence]) in ["axis", "edge", "corner"].into_iter().zip(directions) {
+                figures.set(&format!("flux_{scheme}{name}"), *flux);
+                figures.set(&format!("fluence_{scheme}{name}"), *fluence);
+            }
+            figures.set(&format!("axis_over_diagonal_{scheme}flux"), directions[0][0] / directions[2][0]);
         }
-        for Moment { factors, path, albedo, ratio } in &self.moments {
-            let factors =
-                if *factors == Factors::Placed { String::new() } else { format!("{}_", factors.name()) };
-            figures.set(&format!("moment_ratio_{factors}{path}_{albedo}"), *ratio);
+        for (bands, Ringing { negative, flux }) in [2, 3].into_iter().zip(&self.ringing) {
+            figures.set(&format!("ringing_{bands}_bands"), *negative);
+            figures.set(&format!("axis_over_diagonal_{bands}_bands"), flux[0] / flux[2]);
+        }
+        for Moment { scheme: (_, name), path, albedo, ratio } in &self.moments {
+            figures.set(&format!("moment_ratio_{name}{path}_{albedo}"), *ratio);
         }
     }
 
@@ -68,9 +88,9 @@ impl Studies {
     pub fn plot(&self) -> Plot {
         let line = |of: &[Moment]| {
             let points = of.iter().map(|moment| (f64::from(moment.path), moment.ratio)).collect();
-            Line::dotted(format!("{}, albedo {}", of[0].factors.name(), of[0].albedo), points)
+            Line::dotted(format!("{}, albedo {}", of[0].scheme.0.factors.name(), of[0].albedo), points)
         };
-        let alike = |a: &Moment, b: &Moment| (a.factors, a.albedo) == (b.factors, b.albedo);
+        let alike = |a: &Moment, b: &Moment| (a.scheme, a.albedo) == (b.scheme, b.albedo);
         let lines = self.moments.chunk_by(alike).map(line);
         Plot {
             x: "mean free path, cells",
@@ -84,11 +104,23 @@ impl Studies {
     /// Rows of a table.
     pub fn rows(&self) -> Vec<Vec<String>> {
         let row = |moment: &Moment| {
-            let Moment { factors, path, albedo, ratio } = moment;
-            vec![factors.name().to_owned(), path.to_string(), albedo.to_string(), format!("{ratio:.3}")]
+            let Moment { scheme: (scheme, _), path, albedo, ratio } = moment;
+            vec![
+                scheme.factors.name().to_owned(),
+                path.to_string(),
+                albedo.to_string(),
+                format!("{ratio:.3}"),
+            ]
         };
         let head = ["collisions", "mean free path", "albedo", "squared distance"].map(str::to_owned).to_vec();
-        let others = [("energy lost", self.energy_loss), ("off a monopole", self.monopole_error)];
+        let [(_, [axis, _, corner]), _] = &self.directions;
+        let others = [
+            ("energy lost", self.energy_loss),
+            ("off a monopole", self.monopole_error),
+            ("flux along axes over corners", axis[0] / corner[0]),
+            ("less than nothing in two bands", self.ringing[0].negative),
+            ("in three", self.ringing[1].negative),
+        ];
         let other = |(name, value): (&str, f64)| {
             vec![name.to_owned(), String::new(), String::new(), format!("{value:.2e}")]
         };

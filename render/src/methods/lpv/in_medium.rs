@@ -1,21 +1,21 @@
-//! Light in a medium by the grid: `fog-multiple`, which the medium scattered more than once or between surfaces, and
-//! `fog-indirect`, which surfaces throw into it.
+//! Light in a medium by the grid: `fog-indirect`, which one surface throws into it, and `fog-multiple`, all that went
+//! another way with the medium in it but for single scattering.
 
 use super::Parameters;
-use super::passes::{self, Filled, Passes, Pixel};
+use super::passes::{self, Filled, Passes, Pixel, Shown};
 use super::reference::{self, LitVolume};
-use crate::lpv::propagation::Shown;
 use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::uniforms;
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 
-/// Light that was scattered, shown by the medium and by surfaces.
+/// Light that was scattered, shown by the medium and by surfaces, and light that several surfaces have reflected, shown
+/// by the medium.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Multiple(pub Parameters);
 
-/// Light of surfaces that was not scattered yet, shown by what is said.
+/// Light that one surface has reflected and that was not scattered yet, shown by what is said.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Indirect(pub Parameters, pub Pixel);
 
@@ -35,13 +35,13 @@ struct InMedium {
 
 impl From<Multiple> for InMedium {
     fn from(Multiple(parameters): Multiple) -> Self {
-        Self { parameters, light: Shown::Scattered, pixel: Pixel { medium: true, surface: true } }
+        Self { parameters, light: Shown::Multiple, pixel: Pixel { medium: true, surface: true } }
     }
 }
 
 impl From<Indirect> for InMedium {
     fn from(Indirect(parameters, pixel): Indirect) -> Self {
-        Self { parameters, light: Shown::Fresh, pixel }
+        Self { parameters, light: Shown::Reflected, pixel }
     }
 }
 

@@ -1,8 +1,8 @@
 //! What runs on the GPU: surfels, their light and what they block; the medium; light on its way; and what is lit by it.
 
 use super::Parameters;
-use crate::lpv::propagation::Shown;
-use crate::lpv::{LightGrid, flight};
+use crate::lpv::propagation::Kinds;
+use crate::lpv::{LightGrid, Scheme, flight};
 use crate::methods::single_scattering;
 use crate::raster::World;
 use crate::raster::light::shadow_sampler;
@@ -41,6 +41,34 @@ pub enum Filled {
     Medium(Shown),
 }
 
+/// What of the light in a medium is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// Light that one surface has reflected and that met no medium yet.
+    Reflected,
+    /// By the medium light that several surfaces have reflected, and by the medium and by surfaces light that was
+    /// scattered.
+    Multiple,
+}
+
+impl Filled {
+    /// The kinds of light that are kept apart for it.
+    pub const fn kinds(self) -> Kinds {
+        match self {
+            Self::Clear | Self::Medium(Shown::Reflected) => Kinds { unscattered: 1, scattered: false },
+            Self::Medium(Shown::Multiple) => Kinds { unscattered: 2, scattered: true },
+        }
+    }
+
+    /// What surfels send into it.
+    pub const fn lit(self) -> Lit {
+        match self {
+            Self::Clear => Lit::Reflected,
+            Self::Medium(_) => Lit::Dimmed { is_grey: false },
+        }
+    }
+}
+
 /// What of a pixel is lit by the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pixel {
@@ -57,7 +85,6 @@ pub struct Passes {
     clear: Pass,
     inject: Pass,
     links: Pass,
-    fresh: Pass,
 }
 
 /// The contents of the uniform buffers: the camera, and how far light is propagated, metres.
@@ -76,8 +103,11 @@ pub fn surfel_settings(grid: &LightGrid, bounds: Bounds) -> uniforms::Surfels {
 #[derive(Clone, Debug)]
 pub struct VolumeOnGpu {
     record: wgpu::Buffer,
-    /// `[3, cells]`: flux and energy times lengths of ways, watts times cells.
-    pub shown: wgpu::Buffer,
+    /// `[planes, 3, cells]`: flux and energy times lengths of ways, watts times cells; as the medium and, if there is
+    /// scattered light, as surfaces show it.
+    shown: wgpu::Buffer,
+    scheme: Scheme,
+    kinds: Kinds,
 }
 
 impl Passes {
@@ -92,7 +122,6 @@ impl Passes {
             clear: pass(&wgsl::LPV_CLEAR)?,
             inject: pass(&wgsl::LPV_INJECT)?,
             links: pass(&wgsl::LPV_LINKS)?,
-            fresh: pass(&wgsl::LPV_FRESH)?,
         })
     }
 
@@ -110,19 +139,17 @@ impl Passes {
     ) -> Result<(VolumeOnGpu, Vec<MethodStep>), GpuError> {
         let world = frame::scene(inputs.world)?;
         let grid = LightGrid::around(world.bounds, parameters.cells);
-        let room = Room::new(device, &grid, filled)?;
-        let lit = match filled {
-            Filled::Clear => Lit::Reflected,
-            Filled::Medium(_) => Lit::Dimmed { is_grey: false },
-        };
-        let mut steps = self.injection(device, world, &grid, &room, &uniforms[VIEW], lit)?;
+        let room = Room::new(device, &grid, filled.kinds())?;
+        let mut steps = self.injection(device, world, &grid, &room, &uniforms[VIEW], filled.lit())?;
+        steps.push(room.fresh_step(device, parameters.scheme)?);
         if filled != Filled::Clear {
-            steps.extend(medium_steps(device, world, &room)?);
+            steps.push(room.media_step(device, world, parameters.scheme)?);
         }
-        let shader = wgsl::LPV_PROPAGATE.specialised(&[
-            ("MULTIPLE", u32::from(filled != Filled::Clear)),
-            ("SHOWN", u32::from(filled == Filled::Medium(Shown::Scattered))),
-        ]);
+        if room.kinds.scattered {
+            steps.push(room.begin_step(device, world, parameters.scheme)?);
+        }
+        let constants = [room.constants(), parameters.scheme.constants()].concat();
+        let shader = wgsl::LPV_PROPAGATE.specialised(&constants);
         let pass = Pass::new(device, wgsl::LPV_PROPAGATE.name, &shader)?;
         for iteration in 0..parameters.iterations {
             let number = uniforms::Iteration { number: iteration as u32 };
@@ -133,7 +160,8 @@ impl Passes {
             let writes = [(5, to), (6, &room.shown)];
             steps.push(MethodStep::bind_at(device, &pass, room.groups.clone(), &reads, &writes)?);
         }
-        Ok((VolumeOnGpu { record: room.record, shown: room.shown }, steps))
+        let Room { record, shown, kinds, .. } = room;
+        Ok((VolumeOnGpu { record, shown, scheme: parameters.scheme, kinds }, steps))
     }
 
     /// Surfels, what they send and what they block.
@@ -146,7 +174,7 @@ impl Passes {
         view: &wgpu::Buffer,
         lit: Lit,
     ) -> Result<Vec<MethodStep>, GpuError> {
-        let Room { record, sums, cubes, links, states, shown, groups, .. } = room;
+        let Room { record, sums, cubes, links, groups, .. } = room;
         let settings = gpu::uniform(device, "lpv.surfels", &surfel_settings(grid, world.bounds))?;
         let cloud = Cloud::new(device, world, Some(lit))?;
         let of_surfels = cloud::Uniforms { settings: &settings, view };
@@ -165,7 +193,6 @@ impl Passes {
             bind(&self.clear, &surfels::groups(words).into(), &[], &[sums, cubes])?,
             MethodStep::bind_at(device, &self.inject, counted, &read, &[(5, sums), (6, cubes)])?,
             bind(&self.links, groups, &[record, cubes], &[links])?,
-            bind(&self.fresh, groups, &[record, sums], &[&states[0], shown])?,
         ]);
         Ok(steps)
     }
@@ -182,18 +209,20 @@ struct Room {
     links: wgpu::Buffer,
     /// `[cells, 2, 4]` f32.
     media: wgpu::Buffer,
-    /// `[fields, 3, cells, 4]` f32, before and after an iteration.
+    /// `[kinds, 3, cells, 4]` f32, before and after an iteration; if there is scattered light also `[cells, 4]`, what is
+    /// sent out again.
     states: [wgpu::Buffer; 2],
     shown: wgpu::Buffer,
     groups: Workgroups,
+    kinds: Kinds,
 }
 
 impl Room {
-    fn new(device: &wgpu::Device, grid: &LightGrid, filled: Filled) -> Result<Self, GpuError> {
+    fn new(device: &wgpu::Device, grid: &LightGrid, kinds: Kinds) -> Result<Self, GpuError> {
         let cells = grid.cells();
         let cubes = (grid.size + 1).as_usizevec3().element_product();
-        let fields = if filled == Filled::Clear { 1 } else { 2 };
-        let state = || gpu::empty::<[f32; 4]>(device, "lpv.state", fields * 3 * cells);
+        let scattered = usize::from(kinds.scattered);
+        let state = || gpu::empty::<[f32; 4]>(device, "lpv.state", (3 * kinds.count() + scattered) * cells);
         Ok(Self {
             record: gpu::uniform(device, "lpv.grid", &grid.record())?,
             sums: gpu::empty::<u32>(device, "lpv.sums", LIGHT_WORDS * cells)?,
@@ -201,36 +230,77 @@ impl Room {
             links: gpu::empty::<[u32; 4]>(device, "lpv.links", cells)?,
             media: gpu::empty::<[[f32; 4]; 2]>(device, "lpv.media", cells)?,
             states: [state()?, state()?],
-            shown: gpu::empty::<[f32; 4]>(device, "lpv.shown", 3 * cells)?,
+            shown: gpu::empty::<[f32; 4]>(device, "lpv.shown", 3 * (1 + scattered) * cells)?,
             groups: surfels::groups(cells).into(),
+            kinds,
         })
+    }
+
+    /// Which kinds of light there are, as the passes have it.
+    fn constants(&self) -> [(&'static str, u32); 2] {
+        [("UNSCATTERED", self.kinds.unscattered as u32), scattered(self.kinds)]
+    }
+
+    /// Light that surfaces reflect, before the first iteration.
+    fn fresh_step(&self, device: &wgpu::Device, scheme: Scheme) -> Result<MethodStep, GpuError> {
+        let [_, lobes] = scheme.constants();
+        let shader = wgsl::LPV_FRESH.specialised(&[&self.constants()[..], &[lobes]].concat());
+        let pass = Pass::new(device, wgsl::LPV_FRESH.name, &shader)?;
+        let writes = [&self.states[0], &self.shown];
+        MethodStep::bind(device, &pass, self.groups.clone(), &[&self.record, &self.sums], &writes)
+    }
+
+    /// What the medium does in cells.
+    fn media_step(
+        &self,
+        device: &wgpu::Device,
+        world: &World,
+        scheme: Scheme,
+    ) -> Result<MethodStep, GpuError> {
+        let MediumOnGpu { record: medium, densities, .. } = &world.medium;
+        let [_, kind] = single_scattering::constants(world);
+        let shader = wgsl::LPV_MEDIA.specialised(&[&[kind][..], &scheme.constants()].concat());
+        let pass = Pass::new(device, wgsl::LPV_MEDIA.name, &shader)?;
+        let table = gpu::storage(device, "lpv.table", flight::table())?;
+        let buffers = [&self.record, &table, &self.media, medium].map(|buffer| buffer.as_entire_binding());
+        let resources: Vec<_> =
+            buffers.into_iter().chain([wgpu::BindingResource::TextureView(densities)]).collect();
+        let step = Step { pass: pass.bind(device, &resources)?, workgroups: self.groups.clone() };
+        Ok(MethodStep { step, writes: vec![self.media.clone()] })
+    }
+
+    /// What the medium scatters of the lamps' light.
+    fn begin_step(
+        &self,
+        device: &wgpu::Device,
+        world: &World,
+        scheme: Scheme,
+    ) -> Result<MethodStep, GpuError> {
+        let constants =
+            [&single_scattering::constants(world)[..], &self.constants(), &scheme.constants()].concat();
+        let shader = wgsl::LPV_BEGIN.specialised(&constants);
+        let pass = Pass::new(device, wgsl::LPV_BEGIN.name, &shader)?;
+        let sampler = shadow_sampler(device);
+        let own = [(0, &self.record), (7, &self.states[0]), (8, &self.media)];
+        let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
+        let bound =
+            pass.bind_at(device, own.into_iter().chain(single_scattering::bindings(world, &sampler)))?;
+        let step = Step { pass: bound, workgroups: self.groups.clone() };
+        Ok(MethodStep { step, writes: vec![self.states[0].clone()] })
     }
 }
 
-/// What the medium does in cells, and what it scatters of the lamps' light.
-fn medium_steps(device: &wgpu::Device, world: &World, room: &Room) -> Result<[MethodStep; 2], GpuError> {
-    let Room { record, media, states, groups, .. } = room;
-    let MediumOnGpu { record: medium, densities, .. } = &world.medium;
-    let [lights, kind] = single_scattering::constants(world);
-    let table = gpu::storage(device, "lpv.table", flight::table())?;
-    let pass = Pass::new(device, wgsl::LPV_MEDIA.name, &wgsl::LPV_MEDIA.specialised(&[kind]))?;
-    let buffers = [record, &table, media, medium].map(|buffer| buffer.as_entire_binding());
-    let resources: Vec<_> =
-        buffers.into_iter().chain([wgpu::BindingResource::TextureView(densities)]).collect();
-    let fill = Step { pass: pass.bind(device, &resources)?, workgroups: groups.clone() };
-    let pass = Pass::new(device, wgsl::LPV_BEGIN.name, &wgsl::LPV_BEGIN.specialised(&[lights, kind]))?;
-    let sampler = shadow_sampler(device);
-    let own = [(0, record), (7, &states[0])];
-    let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
-    let bound = pass.bind_at(device, own.into_iter().chain(single_scattering::bindings(world, &sampler)))?;
-    let begin = Step { pass: bound, workgroups: groups.clone() };
-    Ok([
-        MethodStep { step: fill, writes: vec![media.clone()] },
-        MethodStep { step: begin, writes: vec![states[0].clone()] },
-    ])
+/// Whether there is scattered light, as the passes have it.
+const fn scattered(kinds: Kinds) -> (&'static str, u32) {
+    ("SCATTERED", kinds.scattered as u32)
 }
 
 impl VolumeOnGpu {
+    /// Which cells light a surface, as the passes have it.
+    const fn lookup(&self) -> (&'static str, u32) {
+        ("LOOKUP", self.scheme.lookup as u32)
+    }
+
     /// The pass that lights surfaces: irradiance over pi, `[3, height, width]`.
     ///
     /// # Errors
@@ -242,7 +312,7 @@ impl VolumeOnGpu {
         view: &wgpu::Buffer,
         image: &wgpu::Buffer,
     ) -> Result<MethodStep, GpuError> {
-        let pass = Pass::new(device, wgsl::LPV_LIT.name, &wgsl::LPV_LIT.source())?;
+        let pass = Pass::new(device, wgsl::LPV_LIT.name, &wgsl::LPV_LIT.specialised(&[self.lookup()]))?;
         let [position, normal, valid] = surface(gbuffer);
         let reads = [&self.record, position, normal, valid, view, &self.shown];
         let groups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
@@ -266,11 +336,16 @@ impl VolumeOnGpu {
         let gbuffer = inputs.gbuffer;
         let (height, width) = (gbuffer.height(), gbuffer.width());
         let [rows, columns] = [height, width].map(|edge| edge.div_ceil(scale));
-        let scattered = gpu::empty::<f32>(device, "lpv.scattered", 3 * rows * columns)?;
+        let marched_light = gpu::empty::<f32>(device, "lpv.scattered", 3 * rows * columns)?;
         let [position, normal, valid] = surface(gbuffer);
         let diffuse = gbuffer.buffer(Attribute::Diffuse);
         let constants = [("MEDIUM", *kind), ("SCALE", scale as u32)];
-        let shows = [("SCATTERS", u32::from(pixel.medium)), ("LIT", u32::from(pixel.surface))];
+        let shows = [
+            ("SCATTERS", u32::from(pixel.medium)),
+            ("LIT", u32::from(pixel.surface)),
+            scattered(self.kinds),
+            self.lookup(),
+        ];
         let texture = || wgpu::BindingResource::TextureView(densities);
         let step = |shader: &Shader,
                     constants: &[_],
@@ -283,13 +358,13 @@ impl VolumeOnGpu {
             let workgroups = gpu::groups(size[0], size[1], TILE).into();
             Ok::<_, GpuError>(MethodStep { step: Step { pass, workgroups }, writes: vec![written.clone()] })
         };
-        let buffers = [&self.record, march, medium, valid, position, view, &self.shown, &scattered];
+        let buffers = [&self.record, march, medium, valid, position, view, &self.shown, &marched_light];
         let marched = Bound { buffers: (0..).zip(buffers).collect(), densities: 8 };
         let buffers = [&self.record, position, normal, valid, view, &self.shown, image, march, medium];
-        let more = [(10, diffuse), (11, &scattered)];
+        let more = [(10, diffuse), (11, &marched_light)];
         let applied = Bound { buffers: (0..).zip(buffers).chain(more).collect(), densities: 9 };
         Ok([
-            step(&wgsl::LPV_MARCH, &constants, marched, [rows, columns], &scattered)?,
+            step(&wgsl::LPV_MARCH, &constants, marched, [rows, columns], &marched_light)?,
             step(&wgsl::LPV_APPLY, &[&constants[..], &shows].concat(), applied, [height, width], image)?,
         ])
     }

@@ -5,13 +5,14 @@ use super::passes::{Filled, Pixel, surfel_settings};
 use crate::bvh::TracedScene;
 use crate::lpv::LightGrid;
 use crate::lpv::injection::{single_scattering, volume};
-use crate::lpv::lobe::{irradiance, lobe};
-use crate::lpv::propagation::{Field, Light, Shown};
+use crate::lpv::lobe::irradiance;
+use crate::lpv::propagation::{Field, Shown};
+use crate::lpv::scheme::Lookup;
 use crate::methods::picture::every_pixel;
 use crate::methods::single_scattering::mean_decay;
 use crate::scene::Medium;
 use crate::screen::View;
-use crate::surfels::{Lit, Patch, patches, reference as surfels};
+use crate::surfels::{Patch, patches, reference as surfels};
 use deepshade_shaders::random::random;
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes, shows_surface};
 use glam::{IVec3, Mat3, UVec2, Vec2, Vec3, Vec4Swizzles};
@@ -20,7 +21,8 @@ use std::f32::consts::PI;
 /// A volume whose light has been handed on.
 pub struct LitVolume {
     grid: LightGrid,
-    shown: Vec<Light>,
+    lookup: Lookup,
+    shown: Shown,
 }
 
 /// What a cell behind a surface counts at least.
@@ -40,21 +42,20 @@ impl LitVolume {
         let grid = LightGrid::around(bounds, parameters.cells);
         let patches = patches::of_scene(scene.scene());
         let (disks, medium) = (disks(scene, &patches, &grid, view, filled), filled != Filled::Clear);
-        let (volume, fresh) = volume(grid, scene.scene(), (&disks, &patches), &view.camera, medium);
-        let scattered = match filled {
-            Filled::Medium(_) => single_scattering(&grid, scene),
-            Filled::Clear => vec![Light::default(); grid.cells()],
-        };
-        let shown = if filled == Filled::Medium(Shown::Scattered) { Shown::Scattered } else { Shown::Fresh };
-        let mut field = Field::new(&fresh, &scattered);
+        let scheme = parameters.scheme;
+        let (volume, reflected) =
+            volume((grid, scheme), scene.scene(), (&disks, &patches), &view.camera, medium);
+        let kinds = filled.kinds();
+        let scattered = if kinds.scattered { single_scattering(&grid, scene) } else { Vec::new() };
+        let mut field = Field::new(scheme, kinds, &reflected, &scattered);
         let within = |iteration: &usize| (*iteration as f32) * grid.cell < reach;
-        (0..parameters.iterations).filter(within).for_each(|_| field.step(&volume, shown));
-        Self { grid, shown: field.shown }
+        (0..parameters.iterations).filter(within).for_each(|_| field.step(&volume));
+        Self { grid, lookup: scheme.lookup, shown: field.shown }
     }
 
     /// Fluence of a cell, of each colour the flux in a column, and over all directions.
     fn of_cell(&self, at: IVec3) -> (Mat3, Vec3) {
-        let light = &self.shown[self.grid.index(at).expect("it is clamped")];
+        let light = &self.shown.by_medium[self.grid.index(at).expect("it is clamped")];
         (
             Mat3::from_cols(light[0].xyz(), light[1].xyz(), light[2].xyz()),
             Vec3::from([0, 1, 2].map(|c| light[c].w)),
@@ -73,18 +74,27 @@ impl LitVolume {
         })
     }
 
+    /// Irradiance of the light of one cell.
+    fn irradiance_of_cell(&self, at: IVec3, normal: Vec3) -> Vec3 {
+        let light = &self.shown.by_surfaces[self.grid.index(at).expect("it is clamped")];
+        Vec3::from(light.map(|moments| irradiance(moments, normal))) / (self.grid.cell * self.grid.cell)
+    }
+
     /// Irradiance on one side of a surface.
     fn irradiance(&self, point: Vec3, normal: Vec3) -> Vec3 {
         let cell = self.grid.cell;
+        if self.lookup == Lookup::Within {
+            let at = self.grid.in_cells(point).floor().as_ivec3().clamp(IVec3::ZERO, self.grid.size - 1);
+            return self.irradiance_of_cell(at, normal);
+        }
         let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
         for (at, weight) in self.taps(point + 0.5 * cell * normal) {
             let before = ((self.grid.middle(at) - point).dot(normal) / (0.25 * cell)).clamp(0.0, 1.0);
             let weight = weight * before.max(LEAST_SEEN);
-            let light = &self.shown[self.grid.index(at).expect("it is clamped")];
-            sum += weight * Vec3::from(light.map(|moments| irradiance(lobe(moments), normal)));
+            sum += weight * self.irradiance_of_cell(at, normal);
             weights += weight;
         }
-        sum / (weights * cell * cell)
+        sum / weights
     }
 
     /// Radiance that a metre of density 1 sends along a direction, over its scattering coefficient.
@@ -119,11 +129,7 @@ fn disks(
     let settings = surfel_settings(grid, scene.scene().bounds());
     let amounts = surfels::amounts(patches, &vertices, &settings, view);
     let disks = surfels::disks(patches, &vertices, &amounts, &settings);
-    let lit = match filled {
-        Filled::Clear => Lit::Reflected,
-        Filled::Medium(_) => Lit::Dimmed { is_grey: false },
-    };
-    surfels::lit(scene, disks, &view.camera, lit)
+    surfels::lit(scene, disks, &view.camera, filled.lit())
 }
 
 /// Place, normal and, if it is asked for, diffuse colour of the surface of each pixel, world space; none where none is

@@ -64,7 +64,7 @@ fn apply(@builtin(global_invocation_id) id: vec3u) {
         let passed = exp(-medium.extinction.rgb * passed_density(view.eye.xyz, normalize(offset), reach, POINTS));
         let diffuse = vec3f(diffuse_planes[at], diffuse_planes[at + pixels], diffuse_planes[at + 2u * pixels]);
         let normal = from_view(surface_normal(at, pixels), view);
-        sum += passed * diffuse / PI * irradiance(view.eye.xyz + offset, normal);
+        sum += passed * diffuse / PI * irradiance(view.eye.xyz + offset, normal, SCATTERED);
     }
     for (var c = 0u; c < 3u; c++) {
         image[at + c * pixels] = sum[c];

@@ -1,6 +1,6 @@
 // Light of the lamps that the medium in each cell scatters: single scattering, which goes on from there but is not
-// shown itself. The mean of eight points of what of each cell lies in the medium; where the phase function has a mean cosine, light goes on along
-// it.
+// shown itself. The mean of eight points of what of each cell lies in the medium; where the phase function has a mean
+// cosine, light goes on along it.
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(2) var<storage, read> lights: array<LightRecord>;
@@ -8,8 +8,10 @@
 @group(0) @binding(4) var<storage, read> pictures: array<u32>;
 @group(0) @binding(5) var maps: texture_depth_2d_array;
 @group(0) @binding(6) var map_sampler: sampler_comparison;
-// [fields, 3, cells]: lobes
+// [kinds, 3, cells]: lobes; then [cells]: what is sent out again
 @group(0) @binding(7) var<storage, read_write> state: array<vec4f>;
+// [cells, 2]: as media.wgsl writes it
+@group(0) @binding(8) var<storage, read> media: array<vec4f>;
 
 // Nearer to a lamp than this, in cells, a point counts as that near.
 const NEAREST = 0.25;
@@ -46,7 +48,14 @@ fn scatter(@builtin(global_invocation_id) id: vec3u) {
     }
     let volume = grid.low.w * grid.low.w * grid.low.w;
     let power = medium.scattering.rgb * (volume / 8.0);
+    let within = media[2u * id.x].rgb;
+    var again = vec3f(0.0);
     for (var c = 0u; c < 3u; c++) {
-        state[(3u + c) * cell_count() + id.x] = lobe(flux[c] * (power[c] * medium.scattering.w), energy[c] * power[c]);
+        state[lobe_index(UNSCATTERED, c, id.x)] =
+            lobe(flux[c] * (power[c] * medium.scattering.w), energy[c] * power[c]);
+        for (var light = 0u; light < KINDS; light++) {
+            again[c] += colliding(state[lobe_index(light, c, id.x)], within, c);
+        }
     }
+    state[again_index(id.x)] = vec4f(again * media[2u * id.x + 1u].rgb, 0.0);
 }

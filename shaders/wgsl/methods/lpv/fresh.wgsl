@@ -3,9 +3,9 @@
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 // [cells, 3, 4, 2]: flux and energy of each colour, watts
 @group(0) @binding(1) var<storage, read> sums: array<u32>;
-// [fields, 3, cells]: lobes
+// [kinds, 3, cells]: lobes
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
-// [3, cells]
+// [1 + SCATTERED, 3, cells]
 @group(0) @binding(3) var<storage, read_write> shown: array<vec4f>;
 
 @compute @workgroup_size(64)
@@ -16,8 +16,12 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
     for (var c = 0u; c < 3u; c++) {
         let first = 12u * id.x + 4u * c;
         let flux = vec3f(fixed_sum(first), fixed_sum(first + 1u), fixed_sum(first + 2u));
-        let at = c * cell_count() + id.x;
-        state[at] = lobe(flux, fixed_sum(first + 3u));
-        shown[at] = vec4f(0.0);
+        state[lobe_index(0u, c, id.x)] = lobe(flux, fixed_sum(first + 3u));
+        for (var light = 1u; light < UNSCATTERED; light++) {
+            state[lobe_index(light, c, id.x)] = vec4f(0.0);
+        }
+        for (var plane = 0u; plane <= SCATTERED; plane++) {
+            shown[lobe_index(plane, c, id.x)] = vec4f(0.0);
+        }
     }
 }

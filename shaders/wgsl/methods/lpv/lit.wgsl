@@ -18,7 +18,7 @@ fn light(@builtin(global_invocation_id) id: vec3u) {
     var sum = vec3f(0.0);
     if surface_valid(at) {
         let point = view.eye.xyz + from_view(surface_position(at, pixels), view);
-        sum = irradiance(point, from_view(surface_normal(at, pixels), view)) / PI;
+        sum = irradiance(point, from_view(surface_normal(at, pixels), view), 0u) / PI;
     }
     for (var c = 0u; c < 3u; c++) {
         image[at + c * pixels] = sum[c];

@@ -35,7 +35,7 @@ fn scattered_along(point: vec3f, direction: vec3f) -> vec3f {
     var flux = mat3x3f();
     for (var i = 0; i < 8; i++) {
         let corner = vec3i(i & 1, (i >> 1u) & 1, i >> 2u);
-        let light = fluence_of_cell(min(around.low + corner, vec3i(grid.size.xyz) - 1));
+        let light = fluence_of_cell(min(around.low + corner, vec3i(grid.size.xyz) - 1), 0u);
         let weight = tap_weight(around, corner);
         all += weight * light.all;
         flux += weight * light.flux;

@@ -3,7 +3,7 @@
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<storage, read> table: array<f32>;
 // [cells, 2]: of each colour extinction on the part of the way to a neighbour that lies in the cell, per distance of
-// one cell, and, last, density; what is scattered of the energy that is there.
+// one cell, and, last, density; what sets out again of light that collides on its way out.
 @group(0) @binding(2) var<storage, read_write> media: array<vec4f>;
 @group(0) @binding(3) var<uniform> medium: MediumRecord;
 @group(0) @binding(4) var densities: texture_3d<f32>;
@@ -38,12 +38,15 @@ fn fill(@builtin(global_invocation_id) id: vec3u) {
     }
     let density = density_of(cell_at(id.x));
     let extinction = reduced_extinction() * density * grid.low.w;
-    let within = extinction * vec3f(own_share(extinction.r), own_share(extinction.g), own_share(extinction.b));
-    var left = vec3f(0.0);
-    for (var kind = 0u; kind < 3u; kind++) {
-        left += COUNTS[kind] * SHARES[kind] * exp(-within * DISTANCES[kind]);
+    var within = extinction;
+    if FACTORS == PLACED {
+        within *= vec3f(own_share(extinction.r), own_share(extinction.g), own_share(extinction.b));
     }
     let albedo = reduced_albedo();
+    var again = albedo;
+    if FACTORS == PLACED {
+        again = albedo / max(1.0 - albedo + albedo * mean_leaving(within), vec3f(LEAST));
+    }
     media[2u * id.x] = vec4f(within, density);
-    media[2u * id.x + 1u] = vec4f(albedo * (1.0 - left) / max(1.0 - albedo + albedo * left, vec3f(LEAST)), 0.0);
+    media[2u * id.x + 1u] = vec4f(again, 0.0);
 }

@@ -7,22 +7,43 @@
 @group(0) @binding(2) var<storage, read> links: array<vec4u>;
 // [cells, 2]: as media.wgsl writes it
 @group(0) @binding(3) var<storage, read> media: array<vec4f>;
-// [fields, 3, cells]: lobes of light that met no medium, then of light that was scattered
+// [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]
 @group(0) @binding(4) var<storage, read> state: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> next: array<vec4f>;
-// [3, cells]: flux and energy times lengths of ways, watts times cells
+// [1 + SCATTERED, 3, cells]: flux and energy times lengths of ways, watts times cells, as the medium and as surfaces
+// show it
 @group(0) @binding(6) var<storage, read_write> shown: array<vec4f>;
 @group(0) @binding(7) var<uniform> iteration: Iteration;
 @group(0) @binding(8) var<uniform> propagation: Propagation;
 
 // Mean cosine of light that a matte surface sends.
-const DIRECTED = 2.0 / 3.0;
+const MATTE = 2.0 / 3.0;
 // Less extinction than this per cell counts as none where lengths are asked for.
 const CLEAR = 1e-3;
 
-// Length of half a way on which so much passes.
-fn track(passes: vec3f, extinction: vec3f, distance: f32) -> vec3f {
-    return select(vec3f(0.5 * distance), (1.0 - passes) / max(extinction, vec3f(CLEAR)), extinction > vec3f(CLEAR));
+// Length of a way on which so much passes; `whole` where nothing is lost.
+fn track(passes: vec3f, extinction: vec3f, whole: f32) -> vec3f {
+    return select(vec3f(whole), (1.0 - passes) / max(extinction, vec3f(CLEAR)), extinction > vec3f(CLEAR));
+}
+
+// That of half a way to a neighbour; where all collisions are in the cell that light leaves, so is all of the way.
+fn half_track(passes: vec3f, extinction: vec3f, kind: u32) -> vec3f {
+    if FACTORS != PLACED {
+        return vec3f(0.0);
+    }
+    return track(passes, extinction, 0.5 * DISTANCES[kind]);
+}
+
+// That of light that sets out from the cell.
+fn track_out(within: vec3f, extinction: vec3f) -> vec3f {
+    if FACTORS != PLACED {
+        return track(mean_leaving(within), extinction, dot(COUNTS * SHARES, DISTANCES));
+    }
+    var sum = vec3f(0.0);
+    for (var kind = 0u; kind < 3u; kind++) {
+        sum += COUNTS[kind] * SHARES[kind] * half_track(leaving(within, kind), extinction, kind);
+    }
+    return sum;
 }
 
 fn passing(link: u32, cell: u32) -> f32 {
@@ -34,18 +55,39 @@ fn reflectance(cell: u32) -> vec3f {
     return vec3f((vec3u(links[cell].w) >> vec3u(8u, 16u, 24u)) & vec3u(255u)) / 255.0;
 }
 
-fn energies(light: mat3x4f) -> vec3f {
-    return vec3f(lobe_energy(light[0]), lobe_energy(light[1]), lobe_energy(light[2]));
+fn lobes(light: u32, cell: u32) -> mat3x4f {
+    return mat3x4f(
+        state[lobe_index(light, 0u, cell)],
+        state[lobe_index(light, 1u, cell)],
+        state[lobe_index(light, 2u, cell)],
+    );
 }
 
-fn sent(light: mat3x4f, direction: vec3f) -> vec3f {
-    return vec3f(towards(light[0], direction), towards(light[1], direction), towards(light[2], direction));
+fn sent(light: mat3x4f, direction: vec3f, kind: u32) -> vec3f {
+    return vec3f(
+        towards(light[0], direction, kind),
+        towards(light[1], direction, kind),
+        towards(light[2], direction, kind),
+    );
 }
 
-fn lobes(field: u32, cell: u32) -> mat3x4f {
-    let cells = cell_count();
-    let first = 3u * field * cells + cell;
-    return mat3x4f(state[first], state[first + cells], state[first + 2u * cells]);
+// Flux and energy of the three colours.
+struct Sums {
+    flux: mat3x3f,
+    energy: vec3f,
+}
+
+fn added(sums: Sums, energy: vec3f, direction: vec3f) -> Sums {
+    let flux = mat3x3f(direction * energy.r, direction * energy.g, direction * energy.b);
+    return Sums(sums.flux + flux, sums.energy + energy);
+}
+
+fn is_shown_by_medium(light: u32) -> bool {
+    return light + 1u >= UNSCATTERED;
+}
+
+fn is_shown_by_surfaces(light: u32) -> bool {
+    return light == UNSCATTERED;
 }
 
 @compute @workgroup_size(64)
@@ -59,31 +101,39 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
     let own = media[2u * cell];
     let extinction = reduced_extinction() * own.w * grid.low.w;
     let albedo = reduced_albedo();
-    var enters: array<vec3f, 3>;
-    var track_out = vec3f(0.0);
-    for (var kind = 0u; kind < 3u; kind++) {
-        enters[kind] = exp(-(extinction - own.rgb) * DISTANCES[kind]);
-        let leaves = exp(-own.rgb * DISTANCES[kind]);
-        track_out += COUNTS[kind] * SHARES[kind] * track(leaves, extinction, DISTANCES[kind]);
-    }
     // Iterations beyond the reach take nothing on.
     let on = select(0.0, 1.0, f32(iteration.number) * grid.low.w < propagation.reach);
-    // Of light that met no medium, of scattered light, and of what is shown.
-    var energy: array<vec3f, 3>;
-    var flux: array<mat3x3f, 3>;
-    let seen = lobes(SHOWN, cell);
-    energy[2] = energies(seen);
-    if SHOWN == 1u {
-        energy[2] += media[2u * cell + 1u].rgb * (energy[2] + energies(lobes(0u, cell)));
+    var enters: array<vec3f, 3>;
+    for (var kind = 0u; kind < 3u; kind++) {
+        enters[kind] = select(vec3f(1.0), exp(-(extinction - own.rgb) * DISTANCES[kind]), FACTORS == PLACED);
     }
-    track_out *= on;
-    energy[2] *= track_out;
-    for (var c = 0u; c < 3u; c++) {
-        flux[2][c] = lobe_flux(seen[c]) * track_out[c];
+    let out = track_out(own.rgb, extinction) * on;
+    var own_lobes: array<mat3x4f, KINDS>;
+    var arrived: array<Sums, KINDS>;
+    var seen: array<Sums, 2>;
+    for (var light = 0u; light < KINDS; light++) {
+        own_lobes[light] = lobes(light, cell);
+        if is_shown_by_medium(light) {
+            for (var c = 0u; c < 3u; c++) {
+                let leaves = moments(own_lobes[light][c]) * out[c];
+                seen[0].flux[c] += leaves.xyz;
+                seen[0].energy[c] += leaves.w;
+                if is_shown_by_surfaces(light) {
+                    seen[1].flux[c] += leaves.xyz;
+                    seen[1].energy[c] += leaves.w;
+                }
+            }
+        }
+    }
+    var own_again = vec3f(0.0);
+    if SCATTERED == 1u {
+        own_again = state[again_index(cell)].rgb;
+        if FACTORS == PLACED {
+            seen[0].energy += own_again * out;
+            seen[1].energy += own_again * out;
+        }
     }
     let colour = reflectance(cell);
-    let own_fresh = lobes(0u, cell);
-    let own_scattered = lobes(MULTIPLE, cell);
     for (var number = 0u; number < 27u; number++) {
         let offset = neighbour(number);
         let there = at - offset;
@@ -99,51 +149,67 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
         }
         let kind = kind_of(offset);
         let direction = normalize(vec3f(offset));
-        let share = SHARES[kind] * passes * exp(-media[2u * source].rgb * DISTANCES[kind]);
-        let fresh = lobes(0u, source);
-        let first = share * sent(fresh, direction);
-        let length = track(enters[kind], extinction, DISTANCES[kind]);
-        energy[0] += first * enters[kind];
-        var arrived = first;
-        if MULTIPLE == 1u {
-            let scattered = lobes(1u, source);
-            let again = media[2u * source + 1u].rgb * (energies(fresh) + energies(scattered));
-            let second = share * (sent(scattered, direction) + again);
-            energy[1] += second * enters[kind] + (first + second) * (albedo * (1.0 - enters[kind]));
-            for (var c = 0u; c < 3u; c++) {
-                flux[1][c] += direction * (second[c] * enters[kind][c]);
+        let kept = direction * kept_direction(kind);
+        let within = media[2u * source].rgb;
+        let share = SHARES[kind] * passes;
+        let streams = share * leaving(within, kind);
+        let way = half_track(enters[kind], extinction, kind);
+        var collides = vec3f(0.0);
+        for (var light = 0u; light < KINDS; light++) {
+            var energy = streams * sent(lobes(light, source), direction, kind);
+            if light == UNSCATTERED {
+                energy += share * leaving_again(within, kind) * state[again_index(source)].rgb;
             }
-            arrived = select(first, second, SHOWN == 1u);
+            arrived[light] = added(arrived[light], energy * enters[kind], kept);
+            collides += energy;
+            if is_shown_by_medium(light) {
+                seen[0] = added(seen[0], energy * way, kept);
+            }
+            if is_shown_by_surfaces(light) {
+                seen[1] = added(seen[1], energy * way, kept);
+            }
         }
-        energy[2] += arrived * length;
+        if SCATTERED == 1u {
+            arrived[KINDS - 1u].energy += collides * albedo * (1.0 - enters[kind]);
+            // What the cell itself sends there and surfaces on the way reflect comes back half a way later.
+            let leaves = leaving(own.rgb, kind);
+            let returns = (SHARES[kind] * (on - passes)) * colour;
+            let back = half_track(leaves, extinction, kind);
+            collides = vec3f(0.0);
+            for (var light = 0u; light < KINDS; light++) {
+                var energy = returns * leaves * sent(own_lobes[light], -direction, kind);
+                if light == UNSCATTERED {
+                    energy += returns * leaving_again(own.rgb, kind) * own_again;
+                }
+                let becomes = select(light, light + 1u, light + 1u < UNSCATTERED);
+                arrived[becomes] = added(arrived[becomes], energy * leaves, MATTE * direction);
+                collides += energy;
+                if is_shown_by_medium(becomes) {
+                    seen[0] = added(seen[0], energy * back, MATTE * direction);
+                }
+                if is_shown_by_surfaces(becomes) {
+                    seen[1] = added(seen[1], energy * back, MATTE * direction);
+                }
+            }
+            arrived[KINDS - 1u].energy += collides * albedo * (1.0 - leaves);
+        }
+    }
+    var again = vec3f(0.0);
+    for (var light = 0u; light < KINDS; light++) {
         for (var c = 0u; c < 3u; c++) {
-            flux[0][c] += direction * (first[c] * enters[kind][c]);
-            flux[2][c] += direction * (arrived[c] * length[c]);
-        }
-        // What the cell itself sends there and surfaces on the way reflect comes back half a way later.
-        if MULTIPLE == 1u {
-            let out = exp(-own.rgb * DISTANCES[kind]);
-            let returns = (SHARES[kind] * (on - passes)) * colour * out;
-            let back = returns * sent(own_fresh, -direction);
-            let own_again = media[2u * cell + 1u].rgb * (energies(own_fresh) + energies(own_scattered));
-            let back_again = returns * (sent(own_scattered, -direction) + own_again);
-            let way = track(out, extinction, DISTANCES[kind]);
-            energy[0] += back * out;
-            energy[1] += back_again * out + (back + back_again) * (albedo * (1.0 - out));
-            let shown_back = select(back, back_again, SHOWN == 1u) * way;
-            energy[2] += shown_back;
-            for (var c = 0u; c < 3u; c++) {
-                flux[0][c] += (DIRECTED * back[c] * out[c]) * direction;
-                flux[1][c] += (DIRECTED * back_again[c] * out[c]) * direction;
-                flux[2][c] += (DIRECTED * shown_back[c]) * direction;
+            let made = lobe(arrived[light].flux[c], arrived[light].energy[c]);
+            next[lobe_index(light, c, cell)] = made;
+            if SCATTERED == 1u {
+                again[c] += colliding(made, own.rgb, c);
             }
         }
     }
-    for (var c = 0u; c < 3u; c++) {
-        next[c * cells + cell] = lobe(flux[0][c], energy[0][c]);
-        if MULTIPLE == 1u {
-            next[(3u + c) * cells + cell] = lobe(flux[1][c], energy[1][c]);
+    if SCATTERED == 1u {
+        next[again_index(cell)] = vec4f(again * media[2u * cell + 1u].rgb, 0.0);
+    }
+    for (var plane = 0u; plane <= SCATTERED; plane++) {
+        for (var c = 0u; c < 3u; c++) {
+            shown[(3u * plane + c) * cells + cell] += vec4f(seen[plane].flux[c], seen[plane].energy[c]);
         }
-        shown[c * cells + cell] += vec4f(flux[2][c], energy[2][c]);
     }
 }
