@@ -41,7 +41,7 @@ fn what_moves_hardly_flickers() {
     let medium = scene.medium.clone().expect("smoke");
     let bounds = scene.bounds();
     let lamp = |frame: usize| {
-        let moved = |light: &Light| match light.clone() {
+        let moved = |light: &Light| match *light {
             Light::Point { position, intensity, range } => {
                 Light::Point { position: position + STEP * frame as f32 * Vec3::X, intensity, range }
             }
@@ -137,7 +137,7 @@ fn nothing_is_left_of_another_frame() {
     let inputs = Inputs { gbuffer: &there, environment: None, world: Some(&world) };
     let plan = Plan::new(&method, &inputs, &view).expect("room");
     let lights = scene.scene().lights.clone();
-    let brighter = |light: &Light| match light.clone() {
+    let brighter = |light: &Light| match *light {
         Light::Point { position, intensity, range } => {
             Light::Point { position, intensity: 30.0 * intensity, range }
         }
