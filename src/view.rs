@@ -158,6 +158,7 @@ pub fn run(args: &Args) -> Result<()> {
                 // What is said beside images is read at a glance.
                 visuals.override_text_color = Some(egui::Color32::from_gray(215));
                 creation.egui_ctx.set_visuals(visuals);
+                creation.egui_ctx.set_fonts(fonts());
                 let desk = Desk::new(&args, &creation.egui_ctx)?;
                 Ok(Box::new(Window::new(state, desk, script, outcome)))
             }),
@@ -199,6 +200,18 @@ impl Desk {
         });
         Ok(desk)
     }
+}
+
+/// Roboto's Latin letters (Google, Apache License 2.0), whose digits are all as wide.
+fn fonts() -> egui::FontDefinitions {
+    let mut fonts = egui::FontDefinitions::empty();
+    let name = "Roboto".to_owned();
+    let letters = egui::FontData::from_static(include_bytes!("view/Roboto-Regular.ttf"));
+    fonts.font_data.insert(name.clone(), Arc::new(letters));
+    for family in [egui::FontFamily::Proportional, egui::FontFamily::Monospace] {
+        fonts.families.insert(family, vec![name.clone()]);
+    }
+    fonts
 }
 
 fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> Result<thread::JoinHandle<()>> {
