@@ -99,7 +99,7 @@ pub fn handles(ui: &Ui, response: &Response, place: Rect, window: &mut Window) -
 /// Where a point is seen on an image at `place`; nowhere behind the camera and beside the image.
 fn on_screen(camera: &Camera, point: Vec3, place: Rect) -> Option<Pos2> {
     let [height, width] = pixels(place);
-    let pixel = camera.project(point, height, width)?;
+    let pixel = camera.project(camera.to_camera(point), height, width)?;
     let at = place.min + (pos2(pixel.x, pixel.y) - Pos2::ZERO) * (place.height() / height as f32);
     place.contains(at).then_some(at)
 }

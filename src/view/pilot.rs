@@ -100,8 +100,10 @@ mod tests {
     #[test]
     fn hands_and_image_go_the_same_way() {
         let ahead = pilot().pivot();
-        let seen =
-            |pilot: Pilot, point: Vec3| pilot.camera.project(point, 100, 100).expect("before the camera");
+        let seen = |pilot: Pilot, point: Vec3| {
+            let camera = pilot.camera;
+            camera.project(camera.to_camera(point), 100, 100).expect("before the camera")
+        };
         let mut dragged = pilot();
         dragged.pan(Vec2::new(0.1, 0.2));
         let moved = seen(dragged, ahead) - seen(pilot(), ahead);
