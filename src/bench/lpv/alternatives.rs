@@ -2,7 +2,7 @@
 
 use super::subject::Subject;
 use crate::figures::Figures;
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use deepshade_render::lpv::Scheme;
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::lpv::Parameters;
@@ -57,10 +57,11 @@ impl Alternatives {
     /// in all of them.
     ///
     /// # Errors
-    /// If the device fails.
+    /// If the device fails, or the camera sees no light.
     pub fn of(subject: &Subject<'_>, samples: u32) -> Result<Self> {
         let truth = |effect, part| subject.truth(effect, part, samples);
         let all = truth(Effect::Path, Part::All);
+        ensure!(all.data().iter().any(|value| *value > 0.0), "the camera sees no light");
         let single = truth(Effect::FogDirect, Part::All);
         let shadowed = less(&truth(Effect::Path, Part::Direct), &single);
         let parameters = Parameters::of(Quality::High);

@@ -2,13 +2,15 @@
 
 use crate::arguments::Size;
 use anyhow::Result;
+use deepshade_dataset::vary::Lamp;
+use deepshade_dataset::views::sample_view;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::methods::lpv::Parameters;
 use deepshade_render::methods::lpv::in_medium::{Indirect, IndirectScattering, Multiple, MultipleScattering};
 use deepshade_render::methods::lpv::passes::Pixel;
 use deepshade_render::path::{self, Part, Sampling, Shot};
 use deepshade_render::raster::frame::{Frame, Settings, Stage as FrameStage};
-use deepshade_render::scene::{Camera, Density, Light, Material, Medium, Scene, SceneSource};
+use deepshade_render::scene::{Camera, Density, Light, Look, Material, Medium, SceneSource};
 use deepshade_render::screen::{Inputs, Plan, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 use deepshade_shaders::{Attribute, Effect, Planes};
@@ -18,6 +20,8 @@ use glam::Vec3;
 const SHADOW_SIZE: usize = 1024;
 /// Mean free paths along the scene's diagonal.
 const OPTICAL_DEPTH: f32 = 4.0;
+/// Chooses view and lamp.
+const SEED: u32 = 1;
 /// What of a collision is scattered.
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.92, 0.95);
 
@@ -36,8 +40,7 @@ impl<'a> Subject<'a> {
     /// # Errors
     /// If the scene cannot be read or the device has no room.
     pub fn new(gpu: &'a Gpu, source: &SceneSource, Size { width, height }: Size) -> Result<Self> {
-        let (scene, camera) = foggy(source.scene(0.0)?)?;
-        let scene = TracedScene::new(scene)?;
+        let (scene, camera) = foggy(&source.trace(0.0)?, [height, width])?;
         let attributes = vec![Attribute::Position, Attribute::Normal, Attribute::Diffuse, Attribute::Valid];
         let settings = Settings { height, width, attributes, shadow_size: SHADOW_SIZE };
         let mut frame = Frame::new(gpu, &scene.scene().clone().into(), &settings)?;
@@ -95,26 +98,29 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// A scene in fog with a spot that shines across it from above, as in the paper's figures, and a camera that looks
-/// along it.
-fn foggy(scene: Scene) -> Result<(Scene, Camera)> {
-    let (bounds, size) = (scene.bounds(), scene.bounds().size());
-    let at = |x: f32, y: f32, z: f32| bounds.centre() + size * Vec3::new(x, y, z);
-    let position = at(0.05, 0.3, 0.0);
+/// A scene in fog with a spot that shines into what a camera sees, at a place and to a point that are in the open.
+fn foggy(scene: &TracedScene, size: [usize; 2]) -> Result<(TracedScene, Camera)> {
+    let camera = sample_view(scene, size, SEED, 0, 0)?;
+    let Lamp { position, intensity } = Lamp::drawn(scene, &camera, size, SEED);
+    let ahead = -camera.rotation.z_axis;
+    let met = scene.hit(camera.position, ahead, f32::INFINITY);
+    let middle = camera.position + ahead * met.map_or(scene.diagonal(), |hit| hit.distance);
     let spot = Light::Spot {
         position,
-        direction: (at(-0.2, -0.5, 0.02) - position).normalize(),
-        intensity: Vec3::new(1.0, 0.9, 0.75) * bounds.diagonal().powi(2),
+        direction: (middle - position).normalize_or(ahead),
+        intensity,
         range: f32::INFINITY,
-        cos_inner: 0.95,
-        cos_outer: 0.9,
+        cos_inner: 0.8,
+        cos_outer: 0.7,
         slide: None,
     };
-    let extinction = Vec3::splat(OPTICAL_DEPTH / bounds.diagonal());
-    let medium = Medium::new(extinction * (1.0 - ALBEDO), extinction * ALBEDO, 0.0, Density::Within(bounds))?;
+    let extinction = Vec3::splat(OPTICAL_DEPTH / scene.diagonal());
+    let fills = Density::Within(scene.bounds());
+    let medium = Medium::new(extinction * (1.0 - ALBEDO), extinction * ALBEDO, 0.0, fills)?;
     let dark = |material: Material| Material { emission: Vec3::ZERO, ..material };
-    let materials = scene.materials.iter().cloned().map(dark).collect();
-    let scene =
-        Scene { lights: vec![spot], environment: None, medium: Some(medium.into()), materials, ..scene };
-    Ok((scene, Camera::look_at(at(0.4, -0.1, 0.05), at(-0.2, -0.15, 0.0))))
+    let look = scene.scene().look();
+    let materials = look.materials.iter().cloned().map(dark).collect();
+    let medium = Some(medium.into());
+    let look = Look { lights: vec![spot], environment: None, medium, materials, ..look };
+    Ok((scene.with_look(look)?, camera))
 }
