@@ -19,6 +19,9 @@ pub const TRUTH: &str = "truth";
 /// The name of the trained network's method.
 pub const LEARNED: &str = "learned";
 
+/// The method that takes minutes where others take seconds: it takes part where it is asked for.
+pub const SLOW: &str = "aov";
+
 /// What methods are opened with.
 #[derive(Clone, Copy)]
 pub struct Setup<'a> {

@@ -3,7 +3,7 @@
 
 use crate::figures::Figures;
 use crate::learned;
-use crate::methods::{self, LEARNED, TRUTH};
+use crate::methods::{self, LEARNED, SLOW, TRUTH};
 use anyhow::{Context, Result, ensure};
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
@@ -53,6 +53,7 @@ pub fn run(args: &Args) -> Result<()> {
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     }
     std::fs::write(&script, steps(args, &broken, shots)).context("the script")?;
+    note!("every method of every effect; on a software adapter that takes some quarter of an hour");
     let window = Command::new(std::env::current_exe().context("this program")?)
         .args(["view", "--scene", &args.scene.to_string(), "--height", "144", "--width", "224", "--script"])
         .arg(&script)
@@ -116,10 +117,11 @@ fn steps(args: &Args, broken: &Path, shots: Option<&Path>) -> String {
     steps
 }
 
-/// Methods that can be opened: a trained network only where there is one.
+/// Methods that can be opened: a trained network only where there is one, and not [`SLOW`], which takes minutes a picture.
 fn opened(effect: Effect) -> Vec<&'static str> {
     let there = |name: &&str| {
-        *name != TRUTH && (*name != LEARNED || learned::usual_folder(effect).join("net.json").is_file())
+        ![TRUTH, SLOW].contains(name)
+            && (*name != LEARNED || learned::usual_folder(effect).join("net.json").is_file())
     };
     methods::names_of(effect).into_iter().filter(there).collect()
 }

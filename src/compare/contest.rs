@@ -13,9 +13,6 @@ use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
 use std::path::{Path, PathBuf};
 
-/// The method that takes minutes where others take seconds: it takes part where it is asked for.
-const SLOW: &str = "aov";
-
 /// A method that takes part.
 pub struct Contestant {
     /// What it computes.
@@ -132,7 +129,7 @@ pub fn label(contests: &mut [Contest]) {
     }
 }
 
-/// All methods of the effects, but for [`SLOW`], and for `learned` where nobody names a network and none lies where it would.
+/// All methods of the effects, but for [`methods::SLOW`], and for `learned` where nobody names a network and none lies where it would.
 fn default_methods(run: &Run) -> Vec<MethodChoice> {
     let mut names = Vec::new();
     for effect in run.effects() {
@@ -144,7 +141,7 @@ fn default_methods(run: &Run) -> Vec<MethodChoice> {
         }
         names.extend(of);
     }
-    let names = distinct(names).into_iter().filter(|name| ![SLOW, TRUTH].contains(name));
+    let names = distinct(names).into_iter().filter(|name| ![methods::SLOW, TRUTH].contains(name));
     names.chain([TRUTH]).map(MethodChoice::named).collect()
 }
 
