@@ -115,9 +115,9 @@ pub struct Args {
 }
 
 impl Args {
-    /// What the options state, beside a file.
-    fn stated(&self, file: Option<&Run>) -> Run {
-        let size = file.unwrap_or(&Run::default()).size();
+    /// What the options state, beside what a file says of a run.
+    fn stated(&self, file: &Run) -> Run {
+        let size = file.size();
         let resolution = (self.height.is_some() || self.width.is_some()).then(|| Resolution {
             height: self.height.unwrap_or(size[0]),
             width: self.width.unwrap_or(size[1]),
@@ -149,8 +149,7 @@ fn some<T: Clone>(list: &[T]) -> Option<Vec<T>> {
 pub fn run(args: &Args) -> Result<()> {
     folder::check(&args.out)?;
     let file = args.config.as_deref().map(description::read).transpose()?;
-    let stated = args.stated(file.as_ref());
-    let mut comparison = Comparison::new(file, &stated)?;
+    let mut comparison = Comparison::new(file, |run| args.stated(run))?;
     let gpu = Gpu::new()?;
     let machine = machine(&gpu);
     let by_name: Vec<bool> = comparison.runs.iter().map(|run| run.methods.is_some()).collect();

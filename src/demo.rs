@@ -1,14 +1,15 @@
 //! `deepshade demo`: the whole chain. The shipped network beside its analytic rival and truth, on scenes of families
 //! that it was not trained on; then data, a short training, export and a check of another one, on the spot.
 
-use crate::compare::{self, Contest, Digest, Head, MethodChoice, Run, Settings, Subject};
+use crate::compare::{self, Comparison, Contest, Digest, Head, MethodChoice, Run, Settings, Subject};
 use crate::figures::Figures;
 use crate::methods;
 use crate::report::Report;
-use crate::report::folder::{self, Folder};
+use crate::report::folder::{self, DESCRIPTION, Folder};
 use crate::report::record::FrameRecord;
-use crate::views::View;
+use crate::views::{Choice, View, Viewpoint};
 use anyhow::{Context, Result};
+use deepshade_dataset::recipe::Resolution;
 use deepshade_dataset::views::sample_view;
 use deepshade_infer::Model;
 use deepshade_render::bvh::TracedScene;
@@ -16,7 +17,9 @@ use deepshade_render::method::Repeats;
 use deepshade_render::methods::Quality;
 use deepshade_render::path::Goal;
 use deepshade_render::scene::procedural::{Family, Split};
+use deepshade_render::scene::{Camera, SceneSource};
 use deepshade_shaders::gpu::Gpu;
+use glam::Vec3;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -96,10 +99,17 @@ fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model, folder: &Folder
     let contest = Contest::open(&mut run, gpu)?;
     let machine = compare::machine(gpu);
     let maker = compare::maker(&machine)?;
-    let mut frames = Vec::new();
-    for family in Family::ALL.into_iter().filter(|family| family.split() == Split::Test) {
+    let families = || Family::ALL.into_iter().filter(|family| family.split() == Split::Test);
+    let stages = families().map(|family| {
         let scene = TracedScene::new(family.scene(u64::from(SEED)))?;
         let camera = sample_view(&scene, [height, height], SEED, u64::from(SEED), 0)?;
+        Ok((family, scene, camera))
+    });
+    let stages = stages.collect::<Result<Vec<_>>>()?;
+    let cameras = stages.iter().map(|(family, _, camera)| (*family, camera));
+    folder.write(DESCRIPTION, &description(&run, height, args.samples, cameras).to_toml(&folder.path)?)?;
+    let mut frames = Vec::new();
+    for (family, scene, camera) in stages {
         let view = View { name: family.name().to_owned(), camera };
         note!("   {}, {} triangles", view.name, scene.scene().triangle_count());
         let settings = Settings {
@@ -117,6 +127,27 @@ fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model, folder: &Folder
         frames.push(compare::make(folder, &head, &subject, &|_| ()).with_context(|| view.name.clone())?);
     }
     Ok(Report { frames, quality: Quality::High.name().to_owned(), machine })
+}
+
+/// The comparison that the demo is, for those who would have it again with other methods or scenes.
+fn description<'a>(
+    run: &Run,
+    height: usize,
+    samples: u32,
+    cameras: impl Iterator<Item = (Family, &'a Camera)>,
+) -> Comparison {
+    let runs = cameras.map(|(family, camera)| {
+        let target = camera.position + camera.rotation * Vec3::NEG_Z;
+        Run {
+            scenes: Some(vec![SceneSource::Procedural(family, u64::from(SEED))]),
+            views: Some(Choice::Stated(vec![Viewpoint::looking(camera.position, target)])),
+            resolution: Some(Resolution { height, width: height }),
+            samples: Some(samples),
+            seed: Some(SEED),
+            ..run.clone()
+        }
+    });
+    Comparison { runs: runs.collect() }
 }
 
 /// What a frame is called, and what of it an earlier demo left.

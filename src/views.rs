@@ -60,7 +60,6 @@ pub struct Args {
 
 impl Viewpoint {
     /// Where a camera stands that looks at a point.
-    #[cfg(feature = "view")]
     pub fn looking(eye: Vec3, target: Vec3) -> Self {
         Self { eye: Some(eye), look_at: Some(target), ..Self::default() }
     }

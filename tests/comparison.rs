@@ -115,6 +115,32 @@ fn several_scenes_effects_and_methods_come_from_a_file_and_again_from_the_one_th
 }
 
 #[test]
+fn networks_and_runs_are_told_apart() {
+    let folder = folder();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/ao");
+    for name in ["a/net", "b/net"] {
+        std::fs::create_dir_all(folder.path().join(name)).expect("made");
+        let entries = std::fs::read_dir(&shipped).expect("a model").flatten();
+        for file in entries.filter(|entry| entry.path().is_file()) {
+            std::fs::copy(file.path(), folder.path().join(name).join(file.file_name())).expect("copied");
+        }
+    }
+    let text = "scenes = [\"room:1\"]\nmethods = [\"learned\"]\nsamples = 8\nviews = 2\n\
+                [[runs]]\nmodel = \"a/net\"\nresolution = { height = 32, width = 32 }\n\
+                [[runs]]\nmodel = \"b/net\"\nresolution = { height = 32, width = 64 }\n";
+    std::fs::write(folder.path().join("networks.toml"), text).expect("written");
+    said(folder.path(), "--config networks.toml --out report --json report.json --height 48");
+    let report = json(&folder.path().join("report.json"));
+    let figure = |name: &str| report["figures"][name].is_number();
+    assert!(figure("ssim_learned_net") && figure("ssim_learned_net_2"), "{report}");
+    assert!(!figure("ssim_learned"), "one name would be the mean of two networks: {report}");
+    for (name, width) in [("frame-room-1-view-0-ao", 32), ("frame-room-1-run-2-view-1-ao", 64)] {
+        let path = folder.path().join("report").join(name).join("truth.image.png");
+        assert_eq!(image::image_dimensions(&path).expect("a picture"), (width, 48), "{}", path.display());
+    }
+}
+
+#[test]
 fn what_is_there_is_not_made_again() {
     let folder = folder();
     let path = |name: &str| folder.path().join(name);

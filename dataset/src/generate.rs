@@ -159,7 +159,7 @@ struct Work<'a> {
 impl Work<'_> {
     /// All pairs of a scene, which is only loaded if one of them is missing.
     fn scene(&self, scene: &PlannedScene) -> Result<Vec<PairRecord>, DatasetError> {
-        let known = |view: &PlannedView| self.known.get(&file_name(view)).cloned();
+        let known = |view: &PlannedView| self.known.get(&file_name(&view.name)).cloned();
         if let Some(records) = scene.views.iter().map(known).collect() {
             return Ok(records);
         }
@@ -183,7 +183,7 @@ impl Work<'_> {
     ) -> Result<PairRecord, DatasetError> {
         let (gbuffer, target, camera) = capture.pair(view.index)?;
         let record = PairRecord {
-            file: file_name(view),
+            file: file_name(&view.name),
             blake3: String::new(),
             part: part(view),
             scene: planned.scene.clone(),
@@ -214,7 +214,7 @@ impl Work<'_> {
         let mean = truth::within_half(staged.photographed(mean, view.seed));
         let gbuffer = truth::light_within_half(gbuffer);
         let record = PairRecord {
-            file: file_name(view),
+            file: file_name(&view.name),
             blake3: String::new(),
             part: part(view),
             scene: planned.scene.clone(),
@@ -267,8 +267,9 @@ const fn part(view: &PlannedView) -> Part {
     if view.held_apart { Part::Validation } else { Part::Training }
 }
 
-fn file_name(view: &PlannedView) -> String {
-    format!("{PAIRS}/{}.exr", view.name)
+/// The file of a view's pair, in the dataset's folder.
+pub(crate) fn file_name(view: &str) -> String {
+    format!("{PAIRS}/{view}.exr")
 }
 
 /// Name of the layer that holds the target.

@@ -8,7 +8,7 @@ use deepshade_render::scene::SceneSource;
 use deepshade_render::scene::procedural::Family;
 use deepshade_shaders::lists;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What a pair is used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -59,26 +59,22 @@ impl Recipe {
                     source: Subject::Scene(SceneSource::Procedural(family, seed)),
                     blake3: None,
                 };
-                scenes.push((format!("{}-{index:04}", share.name), text_key(&share.name) ^ seed, scene));
+                scenes.push((text_key(&share.name) ^ seed, scene));
             }
         }
-        for (index, (path, identity)) in self.files.iter().zip(self.file_identities()?).enumerate() {
+        for (path, identity) in self.files.iter().zip(self.file_identities()?) {
             let (key, source) = (text_key(&identity.hash), SceneSource::File(path.clone()));
             let scene = SceneRecord { source: Subject::Scene(source), blake3: Some(identity.hash) };
-            scenes.push((format!("file-{index:02}-{}", plain_stem(path)), key, scene));
+            scenes.push((key, scene));
         }
-        for (index, folder) in self.captures.iter().enumerate() {
+        for folder in &self.captures {
             let (_, hash) = self.capture(folder)?;
-            let name = format!("capture-{index:02}-{}", plain_stem(folder));
             let key = text_key(&hash);
-            scenes.push((
-                name,
-                key,
-                SceneRecord { source: Subject::Capture(folder.clone()), blake3: Some(hash) },
-            ));
+            scenes.push((key, SceneRecord { source: Subject::Capture(folder.clone()), blake3: Some(hash) }));
         }
         let count = scenes.len();
-        let planned = scenes.into_iter().enumerate().map(|(index, (name, key, scene))| PlannedScene {
+        let named = self.scene_names().into_iter().zip(scenes).enumerate();
+        let planned = named.map(|(index, (name, (key, scene)))| PlannedScene {
             views: (0..self.views_per_scene)
                 .map(|view| self.planned_view(index, count, &name, key, view))
                 .collect(),
@@ -86,6 +82,27 @@ impl Recipe {
             key,
         });
         Ok(planned.collect())
+    }
+
+    /// The names of all views of [`Recipe::plan`] in its order. No file is read for them.
+    pub(crate) fn view_names(&self) -> impl Iterator<Item = String> {
+        let views = self.views_per_scene;
+        self.scene_names()
+            .into_iter()
+            .flat_map(move |scene| (0..views).map(move |view| view_name(&scene, view)))
+    }
+
+    /// A name for every scene, in the plan's order.
+    fn scene_names(&self) -> Vec<String> {
+        let families = self
+            .families
+            .iter()
+            .flat_map(|share| (0..share.scenes).map(move |index| format!("{}-{index:04}", share.name)));
+        let numbered = |kind: &'static str, paths: &[PathBuf]| -> Vec<String> {
+            let name = |(index, path): (usize, &PathBuf)| format!("{kind}-{index:02}-{}", plain_stem(path));
+            paths.iter().enumerate().map(name).collect()
+        };
+        families.chain(numbered("file", &self.files)).chain(numbered("capture", &self.captures)).collect()
     }
 
     /// A capture, and the hash of those of its frames that views are of.
@@ -118,8 +135,12 @@ impl Recipe {
             held_apart(view / frames, self.views_per_scene / frames, self.validation_share)
         };
         let seed = mix(&[u64::from(self.seed), key, view as u64]) as u32;
-        PlannedView { index: view, name: format!("{name}-{view:03}"), seed, held_apart }
+        PlannedView { index: view, name: view_name(name, view), seed, held_apart }
     }
+}
+
+fn view_name(scene: &str, view: usize) -> String {
+    format!("{scene}-{view:03}")
 }
 
 /// Whether the item of that index is among those held apart, which lie evenly among all: at least one where the

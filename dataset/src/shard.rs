@@ -1,7 +1,7 @@
 //! Parts of a dataset that are made apart, on whatever machines and in whatever order: `shard-2-of-5.json` lists the pairs
 //! of one, [`merge`] puts them together to the bytes of a dataset that one run makes.
 
-use crate::generate::PAIRS;
+use crate::generate::{PAIRS, file_name};
 use crate::journal::{Journal, checked};
 use crate::manifest::{MANIFEST, Manifest, PairRecord};
 use crate::origin::relative;
@@ -11,6 +11,7 @@ use deepshade_shaders::atomic_file;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -46,9 +47,7 @@ impl Shard {
     /// Its scenes and views of a plan: views that follow each other, so that few scenes are in more than one shard.
     pub(crate) fn of(self, plan: Vec<PlannedScene>) -> Vec<PlannedScene> {
         let total: usize = plan.iter().map(|scene| scene.views.len()).sum();
-        // Without overflow, whatever the numbers.
-        let begin = |number: usize| (number as u128 * total as u128 / self.count as u128) as usize;
-        let own = begin(self.number - 1)..begin(self.number);
+        let own = self.places(total);
         let mut first = 0;
         let cut = plan.into_iter().map(|mut scene| {
             let before = first;
@@ -58,6 +57,13 @@ impl Shard {
             scene
         });
         cut.filter(|scene| !scene.views.is_empty()).collect()
+    }
+
+    /// Which of so many views, counted through all scenes, are its.
+    fn places(self, total: usize) -> Range<usize> {
+        // Without overflow, whatever the numbers.
+        let begin = |number: usize| (number as u128 * total as u128 / self.count as u128) as usize;
+        begin(self.number - 1)..begin(self.number)
     }
 
     /// The shard whose list lies in a folder.
@@ -115,17 +121,20 @@ impl fmt::Display for Shard {
 /// Gives the number of pairs.
 ///
 /// # Errors
-/// If a shard is missing, there twice, unfinished, damaged or of other data than the first, or the folder cannot be written, is in
-/// use or holds something else.
+/// If a shard is missing, there twice, unfinished, damaged, of other data than the first or not what its recipe plans,
+/// or the folder cannot be written, is in use or holds something else.
 pub fn merge(shards: &[PathBuf], folder: &Path) -> Result<usize, DatasetError> {
     let lists = shards.iter().map(|shard| listed(shard)).collect::<Result<Vec<_>, _>>()?;
     let lists = complete(lists, folder)?;
     let Some((_, _, first)) = lists.first() else {
         return Err(DatasetError::invalid(folder, "no shard is given"));
     };
+    let planned: Vec<String> = first.origin.recipe.view_names().map(|view| file_name(&view)).collect();
+    lists.iter().try_for_each(|list| lists_its_own(list, &planned))?;
     let mut origin = first.origin.clone();
     origin.shard = None;
-    if origin.recipe.names_files() {
+    // Scene files need not be where parts are put together: the way to them stays as it is stated then.
+    if origin.recipe.names_files() && origin.recipe.folder.exists() {
         origin.scenes = Some(relative(&origin.recipe.folder, folder)?);
     }
     let (journal, mut entries) = Journal::open::<PairRecord>(folder, &[PAIRS], MANIFEST, &origin)?;
@@ -139,8 +148,9 @@ pub fn merge(shards: &[PathBuf], folder: &Path) -> Result<usize, DatasetError> {
         .iter()
         .flat_map(|(_, from, list)| list.pairs.iter().map(|pair| (from.as_path(), pair)))
         .collect();
-    let bar = progress::bar("pairs", pairs.len(), known.len());
-    pairs.par_iter().filter(|(_, pair)| !known.contains_key(&pair.file)).try_for_each(|(from, pair)| {
+    let there = |pair: &PairRecord| known.get(&pair.file).is_some_and(|known| known.blake3 == pair.blake3);
+    let bar = progress::bar("pairs", pairs.len(), pairs.iter().filter(|(_, pair)| there(pair)).count());
+    pairs.par_iter().filter(|(_, pair)| !there(pair)).try_for_each(|(from, pair)| {
         copied(from, folder, pair)?;
         bar.inc(1);
         journal.add(*pair)
@@ -191,6 +201,21 @@ fn complete(mut lists: Vec<Listed>, folder: &Path) -> Result<Vec<Listed>, Datase
         return Ok(lists);
     }
     Err(DatasetError::invalid(folder, format!("shards are missing: {}", missing.join(", "))))
+}
+
+/// Whether a list names the files that its recipe plans for that shard, none of them twice and none elsewhere.
+fn lists_its_own((shard, from, list): &Listed, planned: &[String]) -> Result<(), DatasetError> {
+    let own = &planned[shard.places(planned.len())];
+    let wrong = |what: String| Err(DatasetError::invalid(&from.join(shard.file_name()), what));
+    if list.pairs.len() != own.len() {
+        return wrong(format!("it lists {} pairs where its recipe has {}", list.pairs.len(), own.len()));
+    }
+    match list.pairs.iter().zip(own).find(|(pair, planned)| pair.file != **planned) {
+        Some((pair, planned)) => {
+            wrong(format!("it lists `{}` where its recipe has `{planned}`", pair.file.escape_debug()))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Copies a pair that is what its record says.

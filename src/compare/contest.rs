@@ -23,6 +23,8 @@ pub struct Contestant {
     pub label: String,
     /// What tells its images from those of another version.
     pub fingerprint: String,
+    /// The folder of its network, if it is one.
+    network: Option<PathBuf>,
 }
 
 /// Everybody who takes part in a run.
@@ -114,8 +116,9 @@ impl Contest {
     }
 }
 
-/// Gives everybody a label: the method's name where it takes part in one form only.
+/// Gives everybody a name of its own, and a label: the method's name where it takes part in one form only.
 pub fn label(contests: &mut [Contest]) {
+    name_networks(contests);
     let forms: Vec<(Effect, &str, String)> = distinct(
         contests
             .iter()
@@ -126,6 +129,26 @@ pub fn label(contests: &mut [Contest]) {
         let name = contestant.rival.method_name;
         let count = forms.iter().filter(|form| (form.0, form.1) == (contestant.effect, name)).count();
         contestant.label = if count == 1 { name.to_owned() } else { contestant.file_name() };
+    }
+}
+
+/// Where several networks of an effect take part, in whatever runs, names say which one it is: by its folder's name, with
+/// a number where an earlier one's folder has the same.
+fn name_networks(contests: &mut [Contest]) {
+    let network = |one: &Contestant| Some((one.effect, one.network.clone()?));
+    let all = contests.iter().flat_map(|contest| contest.contestants.iter().filter_map(network));
+    let all: Vec<(Effect, PathBuf)> = distinct(all);
+    for contestant in contests.iter_mut().flat_map(|contest| &mut contest.contestants) {
+        let Some(own) = &contestant.network else { continue };
+        let of = || all.iter().filter(|(effect, _)| *effect == contestant.effect).map(|(_, folder)| folder);
+        if of().count() == 1 {
+            continue;
+        }
+        let name = folder_name(own);
+        let earlier =
+            of().take_while(|folder| *folder != own).filter(|folder| folder_name(folder) == name).count();
+        let suffix = if earlier == 0 { name } else { format!("{name}_{}", earlier + 1) };
+        contestant.rival.name = format!("{}_{suffix}", contestant.rival.name);
     }
 }
 
@@ -177,14 +200,11 @@ fn opened(
     let names = [choice.name.clone()];
     let rivals = rivals(effect, &names, qualities, gpu, network.map(|network| &network.model))?;
     let weights = network.map(|network| weights(&network.folder)).transpose()?;
-    let suffix = choice.model.as_deref().map(folder_name);
-    let contestants = rivals.into_iter().map(|mut rival| {
-        if let Some(suffix) = &suffix {
-            rival.name = format!("{}_{suffix}", rival.name);
-        }
+    let contestants = rivals.into_iter().map(|rival| {
+        let network = network.map(|network| network.folder.clone());
         let label = rival.method_name.to_owned();
         let fingerprint = format!("{} {:?} {weights:?}", rival.method_name, rival.quality);
-        Contestant { effect, rival, label, fingerprint }
+        Contestant { effect, rival, label, fingerprint, network }
     });
     Ok(contestants.collect())
 }

@@ -39,14 +39,14 @@ pub fn read(path: &Path) -> Result<Run> {
 }
 
 impl Comparison {
-    /// What a file says, if there is one, with what the command line says in place of what the file does.
+    /// What a file says, if there is one, with what the command line says of each run in place of what the file does.
     ///
     /// # Errors
     /// If a value is out of its range or means nothing, with its key.
-    pub fn new(file: Option<Run>, line: &Run) -> Result<Self> {
+    pub fn new(file: Option<Run>, line: impl Fn(&Run) -> Run) -> Result<Self> {
         let mut stated = Vec::new();
         leaves(file.unwrap_or_default(), &Run::default(), &mut stated);
-        let runs: Vec<Run> = stated.into_iter().map(|run| line.clone().over(&run).filled()).collect();
+        let runs: Vec<Run> = stated.into_iter().map(|run| line(&run).in_place_of(&run).filled()).collect();
         let several = runs.len() > 1;
         for (index, run) in runs.iter().enumerate() {
             let place = || if several { format!("run {}", index + 1) } else { "comparison".to_owned() };

@@ -111,9 +111,12 @@ pub fn make(folder: &Folder, head: &Head, subject: &Subject<'_>, at: &impl Fn(&s
         Some(kept) => kept,
         None => {
             at("truth");
+            FrameRecord::delete(&place)?;
             make_truth(folder, head, subject)?
         }
     };
+    // An image's file is written anew only when no record vouches for the older one.
+    record.write(&folder.path)?;
     let lit = Lit { effect, image: &image, exposure: record.truth.exposure };
     for (contestant, wanted) in subject.contestants.iter().zip(&head.wanted) {
         if record.has(wanted) {

@@ -177,6 +177,13 @@ fn frames_of(
             &shown.glow,
             run.additions().heard_by(effect).mean_free_path,
         ));
+        // What the scene's own hash leaves out and these effects go by.
+        if stage.moving {
+            shown.meshes.iter().for_each(|mesh| digest.say(&mesh.displacements));
+        }
+        if shown.glow.is_some() {
+            shown.materials.iter().for_each(|material| digest.say(&material.name));
+        }
         digest.say(&run.environment.as_deref().map(file_digest).transpose()?);
         let grid = shown.medium.as_deref().is_some_and(|medium| matches!(medium.density, Density::Grid(_)));
         let dark = shown.lights.is_empty();
@@ -198,7 +205,6 @@ fn frames_of(
 /// Gives frames names that tell them apart, and folders named like them.
 fn name(comparison: &Comparison, frames: &mut [Planned]) {
     let sources = distinct(frames.iter().map(|frame| (frame.head.scene.clone(), frame.stage.source.clone())));
-    let mut seen: Vec<(Effect, String, String)> = Vec::new();
     for frame in frames.iter_mut() {
         let head = &mut frame.head;
         if sources.iter().filter(|(scene, _)| *scene == head.scene).count() > 1 {
@@ -207,11 +213,12 @@ fn name(comparison: &Comparison, frames: &mut [Planned]) {
         if let Some(name) = &comparison.runs[frame.run].name {
             head.scene = format!("{}, {name}", head.scene);
         }
-        let triple = |head: &Head| (frame.settings.effect, head.scene.clone(), head.view.clone());
-        if seen.contains(&triple(head)) {
-            head.scene = format!("{}, run {}", head.scene, frame.run + 1);
+    }
+    // All of a run's frames of a scene, so that they stay one scene.
+    for (run, scene) in repeated(frames) {
+        for frame in frames.iter_mut().filter(|frame| (frame.run, &frame.head.scene) == (run, &scene)) {
+            frame.head.scene = format!("{scene}, run {}", run + 1);
         }
-        seen.push(triple(head));
     }
     let several = distinct(frames.iter().map(|frame| frame.head.scene.clone())).len() > 1;
     let mut folders: Vec<String> = Vec::new();
@@ -225,6 +232,14 @@ fn name(comparison: &Comparison, frames: &mut [Planned]) {
         head.folder = candidates.into_iter().find(|name| !folders.contains(name)).unwrap_or_default();
         folders.push(head.folder.clone());
     }
+}
+
+/// Runs and scenes of which a frame is called like one of an earlier run.
+fn repeated(frames: &[Planned]) -> Vec<(usize, String)> {
+    let called = |frame: &Planned| (frame.settings.effect, frame.head.scene.clone(), frame.head.view.clone());
+    let earlier =
+        |frame: &&Planned| frames.iter().any(|other| other.run < frame.run && called(other) == called(frame));
+    distinct(frames.iter().filter(earlier).map(|frame| (frame.run, frame.head.scene.clone())))
 }
 
 /// A name that every file system and every address takes.

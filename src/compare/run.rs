@@ -121,6 +121,18 @@ impl Run {
         }
     }
 
+    /// [`Run::over`] of a command line, whose qualities and network are those of all methods, whatever a file states for one.
+    #[must_use]
+    pub fn in_place_of(self, file: &Self) -> Self {
+        let (qualities, model) = (self.qualities.is_some(), self.model.is_some());
+        let mut run = self.over(file);
+        for method in run.methods.iter_mut().flatten() {
+            method.qualities.take_if(|_| qualities);
+            method.model.take_if(|_| model);
+        }
+        run
+    }
+
     /// The run with all defaults stated that do not depend on scenes and networks.
     #[must_use]
     pub fn filled(self) -> Self {

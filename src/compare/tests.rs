@@ -17,7 +17,7 @@ fn comparison(text: &str, line: &Run) -> Result<Comparison> {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("comparison.toml");
     std::fs::write(&path, text)?;
-    Comparison::new(Some(read(&path)?), line)
+    Comparison::new(Some(read(&path)?), |_| line.clone())
 }
 
 fn parsed(text: &str) -> Comparison {
@@ -91,7 +91,8 @@ fn what_is_written_is_what_is_read_and_it_is_written_alike_again() {
         let (first, path) = (parsed(text), folder.path().join("compare.toml"));
         let written = first.to_toml(folder.path()).expect("text");
         std::fs::write(&path, &written).expect("written");
-        let mut again = Comparison::new(Some(read(&path).expect("sound")), &Run::default()).expect("sound");
+        let mut again =
+            Comparison::new(Some(read(&path).expect("sound")), |_| Run::default()).expect("sound");
         // A folder that is not there has no way to it, and stays as it is.
         again.runs.iter_mut().for_each(|run| {
             run.map_paths(&|path| Path::new("runs").join(path.file_name().unwrap_or_default()));
@@ -114,8 +115,8 @@ fn files_that_are_named_are_relative_to_the_file_that_names_them() {
     }
     std::fs::write(place("scenes/hall.gltf"), "{}").expect("written");
     std::fs::write(place("scenes/a.toml"), "scenes = [\"hall.gltf\"]").expect("written");
-    let found =
-        Comparison::new(Some(read(&place("scenes/a.toml")).expect("sound")), &Run::default()).expect("sound");
+    let file = read(&place("scenes/a.toml")).expect("sound");
+    let found = Comparison::new(Some(file), |_| Run::default()).expect("sound");
     assert_eq!(found.runs[0].scenes()[0].to_string(), place("scenes/hall.gltf").display().to_string());
     let written = found.to_toml(&place("report")).expect("text");
     assert!(written.contains("scenes = [\"../scenes/hall.gltf\"]"), "{written}");
@@ -134,6 +135,18 @@ fn the_command_line_comes_before_the_file_in_every_run() {
         assert_eq!((run.size(), run.error, run.samples), ([16, 24], Some(0.1), Some(16_384)));
         assert_eq!(run.methods(), [MethodChoice::named("gtao")]);
     }
+}
+
+#[test]
+fn qualities_and_networks_of_the_command_line_are_those_of_every_method() {
+    let text = "scenes = [\"room:1\"]\n\
+                methods = [{ name = \"hbao\", qualities = [\"ultra\"] }, { name = \"learned\", model = \"a\" }]";
+    let line = Run { qualities: Some(vec![Quality::Low]), model: Some("b".into()), ..Run::default() };
+    let run = &comparison(text, &line).expect("sound").runs[0];
+    assert_eq!(run.methods(), [MethodChoice::named("hbao"), MethodChoice::named("learned")]);
+    assert_eq!((run.qualities(), run.model.as_deref()), (&[Quality::Low][..], Some(Path::new("b"))));
+    let kept = &comparison(text, &Run::default()).expect("sound").runs[0];
+    assert_eq!(kept.methods()[0].qualities, Some(vec![Quality::Ultra]));
 }
 
 #[test]

@@ -84,11 +84,12 @@ impl Folder {
             entries.try_for_each(|entry| {
                 let entry = entry?;
                 let name = entry.file_name().to_string_lossy().into_owned();
-                let ours = entry.path().join(RECORD).is_file() || is_numbered(&name);
-                match ours && name.starts_with(FRAME_PREFIX) {
-                    true => clear(&entry.path(), frames.iter().find(|frame| frame.folder == name)),
-                    false => Ok(()),
+                // A link may lead anywhere.
+                let frame = entry.file_type()?.is_dir() && name.starts_with(FRAME_PREFIX);
+                if !frame || !(entry.path().join(RECORD).is_file() || is_numbered(&name)) {
+                    return Ok(());
                 }
+                clear(&entry.path(), frames.iter().find(|frame| frame.folder == name))
             })
         });
         cleared.with_context(|| format!("the earlier comparison in {}", self.path.display()))
@@ -163,7 +164,8 @@ fn is_numbered(name: &str) -> bool {
         .is_some_and(|index| index.len() >= 2 && index.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
-fn delete(path: &Path) -> io::Result<()> {
+/// Deletes a file, if it is there.
+pub(super) fn delete(path: &Path) -> io::Result<()> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
         _ => Ok(()),

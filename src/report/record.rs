@@ -124,6 +124,15 @@ impl FrameRecord {
         write_atomically(&path, text.as_bytes())
     }
 
+    /// Deletes the record in a frame's folder, if one is there: its images are about to be made anew.
+    ///
+    /// # Errors
+    /// If it cannot be deleted.
+    pub fn delete(folder: &Path) -> Result<()> {
+        let path = folder.join(RECORD);
+        super::folder::delete(&path).with_context(|| path.display().to_string())
+    }
+
     /// Whether it has an image.
     pub fn has(&self, wanted: &Wanted) -> bool {
         self.images.iter().any(|image| image.key == wanted.key)

@@ -350,15 +350,29 @@ mod tests {
 
     #[test]
     fn names_do_not_stand_on_each_other() {
-        let lines: Vec<Line> = (0..5)
-            .map(|i| line(&format!("method{i}"), Kind::Method, Some(10.0 + 0.1 * f64::from(i)), 0.2))
+        // Dots nearer to each other than names are long, since others stretch the axis.
+        let times = [1.0, 10.0, 10.2, 10.4, 10.6, 10.8, 1000.0];
+        let lines: Vec<Line> = times
+            .iter()
+            .enumerate()
+            .map(|(i, time)| line(&format!("method{i}"), Kind::Method, Some(*time), 0.2))
             .collect();
         let svg = svg(&lines, &MEASURES[2]).expect("a plot");
-        let places: Vec<&str> =
-            svg.split("<text class=\"name").skip(1).filter_map(|rest| rest.split('>').next()).collect();
-        let mut distinct = places.clone();
-        distinct.sort_unstable();
-        distinct.dedup();
-        assert_eq!(places.len(), distinct.len(), "{places:?}");
+        let number = |text: &str, key: &str| -> f64 {
+            let value = text.split(key).nth(1).and_then(|rest| rest.split('"').next());
+            value.and_then(|value| value.parse().ok()).expect("a number")
+        };
+        let room = |text: &str| -> Room {
+            let letter = if text.starts_with(" best") { BOLD_LETTER } else { LETTER };
+            let (left, bottom) = (number(text, " x=\""), number(text, " y=\"") + 3.0);
+            [left, bottom - TEXT, left + letter * "method0".len() as f64, bottom]
+        };
+        let rooms: Vec<Room> = svg.split("<text class=\"name").skip(1).map(room).collect();
+        assert_eq!(rooms.len(), times.len());
+        for (i, room) in rooms.iter().enumerate() {
+            // Places are written with one digit.
+            let inner = [room[0] + 0.1, room[1] + 0.1, room[2] - 0.1, room[3] - 0.1];
+            assert!(!rooms[..i].iter().any(|other| meet(&inner, other)), "{rooms:?}");
+        }
     }
 }

@@ -106,5 +106,5 @@ fn comparison(window: &Window) -> Result<Comparison> {
         samples::Args::new(Some(state.samples), None),
         exposure_time::Args::new((state.time != 0.0).then_some(state.time), None),
     );
-    Comparison::new(None, &run)
+    Comparison::new(None, |_| run.clone())
 }

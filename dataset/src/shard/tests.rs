@@ -67,6 +67,48 @@ fn what_is_no_whole_set_of_shards_is_refused_and_named() {
     assert!(contents(&merged) == contents(&whole));
 }
 
+/// Rewrites the list of a shard.
+fn relist(folder: &Path, name: &str, change: impl FnOnce(&mut Manifest)) {
+    let mut list = Manifest::load_list(folder, name).expect("a list");
+    change(&mut list);
+    list.save_list(folder, name).expect("written");
+}
+
+#[test]
+fn a_list_names_what_its_recipe_plans_and_nothing_else() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let parts = shards(&recipe(folder.path(), 9), folder.path(), 2);
+    let merged = folder.path().join("merged");
+    let name = shard("2/2").file_name();
+    let sound = std::fs::read(parts[0].join(&name)).expect("a list");
+    let refused = |change: fn(&mut Manifest)| {
+        relist(&parts[0], &name, change);
+        let error = merge(&parts, &merged).expect_err("refused").to_string();
+        std::fs::write(parts[0].join(&name), &sound).expect("restored");
+        assert!(!merged.exists(), "nothing is written");
+        error
+    };
+    assert!(refused(|list| list.pairs[0].file = "../outside.exr".into()).contains("lists `../outside.exr`"));
+    assert!(refused(|list| list.pairs[1] = list.pairs[0].clone()).contains("where its recipe has `pairs/"));
+    assert!(refused(|list| list.pairs.truncate(1)).contains("lists 1 pairs"));
+    assert_eq!(merge(&parts, &merged).expect("merged"), 4);
+}
+
+#[test]
+fn a_pair_that_was_made_anew_replaces_the_older_copy() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let parts = shards(&recipe(folder.path(), 10), folder.path(), 2);
+    let merged = folder.path().join("merged");
+    merge(&parts, &merged).expect("merged");
+    // As another machine would, whose rays round in another way.
+    let name = shard("2/2").file_name();
+    let file = Manifest::load_list(&parts[0], &name).expect("a list").pairs[0].file.clone();
+    std::fs::write(parts[0].join(&file), b"other bytes").expect("written");
+    relist(&parts[0], &name, |list| list.pairs[0].blake3 = blake3::hash(b"other bytes").to_hex().to_string());
+    merge(&parts, &merged).expect("merged again");
+    assert_eq!(std::fs::read(merged.join(&file)).expect("a pair"), b"other bytes");
+}
+
 #[test]
 fn a_folder_holds_one_shard() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -7,7 +7,7 @@
 //! as seen from the lamp, which bring the same light each (Kulla and Fajardo 2012). Through grids the optical depth
 //! is summed along the view ray, and from each step along the way to the light ([`general`]).
 //!
-//! Why it: it is the only one that goes through grids. Why not: it costs pixels times steps, and shadows thinner than
+//! Why it: nothing lies between it and the medium, grids neither. Why not: it costs pixels times steps, and shadows thinner than
 //! a step are noise.
 
 mod distant;

@@ -93,7 +93,7 @@ impl Default for WrittenStart {
 }
 
 impl Glow {
-    /// What a file says, seen at a moment, seconds. Lamps of which it says nothing shine all the time.
+    /// What a file says, seen at a moment, seconds. Lamps of which it says nothing shine from second 0 on.
     ///
     /// # Errors
     /// If the file, or one that it names, cannot be read or says what makes no sense.
@@ -110,7 +110,7 @@ impl Glow {
         written.glow(&own, moment).map_err(|what| GlowError::Sense { path: path.into(), what })
     }
 
-    /// Whether a scene has the materials and lamps that are named, and something that glows.
+    /// Whether a scene has the materials and lamps that are named.
     ///
     /// # Errors
     /// If not; what it lacks is named, in words.
@@ -235,7 +235,7 @@ mod tests {
             glow.schedules[0],
             Schedule { lights: vec![0], on: vec![[0.0, 1.5], [2.0, f32::INFINITY]] }
         );
-        assert_eq!(glow.schedules[1].on, [[0.0, f32::INFINITY]], "others shine all the time");
+        assert_eq!(glow.schedules[1].on, [[0.0, f32::INFINITY]], "others shine from second 0 on");
         let lamp = Light::Point { position: Vec3::ZERO, intensity: Vec3::ONE, range: f32::INFINITY };
         let mut scene = Scene { materials: vec![Look::matte("wall", Vec3::ONE)], ..Scene::default() };
         assert!(glow.check(&scene).expect_err("dark").contains("no light 0"));

@@ -1,5 +1,5 @@
 // Phosphorescence as an integral over the past (Glassner 1995), at each pixel: moments drawn by the decay, and at each of them
-// the light of the lamps that shone then. The plain version is render/src/methods/phosphor/glassner_reference.rs.
+// the light of the lamps that shone then. The plain version is render/src/methods/phosphor/glassner.rs.
 
 @group(0) @binding(0) var<uniform> settings: GlowSamples;
 @group(0) @binding(1) var<uniform> paints: array<PaintState, PAINT_STATES>;
