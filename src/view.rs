@@ -4,6 +4,7 @@
 //! refines truth while nobody moves, [`judge`] holds one against the other. The window waits for none of them.
 
 mod canvas;
+mod caught;
 mod judge;
 mod lights;
 mod mailbox;
@@ -35,6 +36,7 @@ use script::Script;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread;
+use std::time::Instant;
 use studio::Picture;
 use subject::Subject;
 use truth::Truth;
@@ -113,7 +115,9 @@ pub enum News {
     Truth(Truth),
     /// Images were judged.
     Judged(Verdict),
-    /// Something cannot be done.
+    /// The picture that is ordered cannot be made.
+    NoPicture(String),
+    /// Something else cannot be done.
     Refused(String),
 }
 
@@ -134,6 +138,7 @@ pub struct Desk {
 /// # Errors
 /// If there is no display or no adapter, an argument means nothing, or a step of the script fails.
 pub fn run(args: &Args) -> Result<()> {
+    let began = Instant::now();
     check_pixels(args.height, args.width)?;
     listeners::check(args.effect, listeners::RADIUS, &[("--radius", args.radius.is_some())])?;
     let script = args.script.as_deref().map(Script::read).transpose()?;
@@ -160,7 +165,7 @@ pub fn run(args: &Args) -> Result<()> {
                 creation.egui_ctx.set_visuals(visuals);
                 creation.egui_ctx.set_fonts(fonts());
                 let desk = Desk::new(&args, &creation.egui_ctx)?;
-                Ok(Box::new(Window::new(state, desk, script, outcome)))
+                Ok(Box::new(Window::new(state, desk, script, outcome, began)))
             }),
         )
     };

@@ -69,12 +69,17 @@ fn colours(path: &Path) -> HashSet<[u8; 3]> {
 fn a_window_shows_methods_beside_truth_and_survives_what_is_done_to_it() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("broken.glb"), b"glTF, but not for long").expect("written");
-    let script = "wait truth 8\nscreenshot wipe.png\nsee difference\narrange tiles\nwait 0.1\nscreenshot tiles.png\n\
+    // Nothing shines here: effects that need a lamp add one, others do not.
+    let floor = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 4 3\nf 1 3 2\nv -2 2 -2\nv 2 2 -2\nf 1 2 6 5\n";
+    std::fs::write(folder.path().join("dark.obj"), floor).expect("written");
+    let script = "orbit 5 0\nwait truth 8\nscreenshot wipe.png\nsee difference\narrange tiles\nwait 0.1\nscreenshot tiles.png\n\
         orbit 20 -10\nfly 0 0.1 0\nwait truth 8\ntruth off\neffect gi\nmethods ssgi\nmeasure 2\n\
         effect path\nwait picture\neffect aa\nwait picture\ninspect normal\nwait picture\nscreenshot normal.png\nsave kept\n\
         size 37 23\nresize 333 217\nwait picture\nresize 1 1\nwait 0.2\nresize 900 700\nwait picture\n\
-        minimise on\nwait 0.2\nminimise off\nopen broken.glb\nwait refusal\nopen missing\nwait refusal\n\
-        open playground:1\nwait picture\nquit\n";
+        minimise on\nwait 0.2\nminimise off\nopen broken.glb\nwait refusal\nwait picture\n\
+        effect ao\ntruth on\ntemporal on\nwait truth 8\ntemporal off\ntruth off\nopen missing\nwait refusal\n\
+        open playground:1\nwait picture\nopen dark.obj\nwait picture\neffect gi\nwait picture\neffect ao\nwait picture\n\
+        effect gi\nwait picture\nquit\n";
     let output = Screen::new().view(folder.path(), "--methods gtao,hbao", script);
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && !said.contains("panicked"), "{said}");
@@ -106,6 +111,7 @@ fn what_cannot_be_is_said_and_ends_the_program() {
         ("", "dance\n", "line 1, `dance`"),
         ("", "wait picture\nmethods hbao, shadows\n", "line 2 of the script"),
         ("--methods shadows", "quit\n", "shadows"),
+        ("--model nowhere --methods learned", "wait picture\n", "line 1 of the script: no picture"),
         ("--effect path --radius 1", "quit\n", "--radius"),
     ] {
         let output = screen.view(folder.path(), options, script);

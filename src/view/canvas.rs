@@ -56,7 +56,8 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
             };
             wipe(ui, place, &borders, &shown);
             probe(ui, &response, place, &shown, None);
-            drag_border(ui, &response, place, window, count) || lights::handles(ui, &response, place, window)
+            drag_border(ui, &response, place, window, count)
+                || lights::handles(ui, &response, &[place], window)
         }
         Arrangement::Tiles => {
             let places = tiles(area, aspect, count);
@@ -69,7 +70,7 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
             if let Some(index) = under {
                 probe(ui, &response, places[index], &shown, Some(index));
             }
-            false
+            lights::handles(ui, &response, &places, window)
         }
     };
     if !held {

@@ -1,21 +1,24 @@
 //! The thread that holds what methods made against truth: figures, and maps of where they differ.
 
 use super::News;
+use super::caught::caught;
 use super::mailbox::Mailbox;
 use super::pictures::{Developed, compared};
+use super::studio::Show;
+use super::truth::Sight;
 use deepshade_render::metrics::{Scores, exposed, exposure};
-use deepshade_shaders::{Effect, Planes};
+use deepshade_shaders::Planes;
 use eframe::egui::ColorImage;
 use std::sync::Arc;
 
 /// Images that are to be judged.
 pub struct Case {
-    /// The picture's number.
-    pub number: u32,
+    /// What they show.
+    pub sight: Sight,
+    /// How they were made.
+    pub show: Show,
     /// Samples of truth.
     pub samples: u32,
-    /// What they show.
-    pub effect: Effect,
     /// What they are held against.
     pub truth: Arc<Planes>,
     /// What methods made.
@@ -24,8 +27,10 @@ pub struct Case {
 
 /// What is to be said of them.
 pub struct Verdict {
-    /// The picture's number.
-    pub number: u32,
+    /// What was seen.
+    pub sight: Sight,
+    /// How the images were made.
+    pub show: Show,
     /// Samples of the truth that it was held against.
     pub samples: u32,
     /// Of each image.
@@ -45,17 +50,23 @@ pub struct Judged {
 /// Judges until the mailbox is closed.
 pub fn run(cases: &Mailbox<Case>, tell: &dyn Fn(News)) {
     while let Some(case) = cases.take() {
-        tell(News::Judged(judge(&case)));
+        let doing = format!("judging {}", case.show);
+        tell(
+            caught(&doing, || Ok(judge(case)))
+                .map_or_else(|error| News::Refused(error.to_string()), News::Judged),
+        );
     }
 }
 
-fn judge(case: &Case) -> Verdict {
-    let scale = exposure(case.effect, &case.truth);
+fn judge(case: Case) -> Verdict {
+    let effect = case.sight.effect;
+    let scale = exposure(effect, &case.truth);
     let truth = exposed(&case.truth, scale);
     let judged = case.images.iter().map(|image| Judged {
         name: image.name.clone(),
         scores: Scores::new(&exposed(&image.values, scale), &truth),
-        maps: compared(&image.values, &case.truth, case.effect).map(Arc::new),
+        maps: compared(&image.values, &case.truth, effect).map(Arc::new),
     });
-    Verdict { number: case.number, samples: case.samples, judged: judged.collect() }
+    let judged = judged.collect();
+    Verdict { sight: case.sight, show: case.show, samples: case.samples, judged }
 }

@@ -2,11 +2,16 @@
 
 use super::window::Window;
 use deepshade_render::scene::{Camera, Light};
-use eframe::egui::{Color32, DragValue, Id, Pos2, Rect, Response, Slider, Stroke, Ui, pos2};
+use eframe::egui::{
+    Color32, DragValue, Id, PointerButton, Pos2, Rect, Response, Slider, SliderClamping, Stroke, Ui, pos2,
+};
 use glam::{Mat3, Vec2, Vec3};
+use std::ops::RangeInclusive;
 
 /// How near to a light's handle the pointer takes hold of it, points.
 const GRIP: f32 = 9.0;
+/// How far hands turn lights up and down, degrees.
+const STEEPEST: f32 = 89.9;
 /// Lights with numbers beside the images.
 const LISTED: usize = 16;
 
@@ -20,7 +25,8 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
         let step = 1e-3 * subject.diagonal;
         let own = &subject.animated.scene.lights;
         for (index, (light, own)) in lights.iter_mut().zip(own).take(LISTED).enumerate() {
-            ui.push_id(index, |ui| numbers(ui, light, own, step));
+            let free = !subject.is_rigged(index);
+            ui.push_id(index, |ui| numbers(ui, light, own, free.then_some(step)));
         }
         if ui.button("as they were").clicked() {
             own.clone_into(lights);
@@ -28,32 +34,67 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
     });
 }
 
-fn numbers(ui: &mut Ui, light: &mut Light, own: &Light, step: f32) {
-    if let Some(mut place) = light.position() {
-        ui.horizontal(|ui| {
-            for value in place.as_mut() {
-                ui.add(DragValue::new(value).speed(step).suffix(" m"));
-            }
-        });
-        *light = light.moved(|_| place, |direction| direction);
+/// A light's numbers. Where nothing says by what steps it is moved, an animation moves it.
+fn numbers(ui: &mut Ui, light: &mut Light, own: &Light, step: Option<f32>) {
+    match step {
+        Some(step) => placed(ui, light, step),
+        None => drop(ui.label("moved by an animation")),
     }
-    if let Some(direction) = light.direction() {
-        let mut height = (-direction.y).clamp(-1.0, 1.0).asin().to_degrees();
-        let mut turn = direction.x.atan2(direction.z).to_degrees();
-        let before = (height, turn);
-        ui.add(Slider::new(&mut height, -89.0..=89.0).suffix(" degrees").text("height"));
-        ui.add(Slider::new(&mut turn, -180.0..=180.0).suffix(" degrees").text("turn"));
-        if before != (height, turn) {
-            let down = Mat3::from_rotation_y(turn.to_radians()) * Mat3::from_rotation_x(height.to_radians());
-            *light = light.moved(|place| place, |_| (down * Vec3::Z).normalize());
-        }
-    }
-    let mut stops = (power(light) / power(own).max(f32::MIN_POSITIVE)).log2();
-    let before = stops;
-    ui.add(Slider::new(&mut stops, -6.0..=6.0).suffix(" stops").text("brighter"));
-    if before != stops {
+    let Some(before) = stops(light, own) else { return };
+    let mut stops = before;
+    if ui.add(slider(&mut stops, -6.0..=6.0, " stops", "brighter")).changed() {
         *light = light.brighter((stops - before).exp2());
     }
+}
+
+fn placed(ui: &mut Ui, light: &mut Light, step: f32) {
+    if let Some(mut place) = light.position() {
+        let mut changed = false;
+        ui.horizontal(|ui| {
+            for value in place.as_mut() {
+                changed |= ui.add(DragValue::new(value).speed(step).suffix(" m")).changed();
+            }
+        });
+        if changed {
+            *light = light.moved(|_| place, |direction| direction);
+        }
+    }
+    if let Some(direction) = light.direction() {
+        let [mut height, mut turn] = angles(direction);
+        let raised = ui.add(slider(&mut height, -90.0..=90.0, " degrees", "height")).changed();
+        let turned = ui.add(slider(&mut turn, -180.0..=180.0, " degrees", "turn")).changed();
+        if raised || turned {
+            *light = light.moved(|place| place, |_| towards([height, turn]));
+        }
+    }
+}
+
+/// A slider that leaves what it is given as it is until a hand moves it.
+fn slider<'a>(
+    value: &'a mut f32,
+    range: RangeInclusive<f32>,
+    unit: &'static str,
+    text: &'static str,
+) -> Slider<'a> {
+    Slider::new(value, range).clamping(SliderClamping::Edits).suffix(unit).text(text)
+}
+
+/// How steeply a direction goes down, and where it turns, degrees.
+fn angles(direction: Vec3) -> [f32; 2] {
+    [(-direction.y).clamp(-1.0, 1.0).asin(), direction.x.atan2(direction.z)].map(f32::to_degrees)
+}
+
+/// The direction of [`angles`], just short of straight up and down, where it would forget where it turns.
+fn towards([height, turn]: [f32; 2]) -> Vec3 {
+    let height = height.clamp(-STEEPEST, STEEPEST).to_radians();
+    let down = Mat3::from_rotation_y(turn.to_radians()) * Mat3::from_rotation_x(height);
+    (down * Vec3::Z).normalize()
+}
+
+/// How much brighter a light is than it was, stops; nothing where one of both is dark.
+fn stops(light: &Light, own: &Light) -> Option<f32> {
+    let stops = (power(light) / power(own)).log2();
+    stops.is_finite().then_some(stops)
 }
 
 /// The sum of a light's power over the colours.
@@ -65,32 +106,49 @@ const fn power(light: &Light) -> f32 {
     power.x + power.y + power.z
 }
 
-/// Shows where lights are on an image at `place`, and moves the one that is dragged, as far away as it is. Whether one is.
-pub fn handles(ui: &Ui, response: &Response, place: Rect, window: &mut Window) -> bool {
+/// A light that is held, and the image on which it is.
+#[derive(Clone, Copy)]
+struct Held {
+    image: usize,
+    light: usize,
+}
+
+/// Shows where lights are on the images at `places`, but for those that animations move, and moves the one that is dragged, as
+/// far away as it is. Whether one is.
+pub fn handles(ui: &Ui, response: &Response, places: &[Rect], window: &mut Window) -> bool {
     let (Some(lights), Some(pilot)) = (&mut window.state.lights, window.state.pilot) else { return false };
+    let Some(subject) = &window.subject else { return false };
     let camera = &pilot.camera;
-    let at = |light: &Light| light.position().and_then(|position| on_screen(camera, position, place));
-    for spot in lights.iter().filter_map(at) {
-        ui.painter().circle(spot, 4.0, Color32::from_rgb(255, 220, 120), Stroke::new(1.5, Color32::BLACK));
+    let mut seen = Vec::new();
+    for (image, place) in places.iter().enumerate() {
+        for (light, it) in lights.iter().enumerate().filter(|(light, _)| !subject.is_rigged(*light)) {
+            let spot = it.position().and_then(|position| on_screen(camera, position, *place));
+            seen.extend(spot.map(|spot| (Held { image, light }, spot)));
+        }
     }
-    let held = Id::unique("light in hand");
-    if response.drag_started() {
+    for (_, spot) in &seen {
+        ui.painter().circle(*spot, 4.0, Color32::from_rgb(255, 220, 120), Stroke::new(1.5, Color32::BLACK));
+    }
+    let in_hand = Id::unique("light in hand");
+    if response.drag_started_by(PointerButton::Primary) {
         let origin = ui.input(|input| input.pointer.press_origin());
-        let near = |light: &Light| Some(at(light)?.distance(origin?) < GRIP);
-        let taken = lights.iter().position(|light| near(light) == Some(true));
-        ui.data_mut(|data| data.insert_temp(held, taken));
+        let near = |spot: &Pos2| origin.is_some_and(|origin| spot.distance(origin) < GRIP);
+        let taken = seen.iter().find(|(_, spot)| near(spot)).map(|(held, _)| *held);
+        ui.data_mut(|data| data.insert_temp(in_hand, taken));
     }
     if response.drag_stopped() {
-        ui.data_mut(|data| data.insert_temp(held, None::<usize>));
+        ui.data_mut(|data| data.insert_temp(in_hand, None::<Held>));
     }
-    let taken = ui.data(|data| data.get_temp::<Option<usize>>(held)).flatten();
-    let (Some(light), Some(pointer)) =
-        (taken.and_then(|index| lights.get_mut(index)), response.interact_pointer_pos())
+    let Some(Held { image, light }) = ui.data(|data| data.get_temp::<Option<Held>>(in_hand)).flatten() else {
+        return false;
+    };
+    let (Some(place), Some(light), Some(pointer)) =
+        (places.get(image), lights.get_mut(light), response.interact_pointer_pos())
     else {
         return false;
     };
     if let Some(position) = light.position() {
-        let position = dragged(camera, position, place, pointer);
+        let position = dragged(camera, position, *place, pointer);
         *light = light.moved(|_| position, |direction| direction);
     }
     true
@@ -122,6 +180,20 @@ fn pixels(place: Rect) -> [usize; 2] {
 mod tests {
     use super::*;
     use eframe::egui::vec2;
+
+    #[test]
+    fn numbers_of_lights_survive_the_poles_and_the_dark() {
+        for direction in [Vec3::NEG_Y, Vec3::Y] {
+            let [height, turn] = angles(direction);
+            assert!(height.abs() == 90.0 && towards([height, turn]).dot(direction) > 0.999);
+        }
+        let [height, turn] = angles(towards([90.0, 35.0]));
+        assert!((height - STEEPEST).abs() < 0.05 && (turn - 35.0).abs() < 0.5, "{height} {turn}");
+        let light = Light::Point { position: Vec3::ZERO, intensity: Vec3::ONE, range: f32::INFINITY };
+        let dark = light.brighter(0.0);
+        assert_eq!(stops(&light.brighter(4.0), &light), Some(2.0));
+        assert_eq!((stops(&light, &dark), stops(&dark, &dark)), (None, None));
+    }
 
     #[test]
     fn a_light_goes_where_the_pointer_is_and_stays_as_far_away() {

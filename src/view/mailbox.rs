@@ -33,10 +33,15 @@ impl<T> Mailbox<T> {
         if slot.closed { None } else { slot.newest.take() }
     }
 
-    /// Whether what is being done is out of date: there is a newer order, or nobody waits for the work any more.
-    pub fn is_overtaken(&self) -> bool {
+    /// Whether what is being done is out of date: there is a newer order that `differs`, or nobody waits for the work any more.
+    pub fn is_overtaken_by(&self, differs: impl Fn(&T) -> bool) -> bool {
         let slot = self.slot();
-        slot.closed || slot.newest.is_some()
+        slot.closed || slot.newest.as_ref().is_some_and(differs)
+    }
+
+    /// Takes the newer order, if there is one, where the work that is being done suits it.
+    pub fn take_where(&self, suits: impl FnOnce(&mut T) -> bool) -> Option<T> {
+        self.slot().newest.take_if(suits)
     }
 
     /// Lets who waits go home.
@@ -60,11 +65,26 @@ mod tests {
     #[test]
     fn only_the_newest_order_is_taken() {
         let mailbox = Mailbox::default();
-        assert!(!mailbox.is_overtaken());
+        assert!(!mailbox.is_overtaken_by(|_| true));
         (0..3).for_each(|order| mailbox.put(order));
-        assert!(mailbox.is_overtaken());
+        assert!(mailbox.is_overtaken_by(|_| true));
         assert_eq!(mailbox.take(), Some(2));
-        assert!(!mailbox.is_overtaken());
+        assert!(!mailbox.is_overtaken_by(|_| true));
+    }
+
+    #[test]
+    fn work_goes_on_for_an_order_that_it_suits() {
+        let mailbox = Mailbox::default();
+        assert!(!mailbox.is_overtaken_by(|_| true));
+        mailbox.put(4);
+        assert!(
+            !mailbox.is_overtaken_by(|order| *order != 4) && mailbox.is_overtaken_by(|order| *order != 5)
+        );
+        assert_eq!(mailbox.take_where(|order| *order == 5), None);
+        assert_eq!(mailbox.take_where(|order| *order == 4), Some(4));
+        assert!(!mailbox.is_overtaken_by(|_| true));
+        mailbox.close();
+        assert!(mailbox.is_overtaken_by(|_| false));
     }
 
     #[test]
@@ -75,7 +95,7 @@ mod tests {
             move || std::iter::from_fn(|| mailbox.take()).collect::<Vec<u32>>()
         });
         mailbox.put(7);
-        while mailbox.is_overtaken() {
+        while mailbox.is_overtaken_by(|_| true) {
             thread::yield_now();
         }
         mailbox.close();

@@ -7,7 +7,9 @@ use crate::complete::listeners;
 use crate::methods::{self, TRUTH};
 use deepshade_render::methods::Quality;
 use deepshade_shaders::{Attribute, Effect};
-use eframe::egui::{Button, Color32, ComboBox, DragValue, Grid, Key, RichText, ScrollArea, Slider, Ui};
+use eframe::egui::{
+    Button, Color32, ComboBox, DragValue, Grid, Key, RichText, ScrollArea, Slider, SliderClamping, Ui,
+};
 
 /// Shows everything that can be chosen and everything that is known.
 pub fn show(ui: &mut Ui, window: &mut Window) {
@@ -23,6 +25,10 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
         truth(ui, window);
         figures(ui, window);
         passes(ui, window);
+        if let Some(note) = &window.note {
+            ui.separator();
+            ui.label(note);
+        }
         if let Some(message) = &window.message {
             ui.separator();
             ui.label(RichText::new(message).color(Color32::from_rgb(255, 120, 90)));
@@ -81,7 +87,7 @@ fn scene(ui: &mut Ui, window: &mut Window) {
         let state = &mut window.state;
         ui.horizontal(|ui| {
             ui.checkbox(&mut state.playing, "plays");
-            ui.add(Slider::new(&mut state.time, begin..=end).suffix(" s"));
+            ui.add(Slider::new(&mut state.time, begin..=end).clamping(SliderClamping::Edits).suffix(" s"));
         });
     }
 }
@@ -119,7 +125,8 @@ fn effect(ui: &mut Ui, window: &mut Window) {
     if listeners::RADIUS.contains(&wanted) {
         let mut radius = show.radius.unwrap_or(picture.radius);
         ui.horizontal(|ui| {
-            let slider = Slider::new(&mut radius, 1e-3 * subject.diagonal..=subject.diagonal);
+            let range = 1e-3 * subject.diagonal..=subject.diagonal;
+            let slider = Slider::new(&mut radius, range).clamping(SliderClamping::Edits);
             if ui.add(slider.logarithmic(true).suffix(" m").text("radius")).changed() {
                 show.radius = Some(radius);
             }
@@ -140,7 +147,12 @@ fn look(ui: &mut Ui, state: &mut State) {
             ui.selectable_value(&mut state.map, map, map.name());
         }
     });
-    ui.add(Slider::new(&mut state.stops, -6.0..=6.0).suffix(" stops").text("brighter"));
+    ui.add(
+        Slider::new(&mut state.stops, -6.0..=6.0)
+            .clamping(SliderClamping::Edits)
+            .suffix(" stops")
+            .text("brighter"),
+    );
     let inspected = &mut state.show.inspected;
     let name = inspected.map_or("none", Attribute::name);
     ComboBox::from_label("of the g-buffer").selected_text(name).show_ui(ui, |ui| {
@@ -151,9 +163,9 @@ fn look(ui: &mut Ui, state: &mut State) {
     });
     ui.horizontal(|ui| {
         let [height, width] = &mut state.show.size;
-        ui.add(DragValue::new(width).range(16..=3840));
+        ui.add(DragValue::new(width).range(16..=3840).clamp_existing_to_range(false));
         ui.label("x");
-        ui.add(DragValue::new(height).range(16..=2160));
+        ui.add(DragValue::new(height).range(16..=2160).clamp_existing_to_range(false));
         ui.label("pixels");
     });
 }
@@ -161,7 +173,8 @@ fn look(ui: &mut Ui, state: &mut State) {
 fn truth(ui: &mut Ui, window: &mut Window) {
     ui.horizontal(|ui| {
         ui.checkbox(&mut window.state.truth, "truth, up to");
-        ui.add(DragValue::new(&mut window.state.samples).range(8..=16_384).suffix(" samples"));
+        let samples = &mut window.state.samples;
+        ui.add(DragValue::new(samples).range(8..=16_384).clamp_existing_to_range(false).suffix(" samples"));
     });
     if let Some(truth) = window.truth_of_picture() {
         let noise = 100.0 * truth.noise;

@@ -1,5 +1,6 @@
 //! What the window shows, in a folder: every image as EXR and PNG, and a comparison that makes them without a window.
 
+use super::studio::Picture;
 use super::window::Window;
 use crate::compare::{Comparison, MethodChoice, Run};
 use crate::figures::write_atomically;
@@ -53,38 +54,39 @@ pub fn save(window: &Window, folder: &Path) -> Result<()> {
         });
         write_png(&folder.join(format!("{}.png", image.name)), &png)?;
     }
-    let text = format!("{}{}", head(window, folder), comparison(window)?.keys(folder)?);
+    let text = format!("{}{}", head(picture, folder), comparison(window, picture)?.keys(folder)?);
     write_atomically(&folder.join(COMPARISON), text.as_bytes())
 }
 
 /// What the comparison's file is for, and what of the window it cannot say.
-fn head(window: &Window, folder: &Path) -> String {
+fn head(picture: &Picture, folder: &Path) -> String {
     let place = folder.join(COMPARISON);
     let mut lines = vec![
         "What a window showed; without it:".to_owned(),
         format!("  deepshade compare --config {} --out FOLDER", place.display()),
     ];
-    let moved = window.subject.as_ref().is_some_and(|subject| {
-        window.state.lights.as_ref().is_some_and(|lights| *lights != subject.animated.scene.lights)
-    });
-    if moved {
+    if picture.lights != picture.subject.animated.scene.lights {
         lines.push("Lights are where the scene has them, not where they were dragged to.".to_owned());
     }
     let usual = Camera::look_at(glam::Vec3::ZERO, glam::Vec3::NEG_Z).vertical_fov;
-    if window.state.pilot.is_some_and(|pilot| pilot.camera.vertical_fov != usual) {
+    if picture.order.show.temporal {
+        lines.push("Images were mixed with those of the frames before; here they are not.".to_owned());
+    }
+    if picture.camera.vertical_fov != usual {
         lines.push(format!(
-            "The angle of view is {} degrees, not the camera's of the file.",
-            usual.to_degrees()
+            "The angle of view is {:.1} degrees, not the {:.1} of the window.",
+            usual.to_degrees(),
+            picture.camera.vertical_fov.to_degrees()
         ));
     }
     lines.iter().map(|line| format!("# {line}\n")).collect()
 }
 
 /// The comparison that makes what is shown.
-fn comparison(window: &Window) -> Result<Comparison> {
-    let (state, show) = (&window.state, &window.state.show);
+fn comparison(window: &Window, picture: &Picture) -> Result<Comparison> {
+    let (state, show, time) = (&window.state, &picture.order.show, picture.order.time);
     let args = &state.args;
-    let pilot = state.pilot.context("there is no picture yet")?;
+    let camera = picture.camera;
     let [height, width] = show.size;
     let put = args.props.all().to_vec();
     let run = Run {
@@ -99,12 +101,12 @@ fn comparison(window: &Window) -> Result<Comparison> {
         radius: show.radius.map(Radius::Metres),
         ..Run::default()
     };
-    let viewpoint = views::Viewpoint::looking(pilot.camera.position, pilot.pivot());
+    let viewpoint = views::Viewpoint::looking(camera.position, camera.position - camera.rotation.z_axis);
     let run = run.with_options(
         &args.additions,
         &views::Args::one(viewpoint, args.seed),
         samples::Args::new(Some(state.samples), None),
-        exposure_time::Args::new((state.time != 0.0).then_some(state.time), None),
+        exposure_time::Args::new((time != 0.0).then_some(time), None),
     );
     Comparison::new(None, |_| run.clone())
 }

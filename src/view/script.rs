@@ -1,12 +1,13 @@
 //! What hands would do, from a file: a line a step, `#` begins a comment.
 
+use super::pilot::Pilot;
 use super::saved;
 use super::state::{Arrangement, Map};
 use super::window::Window;
 use crate::figures::memory;
 use crate::methods;
 use crate::report::images::write_png;
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 use deepshade_render::methods::Quality;
 use deepshade_shaders::{Attribute, Effect};
 use eframe::egui::{ColorImage, Context, ScreenshotCallback, ViewportCommand, vec2};
@@ -17,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How long a step may wait for what it waits for.
+/// How long nothing may come of a step.
 const PATIENCE: Duration = Duration::from_secs(300);
 
 /// A step.
@@ -72,6 +73,8 @@ pub struct Script {
     steps: VecDeque<(usize, Step)>,
     /// When the step at the front began.
     began: Option<Instant>,
+    /// When it came on last.
+    progressed: Option<Instant>,
     /// The picture that was taken of the window, once it is there.
     taken: Arc<Mutex<Option<Arc<ColorImage>>>>,
     /// Pictures that the step at the front has seen.
@@ -107,7 +110,7 @@ impl Script {
             step(line).map(|step| (number, step)).with_context(|| format!("line {number}, `{line}`"))
         };
         let steps = lines.filter(|(_, line)| !line.is_empty()).map(read).collect::<Result<_>>()?;
-        Ok(Self { steps, began: None, taken: Arc::default(), seen: 0, memory: None })
+        Ok(Self { steps, began: None, progressed: None, taken: Arc::default(), seen: 0, memory: None })
     }
 
     /// Does the steps that can be done now.
@@ -118,9 +121,10 @@ impl Script {
             match self.take(&step, window, context, first, began.elapsed()) {
                 Ok(true) => {
                     self.steps.pop_front();
-                    (self.began, self.seen, self.memory) = (None, 0, None);
+                    (self.began, self.progressed) = (None, None);
+                    (self.seen, self.memory) = (0, None);
                 }
-                Ok(false) if began.elapsed() > PATIENCE && !matches!(step, Step::Soak(_)) => {
+                Ok(false) if self.waits_in_vain(&step, began) => {
                     let said = window.message.clone().unwrap_or_default();
                     return Progress::Failed(format!("line {number} of the script waits in vain; {said}"));
                 }
@@ -129,6 +133,12 @@ impl Script {
             }
         }
         Progress::Done
+    }
+
+    /// Whether nothing has come of a step for too long.
+    fn waits_in_vain(&self, step: &Step, began: Instant) -> bool {
+        let since = self.progressed.unwrap_or(began);
+        since.elapsed() > PATIENCE && !matches!(step, Step::Wait(_))
     }
 
     /// Begins a step or goes on with it. Whether it is done.
@@ -162,43 +172,35 @@ impl Script {
             Step::Arrange(arrangement) => state.arrangement = *arrangement,
             Step::See(map) => state.map = *map,
             Step::Inspect(attribute) => state.show.inspected = Some(*attribute),
-            Step::Orbit(degrees) => {
-                let radians = degrees.map(f32::to_radians);
-                state.pilot.iter_mut().for_each(|pilot| pilot.orbit(radians));
-            }
-            Step::Look(degrees) => {
-                let radians = degrees.map(f32::to_radians);
-                state.pilot.iter_mut().for_each(|pilot| pilot.look(radians));
-            }
-            Step::Fly(way) => state.pilot.iter_mut().for_each(|pilot| pilot.fly(*way)),
+            Step::Orbit(degrees) => return steer(window, |pilot| pilot.orbit(degrees.map(f32::to_radians))),
+            Step::Look(degrees) => return steer(window, |pilot| pilot.look(degrees.map(f32::to_radians))),
+            Step::Fly(way) => return steer(window, |pilot| pilot.fly(*way)),
             Step::Size([width, height]) => state.show.size = [*height, *width],
             Step::Resize(size) => {
                 context.send_viewport_cmd(ViewportCommand::InnerSize(vec2(size.x, size.y)));
             }
             Step::Minimise(on) => context.send_viewport_cmd(ViewportCommand::Minimized(*on)),
-            Step::WaitPicture => return Ok(window.is_up_to_date()),
+            Step::WaitPicture => return is_made(window),
             Step::WaitTruth(samples) => {
                 let enough = window.truth_of_picture().is_some_and(|truth| truth.samples >= *samples);
                 let judged = window.verdict_of_picture().is_some_and(|verdict| verdict.samples >= *samples);
-                return Ok(window.is_up_to_date()
-                    && enough
-                    && (judged || window.state.show.methods.is_empty()));
+                return Ok(is_made(window)? && enough && (judged || window.state.show.methods.is_empty()));
             }
             Step::WaitRefusal => return Ok(window.message.is_some()),
             Step::Wait(seconds) => return Ok(since.as_secs_f32() >= *seconds),
             Step::Screenshot(path) => return self.screenshot(path, context, first),
             Step::Save(folder) => saved::save(window, folder)?,
-            Step::Measure(pictures) => return Ok(self.measure(*pictures, window, since)),
-            Step::Soak(seconds) => return Ok(self.soak(*seconds, window, since)),
+            Step::Measure(pictures) => return self.measure(*pictures, window, since),
+            Step::Soak(seconds) => return self.soak(*seconds, window, since),
             Step::Quit => context.send_viewport_cmd(ViewportCommand::Close),
         }
         Ok(true)
     }
 
     /// Goes around by a degree a picture. Whether all of them are there; the first one, which may be long in coming, does not count.
-    fn measure(&mut self, pictures: u32, window: &mut Window, since: Duration) -> bool {
-        if !window.is_up_to_date() {
-            return false;
+    fn measure(&mut self, pictures: u32, window: &mut Window, since: Duration) -> Result<bool> {
+        if !is_made(window)? {
+            return Ok(false);
         }
         if self.seen == 0 {
             self.began = Some(Instant::now());
@@ -206,32 +208,36 @@ impl Script {
             let show = &window.state.show;
             let name = format!("fps_{}_{}", show.effect, show.methods.join("_")).replace('-', "_");
             window.measured(&name, f64::from(pictures) / since.as_secs_f64());
-            return true;
+            return Ok(true);
         }
+        self.go_around(window)
+    }
+
+    /// By a degree, which is not the end of the step.
+    fn go_around(&mut self, window: &mut Window) -> Result<bool> {
         self.seen += 1;
-        window.state.pilot.iter_mut().for_each(|pilot| pilot.orbit(Vec2::new(1f32.to_radians(), 0.0)));
-        false
+        self.progressed = Some(Instant::now());
+        steer(window, |pilot| pilot.orbit(Vec2::new(1f32.to_radians(), 0.0)))?;
+        Ok(false)
     }
 
     /// Goes around, and stands still at every tenth picture until truth has begun. Whether the time is over; what memory grows
     /// by is counted from a quarter of it on, when drivers have what they need.
-    fn soak(&mut self, seconds: f32, window: &mut Window, since: Duration) -> bool {
+    fn soak(&mut self, seconds: f32, window: &mut Window, since: Duration) -> Result<bool> {
         if self.memory.is_none() && since.as_secs_f32() > 0.25 * seconds {
             self.memory = memory();
         }
         let truth_began = || !window.state.truth || window.truth_of_picture().is_some();
-        if !window.is_up_to_date() || (self.seen.is_multiple_of(10) && !truth_began()) {
-            return false;
+        if !is_made(window)? || (self.seen.is_multiple_of(10) && !truth_began()) {
+            return Ok(false);
         }
         if since.as_secs_f32() >= seconds {
             if let (Some(before), Some(after)) = (self.memory, memory()) {
                 window.measured("memory_growth_mb", after - before);
             }
-            return true;
+            return Ok(true);
         }
-        self.seen += 1;
-        window.state.pilot.iter_mut().for_each(|pilot| pilot.orbit(Vec2::new(1f32.to_radians(), 0.0)));
-        false
+        self.go_around(window)
     }
 
     /// Asks for a picture of the window, and writes it once it is there.
@@ -258,6 +264,22 @@ impl Script {
         write_png(path, &picture)?;
         Ok(true)
     }
+}
+
+/// Whether the picture is what is wanted.
+///
+/// # Errors
+/// If that cannot be made, which would be waited for in vain.
+fn is_made(window: &Window) -> Result<bool> {
+    ensure!(!window.is_refused(), "no picture: {}", window.message.as_deref().unwrap_or("it was refused"));
+    Ok(window.is_up_to_date())
+}
+
+/// Moves the camera, once there is one. Whether there is.
+fn steer(window: &mut Window, how: impl FnOnce(&mut Pilot)) -> Result<bool> {
+    let Some(pilot) = &mut window.state.pilot else { return is_made(window).map(|_| false) };
+    how(pilot);
+    Ok(true)
 }
 
 /// Reads a step.

@@ -6,7 +6,7 @@ use super::studio::Show;
 use crate::learned;
 use crate::methods::{self, LEARNED, TRUTH};
 use anyhow::Result;
-use deepshade_render::scene::Light;
+use deepshade_render::scene::{Light, SceneSource};
 use deepshade_shaders::Effect;
 use std::path::Path;
 use std::sync::Arc;
@@ -65,6 +65,14 @@ impl Map {
     }
 }
 
+/// A scene that was shown, to come back to where another one cannot be read.
+struct Before {
+    source: SceneSource,
+    pilot: Option<Pilot>,
+    lights: Option<Vec<Light>>,
+    time: f32,
+}
+
 /// What hands have chosen.
 pub struct State {
     /// What the command line says.
@@ -91,6 +99,7 @@ pub struct State {
     pub truth: bool,
     /// Samples of a pixel at which truth rests.
     pub samples: u32,
+    before: Option<Before>,
 }
 
 impl State {
@@ -132,7 +141,26 @@ impl State {
             borders: Vec::new(),
             truth: true,
             samples: args.spp,
+            before: None,
         })
+    }
+
+    /// Shows another scene, of which nothing is known yet. The one that is left is kept where it `was_read`.
+    pub fn open(&mut self, source: SceneSource, was_read: bool) {
+        let left = std::mem::replace(&mut self.show.source, source);
+        let (pilot, lights) = (self.pilot.take(), self.lights.take());
+        if was_read {
+            self.before = Some(Before { source: left, pilot, lights, time: self.time });
+        }
+        self.time = 0.0;
+    }
+
+    /// Shows the scene before this one as it was left. Whether there was one.
+    pub fn go_back(&mut self) -> bool {
+        let Some(Before { source, pilot, lights, time }) = self.before.take() else { return false };
+        self.show.source = source;
+        (self.pilot, self.lights, self.time) = (pilot, lights, time);
+        true
     }
 
     /// Computes another effect, by its first methods.

@@ -1,6 +1,7 @@
 //! The thread that makes frames: a scene on the GPU and the methods that are wanted. It has a device of its own, so that
 //! the window stays awake while a frame takes its time, and outlives a device that is lost.
 
+use super::caught::caught;
 use super::mailbox::Mailbox;
 use super::pictures::Developed;
 use super::subject::Subject;
@@ -17,9 +18,9 @@ use deepshade_render::methods::Quality;
 use deepshade_render::scene::{Camera, Light, SceneSource};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Attribute, Effect, Planes};
+use std::fmt::{Display, Formatter};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
 
 /// What is made of every frame; where this changes, the scene goes to the GPU anew.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +43,12 @@ pub struct Show {
     pub inspected: Option<Attribute>,
     /// Folder of the trained network; by default the usual one of the effect.
     pub model: Option<PathBuf>,
+}
+
+impl Display for Show {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} of {} by {}", self.effect, self.source, self.methods.join(", "))
+    }
 }
 
 /// A frame that is wanted.
@@ -81,19 +88,18 @@ pub struct Picture {
     pub inspected: Option<Developed>,
     /// Milliseconds of passes, as far as they are known.
     pub passes: Vec<Pass>,
-    /// Milliseconds from the order to the picture.
-    pub milliseconds: f64,
 }
 
 /// Makes what is ordered until the mailbox is closed.
 pub fn run(args: &Args, orders: &Mailbox<Order>, tell: &dyn Fn(News)) {
     let mut studio = Studio::default();
     while let Some(order) = orders.take() {
-        match studio.make(args, order, tell) {
+        let doing = order.show.to_string();
+        match caught(&doing, || studio.make(args, order, tell)) {
             Ok(picture) => tell(News::Picture(Box::new(picture))),
             Err(error) => {
                 studio = Studio::default();
-                tell(News::Refused(format!("{error:#}")));
+                tell(News::NoPicture(format!("{error:#}")));
             }
         }
     }
@@ -120,7 +126,6 @@ struct Set {
 
 impl Studio {
     fn make(&mut self, args: &Args, order: Order, tell: &dyn Fn(News)) -> Result<Picture> {
-        let start = Instant::now();
         let show = &order.show;
         let subject = self.subject(args, show, tell)?;
         let camera = order.camera.unwrap_or(subject.pilot.camera);
@@ -132,7 +137,7 @@ impl Studio {
             }
         };
         let set = self.set.insert(set);
-        let lights = order.lights.clone().unwrap_or_else(|| subject.animated.scene.lights.clone());
+        let lights = subject.lights(order.lights.as_deref());
         set.live.set_lights(&lights);
         if let Some(times) = set.live.make(order.time, order.number, &camera)? {
             self.passes = set.live.passes().into_iter().zip(times).collect();
@@ -148,19 +153,7 @@ impl Studio {
             inspected.transpose()?.map(|(attribute, values)| Developed::of_attribute(attribute, values));
         let passes = self.passes.iter().cloned().chain(of_processor).collect();
         let radius = set.radius;
-        let milliseconds = start.elapsed().as_secs_f64() * 1e3;
-        Ok(Picture {
-            subject,
-            camera,
-            lights,
-            radius,
-            exposure,
-            images,
-            inspected,
-            passes,
-            milliseconds,
-            order,
-        })
+        Ok(Picture { subject, camera, lights, radius, exposure, images, inspected, passes, order })
     }
 
     /// The scene, read anew where another one is wanted or another effect of it.

@@ -10,6 +10,7 @@ use anyhow::Result;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::{AnimatedScene, Light, Look, SceneSource};
 use deepshade_shaders::Effect;
+use glam::Vec3;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// A scene with all that an effect needs of it.
@@ -26,6 +27,8 @@ pub struct Subject {
     pub added: Vec<String>,
     /// Diagonal of the scene, metres.
     pub diagonal: f32,
+    /// Which of its lights animations move.
+    rigged: Vec<bool>,
     props: props::Args,
     /// The scene for rays, at the moment that was asked for last.
     traced: Mutex<Option<(f32, Arc<TracedScene>)>>,
@@ -57,22 +60,41 @@ impl Subject {
             pilot: Pilot::new(staged.camera, staged.distance()),
             added: staged.added,
             diagonal: staged.diagonal,
+            rigged: rigged(&staged.animated),
             animated: staged.animated,
             props: args.props.clone(),
             traced: Mutex::new(None),
         })
     }
 
-    /// The scene at a moment, seconds, under these lights, ready for rays.
+    /// The lights that hands have left, where they are this scene's: as many, and of the same kinds. Else its own.
+    pub fn lights(&self, hands: Option<&[Light]>) -> Vec<Light> {
+        let own = &self.animated.scene.lights;
+        hands.filter(|hands| fit(hands, own)).unwrap_or(own).to_vec()
+    }
+
+    /// Whether an animation moves one of its lights, so that hands cannot.
+    pub fn is_rigged(&self, light: usize) -> bool {
+        self.rigged.get(light) == Some(&true)
+    }
+
+    /// For how long its animations last, seconds; 0 where nothing moves.
+    pub fn moves_for(&self) -> f32 {
+        self.animated.span().map_or(0.0, |[begin, end]| end - begin)
+    }
+
+    /// The scene at a moment, seconds, under these lights, but for those that animations move, ready for rays.
     ///
     /// # Errors
     /// If its file has gone meanwhile.
     pub fn traced(&self, time: f32, lights: &[Light]) -> Result<Arc<TracedScene>> {
         let traced = self.at(time)?;
+        let mut lights = lights.to_vec();
+        self.animated.light(&mut lights, time);
         if traced.scene().lights == lights {
             return Ok(traced);
         }
-        let look = Look { lights: lights.to_vec(), ..traced.scene().look() };
+        let look = Look { lights, ..traced.scene().look() };
         Ok(Arc::new(traced.with_look(look)?))
     }
 
@@ -93,5 +115,35 @@ impl Subject {
         let traced = Arc::new(TracedScene::new(scene)?);
         *kept = Some((time, Arc::clone(&traced)));
         Ok(traced)
+    }
+}
+
+/// Whether lights are as many, and of the same kinds.
+fn fit(some: &[Light], others: &[Light]) -> bool {
+    let kinds = |lights: &[Light]| lights.iter().map(std::mem::discriminant).collect::<Vec<_>>();
+    kinds(some) == kinds(others)
+}
+
+/// Which lights animations move: those that they bring back from elsewhere.
+fn rigged(animated: &AnimatedScene) -> Vec<bool> {
+    let away = |light: &Light| light.moved(|place| place + Vec3::ONE, |direction| -direction);
+    let elsewhere: Vec<Light> = animated.scene.lights.iter().map(away).collect();
+    let mut back = elsewhere.clone();
+    let begin = animated.span().map_or(0.0, |[begin, _]| begin);
+    animated.light(&mut back, begin);
+    back.iter().zip(&elsewhere).map(|(back, elsewhere)| back != elsewhere).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lights_fit_where_they_are_as_many_and_of_the_same_kinds() {
+        let point = Light::Point { position: Vec3::ZERO, intensity: Vec3::ONE, range: f32::INFINITY };
+        let sun = Light::Directional { direction: Vec3::NEG_Y, irradiance: Vec3::ONE, pattern: None };
+        let dim = point.brighter(0.5);
+        assert!(fit(&[point, sun], &[dim, sun]));
+        assert!(!fit(&[point], &[point, sun]) && !fit(&[sun], &[point]));
     }
 }

@@ -1,6 +1,7 @@
 //! The thread that refines truth for as long as nobody moves: path traced on all cores but one, kept for each view.
 
 use super::News;
+use super::caught::caught;
 use super::mailbox::Mailbox;
 use super::pictures::Developed;
 use super::subject::Subject;
@@ -10,16 +11,20 @@ use anyhow::Result;
 use deepshade_render::metrics::exposure;
 use deepshade_render::path::estimate::SCRAMBLINGS;
 use deepshade_render::path::{Refinement, Shot};
-use deepshade_render::scene::{Camera, Light};
-use deepshade_shaders::Planes;
-use std::sync::Arc;
+use deepshade_render::scene::{Camera, Light, SceneSource};
+use deepshade_shaders::{Effect, Planes};
+use std::sync::Weak;
 use std::time::Instant;
 
 /// What truth is of.
 #[derive(Clone)]
 pub struct Sight {
-    /// The scene.
-    pub subject: Arc<Subject>,
+    /// Where the scene is from.
+    pub source: SceneSource,
+    /// What is computed of it.
+    pub effect: Effect,
+    /// The scene, as long as the window shows it: truth that is kept keeps no scenes.
+    pub subject: Weak<Subject>,
     /// From where it is seen.
     pub camera: Camera,
     /// When, seconds.
@@ -33,8 +38,9 @@ pub struct Sight {
 }
 
 impl PartialEq for Sight {
+    /// A scene that was read again is the same one.
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.subject, &other.subject)
+        (&self.source, self.effect) == (&other.source, other.effect)
             && (self.camera, self.time, &self.lights, self.radius, self.size)
                 == (other.camera, other.time, &other.lights, other.radius, other.size)
     }
@@ -56,8 +62,13 @@ pub struct Order {
 }
 
 impl Order {
+    /// Whether what is traced for another order is what this one wants, and it wants more than rest.
+    fn goes_on(&self, other: &Self) -> bool {
+        (&self.sight, self.seed) == (&other.sight, other.seed) && self.samples > 0
+    }
+
     fn developed(&self, values: Planes) -> Developed {
-        let suits = || Exposure::new(self.sight.subject.effect, &values, None).brighter(self.stops);
+        let suits = || Exposure::new(self.sight.effect, &values, None).brighter(self.stops);
         let exposure = self.exposure.unwrap_or_else(suits);
         Developed::new(TRUTH, values, exposure)
     }
@@ -98,7 +109,8 @@ pub fn run(orders: &Mailbox<Order>, tell: &(dyn Fn(News) + Sync)) {
             tell(News::Truth(Truth { image, ..truth.clone() }));
         }
         let samples = before.as_ref().map_or(0, |truth| truth.samples);
-        let refined = pool.install(|| refine(orders, &order, samples, tell));
+        let doing = format!("truth of {} of {}", order.sight.effect, order.sight.source);
+        let refined = caught(&doing, || pool.install(|| refine(orders, order, samples, tell)));
         match refined {
             Ok(refined) => known.extend(refined.or(before)),
             Err(error) => tell(News::Refused(format!("truth: {error:#}"))),
@@ -110,10 +122,11 @@ pub fn run(orders: &Mailbox<Order>, tell: &(dyn Fn(News) + Sync)) {
 }
 
 /// Refines truth until there are samples enough or there is another order, and tells of each pass that has more samples than
-/// are known. Gives the last of these.
+/// are known. Gives the last of these. An order of the same sight that is only shown otherwise, or wants other numbers of
+/// samples, goes on with what there is.
 fn refine(
     orders: &Mailbox<Order>,
-    order: &Order,
+    mut order: Order,
     known: u32,
     tell: &(dyn Fn(News) + Sync),
 ) -> Result<Option<Truth>> {
@@ -121,27 +134,31 @@ fn refine(
         return Ok(None);
     }
     let start = Instant::now();
-    let Sight { subject, camera, time, lights, radius, size } = &order.sight;
-    let scene = subject.traced(*time, lights)?;
-    let shot = Shot::new(&scene, camera, *size, *radius);
-    let mut refinement = Refinement::new(subject.effect, &shot, SCRAMBLINGS, order.seed);
-    let mut best = None;
+    let sight = order.sight.clone();
+    let Some(subject) = sight.subject.upgrade() else { return Ok(None) };
+    let scene = subject.traced(sight.time, &sight.lights)?;
+    let shot = Shot::new(&scene, &sight.camera, sight.size, sight.radius);
+    let mut refinement = Refinement::new(sight.effect, &shot, SCRAMBLINGS, order.seed);
+    let mut best: Option<Truth> = None;
     while refinement.samples() < order.samples {
         let each = (refinement.samples() / SCRAMBLINGS).max(1);
         let left = (order.samples - refinement.samples()).div_ceil(SCRAMBLINGS);
-        refinement.refine(each.min(left), |_, _| !orders.is_overtaken(), |_| {});
-        if orders.is_overtaken() {
+        let overtaken = || orders.is_overtaken_by(|newer| !newer.goes_on(&order));
+        refinement.refine(each.min(left), |_, _| !overtaken(), |_| {});
+        if overtaken() {
             break;
+        }
+        if let Some(newer) = orders.take_where(|newer| newer.goes_on(&order)) {
+            order = newer;
         }
         let estimate = refinement.estimate();
         if estimate.samples <= known {
             continue;
         }
-        let noise =
-            estimate.noise_relmse(exposure(subject.effect, &estimate.mean)).unwrap_or(f64::NAN).sqrt();
+        let noise = estimate.noise_relmse(exposure(sight.effect, &estimate.mean)).unwrap_or(f64::NAN).sqrt();
         let samples = estimate.samples;
         let truth = Truth {
-            sight: order.sight.clone(),
+            sight: sight.clone(),
             image: order.developed(estimate.mean),
             samples,
             noise,

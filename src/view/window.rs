@@ -4,7 +4,7 @@ use super::canvas::{self, Shown};
 use super::judge::{Case, Verdict};
 use super::script::{Progress, Script};
 use super::state::{Map, State};
-use super::studio::{Order, Picture};
+use super::studio::{Order, Picture, Show};
 use super::subject::Subject;
 use super::truth::{self, Sight, Truth};
 use super::{Desk, News, panel, saved};
@@ -44,8 +44,18 @@ impl Outcome {
     }
 }
 
+/// For how long something that was said can be read.
+const READ: Duration = Duration::from_secs(20);
 /// For how long nobody must have moved before truth begins.
 const STILL: Duration = Duration::from_millis(250);
+
+/// An order that is being worked on.
+struct Ordered {
+    order: Order,
+    since: Instant,
+    /// Hands have chosen another scene or effect meanwhile: nobody wants the picture any more.
+    outdated: bool,
+}
 
 /// The window.
 pub struct Window {
@@ -61,6 +71,8 @@ pub struct Window {
     pub verdict: Option<Verdict>,
     /// What could not be done last.
     pub message: Option<String>,
+    /// What was done last that nothing else shows.
+    pub note: Option<String>,
     /// Pictures a second.
     pub rate: f32,
     desk: Desk,
@@ -68,20 +80,32 @@ pub struct Window {
     outcome: Arc<Mutex<Outcome>>,
     began: Instant,
     moved: Instant,
-    /// The order that is being worked on, and since when.
-    ordered: Option<(Order, Instant)>,
+    /// When the message or the note was said.
+    said: Instant,
+    /// What is being worked on.
+    ordered: Option<Ordered>,
     /// What the newest picture was ordered as.
     made: Option<Order>,
+    /// The order that could not be made last.
+    refused: Option<Order>,
     asked: Option<truth::Order>,
+    /// The picture's number and truth's samples that the judge has seen last.
     judged: Option<(u32, u32)>,
+    /// When the animation was advanced last.
+    played: Option<Instant>,
     exposure: Option<Exposure>,
     textures: HashMap<(String, Map), TextureHandle>,
 }
 
 impl Window {
-    /// A window before its first picture.
-    pub fn new(state: State, desk: Desk, script: Option<Script>, outcome: Arc<Mutex<Outcome>>) -> Self {
-        let now = Instant::now();
+    /// A window before its first picture, of a program that `began` some time ago.
+    pub fn new(
+        state: State,
+        desk: Desk,
+        script: Option<Script>,
+        outcome: Arc<Mutex<Outcome>>,
+        began: Instant,
+    ) -> Self {
         Self {
             state,
             subject: None,
@@ -89,16 +113,20 @@ impl Window {
             truth: None,
             verdict: None,
             message: None,
+            note: None,
+            said: Instant::now(),
             rate: 0.0,
             desk,
             script,
             outcome,
-            began: now,
-            moved: now,
+            began,
+            moved: Instant::now(),
             ordered: None,
             made: None,
+            refused: None,
             asked: None,
             judged: None,
+            played: None,
             exposure: None,
             textures: HashMap::new(),
         }
@@ -109,6 +137,11 @@ impl Window {
         self.ordered.is_none() && self.made.as_ref().is_some_and(|made| !self.differs(made))
     }
 
+    /// Whether what hands want cannot be made.
+    pub fn is_refused(&self) -> bool {
+        self.ordered.is_none() && self.refused.as_ref().is_some_and(|refused| !self.differs(refused))
+    }
+
     /// Truth of what the newest picture shows, where some is known.
     pub fn truth_of_picture(&self) -> Option<&Truth> {
         let sight = self.sight()?;
@@ -117,8 +150,9 @@ impl Window {
 
     /// The verdict of the newest picture, beside the truth that is shown.
     pub fn verdict_of_picture(&self) -> Option<&Verdict> {
-        let number = self.picture.as_ref()?.order.number;
-        self.verdict.as_ref().filter(|verdict| verdict.number == number && self.truth_of_picture().is_some())
+        let (sight, show) = (self.sight()?, &self.picture.as_ref()?.order.show);
+        let suits = |verdict: &&Verdict| verdict.sight == sight && verdict.show == *show;
+        self.verdict.as_ref().filter(suits).filter(|_| self.truth_of_picture().is_some())
     }
 
     /// Opens what was dropped onto the window.
@@ -137,10 +171,8 @@ impl Window {
 
     /// Shows another scene.
     pub fn open_scene(&mut self, source: SceneSource) {
-        self.state.show.source = source;
-        self.state.pilot = None;
-        self.state.lights = None;
-        self.state.time = 0.0;
+        let was_read = self.subject.as_ref().is_some_and(|subject| subject.source == self.state.show.source);
+        self.state.open(source, was_read);
         self.changed();
     }
 
@@ -148,7 +180,10 @@ impl Window {
     pub fn save(&mut self) {
         let folder = saved::free_folder();
         match saved::save(self, &folder) {
-            Ok(()) => self.message = Some(format!("saved in {}", folder.display())),
+            Ok(()) => {
+                self.note = Some(format!("saved in {}", folder.display()));
+                self.said = Instant::now();
+            }
             Err(error) => self.refuse(format!("{error:#}")),
         }
     }
@@ -162,13 +197,20 @@ impl Window {
     pub fn refuse(&mut self, what: String) {
         self.outcome().refusals += 1;
         self.message = Some(what);
+        self.said = Instant::now();
     }
 
-    /// Forgets what was known of other effects and scenes.
+    /// Forgets what was known of other effects and scenes: among it their lights, of which effects add some.
     pub fn changed(&mut self) {
-        self.exposure = None;
-        self.made = None;
-        self.message = None;
+        self.state.lights = None;
+        (self.message, self.note) = (None, None);
+        self.forget();
+    }
+
+    fn forget(&mut self) {
+        (self.exposure, self.made, self.refused) = (None, None, None);
+        self.ordered.iter_mut().for_each(|ordered| ordered.outdated = true);
+        self.textures.retain(|(_, map), _| *map == Map::Image);
         self.moved = Instant::now();
     }
 
@@ -177,8 +219,12 @@ impl Window {
         let Some(picture) = &self.picture else { return Vec::new() };
         let truth = self.truth_of_picture().map(|truth| &truth.image);
         let all = picture.images.iter().chain(truth).chain(&picture.inspected);
+        let verdict = self.verdict_of_picture();
+        let is_judged = |name: &str| {
+            verdict.is_some_and(|verdict| verdict.judged.iter().any(|judged| judged.name == name))
+        };
         let seen = |name: &str| {
-            let map = self.textures.get(&(name.to_owned(), self.state.map));
+            let map = self.textures.get(&(name.to_owned(), self.state.map)).filter(|_| is_judged(name));
             map.or_else(|| self.textures.get(&(name.to_owned(), Map::Image)))
         };
         all.filter_map(|image| {
@@ -194,47 +240,60 @@ impl Window {
     fn hear(&mut self, context: &Context) {
         while let Ok(news) = self.desk.news.try_recv() {
             match news {
-                News::Subject(subject) => self.meet(subject),
+                News::Subject(subject) => self.meet(&subject),
                 News::Picture(picture) => self.take(context, picture),
                 News::Truth(truth) => {
                     self.show(context, &truth.image.name, Map::Image, &truth.image.picture);
                     self.truth = Some(truth);
                 }
                 News::Judged(verdict) => self.take_verdict(context, verdict),
-                News::Refused(what) => {
-                    // What cannot be made is not asked for again until hands change something.
-                    self.made = self.ordered.take().map(|(order, _)| order).or(self.made.take());
-                    self.refuse(what);
-                }
+                News::NoPicture(what) => self.give_up(what),
+                News::Refused(what) => self.refuse(what),
             }
         }
     }
 
-    fn meet(&mut self, subject: Arc<Subject>) {
-        let same_place = self.subject.as_ref().is_some_and(|known| known.source == subject.source);
-        let pilot = self.state.pilot.filter(|_| same_place).unwrap_or(subject.pilot);
-        let mut pilot = pilot;
+    /// Does not ask for what cannot be made again until hands change something, and comes back from a scene that cannot be read.
+    fn give_up(&mut self, what: String) {
+        self.refuse(what);
+        let Some(Ordered { mut order, outdated: false, .. }) = self.ordered.take() else { return };
+        let was_read = self.subject.as_ref().is_some_and(|subject| subject.source == order.show.source);
+        if !was_read && order.show.source == self.state.show.source && self.state.go_back() {
+            return self.forget();
+        }
+        // What was not known when it was ordered was learned meanwhile.
+        order.camera = order.camera.or(self.state.pilot.map(|pilot| pilot.camera));
+        order.lights = order.lights.or_else(|| self.state.lights.clone());
+        self.refused = Some(order);
+    }
+
+    /// Knows the scene that hands have chosen, and stays where they are in it. One that they have left meanwhile is not met.
+    fn meet(&mut self, subject: &Arc<Subject>) {
+        let show = &self.state.show;
+        if (&subject.source, subject.effect) != (&show.source, show.effect) {
+            return;
+        }
+        let pilot = self.state.pilot.get_or_insert(subject.pilot);
         pilot.camera.lens = subject.pilot.camera.lens;
-        self.state.pilot = Some(pilot);
-        // Another effect may have given the scene another lamp.
-        self.state.lights = Some(subject.animated.scene.lights.clone());
-        self.subject = Some(subject);
+        self.state.lights = Some(subject.lights(self.state.lights.as_deref()));
+        self.subject = Some(Arc::clone(subject));
     }
 
     fn take(&mut self, context: &Context, picture: Box<Picture>) {
-        if let Some((_, since)) = self.ordered.take() {
-            self.rate = 1.0 / since.elapsed().as_secs_f32().max(1e-3);
-        }
+        let Some(Ordered { since, outdated: false, .. }) = self.ordered.take() else { return };
+        self.rate = 1.0 / since.elapsed().as_secs_f32().max(1e-3);
+        self.meet(&picture.subject);
         for image in picture.images.iter().chain(&picture.inspected) {
             self.show(context, &image.name, Map::Image, &image.picture);
         }
-        let suits = picture.exposure.map(|exposure| exposure.brighter(-self.state.stops));
+        // Only one that the studio has chosen is as suits the image.
+        let suits = picture.exposure.filter(|_| picture.order.exposure.is_none());
         self.exposure = self.exposure.or(suits);
         let mut made = picture.order.clone();
         made.camera = Some(picture.camera);
         made.lights = Some(picture.lights.clone());
         made.exposure = picture.exposure;
-        self.made = Some(made);
+        (self.made, self.refused) = (Some(made), None);
         let seconds = self.began.elapsed().as_secs_f64();
         let mut outcome = self.outcome();
         outcome.pictures += 1;
@@ -284,31 +343,33 @@ impl Window {
             || order.exposure.is_some_and(|exposure| Some(exposure) != other.exposure)
     }
 
+    /// Whether what is wanted now looks upon something else than an order: truth does not hear of methods and brightness.
+    fn looks_elsewhere(&self, other: &Order) -> bool {
+        let order = self.order(other.number);
+        let place = |show: &Show| (show.source.clone(), show.effect, show.radius, show.size);
+        (place(&order.show), order.camera, order.time, &order.lights)
+            != (place(&other.show), other.camera, other.time, &other.lights)
+    }
+
+    /// Orders what is wanted: one at a time, so that none is overtaken for ever while somebody moves.
     fn order_picture(&mut self) {
-        let busy_with = self.ordered.as_ref().map(|(order, _)| order);
-        let newest = busy_with.or(self.made.as_ref());
-        if let Some(newest) = newest
-            && !self.differs(newest)
-        {
-            // Mixing with frames before goes on while nothing moves.
-            if !self.state.show.temporal || busy_with.is_some() {
-                return;
-            }
-        }
-        // One order at a time, so that none is overtaken for ever while somebody moves.
-        if busy_with.is_some() {
+        let is_made = self.made.as_ref().is_some_and(|made| !self.differs(made));
+        // Mixing with frames before goes on while nothing moves.
+        if self.ordered.is_some() || self.is_refused() || (is_made && !self.state.show.temporal) {
             return;
         }
         let number = self.picture.as_ref().map_or(0, |picture| picture.order.number + 1);
         let order = self.order(number);
         self.desk.studio.put(order.clone());
-        self.ordered = Some((order, Instant::now()));
+        self.ordered = Some(Ordered { order, since: Instant::now(), outdated: false });
     }
 
     fn sight(&self) -> Option<Sight> {
         let picture = self.picture.as_ref()?;
         Some(Sight {
-            subject: Arc::clone(&picture.subject),
+            source: picture.subject.source.clone(),
+            effect: picture.subject.effect,
+            subject: Arc::downgrade(&picture.subject),
             camera: picture.camera,
             time: picture.order.time,
             lights: picture.lights.clone(),
@@ -320,7 +381,8 @@ impl Window {
     /// Orders truth of what stands still, and lets it rest where something moves.
     fn order_truth(&mut self) {
         let (Some(sight), Some(picture)) = (self.sight(), &self.picture) else { return };
-        let still = self.is_up_to_date() && self.moved.elapsed() > STILL && !self.state.playing;
+        let seen = self.made.as_ref().is_some_and(|made| !self.looks_elsewhere(made));
+        let still = seen && self.moved.elapsed() > STILL && !self.plays();
         let samples = if still && self.state.truth { self.state.samples } else { 0 };
         let resting = self.asked.as_ref().is_none_or(|asked| asked.samples == 0);
         let (exposure, stops, seed) = (picture.exposure, self.state.stops, self.state.args.seed);
@@ -339,13 +401,20 @@ impl Window {
             return;
         }
         self.desk.judge.put(Case {
-            number: what.0,
-            samples: what.1,
-            effect: picture.subject.effect,
+            sight: truth.sight.clone(),
+            show: picture.order.show.clone(),
+            samples: truth.samples,
             truth: Arc::clone(&truth.image.values),
             images: picture.images.clone(),
         });
         self.judged = Some(what);
+    }
+
+    /// Takes back what was said long ago, but not why there is no picture.
+    fn fade(&mut self) {
+        if self.said.elapsed() > READ && !self.is_refused() {
+            (self.message, self.note) = (None, None);
+        }
     }
 
     fn follow_script(&mut self, context: &Context) {
@@ -361,22 +430,25 @@ impl Window {
         context.request_repaint_after(Duration::from_millis(20));
     }
 
+    /// Whether something moves by itself.
+    fn plays(&self) -> bool {
+        self.state.playing && self.subject.as_ref().is_some_and(|subject| subject.moves_for() > 0.0)
+    }
+
+    /// Goes on with the animation by the time that has gone, whenever there is room for a picture.
     fn play(&mut self, context: &Context) {
         let span = self.subject.as_ref().and_then(|subject| subject.animated.span());
-        let Some([begin, end]) = span.filter(|[begin, end]| self.state.playing && end > begin) else {
+        let Some([begin, end]) = span.filter(|_| self.plays()) else {
+            self.played = None;
             return;
         };
         if self.ordered.is_none() {
-            let step = context.input(|input| input.stable_dt).min(0.2) + self.last_frame();
+            let before = self.played.replace(Instant::now());
+            let step = before.map_or(0.0, |before| before.elapsed().as_secs_f32());
             self.state.time = begin + (self.state.time + step - begin).rem_euclid(end - begin);
             self.moved = Instant::now();
         }
         context.request_repaint();
-    }
-
-    /// Seconds that the newest picture took.
-    fn last_frame(&self) -> f32 {
-        self.picture.as_ref().map_or(0.0, |picture| picture.milliseconds as f32 / 1e3)
     }
 }
 
@@ -384,11 +456,12 @@ impl eframe::App for Window {
     fn logic(&mut self, context: &Context, _: &mut eframe::Frame) {
         self.hear(context);
         self.follow_script(context);
+        self.fade();
         self.play(context);
         self.order_picture();
         self.order_truth();
         self.order_verdict();
-        if !self.is_up_to_date() || self.moved.elapsed() <= STILL {
+        if !(self.is_up_to_date() || self.is_refused()) || self.moved.elapsed() <= STILL {
             context.request_repaint_after(Duration::from_millis(30));
         }
     }

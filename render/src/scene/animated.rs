@@ -77,6 +77,11 @@ impl AnimatedScene {
         let spans = self.rigs.iter().map(Rig::span);
         spans.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
+
+    /// Moves the scene's lights, or such as stand for them, to where animations have them at a time, seconds.
+    pub fn light(&self, lights: &mut [Light], time: f32) {
+        self.rigs.iter().for_each(|rig| rig.light(lights, time));
+    }
 }
 
 impl Scene {
