@@ -25,6 +25,11 @@ const SEED: u32 = 1;
 /// What of a collision is scattered.
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.92, 0.95);
 
+/// What its g-buffer holds: what the passes read, and light, without which a frame draws no shadow maps and lamps shine
+/// through everything.
+const ATTRIBUTES: [Attribute; 5] =
+    [Attribute::Position, Attribute::Normal, Attribute::Light, Attribute::Diffuse, Attribute::Valid];
+
 /// The frame.
 pub struct Subject<'a> {
     /// Where it is shaded.
@@ -41,7 +46,7 @@ impl<'a> Subject<'a> {
     /// If the scene cannot be read or the device has no room.
     pub fn new(gpu: &'a Gpu, source: &SceneSource, Size { width, height }: Size) -> Result<Self> {
         let (scene, camera) = foggy(&source.trace(0.0)?, [height, width])?;
-        let attributes = vec![Attribute::Position, Attribute::Normal, Attribute::Diffuse, Attribute::Valid];
+        let attributes = ATTRIBUTES.to_vec();
         let settings = Settings { height, width, attributes, shadow_size: SHADOW_SIZE };
         let mut frame = Frame::new(gpu, &scene.scene().clone().into(), &settings)?;
         frame.set(&gpu.queue, 0.0, 0.0, &camera);
