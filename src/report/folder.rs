@@ -86,7 +86,7 @@ impl Folder {
                 let name = entry.file_name().to_string_lossy().into_owned();
                 // A link may lead anywhere.
                 let frame = entry.file_type()?.is_dir() && name.starts_with(FRAME_PREFIX);
-                if !frame || !(entry.path().join(RECORD).is_file() || is_numbered(&name)) {
+                if !frame || !entry.path().join(RECORD).is_file() {
                     return Ok(());
                 }
                 clear(&entry.path(), frames.iter().find(|frame| frame.folder == name))
@@ -118,7 +118,7 @@ pub fn check(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// What a folder holds beside no report of ours; frames of one that was never finished do not count.
+/// What a folder holds beside no report of ours; one that was never finished has a description already.
 fn foreign(folder: &Path) -> io::Result<Option<String>> {
     let text = |name: &str| {
         let bytes = fs::read(folder.join(name)).unwrap_or_default();
@@ -134,8 +134,7 @@ fn foreign(folder: &Path) -> io::Result<Option<String>> {
     let names: Vec<_> =
         fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name())).collect::<io::Result<_>>()?;
     let names = names.iter().map(|name| name.to_string_lossy().into_owned());
-    let own = |name: &String| name.starts_with(FRAME_PREFIX) || name == LOCK;
-    Ok(names.into_iter().find(|name| !own(name)))
+    Ok(names.into_iter().find(|name| name != LOCK))
 }
 
 /// Deletes images in a frame's folder but for those of a record, and the folder where it is empty then.
@@ -156,12 +155,6 @@ fn clear(folder: &Path, record: Option<&FrameRecord>) -> io::Result<()> {
         Err(error) if error.kind() != ErrorKind::DirectoryNotEmpty => Err(error),
         _ => Ok(()),
     }
-}
-
-/// Whether earlier versions of the program gave folders of frames names like this.
-fn is_numbered(name: &str) -> bool {
-    name.strip_prefix(FRAME_PREFIX)
-        .is_some_and(|index| index.len() >= 2 && index.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
 /// Deletes a file, if it is there.
