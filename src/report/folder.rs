@@ -6,7 +6,7 @@ use super::{PAGE, images};
 use crate::figures::write_atomically;
 use anyhow::{Context, Result, bail};
 use deepshade_shaders::atomic_file;
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, DirEntry, File, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
@@ -118,7 +118,7 @@ pub fn check(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// What a folder holds beside no report of ours; one that was never finished has a description already.
+/// What a folder holds beside no report of ours; frames of one that was never finished do not count.
 fn foreign(folder: &Path) -> io::Result<Option<String>> {
     let text = |name: &str| {
         let bytes = fs::read(folder.join(name)).unwrap_or_default();
@@ -131,10 +131,15 @@ fn foreign(folder: &Path) -> io::Result<Option<String>> {
     if began {
         return Ok(None);
     }
-    let names: Vec<_> =
-        fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name())).collect::<io::Result<_>>()?;
-    let names = names.iter().map(|name| name.to_string_lossy().into_owned());
-    Ok(names.into_iter().find(|name| name != LOCK))
+    let mut others = fs::read_dir(folder)?.filter(|entry| !entry.as_ref().is_ok_and(is_own));
+    let first = others.next().transpose()?;
+    Ok(first.map(|entry| entry.file_name().to_string_lossy().into_owned()))
+}
+
+/// Whether something in a folder is of a report that was never finished.
+fn is_own(entry: &DirEntry) -> bool {
+    let name = entry.file_name();
+    name == LOCK || (name.to_string_lossy().starts_with(FRAME_PREFIX) && entry.path().join(RECORD).is_file())
 }
 
 /// Deletes images in a frame's folder but for those of a record, and the folder where it is empty then.

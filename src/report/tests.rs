@@ -200,6 +200,10 @@ fn a_folder_that_holds_something_else_is_refused_and_left_as_it_is() {
         assert_eq!(std::fs::read_dir(folder.path()).expect("entries").count(), 1);
         std::fs::remove_file(place(name)).expect("removed");
     }
+    std::fs::create_dir(place("frame-01")).expect("made");
+    let error = Folder::open(folder.path()).expect_err("one's own frames").to_string();
+    assert!(error.contains("frame-01"), "{error}");
+    std::fs::remove_dir(place("frame-01")).expect("removed");
     // What a report leaves that was killed while it was written.
     written(folder.path(), &[("one", &["hbao"])]);
     std::fs::remove_file(place("index.html")).expect("removed");
