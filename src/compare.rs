@@ -196,7 +196,10 @@ fn make_all(
         }
         let (effect, contest) = (settings.effect, &contests[*run]);
         let run = &comparison.runs[*run];
-        let completed = completed(run, stages.get(stage)?, view, effect)?;
+        let mut completed = completed(run, stages.get(stage)?, view, effect)?;
+        if completed.scene.scene().glow.is_some() {
+            completed.scene = stage.remembered(completed.scene)?;
+        }
         let medium = || ("medium".to_owned(), run.additions().heard_by(effect).medium_in_words());
         let medium = listeners::MEDIUM.contains(&effect).then(medium);
         let added = added.iter().map(|added| ("added".to_owned(), added.clone()));

@@ -2,8 +2,10 @@
 
 mod additions;
 pub mod listeners;
+mod past;
 
 pub use additions::Additions;
+pub use past::{moves, remembered};
 
 use anyhow::{Result, ensure};
 use deepshade_dataset::vary::Lamp;

@@ -3,18 +3,19 @@
 use crate::figures::Figures;
 use crate::learned::{self, Learned};
 use crate::methods::{self, LEARNED};
+use crate::place::Place;
 use anyhow::{Context, Result, bail};
 use deepshade_dataset::progress::in_words;
 use deepshade_dataset::target;
 use deepshade_dataset::{
-    Dataset, Recipe, Shard, TargetMethod, TestSet, contact_sheet, generate_by, generate_shard, merge,
-    test_sheet, verify,
+    Dataset, Recipe, Shard, Summary, TargetMethod, TestSet, contact_sheet, generate_by, generate_shard,
+    merge, test_sheet, verify,
 };
 use deepshade_render::method::{Frame, Method, MethodError, Repeats, Shaded};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, lists};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -62,9 +63,9 @@ impl RecipeArgs {
 pub struct Generate {
     #[command(flatten)]
     recipe: RecipeArgs,
-    /// Folder of the dataset, or of the shard.
+    /// Folder of the dataset, or of the shard, or an address such as s3://bucket/ao.
     #[arg(long)]
-    out: PathBuf,
+    out: Place,
     /// Makes one part alone, such as 2/5: the second of five.
     #[arg(long)]
     shard: Option<Shard>,
@@ -79,12 +80,12 @@ pub struct Generate {
     Every file is checked; a shard that is missing, unfinished, damaged or of other data is named. Interrupted, the same \
     command goes on.")]
 pub struct Merge {
-    /// Folders of all shards, in any order.
+    /// Folders or addresses of all shards, in any order.
     #[arg(required = true)]
-    shards: Vec<PathBuf>,
-    /// Folder of the dataset.
+    shards: Vec<Place>,
+    /// Folder or address of the dataset.
     #[arg(long)]
-    out: PathBuf,
+    out: Place,
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
@@ -94,8 +95,8 @@ pub struct Merge {
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  deepshade dataset verify data/ao")]
 pub struct Verify {
-    /// Folder of the dataset.
-    dataset: PathBuf,
+    /// Folder or address of the dataset.
+    dataset: Place,
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
@@ -107,8 +108,8 @@ pub struct Verify {
                   Frames of a test set are rendered again but for their truth, whose tiles are shown on black where the \
                   set holds no whole image.")]
 pub struct Show {
-    /// Folder of the dataset or of the test set.
-    dataset: PathBuf,
+    /// Folder or address of the dataset or of the test set.
+    dataset: Place,
     /// Folder that the scene files of a test set are relative to, where it is not the one that the set says.
     #[arg(long)]
     scenes: Option<PathBuf>,
@@ -133,9 +134,9 @@ pub struct Show {
 pub struct Testset {
     #[command(flatten)]
     recipe: RecipeArgs,
-    /// Folder of the test set.
+    /// Folder or address of the test set.
     #[arg(long)]
-    out: PathBuf,
+    out: Place,
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
@@ -148,7 +149,7 @@ pub struct Testset {
 pub fn run(verb: &Verb) -> Result<()> {
     match verb {
         Verb::Generate(args) => generate_pairs(args),
-        Verb::Merge(args) => merge_shards(args),
+        Verb::Merge(args) => merge_places(&args.shards, &args.out, args.json.as_deref()),
         Verb::Verify(args) => verify_pairs(args),
         Verb::Show(args) => show_pairs(args),
         Verb::Testset(args) => make_testset(args),
@@ -186,15 +187,26 @@ impl Method for OneAtATime {
     }
 }
 
+/// Makes the pairs of a recipe, or of one of its shards, at a place.
+///
+/// # Errors
+/// If the recipe or a scene is at fault, or the place is in use, holds other data or cannot be written.
+pub fn made(recipe: &Recipe, place: &Place, shard: Option<Shard>) -> Result<Summary> {
+    let method = target_method(recipe)?;
+    let method = method.as_deref().map(|method| method as TargetMethod<'_>);
+    let out = place.begin()?;
+    let summary = match shard {
+        Some(shard) => generate_shard(recipe, &out, method, shard)?,
+        None => generate_by(recipe, &out, method)?,
+    };
+    place.finish()?;
+    Ok(summary)
+}
+
 fn generate_pairs(args: &Generate) -> Result<()> {
     let recipe = args.recipe.load()?;
     let start = Instant::now();
-    let method = target_method(&recipe)?;
-    let method = method.as_deref().map(|method| method as TargetMethod<'_>);
-    let summary = match args.shard {
-        Some(shard) => generate_shard(&recipe, &args.out, method, shard)?,
-        None => generate_by(&recipe, &args.out, method)?,
-    };
+    let summary = made(&recipe, &args.out, args.shard)?;
     let seconds = start.elapsed().as_secs_f64();
     let mut figures = Figures::new("dataset generate");
     figures.set("pairs", summary.pairs as f64);
@@ -206,46 +218,53 @@ fn generate_pairs(args: &Generate) -> Result<()> {
     say!(
         "{} pairs in {}, {} of them rendered now in {seconds:.0} s, {:.1} MB",
         summary.pairs,
-        args.out.display(),
+        args.out,
         summary.rendered,
         summary.bytes as f64 / 1e6
     )
 }
 
-fn merge_shards(args: &Merge) -> Result<()> {
-    let pairs = merge(&args.shards, &args.out)?;
+/// Puts the shards of a dataset together.
+///
+/// # Errors
+/// If one is missing, unfinished, damaged or of other data, or a place cannot be read or written.
+pub fn merge_places(shards: &[Place], out: &Place, json: Option<&Path>) -> Result<()> {
+    let folders = shards.iter().map(Place::read).collect::<Result<Vec<_>>>()?;
+    let pairs = merge(&folders, &out.begin()?)?;
+    out.finish()?;
     let mut figures = Figures::new("dataset merge");
     figures.set("pairs", pairs as f64);
-    figures.set("shards", args.shards.len() as f64);
-    figures.write(args.json.as_deref())?;
-    say!("{pairs} pairs of {} shards in {}", args.shards.len(), args.out.display())
+    figures.set("shards", shards.len() as f64);
+    figures.write(json)?;
+    say!("{pairs} pairs of {} shards in {out}", shards.len())
 }
 
 fn verify_pairs(args: &Verify) -> Result<()> {
-    let report = verify(&args.dataset)?;
+    let report = verify(&args.dataset.read()?)?;
     let mut figures = Figures::new("dataset verify");
     figures.set("pairs", report.pairs as f64);
     figures.set("faults", report.faults.len() as f64);
     figures.detail("faults", serde_json::to_value(&report.faults).context("faults as JSON")?);
     figures.write(args.json.as_deref())?;
     if report.faults.is_empty() {
-        return say!("{}: {} pairs, all sound", args.dataset.display(), report.pairs);
+        return say!("{}: {} pairs, all sound", args.dataset, report.pairs);
     }
     // Whether anybody reads them or not, faults make the check fail.
     let _ = report.faults.iter().try_for_each(|fault| say!("{}: {}", fault.file, fault.what));
-    bail!("{}: {} of {} pairs or files at fault", args.dataset.display(), report.faults.len(), report.pairs)
+    bail!("{}: {} of {} pairs or files at fault", args.dataset, report.faults.len(), report.pairs)
 }
 
 fn show_pairs(args: &Show) -> Result<()> {
     let wanted = args.pairs.into();
-    let (pairs, shown) = if TestSet::is_in(&args.dataset) {
-        let set = TestSet::open(&args.dataset)?;
+    let folder = args.dataset.read()?;
+    let (pairs, shown) = if TestSet::is_in(&folder) {
+        let set = TestSet::open(&folder)?;
         let set = args.scenes.iter().fold(set, |set, folder| set.with_scenes(folder));
         let frames = lists::spread(set.frames().len(), wanted);
         test_sheet(&set, &frames, &args.out)?;
         (set.frames().len(), frames.len())
     } else {
-        let dataset = Dataset::open(&args.dataset)?;
+        let dataset = Dataset::open(&folder)?;
         let pairs = lists::spread(dataset.len(), wanted);
         contact_sheet(&dataset, &pairs, &args.out)?;
         (dataset.len(), pairs.len())
@@ -264,11 +283,15 @@ fn make_testset(args: &Testset) -> Result<()> {
         Some(_) => Duration::ZERO,
         None => TestSet::estimate(&recipe)?,
     };
-    note!("{} will take about {} from nothing", args.out.display(), in_words(expected));
+    note!("{} will take about {} from nothing", args.out, in_words(expected));
     let start = Instant::now();
     let method = target_method(&recipe)?;
-    let set =
-        TestSet::generate_by(&recipe, &args.out, method.as_deref().map(|method| method as TargetMethod<'_>))?;
+    let set = TestSet::generate_by(
+        &recipe,
+        &args.out.begin()?,
+        method.as_deref().map(|method| method as TargetMethod<'_>),
+    )?;
+    args.out.finish()?;
     let taken = start.elapsed();
     let hours = |duration: Duration| duration.as_secs_f64() / 3600.0;
     let mut figures = Figures::new("dataset testset");
@@ -277,5 +300,5 @@ fn make_testset(args: &Testset) -> Result<()> {
     figures.set("hours_expected", hours(expected));
     figures.detail("recipe", json!(args.recipe.recipe));
     figures.write(args.json.as_deref())?;
-    say!("{} frames in {}, made in {}", set.frames().len(), args.out.display(), in_words(taken))
+    say!("{} frames in {}, made in {}", set.frames().len(), args.out, in_words(taken))
 }

@@ -10,12 +10,14 @@ mod score;
 use crate::figures::Figures;
 use crate::learned;
 use crate::methods::{self, TRUTH};
+use crate::place::Place;
 use crate::statistics::Estimate;
 use crate::table;
 use anyhow::{Result, bail, ensure};
 use deepshade_dataset::TestSet;
 use deepshade_infer::Model;
 use deepshade_render::methods::Quality;
+use deepshade_render::methods::dials::Tuning;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, lists};
 use rivals::{Rival, rivals, trivial_name};
@@ -41,12 +43,12 @@ pub struct Args {
     /// How much time analytic methods may take for a better image: one or several of low, medium, high, ultra.
     #[arg(long, value_delimiter = ',', default_value = "high")]
     quality: Vec<Quality>,
-    /// Folder of the network; by default models/EFFECT, and models/ao without --effect.
+    /// Folder or address of the network; by default models/EFFECT, and models/ao without --effect.
     #[arg(long)]
-    model: Option<PathBuf>,
-    /// Folder of the test set; by default `testset` in the model's folder.
+    model: Option<Place>,
+    /// Folder or address of the test set; by default `testset` in the model's folder.
     #[arg(long)]
-    testset: Option<PathBuf>,
+    testset: Option<Place>,
     /// All networks of the folder `models` that have a test set, beside the figures of the paper's Table 7.1.
     #[arg(long, conflicts_with_all = ["effect", "methods", "model", "testset", "curve"])]
     all: bool,
@@ -153,7 +155,8 @@ fn judge(contest: &Contest, args: &Args, gpu: &Gpu) -> Result<Judgement> {
     qualities.sort_unstable();
     qualities.dedup();
     let model = network.as_ref().map(|(_, model)| model);
-    let mut rivals = rivals(*effect, &args.methods, &qualities, gpu, model)?;
+    let tunings: Vec<Tuning> = qualities.into_iter().map(Tuning::from).collect();
+    let mut rivals = rivals(*effect, &args.methods, &tunings, gpu, model)?;
     let fog = set.recipe().vary.as_ref().and_then(|vary| vary.fog);
     if fog.is_some_and(|fog| fog.smoke_share > 0.0) {
         let by_name = !args.methods.iter().any(|name| name == "all");
@@ -170,14 +173,17 @@ fn judge(contest: &Contest, args: &Args, gpu: &Gpu) -> Result<Judgement> {
 
 /// What the command line names.
 fn contest(args: &Args) -> Result<Contest> {
-    let usual = || learned::usual_folder(args.effect.unwrap_or(Effect::Ao));
-    let folder = args.model.clone().unwrap_or_else(usual);
+    let usual = || Place::Folder(learned::usual_folder(args.effect.unwrap_or(Effect::Ao)));
+    let place = args.model.clone().unwrap_or_else(usual);
+    let folder = place.read()?;
     // A network that is asked for must be there.
-    let optional = args.model.is_none() && args.effect.is_some() && !folder.join("net.json").exists();
+    let optional = args.model.is_none() && args.effect.is_some() && !learned::is_network(&folder);
     let model = (!optional).then(|| learned::network(&folder, args.effect)).transpose()?;
     let effect = args.effect.or(model.as_ref().map(|model| model.spec.effect)).unwrap_or(Effect::Ao);
-    let set = testset(&args.testset.clone().unwrap_or_else(|| folder.join("testset")), effect, args)?;
-    Ok(Contest { effect, network: model.map(|model| (networks::figure_name(&folder), model)), set })
+    let testset_folder = args.testset.as_ref().map_or_else(|| Ok(folder.join("testset")), Place::read)?;
+    let set = testset(&testset_folder, effect, args)?;
+    let name = networks::figure_name(Path::new(&place.to_string()));
+    Ok(Contest { effect, network: model.map(|model| (name, model)), set })
 }
 
 fn testset(folder: &Path, effect: Effect, args: &Args) -> Result<TestSet> {

@@ -157,10 +157,15 @@ fn curves(lab: &Lab) -> Plot {
     for Run { name, loss, lines: measured } in lab.runs() {
         let validation =
             measured.iter().filter_map(|line| Some((line.step as f64, line.validation_loss?.into())));
-        lines.push(Line { name: name.clone(), points: validation.collect(), style: Style::Curve });
+        lines.push(Line {
+            name: name.clone(),
+            points: validation.collect(),
+            style: Style::Curve,
+            colour: None,
+        });
         if loss == Loss::Dssim {
             let training = measured.iter().map(|line| (line.step as f64, line.loss.into()));
-            lines.push(Line { name, points: training.collect(), style: Style::Companion });
+            lines.push(Line { name, points: training.collect(), style: Style::Companion, colour: None });
         }
     }
     Plot {

@@ -1,6 +1,7 @@
 //! `deepshade export`: from a training run to a model folder.
 
 use crate::figures::Figures;
+use crate::place::Place;
 use crate::wgsl_folder;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::vary::Surroundings;
@@ -27,24 +28,24 @@ const LICENCE: &str = "MIT OR Apache-2.0";
     --wgsl writes a commented compute shader and packed weights for every layer, network.json with the passes and what \
     they bind, and HOST.md, which says what a host must do.")]
 pub struct Args {
-    /// Folder of the training run.
+    /// Folder or address of the training run.
     #[arg(long, requires = "out")]
-    run: Option<PathBuf>,
-    /// Folder of the model to be written.
+    run: Option<Place>,
+    /// Folder or address of the model to be written.
     #[arg(long, requires = "run", conflicts_with = "model")]
-    out: Option<PathBuf>,
-    /// Folder of a model that is there.
+    out: Option<Place>,
+    /// Folder or address of a model that is there.
     #[arg(long, requires = "wgsl")]
-    model: Option<PathBuf>,
+    model: Option<Place>,
     /// Folder for WGSL files, which are replaced.
     #[arg(long)]
     wgsl: Option<PathBuf>,
     /// Feature maps of the WGSL files in half floats.
     #[arg(long, requires = "wgsl")]
     half: bool,
-    /// Folder of the dataset that the run was trained on, where it has moved since.
+    /// Folder or address of the dataset that the run was trained on, where it has moved since.
     #[arg(long)]
-    dataset: Option<PathBuf>,
+    dataset: Option<Place>,
     /// What `deepshade eval --json` wrote about this network, for the card.
     #[arg(long)]
     metrics: Option<PathBuf>,
@@ -60,8 +61,12 @@ pub struct Args {
 /// the run has no network to export, or the folder cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     let (name, model) = match (&args.run, &args.out, &args.model) {
-        (Some(run), Some(out), _) => (out, exported(args, run, out)?),
-        (_, _, Some(model)) => (model, Model::load(model)?),
+        (Some(run), Some(out), _) => {
+            let model = exported(args, &run.read()?, &out.begin()?)?;
+            out.finish()?;
+            (out, model)
+        }
+        (_, _, Some(model)) => (model, Model::load(&model.read()?)?),
         _ => anyhow::bail!("--run with --out, or --model with --wgsl"),
     };
     if let Some(folder) = &args.wgsl {
@@ -72,18 +77,19 @@ pub fn run(args: &Args) -> Result<()> {
     let mut figures = Figures::new("export");
     figures.set("weights", weights as f64);
     figures.write(args.json.as_deref())?;
-    say!("{}: {}, {weights} weights", name.display(), model.spec.effect)?;
+    say!("{name}: {}, {weights} weights", model.spec.effect)?;
     args.wgsl.as_ref().map_or(Ok(()), |folder| say!("{}: see HOST.md there", folder.display()))
 }
 
 /// The model of a training run, written to its folder.
 fn exported(args: &Args, run: &Path, out: &Path) -> Result<Model> {
     let config = TrainConfig::load(run)?;
-    let dataset = args.dataset.as_ref().unwrap_or(&config.dataset);
-    let manifest = Manifest::load(dataset)
+    let dataset =
+        args.dataset.as_ref().map(Place::read).transpose()?.unwrap_or_else(|| config.dataset.clone());
+    let manifest = Manifest::load(&dataset)
         .context("the card names the training data; --dataset says where they are now")?;
     ensure!(
-        Manifest::file_hash(dataset)? == config.data_hash,
+        Manifest::file_hash(&dataset)? == config.data_hash,
         "{}: not the data that {} was trained on",
         dataset.display(),
         run.display()

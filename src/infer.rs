@@ -3,6 +3,7 @@
 use crate::arguments::positive;
 use crate::engine::Engine;
 use crate::figures::Figures;
+use crate::place::Place;
 use crate::radius::{self, Space};
 use anyhow::{Context, Result, anyhow, ensure};
 use deepshade_infer::{Model, NetSpec};
@@ -22,9 +23,9 @@ use std::path::PathBuf;
     own g-buffers` states unit, sign and space of every layer that a network may read."
 )]
 pub struct Args {
-    /// Folder of the network.
+    /// Folder or address of the network.
     #[arg(long)]
-    model: PathBuf,
+    model: Place,
     /// G-buffer, an EXR file.
     #[arg(long)]
     gbuffer: PathBuf,
@@ -46,7 +47,7 @@ pub struct Args {
 /// # Errors
 /// If model or g-buffer cannot be read or do not fit each other, the GPU fails, or the image cannot be written.
 pub fn run(args: &Args) -> Result<()> {
-    let model = Model::load(&args.model)?;
+    let model = Model::load(&args.model.read()?)?;
     let file = exr_file::read(&args.gbuffer)?;
     let gbuffer = gbuffer(&file, &model.spec)?;
     let radius = match args.radius {
@@ -66,7 +67,7 @@ pub fn run(args: &Args) -> Result<()> {
     let effect = model.spec.effect;
     let metadata = Metadata::from([
         ("gbuffer".to_owned(), args.gbuffer.display().to_string()),
-        ("model".to_owned(), args.model.display().to_string()),
+        ("model".to_owned(), args.model.to_string()),
         ("radius_metres".to_owned(), radius.to_string()),
     ]);
     exr_file::write(&args.out, &[Layer::image(effect.name(), &image)], &metadata)?;

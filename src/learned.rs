@@ -1,9 +1,13 @@
 //! The method `learned`: a trained network, run by `infer`.
 
+#[cfg(feature = "train")]
+pub mod run;
+
 use crate::engine::Engine;
 use crate::methods::LEARNED;
 use anyhow::{Result, ensure};
 use deepshade_infer::forward::ForwardError;
+use deepshade_infer::model::{SPEC, WEIGHTS};
 use deepshade_infer::{Model, NetSpec};
 use deepshade_render::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
 use deepshade_shaders::gpu::Gpu;
@@ -15,16 +19,62 @@ pub fn usual_folder(effect: Effect) -> PathBuf {
     Path::new("models").join(effect.name())
 }
 
-/// The network in a folder.
+/// Whether a folder holds a network: a model, or a training run.
+pub fn is_network(folder: &Path) -> bool {
+    is_model(folder) || is_run(folder)
+}
+
+fn is_model(folder: &Path) -> bool {
+    folder.join(SPEC).is_file()
+}
+
+/// Whether a folder holds a training run and no model.
+#[cfg(feature = "train")]
+pub fn is_run(folder: &Path) -> bool {
+    !is_model(folder) && run::is_run(folder)
+}
+
+/// A program that cannot train knows no runs.
+#[cfg(not(feature = "train"))]
+const fn is_run(_: &Path) -> bool {
+    false
+}
+
+/// The files in a network's folder by which it is told from others.
+pub fn files(folder: &Path) -> [PathBuf; 2] {
+    #[cfg(feature = "train")]
+    if is_run(folder) {
+        return run::FILES.map(|name| folder.join(name));
+    }
+    [SPEC, WEIGHTS].map(|name| folder.join(name))
+}
+
+/// What the network in a folder computes; of a training run, before it has weights.
+///
+/// # Errors
+/// If there is none or it is damaged.
+#[cfg(feature = "view")]
+pub fn effect(folder: &Path) -> Result<Effect> {
+    #[cfg(feature = "train")]
+    if is_run(folder) {
+        return Ok(run::spec(folder)?.effect);
+    }
+    Ok(network(folder, None)?.spec.effect)
+}
+
+/// The network in a folder: a model, or what a training run has come to.
 ///
 /// # Errors
 /// If there is none, it is damaged, or it computes another effect than the one that is wanted.
 pub fn network(folder: &Path, effect: Option<Effect>) -> Result<Model> {
     let place = folder.display();
     ensure!(
-        folder.join("net.json").is_file(),
+        is_network(folder),
         "no network in {place}: train one (`deepshade train`) and bring it there (`deepshade export --run RUN --out {place}`)"
     );
+    #[cfg(feature = "train")]
+    let model = if is_run(folder) { run::newest(folder)? } else { Model::load(folder)? };
+    #[cfg(not(feature = "train"))]
     let model = Model::load(folder)?;
     let (made, wanted) = (model.spec.effect, effect.unwrap_or(model.spec.effect));
     ensure!(made == wanted, "the network in {place} is for {made}, not for {wanted}");

@@ -9,6 +9,8 @@ use crate::learned::Learned;
 use crate::methods::LEARNED;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::truth;
+#[cfg(feature = "view")]
+use deepshade_infer::Model;
 use deepshade_render::method::Repeats;
 use deepshade_render::raster::Frame;
 use deepshade_render::raster::frame::{Settings, Stage};
@@ -130,6 +132,23 @@ impl Live {
     #[cfg(feature = "view")]
     pub fn set_lights(&mut self, lights: &[Light]) {
         self.frame.set_lights(&self.gpu.queue, lights);
+    }
+
+    /// Runs the network with other weights from the next frame on. Whether it is the same but for these, and can; without a
+    /// network nothing is left to do.
+    ///
+    /// # Errors
+    /// If the device refuses.
+    #[cfg(feature = "view")]
+    pub fn train(&mut self, model: &Model) -> Result<bool> {
+        for shading in &mut self.shading {
+            let Running::Network(learned) = &mut shading.method else { continue };
+            if *learned.spec() != model.spec {
+                return Ok(false);
+            }
+            **learned = Learned::new(&self.gpu, model)?;
+        }
+        Ok(true)
     }
 
     /// Makes the frame of a moment, seen by a camera. Gives the milliseconds of each pass: of this frame, or, by the GPU's

@@ -20,17 +20,21 @@ mod experiment;
 #[cfg(feature = "train")]
 mod export;
 mod exposure_time;
+mod farm;
 mod figures;
 mod infer;
+mod interrupt;
 mod kernels;
 mod learned;
 mod live;
 mod methods;
 #[cfg(feature = "train")]
 mod onnxruntime;
+mod parameters;
 #[cfg(feature = "train")]
 mod parity;
 mod phosphor;
+mod place;
 #[cfg_attr(
     not(feature = "train"),
     expect(dead_code, reason = "curves and companions are drawn by studies only")
@@ -43,6 +47,8 @@ mod report;
 mod samples;
 mod scene;
 mod statistics;
+#[cfg(feature = "store")]
+mod store;
 mod table;
 #[cfg(feature = "train")]
 mod train;
@@ -75,6 +81,12 @@ enum Verb {
         after_help = "Example:\n  deepshade dataset generate dataset/recipes/ao.toml --out data/ao"
     )]
     Dataset(dataset::Verb),
+    /// Makes a dataset on many machines, by Slurm, Ray or Kubernetes.
+    #[command(
+        subcommand,
+        after_help = "Example:\n  deepshade farm plan dataset/recipes/ao.toml --out /shared/ao --shards 200 --engine slurm --jobs /shared/jobs/ao"
+    )]
+    Farm(farm::Verb),
     /// Trains a network on a dataset; the same command resumes.
     #[cfg(feature = "train")]
     Train(train::Args),
@@ -88,6 +100,8 @@ enum Verb {
     Parity(parity::Args),
     /// Compares methods on scenes: images, errors, milliseconds and a page to look at.
     Compare(compare::Args),
+    /// Lists methods and what of each can be set.
+    Methods(parameters::Args),
     /// Shows a scene in a window, by several methods at once, beside truth.
     #[cfg(feature = "view")]
     View(view::Args),
@@ -101,7 +115,7 @@ enum Verb {
     /// Checks truth against Mitsuba 3; `cargo xtask crosscheck` sets it up and calls this.
     #[command(hide = true)]
     Crosscheck(crosscheck::Args),
-    /// Phosphorescent materials: those that are known, and those that are measured.
+    /// Phosphorescent materials: those that are known, are measured, or are asked for by how they should look.
     #[command(
         subcommand,
         after_help = "Example:\n  deepshade phosphor fit measured --states 2 --out paint.toml"
@@ -114,11 +128,13 @@ enum Verb {
 
 fn main() -> ExitCode {
     let cli = Cli::from_arg_matches(&with_negative_numbers(Cli::command()).get_matches());
+    interrupt::watch();
     let result = match cli.unwrap_or_else(|error| error.exit()).verb {
         Verb::Demo(args) => demo::run(&args),
         Verb::Scene(args) => scene::run(&args),
         Verb::Render(args) => render::run(&args),
         Verb::Dataset(verb) => dataset::run(&verb),
+        Verb::Farm(verb) => farm::run(&verb),
         #[cfg(feature = "train")]
         Verb::Train(args) => train::run(&args),
         #[cfg(feature = "train")]
@@ -127,6 +143,7 @@ fn main() -> ExitCode {
         #[cfg(feature = "train")]
         Verb::Parity(args) => parity::run(&args),
         Verb::Compare(args) => compare::run(&args),
+        Verb::Methods(args) => parameters::run(&args),
         #[cfg(feature = "view")]
         Verb::View(args) => view::run(&args),
         Verb::Eval(args) => eval::run(&args),

@@ -4,14 +4,19 @@ use crate::learned::Learned;
 use anyhow::{Context, Result, bail, ensure};
 use deepshade_infer::Model;
 use deepshade_render::method::Method;
+use deepshade_render::methods::bounced_z::BouncedZ;
+use deepshade_render::methods::dials::{self, Dial, Tunable, Tuning};
+use deepshade_render::methods::shafts::{Integration, Shafts};
+use deepshade_render::methods::subsurface::FromScreen;
+use deepshade_render::methods::surfel::Surfel;
 use deepshade_render::methods::{
     Quality, aov, bounced_z, epipolar, epipolar_sampling, fog_march, froxel, fxaa, gather, gpu_epipolar,
-    gtao, hbao, lpv, min_max, phosphor, prefiltered, ray_march, reconstruction, ring_gather, separable,
-    shafts::Shafts, ssdo, ssgi, subsurface, surfel, volume_shell,
+    gtao, hbao, lpv, min_max, phosphor, prefiltered, ray_march, reconstruction, ring_gather, separable, ssdo,
+    ssgi, surfel, volume_shell,
 };
-use deepshade_render::screen::ScreenMethod;
+use deepshade_render::screen::{Compiled, ScreenMethod, Technique};
 use deepshade_shaders::Effect;
-use deepshade_shaders::gpu::{Gpu, GpuError};
+use deepshade_shaders::gpu::Gpu;
 
 /// The name of truth, which is no [`Method`]: it is always rendered, and the others are measured against it.
 pub const TRUTH: &str = "truth";
@@ -29,8 +34,8 @@ pub struct Setup<'a> {
     pub gpu: &'a Gpu,
     /// The network of `learned`.
     pub model: Option<&'a Model>,
-    /// How much time analytic methods may take.
-    pub quality: Quality,
+    /// How much time analytic methods may take, and what is set by hand.
+    pub tuning: &'a Tuning,
 }
 
 /// A method that can be asked for by name.
@@ -40,28 +45,25 @@ struct Entry {
     kind: Kind,
 }
 
-/// Compiles a method for a device, at a quality.
-type OpenScreen = fn(&Gpu, Quality) -> Result<Box<dyn ScreenMethod>, GpuError>;
-
-/// Makes a method that runs on the processor, at a quality.
-type OpenOnProcessor = fn(Quality) -> Box<dyn Method>;
-
 /// How a method is opened.
 enum Kind {
     /// A trained network.
     Learned,
-    /// One that shades the screen in passes.
-    Screen(OpenScreen),
+    /// One that shades the screen in passes, which are compiled for a device.
+    Screen(fn(&Gpu, &Tuning) -> Result<Box<dyn ScreenMethod>>, Dials),
     /// One that runs on the processor.
-    Processor(OpenOnProcessor),
+    Processor(fn(&Tuning) -> Result<Box<dyn Method>>, Dials),
 }
+
+/// What can be set of a method, in a quality.
+type Dials = fn(Quality) -> Vec<Dial>;
 
 impl Entry {
     fn open(&self, setup: Setup<'_>) -> Result<Box<dyn Method>> {
         let method: Box<dyn Method> = match self.kind {
             Kind::Learned => Box::new(Learned::new(setup.gpu, setup.model.context("no model is given")?)?),
-            Kind::Screen(open) => Box::new(open(setup.gpu, setup.quality)?),
-            Kind::Processor(open) => open(setup.quality),
+            Kind::Screen(open, _) => Box::new(open(setup.gpu, setup.tuning)?),
+            Kind::Processor(open, _) => open(setup.tuning)?,
         };
         let (made, wanted) = (method.effect(), self.effect);
         ensure!(made == wanted, "it computes `{made}`, not `{wanted}`");
@@ -81,125 +83,42 @@ const ALL: [Entry; 46] = [
     learned(Effect::Aa),
     learned(Effect::Multi),
     learned(Effect::Real),
-    screen(Effect::Ao, "gtao", |gpu, quality| {
-        Ok(Box::new(gtao::Gtao::new(gpu, gtao::Parameters::of(quality))?))
-    }),
-    screen(Effect::Ao, "hbao", |gpu, quality| {
-        Ok(Box::new(hbao::Hbao::new(gpu, hbao::Parameters::of(quality))?))
-    }),
-    screen(Effect::Ao, "surfel", |gpu, quality| {
-        Ok(Box::new(surfel::occlusion::SurfelOcclusion::new(gpu, surfel::Parameters::of(quality).into())?))
-    }),
-    screen(Effect::Ao, "bounced-z", |gpu, quality| {
-        Ok(Box::new(bounced_z::occlusion::BouncedOcclusion::new(
-            gpu,
-            bounced_z::Parameters::of(quality).into(),
-        )?))
-    }),
-    screen(Effect::Ao, "aov", |gpu, _| Ok(Box::new(aov::OcclusionVolumes::new(gpu, aov::Volumes)?))),
-    screen(Effect::Ao, "aov-bounced-z", |gpu, quality| {
-        Ok(Box::new(aov::BouncedVolumes::new(gpu, aov::bounced::Parameters::of(quality))?))
-    }),
-    screen(Effect::Do, "ssdo", |gpu, quality| {
-        Ok(Box::new(ssdo::Ssdo::new(gpu, ssdo::Parameters::of(quality))?))
-    }),
-    screen(Effect::Do, "surfel", |gpu, quality| {
-        Ok(Box::new(surfel::directional::SurfelDirectional::new(
-            gpu,
-            surfel::Parameters::of(quality).into(),
-        )?))
-    }),
-    screen(Effect::Gi, "ssgi", |gpu, quality| {
-        Ok(Box::new(ssgi::Ssgi::new(gpu, ssgi::Parameters::of(quality))?))
-    }),
-    screen(Effect::Gi, "surfel", |gpu, quality| {
-        Ok(Box::new(surfel::indirect::SurfelIndirect::new(gpu, surfel::Parameters::of(quality).into())?))
-    }),
-    screen(Effect::Gi, "bounced-z", |gpu, quality| {
-        Ok(Box::new(bounced_z::indirect::BouncedIndirect::new(
-            gpu,
-            bounced_z::Parameters::of(quality).into(),
-        )?))
-    }),
-    screen(Effect::Gi, "lpv", |gpu, quality| {
-        Ok(Box::new(lpv::LightVolume::new(gpu, lpv::Parameters::of(quality))?))
-    }),
-    screen(Effect::FogMultiple, "lpv", |gpu, quality| {
-        let parameters = lpv::Parameters::of(quality);
-        Ok(Box::new(lpv::in_medium::MultipleScattering::new(gpu, lpv::in_medium::Multiple(parameters))?))
-    }),
-    screen(Effect::Glossy, "surfel", |gpu, quality| {
-        Ok(Box::new(surfel::glossy::SurfelGlossy::new(gpu, surfel::Parameters::of(quality).into())?))
-    }),
-    screen(Effect::Glossy, "bounced-z", |gpu, quality| {
-        Ok(Box::new(bounced_z::glossy::BouncedGlossy::new(gpu, bounced_z::Parameters::of(quality).into())?))
-    }),
-    screen(Effect::FogIndirect, "volume-shell", |gpu, quality| {
-        Ok(Box::new(volume_shell::VolumeShell::new(gpu, volume_shell::Parameters::of(quality))?))
-    }),
-    screen(Effect::FogIndirect, "lpv", |gpu, quality| {
-        let medium = lpv::passes::Pixel { medium: true, surface: false };
-        let indirect = lpv::in_medium::Indirect(lpv::Parameters::of(quality), medium);
-        Ok(Box::new(lpv::in_medium::IndirectScattering::new(gpu, indirect)?))
-    }),
-    screen(Effect::Ibl, "prefiltered", |gpu, quality| {
-        Ok(Box::new(prefiltered::Prefiltered::new(gpu, prefiltered::Parameters::of(quality))?))
-    }),
-    screen(Effect::Sss, "separable", |gpu, quality| {
-        Ok(Box::new(separable::Separable::new(gpu, separable::Parameters::of(quality))?))
-    }),
-    screen(Effect::Sss, "gather", |gpu, quality| {
-        Ok(Box::new(gather::Gather::new(gpu, gather::Parameters::of(quality))?))
-    }),
-    screen(Effect::Subsurface, "separable", |gpu, quality| {
-        Ok(Box::new(subsurface::SeparableSubsurface::new(
-            gpu,
-            subsurface::FromScreen(separable::Parameters::of(quality)),
-        )?))
-    }),
-    screen(Effect::Subsurface, "gather", |gpu, quality| {
-        Ok(Box::new(subsurface::GatherSubsurface::new(
-            gpu,
-            subsurface::FromScreen(gather::Parameters::of(quality)),
-        )?))
-    }),
-    screen(Effect::Subsurface, "surfel", |gpu, quality| {
-        Ok(Box::new(surfel::scattering::SurfelScattering::new(gpu, surfel::Parameters::of(quality).into())?))
-    }),
-    screen(Effect::Dof, "ring-gather", |gpu, quality| {
-        Ok(Box::new(ring_gather::RingGather::new(gpu, ring_gather::Parameters::of(quality))?))
-    }),
-    screen(Effect::MotionBlur, "reconstruction", |gpu, quality| {
-        Ok(Box::new(reconstruction::Reconstruction::new(gpu, reconstruction::Parameters::of(quality))?))
-    }),
-    screen(Effect::Aa, "fxaa", |gpu, quality| {
-        Ok(Box::new(fxaa::Fxaa::new(gpu, fxaa::Parameters::of(quality))?))
-    }),
-    screen(Effect::FogDirect, "volume-shell", |gpu, quality| {
-        let parameters = volume_shell::Parameters::of(quality);
-        Ok(Box::new(volume_shell::direct::VolumeShellDirect::new(gpu, parameters.into())?))
-    }),
-    screen(Effect::FogDirect, "gpu-epipolar", |gpu, quality| {
-        Ok(Box::new(gpu_epipolar::GpuEpipolar::new(gpu, gpu_epipolar::Parameters::of(quality))?))
-    }),
-    screen(Effect::FogDirect, "gpu-march", |gpu, quality| {
-        Ok(Box::new(fog_march::FogMarch::new(gpu, fog_march::Parameters::of(quality))?))
-    }),
-    screen(Effect::FogDirect, "froxel", |gpu, quality| {
-        Ok(Box::new(froxel::Froxel::new(gpu, froxel::Parameters::of(quality))?))
-    }),
-    screen(Effect::Phosphor, "rate-equation", |gpu, quality| {
-        Ok(Box::new(phosphor::RateEquation::new(gpu, phosphor::Parameters::of(quality))?))
-    }),
-    screen(Effect::Phosphor, "glassner", |gpu, quality| {
-        Ok(Box::new(phosphor::glassner::Glassner::new(gpu, phosphor::glassner::Parameters::of(quality))?))
-    }),
-    processor(Effect::FogDirect, "epipolar", |quality| Box::new(Shafts(epipolar::Parameters::of(quality)))),
-    processor(Effect::FogDirect, "min-max", |quality| Box::new(Shafts(min_max::Parameters::of(quality)))),
-    processor(Effect::FogDirect, "epipolar-sampling", |quality| {
-        Box::new(Shafts(epipolar_sampling::Parameters::of(quality)))
-    }),
-    processor(Effect::FogDirect, "ray-march", |quality| Box::new(Shafts(ray_march::Parameters::of(quality)))),
+    screen::<gtao::Parameters, gtao::Parameters>(),
+    screen::<hbao::Parameters, hbao::Parameters>(),
+    screen::<surfel::Parameters, Surfel<surfel::occlusion::Occlusion>>(),
+    screen::<bounced_z::Parameters, BouncedZ<bounced_z::occlusion::Occlusion>>(),
+    screen::<aov::Volumes, aov::Volumes>(),
+    screen::<aov::bounced::Parameters, aov::bounced::Parameters>(),
+    screen::<ssdo::Parameters, ssdo::Parameters>(),
+    screen::<surfel::Parameters, Surfel<surfel::directional::Directional>>(),
+    screen::<ssgi::Parameters, ssgi::Parameters>(),
+    screen::<surfel::Parameters, Surfel<surfel::indirect::Indirect>>(),
+    screen::<bounced_z::Parameters, BouncedZ<bounced_z::indirect::Indirect>>(),
+    screen::<lpv::Parameters, lpv::Parameters>(),
+    screen::<lpv::Parameters, lpv::in_medium::Multiple>(),
+    screen::<surfel::Parameters, Surfel<surfel::glossy::Glossy>>(),
+    screen::<bounced_z::Parameters, BouncedZ<bounced_z::glossy::Glossy>>(),
+    screen::<volume_shell::Parameters, volume_shell::Parameters>(),
+    screen::<lpv::Parameters, lpv::in_medium::Indirect>(),
+    screen::<prefiltered::Parameters, prefiltered::Parameters>(),
+    screen::<separable::Parameters, separable::Parameters>(),
+    screen::<gather::Parameters, gather::Parameters>(),
+    screen::<separable::Parameters, FromScreen<separable::Parameters>>(),
+    screen::<gather::Parameters, FromScreen<gather::Parameters>>(),
+    screen::<surfel::Parameters, Surfel<surfel::scattering::Scattering>>(),
+    screen::<ring_gather::Parameters, ring_gather::Parameters>(),
+    screen::<reconstruction::Parameters, reconstruction::Parameters>(),
+    screen::<fxaa::Parameters, fxaa::Parameters>(),
+    screen::<volume_shell::Parameters, volume_shell::direct::Direct>(),
+    screen::<gpu_epipolar::Parameters, gpu_epipolar::Parameters>(),
+    screen::<fog_march::Parameters, fog_march::Parameters>(),
+    screen::<froxel::Parameters, froxel::Parameters>(),
+    screen::<phosphor::Parameters, phosphor::Parameters>(),
+    screen::<phosphor::glassner::Parameters, phosphor::glassner::Parameters>(),
+    processor::<epipolar::Parameters>(),
+    processor::<min_max::Parameters>(),
+    processor::<epipolar_sampling::Parameters>(),
+    processor::<ray_march::Parameters>(),
 ];
 
 /// A trained network for an effect.
@@ -207,23 +126,52 @@ const fn learned(effect: Effect) -> Entry {
     Entry { name: LEARNED, effect, kind: Kind::Learned }
 }
 
-/// A method that shades the screen in passes.
-const fn screen(effect: Effect, name: &'static str, open: OpenScreen) -> Entry {
-    Entry { name, effect, kind: Kind::Screen(open) }
+/// A method that shades the screen in passes, by the parameters that can be set.
+const fn screen<P: Tunable, T: Technique + From<P> + 'static>() -> Entry {
+    Entry { name: T::NAME, effect: T::EFFECT, kind: Kind::Screen(compiled::<P, T>, dials::dials::<P>) }
 }
 
-/// A method that runs on the processor.
-const fn processor(effect: Effect, name: &'static str, open: OpenOnProcessor) -> Entry {
-    Entry { name, effect, kind: Kind::Processor(open) }
+/// A method that runs on the processor, by the parameters that can be set.
+const fn processor<P: Tunable + Integration + 'static>() -> Entry {
+    Entry { name: P::NAME, effect: Effect::FogDirect, kind: Kind::Processor(shafts::<P>, dials::dials::<P>) }
+}
+
+fn compiled<P: Tunable, T: Technique + From<P> + 'static>(
+    gpu: &Gpu,
+    tuning: &Tuning,
+) -> Result<Box<dyn ScreenMethod>> {
+    Ok(Box::new(Compiled::<T>::new(gpu, tuning.parameters::<P>()?.into())?))
+}
+
+fn shafts<P: Tunable + Integration + 'static>(tuning: &Tuning) -> Result<Box<dyn Method>> {
+    Ok(Box::new(Shafts(tuning.parameters::<P>()?)))
+}
+
+/// What can be set of an effect's method, in a quality; nothing of trained networks.
+///
+/// # Errors
+/// If the effect has no method of that name; those that it has are listed.
+pub fn dials(effect: Effect, name: &str, quality: Quality) -> Result<Vec<Dial>> {
+    check(effect, &[name])?;
+    let entry = ALL.iter().find(|entry| entry.effect == effect && entry.name == name);
+    Ok(entry.map_or_else(Vec::new, |entry| match entry.kind {
+        Kind::Learned => Vec::new(),
+        Kind::Screen(_, dials) | Kind::Processor(_, dials) => dials(quality),
+    }))
 }
 
 /// Opens a method that shades the screen in passes.
 ///
 /// # Errors
-/// If the effect has none of that name; those that it has are listed.
-pub fn open_screen(effect: Effect, name: &str, gpu: &Gpu, quality: Quality) -> Result<Box<dyn ScreenMethod>> {
+/// If the effect has none of that name; those that it has are listed. If something is set that the method does not have.
+pub fn open_screen(
+    effect: Effect,
+    name: &str,
+    gpu: &Gpu,
+    tuning: impl Into<Tuning>,
+) -> Result<Box<dyn ScreenMethod>> {
     let found = ALL.iter().find_map(|entry| match entry.kind {
-        Kind::Screen(open) if entry.effect == effect && entry.name == name => Some(open),
+        Kind::Screen(open, _) if entry.effect == effect && entry.name == name => Some(open),
         _ => None,
     });
     let known = screen_names(effect).join(", ");
@@ -232,12 +180,12 @@ pub fn open_screen(effect: Effect, name: &str, gpu: &Gpu, quality: Quality) -> R
             "effect `{effect}` has no method `{name}` that shades the screen in passes; there are: {known}"
         )
     })?;
-    Ok(open(gpu, quality)?)
+    open(gpu, &tuning.into()).with_context(|| format!("method `{name}`"))
 }
 
 /// Names of an effect's methods that shade the screen in passes.
 pub fn screen_names(effect: Effect) -> Vec<&'static str> {
-    let entries = ALL.iter().filter(|entry| entry.effect == effect && matches!(entry.kind, Kind::Screen(_)));
+    let entries = ALL.iter().filter(|entry| entry.effect == effect && matches!(entry.kind, Kind::Screen(..)));
     entries.map(|entry| entry.name).collect()
 }
 
@@ -309,7 +257,8 @@ mod tests {
     use deepshade_render::bvh::TracedScene;
     use deepshade_render::gbuffer;
     use deepshade_render::method::{Frame, Repeats};
-    use deepshade_render::scene::{Camera, Material, Mesh, Scene};
+    use deepshade_render::methods::dials::Changes;
+    use deepshade_render::scene::{Camera, Material, Mesh, Scene, SceneSource};
     use deepshade_shaders::Attribute;
     use glam::Vec3;
 
@@ -345,7 +294,7 @@ mod tests {
         let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
         let model = Model { weights: Weights::random(&spec, 1), spec };
         let names = names_of(Effect::Ao);
-        let setup = Setup { gpu: &gpu, model: Some(&model), quality: Quality::High };
+        let setup = Setup { gpu: &gpu, model: Some(&model), tuning: &Quality::High.into() };
         let methods = open(Effect::Ao, &names, setup).expect("methods");
         let opened: Vec<&str> = methods.iter().map(|method| method.name()).collect();
         assert_eq!(opened, names[..names.len() - 1]);
@@ -367,9 +316,49 @@ mod tests {
     }
 
     #[test]
+    fn every_number_of_every_method_can_be_set_and_its_quality_is_within_range() {
+        for entry in ALL.iter().filter(|entry| entry.name != LEARNED) {
+            for quality in Quality::ALL {
+                let what = format!("{} of {} at {}", entry.name, entry.effect, quality.name());
+                let dials = dials(entry.effect, entry.name, quality).expect("a method");
+                assert_eq!(dials.is_empty(), entry.name == SLOW, "{what}");
+                for dial in dials {
+                    let [least, most] = dial.range;
+                    assert!(least < most && (least..=most).contains(&dial.usual), "{what}: {dial:?}");
+                    assert!(!dial.text.is_empty() && !dial.text.contains("[`"), "{what}: {dial:?}");
+                }
+            }
+        }
+        assert!(dials(Effect::Ao, LEARNED, Quality::High).expect("a network").is_empty());
+        assert!(dials(Effect::Ao, "ssao", Quality::High).is_err());
+    }
+
+    #[test]
+    fn a_number_that_is_set_changes_the_image_and_one_that_is_not_there_is_refused() {
+        let gpu = Gpu::new().expect("an adapter");
+        let stairs: SceneSource = "stairs:7".parse().expect("a family");
+        let scene = TracedScene::new(stairs.scene(0.0).expect("a scene")).expect("a scene");
+        let camera = Camera::look_at(Vec3::new(0.3, 1.0, 1.0), Vec3::new(0.0, 0.4, -4.0));
+        let gbuffer = gbuffer::render(&scene, &camera, 24, 40, &Attribute::ALL);
+        let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius: 0.5, seed: 1 };
+        let image = |name: &str, value: f64| {
+            let changes = Changes([(name.to_owned(), value)].into());
+            let tuning = Tuning { quality: Quality::Low, changes };
+            let setup = Setup { gpu: &gpu, model: None, tuning: &tuning };
+            let method = open(Effect::Ao, &["hbao"], setup)?.remove(0);
+            Ok::<_, anyhow::Error>(method.shade(&frame, Repeats::ONCE)?.image)
+        };
+        let usual = image("strength", 1.3).expect("an image");
+        assert!(image("directions", 4.0).expect("an image") == usual, "what it is anyway");
+        assert!(image("strength", 0.2).expect("an image") != usual, "less of the shadow");
+        let error = format!("{:#}", image("strenght", 1.0).expect_err("no such number"));
+        assert!(error.contains("no parameter `strenght`; there are: bias"), "{error}");
+    }
+
+    #[test]
     fn the_learned_method_needs_a_model() {
         let gpu = Gpu::new().expect("an adapter");
-        let setup = Setup { gpu: &gpu, model: None, quality: Quality::High };
+        let setup = Setup { gpu: &gpu, model: None, tuning: &Quality::High.into() };
         let error = open(Effect::Ao, &["learned"], setup).err().expect("no model");
         assert_eq!(format!("{error:#}"), "method `learned`: no model is given");
     }

@@ -5,6 +5,7 @@
 //! images; WGSL in every kind of kernels that the device runs; first with random weights, in both orders of channels, then with a model's own.
 
 use crate::arguments::Size;
+use crate::place::Place;
 use crate::{figures::Figures, onnxruntime};
 use anyhow::{Context, Result, bail};
 use deepshade_infer::forward::{HALF_TOLERANCE, Network, Options, OutputKind, Precision, Variant};
@@ -28,9 +29,9 @@ const EXPLANATION: &str = "largest differences from onnxruntime's image of a pix
     of the coarser, then all of the finer) and interleaved (group by group). Each form may differ by 1e-4 of the image's root mean \
     square or of 1, whichever is greater, half floats by 2.5e-3 of its largest magnitude or of 1.")]
 pub struct Args {
-    /// Folder of a network; without it, random weights only.
+    /// Folder or address of a network; without it, random weights only.
     #[arg(long)]
-    model: Option<PathBuf>,
+    model: Option<Place>,
     /// Effects whose networks of the paper's Table 7.1 are checked with random weights, beside the model's own.
     #[arg(long, value_delimiter = ',')]
     networks: Vec<Effect>,
@@ -49,7 +50,8 @@ pub struct Args {
 /// # Errors
 /// If two forms do not agree, or one of them does not run.
 pub fn run(args: &Args) -> Result<()> {
-    let model = args.model.as_deref().map(Model::load).transpose()?;
+    let place = args.model.as_ref().map(Place::read).transpose()?;
+    let model = place.as_deref().map(Model::load).transpose()?;
     let folder = tempfile::tempdir()?;
     let gpu = Gpu::new()?;
     let adapter = format!("adapter {} ({})", gpu.info.name, gpu.info.driver_info);
@@ -69,7 +71,7 @@ pub fn run(args: &Args) -> Result<()> {
             check.sizes(&format!("random {}, {order}", spec.effect), &model, &file, &args.sizes)?;
         }
     }
-    if let (Some(model), Some(folder)) = (&model, &args.model) {
+    if let (Some(model), Some(folder)) = (&model, &place) {
         let name = folder.display().to_string();
         check.sizes(&name, model, &folder.join(ONNX_FILE), &args.sizes)?;
         check.stored(&name, model, &Parity::load(folder, &model.spec)?);

@@ -1,5 +1,7 @@
-//! `deepshade phosphor`: phosphorescent materials, those that there are and those that are measured (thesis, section 8.4).
+//! `deepshade phosphor`: phosphorescent materials, those that there are, those that are measured and those that are
+//! designed (thesis, sections 8.4 and 8.6).
 
+mod design;
 mod fit;
 mod materials;
 mod self_test;
@@ -14,6 +16,8 @@ pub enum Verb {
     Materials(materials::Args),
     /// Fits a material to measurements, or tests such fits on simulated ones.
     Fit(fit::Args),
+    /// Finds materials that make places of a scene look as they should at certain moments.
+    Design(design::Args),
     /// Simulates the measurement of a known material: files for `fit`.
     Simulate(simulate::Args),
 }
@@ -26,6 +30,7 @@ pub fn run(verb: &Verb) -> Result<()> {
     match verb {
         Verb::Materials(args) => materials::run(args),
         Verb::Fit(args) => fit::run(args),
+        Verb::Design(args) => design::run(args),
         Verb::Simulate(args) => simulate::run(args),
     }
 }

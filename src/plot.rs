@@ -28,6 +28,8 @@ pub struct Line {
     pub points: Vec<(f64, f64)>,
     /// How they are drawn.
     pub style: Style,
+    /// Their colour, red, green and blue; by default the next that no other line has.
+    pub colour: Option<[u8; 3]>,
 }
 
 /// How points are drawn.
@@ -35,6 +37,8 @@ pub struct Line {
 pub enum Style {
     /// A line with a dot a point.
     Dots,
+    /// A dot a point.
+    Points,
     /// A line.
     Curve,
     /// A faint line in the colour of the one before, which the legend leaves out.
@@ -52,6 +56,9 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(86, 180, 233),
     RGBColor(0, 0, 0),
 ];
+/// Of these the ones of lines that are of red, green and blue light.
+pub const CHANNELS: [(&str, [u8; 3]); 3] =
+    [("red", [213, 94, 0]), ("green", [0, 158, 115]), ("blue", [0, 114, 178])];
 /// Share of the plot's width that the legend takes to the right of all points.
 const LEGEND: f64 = 0.4;
 /// Share of the points' range that is left free around it.
@@ -60,7 +67,12 @@ const MARGIN: f64 = 0.06;
 impl Line {
     /// A line with a dot a point.
     pub fn dotted(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
-        Self { name: name.into(), points, style: Style::Dots }
+        Self { name: name.into(), points, style: Style::Dots, colour: None }
+    }
+
+    /// The line in a colour of its own.
+    pub fn coloured(self, colour: [u8; 3]) -> Self {
+        Self { colour: Some(colour), ..self }
     }
 }
 
@@ -116,11 +128,16 @@ impl Plot {
                 chart.draw_series(LineSeries::new(points, colour.stroke_width(1)))?;
                 continue;
             }
-            let colour = COLOURS[names % COLOURS.len()];
+            let of_its_own = line.colour.map(|[red, green, blue]| RGBColor(red, green, blue));
+            let colour = of_its_own.unwrap_or(COLOURS[names % COLOURS.len()]);
             names += 1;
-            let dot = if line.style == Style::Dots { 4 } else { 0 };
-            chart
-                .draw_series(LineSeries::new(points, colour.stroke_width(2)).point_size(dot))?
+            let dot = if matches!(line.style, Style::Dots | Style::Points) { 4 } else { 0 };
+            let drawn = if line.style == Style::Points {
+                chart.draw_series(points.into_iter().map(|at| Circle::new(at, dot, colour.filled())))?
+            } else {
+                chart.draw_series(LineSeries::new(points, colour.stroke_width(2)).point_size(dot))?
+            };
+            drawn
                 .label(&line.name)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
         }
@@ -178,12 +195,22 @@ mod tests {
         }
         let [dots, companion] = [Style::Dots, Style::Companion].map(|style| {
             let points = vec![(1.0, 0.5), (2.0, 0.7)];
-            let lines =
-                vec![Line::dotted("few", points.clone()), Line { name: "more".into(), points, style }];
+            let lines = vec![
+                Line::dotted("few", points.clone()),
+                Line { name: "more".into(), points, style, colour: None },
+            ];
             plot(lines).svg("Samples").expect("a picture").contains("more")
         });
         assert!(dots && !companion, "the legend leaves companions out");
         assert!(plot(vec![]).svg("Nothing").is_err());
+    }
+
+    #[test]
+    fn channels_have_their_colours() {
+        let lines = CHANNELS.map(|(name, colour)| Line::dotted(name, vec![(1.0, 0.5)]).coloured(colour));
+        let svg = plot(lines.to_vec()).svg("Channels").expect("a picture");
+        let places = ["#D55E00", "#009E73", "#0072B2"].map(|colour| svg.find(colour).expect("its colour"));
+        assert!(places.is_sorted(), "{svg}");
     }
 
     #[test]

@@ -7,7 +7,7 @@ mod animate;
 pub mod picture;
 
 use crate::arguments::{check_pixels, positive, reach};
-use crate::complete::{Additions, Completed, Wants, complete, listeners};
+use crate::complete::{Additions, Completed, Wants, complete, listeners, remembered};
 use crate::exposure_time;
 use crate::figures::{Figures, write_atomically};
 use crate::props;
@@ -52,7 +52,7 @@ pub struct Args {
     #[arg(long)]
     scene: SceneSource,
     /// What is computed: ao, do, gi, glossy, ibl, sss, subsurface, dof, motion-blur, aa, multi, fog-direct,
-    /// fog-indirect, fog-multiple, phosphor or path; the README says what each of them is.
+    /// fog-indirect, fog-multiple, phosphor, real or path; the README says what each of them is.
     #[arg(long, default_value = "path")]
     effect: Effect,
     /// Which of the effect's light: of path emitted, direct, first-indirect (after one bounce) or rest.
@@ -134,7 +134,10 @@ pub fn run(args: &Args) -> Result<()> {
         animated: false,
         time: args.time.time(),
     };
-    let completed = complete(&scene, &view.camera, &wants)?;
+    let mut completed = complete(&scene, &view.camera, &wants)?;
+    if completed.scene.scene().glow.is_some() {
+        completed.scene = remembered(completed.scene, &args.scene, &args.props)?;
+    }
     let space = Space { diagonal: completed.scene.diagonal(), height: size[0] };
     let radius = radius::wanted(args.radius, None, &[args.effect], space);
     let shot = Shot {

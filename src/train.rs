@@ -2,6 +2,7 @@
 
 use crate::arguments::positive;
 use crate::figures::Figures;
+use crate::place::Place;
 use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use deepshade_dataset::recipe::Resolution;
@@ -19,12 +20,12 @@ use std::path::{Path, PathBuf};
     deepshade train --dataset data/ao --out runs/ao --steps 20000\n\n\
     The run's folder gets `config.json`, checkpoints, `metrics.jsonl` and a plot of the loss.")]
 pub struct Args {
-    /// Folder that `deepshade dataset generate` made.
+    /// What `deepshade dataset generate` made: its folder or address.
     #[arg(long)]
-    dataset: PathBuf,
-    /// Folder of the run.
+    dataset: Place,
+    /// Folder of the run, or an address such as s3://bucket/runs/ao.
     #[arg(long)]
-    out: PathBuf,
+    out: Place,
     /// Order of the channels after a concatenation.
     #[arg(long, value_enum, default_value_t = Order::Interleaved)]
     order: Order,
@@ -36,7 +37,7 @@ pub struct Args {
     loss: LossName,
     /// Model whose weights the run begins with, in place of random ones.
     #[arg(long, value_name = "FOLDER")]
-    from: Option<PathBuf>,
+    from: Option<Place>,
     /// How weights follow gradients: the practical default, or the paper's.
     #[arg(long, value_enum, default_value_t = Method::Adamw)]
     optimiser: Method,
@@ -197,7 +198,9 @@ fn defaults() -> TrainConfig {
 /// If the dataset or the run's folder cannot be used, a setting makes no sense, or training diverges.
 pub fn run(args: &Args) -> Result<()> {
     let config = config(args)?;
-    let Outcome { ending, progress, images_per_second } = deepshade_train::train(&config, &args.out)?;
+    let out = args.out.begin()?;
+    let Outcome { ending, progress, images_per_second } = deepshade_train::train(&config, &out)?;
+    args.out.finish()?;
     let what = match ending {
         Ending::Finished => "all steps are done",
         Ending::Stopped => "validation has stopped becoming better",
@@ -211,7 +214,7 @@ pub fn run(args: &Args) -> Result<()> {
     figures.set("images_per_second", images_per_second);
     figures.detail("config", json!(config));
     figures.write(args.json.as_deref())?;
-    say!("{}: {what}, step {} of {}", args.out.display(), progress.step, config.steps)?;
+    say!("{}: {what}, step {} of {}", args.out, progress.step, config.steps)?;
     if let Some((step, loss)) = best {
         say!("best validation DSSIM {loss:.5} at step {step}")?;
     }
@@ -229,12 +232,13 @@ pub fn minutes(text: &str) -> Result<f64, String> {
 
 /// The defaults with what the command line changes.
 fn config(args: &Args) -> Result<TrainConfig> {
-    let manifest = Manifest::load(&args.dataset)?;
+    let dataset = args.dataset.read()?;
+    let manifest = Manifest::load(&dataset)?;
     let share = match (args.diagonal_share, manifest.origin.recipe.radius) {
         (Some(share), _) | (None, Radius::Diagonal(share)) => share,
         (None, Radius::Metres(_)) => bail!(
             "{}: the recipe states the radius in metres; --diagonal-share says what the network's default is to be",
-            args.dataset.display()
+            args.dataset
         ),
     };
     // Before the run's folder is claimed: what is refused leaves no folder that remembers it.
@@ -243,15 +247,15 @@ fn config(args: &Args) -> Result<TrainConfig> {
         args.crop <= height.min(width),
         "--crop {}: the pairs of {} are {width} x {height} pixels",
         args.crop,
-        args.dataset.display()
+        args.dataset
     );
     let optimiser = args.optimiser.defaults();
-    let base = default_config(&manifest, &args.dataset, args.order.into(), share)?;
+    let base = default_config(&manifest, &dataset, args.order.into(), share)?;
     let last = args.last.unwrap_or(LastLayer::best(base.spec.effect));
     Ok(TrainConfig {
         spec: last.of(base.spec)?,
         loss: args.loss.into(),
-        start: args.from.clone(),
+        start: args.from.as_ref().map(Place::read).transpose()?,
         optimiser: args.rate.map_or(optimiser, |rate| optimiser.with_rate(rate)),
         batch: args.batch,
         crop: args.crop,

@@ -2,6 +2,7 @@
 //! equal terms.
 
 use crate::figures::Figures;
+use crate::place::Place;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::{Dataset, Props, SceneRecord, StagedScene, progress, truth};
 use deepshade_render::bvh::TracedScene;
@@ -23,9 +24,9 @@ use std::sync::Arc;
     It tries scales of the radius, strengths, biases and sharpnesses of the blur, and changes nothing: what it finds goes \
     into `Parameters::default` in render/src/methods/hbao/mod.rs, which `compare` and `eval` run.")]
 pub struct Args {
-    /// Folder of the dataset.
+    /// Folder or address of the dataset.
     #[arg(long)]
-    dataset: PathBuf,
+    dataset: Place,
     /// Folder that the recipe's scene files are relative to, where it is not the one that the dataset remembers.
     #[arg(long)]
     scenes: Option<PathBuf>,
@@ -92,18 +93,18 @@ const ROUNDS: usize = 2;
 /// # Errors
 /// If the dataset is for another effect or has no validation views, or the GPU fails.
 pub fn run(args: &Args) -> Result<()> {
-    let dataset = Dataset::open(&args.dataset)?;
+    let dataset = Dataset::open(&args.dataset.read()?)?;
     let dataset = match &args.scenes {
         Some(scenes) => dataset.with_scenes(scenes),
         None => dataset,
     };
     let effect = dataset.recipe().effect;
-    ensure!(effect == Effect::Ao, "{} is for {effect}; hbao computes {}", args.dataset.display(), Effect::Ao);
+    ensure!(effect == Effect::Ao, "{} is for {effect}; hbao computes {}", args.dataset, Effect::Ao);
     let held_apart = dataset.validation();
     ensure!(
         !held_apart.is_empty(),
         "{} has no validation views; its recipe's `validation_share` says how many are held apart",
-        args.dataset.display()
+        args.dataset
     );
     let chosen = lists::spread(held_apart.len(), args.frames.into());
     let chosen: Vec<usize> = chosen.into_iter().map(|index| held_apart[index]).collect();

@@ -1,14 +1,23 @@
 //! `deepshade view`: a window on a scene in motion, methods side by side, and truth that refines behind them.
 //!
-//! Three threads work for the window, each for its newest order alone: [`studio`] makes frames on a device of its own, [`truth`]
-//! refines truth while nobody moves, [`judge`] holds one against the other. The window waits for none of them.
+//! Threads work for the window, most for their newest order alone: [`studio`] makes frames on a device of its own, [`truth`]
+//! refines truth while nobody moves, [`judge`] holds one against the other, `training` follows a training run, [`clerk`] reads and
+//! writes files. The window waits for none of them.
 
 mod canvas;
 mod caught;
+mod clerk;
+#[cfg(feature = "train")]
+mod curves;
+mod desk;
+mod film;
 mod judge;
+mod layers;
 mod lights;
 mod mailbox;
+mod outcome;
 mod panel;
+mod parameters;
 mod pictures;
 mod pilot;
 mod saved;
@@ -16,6 +25,8 @@ mod script;
 mod state;
 mod studio;
 mod subject;
+#[cfg(feature = "train")]
+mod training;
 mod truth;
 mod window;
 
@@ -26,30 +37,28 @@ use crate::figures::Figures;
 use crate::props;
 use crate::views::Viewpoint;
 use anyhow::{Result, anyhow, bail};
+use clerk::Errand;
 use deepshade_render::methods::Quality;
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
+use desk::Desk;
 use eframe::egui::{self, ViewportBuilder};
-use judge::Verdict;
-use mailbox::Mailbox;
+use outcome::Outcome;
 use script::Script;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError, mpsc};
-use std::thread;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
-use studio::Picture;
-use subject::Subject;
-use truth::Truth;
-use window::{Outcome, Window};
+use window::Window;
 
 /// Shows a scene in a window, by several methods at once, beside truth.
 #[derive(clap::Args, Clone)]
 #[command(after_help = "Examples:\n  deepshade view\n  \
     deepshade view --scene sponza.gltf --effect gi --methods ssgi,surfel\n  \
-    deepshade view --scene hall.gltf --put fox.gltf@-5,0,0,0.01,60 --effect fog-direct --extinction 0.2\n\n\
+    deepshade view --scene hall.gltf --put fox.gltf@-5,0,0,0.01,60 --effect fog-direct --extinction 0.2\n  \
+    deepshade view --model runs/ao --methods learned,hbao    # while `deepshade train` works on it\n\n\
     Drag to go around, with the right button to look around, with the middle one to move; the wheel comes nearer; W, A, S, D, Q and \
     E fly, with Shift faster. Space plays the animation, T turns truth on and off, M goes through image, difference and FLIP. A scene \
-    file or a model folder dropped onto the window is opened.")]
+    file or the folder of a model or a training run dropped onto the window is opened, layers of an EXR file are shown beside the methods.")]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
     #[arg(long, default_value = "room:7")]
@@ -78,12 +87,16 @@ pub struct Args {
     /// Moment of animations at the beginning, seconds.
     #[arg(long, default_value_t = 0.0)]
     time: f32,
-    /// Folder of the network of `learned`; by default models/EFFECT.
+    /// Folder of the network of `learned`, by default models/EFFECT; a training run's is followed: its weights are run from each
+    /// checkpoint on.
     #[arg(long)]
     model: Option<PathBuf>,
     /// Chooses sampled views, added lights and all other random numbers.
     #[arg(long, default_value_t = 0)]
     seed: u32,
+    /// An EXR file whose layers are seen beside the methods.
+    #[arg(long)]
+    exr: Option<PathBuf>,
     /// Does what this file says, a line a step, instead of waiting for hands: see the README.
     #[arg(long)]
     script: Option<PathBuf>,
@@ -103,34 +116,6 @@ impl Args {
     fn shutter(&self) -> f32 {
         exposure_time::Args::new(Some(self.time), None).shutter()
     }
-}
-
-/// What threads tell the window.
-pub enum News {
-    /// Another scene was read.
-    Subject(Arc<Subject>),
-    /// A frame was made.
-    Picture(Box<Picture>),
-    /// Truth is better known.
-    Truth(Truth),
-    /// Images were judged.
-    Judged(Verdict),
-    /// The picture that is ordered cannot be made.
-    NoPicture(String),
-    /// Something else cannot be done.
-    Refused(String),
-}
-
-/// Where the window puts its orders, and hears what came of them.
-pub struct Desk {
-    /// Frames.
-    studio: Arc<Mailbox<studio::Order>>,
-    /// Truth.
-    truth: Arc<Mailbox<truth::Order>>,
-    /// Images to be judged.
-    judge: Arc<Mailbox<judge::Case>>,
-    news: mpsc::Receiver<News>,
-    threads: Vec<thread::JoinHandle<()>>,
 }
 
 /// Opens the window and closes it.
@@ -165,7 +150,9 @@ pub fn run(args: &Args) -> Result<()> {
                 creation.egui_ctx.set_visuals(visuals);
                 creation.egui_ctx.set_fonts(fonts());
                 let desk = Desk::new(&args, &creation.egui_ctx)?;
-                Ok(Box::new(Window::new(state, desk, script, outcome, began)))
+                let mut window = Window::new(state, desk, script, outcome, began);
+                args.exr.iter().for_each(|file| window.send(Errand::Open(file.clone())));
+                Ok(Box::new(window))
             }),
         )
     };
@@ -177,33 +164,6 @@ pub fn run(args: &Args) -> Result<()> {
     match outcome.failure {
         Some(failure) => bail!("{failure}"),
         None => Ok(()),
-    }
-}
-
-impl Desk {
-    fn new(args: &Arc<Args>, context: &egui::Context) -> Result<Self> {
-        let (sender, news) = mpsc::channel();
-        let tell = move |context: &egui::Context, news: News| {
-            // The window may have closed meanwhile.
-            let _ = sender.send(news);
-            context.request_repaint();
-        };
-        let (studio, truth, judge) = (Arc::default(), Arc::default(), Arc::default());
-        let mut desk = Self { studio, truth, judge, news, threads: Vec::new() };
-        desk.threads.push({
-            let (args, orders, tell, context) =
-                (Arc::clone(args), Arc::clone(&desk.studio), tell.clone(), context.clone());
-            spawn("studio", move || studio::run(&args, &orders, &|news| tell(&context, news)))?
-        });
-        desk.threads.push({
-            let (orders, tell, context) = (Arc::clone(&desk.truth), tell.clone(), context.clone());
-            spawn("truth", move || truth::run(&orders, &|news| tell(&context, news)))?
-        });
-        desk.threads.push({
-            let (orders, context) = (Arc::clone(&desk.judge), context.clone());
-            spawn("judge", move || judge::run(&orders, &|news| tell(&context, news)))?
-        });
-        Ok(desk)
     }
 }
 
@@ -219,19 +179,19 @@ fn fonts() -> egui::FontDefinitions {
     fonts
 }
 
-fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> Result<thread::JoinHandle<()>> {
-    Ok(thread::Builder::new().name(name.to_owned()).spawn(work)?)
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser as _;
 
-impl Drop for Desk {
-    /// Threads go home after the frame or the pass that they are at.
-    fn drop(&mut self) {
-        self.studio.close();
-        self.truth.close();
-        self.judge.close();
-        for thread in self.threads.drain(..) {
-            // A thread that panicked has told its own story.
-            let _ = thread.join();
+    /// What a command line says.
+    pub fn args(line: &str) -> Args {
+        #[derive(clap::Parser)]
+        struct Line {
+            #[command(flatten)]
+            args: Args,
         }
+        let words = std::iter::once("deepshade").chain(line.split_whitespace());
+        Line::try_parse_from(words).expect("a command line").args
     }
 }

@@ -141,6 +141,39 @@ fn networks_and_runs_are_told_apart() {
 }
 
 #[test]
+fn a_method_takes_part_with_numbers_set_by_hand_beside_itself() {
+    let folder = folder();
+    let write = |parameters: &str| {
+        let text = format!(
+            "scenes = [\"room:1\"]\nsamples = 8\nresolution = {{ height = 24, width = 32 }}\n\
+            methods = [\"hbao\", {{ name = \"hbao\", parameters = {{ {parameters} }} }}]\n"
+        );
+        std::fs::write(folder.path().join("set.toml"), text).expect("written");
+    };
+    write("strength = 0.2");
+    said(folder.path(), "--config set.toml --out report --json report.json");
+    let figures = json(&folder.path().join("report.json"))["figures"].clone();
+    let ssim = |name: &str| figures[name].as_f64().unwrap_or(f64::NAN);
+    assert!(ssim("ssim_hbao") > ssim("ssim_hbao_strength_0_2") + 0.01, "a fifth of the shadow is too little");
+    said(folder.path(), "--config report/compare.toml --out again --json again.json");
+    assert_eq!(
+        json(&folder.path().join("again.json"))["figures"]["ssim_hbao_strength_0_2"],
+        figures["ssim_hbao_strength_0_2"]
+    );
+
+    for (parameters, named) in [
+        ("strenght = 1", "no parameter `strenght`; there are: bias"),
+        ("steps = 2.5", "`steps`: 2.5 is not a whole number"),
+        ("strength = 1e9", "`strength`: 1000000000 is not within"),
+    ] {
+        write(parameters);
+        let output = compare(folder.path(), "--config set.toml --out refused");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(!output.status.success() && said.contains(named), "{said}");
+    }
+}
+
+#[test]
 fn what_is_there_is_not_made_again() {
     let folder = folder();
     let path = |name: &str| folder.path().join(name);

@@ -110,3 +110,41 @@ fn a_run_killed_at_any_moment_ends_with_the_bytes_of_an_undisturbed_one() {
     finish(&out);
     assert!(files(&out) == undisturbed, "other bytes, or something is left over");
 }
+
+/// Sends a signal, named as kill(1) has it.
+#[cfg(unix)]
+fn send(signal: &str, child: &Child) {
+    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status();
+    assert!(sent.is_ok_and(|status| status.success()), "{signal}");
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_has_its_code_and_whoever_comes_second_is_told_who_has_the_folder() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let begin = || {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_deepshade"));
+        command.args(["dataset", "generate", "dataset/recipes/ao-tiny.toml", "--out"]).arg(&out);
+        command.current_dir(root).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("starts")
+    };
+    let first = begin();
+    while journalled(&out) < 2 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    send("-STOP", &first);
+    assert!(!out.join(MANIFEST).exists(), "stopped too late");
+    let second = begin().wait_with_output().expect("ends");
+    let message = String::from_utf8_lossy(&second.stderr).into_owned();
+    assert_eq!(second.status.code(), Some(1), "{message}");
+    assert!(message.contains(&format!("process {} ", first.id())), "{message}");
+    send("-INT", &first);
+    send("-CONT", &first);
+    let interrupted = first.wait_with_output().expect("ends");
+    let message = String::from_utf8_lossy(&interrupted.stderr).into_owned();
+    assert_eq!(interrupted.status.code(), Some(130), "{message}");
+    assert!(message.contains("the same command goes on"), "{message}");
+    finish(&out);
+    assert_eq!(files(&out).len(), PAIRS + 1, "the pairs and the manifest, and nothing left over");
+}

@@ -2,11 +2,20 @@
 
 #![cfg(all(feature = "view", target_os = "linux"))]
 
+#[cfg(feature = "train")]
+use deepshade_infer::{ChannelOrder, NetSpec, Reach, Weights};
+#[cfg(feature = "train")]
+use deepshade_train::TrainConfig;
+#[cfg(feature = "train")]
+use deepshade_train::checkpoint::{Checkpoint, Progress};
 use serde_json::Value;
 use std::collections::HashSet;
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
+#[cfg(feature = "train")]
+use std::path::PathBuf;
 use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_deepshade");
 
@@ -32,16 +41,22 @@ impl Screen {
 
     /// Runs `deepshade view` with a script in a folder.
     fn view(&self, folder: &Path, options: &str, script: &str) -> Output {
+        self.command(folder, options, script).output().expect("starts")
+    }
+
+    fn command(&self, folder: &Path, options: &str, script: &str) -> Command {
         std::fs::write(folder.join("script.txt"), script).expect("written");
-        Command::new(PROGRAM)
-            .args(["view", "--scene", "still-life:1", "--height", "48", "--width", "64", "--quality", "low"])
+        let mut command = Command::new(PROGRAM);
+        command
+            .args(["view", "--quality", "low"])
+            .args(["--height", "48", "--width", "64"].iter().filter(|_| !options.contains("--height")))
+            .args(["--scene", "still-life:1"].iter().filter(|_| !options.contains("--scene")))
             .args(["--script", "script.txt", "--json", "view.json"])
             .args(options.split_whitespace())
             .env("DISPLAY", format!(":{}", self.number))
             .env("XDG_RUNTIME_DIR", folder)
-            .current_dir(folder)
-            .output()
-            .expect("starts")
+            .current_dir(folder);
+        command
     }
 }
 
@@ -101,6 +116,208 @@ fn a_window_shows_methods_beside_truth_and_survives_what_is_done_to_it() {
     assert!(figures["fps_gi_ssgi"].as_f64().expect("measured") > 0.0);
     assert!(figures["refusals"].as_f64().expect("counted") >= 2.0);
     assert!(figures["seconds_to_first_picture"].as_f64().expect("measured") > 0.0);
+}
+
+/// A training run, as another program writes it.
+#[cfg(feature = "train")]
+struct Run {
+    folder: PathBuf,
+    spec: NetSpec,
+}
+
+#[cfg(feature = "train")]
+impl Run {
+    /// One that has begun and saved nothing yet.
+    fn begin(folder: PathBuf) -> Self {
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let reach = Reach { radius: 0.25, diagonal_share: 0.1, height: 48 };
+        let spec = NetSpec { levels: 2, u0: 4, ..NetSpec::ao(ChannelOrder::Interleaved, reach) };
+        let config = TrainConfig { steps: 100, ..TrainConfig::new(spec.clone(), "data".into()) };
+        let config = serde_json::to_vec(&config).expect("plain data");
+        std::fs::write(folder.join("config.json"), config).expect("written");
+        std::fs::write(folder.join("metrics.jsonl"), "").expect("written");
+        Self { folder, spec }
+    }
+
+    /// Comes to a step, and saves.
+    fn come_to(&self, step: usize) {
+        let log = self.folder.join("metrics.jsonl");
+        let lines: String = (1..=step)
+            .map(|step| {
+                let loss = 0.5 / step as f64;
+                format!("{{\"step\":{step},\"loss\":{loss},\"validation_loss\":{loss},\"rate\":0.001,\"images_per_second\":4.0}}\n")
+            })
+            .collect();
+        std::fs::write(log, lines).expect("written");
+        let progress = Progress {
+            step,
+            best_step: step,
+            best_loss: Some(0.1),
+            waited: 0,
+            stopped: false,
+            pause_loss: None,
+        };
+        let weights = Weights::random(&self.spec, step as u32);
+        let best = Some(weights.clone());
+        let checkpoint = Checkpoint { progress, weights, best, optimiser: Vec::new() };
+        checkpoint.save(&self.folder, &self.spec).expect("saves");
+    }
+}
+
+/// Waits for a file that the window writes.
+#[cfg(feature = "train")]
+fn wait_for(file: &Path) {
+    let began = Instant::now();
+    while !file.exists() {
+        assert!(began.elapsed() < Duration::from_secs(120), "{} does not come", file.display());
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+#[cfg(feature = "train")]
+#[test]
+fn a_training_run_is_followed_from_before_its_first_checkpoint_on() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let run = Run::begin(path("run"));
+    let script = "truth off\nwait refusal\nscreenshot refused.png\nwait checkpoint 10\nsave one\n\
+        wait checkpoint 60\nsave two\nwait 0.2\nscreenshot after.png\nquit\n";
+    let screen = Screen::new();
+    let mut command = screen.command(folder.path(), "--model run --methods learned,hbao", script);
+    let window = command.stderr(Stdio::piped()).spawn().expect("starts");
+    for (file, step) in [("refused.png", 10), ("one/compare.toml", 60)] {
+        wait_for(&path(file));
+        run.come_to(step);
+    }
+    let output = window.wait_with_output().expect("ends");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !said.contains("panicked"), "{said}");
+    let image = |name: &str| image::open(path(name)).expect("a picture").to_rgb8();
+    assert_ne!(image("one/learned.png"), image("two/learned.png"), "other weights, another image");
+    assert!(colours(&path("after.png")).len() > 40);
+    // The run stands for a network wherever one is read.
+    let again = Command::new(PROGRAM)
+        .args(["compare", "--config", "two/compare.toml", "--spp", "8", "--out", "again"])
+        .current_dir(folder.path())
+        .output()
+        .expect("starts");
+    assert!(again.status.success(), "{}", String::from_utf8_lossy(&again.stderr));
+}
+
+/// A file in which a tile goes over another one within half a second.
+fn write_moving_tile(folder: &Path) {
+    let corners: [[f32; 3]; 6] =
+        [[-1., 0., -1.], [1., 0., -1.], [1., 0., 1.], [-1., 0., -1.], [1., 0., 1.], [-1., 0., 1.]];
+    let raised = corners.map(|[x, y, z]| [0.3 * x, y + 0.5, 0.3 * z]);
+    let floats = corners.iter().chain(&raised).flatten().copied();
+    let moves = [0.0f32, 0.5, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+    let bytes: Vec<u8> = floats.chain(moves).flat_map(f32::to_le_bytes).collect();
+    std::fs::write(folder.join("tile.bin"), bytes).expect("written");
+    let text = r#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0,1]}],"scene":0,
+        "nodes":[{"mesh":0},{"mesh":1}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]},{"primitives":[{"attributes":{"POSITION":1}}]}],
+        "animations":[{"channels":[{"sampler":0,"target":{"node":1,"path":"translation"}}],
+            "samplers":[{"input":2,"output":3}]}],
+        "accessors":[
+            {"bufferView":0,"componentType":5126,"count":6,"type":"VEC3","min":[-1,0,-1],"max":[1,0,1]},
+            {"bufferView":1,"componentType":5126,"count":6,"type":"VEC3","min":[-0.3,0.5,-0.3],"max":[0.3,0.5,0.3]},
+            {"bufferView":2,"componentType":5126,"count":2,"type":"SCALAR","min":[0],"max":[0.5]},
+            {"bufferView":3,"componentType":5126,"count":2,"type":"VEC3"}],
+        "bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":72},{"buffer":0,"byteOffset":72,"byteLength":72},
+            {"buffer":0,"byteOffset":144,"byteLength":8},{"buffer":0,"byteOffset":152,"byteLength":24}],
+        "buffers":[{"byteLength":176,"uri":"tile.bin"}]}"#;
+    std::fs::write(folder.join("tile.gltf"), text).expect("written");
+}
+
+#[test]
+fn an_animation_is_recorded_at_its_own_times_with_and_without_a_program_for_videos() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    write_moving_tile(folder.path());
+    let script = "truth off\nwait picture\narrange tiles\nrecord film 10\nscreenshot film.png\nquit\n";
+    let options = "--scene tile.gltf --eye 1,2,2 --look-at 0,0,0 --methods gtao,hbao";
+    let screen = Screen::new();
+    let film = |path: Option<&Path>| {
+        let mut command = screen.command(folder.path(), options, script);
+        if let Some(path) = path {
+            command.env("PATH", path);
+        }
+        let output = command.output().expect("starts");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success() && !said.contains("panicked"), "{said}");
+    };
+    film(Some(Path::new("/nowhere")));
+    assert!(!path("film/film.mp4").exists());
+    let frames: Vec<_> = (0..5)
+        .map(|frame| image::open(path(&format!("film/{frame:05}.png"))).expect("a frame").to_rgb8())
+        .collect();
+    assert!(!path("film/00005.png").exists(), "half a second at 10 frames a second");
+    for (index, frame) in frames.iter().enumerate() {
+        assert_eq!(frame.dimensions(), (128, 48), "two methods in a row");
+        assert!(frames[..index].iter().all(|other| other != frame), "frame {index} shows another moment");
+    }
+    assert!(colours(&path("film.png")).len() > 40);
+    if Command::new("ffmpeg").arg("-version").output().is_ok() {
+        film(None);
+        let video = std::fs::read(path("film/film.mp4")).expect("a video");
+        assert_eq!(&video[4..8], b"ftyp");
+    }
+}
+
+#[test]
+fn layers_of_a_file_are_seen_beside_methods_and_a_save_that_fails_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(path("broken.exr"), b"no EXR file at all").expect("written");
+    std::fs::write(path("taken"), b"a file where a folder should be").expect("written");
+    let script = "truth off\nwait picture\nrecord film 10\nwait refusal\nsave kept\narrange tiles\nopen broken.exr\nwait refusal\nopen kept/hbao.exr\nlayer hbao\n\
+        wait picture\nwait 0.1\nscreenshot layer.png\nsave taken\nwait refusal\nsize 37 23\nwait picture\nquit\n";
+    let screen = Screen::new();
+    let output = screen.view(folder.path(), "--methods hbao", script);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !said.contains("panicked"), "{said}");
+    assert!(figures(folder.path())["refusals"].as_f64().expect("counted") >= 3.0);
+    assert!(colours(&path("layer.png")).len() > 40);
+    for (script, named) in [
+        ("open kept/hbao.exr\nlayer shadow\n", "no layer `shadow`; there are hbao"),
+        ("layer hbao\n", "no EXR file is open"),
+    ] {
+        let output = screen.view(folder.path(), "--methods hbao", script);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && said.contains(named), "{script}: {said}");
+    }
+}
+
+#[test]
+fn closing_does_not_wait_for_a_slow_method() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let options = "--scene room:7 --methods aov --height 288 --width 448";
+    let began = Instant::now();
+    let output = Screen::new().view(folder.path(), options, "wait 3\nquit\n");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !said.contains("panicked"), "{said}");
+    assert_eq!(figures(folder.path())["pictures"], 0.0, "it was still at it");
+    assert!(began.elapsed() < Duration::from_secs(40), "{:?}", began.elapsed());
+}
+
+#[test]
+fn a_number_of_a_method_is_set_and_saved_with_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let script = "truth off\nwait picture\nsave usual\nset hbao strength 0.2\nwait picture\nsave set\n\
+        set hbao strength 1.3\nwait picture\nsave back\nset hbao strength 99\n";
+    let output = Screen::new().view(folder.path(), "--methods hbao", script);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("line 10 of the script: parameter `strength`: 99 is not within 0 to 4"), "{said}");
+    let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("written");
+    assert!(text("set/compare.toml").contains("strength = 0.2"), "{}", text("set/compare.toml"));
+    assert!(!text("back/compare.toml").contains("strength"), "{}", text("back/compare.toml"));
+    // Noise is another in every picture.
+    let brightness = |name: &str| {
+        let picture = image::open(folder.path().join(name)).expect("a picture").to_luma8();
+        picture.pixels().map(|pixel| f64::from(pixel.0[0])).sum::<f64>() / picture.pixels().len() as f64
+    };
+    let [usual, set, back] = ["usual/hbao.png", "set/hbao.png", "back/hbao.png"].map(brightness);
+    assert!(set - usual > 10.0 * (usual - back).abs(), "{usual} {set} {back}");
 }
 
 #[test]

@@ -76,10 +76,12 @@ pub enum DatasetError {
         ours: u32,
     },
     /// Another program is writing into the folder.
-    #[error("{folder}: another program is generating into this folder")]
+    #[error("{folder}: {holder} is generating into this folder")]
     Busy {
         /// Which folder.
         folder: PathBuf,
+        /// Who has it, in words.
+        holder: String,
     },
     /// No view of a scene is fit for use.
     #[error("scene `{scene}`: none of {attempts} sampled views is fit for use; most often {reason}")]

@@ -5,6 +5,7 @@
 //! what is being made; another job is refused. When all is done, the journal is deleted.
 
 use crate::DatasetError;
+use crate::holder::Holder;
 use crate::origin::Origin;
 use crate::recipe::file_hash;
 use deepshade_shaders::atomic_file;
@@ -33,6 +34,7 @@ pub trait Entry: Clone + Serialize + DeserializeOwned + Send + Sync {
 pub struct Journal {
     path: PathBuf,
     file: Mutex<File>,
+    holder: Holder,
 }
 
 impl Journal {
@@ -59,11 +61,14 @@ impl Journal {
         let io = |source| DatasetError::io(&path, source);
         let mut file = OpenOptions::new().read(true).append(true).create(true).open(&path).map_err(io)?;
         file.try_lock().map_err(|error| match error {
-            TryLockError::WouldBlock => DatasetError::Busy { folder: folder.to_owned() },
+            TryLockError::WouldBlock => {
+                DatasetError::Busy { folder: folder.to_owned(), holder: Holder::of(folder) }
+            }
             TryLockError::Error(source) => io(source),
         })?;
         delete_temporaries(folder)?;
         folders.iter().try_for_each(|folder| delete_temporaries(folder))?;
+        let holder = Holder::sign(folder);
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(io)?;
         let (entries, sound) = sound_lines(folder, &bytes, origin)?;
@@ -72,7 +77,7 @@ impl Journal {
         if sound == 0 {
             write_line(&mut file, origin).map_err(io)?;
         }
-        Ok((Self { path, file: Mutex::new(file) }, entries))
+        Ok((Self { path, file: Mutex::new(file), holder }, entries))
     }
 
     /// Notes that a piece is finished.
@@ -89,6 +94,7 @@ impl Journal {
     /// # Errors
     /// If it cannot be deleted.
     pub fn finish(self) -> Result<(), DatasetError> {
+        drop(self.holder);
         std::fs::remove_file(&self.path).map_err(|source| DatasetError::io(&self.path, source))
     }
 }

@@ -10,6 +10,7 @@ pub mod contact_sheet;
 pub mod error;
 mod font;
 pub mod generate;
+pub mod holder;
 pub mod identity;
 mod journal;
 pub mod manifest;

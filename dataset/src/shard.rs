@@ -2,7 +2,7 @@
 //! of one, [`merge`] puts them together to the bytes of a dataset that one run makes.
 
 use crate::generate::{PAIRS, file_name};
-use crate::journal::{Journal, checked};
+use crate::journal::{JOURNAL, Journal, checked};
 use crate::manifest::{MANIFEST, Manifest, PairRecord};
 use crate::origin::relative;
 use crate::plan::PlannedScene;
@@ -115,6 +115,14 @@ impl fmt::Display for Shard {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}/{}", self.number, self.count)
     }
+}
+
+/// Pairs that a dataset or shard in a folder has so far, by its journal, which is believed: for whoever wants to know how
+/// far it is.
+pub fn pairs_so_far(folder: &Path) -> usize {
+    let lines = std::fs::read(folder.join(JOURNAL)).unwrap_or_default();
+    // The first line says what is made.
+    lines.iter().filter(|byte| **byte == b'\n').count().saturating_sub(1)
 }
 
 /// Puts all shards of a dataset together in a folder, or what is still missing of it; every file is read and checked.

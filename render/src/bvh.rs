@@ -50,6 +50,8 @@ pub struct TracedScene {
     blended: bool,
     /// For moments other than the middle of the exposure; `None` where nothing moves.
     swept: Option<Arc<Swept>>,
+    /// What it was like, the oldest first: from when on.
+    past: Arc<[(f32, TracedScene)]>,
 }
 
 /// Where a triangle comes from.
@@ -106,6 +108,7 @@ impl TracedScene {
             origins: bvh.order().iter().map(|index| origins[in_order(index)]).collect(),
             bvh: Arc::new(bvh),
             binary: Arc::new(binary),
+            past: Arc::new([]),
         })
     }
 
@@ -148,6 +151,28 @@ impl TracedScene {
         memory::check(&copy.scene.name, copy.scene.triangle_count(), memory::available())?;
         copy.swept = Swept::new(&copy.scene, &copy.seen_through).map(Arc::new);
         Ok(copy)
+    }
+
+    /// The same, with what it was like before: poses, each with the moment from which on it stands for the scene, seconds,
+    /// the oldest first. The first stands for all before it, too.
+    ///
+    /// # Errors
+    /// If a pose has not the same triangles, moved.
+    pub fn with_past(self, past: Vec<(f32, Self)>) -> Result<Self, SceneError> {
+        let shape = |scene: &Scene| -> Vec<(usize, u32)> {
+            scene.meshes.iter().map(|mesh| (mesh.triangles.len(), mesh.material.0)).collect()
+        };
+        let own = shape(&self.scene);
+        if past.iter().any(|(_, pose)| shape(&pose.scene) != own) {
+            let what = "has triangles that come and go as it moves".to_owned();
+            return Err(SceneError::invalid(self.scene.name.as_ref(), what));
+        }
+        Ok(Self { past: past.into(), ..self })
+    }
+
+    /// What it was like before, as [`Self::with_past`] says; nothing where it stays.
+    pub fn past(&self) -> &[(f32, Self)] {
+        &self.past
     }
 
     /// The scene itself.

@@ -4,6 +4,7 @@
 //! Files of other renderers are read too: 16-bit and 32-bit floats and whole numbers, one part or several, upper or
 //! lower case, any prefix before the layer's name (`ViewLayer.Normal.X`).
 
+mod layers;
 mod names;
 mod read;
 mod write;

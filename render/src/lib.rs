@@ -11,6 +11,7 @@ mod memory;
 pub mod method;
 pub mod methods;
 pub mod metrics;
+pub mod nearest;
 pub mod path;
 pub mod phosphor;
 pub mod raster;

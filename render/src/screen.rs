@@ -144,7 +144,7 @@ impl<M: ScreenMethod + ?Sized> Method for M {
         let gbuffer =
             GpuGBuffer::upload(device, &seen, self.attributes()).map_err(|error| error.of_method(method))?;
         let view = View::from(frame);
-        let world = self.looks_beyond().then(|| world(self.gpu(), frame.scene.scene(), &view));
+        let world = self.looks_beyond().then(|| remembered(self.gpu(), frame.scene, &view));
         let world = world.transpose().map_err(failed)?;
         let environment = frame.scene.scene().environment.as_deref();
         let inputs = Inputs { gbuffer: &gbuffer, environment, world: world.as_ref() };
@@ -176,11 +176,39 @@ const SHADOW_SIZE: usize = 2048;
 
 /// A scene that stays, with the shadow maps for a view drawn.
 pub(crate) fn world(gpu: &Gpu, scene: &Scene, view: &View) -> Result<World, GpuError> {
-    let mut world = World::new(gpu, &scene.clone().into(), Some(SHADOW_SIZE))?;
+    still(gpu, scene, view, SHADOW_SIZE)
+}
+
+fn still(gpu: &Gpu, scene: &Scene, view: &View, shadow_size: usize) -> Result<World, GpuError> {
+    let mut world = World::new(gpu, &scene.clone().into(), Some(shadow_size))?;
     let moment = Glow::of(scene).moment;
     world.set(&gpu.queue, moment, 0.0, &view.camera, view.width as f32 / view.height as f32);
     gpu::submit(&gpu.device, &gpu.queue, "world", |encoder| world.encode_shadows(encoder, None))?;
     Ok(world)
+}
+
+/// Poses of the past of which a still has shadow maps, at most, and the edge of these maps, texels.
+const POSES: usize = 12;
+const PAST_SHADOW_SIZE: usize = 1024;
+
+/// The scene of a still, with what it was like before where surfaces keep light and something moves.
+fn remembered(gpu: &Gpu, traced: &TracedScene, view: &View) -> Result<World, GpuError> {
+    let now = world(gpu, traced.scene(), view)?;
+    let moment = Glow::of(traced.scene()).moment;
+    // In the middle of as many poses as stand for one.
+    let poses = traced.past();
+    let each = poses.len().div_ceil(POSES).max(1);
+    let starts: Vec<f32> = poses.iter().step_by(each).map(|(from, _)| *from).collect();
+    let mut past = Vec::new();
+    for (index, group) in poses.chunks(each).enumerate() {
+        let (_, pose) = &group[group.len() / 2];
+        let mut then = still(gpu, pose.scene(), view, PAST_SHADOW_SIZE)?;
+        let to = starts.get(index + 1).map_or(moment, |next| next.min(moment));
+        then.glow.set_stretch(&gpu.queue, index == 0, [starts[index], to], moment);
+        let since = if index == 0 { f32::MAX } else { moment - starts[index] };
+        past.push(([moment - to, since], then));
+    }
+    Ok(now.with_past(past))
 }
 
 impl<M: ScreenMethod + ?Sized> ScreenMethod for Box<M> {

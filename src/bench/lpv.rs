@@ -35,7 +35,8 @@ use subject::Subject;
     propagation; bytes_ratio is what propagation reads and writes at least in a second over what a copy does. relmse_NAME is the \
     relative squared error against all light, path traced, of what the paper compares: shadow_map, plain, single, marched, sum, and \
     ours in relmse_lpv and with the paper's factors, lobes and lookup in relmse_paper; relmse_multiple that of multiple scattering \
-    alone, relmse_black of nothing. energy_loss_iteration is the \
+    alone, relmse_multiple_CELLS_ITERATIONS of grids of many sizes, relmse_multiple_nested of a grid of 32 cells with a finer one \
+    around the camera, relmse_multiple_one_grid of one that takes as long; relmse_black of nothing. energy_loss_iteration is the \
     largest share of its energy that light loses in an iteration; moment_ratio_L_A the mean squared distance of collisions over \
     what it is in an infinite medium, L cells a mean free path and an albedo of A; moment_ratio_FACTORS_L_A by other factors; \
     monopole_error how far fluence is from a monopole's beyond three mean free paths; flux_DIRECTION the flux of a point source \

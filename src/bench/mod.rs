@@ -3,6 +3,7 @@
 
 mod dataset;
 mod epipolar;
+mod farm;
 mod frame;
 mod lpv;
 #[cfg(feature = "train")]
@@ -50,6 +51,8 @@ pub enum Verb {
     View(view::Args),
     /// Training pairs an hour and a core, and where the time goes.
     Dataset(dataset::Args),
+    /// Training pairs an hour by several workers on this machine, and whether their bytes are those of one run.
+    Farm(farm::Args),
 }
 
 /// Measures and prints.
@@ -72,5 +75,6 @@ pub fn run(verb: &Verb) -> Result<()> {
         #[cfg(feature = "view")]
         Verb::View(args) => view::run(args),
         Verb::Dataset(args) => dataset::run(args),
+        Verb::Farm(args) => farm::run(args),
     }
 }

@@ -3,15 +3,17 @@
 
 mod contest;
 mod cornell;
+mod growth;
 mod pictures;
 mod step;
 mod subject;
 
 use crate::arguments::Size;
-use crate::figures::Figures;
+use crate::figures::{Figures, write_atomically};
 use crate::table;
 use anyhow::{Context, Result};
 use contest::Contest;
+use cornell::OFF;
 use deepshade_render::phosphor::design::{Design, Key, Place, thesis_grid};
 use deepshade_render::phosphor::glassner::Past;
 use deepshade_render::phosphor::material::file::MaterialFile;
@@ -22,6 +24,7 @@ use deepshade_render::phosphor::simulation::{Initial, Simulation};
 use deepshade_render::phosphor::spectrum::Bands;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::lists::median;
+use growth::Growth;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -36,6 +39,8 @@ use step::Step;
     included, texels_per_second what that makes, bandwidth_share the bytes that it moves over what the device copies in the same \
     time. ratio_glassner_equal_quality is what the integral takes for an image of the same error over what the rate equation takes, \
     with samples_glassner_equal_quality moments a pixel (neither is there if 4096 moments are not enough), \
+    ms_rate_equation_after_4_s and ms_glassner_after_4_s what a frame takes by both, of equal quality, 4 seconds after the \
+    beginning of a sequence under a lamp that blinks, \
     ratio_error_glassner_equal_time its squared error over the rate equation's with as many moments as cost no more. ms_design is the median over places of a material of one state and three colours that meets four keys of a \
     sequence of 200 frames, design_residual the sum of what is left over all places, design_residual_grid that of the thesis' \
     grid; ms_design_BANDS_STATES and so on are of other bands and states. ratio_glassner_one_place is what the integral takes \
@@ -52,6 +57,9 @@ pub struct Args {
     /// integral in equal quality.
     #[arg(long)]
     pictures: Option<PathBuf>,
+    /// Draws what a frame takes by either method as a sequence goes on into this SVG file.
+    #[arg(long, value_parser = crate::arguments::svg_file)]
+    plot: Option<PathBuf>,
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
@@ -59,6 +67,8 @@ pub struct Args {
 
 /// Places of each kind of design.
 const PLACES: usize = 20;
+/// Seconds after the lamp has gone out at which images are compared.
+const AFTER: f32 = 5.0;
 /// Frames of a sequence, and those that are keys.
 const FRAMES: usize = 200;
 const KEYS: [usize; 4] = [40, 90, 140, 190];
@@ -99,7 +109,13 @@ pub fn run(args: &Args) -> Result<()> {
     note!("a step of all texels");
     let step = Step::of(&gpu, runs)?;
     note!("images at {}", args.size);
-    let contest = Contest::of(&gpu, args.size, runs)?;
+    let contest = Contest::of(&gpu, args.size, runs, vec![[0.0, OFF]], OFF + AFTER)?;
+    note!("frames after 1, 4 and 16 seconds");
+    let growth = Growth::of(&gpu, args.size, runs)?;
+    if let Some(path) = &args.plot {
+        let svg = growth.plot().svg("What a frame takes as a sequence goes on")?;
+        write_atomically(path, svg.as_bytes())?;
+    }
     let pictures = match &args.pictures {
         Some(folder) => pictures::write(&gpu, folder, args.size, contest.rivals())?,
         None => Vec::new(),
@@ -118,6 +134,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut figures = Figures::new("bench phosphor");
     step.set(&mut figures);
     contest.set(&mut figures);
+    growth.set(&mut figures);
     figures.detail("adapter", json!(gpu.info.name));
     figures.detail("contest", contest.to_json());
     for of in &designed {
@@ -140,6 +157,7 @@ pub fn run(args: &Args) -> Result<()> {
         say!("(a software adapter: of milliseconds the order alone means something)")?;
     }
     say!("\n{}", table::aligned(&contest.rows()))?;
+    say!("\n{}", table::aligned(&growth.rows()))?;
     pictures.iter().try_for_each(|path| say!("{}", path.display()))?;
     say!("\n{}", table::aligned(&design_rows(&designed)))?;
     say!("\n{}", table::aligned(&rival_rows(&rivals)))
@@ -176,7 +194,7 @@ impl Designed {
         let mut noise = Noise::new(4);
         let (mut times, mut residual, mut of_grid) = (Vec::new(), 0.0, 0.0);
         for _ in 0..PLACES {
-            let place = place(bands, &mut noise)?;
+            let place = [place(bands, &mut noise)?];
             let start = Instant::now();
             residual += Design::new("designed", &place, states)?.residual;
             times.push(1e3 * start.elapsed().as_secs_f64());

@@ -39,7 +39,7 @@ pub enum Stage {
 }
 
 /// Which shader belongs to which stage.
-static SHADERS: [(Stage, &Shader); 53] = [
+static SHADERS: [(Stage, &Shader); 58] = [
     (Stage::Surfels, &wgsl::SURFELS_VERTICES),
     (Stage::Surfels, &wgsl::SURFELS_MEASURE),
     (Stage::Surfels, &wgsl::SURFELS_SUM),
@@ -86,9 +86,14 @@ static SHADERS: [(Stage, &Shader); 53] = [
     (Stage::Inject, &wgsl::LPV_CLEAR),
     (Stage::Inject, &wgsl::LPV_INJECT),
     (Stage::Inject, &wgsl::LPV_FRESH),
+    (Stage::Inject, &wgsl::LPV_NEST),
+    (Stage::Inject, &wgsl::LPV_BORDER),
+    (Stage::Inject, &wgsl::LPV_SHINE),
+    (Stage::Inject, &wgsl::LPV_REFLECT),
     (Stage::Blockers, &wgsl::LPV_LINKS),
     (Stage::Medium, &wgsl::LPV_MEDIA),
     (Stage::Scatter, &wgsl::LPV_BEGIN),
+    (Stage::Scatter, &wgsl::LPV_BEGIN_EMITTED),
     (Stage::Propagate, &wgsl::LPV_PROPAGATE),
     (Stage::March, &wgsl::LPV_LIT),
     (Stage::March, &wgsl::LPV_MARCH),

@@ -121,7 +121,7 @@ fn steps(args: &Args, broken: &Path, shots: Option<&Path>) -> String {
 fn opened(effect: Effect) -> Vec<&'static str> {
     let there = |name: &&str| {
         ![TRUTH, SLOW].contains(name)
-            && (*name != LEARNED || learned::usual_folder(effect).join("net.json").is_file())
+            && (*name != LEARNED || learned::is_network(&learned::usual_folder(effect)))
     };
     methods::names_of(effect).into_iter().filter(there).collect()
 }

@@ -9,6 +9,7 @@ use crate::learned;
 use crate::methods::{self, LEARNED, TRUTH};
 use anyhow::{Result, ensure};
 use deepshade_infer::{Model, Reach};
+use deepshade_render::methods::dials::Tuning;
 use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
 use std::path::{Path, PathBuf};
@@ -198,12 +199,19 @@ fn opened(
 ) -> Result<Vec<Contestant>> {
     let qualities = choice.qualities.as_deref().unwrap_or(run.qualities());
     let names = [choice.name.clone()];
-    let rivals = rivals(effect, &names, qualities, gpu, network.map(|network| &network.model))?;
+    let changes = &choice.parameters;
+    let tunings: Vec<Tuning> =
+        qualities.iter().map(|quality| Tuning { quality: *quality, changes: changes.clone() }).collect();
+    ensure!(
+        choice.name != LEARNED || changes.is_empty(),
+        "method `{LEARNED}`: a trained network has no parameters"
+    );
+    let rivals = rivals(effect, &names, &tunings, gpu, network.map(|network| &network.model))?;
     let weights = network.map(|network| weights(&network.folder)).transpose()?;
     let contestants = rivals.into_iter().map(|rival| {
         let network = network.map(|network| network.folder.clone());
         let label = rival.method_name.to_owned();
-        let fingerprint = format!("{} {:?} {weights:?}", rival.method_name, rival.quality);
+        let fingerprint = format!("{} {:?} {weights:?}{changes}", rival.method_name, rival.quality);
         Contestant { effect, rival, label, fingerprint, network }
     });
     Ok(contestants.collect())
@@ -212,8 +220,8 @@ fn opened(
 /// What tells a network from another.
 fn weights(folder: &Path) -> Result<String> {
     let mut digest = Digest::default();
-    for name in ["net.json", "weights.safetensors"] {
-        digest.say(&file_digest(&folder.join(name))?);
+    for file in learned::files(folder) {
+        digest.say(&file_digest(&file)?);
     }
     Ok(digest.finish())
 }

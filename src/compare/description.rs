@@ -1,6 +1,7 @@
 //! A comparison as a whole, whether a TOML file or the command line says what it is, and the file that it writes.
 
 use super::run::Run;
+use super::values::MethodChoice;
 use crate::arguments::check_pixels;
 use crate::complete::listeners;
 use crate::methods;
@@ -166,7 +167,11 @@ fn check_methods(run: &Run) -> Result<()> {
             bail!("{}", run.effects().iter().map(of).collect::<Vec<_>>().join("; "));
         }
         let before = &run.methods()[..index];
-        let twice = before.iter().any(|other| (&other.name, &other.model) == (&method.name, &method.model));
+        let is_same = |other: &MethodChoice| {
+            (&other.name, &other.model, &other.parameters)
+                == (&method.name, &method.model, &method.parameters)
+        };
+        let twice = before.iter().any(is_same);
         ensure!(!twice, "method `{name}` is asked for twice");
         if let Some(qualities) = &method.qualities {
             ensure!(!qualities.is_empty(), "method `{name}`: `qualities` names none");

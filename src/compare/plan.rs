@@ -7,7 +7,7 @@ use super::description::{Comparison, distinct, short_name};
 use super::key::{Digest, file_digest};
 use super::make::{Head, Settings, wanted};
 use super::run::Run;
-use crate::complete::{Completed, Wants, complete};
+use crate::complete::{Completed, Wants, complete, remembered};
 use crate::radius::{self, Space};
 use crate::report::folder::FRAME_PREFIX;
 use crate::report::record::FrameRecord;
@@ -64,6 +64,16 @@ impl Stage {
         let effect = if self.moving { Effect::MotionBlur } else { Effect::Aa };
         let scene = self.moment.scene(&self.source, &self.props, effect)?;
         TracedScene::new(scene).with_context(|| format!("scene {}", self.source))
+    }
+}
+
+impl Stage {
+    /// A scene of this one's look, with what it was like before where it moves and surfaces keep light.
+    ///
+    /// # Errors
+    /// If a file cannot be read any more, or triangles come and go.
+    pub fn remembered(&self, scene: TracedScene) -> Result<TracedScene> {
+        remembered(scene, &self.source, &self.props)
     }
 }
 

@@ -83,6 +83,21 @@ fn runs_have_what_they_leave_out_from_the_run_that_they_stand_in() {
 }
 
 #[test]
+fn numbers_of_a_method_are_read_as_tables_and_written_so_that_they_are_read_again() {
+    let text = "scenes = [\"room:7\"]\n\
+        methods = [\"gtao\", { name = \"gtao\", parameters = { slices.thickness = 0.5, blur = { radius = 2 } } }]";
+    let run = &parsed(text).runs[0];
+    let changes = [("blur.radius".to_owned(), 2.0), ("slices.thickness".to_owned(), 0.5)];
+    assert_eq!(run.methods()[1].parameters.0, changes.into());
+    assert!(run.methods()[0].parameters.is_empty());
+    let written = parsed(text).to_toml(Path::new(".")).expect("text");
+    assert_eq!(parsed(&written).runs[0].methods(), run.methods(), "{written}");
+    let refused = toml::from_str::<Run>("methods = [{ name = \"gtao\", parameters = { blur = \"much\" } }]");
+    let error = refused.expect_err("no number").to_string();
+    assert!(error.contains("`blur` is \"much\", which is no number"), "{error}");
+}
+
+#[test]
 fn what_is_written_is_what_is_read_and_it_is_written_alike_again() {
     for text in
         [WHOLE, "scenes = [\"room:7\"]", "scenes = [\"room:7\"]\nviews = [{ view = 1 }]\nerror = 0.05"]

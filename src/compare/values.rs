@@ -3,6 +3,7 @@
 
 use crate::views::{Choice, Viewpoint};
 use deepshade_render::methods::Quality;
+use deepshade_render::methods::dials::Changes;
 use glam::Vec3;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
@@ -11,7 +12,7 @@ use std::fmt::{Formatter, Result as Written};
 use std::path::PathBuf;
 
 /// A method that takes part: `"hbao"`, or `{ name = "hbao", qualities = ["low", "ultra"] }`, or
-/// `{ name = "learned", model = "runs/ao" }`.
+/// `{ name = "gtao", parameters = { slices.thickness = 0.5 } }`, or `{ name = "learned", model = "runs/ao" }`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MethodChoice {
     /// Its name.
@@ -20,6 +21,8 @@ pub struct MethodChoice {
     pub qualities: Option<Vec<Quality>>,
     /// Folder of its network, if it is one; without it that of the run.
     pub model: Option<PathBuf>,
+    /// Those of its parameters that are not as its quality has them.
+    pub parameters: Changes,
 }
 
 /// A method as a table.
@@ -29,6 +32,8 @@ struct MethodTable {
     name: String,
     qualities: Option<Vec<Quality>>,
     model: Option<PathBuf>,
+    #[serde(default, skip_serializing_if = "Changes::is_empty")]
+    parameters: Changes,
 }
 
 /// A number for each colour: `0.5`, or `[0.5, 0.4, 0.3]`; none is negative.
@@ -38,7 +43,7 @@ pub struct Colour(pub Vec3);
 impl MethodChoice {
     /// A method in the run's qualities.
     pub fn named(name: impl Into<String>) -> Self {
-        Self { name: name.into(), qualities: None, model: None }
+        Self { name: name.into(), qualities: None, model: None, parameters: Changes::default() }
     }
 }
 
@@ -49,7 +54,7 @@ impl<'de> Deserialize<'de> for MethodChoice {
             type Value = MethodChoice;
 
             fn expecting(&self, f: &mut Formatter<'_>) -> Written {
-                f.write_str("a method's name, or a table of `name`, `qualities` and `model`")
+                f.write_str("a method's name, or a table of `name`, `qualities`, `model` and `parameters`")
             }
 
             fn visit_str<E: Error>(self, name: &str) -> Result<MethodChoice, E> {
@@ -57,9 +62,9 @@ impl<'de> Deserialize<'de> for MethodChoice {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<MethodChoice, A::Error> {
-                let MethodTable { name, qualities, model } =
+                let MethodTable { name, qualities, model, parameters } =
                     MethodTable::deserialize(MapAccessDeserializer::new(map))?;
-                Ok(MethodChoice { name, qualities, model })
+                Ok(MethodChoice { name, qualities, model, parameters })
             }
         }
         deserializer.deserialize_any(Either)
@@ -68,11 +73,11 @@ impl<'de> Deserialize<'de> for MethodChoice {
 
 impl Serialize for MethodChoice {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Self { name, qualities, model } = self.clone();
-        match (&qualities, &model) {
-            (None, None) => name.serialize(serializer),
-            _ => MethodTable { name, qualities, model }.serialize(serializer),
+        let Self { name, qualities, model, parameters } = self.clone();
+        if qualities.is_none() && model.is_none() && parameters.is_empty() {
+            return name.serialize(serializer);
         }
+        MethodTable { name, qualities, model, parameters }.serialize(serializer)
     }
 }
 

@@ -8,8 +8,14 @@ pub const RADIUS: &[Effect] = &[Effect::Ao, Effect::Do, Effect::Gi, Effect::Glos
 /// Effects of a moment that lasts.
 pub const SHUTTER: &[Effect] = &[Effect::MotionBlur];
 /// Effects of light on its way through a medium.
-pub const MEDIUM: &[Effect] =
-    &[Effect::FogDirect, Effect::FogIndirect, Effect::FogMultiple, Effect::Path, Effect::Real];
+pub const MEDIUM: &[Effect] = &[
+    Effect::FogDirect,
+    Effect::FogIndirect,
+    Effect::FogMultiple,
+    Effect::Phosphor,
+    Effect::Path,
+    Effect::Real,
+];
 /// Effects of light on its way through materials.
 pub const MEAN_FREE_PATH: &[Effect] = &[Effect::Sss, Effect::Subsurface];
 /// Effects that are seen through a lens.

@@ -5,12 +5,14 @@ use anyhow::{Result, ensure};
 use deepshade_infer::Model;
 use deepshade_render::method::Method;
 use deepshade_render::methods::Quality;
+use deepshade_render::methods::dials::Tuning;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
 
 /// A method under the name that figures have for it.
 pub struct Rival {
-    /// Of an analytic method at another quality than the default one, the quality is part of it: `hbao_low`.
+    /// Of an analytic method at another quality than the default one, the quality is part of it: `hbao_low`; and so is
+    /// what is set by hand: `gtao_blur_radius_2`.
     pub name: String,
     /// The method's own name.
     pub method_name: &'static str,
@@ -20,7 +22,7 @@ pub struct Rival {
     pub method: Box<dyn Method>,
 }
 
-/// Opens methods by name, `all` for all that there are, at some qualities; those that have none are opened once.
+/// Opens methods by name, `all` for all that there are, each at some tunings; those that have no qualities are opened once.
 /// `learned` is left out of `all` where there is no network.
 ///
 /// # Errors
@@ -28,7 +30,7 @@ pub struct Rival {
 pub fn rivals(
     effect: Effect,
     names: &[String],
-    qualities: &[Quality],
+    tunings: &[Tuning],
     gpu: &Gpu,
     model: Option<&Model>,
 ) -> Result<Vec<Rival>> {
@@ -48,18 +50,34 @@ pub fn rivals(
     let mut rivals = Vec::new();
     for name in asked {
         let by_quality = methods::names_with_qualities(effect).contains(&name);
-        for quality in if by_quality { qualities } else { &qualities[..1] } {
-            let setup = Setup { gpu, model, quality: *quality };
+        for tuning in if by_quality { tunings } else { &tunings[..1] } {
+            let setup = Setup { gpu, model, tuning };
             for method in methods::open(effect, &[name], setup)? {
                 let method_name = method.name();
-                let id = method_name.replace('-', "_");
-                let plain = *quality == Quality::default() || !by_quality;
-                let name = if plain { id } else { format!("{id}_{}", quality.name()) };
-                rivals.push(Rival { name, method_name, quality: by_quality.then_some(*quality), method });
+                let name = if by_quality { tuned_name(method_name, tuning) } else { figure(method_name) };
+                rivals.push(Rival {
+                    name,
+                    method_name,
+                    quality: by_quality.then_some(tuning.quality),
+                    method,
+                });
             }
         }
     }
     Ok(rivals)
+}
+
+/// A method's name in figures, with what is not as it is by default.
+fn tuned_name(method: &str, tuning: &Tuning) -> String {
+    let quality = (tuning.quality != Quality::default()).then(|| tuning.quality.name().to_owned());
+    let changes = tuning.changes.0.iter().map(|(name, value)| format!("{name}_{value}"));
+    let parts = std::iter::once(method.to_owned()).chain(quality).chain(changes);
+    figure(&parts.collect::<Vec<_>>().join("_"))
+}
+
+/// A name in the letters that figures have.
+fn figure(name: &str) -> String {
+    name.replace(['-', '.'], "_")
 }
 
 /// What is scored beside the methods: the image of whoever computes nothing, under a name that says what it is.
@@ -96,6 +114,18 @@ pub fn trivial_image(effect: Effect, gbuffer: &GBuffer) -> Planes {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use deepshade_render::methods::dials::Changes;
+
+    #[test]
+    fn names_in_figures_say_what_is_not_by_default() {
+        let changes = Changes([("blur.radius".to_owned(), 2.0), ("slices.thickness".to_owned(), 0.5)].into());
+        let tuned = |quality, changes: &Changes| {
+            tuned_name("bounced-z", &Tuning { quality, changes: changes.clone() })
+        };
+        assert_eq!(tuned(Quality::High, &Changes::default()), "bounced_z");
+        assert_eq!(tuned(Quality::Low, &Changes::default()), "bounced_z_low");
+        assert_eq!(tuned(Quality::High, &changes), "bounced_z_blur_radius_2_slices_thickness_0_5");
+    }
 
     #[test]
     fn what_is_called_light_is_of_an_attribute_that_the_effects_data_have() {
@@ -110,17 +140,17 @@ mod tests {
     #[test]
     fn qualities_have_names_of_their_own() {
         let gpu = Gpu::new().expect("an adapter");
-        let qualities = [Quality::Low, Quality::High];
-        let all = rivals(Effect::Ao, &["all".to_owned()], &qualities, &gpu, None).expect("methods");
+        let tunings = [Quality::Low, Quality::High].map(Tuning::from);
+        let all = rivals(Effect::Ao, &["all".to_owned()], &tunings, &gpu, None).expect("methods");
         let names: Vec<&str> = all.iter().map(|rival| rival.name.as_str()).collect();
         assert!(
             names.contains(&"hbao") && names.contains(&"hbao_low") && !names.contains(&"learned"),
             "{names:?}"
         );
-        let error = rivals(Effect::Ao, &["sharp".to_owned()], &qualities, &gpu, None).err().expect("none");
+        let error = rivals(Effect::Ao, &["sharp".to_owned()], &tunings, &gpu, None).err().expect("none");
         assert!(error.to_string().contains("no method `sharp`"), "{error}");
         let refused = |effect, name: &str| {
-            rivals(effect, &[name.to_owned()], &qualities, &gpu, None).err().expect("none").to_string()
+            rivals(effect, &[name.to_owned()], &tunings, &gpu, None).err().expect("none").to_string()
         };
         assert!(refused(Effect::Path, "all").contains("no method yet but truth"));
         assert!(refused(Effect::Ao, "truth").contains("scored against"));

@@ -2,7 +2,7 @@
 
 use super::self_test;
 use crate::figures::{Figures, write_atomically};
-use crate::plot::{Line, Plot, Style};
+use crate::plot::{CHANNELS, Line, Plot};
 use crate::table;
 use anyhow::{Context, Result};
 use deepshade_render::phosphor::fit::{Estimate, Explained, Fit, Measurement, Parameter, Part};
@@ -119,16 +119,12 @@ fn residuals(fit: &Fit) -> Plot {
         let point = |value: &Explained| (value.seconds, (value.measured - value.fitted) / value.noise);
         fit.values.iter().filter(its).map(point).collect::<Vec<_>>()
     };
-    let line = |(name, channel): (&str, usize)| Line {
-        name: name.to_owned(),
-        points: of_channel(channel),
-        style: Style::Dots,
-    };
+    let line = |((name, colour), channel)| Line::dotted(name, of_channel(channel)).coloured(colour);
     Plot {
-        x: "seconds in the dark",
+        x: "time in the dark, s",
         is_logarithmic: false,
-        y: "what is left over its noise",
-        lines: ["red", "green", "blue"].into_iter().zip(0..).map(line).collect(),
+        y: "measured less fitted, standard errors",
+        lines: CHANNELS.into_iter().zip(0..).map(line).collect(),
         level: Some(("0", 0.0)),
     }
 }

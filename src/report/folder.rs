@@ -5,6 +5,7 @@ use super::record::{FrameRecord, RECORD};
 use super::{PAGE, images};
 use crate::figures::write_atomically;
 use anyhow::{Context, Result, bail};
+use deepshade_dataset::holder::Holder;
 use deepshade_shaders::atomic_file;
 use std::fs::{self, DirEntry, File, TryLockError};
 use std::io::{self, ErrorKind};
@@ -28,6 +29,7 @@ pub const FRAME_PREFIX: &str = "frame-";
 pub struct Folder {
     /// Where it is.
     pub path: PathBuf,
+    _holder: Holder,
     _lock: File,
 }
 
@@ -44,14 +46,16 @@ impl Folder {
         let lock = File::create(path.join(LOCK)).with_context(place)?;
         match lock.try_lock() {
             Ok(()) => {}
-            Err(TryLockError::WouldBlock) => bail!("{}: another comparison is being written there", place()),
+            Err(TryLockError::WouldBlock) => {
+                bail!("{}: {} is writing a comparison there", place(), Holder::of(path))
+            }
             Err(TryLockError::Error(error)) => return Err(error).with_context(place),
         }
         atomic_file::delete_temporaries(path).with_context(place)?;
         for name in [PAGE, MARKDOWN] {
             delete(&path.join(name)).with_context(place)?;
         }
-        Ok(Self { path: path.to_owned(), _lock: lock })
+        Ok(Self { path: path.to_owned(), _holder: Holder::sign(path), _lock: lock })
     }
 
     /// Writes a file of the report beside the page.
@@ -139,7 +143,10 @@ fn foreign(folder: &Path) -> io::Result<Option<String>> {
 /// Whether something in a folder is of a report that was never finished.
 fn is_own(entry: &DirEntry) -> bool {
     let name = entry.file_name();
-    name == LOCK || (name.to_string_lossy().starts_with(FRAME_PREFIX) && entry.path().join(RECORD).is_file())
+    let temporary = name.to_string_lossy().starts_with(atomic_file::TEMPORARY_PREFIX);
+    name == LOCK
+        || temporary
+        || (name.to_string_lossy().starts_with(FRAME_PREFIX) && entry.path().join(RECORD).is_file())
 }
 
 /// Deletes images in a frame's folder but for those of a record, and the folder where it is empty then.

@@ -1,7 +1,7 @@
 //! The thread that holds what methods made against truth: figures, and maps of where they differ.
 
-use super::News;
 use super::caught::caught;
+use super::desk::News;
 use super::mailbox::Mailbox;
 use super::pictures::{Developed, compared};
 use super::studio::Show;

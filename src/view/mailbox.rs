@@ -1,6 +1,8 @@
 //! A place for the newest order: who puts one there never waits, who takes one never sees one that is out of date.
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+#[cfg(feature = "train")]
+use std::time::Duration;
 
 /// Room for one order between two threads.
 pub struct Mailbox<T> {
@@ -31,6 +33,14 @@ impl<T> Mailbox<T> {
         let waits = |slot: &mut Slot<T>| slot.newest.is_none() && !slot.closed;
         let mut slot = self.filled.wait_while(self.slot(), waits).unwrap_or_else(PoisonError::into_inner);
         if slot.closed { None } else { slot.newest.take() }
+    }
+
+    /// Whether an order comes, or the mailbox is closed, before a time is over.
+    #[cfg(feature = "train")]
+    pub fn fills_within(&self, time: Duration) -> bool {
+        let waits = |slot: &mut Slot<T>| slot.newest.is_none() && !slot.closed;
+        let waited = self.filled.wait_timeout_while(self.slot(), time, waits);
+        !waited.unwrap_or_else(PoisonError::into_inner).1.timed_out()
     }
 
     /// Whether what is being done is out of date: there is a newer order that `differs`, or nobody waits for the work any more.
@@ -85,6 +95,18 @@ mod tests {
         assert!(!mailbox.is_overtaken_by(|_| true));
         mailbox.close();
         assert!(mailbox.is_overtaken_by(|_| false));
+    }
+
+    #[cfg(feature = "train")]
+    #[test]
+    fn an_order_ends_the_time_that_somebody_waits() {
+        let mailbox = Mailbox::default();
+        assert!(!mailbox.fills_within(Duration::from_millis(1)));
+        mailbox.put(1);
+        assert!(mailbox.fills_within(Duration::from_secs(600)));
+        assert_eq!(mailbox.take(), Some(1), "it is still there");
+        mailbox.close();
+        assert!(mailbox.fills_within(Duration::from_secs(600)));
     }
 
     #[test]

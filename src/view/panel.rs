@@ -1,6 +1,11 @@
 //! The choices beside the images, and the figures under them.
 
+#[cfg(feature = "train")]
+use super::curves;
+use super::film;
+use super::layers;
 use super::lights;
+use super::parameters;
 use super::state::{Arrangement, Map, State};
 use super::window::Window;
 use crate::complete::listeners;
@@ -19,11 +24,15 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
         lights::show(ui, window);
         ui.separator();
         effect(ui, window);
+        parameters::show(ui, &mut window.state);
         ui.separator();
         look(ui, &mut window.state);
+        layers::show(ui, window);
         ui.separator();
         truth(ui, window);
         figures(ui, window);
+        #[cfg(feature = "train")]
+        curves::show(ui, window);
         passes(ui, window);
         if let Some(note) = &window.note {
             ui.separator();
@@ -80,7 +89,7 @@ fn scene(ui: &mut Ui, window: &mut Window) {
             .on_hover_text("every image, and a comparison that makes them without a window")
             .clicked()
         {
-            window.save();
+            window.save(None);
         }
     });
     if let Some([begin, end]) = subject.animated.span() {
@@ -89,6 +98,7 @@ fn scene(ui: &mut Ui, window: &mut Window) {
             ui.checkbox(&mut state.playing, "plays");
             ui.add(Slider::new(&mut state.time, begin..=end).clamping(SliderClamping::Edits).suffix(" s"));
         });
+        film::show(ui, window);
     }
 }
 

@@ -26,8 +26,13 @@ impl Developed {
         Self { name: name.to_owned(), values: Arc::new(values), picture }
     }
 
-    /// An attribute of the g-buffer, stretched over its own range: the first three channels as colour.
+    /// An attribute of the g-buffer.
     pub fn of_attribute(attribute: Attribute, values: Planes) -> Self {
+        Self::stretched(attribute.name(), values)
+    }
+
+    /// Values that are no light, stretched over their own range: the first three channels as colour.
+    pub fn stretched(name: &str, values: Planes) -> Self {
         let finite = values.data().iter().copied().filter(|value| value.is_finite());
         let [low, high] =
             finite.fold([f32::MAX, f32::MIN], |[low, high], value| [low.min(value), high.max(value)]);
@@ -38,11 +43,7 @@ impl Developed {
             if value.is_finite() { (value - low) * scale } else { 1.0 }
         });
         let picture = Exposure::Plain.picture(&stretched, None);
-        Self {
-            name: attribute.name().to_owned(),
-            values: Arc::new(values),
-            picture: Arc::new(on_screen(&picture)),
-        }
+        Self { name: name.to_owned(), values: Arc::new(values), picture: Arc::new(on_screen(&picture)) }
     }
 }
 

@@ -1,6 +1,8 @@
 //! What the window shows, in a folder: every image as EXR and PNG, and a comparison that makes them without a window.
 
-use super::studio::Picture;
+use super::Args;
+use super::pictures::Developed;
+use super::studio::{Picture, Show};
 use super::window::Window;
 use crate::compare::{Comparison, MethodChoice, Run};
 use crate::figures::write_atomically;
@@ -13,14 +15,36 @@ use deepshade_render::exr_file::{self, Layer, Metadata};
 use deepshade_render::scene::Camera;
 use image::{Rgb, RgbImage};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The comparison's file.
 const COMPARISON: &str = "compare.toml";
 
-/// The first folder `view-1`, `view-2` and so on that is not there yet.
-pub fn free_folder() -> PathBuf {
+/// What a window shows at a moment, and how it came to be.
+pub struct Moment {
+    picture: Arc<Picture>,
+    truth: Option<Developed>,
+    /// Samples at which truth rests.
+    samples: u32,
+    args: Arc<Args>,
+}
+
+impl Moment {
+    /// Now, once there is a picture.
+    pub fn of(window: &Window) -> Option<Self> {
+        Some(Self {
+            picture: Arc::clone(window.picture.as_ref()?),
+            truth: window.truth_of_picture().map(|truth| truth.image.clone()),
+            samples: window.state.samples,
+            args: Arc::clone(&window.state.args),
+        })
+    }
+}
+
+/// The first folder `view-1`, `view-2` and so on that is not there yet, or of another name.
+pub fn free_folder(name: &str) -> PathBuf {
     (1u32..)
-        .map(|number| PathBuf::from(format!("view-{number}")))
+        .map(|number| PathBuf::from(format!("{name}-{number}")))
         .find(|path| !path.exists())
         .unwrap_or_default()
 }
@@ -28,9 +52,9 @@ pub fn free_folder() -> PathBuf {
 /// Writes what is shown into a folder.
 ///
 /// # Errors
-/// If there is nothing yet, or a file cannot be written.
-pub fn save(window: &Window, folder: &Path) -> Result<()> {
-    let picture = window.picture.as_ref().context("there is no picture yet")?;
+/// If a file cannot be written.
+pub fn save(moment: &Moment, folder: &Path) -> Result<()> {
+    let picture = &moment.picture;
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     let facts: Metadata = [
         ("scene", picture.order.show.source.to_string()),
@@ -42,8 +66,7 @@ pub fn save(window: &Window, folder: &Path) -> Result<()> {
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .into();
-    let truth = window.truth_of_picture().map(|truth| &truth.image);
-    for image in picture.images.iter().chain(truth).chain(&picture.inspected) {
+    for image in picture.images.iter().chain(&moment.truth).chain(&picture.inspected) {
         let layer = Layer::image(&image.name, &image.values).in_full();
         exr_file::write(&folder.join(format!("{}.exr", image.name)), &[layer], &facts)?;
         let [width, height] = image.picture.size.map(|side| side as u32);
@@ -54,7 +77,7 @@ pub fn save(window: &Window, folder: &Path) -> Result<()> {
         });
         write_png(&folder.join(format!("{}.png", image.name)), &png)?;
     }
-    let text = format!("{}{}", head(picture, folder), comparison(window, picture)?.keys(folder)?);
+    let text = format!("{}{}", head(picture, folder), comparison(moment)?.keys(folder)?);
     write_atomically(&folder.join(COMPARISON), text.as_bytes())
 }
 
@@ -82,10 +105,15 @@ fn head(picture: &Picture, folder: &Path) -> String {
     lines.iter().map(|line| format!("# {line}\n")).collect()
 }
 
+/// A method with what is set by hand.
+fn choice(show: &Show, name: &str) -> MethodChoice {
+    MethodChoice { parameters: show.tuning(name).changes, ..MethodChoice::named(name) }
+}
+
 /// The comparison that makes what is shown.
-fn comparison(window: &Window, picture: &Picture) -> Result<Comparison> {
-    let (state, show, time) = (&window.state, &picture.order.show, picture.order.time);
-    let args = &state.args;
+fn comparison(moment: &Moment) -> Result<Comparison> {
+    let Moment { picture, samples, args, .. } = moment;
+    let (show, time) = (&picture.order.show, picture.order.time);
     let camera = picture.camera;
     let [height, width] = show.size;
     let put = args.props.all().to_vec();
@@ -93,7 +121,7 @@ fn comparison(window: &Window, picture: &Picture) -> Result<Comparison> {
         scenes: Some(vec![show.source.clone()]),
         effects: Some(vec![show.effect]),
         methods: (!show.methods.is_empty())
-            .then(|| show.methods.iter().map(|name| MethodChoice::named(*name)).collect()),
+            .then(|| show.methods.iter().map(|name| choice(show, name)).collect()),
         qualities: Some(vec![show.quality]),
         model: show.model.clone(),
         put: (!put.is_empty()).then_some(put),
@@ -105,7 +133,7 @@ fn comparison(window: &Window, picture: &Picture) -> Result<Comparison> {
     let run = run.with_options(
         &args.additions,
         &views::Args::one(viewpoint, args.seed),
-        samples::Args::new(Some(state.samples), None),
+        samples::Args::new(Some(*samples), None),
         exposure_time::Args::new((time != 0.0).then_some(time), None),
     );
     Comparison::new(None, |_| run.clone())

@@ -1,72 +1,25 @@
 //! What hands would do, from a file: a line a step, `#` begins a comment.
 
+mod steps;
+
 use super::pilot::Pilot;
-use super::saved;
-use super::state::{Arrangement, Map};
+use super::state::State;
 use super::window::Window;
 use crate::figures::memory;
 use crate::methods;
 use crate::report::images::write_png;
-use anyhow::{Context as _, Result, bail, ensure};
-use deepshade_render::methods::Quality;
-use deepshade_shaders::{Attribute, Effect};
+use anyhow::{Context as _, Result, ensure};
 use eframe::egui::{ColorImage, Context, ScreenshotCallback, ViewportCommand, vec2};
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 use image::RgbImage;
 use std::collections::VecDeque;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
+use steps::{Step, step};
 
 /// How long nothing may come of a step.
 const PATIENCE: Duration = Duration::from_secs(300);
-
-/// A step.
-#[derive(Clone, Debug, PartialEq)]
-enum Step {
-    /// Opens a scene or a file, as if it were dropped there.
-    Open(PathBuf),
-    Effect(Effect),
-    /// Exactly these methods.
-    Methods(Vec<String>),
-    Quality(Quality),
-    /// Metres.
-    Radius(f32),
-    /// Seconds.
-    Time(f32),
-    Play(bool),
-    Truth(bool),
-    Temporal(bool),
-    Arrange(Arrangement),
-    See(Map),
-    Inspect(Attribute),
-    /// Degrees to the right and up.
-    Orbit(Vec2),
-    Look(Vec2),
-    /// Metres to the right, up and back.
-    Fly(Vec3),
-    /// Columns and rows of the images.
-    Size([usize; 2]),
-    /// Points of the window.
-    Resize(Vec2),
-    Minimise(bool),
-    /// Until the picture is what is wanted.
-    WaitPicture,
-    /// Until truth has so many samples and the verdict is there.
-    WaitTruth(u32),
-    /// Until something could not be done.
-    WaitRefusal,
-    /// Seconds.
-    Wait(f32),
-    Screenshot(PathBuf),
-    /// Images and a comparison, into a folder.
-    Save(PathBuf),
-    /// Pictures while the camera goes around, for how many come in a second.
-    Measure(u32),
-    /// Seconds for which the camera goes around while truth begins again and again, for what memory is lost.
-    Soak(f32),
-    Quit,
-}
 
 /// Steps, and how far they are done.
 pub struct Script {
@@ -164,6 +117,7 @@ impl Script {
                 state.show.methods = known.into_iter().filter(|name| wanted.contains(name)).collect();
             }
             Step::Quality(quality) => state.show.quality = *quality,
+            Step::Set(method, name, value) => return set(state, method, name, *value),
             Step::Radius(radius) => state.show.radius = Some(*radius),
             Step::Time(time) => state.time = *time,
             Step::Play(on) => state.playing = *on,
@@ -180,16 +134,38 @@ impl Script {
                 context.send_viewport_cmd(ViewportCommand::InnerSize(vec2(size.x, size.y)));
             }
             Step::Minimise(on) => context.send_viewport_cmd(ViewportCommand::Minimized(*on)),
-            Step::WaitPicture => return is_made(window),
+            Step::WaitPicture => return Ok(is_made(window)? && window.is_idle()),
             Step::WaitTruth(samples) => {
                 let enough = window.truth_of_picture().is_some_and(|truth| truth.samples >= *samples);
                 let judged = window.verdict_of_picture().is_some_and(|verdict| verdict.samples >= *samples);
                 return Ok(is_made(window)? && enough && (judged || window.state.show.methods.is_empty()));
             }
+            #[cfg(feature = "train")]
+            Step::WaitCheckpoint(step) => {
+                let reached = window.trained_step().is_some_and(|trained| trained >= *step);
+                return Ok(reached && is_made(window)?);
+            }
             Step::WaitRefusal => return Ok(window.message.is_some()),
             Step::Wait(seconds) => return Ok(since.as_secs_f32() >= *seconds),
             Step::Screenshot(path) => return self.screenshot(path, context, first),
-            Step::Save(folder) => saved::save(window, folder)?,
+            Step::Save(folder) => {
+                if first {
+                    window.save(Some(folder.clone()));
+                }
+                return Ok(window.is_idle());
+            }
+            Step::Layers(layers) => {
+                if !window.is_idle() {
+                    return Ok(false);
+                }
+                window.choose_layers(layers)?;
+            }
+            Step::Record(folder, rate) => {
+                if first {
+                    window.record(Some(folder.clone()), *rate);
+                }
+                return self.recorded(window);
+            }
             Step::Measure(pictures) => return self.measure(*pictures, window, since),
             Step::Soak(seconds) => return self.soak(*seconds, window, since),
             Step::Quit => context.send_viewport_cmd(ViewportCommand::Close),
@@ -240,6 +216,15 @@ impl Script {
         self.go_around(window)
     }
 
+    /// Whether a film is written; each frame is a sign that something comes of it.
+    fn recorded(&mut self, window: &Window) -> Result<bool> {
+        let frame = window.recording.as_ref().map_or(0, |recording| recording.frame);
+        if frame != self.seen {
+            (self.seen, self.progressed) = (frame, Some(Instant::now()));
+        }
+        Ok(is_made(window)? && window.recording.is_none() && window.is_idle())
+    }
+
     /// Asks for a picture of the window, and writes it once it is there.
     fn screenshot(&self, path: &Path, context: &Context, first: bool) -> Result<bool> {
         if first {
@@ -282,73 +267,23 @@ fn steer(window: &mut Window, how: impl FnOnce(&mut Pilot)) -> Result<bool> {
     Ok(true)
 }
 
-/// Reads a step.
-fn step(line: &str) -> Result<Step> {
-    let (verb, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-    let rest = rest.trim();
-    let numbers = || -> Result<Vec<f32>> {
-        rest.split_whitespace()
-            .map(|word| word.parse().with_context(|| format!("`{word}` is no number")))
-            .collect()
-    };
-    let one = || match numbers()?[..] {
-        [one] => Ok(one),
-        _ => bail!("it takes one number"),
-    };
-    let two = || match numbers()?[..] {
-        [x, y] => Ok(Vec2::new(x, y)),
-        _ => bail!("it takes two numbers"),
-    };
-    let three = || match numbers()?[..] {
-        [x, y, z] => Ok(Vec3::new(x, y, z)),
-        _ => bail!("it takes three numbers"),
-    };
-    let on = || match rest {
-        "on" => Ok(true),
-        "off" => Ok(false),
-        _ => bail!("it takes on or off"),
-    };
-    let named = |names: &[&str]| {
-        let place = names.iter().position(|name| *name == rest);
-        place.with_context(|| format!("it takes one of {}", names.join(", ")))
-    };
-    Ok(match verb {
-        "open" => Step::Open(rest.into()),
-        "effect" => Step::Effect(rest.parse().map_err(anyhow::Error::msg)?),
-        "methods" => Step::Methods(rest.split(',').map(|name| name.trim().to_owned()).collect()),
-        "quality" => Step::Quality(rest.parse().map_err(anyhow::Error::msg)?),
-        "radius" => Step::Radius(one()?),
-        "time" => Step::Time(one()?),
-        "play" => Step::Play(on()?),
-        "truth" => Step::Truth(on()?),
-        "temporal" => Step::Temporal(on()?),
-        "arrange" => Step::Arrange(Arrangement::ALL[named(&Arrangement::ALL.map(Arrangement::name))?]),
-        "see" => Step::See(Map::ALL[named(&Map::ALL.map(Map::name))?]),
-        "inspect" => Step::Inspect(Attribute::ALL[named(&Attribute::ALL.map(Attribute::name))?]),
-        "orbit" => Step::Orbit(two()?),
-        "look" => Step::Look(two()?),
-        "fly" => Step::Fly(three()?),
-        "size" => Step::Size(two()?.to_array().map(|side| side.max(1.0) as usize)),
-        "resize" => Step::Resize(two()?),
-        "minimise" => Step::Minimise(on()?),
-        "wait" => match rest.split_once(' ').unwrap_or((rest, "")) {
-            ("picture", "") => Step::WaitPicture,
-            ("refusal", "") => Step::WaitRefusal,
-            ("truth", samples) => Step::WaitTruth(samples.trim().parse().context("wait truth SAMPLES")?),
-            _ => Step::Wait(one()?),
-        },
-        "screenshot" => Step::Screenshot(crate::arguments::png_file(rest).map_err(anyhow::Error::msg)?),
-        "save" => Step::Save(rest.into()),
-        "measure" => Step::Measure(one()?.clamp(1.0, 1e6) as u32),
-        "soak" => Step::Soak(one()?),
-        "quit" => Step::Quit,
-        _ => bail!("there is no such step"),
-    })
+/// Sets a parameter of a method by hand.
+fn set(state: &mut State, method: &str, name: &str, value: f64) -> Result<bool> {
+    let shown = state.show.methods.iter().copied().find(|shown| *shown == method);
+    let shown = shown.with_context(|| format!("method `{method}` is not shown"))?;
+    let dials = methods::dials(state.show.effect, shown, state.show.quality)?;
+    let dial = dials.iter().find(|dial| dial.name == name);
+    let dial = dial.with_context(|| format!("method `{method}` has no parameter `{name}`"))?;
+    dial.check(value)?;
+    state.set(shown, dial, value);
+    Ok(true)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::view::state::Map;
+    use deepshade_shaders::Effect;
 
     #[test]
     fn steps_are_read_and_comments_are_not() {
@@ -377,6 +312,8 @@ mod tests {
             ("effect shadows", "shadows"),
             ("wait truth many", "SAMPLES"),
             ("screenshot a.jpg", "png"),
+            ("record film", "record FOLDER FPS"),
+            ("record film 0", "above 0"),
             ("fly 1 2 x", "`x` is no number"),
         ] {
             let error = format!("{:#}", Script::parse(text).err().expect("an error"));

@@ -6,8 +6,10 @@ use super::studio::Show;
 use crate::learned;
 use crate::methods::{self, LEARNED, TRUTH};
 use anyhow::Result;
+use deepshade_render::methods::dials::{Changes, Dial};
 use deepshade_render::scene::{Light, SceneSource};
 use deepshade_shaders::Effect;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -99,6 +101,8 @@ pub struct State {
     pub truth: bool,
     /// Samples of a pixel at which truth rests.
     pub samples: u32,
+    /// Frames a second of films.
+    pub film_rate: f32,
     before: Option<Before>,
 }
 
@@ -122,11 +126,13 @@ impl State {
                 chosen
             },
             quality: args.quality,
+            changes: BTreeMap::new(),
             radius: args.radius,
             size: [args.height, args.width],
             temporal: false,
             inspected: None,
             model: args.model.clone(),
+            trained: None,
         };
         Ok(Self {
             args: Arc::new(args.clone()),
@@ -141,6 +147,7 @@ impl State {
             borders: Vec::new(),
             truth: true,
             samples: args.spp,
+            film_rate: 25.0,
             before: None,
         })
     }
@@ -168,10 +175,12 @@ impl State {
         // A network computes one effect.
         if self.show.effect != effect {
             let model = self.show.model.take();
-            self.show.model = model.filter(|folder| learned::network(folder, Some(effect)).is_ok());
+            self.show.model = model.filter(|folder| learned::effect(folder).is_ok_and(|made| made == effect));
+            self.show.trained = None;
         }
         self.show.effect = effect;
         self.show.radius = None;
+        self.show.changes.clear();
         self.show.methods = first_methods(self.show.model.as_deref(), effect);
         self.stops = 0.0;
     }
@@ -181,10 +190,21 @@ impl State {
     /// # Errors
     /// If it is damaged.
     pub fn open_model(&mut self, folder: &Path) -> Result<()> {
-        let effect = learned::network(folder, None)?.spec.effect;
-        self.show.model = Some(folder.to_owned());
+        let effect = learned::effect(folder)?;
+        (self.show.model, self.show.trained) = (Some(folder.to_owned()), None);
         self.choose_effect(effect);
         Ok(())
+    }
+
+    /// Sets a number of a method by hand, or, where it is what the quality has anyway, no longer.
+    pub fn set(&mut self, method: &'static str, dial: &Dial, value: f64) {
+        let Changes(changes) = self.show.changes.entry(method).or_default();
+        if value == dial.usual {
+            changes.remove(&dial.name);
+        } else {
+            changes.insert(dial.name.clone(), value);
+        }
+        self.show.changes.retain(|_, changes| !changes.is_empty());
     }
 
     /// Adds a method or takes it away; methods keep the order of their list.
@@ -210,6 +230,6 @@ impl State {
 /// The first two methods of an effect; the trained network only where there is one.
 fn first_methods(model: Option<&Path>, effect: Effect) -> Vec<&'static str> {
     let folder = model.map_or_else(|| learned::usual_folder(effect), Path::to_owned);
-    let there = |name: &&str| *name != TRUTH && (*name != LEARNED || folder.join("net.json").is_file());
+    let there = |name: &&str| *name != TRUTH && (*name != LEARNED || learned::is_network(&folder));
     methods::names_of(effect).into_iter().filter(there).take(2).collect()
 }

@@ -1,11 +1,12 @@
 //! The thread that makes frames: a scene on the GPU and the methods that are wanted. It has a device of its own, so that
 //! the window stays awake while a frame takes its time, and outlives a device that is lost.
 
+use super::Args;
 use super::caught::caught;
+use super::desk::News;
 use super::mailbox::Mailbox;
 use super::pictures::Developed;
 use super::subject::Subject;
-use super::{Args, News};
 use crate::learned::{self, Learned};
 use crate::live::{Live, Wanted};
 use crate::methods::{self, LEARNED, Setup};
@@ -13,17 +14,20 @@ use crate::radius::{self, Space};
 use crate::render::picture::Exposure;
 use anyhow::{Context, Result};
 use deepshade_dataset::truth;
+use deepshade_infer::Model;
 use deepshade_render::method::{Frame, Method, Repeats};
 use deepshade_render::methods::Quality;
+use deepshade_render::methods::dials::{Changes, Tuning};
 use deepshade_render::scene::{Camera, Light, SceneSource};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Attribute, Effect, Planes};
+use std::collections::BTreeMap;
 use std::fmt::{Display, Formatter};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 /// What is made of every frame; where this changes, the scene goes to the GPU anew.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Show {
     /// The scene.
     pub source: SceneSource,
@@ -33,6 +37,8 @@ pub struct Show {
     pub methods: Vec<&'static str>,
     /// How much time they may take.
     pub quality: Quality,
+    /// What is set by hand of which of them.
+    pub changes: BTreeMap<&'static str, Changes>,
     /// How far the effect reaches, metres; by default as far as it does everywhere.
     pub radius: Option<f32>,
     /// Rows and columns.
@@ -43,11 +49,30 @@ pub struct Show {
     pub inspected: Option<Attribute>,
     /// Folder of the trained network; by default the usual one of the effect.
     pub model: Option<PathBuf>,
+    /// Its weights, where a training run makes new ones; by default those in the folder.
+    pub trained: Option<Trained>,
+}
+
+/// Weights that a training run has come to; others than these where they were read at another time.
+#[derive(Clone)]
+pub struct Trained(pub Arc<Model>);
+
+impl PartialEq for Trained {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
 }
 
 impl Display for Show {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} of {} by {}", self.effect, self.source, self.methods.join(", "))
+    }
+}
+
+impl Show {
+    /// How a method runs.
+    pub fn tuning(&self, method: &str) -> Tuning {
+        Tuning { quality: self.quality, changes: self.changes.get(method).cloned().unwrap_or_default() }
     }
 }
 
@@ -96,7 +121,7 @@ pub fn run(args: &Args, orders: &Mailbox<Order>, tell: &dyn Fn(News)) {
     while let Some(order) = orders.take() {
         let doing = order.show.to_string();
         match caught(&doing, || studio.make(args, order, tell)) {
-            Ok(picture) => tell(News::Picture(Box::new(picture))),
+            Ok(picture) => tell(News::Picture(Arc::new(picture))),
             Err(error) => {
                 studio = Studio::default();
                 tell(News::NoPicture(format!("{error:#}")));
@@ -129,9 +154,10 @@ impl Studio {
         let show = &order.show;
         let subject = self.subject(args, show, tell)?;
         let camera = order.camera.unwrap_or(subject.pilot.camera);
-        let set = match self.set.take() {
-            Some(set) if set.show == *show => set,
-            _ => {
+        let kept = self.set.take().map(|set| set.suited_to(show)).transpose()?.flatten();
+        let set = match kept {
+            Some(set) => set,
+            None => {
                 self.passes.clear();
                 Set::new(args, self.gpu()?, &subject, show, &camera)?
             }
@@ -184,12 +210,15 @@ impl Set {
         let screen = methods::screen_names(show.effect);
         let (on_screen, others): (Vec<&str>, Vec<&str>) =
             show.methods.iter().partition(|name| screen.contains(name));
-        let open = |name: &&str| methods::open_screen(show.effect, name, &gpu, show.quality);
+        let open = |name: &&str| methods::open_screen(show.effect, name, &gpu, show.tuning(name));
         let opened = on_screen.iter().map(open).collect::<Result<Vec<_>>>()?;
         let learned = others.contains(&LEARNED).then(|| network(show, &gpu)).transpose()?;
         let processor: Vec<&str> = others.into_iter().filter(|name| *name != LEARNED).collect();
-        let setup = Setup { gpu: &gpu, model: None, quality: show.quality };
-        let on_processor = methods::open(show.effect, &processor, setup)?;
+        let mut on_processor = Vec::new();
+        for name in processor {
+            let setup = Setup { gpu: &gpu, model: None, tuning: &show.tuning(name) };
+            on_processor.extend(methods::open(show.effect, &[name], setup)?);
+        }
         let space = Space { diagonal: subject.diagonal, height: show.size[0] };
         let reach = learned.as_ref().map(|learned| learned.spec().reach);
         let radius = radius::wanted(show.radius, reach, &[show.effect], space);
@@ -211,6 +240,17 @@ impl Set {
         };
         let live = Live::new(&gpu, &subject.animated, camera, wanted)?;
         Ok(Self { show: show.clone(), live, live_names, on_processor, radius })
+    }
+
+    /// Itself, where it makes what is wanted, or comes to by newer weights of its network.
+    fn suited_to(mut self, show: &Show) -> Result<Option<Self>> {
+        if self.show == *show {
+            return Ok(Some(self));
+        }
+        let before = Show { trained: show.trained.clone(), ..self.show.clone() };
+        let (true, Some(Trained(model))) = (before == *show, &show.trained) else { return Ok(None) };
+        self.show = before;
+        Ok(self.live.train(model)?.then_some(self))
     }
 
     /// What each method made of the last frame, in the order asked for, and the milliseconds of those that run on the processor.
@@ -250,6 +290,9 @@ type Image = (&'static str, Planes);
 
 fn network(show: &Show, gpu: &Gpu) -> Result<Learned> {
     let folder = show.model.clone().unwrap_or_else(|| learned::usual_folder(show.effect));
-    let model = learned::network(&folder, Some(show.effect))?;
+    let model = match &show.trained {
+        Some(Trained(model)) if model.spec.effect == show.effect => Arc::clone(model),
+        _ => Arc::new(learned::network(&folder, Some(show.effect))?),
+    };
     Learned::new(gpu, &model).with_context(|| format!("the network in {}", folder.display()))
 }

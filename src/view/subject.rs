@@ -1,9 +1,7 @@
 //! What the window shows: a scene with all that an effect needs of it, for the GPU and for rays.
 
 use super::Args;
-use crate::exposure_time;
 use crate::live::stage::{self, Seen};
-use crate::props;
 use crate::view::pilot::Pilot;
 use crate::views::Viewpoint;
 use anyhow::Result;
@@ -29,7 +27,8 @@ pub struct Subject {
     pub diagonal: f32,
     /// Which of its lights animations move.
     rigged: Vec<bool>,
-    props: props::Args,
+    /// How long the shutter is open, seconds; 0 for effects that do not show it.
+    shutter: f32,
     /// The scene for rays, at the moment that was asked for last.
     traced: Mutex<Option<(f32, Arc<TracedScene>)>>,
 }
@@ -62,7 +61,7 @@ impl Subject {
             diagonal: staged.diagonal,
             rigged: rigged(&staged.animated),
             animated: staged.animated,
-            props: args.props.clone(),
+            shutter: if effect == Effect::MotionBlur { args.shutter() } else { 0.0 },
             traced: Mutex::new(None),
         })
     }
@@ -86,7 +85,7 @@ impl Subject {
     /// The scene at a moment, seconds, under these lights, but for those that animations move, ready for rays.
     ///
     /// # Errors
-    /// If its file has gone meanwhile.
+    /// If there is no such moment.
     pub fn traced(&self, time: f32, lights: &[Light]) -> Result<Arc<TracedScene>> {
         let traced = self.at(time)?;
         let mut lights = lights.to_vec();
@@ -105,14 +104,7 @@ impl Subject {
         {
             return Ok(Arc::clone(traced));
         }
-        let mut scene = match self.animated.span() {
-            Some(_) => {
-                exposure_time::Args::new(Some(time), None).scene(&self.source, &self.props, self.effect)?
-            }
-            None => self.animated.scene.clone(),
-        };
-        scene.set_look(self.animated.scene.look());
-        let traced = Arc::new(TracedScene::new(scene)?);
+        let traced = Arc::new(TracedScene::new(self.animated.at(time, self.shutter)?)?);
         *kept = Some((time, Arc::clone(&traced)));
         Ok(traced)
     }
@@ -137,6 +129,7 @@ fn rigged(animated: &AnimatedScene) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::view::tests::args;
 
     #[test]
     fn lights_fit_where_they_are_as_many_and_of_the_same_kinds() {
@@ -145,5 +138,43 @@ mod tests {
         let dim = point.brighter(0.5);
         assert!(fit(&[point, sun], &[dim, sun]));
         assert!(!fit(&[point], &[point, sun]) && !fit(&[sun], &[point]));
+    }
+
+    /// A lamp that goes from (0, 2, 0) to (3, 2, 0) within a second, above a triangle that stays.
+    const LAMP: &str = r#"{"asset":{"version":"2.0"},"extensionsUsed":["KHR_lights_punctual"],
+            "extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":5}]}},
+            "scenes":[{"nodes":[0,1]}],
+            "nodes":[{"mesh":0},{"translation":[0,2,0],"extensions":{"KHR_lights_punctual":{"light":0}}}],
+            "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+            "animations":[{"channels":[{"sampler":0,"target":{"node":1,"path":"translation"}}],"samplers":[{"input":1,"output":2}]}],
+            "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[-1,0,-1],"max":[1,0,1]},
+                {"bufferView":1,"componentType":5126,"count":2,"type":"SCALAR","min":[0],"max":[1]},
+                {"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}],
+            "bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":8},
+                {"buffer":0,"byteOffset":44,"byteLength":24}],
+            "buffers":[{"byteLength":68,"uri":"data:application/octet-stream;base64,AACAvwAAAAAAAIC/AACAPwAAAAAAAIC/AAAAAAAAAAAAAIA/AAAAAAAAgD8AAAAAAAAAQAAAAAAAAEBAAAAAQAAAAAA="}]}"#;
+
+    #[test]
+    fn rays_see_animated_lights_at_every_moment_without_the_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("lamp.gltf");
+        std::fs::write(&file, LAMP).expect("written");
+        let source = SceneSource::File(file.clone());
+        let args = args(&format!("--scene {} --effect gi --eye 0,4,3 --look-at 0,0,0", file.display()));
+        let subject = Subject::load(&args, &source, Effect::Gi).expect("a scene");
+        std::fs::remove_file(&file).expect("deleted");
+        assert!(subject.is_rigged(0) && subject.moves_for() == 1.0);
+        let bright: Vec<Light> = subject.lights(None).iter().map(|light| light.brighter(2.0)).collect();
+        for (time, x) in [(0.0, 0.0), (0.5, 1.5), (1.0, 3.0)] {
+            let traced = subject.traced(time, &bright).expect("a moment");
+            let light = traced.scene().lights[0];
+            let place = light.position().expect("a point");
+            assert!(place.distance(Vec3::new(x, 2.0, 0.0)) < 1e-5, "{time}: {place}");
+            assert_eq!(
+                light,
+                bright[0].moved(|_| place, |direction| direction),
+                "as bright as hands have it"
+            );
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! The thread that refines truth for as long as nobody moves: path traced on all cores but one, kept for each view.
 
-use super::News;
 use super::caught::caught;
+use super::desk::News;
 use super::mailbox::Mailbox;
 use super::pictures::Developed;
 use super::subject::Subject;
@@ -10,7 +10,7 @@ use crate::render::picture::Exposure;
 use anyhow::Result;
 use deepshade_render::metrics::exposure;
 use deepshade_render::path::estimate::SCRAMBLINGS;
-use deepshade_render::path::{Refinement, Shot};
+use deepshade_render::path::{Refinement, Shot, Taken};
 use deepshade_render::scene::{Camera, Light, SceneSource};
 use deepshade_shaders::{Effect, Planes};
 use std::sync::Weak;
@@ -89,8 +89,20 @@ pub struct Truth {
     pub seconds: f64,
 }
 
+/// Truth that is kept for when its view comes back.
+struct Kept {
+    truth: Truth,
+    /// What it goes on from; nothing where there was no room.
+    taken: Option<Taken>,
+    seed: u32,
+}
+
 /// Views of which truth is kept.
 const KEPT: usize = 32;
+/// Bytes of all that truth goes on from.
+const ROOM: usize = 256 << 20;
+/// The most samples of each scrambling in a pass: what is under way is lost when hands move.
+const PASS: u32 = 16;
 
 /// Refines what is ordered until the mailbox is closed.
 pub fn run(orders: &Mailbox<Order>, tell: &(dyn Fn(News) + Sync)) {
@@ -100,54 +112,77 @@ pub fn run(orders: &Mailbox<Order>, tell: &(dyn Fn(News) + Sync)) {
         Ok(pool) => pool,
         Err(error) => return tell(News::Refused(format!("truth: {error}"))),
     };
-    let mut known: Vec<Truth> = Vec::new();
+    let mut known: Vec<Kept> = Vec::new();
     while let Some(order) = orders.take() {
-        let before =
-            known.iter().position(|truth| truth.sight == order.sight).map(|index| known.remove(index));
-        if let Some(truth) = &before {
-            let image = order.developed(Planes::clone(&truth.image.values));
-            tell(News::Truth(Truth { image, ..truth.clone() }));
+        let same = |kept: &Kept| (&kept.truth.sight, kept.seed) == (&order.sight, order.seed);
+        let mut kept = known.iter().position(same).map(|index| known.remove(index));
+        if let Some(Kept { truth, .. }) = &mut kept {
+            truth.image = order.developed(Planes::clone(&truth.image.values));
+            tell(News::Truth(truth.clone()));
         }
-        let samples = before.as_ref().map_or(0, |truth| truth.samples);
         let doing = format!("truth of {} of {}", order.sight.effect, order.sight.source);
-        let refined = caught(&doing, || pool.install(|| refine(orders, order, samples, tell)));
-        match refined {
-            Ok(refined) => known.extend(refined.or(before)),
+        match caught(&doing, || pool.install(|| refine(orders, order, &mut kept, tell))) {
+            Ok(()) => {}
             Err(error) => tell(News::Refused(format!("truth: {error:#}"))),
         }
-        if known.len() > KEPT {
-            known.remove(0);
+        known.extend(kept);
+        make_room(&mut known);
+    }
+}
+
+/// Forgets the oldest truth where there is more than is kept, and what the oldest goes on from where that takes too much.
+fn make_room(known: &mut Vec<Kept>) {
+    let surplus = known.len().saturating_sub(KEPT);
+    known.drain(..surplus);
+    let mut room = ROOM;
+    for kept in known.iter_mut().rev() {
+        let size = kept.taken.as_ref().map_or(0, Taken::size);
+        match room.checked_sub(size) {
+            Some(left) => room = left,
+            None => kept.taken = None,
         }
     }
 }
 
-/// Refines truth until there are samples enough or there is another order, and tells of each pass that has more samples than
-/// are known. Gives the last of these. An order of the same sight that is only shown otherwise, or wants other numbers of
-/// samples, goes on with what there is.
+/// Refines truth from what is kept of it until there are samples enough or there is another order, and tells of each pass that
+/// has more samples than are known. An order of the same sight that is only shown otherwise, or wants other numbers of samples,
+/// goes on with what there is.
 fn refine(
     orders: &Mailbox<Order>,
     mut order: Order,
-    known: u32,
+    kept: &mut Option<Kept>,
     tell: &(dyn Fn(News) + Sync),
-) -> Result<Option<Truth>> {
+) -> Result<()> {
+    let known = kept.as_ref().map_or(0, |kept| kept.truth.samples);
     if known >= order.samples {
-        return Ok(None);
+        return Ok(());
     }
-    let start = Instant::now();
     let sight = order.sight.clone();
-    let Some(subject) = sight.subject.upgrade() else { return Ok(None) };
+    let Some(subject) = sight.subject.upgrade() else { return Ok(()) };
     let scene = subject.traced(sight.time, &sight.lights)?;
     let shot = Shot::new(&scene, &sight.camera, sight.size, sight.radius);
-    let mut refinement = Refinement::new(sight.effect, &shot, SCRAMBLINGS, order.seed);
-    let mut best: Option<Truth> = None;
+    let (before, mut seconds) = match kept.as_mut().map(|kept| (kept.taken.take(), kept.truth.seconds)) {
+        Some((Some(taken), seconds)) => (Some(taken), seconds),
+        _ => (None, 0.0),
+    };
+    let mut refinement = match before {
+        Some(taken) => Refinement::going_on(sight.effect, &shot, taken),
+        None => Refinement::new(sight.effect, &shot, SCRAMBLINGS, order.seed),
+    };
     while refinement.samples() < order.samples {
-        let each = (refinement.samples() / SCRAMBLINGS).max(1);
+        let each = (refinement.samples() / SCRAMBLINGS).clamp(1, PASS);
         let left = (order.samples - refinement.samples()).div_ceil(SCRAMBLINGS);
         let overtaken = || orders.is_overtaken_by(|newer| !newer.goes_on(&order));
+        let (began, taken) = (Instant::now(), refinement.taken());
         refinement.refine(each.min(left), |_, _| !overtaken(), |_| {});
         if overtaken() {
+            // Some pixels lack samples of the pass.
+            if let Some(kept) = kept.as_mut().filter(|kept| kept.truth.samples == taken.samples()) {
+                kept.taken = Some(taken);
+            }
             break;
         }
+        seconds += began.elapsed().as_secs_f64();
         if let Some(newer) = orders.take_where(|newer| newer.goes_on(&order)) {
             order = newer;
         }
@@ -157,15 +192,16 @@ fn refine(
         }
         let noise = estimate.noise_relmse(exposure(sight.effect, &estimate.mean)).unwrap_or(f64::NAN).sqrt();
         let samples = estimate.samples;
-        let truth = Truth {
-            sight: sight.clone(),
-            image: order.developed(estimate.mean),
-            samples,
-            noise,
-            seconds: start.elapsed().as_secs_f64(),
-        };
+        let image = order.developed(estimate.mean);
+        let truth = Truth { sight: sight.clone(), image, samples, noise, seconds };
         tell(News::Truth(truth.clone()));
-        best = Some(truth);
+        *kept = Some(Kept { truth, taken: None, seed: order.seed });
     }
-    Ok(best)
+    if let Some(kept) = kept.as_mut().filter(|kept| kept.truth.samples == refinement.samples()) {
+        kept.taken.get_or_insert_with(|| refinement.taken());
+    }
+    Ok(())
 }
+
+#[cfg(test)]
+mod tests;

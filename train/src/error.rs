@@ -26,10 +26,12 @@ pub enum TrainError {
         fields: String,
     },
     /// Another program is training in the folder.
-    #[error("{}: another program is training in this folder", folder.display())]
+    #[error("{}: {holder} is training in this folder", folder.display())]
     Busy {
         /// Which folder.
         folder: PathBuf,
+        /// Who has it, in words.
+        holder: String,
     },
     /// A run has no network yet that could be exported.
     #[error(

@@ -4,6 +4,7 @@ use crate::checkpoint::CHECKPOINT_FILE;
 use crate::config::CONFIG_FILE;
 use crate::metrics::{CURVE_FILE, METRICS_FILE};
 use crate::{TrainConfig, TrainError};
+use deepshade_dataset::holder::Holder;
 use deepshade_shaders::atomic_file;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::path::Path;
@@ -13,22 +14,24 @@ pub(crate) fn replace(path: &Path, bytes: &[u8]) -> Result<(), TrainError> {
     atomic_file::write(path, bytes).map_err(TrainError::io("write", path))
 }
 
-/// Takes a run's folder, which is made where it is missing, for this program alone, as long as the file lives that it
-/// gives: the metrics, to be appended to. What a killed program left half-written is deleted.
+/// Takes a run's folder, which is made where it is missing, for this program alone, as long as what it gives lives: the
+/// metrics, to be appended to, and the note of who has the folder. What a killed program left half-written is deleted.
 ///
 /// # Errors
 /// If another program has the folder, or it cannot be written.
-pub(crate) fn take(folder: &Path) -> Result<File, TrainError> {
+pub(crate) fn take(folder: &Path) -> Result<(File, Holder), TrainError> {
     std::fs::create_dir_all(folder).map_err(TrainError::io("create", folder))?;
     let path = folder.join(METRICS_FILE);
     let file = OpenOptions::new().read(true).append(true).create(true).open(&path);
     let file = file.map_err(TrainError::io("write", &path))?;
     file.try_lock().map_err(|error| match error {
-        TryLockError::WouldBlock => TrainError::Busy { folder: folder.to_owned() },
+        TryLockError::WouldBlock => {
+            TrainError::Busy { folder: folder.to_owned(), holder: Holder::of(folder) }
+        }
         TryLockError::Error(source) => TrainError::io("lock", &path)(source),
     })?;
     atomic_file::delete_temporaries(folder).map_err(TrainError::io("clean", folder))?;
-    Ok(file)
+    Ok((file, Holder::sign(folder)))
 }
 
 /// Deletes the files of the run in a folder, and nothing else in it; a folder without a run is left as it is.

@@ -1,6 +1,7 @@
 //! What a run measures: JSON lines, one object a line, and a curve drawn from them.
 
 use crate::{TrainError, files};
+use deepshade_dataset::holder::Holder;
 use plotters::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -51,6 +52,7 @@ pub(crate) struct Metrics {
     folder: PathBuf,
     file: File,
     lines: Vec<Line>,
+    _holder: Holder,
 }
 
 impl Metrics {
@@ -59,7 +61,7 @@ impl Metrics {
     ///
     /// # Errors
     /// If the file cannot be read or written.
-    pub fn open(folder: &Path, mut file: File, step: usize) -> Result<Self, TrainError> {
+    pub fn open(folder: &Path, (mut file, holder): (File, Holder), step: usize) -> Result<Self, TrainError> {
         let path = folder.join(METRICS_FILE);
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(TrainError::io("read", &path))?;
@@ -67,7 +69,7 @@ impl Metrics {
         let (lines, lengths): (Vec<Line>, Vec<u64>) = kept.unzip();
         let end = lengths.iter().sum();
         file.set_len(end).map_err(TrainError::io("write", &path))?;
-        Ok(Self { folder: folder.to_owned(), file, lines })
+        Ok(Self { folder: folder.to_owned(), file, lines, _holder: holder })
     }
 
     /// Adds a line.

@@ -9,6 +9,7 @@ use crate::pairs::{Cache, PairSource};
 use crate::{TrainConfig, TrainError, files};
 use burn::optim::{GradientsParams, ModuleOptimizer};
 use burn::tensor::{Bytes, Device};
+use deepshade_dataset::holder::Holder;
 use deepshade_dataset::{Dataset, progress};
 use deepshade_infer::{Model, NetSpec, Weights};
 use deepshade_shaders::lists;
@@ -120,7 +121,7 @@ impl<'a> Run<'a> {
     fn open(
         config: &'a TrainConfig,
         folder: &'a Path,
-        metrics: File,
+        metrics: (File, Holder),
         cache: Arc<Cache>,
         split: Split,
     ) -> Result<Self, TrainError> {

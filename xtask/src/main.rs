@@ -1,5 +1,6 @@
 //! Set-up and the commands that the README and CI call: `cargo xtask demo`, `cargo xtask test`,
-//! `cargo xtask prove`, `cargo xtask crosscheck`, `cargo xtask models`, `cargo xtask book`, `cargo xtask deny`.
+//! `cargo xtask prove`, `cargo xtask crosscheck`, `cargo xtask models`, `cargo xtask book`, `cargo xtask deny`,
+//! `cargo xtask faults`, `cargo xtask store`, `cargo xtask farm`.
 //!
 //! Nothing but std and anyhow, so that it builds in seconds on a machine that has nothing else yet.
 
@@ -9,9 +10,14 @@ mod command;
 mod crosscheck;
 mod demo;
 mod deny;
+mod farm;
+mod faults;
+mod figures;
 mod models;
+mod program;
 mod prove;
 mod python;
+mod store;
 mod test;
 mod vulkan;
 
@@ -38,6 +44,13 @@ Commands:
                Given again it goes on. --work keeps data, runs and test sets, by default below the target folder
   book         Build the book in `book` with mdBook, as web pages below the target folder
   deny         Check licences, banned crates and sources of all dependencies with cargo-deny
+  faults [--kills N] [--seed S] [--json F]
+               Kill the program at random moments of every long job (60 times by default), fill its disk, stop it, limit
+               its memory, interrupt it, start it twice: what it makes must be what it makes undisturbed, byte for byte
+  store        Hold object stores against a server that speaks S3 on this machine, which is built with cargo
+  farm [--json F] [--only slurm|ray]
+               Set up Slurm with several nodes, and Ray, on this machine, and make a dataset by each while workers are killed
+               and one shard always fails
   help         Print this
 
 On Linux, set-up installs Debian or Ubuntu packages if it may (as root, or by sudo without a password); otherwise it
@@ -67,6 +80,9 @@ fn run(args: &[String]) -> Result<()> {
         ("models", rest) => models::run(rest),
         ("book", []) => book::run(),
         ("deny", []) => deny::run(),
+        ("faults", rest) => faults::run(rest),
+        ("store", []) => store::run(),
+        ("farm", rest) => farm::run(rest),
         ("help" | "-h" | "--help", []) => {
             println!("{HELP}");
             Ok(())

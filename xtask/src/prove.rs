@@ -3,6 +3,7 @@
 mod comparison;
 
 use crate::command::{self, cargo, target};
+use crate::figures::{machine, write};
 use anyhow::{Context, Result, bail, ensure};
 use comparison::Comparison;
 use std::collections::BTreeMap;
@@ -147,33 +148,6 @@ impl Proofs {
             comparisons.join(",\n")
         )
     }
-}
-
-/// The machine that figures are from, as the program says it.
-fn machine() -> String {
-    let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let name = cpuinfo.lines().find(|line| line.starts_with("model name"));
-    let processor = match name.and_then(|line| line.split_once(':')) {
-        Some((_, name)) => format!("\"{}\"", name.trim().replace(['"', '\\'], "")),
-        None => "null".to_owned(),
-    };
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let (os, architecture) = (std::env::consts::OS, std::env::consts::ARCH);
-    let version = env!("CARGO_PKG_VERSION");
-    format!(
-        "{{ \"os\": \"{os}\", \"architecture\": \"{architecture}\", \"processor\": {processor}, \"threads\": {threads}, \
-         \"version\": \"{version}\" }}"
-    )
-}
-
-/// Writes a file, whole or not at all, and its folder where that is missing.
-fn write(path: &Path, text: &str) -> Result<()> {
-    let path = std::path::absolute(path)?;
-    let folder = path.parent().context("a file's path")?;
-    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    let partial = folder.join(format!(".deepshade-{}", std::process::id()));
-    let written = std::fs::write(&partial, text).and_then(|()| std::fs::rename(&partial, &path));
-    written.with_context(|| path.display().to_string())
 }
 
 #[cfg(test)]

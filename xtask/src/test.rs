@@ -20,7 +20,7 @@ type Step = (&'static str, &'static [&'static str]);
 
 /// Lints and documentation are of what people build, training on the CPU's own kernels included. Training on Vulkan
 /// leaves these kernels out: its step compiles what is there instead.
-const STEPS: [Step; 8] = [
+const STEPS: [Step; 9] = [
     ("formatting", &["fmt", "--all", "--check"]),
     ("clippy", &["clippy", "--release", "--locked", "--workspace", "--all-targets", "--", "-D", "warnings"]),
     (
@@ -35,6 +35,7 @@ const STEPS: [Step; 8] = [
         "the program without training",
         &["clippy", "--release", "--locked", "--no-default-features", "--", "-D", "warnings"],
     ),
+    ("object stores", &["clippy", "--release", "--locked", "--features", "store", "--", "-D", "warnings"]),
     // The library is loaded at run time and need not be there.
     (
         "the benchmark beside Embree",

@@ -125,7 +125,7 @@ fn a_folder_holds_one_shard() {
     let manifest = Manifest::load_list(&out, "shard-1-of-2.json").expect("a list");
     std::fs::remove_file(list).expect("removed");
     let head = serde_json::to_string(&manifest.origin).expect("JSON");
-    std::fs::write(out.join(crate::journal::JOURNAL), format!("{head}\n")).expect("written");
+    std::fs::write(out.join(JOURNAL), format!("{head}\n")).expect("written");
     let refused = generate_shard(&recipe, &out, None, shard("2/2")).expect_err("another shard").to_string();
     assert!(refused.contains("`shard`"), "{refused}");
     generate_shard(&recipe, &out, None, shard("1/2")).expect("taken up");

@@ -169,7 +169,7 @@ impl ExrImage {
     }
 
     /// Planes by index, or an error that names those that were not found.
-    fn gathered(&self, found: Vec<(String, Option<usize>)>) -> Result<Planes, ExrError> {
+    pub(super) fn gathered(&self, found: Vec<(String, Option<usize>)>) -> Result<Planes, ExrError> {
         let missing: Vec<String> =
             found.iter().filter(|(_, index)| index.is_none()).map(|(name, _)| format!("`{name}`")).collect();
         if !missing.is_empty() {

@@ -51,6 +51,35 @@ fn what_is_written_is_read() {
 }
 
 #[test]
+fn layers_are_what_a_file_shows() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, gbuffer, target) = written(folder.path());
+    let image = read(&path).expect("read");
+    let mut layers = image.layers();
+    layers.sort();
+    assert_eq!(layers, ["depth", "normal", "position", "target.ao"]);
+    assert_eq!(image.layer("target.ao").expect("there"), target);
+    let normal = gbuffer.select(&[Attribute::Normal]).expect("there");
+    assert_eq!(image.layer("normal").expect("there"), normal, "X, Y and Z in this order");
+    let error = image.layer("shadow").expect_err("none").to_string();
+    assert!(error.contains("`shadow`") && error.contains("position.X"), "{error}");
+
+    // Names of other programs: no layer, small letters, a lone component, alpha.
+    let names = ["A", "B", "G", "R", "view.n.x", "view.n.y", "view.n.z", "Z", "uv.X", "uv.Y"];
+    let planes: Vec<Planes> = (0..names.len()).map(|index| Planes::filled(1, 2, 2, index as f32)).collect();
+    let path = folder.path().join("other.exr");
+    let layers: Vec<Layer<'_>> =
+        names.iter().zip(&planes).map(|(name, planes)| Layer::image(name, planes)).collect();
+    write(&path, &layers, &Metadata::new()).expect("written");
+    let image = read(&path).expect("read");
+    let mut found = image.layers();
+    found.sort();
+    assert_eq!(found, ["A", "RGB", "Z", "uv.X", "uv.Y", "view.n"]);
+    let colour = image.layer("RGB").expect("there");
+    assert_eq!([0, 1, 2].map(|channel| colour.at(channel, 0, 0)), [3.0, 2.0, 1.0]);
+}
+
+#[test]
 fn the_same_image_gives_the_same_bytes() {
     let metadata: Metadata = (0..20).map(|i| (format!("key{i}"), format!("value {i}"))).collect();
     let bytes = || {

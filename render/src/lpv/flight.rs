@@ -6,6 +6,12 @@
 //! collides in its cell and is scattered there may collide there again: the sum of all of that is a geometric series,
 //! so that one iteration takes light on by a cell, be a cell as many mean free paths long as it may.
 //!
+//! In truth the mean length of the way through a body of even light that shines on it from everywhere depends on its form
+//! alone, not on how it scatters (Blanco and Fournier 2003), since what enters a dense body mostly turns back at once.
+//! Here, where all that collides in a cell does so in its middle, that way grows with extinction. So from a thinner cell only
+//! as much enters a denser one as keeps even light even where nothing is absorbed, and of the rest as much turns back as half
+//! a space of the medium reflects of diffuse light.
+//!
 //! Billeter, Sintorn and Assarsson 2012, equation (3), lets all collisions happen in the cell that light leaves and
 //! takes what is scattered on to a neighbour: each collision costs at least the length of a cell, in dense media many
 //! times what it should.
@@ -14,7 +20,7 @@ use super::lattice::{CLASSES, DISTANCES, mean};
 use std::sync::LazyLock;
 
 /// How collisions are counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Factors {
     /// Where they happen, as above.
     #[default]
@@ -61,6 +67,12 @@ pub struct Flight {
     pub tracks_in: [f32; CLASSES],
     /// That of light that a surface on the way to each kind of neighbour sends back.
     pub tracks_back: [f32; CLASSES],
+    /// What it would send towards each kind if nothing were absorbed and light were even, over fluence.
+    pub even: [f32; CLASSES],
+    /// What goes in of diffuse light that a surface sends into it.
+    pub opens: f32,
+    /// What half a space of its medium reflects of diffuse light.
+    pub turns: f32,
 }
 
 impl Flight {
@@ -73,6 +85,11 @@ impl Flight {
         let left = mean(|class| leaves[class]);
         let track = |class: usize, passes: f32| track(passes, extinction, 0.5 * DISTANCES[class]);
         let track_out = mean(|class| track(class, leaves[class]));
+        let tracks_in = [0, 1, 2].map(|class| track(class, enters[class]));
+        let sets_out = left.max(LEAST).recip();
+        let way = sets_out * (track_out + mean(|class| leaves[class] * tracks_in[class]));
+        let whole = mean(|class| DISTANCES[class]);
+        let way = way.max(0.999 * whole);
         Self {
             streams: leaves,
             scatters: leaves,
@@ -81,9 +98,21 @@ impl Flight {
             again: albedo / (1.0 - albedo + albedo * left).max(LEAST),
             track_out,
             track_again: track_out,
-            tracks_in: [0, 1, 2].map(|class| track(class, enters[class])),
+            tracks_in,
             tracks_back: [0, 1, 2].map(|class| track(class, leaves[class])),
+            even: leaves.map(|leaves| leaves * sets_out / way),
+            opens: (whole / way).min(1.0),
+            turns: reflectance(albedo),
         }
+    }
+
+    /// What of light from a cell that goes to this one, a neighbour of a kind, goes in; the rest [`turns`](Self::turns)
+    /// back. What passes straight through does not turn.
+    pub fn lets_in(&self, from: &Self, class: usize) -> f32 {
+        // Of extinction without end neither sends anything.
+        let share =
+            if from.even[class] > self.even[class] { self.even[class] / from.even[class] } else { 1.0 };
+        share.max(self.enters[class])
     }
 
     /// The same with other factors.
@@ -104,8 +133,18 @@ impl Flight {
             track_again: 0.0,
             tracks_in: [0.0; CLASSES],
             tracks_back: [0.0; CLASSES],
+            even: [1.0; CLASSES],
+            opens: 1.0,
+            turns: 0.0,
         }
     }
+}
+
+/// What half a space of a medium reflects of diffuse light: the spherical albedo of isotropic scattering, to 2 % (Hapke
+/// 1981, equation 39).
+pub fn reflectance(albedo: f32) -> f32 {
+    let gamma = (1.0 - albedo).max(0.0).sqrt();
+    (1.0 - gamma) / (1.0 + gamma) * (1.0 - gamma / (3.0 + 3.0 * gamma))
 }
 
 /// What leaves a cell of any medium at least, so that nothing is divided by 0.

@@ -10,6 +10,9 @@ const MARGIN: i32 = 1;
 /// Most cells along an axis.
 const MOST: i32 = 128;
 
+/// How far from the border a finer grid begins to light what is in it, and from where on it does alone, cells.
+pub const FADES: [f32; 2] = [2.0, 4.0];
+
 /// Cubic cells around a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightGrid {
@@ -30,6 +33,28 @@ impl LightGrid {
         let size = (extent / cell * 0.999).ceil().as_ivec3().max(IVec3::ONE) + 2 * MARGIN;
         let low = bounds.centre() - 0.5 * cell * size.as_vec3();
         Self { low, cell, size }
+    }
+
+    /// As many cells of half the edge around a point: a box of half the extent, which begins and ends between cells of this
+    /// grid and lies within it.
+    pub fn nested(&self, focus: Vec3) -> Self {
+        let covers = (self.size + 1) / 2;
+        let begin = (self.in_cells(focus) - 0.5 * covers.as_vec3() + 0.5).floor();
+        let begin = begin.max(Vec3::ZERO).min((self.size - covers).as_vec3());
+        Self { low: self.low + self.cell * begin, cell: 0.5 * self.cell, size: 2 * covers }
+    }
+
+    /// How many cells a cell is from the border, 0 for those at it.
+    pub fn depth(&self, at: IVec3) -> i32 {
+        at.min(self.size - 1 - at).min_element()
+    }
+
+    /// How much a point of a finer grid is lit by it, and not by the one around it: nothing beside the border, where light
+    /// of the other is handed over, and all farther in.
+    pub fn share_of(&self, point: Vec3) -> f32 {
+        let at = self.in_cells(point);
+        let depth = at.min(self.size.as_vec3() - at).min_element();
+        ((depth - FADES[0]) / (FADES[1] - FADES[0])).clamp(0.0, 1.0)
     }
 
     /// How many cells there are.
@@ -85,6 +110,21 @@ mod tests {
         assert!(inner(bounds.min) && (grid.size.as_vec3() - grid.in_cells(bounds.max)).min_element() > 0.99);
         assert!((0..grid.cells()).all(|i| grid.index(grid.at(i)) == Some(i)));
         assert_eq!(grid.index(IVec3::new(-1, 0, 0)), None);
+        let nested = grid.nested(bounds.centre());
+        assert_eq!((nested.size, nested.cell), (IVec3::new(34, 10, 14), 0.125));
+        for focus in [bounds.min - 9.0, bounds.centre(), bounds.max + 9.0, Vec3::new(0.3, 1.1, 2.2)] {
+            let nested = grid.nested(focus);
+            let corners =
+                [nested.low, nested.low + nested.cell * nested.size.as_vec3()].map(|at| grid.in_cells(at));
+            assert!(corners.iter().all(|at| (at - at.round()).length() < 1e-4), "between cells: {corners:?}");
+            assert!(
+                corners[0].min_element() > -1e-4 && (grid.size.as_vec3() - corners[1]).min_element() > -1e-4
+            );
+        }
+        assert_eq!(
+            [0.1, 0.6, 2.0].map(|x| nested.share_of(nested.low + Vec3::new(x, 0.6, 0.8))),
+            [0.0, 1.0, 1.0]
+        );
         let flat = LightGrid::around(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }, 1);
         assert!(flat.cells() == 27 && flat.cell > 0.0);
     }

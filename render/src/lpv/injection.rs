@@ -1,4 +1,4 @@
-//! What is in a volume before the first iteration: light that surfels reflect, light of the lamps that the medium
+//! What is in a volume before the first iteration: light that surfels reflect or emit, light of the lamps that the medium
 //! scatters, and the medium itself.
 
 use super::flight::Factors;
@@ -17,26 +17,53 @@ use std::f32::consts::PI;
 /// Nearer to a lamp than this, in cells, a point of the medium counts as that near.
 const NEAREST: f32 = 0.25;
 
-/// Light that disks reflect, and what they block and of which patch's colour. Light begins half a cell before its disk,
-/// so that it lies before what blocks.
+/// Places, normals and areas of disks, world space.
+fn laid<'a>(disks: &'a [Disk], camera: &'a Camera) -> impl Iterator<Item = (&'a Disk, Vec3, Vec3, f32)> {
+    disks.iter().map(move |disk| {
+        let (point, normal) = (camera.position + camera.rotation * disk.place, camera.rotation * disk.normal);
+        (disk, point, normal, PI * disk.radius * disk.radius)
+    })
+}
+
+/// Sends so many watts from one side of a surface. Light begins half a cell before it, so that it lies before what blocks.
+fn send(light: &mut [Light], grid: &LightGrid, (point, normal): (Vec3, Vec3), power: Vec3) {
+    if let Some(index) = grid.index((grid.in_cells(point) + 0.5 * normal).floor().as_ivec3()) {
+        let moments = (MATTE * normal).extend(1.0);
+        (0..3).for_each(|c| light[index][c] += moments * power[c]);
+    }
+}
+
+/// Light that disks reflect of the lamps', and what they block and of which patch's colour.
 fn surfaces(
     grid: &LightGrid,
     (disks, patches): (&[Disk], &[Patch]),
     camera: &Camera,
 ) -> (Vec<Light>, Blockers) {
-    let (mut light, mut blockers) = (vec![[Vec4::ZERO; 3]; grid.cells()], Blockers::new(grid));
-    for disk in disks {
-        let (point, normal) = (camera.position + camera.rotation * disk.place, camera.rotation * disk.normal);
-        let area = PI * disk.radius * disk.radius;
+    let (mut light, mut blockers) = (vec![Light::default(); grid.cells()], Blockers::new(grid));
+    for (disk, point, normal, area) in laid(disks, camera) {
         blockers.add(point, normal, area, patches[disk.patch as usize].colour());
         for (normal, sent) in [(normal, disk.sent[0]), (-normal, disk.sent[1])] {
-            let at = (grid.in_cells(point) + 0.5 * normal).floor().as_ivec3();
-            let Some(index) = grid.index(at) else { continue };
-            let moments = (MATTE * normal).extend(1.0);
-            (0..3).for_each(|c| light[index][c] += moments * (PI * area * sent[c]));
+            send(&mut light, grid, (point, normal), PI * area * sent);
         }
     }
     (light, blockers)
+}
+
+/// What disks send from each of their sides that is outside of bodies: watts a square metre of patch, point and normal.
+pub fn sent_from(
+    grid: &LightGrid,
+    (disks, patches): (&[Disk], &[Patch]),
+    camera: &Camera,
+    sends: impl Fn(&Patch, Vec3, Vec3) -> Vec3,
+) -> Vec<Light> {
+    let mut light = vec![Light::default(); grid.cells()];
+    for (disk, point, normal, area) in laid(disks, camera) {
+        let patch = &patches[disk.patch as usize];
+        for normal in [Some(normal), disk.open.then_some(-normal)].into_iter().flatten() {
+            send(&mut light, grid, (point, normal), area * sends(patch, point, normal));
+        }
+    }
+    light
 }
 
 /// The first of Gauss' two points along an edge, and from there to the second, as shares of it. No surface is likely to be there.
@@ -71,6 +98,12 @@ impl CellPart {
     }
 }
 
+/// Mean density of a medium in a cell.
+fn density(grid: &LightGrid, index: usize, medium: &Medium) -> f32 {
+    let part = CellPart::of(grid, grid.at(index), &medium.density);
+    part.points().map(|point| medium.density.inside(point)).sum::<f32>() / 8.0 * part.share
+}
+
 /// What a medium does in each cell: by similarity one that scatters alike in all directions, and as much less of it as
 /// keeps the mean flux (van de Hulst 1980).
 pub fn flights(grid: &LightGrid, medium: Option<&Medium>, factors: Factors) -> Vec<[Flight; 3]> {
@@ -79,8 +112,7 @@ pub fn flights(grid: &LightGrid, medium: Option<&Medium>, factors: Factors) -> V
     let extinction = medium.absorption + scattering;
     let albedo = (scattering / extinction.max(Vec3::splat(1e-30))).clamp(Vec3::ZERO, Vec3::ONE);
     let of_cell = |index: usize| {
-        let part = CellPart::of(grid, grid.at(index), &medium.density);
-        let density = part.points().map(|point| medium.density.inside(point)).sum::<f32>() / 8.0 * part.share;
+        let density = density(grid, index, medium);
         [0, 1, 2].map(|c| Flight::by(factors, extinction[c] * density * grid.cell, albedo[c]))
     };
     (0..grid.cells()).into_par_iter().map(of_cell).collect()
@@ -109,6 +141,18 @@ pub fn single_scattering(grid: &LightGrid, scene: &TracedScene) -> Vec<Light> {
             }
         }
         sum
+    };
+    (0..grid.cells()).into_par_iter().map(of_cell).collect()
+}
+
+/// What the medium in each cell scatters of light whose flux and energy times lengths of ways, watts times cells, are
+/// known; a grid's medium scatters alike in all directions.
+pub fn scattered(grid: &LightGrid, medium: Option<&Medium>, ways: &[Light]) -> Vec<Light> {
+    let Some(medium) = medium else { return vec![Light::default(); grid.cells()] };
+    let scattering = medium.scattering * (1.0 - medium.anisotropy) * grid.cell;
+    let of_cell = |index: usize| {
+        let density = density(grid, index, medium);
+        [0, 1, 2].map(|c| Vec4::W * (ways[index][c].w * scattering[c] * density))
     };
     (0..grid.cells()).into_par_iter().map(of_cell).collect()
 }

@@ -8,6 +8,7 @@
 
 pub mod bands;
 pub mod blockers;
+pub mod cascade;
 pub mod flight;
 pub mod grid;
 pub mod injection;

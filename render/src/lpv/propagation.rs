@@ -3,6 +3,7 @@
 //! Kinds of light are kept apart by what they met, so that what is shown can leave out what other methods show sharper:
 //! light that met no medium yet by how often surfaces have reflected it, and light that was scattered.
 
+use super::cascade::at_border;
 use super::lattice::{CLASSES, LINKS, SHARES, neighbours};
 use super::lobe::MATTE;
 use super::{Flight, LightGrid, Scheme};
@@ -30,6 +31,16 @@ pub struct Volume {
     pub scheme: Scheme,
 }
 
+impl Volume {
+    /// Of light that surfaces send into a cell and that collides there, what goes in: the rest goes back to them and
+    /// comes again, in their colour.
+    pub fn goes_in(&self, cell: usize, colour: usize) -> f32 {
+        let flight = &self.flights[cell][colour];
+        let back = (1.0 - flight.opens) * flight.turns * self.reflectances[cell][colour];
+        flight.opens / (1.0 - back).max(flight.opens)
+    }
+}
+
 /// Kinds of light that are kept apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kinds {
@@ -48,6 +59,25 @@ pub struct Shown {
     pub by_medium: Vec<Light>,
     /// By surfaces: the last kind.
     pub by_surfaces: Vec<Light>,
+    /// By nothing, but a finer grid is lit by it: the first kind.
+    pub first: Vec<Light>,
+}
+
+impl Shown {
+    fn none(cells: usize) -> Self {
+        let none = vec![Light::default(); cells];
+        Self { by_medium: none.clone(), by_surfaces: none.clone(), first: none }
+    }
+
+    /// That of one kind of one, or of two that met no medium and of scattered light, in a cell.
+    pub fn of_kind(&self, kinds: Kinds, kind: usize, cell: usize) -> Light {
+        let last = self.by_surfaces[cell];
+        match kind + 1 {
+            count if count == kinds.count() => last,
+            1 => self.first[cell],
+            _ => std::array::from_fn(|colour| self.by_medium[cell][colour] - last[colour]),
+        }
+    }
 }
 
 /// Light on its way through a volume.
@@ -57,6 +87,10 @@ pub struct Field {
     scheme: Scheme,
     /// Of each kind, lobes of each cell.
     lobes: Vec<Vec<Light>>,
+    /// Whether the first kind is as surfaces sent it.
+    is_fresh: bool,
+    /// Whether cells at the border take what arrives.
+    is_nested: bool,
     /// What is shown of it.
     pub shown: Shown,
 }
@@ -67,6 +101,7 @@ struct Arriving {
     kinds: [Vec4; MOST_KINDS],
     by_medium: Vec4,
     by_surfaces: Vec4,
+    first: Vec4,
 }
 
 impl Kinds {
@@ -85,14 +120,18 @@ impl Kinds {
     }
 
     /// Whether light of a kind is scattered light.
-    const fn is_scattered(self, kind: usize) -> bool {
+    pub const fn is_scattered(self, kind: usize) -> bool {
         kind == self.unscattered
     }
 }
 
 impl Arriving {
-    const NONE: Self =
-        Self { kinds: [Vec4::ZERO; MOST_KINDS], by_medium: Vec4::ZERO, by_surfaces: Vec4::ZERO };
+    const NONE: Self = Self {
+        kinds: [Vec4::ZERO; MOST_KINDS],
+        by_medium: Vec4::ZERO,
+        by_surfaces: Vec4::ZERO,
+        first: Vec4::ZERO,
+    };
 
     fn show(&mut self, kinds: Kinds, kind: usize, light: Vec4) {
         if kind + 1 >= kinds.unscattered {
@@ -100,6 +139,9 @@ impl Arriving {
         }
         if kind + 1 == kinds.count() {
             self.by_surfaces += light;
+        }
+        if kind == 0 {
+            self.first += light;
         }
     }
 }
@@ -115,7 +157,8 @@ impl Field {
         };
         let lobes = |kind: usize| light(kind).iter().map(|of| of.map(|of| scheme.lobes.of(of))).collect();
         let lobes = (0..kinds.count()).map(lobes).collect();
-        Self { kinds, scheme, lobes, shown: Shown { by_medium: none.clone(), by_surfaces: none } }
+        let cells = reflected.len();
+        Self { kinds, scheme, lobes, is_fresh: true, is_nested: false, shown: Shown::none(cells) }
     }
 
     /// Light that is all of the last kind.
@@ -126,14 +169,32 @@ impl Field {
 
     /// Of lobes of each kind, `[kinds, cells]`, which are not empty.
     pub fn of_lobes(scheme: Scheme, kinds: Kinds, lobes: Vec<Vec<Light>>) -> Self {
-        let none = vec![Light::default(); lobes[0].len()];
-        Self { kinds, scheme, lobes, shown: Shown { by_medium: none.clone(), by_surfaces: none } }
+        let cells = lobes[0].len();
+        Self { kinds, scheme, lobes, is_fresh: true, is_nested: false, shown: Shown::none(cells) }
+    }
+
+    /// It in a finer grid, with light of what a coarser one shows along its border.
+    #[must_use]
+    pub fn nested(mut self, volume: &Volume, outside: (&LightGrid, &Shown)) -> Self {
+        self.is_nested = true;
+        for cell in (0..volume.grid.cells()).filter(|cell| volume.grid.depth(volume.grid.at(*cell)) == 0) {
+            let light = at_border(outside, volume, cell, self.kinds);
+            for (lobes, light) in self.lobes.iter_mut().zip(light) {
+                lobes[cell] = light.map(|of| self.scheme.lobes.of(of));
+            }
+        }
+        self
     }
 
     /// Energy of all light on its way, of all colours, watts.
     pub fn energy(&self) -> f64 {
         let all = self.lobes.iter().flatten().flatten();
         all.map(|kept| f64::from(self.scheme.lobes.moments(*kept).w)).sum()
+    }
+
+    /// Whether a cell is one of those that a coarser volume lights.
+    fn is_at_border(&self, volume: &Volume, cell: usize) -> bool {
+        self.is_nested && volume.grid.depth(volume.grid.at(cell)) == 0
     }
 
     /// What each cell sends out again of the light in it, in all directions.
@@ -143,11 +204,17 @@ impl Field {
         }
         let of = |colour: usize| {
             let flight = &volume.flights[cell][colour];
-            let collides = |lobes: &Vec<Light>| -> f32 {
+            let collides = |(kind, lobes): (usize, &Vec<Light>)| -> f32 {
                 let energies = self.scheme.lobes.by_class(lobes[cell][colour]);
-                (0..CLASSES).map(|class| energies[class] * (1.0 - flight.streams[class])).sum()
+                let all: f32 =
+                    (0..CLASSES).map(|class| energies[class] * (1.0 - flight.streams[class])).sum();
+                let is_sent = self.is_fresh && !self.kinds.is_scattered(kind);
+                match is_sent && !self.is_at_border(volume, cell) {
+                    true => all * volume.goes_in(cell, colour),
+                    false => all,
+                }
             };
-            flight.again * self.lobes.iter().map(collides).sum::<f32>()
+            flight.again * self.lobes.iter().enumerate().map(collides).sum::<f32>()
         };
         [0, 1, 2].map(of)
     }
@@ -161,16 +228,23 @@ impl Field {
     pub fn step(&mut self, volume: &Volume) {
         let cells = volume.grid.cells();
         let again: Vec<[f32; 3]> = (0..cells).into_par_iter().map(|cell| self.again(volume, cell)).collect();
+        self.is_fresh = false;
         let colours = |cell: usize| [0, 1, 2].map(|colour| self.arriving(volume, &again, cell, colour));
         let arrived: Vec<[Arriving; 3]> = (0..cells).into_par_iter().map(colours).collect();
         for (kind, lobes) in self.lobes.iter_mut().enumerate() {
             let lobe = |arrived: &[Arriving; 3]| arrived.map(|of| self.scheme.lobes.of(of.kinds[kind]));
             lobes.par_iter_mut().zip(&arrived).for_each(|(light, arrived)| *light = lobe(arrived));
         }
+        if self.is_nested {
+            for cell in (0..cells).filter(|cell| volume.grid.depth(volume.grid.at(*cell)) == 0) {
+                self.lobes.iter_mut().for_each(|lobes| lobes[cell] = Light::default());
+            }
+        }
         for (cell, arrived) in arrived.iter().enumerate() {
             for (colour, of) in arrived.iter().enumerate() {
                 self.shown.by_medium[cell][colour] += of.by_medium;
                 self.shown.by_surfaces[cell][colour] += of.by_surfaces;
+                self.shown.first[cell][colour] += of.first;
             }
         }
     }
@@ -199,7 +273,9 @@ impl Field {
             let passes =
                 if link < LINKS { passing[cell][LINKS - 1 - link] } else { passing[from][link - LINKS] };
             let (class, flight) = (neighbour.class, &flights[from][colour]);
-            let (share, scatters) = (SHARES[class] * passes, here.albedo * (1.0 - here.enters[class]));
+            let goes_in = here.lets_in(flight, class);
+            let scatters = here.albedo * (goes_in - here.enters[class]).max(0.0);
+            let share = SHARES[class] * passes;
             let along = |direction: Vec3, energy: f32| (direction * energy).extend(energy);
             let kept = neighbour.direction * scheme.kept_direction(class);
             let mut all = 0.0;
@@ -220,20 +296,28 @@ impl Field {
             // What the cell itself sends there and surfaces on the way reflect comes back half a way later.
             let returns = SHARES[class] * (1.0 - passes) * reflectances[cell][colour];
             let (out, matte) = (here.streams[class], MATTE * neighbour.direction);
-            let mut all = 0.0;
+            let opposite = neighbour.opposite();
+            let (mut all, mut sets_out) = (0.0, 0.0);
             for kind in 0..kinds.count() {
-                let Some(into) = kinds.reflected(kind) else { continue };
-                let opposite = neighbour.opposite();
-                let mut sent = returns * out * scheme.towards(self.lobes[kind][cell][colour], &opposite);
+                let mut sent = out * scheme.towards(self.lobes[kind][cell][colour], &opposite);
                 if kinds.is_scattered(kind) {
-                    sent += returns * here.scatters[class] * again[cell][colour];
+                    sent += here.scatters[class] * again[cell][colour];
                 }
+                sets_out += sent;
+                let Some(into) = kinds.reflected(kind) else { continue };
+                sent *= returns;
                 sums.kinds[into] += along(matte, sent * out);
                 sums.show(kinds, into, along(matte, sent * here.tracks_back[class]));
                 all += sent;
             }
             if kinds.scattered {
-                sums.kinds[kinds.unscattered].w += all * here.albedo * (1.0 - out);
+                let scattered = kinds.unscattered;
+                sums.kinds[scattered].w += all * here.albedo * (1.0 - out);
+                // What a denser medium there turns back comes as if from there.
+                let turned = share * sets_out * flight.turns * (1.0 - flight.lets_in(here, class));
+                sums.kinds[scattered] += along(kept, turned * here.enters[class]);
+                sums.kinds[scattered].w += turned * here.albedo * (1.0 - here.enters[class]);
+                sums.show(kinds, scattered, along(kept, turned * here.tracks_in[class]));
             }
         }
         sums

@@ -4,7 +4,7 @@ use super::flight::Factors;
 use super::lobe::Lobes;
 
 /// Which cells light a surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Lookup {
     /// The eight around a point half a cell before it, but for those behind it: what is behind a wall does not light it.
     #[default]
@@ -14,7 +14,7 @@ pub enum Lookup {
 }
 
 /// What can be done in two ways or more.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Scheme {
     /// How collisions are counted.
     pub factors: Factors,
@@ -33,5 +33,10 @@ impl Scheme {
     /// As the passes have it.
     pub const fn constants(self) -> [(&'static str, u32); 2] {
         [("FACTORS", self.factors as u32), ("LOBES", self.lobes as u32)]
+    }
+
+    /// Which cells light a surface, as the passes have it.
+    pub const fn lookup_constant(self) -> (&'static str, u32) {
+        ("LOOKUP", self.lookup as u32)
     }
 }

@@ -1,5 +1,8 @@
 //! Closed forms and properties of propagation.
 
+mod cascade;
+mod density;
+
 use super::bands::{Bands, ringing};
 use super::flight::Factors;
 use super::lattice::LINKS;

@@ -16,12 +16,14 @@ use deepshade_shaders::{Attribute, Effect, Planes};
 use glam::IVec2;
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Pixels on either side that are blurred together; 0 is no blur.
+    #[schemars(range(min = 0, max = 32), extend("unit" = "pixels"))]
     pub radius: u32,
     /// How much distance from the tangent plane weakens the blur: a neighbour one radius of the effect off the plane has
     /// the weight `exp(-sharpness^2)`.
+    #[schemars(range(min = 0.0, max = 65536.0))]
     pub sharpness: f32,
 }
 

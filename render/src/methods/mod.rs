@@ -5,6 +5,7 @@
 pub mod aov;
 pub mod blur;
 pub mod bounced_z;
+pub mod dials;
 pub mod environment_map;
 pub mod epipolar;
 pub mod epipolar_sampling;

@@ -36,13 +36,16 @@ use std::f32::consts::{FRAC_PI_2, PI};
 const SECTORS: f32 = 32.0;
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Slices of a pixel, at least 1.
+    #[schemars(range(min = 1, max = 64))]
     pub slices: u32,
     /// Samples on either side of a slice, at least 1; fewer where there are fewer pixels.
+    #[schemars(range(min = 1, max = 128))]
     pub steps: u32,
     /// How thick everything is taken to be, away from the eye, as a share of the radius. Light passes behind it.
+    #[schemars(range(min = 0.0, max = 10.0))]
     pub thickness: f32,
 }
 

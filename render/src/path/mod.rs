@@ -49,7 +49,7 @@ pub use motion_blur::MotionBlur;
 pub use multi::Multi;
 pub use part::Part;
 pub use phosphor::Phosphor;
-pub use refinement::Refinement;
+pub use refinement::{Refinement, Taken};
 pub use sss::ScreenSpaceScattering;
 pub use subsurface::Subsurface;
 pub use truth::Truth;

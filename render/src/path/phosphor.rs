@@ -3,107 +3,21 @@
 //!
 //! What excites it is direct light of lamps without an extent, on either side of the surface: what keeps light is a layer
 //! without sides. Shadows are those of rays; lamps are switched at their exact moments, and between them each state moves by
-//! its closed form ([`Scheme::Exact`](crate::phosphor::rate::Scheme)), for which steps of any fineness are the same. The
-//! scene stays as it is at the moment that is shown: where something moves, a sequence of frames has what this has not.
+//! its closed form ([`Scheme::Exact`](crate::phosphor::rate::Scheme)), for which steps of any fineness are the same. What moves
+//! was where its poses of the past have it ([`TracedScene::past`](crate::bvh::TracedScene::past)), each for the stretch of time
+//! that it stands for; without any the scene stays as it is at the moment that is shown.
 //! Light that reached a lamp-lit place by a detour, phosphorescent light included, excites nothing and is not shown.
 //!
 //! Light falls on the mesh as its vertices' normals have it; normal maps change nothing.
 
-use super::lights::Arrival;
+mod afterglow;
+pub mod in_medium;
+
+pub use afterglow::{Afterglow, Place};
+
 use super::sampler::{PixelSampler, Stream};
 use super::{Footprint, Integrator, Shot};
-use crate::bvh::{Hit, TracedScene, corner_weights};
-use crate::intersection::clearance;
-use crate::phosphor::paint::{Lit, MOST_STATES};
-use crate::scene::glow::Piece;
-use crate::scene::{Glow, Mesh};
 use glam::{Vec2, Vec3};
-
-/// What a scene's surfaces give back at a moment.
-#[derive(Debug)]
-pub struct Afterglow<'a> {
-    scene: &'a TracedScene,
-    glow: &'a Glow,
-    /// Of each material.
-    paints: Vec<Option<usize>>,
-    past: Vec<Piece>,
-}
-
-/// A point of a mesh as light falls on it.
-#[derive(Clone, Copy, Debug)]
-pub struct Place {
-    /// World space, metres.
-    pub position: Vec3,
-    /// Of the triangle.
-    pub geometric_normal: Vec3,
-    /// As the vertices have it, on the side of the geometric one.
-    pub normal: Vec3,
-    clearance: f32,
-}
-
-impl Place {
-    /// The point of a triangle with these weights of its corners.
-    pub fn new(mesh: &Mesh, triangle: usize, weights: [f32; 3]) -> Self {
-        let corners = mesh.corners(triangle);
-        let [a, b, c] = corners;
-        let geometric_normal = (b - a).cross(c - a).normalize_or_zero();
-        let of_vertex = |vertex: u32| mesh.normals.get(vertex as usize).copied().unwrap_or(Vec3::ZERO);
-        let normals = mesh.triangles[triangle].map(of_vertex);
-        let smooth: Vec3 = normals.into_iter().zip(weights).map(|(normal, weight)| normal * weight).sum();
-        let smooth = smooth.normalize_or(geometric_normal);
-        Self {
-            position: a + (b - a) * weights[1] + (c - a) * weights[2],
-            geometric_normal,
-            normal: if smooth.dot(geometric_normal) < 0.0 { -smooth } else { smooth },
-            clearance: clearance(corners),
-        }
-    }
-}
-
-impl<'a> Afterglow<'a> {
-    /// Of a scene at the moment of its [`Glow`].
-    pub fn new(scene: &'a TracedScene) -> Self {
-        let glow = Glow::of(scene.scene());
-        Self { scene, glow, paints: glow.paints_of(scene.scene()), past: glow.past(glow.moment) }
-    }
-
-    /// Irradiance of the lamps of each schedule when they shine, on both sides of a surface together, W/m², RGB.
-    pub fn irradiance(&self, place: &Place) -> Vec<Vec3> {
-        let mut received = vec![Vec3::ZERO; self.glow.schedules.len()];
-        let scene = self.scene.scene();
-        for (index, light) in scene.lights.iter().enumerate() {
-            let Arrival { direction, distance, irradiance } = Arrival::new(scene, light, place.position);
-            let side = place.geometric_normal.dot(direction).signum();
-            let cosine = side * place.normal.dot(direction);
-            if cosine <= 0.0 || irradiance == Vec3::ZERO {
-                continue;
-            }
-            let origin = place.position + side * place.geometric_normal * place.clearance;
-            let shown = self.scene.let_through(origin, direction, distance);
-            received[self.glow.schedule_of(index)] += irradiance * cosine * shown;
-        }
-        received
-    }
-
-    /// The excited share of each state at a point of a mesh; nothing where it keeps no light.
-    pub fn shares(&self, mesh: &Mesh, triangle: usize, weights: [f32; 3]) -> Option<[f32; MOST_STATES]> {
-        let paint = self.paints[mesh.material.0 as usize]?;
-        let received = self.irradiance(&Place::new(mesh, triangle, weights));
-        let lit = |piece: &Piece| Lit {
-            seconds: piece.seconds,
-            irradiance: piece.on.iter().zip(&received).filter(|(on, _)| **on).map(|(_, light)| *light).sum(),
-        };
-        Some(self.glow.surfaces[paint].1.after(self.glow.before(), self.past.iter().map(lit)))
-    }
-
-    /// The radiance that a surface gives back where a ray met it.
-    pub fn emission(&self, hit: &Hit) -> Vec3 {
-        let mesh = &self.scene.scene().meshes[hit.mesh as usize];
-        let shares = self.shares(mesh, hit.triangle as usize, corner_weights(hit.barycentric));
-        let paint = self.paints[mesh.material.0 as usize];
-        paint.zip(shares).map_or(Vec3::ZERO, |(paint, shares)| self.glow.surfaces[paint].1.emission(&shares))
-    }
-}
 
 /// The integrator.
 #[derive(Debug)]
@@ -120,8 +34,11 @@ impl<'a> Phosphor<'a> {
 
     fn seen(&self, at: Vec2) -> Vec3 {
         let Shot { scene, camera, height, width, .. } = self.shot;
-        let hit = scene.hit(camera.position, camera.direction(at, height, width), f32::INFINITY);
-        hit.map_or(Vec3::ZERO, |hit| self.afterglow.emission(&hit))
+        let (origin, direction) = (camera.position, camera.direction(at, height, width));
+        let hit = scene.hit(origin, direction, f32::INFINITY);
+        let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
+        let surface = hit.map_or(Vec3::ZERO, |hit| self.afterglow.emission(&hit));
+        self.afterglow.through_medium((origin, direction, reach), surface)
     }
 }
 
@@ -142,11 +59,14 @@ impl Integrator for Phosphor<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bvh::TracedScene;
     use crate::path::FullPath;
     use crate::path::proving::{Measured, quad};
     use crate::scene::glow::Start;
     use crate::scene::glow::tests::glow;
-    use crate::scene::{Camera, Gloss, Light, Material, MaterialId, Scene};
+    use crate::scene::{
+        Bounds, Camera, Density, Gloss, Glow, Light, Material, MaterialId, Medium, Mesh, Scene,
+    };
     use std::sync::Arc;
 
     /// A square of 2 m at z = 0 under a lamp of 8 W/sr at a distance of 2 m, of which only the middle is asked.
@@ -238,6 +158,60 @@ mod tests {
         reflected(1.0, 3.0).proves("phosphor/reflected", expected(dark));
         reflected(1.0, 3.0).refutes("phosphor/reflected", expected(1.02 * dark));
         assert_eq!(reflected(0.0, 0.0).mean, Vec3::ZERO, "the lamp is behind the sender");
+    }
+
+    /// A blocker hung before the lamp for the first half of a second of light, and is gone in the other: its shadow stays.
+    #[test]
+    fn a_shadow_leaves_a_trace_where_it_was() {
+        let decay = 0.4;
+        let corners = [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)];
+        let blocker = |x: f32| quad(corners.map(|(across, up)| Vec3::new(x + 0.3 * across, 0.3 * up, 1.5)));
+        let scene = |x: f32, moment: f32| square(glow(&[decay], &[[0.0, 1.0]], moment), vec![blocker(x)]);
+        let now = scene(9.0, 3.0);
+        let share = |seconds: f32, after: f32| {
+            let total: f32 = 0.8 + decay;
+            0.8 / total * (1.0 - (-total * seconds).exp()) * (-decay * after).exp()
+        };
+        let expected = |share: f32| Vec3::new(1.0, 0.5, 0.25) * decay * share;
+        let untold = middle(&now, EYE);
+        assert!(
+            (untold - expected(share(1.0, 2.0))).abs().max_element() < 1e-6,
+            "as if it had never been: {untold}"
+        );
+        let past = vec![(0.0, scene(0.0, 3.0)), (0.5, scene(9.0, 3.0))];
+        let told = now.clone().with_past(past).expect("the same triangles");
+        let found = middle(&told, EYE);
+        assert!((found - expected(share(0.5, 2.0))).abs().max_element() < 1e-6, "{found}");
+        assert!(
+            now.with_past(vec![(0.0, square(glow(&[decay], &[], 0.0), vec![]))]).is_err(),
+            "other triangles"
+        );
+    }
+
+    /// A box of fog before the square, lit evenly from afar, hides half of what is behind it and looks half like its paint.
+    #[test]
+    fn a_medium_shines_as_much_as_it_hides() {
+        let mut kept = glow(&[0.3], &[[0.0, 1.5]], 4.0);
+        kept.medium = kept.surfaces.pop().map(|(_, paint)| paint);
+        let density =
+            Density::Within(Bounds { min: Vec3::new(-1.0, -1.0, 0.2), max: Vec3::new(1.0, 1.0, 0.7) });
+        // Of absorption alone of red: what excites it is dimmed as the closed form says, from front to back.
+        let thin = Vec3::splat(1e-3);
+        let medium = Medium::new(Vec3::ZERO, thin, 0.0, density).expect("a medium");
+        let scene = TracedScene::new(Scene {
+            medium: Some(Arc::new(medium)),
+            lights: vec![Light::Directional {
+                direction: Vec3::NEG_Z,
+                irradiance: Vec3::ONE * 2.0,
+                pattern: None,
+            }],
+            ..square(kept, vec![]).scene().clone()
+        });
+        let found = middle(&scene.expect("a square"), Vec3::Z);
+        let total = 0.4f32 * 2.0 + 0.3;
+        let share = 0.8 / total * (1.0 - (-total * 1.5).exp()) * (-0.3f32 * 2.5).exp();
+        let expected = Vec3::new(1.0, 0.5, 0.25) * 0.3 * share * (1.0 - (-1e-3f32 * 0.5).exp());
+        assert!((found / expected - 1.0).abs().max_element() < 2e-3, "{found} {expected}");
     }
 
     #[test]

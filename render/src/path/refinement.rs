@@ -24,6 +24,27 @@ pub struct Refinement<'a> {
     means: Vec<Vec3>,
 }
 
+/// What a [`Refinement`] has taken, to go on with another time.
+#[derive(Clone, Debug)]
+pub struct Taken {
+    scramblings: u32,
+    seed: u32,
+    taken: u32,
+    means: Vec<Vec3>,
+}
+
+impl Taken {
+    /// Samples of a pixel, of all scramblings.
+    pub const fn samples(&self) -> u32 {
+        self.taken * self.scramblings
+    }
+
+    /// Bytes that it takes.
+    pub const fn size(&self) -> usize {
+        self.means.len() * size_of::<Vec3>()
+    }
+}
+
 impl<'a> Refinement<'a> {
     /// No samples yet.
     pub fn new(effect: Effect, shot: &Shot<'a>, scramblings: u32, seed: u32) -> Self {
@@ -38,6 +59,23 @@ impl<'a> Refinement<'a> {
             taken: 0,
             means: vec![Vec3::ZERO; pixels * scramblings as usize],
         }
+    }
+
+    /// With what another refinement of the same effect and shot has taken.
+    ///
+    /// # Panics
+    /// If that had another size.
+    pub fn going_on(effect: Effect, shot: &Shot<'a>, taken: Taken) -> Self {
+        let Taken { scramblings, seed, taken, means } = taken;
+        let fresh = Self::new(effect, shot, scramblings, seed);
+        assert_eq!(fresh.means.len(), means.len(), "of a picture of this size");
+        Self { taken, means, ..fresh }
+    }
+
+    /// What was taken so far.
+    pub fn taken(&self) -> Taken {
+        let Self { scramblings, seed, taken, .. } = *self;
+        Taken { scramblings, seed, taken, means: self.means.clone() }
     }
 
     /// Samples of a pixel so far, of all scramblings.
@@ -156,6 +194,8 @@ mod tests {
         let mut refinement = Refinement::new(Effect::Ao, &shot, 8, 3);
         let pixels = AtomicUsize::new(0);
         for count in [2, 2, 4, 8] {
+            // As if it had been put aside after each pass.
+            refinement = Refinement::going_on(Effect::Ao, &shot, refinement.taken());
             refinement.refine(count, wanted, |finished| {
                 pixels.fetch_add(finished, Ordering::Relaxed);
             });

@@ -3,12 +3,15 @@
 //!
 //! What is sent is linear in the re-radiation functions, so that only rates are searched for: to any rates the best
 //! functions are known at once (variable projection, Golub and Pereyra 1973). [`grid`] tries rates on a grid that
-//! contains the thesis' and covers its Table 8.1, [`refinement`] goes on from the best of them. What the thesis does is
+//! contains the thesis' and covers its Table 8.1, [`refinement`] goes on from the best of them. Several places may share a
+//! material. What the thesis does is
 //! beside it, as the rival: the same grid with functions on a grid, too.
 
 mod grid;
+mod problem;
 mod propagation;
 mod refinement;
+mod response;
 mod thesis;
 
 pub use propagation::{Edit, Feature, Propagated, PropagationError, Reach};
@@ -17,6 +20,7 @@ pub use thesis::thesis_grid;
 use super::material::{Material, State};
 use super::spectrum::Bands;
 use grid::Grid;
+use problem::Problem;
 
 /// The most states that are designed.
 pub const MAX_STATES: usize = 2;
@@ -62,6 +66,12 @@ pub enum DesignError {
     /// A number of states that is not designed.
     #[error("{0} states: 1 or {MAX_STATES} can be designed")]
     States(usize),
+    /// No place.
+    #[error("a design needs one place at least")]
+    NoPlaces,
+    /// Places that no material can have in common.
+    #[error("places of the same material differ in their bands")]
+    Unlike,
     /// No constraint.
     #[error("a design needs one key frame at least")]
     NoKeys,
@@ -100,27 +110,37 @@ struct Rates {
 }
 
 impl Design {
-    /// The material of one or two states that looks most like what is wanted.
+    /// The material of one or two states that looks most like what is wanted, at all places together.
     ///
     /// # Errors
-    /// If the number of states is neither, or the place makes no sense.
-    pub fn new(name: &str, place: &Place, states: usize) -> Result<Self, DesignError> {
+    /// If the number of states is neither, or a place makes no sense, or they have not the same bands.
+    pub fn new(name: &str, places: &[Place], states: usize) -> Result<Self, DesignError> {
         if !(1..=MAX_STATES).contains(&states) {
             return Err(DesignError::States(states));
         }
-        place.check()?;
-        let grid = Grid::new(place);
+        checked(places)?;
+        let problem = Problem::new(places);
+        let grid = Grid::new(&problem);
         let starts = if states == 1 { grid.best(STARTS) } else { grid.best_pairs(STARTS) };
-        let (rates, fitted) = refinement::best(place, &starts);
+        let (rates, fitted) = refinement::best(&problem, &starts);
         let state = |(rates, emission): (Rates, Vec<f64>)| State {
             decay: rates.decay,
             excitation: rates.excitation,
             emission,
         };
         let states = rates.into_iter().zip(fitted.emission).map(state).collect();
-        let material = Material { name: name.into(), bands: place.bands, doubt: None, states };
+        let material = Material { name: name.into(), bands: problem.bands, doubt: None, states };
         Ok(Self { material, residual: fitted.cost })
     }
+}
+
+/// Whether a material can be designed for some places.
+fn checked(places: &[Place]) -> Result<(), DesignError> {
+    let first = places.first().ok_or(DesignError::NoPlaces)?;
+    if places.iter().any(|place| place.bands != first.bands) {
+        return Err(DesignError::Unlike);
+    }
+    places.iter().try_for_each(Place::check)
 }
 
 impl Place {

@@ -8,6 +8,7 @@
 mod files;
 mod interval;
 mod measurement;
+mod photographs;
 mod prediction;
 mod recovery;
 mod simulated;
@@ -16,6 +17,7 @@ mod start;
 pub use files::FilesError;
 pub use interval::{CONFIDENCE, Estimate, Parameter};
 pub use measurement::{Charged, Exposure, Filtered, Measurement, PhotographError, Shot, relative_gain};
+pub use photographs::PhotographsError;
 pub use prediction::Part;
 pub use recovery::spectrum;
 pub use simulated::Laboratory;

@@ -7,9 +7,14 @@ use std::path::{Path, PathBuf};
 pub struct Table {
     path: PathBuf,
     names: Vec<String>,
-    /// A row's line in the file, and one number a name.
+    /// A row's line in the file, and one number a name; 0 in the column of files.
     rows: Vec<(usize, Vec<f64>)>,
+    /// What is in the column of files, where there is one.
+    files: Vec<String>,
 }
+
+/// The one column whose cells are names of files.
+const FILE: &str = "file";
 
 /// Why a table cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -43,7 +48,7 @@ pub enum TableError {
         columns: usize,
     },
     /// A cell is empty or no finite number.
-    #[error("{}:{line}: {column} is {text:?}, not a finite number", path.display())]
+    #[error("{}:{line}: {column} is {text:?}, not {}", path.display(), wanted(column))]
     Number {
         /// The file.
         path: PathBuf,
@@ -88,6 +93,11 @@ pub enum TableError {
     },
 }
 
+/// What a cell of a column must be.
+fn wanted(column: &str) -> &'static str {
+    if column == FILE { "a file" } else { "a finite number" }
+}
+
 impl Table {
     /// Reads a table. Blanks around names and numbers do not count; lines that start with `#` are left out.
     ///
@@ -102,12 +112,15 @@ impl Table {
         let reader = reader.trim(csv::Trim::All).comment(Some(b'#')).flexible(true);
         let mut reader = reader.from_reader(text.as_bytes());
         let names: Vec<String> = reader.headers().map_err(fails)?.iter().map(Into::into).collect();
-        let mut table = Self { path: path.into(), names, rows: Vec::new() };
+        let mut table = Self { path: path.into(), names, rows: Vec::new(), files: Vec::new() };
         // What the reader says of places does not count the lines that it leaves out.
         let read = |(_, line): &(usize, &str)| !line.is_empty() && !line.starts_with('#');
         let lines = (1..).zip(text.lines()).filter(read).skip(1);
         for (record, (line, _)) in reader.records().zip(lines) {
-            let row = table.row(line, &record.map_err(fails)?)?;
+            let record = record.map_err(fails)?;
+            let row = table.row(line, &record)?;
+            let file = table.index(FILE).and_then(|column| record.get(column));
+            table.files.extend(file.map(str::to_owned));
             table.rows.push((line, row));
         }
         if table.rows.is_empty() { Err(table.says("has no row of numbers".into())) } else { Ok(table) }
@@ -116,6 +129,11 @@ impl Table {
     /// The names of its columns.
     pub fn names(&self) -> &[String] {
         &self.names
+    }
+
+    /// The column of names of files, if there is one.
+    pub fn files(&self) -> Option<&[String]> {
+        self.index(FILE).map(|_| &self.files[..])
     }
 
     /// A column.
@@ -195,6 +213,9 @@ impl Table {
         let number = |(text, column): (&str, &String)| {
             let fails =
                 || TableError::Number { path: path(), line, column: column.clone(), text: text.into() };
+            if column == FILE {
+                return if text.is_empty() { Err(fails()) } else { Ok(0.0) };
+            }
             text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(fails)
         };
         record.iter().zip(&self.names).map(number).collect()

@@ -49,6 +49,14 @@ impl GlowOnGpu {
         self.before = Some(moment);
     }
 
+    /// Says that the next frame goes from one moment to another only, from the first state of all on where it is the `first`.
+    pub fn set_stretch(&mut self, queue: &wgpu::Queue, is_first: bool, [from, to]: [f32; 2], moment: f32) {
+        let pieces = if is_first { self.glow.past(to) } else { self.glow.between(from, to) };
+        queue.write_buffer(&self.since, 0, bytemuck::cast_slice(&self.time(is_first, &pieces)));
+        queue.write_buffer(&self.past, 0, bytemuck::cast_slice(&self.time(true, &self.glow.past(moment))));
+        self.before = Some(to);
+    }
+
     /// What it is of.
     pub const fn glow(&self) -> &Glow {
         &self.glow
@@ -56,7 +64,7 @@ impl GlowOnGpu {
 
     /// States that each paint has room for.
     pub fn states(&self) -> usize {
-        states(&self.glow)
+        self.glow.most_states()
     }
 
     /// The constants of passes that move states on.
@@ -71,7 +79,7 @@ impl GlowOnGpu {
 
     /// The length of the list of paints.
     pub fn paint_states(&self) -> (&'static str, u32) {
-        ("PAINT_STATES", (self.glow.surfaces.len() * self.states()) as u32)
+        ("PAINT_STATES", (self.glow.paints().count().max(1) * self.states()) as u32)
     }
 
     /// A stretch of time as passes read it; what is not needed of its room passes in no time.
@@ -89,10 +97,6 @@ impl GlowOnGpu {
     }
 }
 
-fn states(glow: &Glow) -> usize {
-    glow.surfaces.iter().map(|(_, paint)| paint.states.len()).max().unwrap_or(1)
-}
-
 /// All paints, filled up with states that stay dark.
 fn records(glow: &Glow) -> Vec<PaintState> {
     let before = glow.before();
@@ -102,8 +106,11 @@ fn records(glow: &Glow) -> Vec<PaintState> {
     };
     let of_paint = |own: &[State]| {
         let mut records: Vec<PaintState> = own.iter().map(record).collect();
-        records.resize(states(glow), bytemuck::Zeroable::zeroed());
+        records.resize(glow.most_states(), bytemuck::Zeroable::zeroed());
         records
     };
-    glow.surfaces.iter().flat_map(|(_, paint)| of_paint(&paint.states)).collect()
+    let mut all: Vec<PaintState> = glow.paints().flat_map(|paint| of_paint(&paint.states)).collect();
+    // A binding holds at least one.
+    all.resize(all.len().max(glow.most_states()), bytemuck::Zeroable::zeroed());
+    all
 }

@@ -18,6 +18,8 @@ pub struct MediumOnGpu {
 }
 
 impl MediumOnGpu {
+    /// The kind that is everywhere.
+    pub const EVERYWHERE: u32 = 0;
     /// The kind that is a grid.
     pub const GRID: u32 = 2;
 
@@ -32,7 +34,7 @@ impl MediumOnGpu {
             _ => ([1; 3], &[1.0]),
         };
         let kind = match density {
-            Density::Everywhere => 0,
+            Density::Everywhere => Self::EVERYWHERE,
             Density::Within(_) => 1,
             Density::Grid(_) => Self::GRID,
         };

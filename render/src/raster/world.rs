@@ -46,6 +46,8 @@ pub struct World {
     patches: OnceLock<Vec<Patch>>,
     /// What the device cannot do as it was asked to, in words.
     pub notes: Vec<String>,
+    /// What it was like before.
+    past: Vec<([f32; 2], World)>,
 }
 
 impl World {
@@ -85,7 +87,20 @@ impl World {
             map_views: Vec::new(),
             seen: None,
             patches: OnceLock::new(),
+            past: Vec::new(),
         })
+    }
+
+    /// The same, with what it was like before: worlds of the same triangles, each with the stretch of time for which it stands, from
+    /// and up to how many seconds ago, the oldest first.
+    #[must_use]
+    pub fn with_past(self, past: Vec<([f32; 2], Self)>) -> Self {
+        Self { past, ..self }
+    }
+
+    /// What it was like before, as [`Self::with_past`] says; nothing where it stays, and in a sequence, whose frames are the past.
+    pub fn past(&self) -> &[([f32; 2], Self)] {
+        &self.past
     }
 
     /// Says what the next frame shows: the scene at `time` seconds, with the shutter open for `shutter` seconds around it, by
@@ -133,6 +148,11 @@ impl World {
     /// The parts of its surface that surfels are laid out on; made when they are asked for first.
     pub fn patches(&self) -> &[Patch] {
         self.patches.get_or_init(|| patches::patches(&self.scene, &self.geometry.draws))
+    }
+
+    /// Whether any of its surface emits light.
+    pub fn emits(&self) -> bool {
+        self.scene.emits()
     }
 
     /// Its surface in about so many parts, beside triangles that are smaller than one.

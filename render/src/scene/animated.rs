@@ -4,6 +4,7 @@
 use super::gltf::{self, Rig};
 use super::{Bounds, Light, Scene, SceneError, SceneSource, TextureId, ending};
 use glam::{Mat3, Mat4, Vec3};
+use std::path::Path;
 
 /// A scene, and what of it moves.
 #[derive(Clone, Debug)]
@@ -76,6 +77,24 @@ impl AnimatedScene {
     pub fn span(&self) -> Option<[f32; 2]> {
         let spans = self.rigs.iter().map(Rig::span);
         spans.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+    }
+
+    /// The scene as it is at `time`, seconds, with what moves in the `shutter` seconds around that. The file is not read again.
+    ///
+    /// # Errors
+    /// If the time is none, or a vertex is nowhere then.
+    pub fn at(&self, time: f32, shutter: f32) -> Result<Scene, SceneError> {
+        let invalid = |what: String| SceneError::invalid(Path::new(&self.scene.name), what);
+        if !(time.is_finite() && shutter.is_finite()) {
+            return Err(invalid(format!("cannot be posed at {time} seconds for {shutter}")));
+        }
+        let mut scene = self.scene.clone();
+        for rig in &self.rigs {
+            rig.put(&mut scene.meshes, time, shutter).map_err(invalid)?;
+            rig.light(&mut scene.lights, time);
+        }
+        scene.drop_degenerate_triangles();
+        Ok(scene)
     }
 
     /// Moves the scene's lights, or such as stand for them, to where animations have them at a time, seconds.

@@ -5,6 +5,7 @@ pub mod file;
 use super::Scene;
 use crate::phosphor::material::file::MaterialFile;
 use crate::phosphor::paint::Paint;
+use glam::Vec3;
 use std::sync::LazyLock;
 
 /// The paint of surfaces where nothing is said: a preset.
@@ -13,11 +14,16 @@ const USUAL: &str = "blue";
 /// A time so long that every state that changes has reached its equilibrium, seconds.
 const FOR_LONG: f32 = 1e12;
 
+/// Parts of the past that are looked at to tell what of it matters.
+const FINE: usize = 4096;
+
 /// What of a scene keeps light, and the moment at which it is seen. Lamps are the scene's lights without an extent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Glow {
     /// Paints, each with the name of the material that has it; the one without a name is of all others.
     pub surfaces: Vec<(Option<String>, Paint)>,
+    /// The paint of what fills the space between surfaces: one that nothing is seen through looks like a surface of it.
+    pub medium: Option<Paint>,
     /// When lamps shine; the last is of all lamps that no other names.
     pub schedules: Vec<Schedule>,
     /// How it is at the [beginning](Self::begin).
@@ -53,12 +59,20 @@ pub struct Piece {
     pub on: Vec<bool>,
 }
 
+impl Piece {
+    /// The light of the lamps that shine, of that of each schedule's when they do.
+    pub fn light(&self, of_schedules: &[Vec3]) -> Vec3 {
+        self.on.iter().zip(of_schedules).filter(|(on, _)| **on).map(|(_, light)| *light).sum()
+    }
+}
+
 /// All surfaces glow: dark before, lamps have shone for the second before time 0. Longer light would fill all states alike.
 static AFTERGLOW: LazyLock<Glow> = LazyLock::new(|| {
     let presets = MaterialFile::presets();
     let material = presets.named(USUAL).expect("a preset");
     Glow {
         surfaces: vec![(None, Paint::new(material).expect("one state"))],
+        medium: None,
         schedules: vec![Schedule { lights: Vec::new(), on: vec![[-1.0, 0.0]] }],
         start: Start::Share(0.0),
         moment: 0.0,
@@ -77,6 +91,16 @@ impl Glow {
         let named =
             |wanted: Option<&str>| self.surfaces.iter().position(|(name, _)| name.as_deref() == wanted);
         named(Some(material)).or_else(|| named(None))
+    }
+
+    /// States of the paint that has most; 1 where there is no paint.
+    pub fn most_states(&self) -> usize {
+        self.paints().map(|paint| paint.states.len()).max().unwrap_or(1)
+    }
+
+    /// All paints: of surfaces, and last that of the medium.
+    pub fn paints(&self) -> impl Iterator<Item = &Paint> {
+        self.surfaces.iter().map(|(_, paint)| paint).chain(&self.medium)
     }
 
     /// The paint of each of a scene's materials.
@@ -132,6 +156,37 @@ impl Glow {
         cuts.windows(2).map(piece).collect()
     }
 
+    /// `count` stretches of the past that matter alike at a moment, for what moves: from when on each is, and a moment in its
+    /// middle, seconds. What matters is time in which a lamp shines, by what is left of its light. None where none shone.
+    pub fn stretches(&self, moment: f32, count: usize) -> Vec<[f32; 2]> {
+        let begin = self.begin();
+        let step = (moment - begin) / FINE as f32;
+        let at = |index: usize| begin + (index as f32 + 0.5) * step;
+        let decays: Vec<f32> =
+            self.paints().flat_map(|paint| &paint.states).map(|state| state.decay).collect();
+        let left = |ago: f32| decays.iter().map(|decay| decay.max(1e-6) * (-decay * ago).exp()).sum::<f32>();
+        let shines = |seconds: f32| {
+            let within = |[on, off]: &[f32; 2]| (*on..*off).contains(&seconds);
+            self.schedules.iter().any(|schedule| schedule.on.iter().any(within))
+        };
+        let weight = |index: usize| if shines(at(index)) { f64::from(left(moment - at(index))) } else { 0.0 };
+        let mut sums: Vec<f64> = vec![0.0];
+        for index in 0..FINE {
+            sums.push(sums[index] + weight(index));
+        }
+        let whole = sums[FINE];
+        if step <= 0.0 || whole <= 0.0 || count == 0 {
+            return Vec::new();
+        }
+        let quantile = |share: f64| {
+            let index = sums.partition_point(|sum| *sum < share * whole).max(1);
+            let within = (share * whole - sums[index - 1]) / (sums[index] - sums[index - 1]);
+            begin + (index as f32 - 1.0 + within as f32) * step
+        };
+        let share = |part: f64| quantile(part.max(1e-9) / count as f64);
+        (0..count).map(|index| [share(index as f64), share(index as f64 + 0.5)]).collect()
+    }
+
     /// No stretch of time has more pieces.
     pub fn most_pieces(&self) -> usize {
         2 + self.switches().count()
@@ -146,7 +201,6 @@ impl Glow {
 pub(crate) mod tests {
     use super::*;
     use crate::phosphor::paint::PaintState;
-    use glam::Vec3;
 
     /// White paint that red light excites and that decays at these rates.
     pub fn paint(decays: &[f32]) -> Paint {
@@ -162,6 +216,7 @@ pub(crate) mod tests {
     pub fn glow(decays: &[f32], on: &[[f32; 2]], moment: f32) -> Glow {
         Glow {
             surfaces: vec![(None, paint(decays))],
+            medium: None,
             schedules: vec![Schedule { lights: Vec::new(), on: on.to_vec() }],
             start: Start::Share(0.0),
             moment,
@@ -184,6 +239,32 @@ pub(crate) mod tests {
         glow.start = Start::LitForLong;
         assert_eq!(glow.past(0.0), vec![piece(FOR_LONG, [true; 2])]);
         assert!(glow.past(1e9).len() <= glow.most_pieces());
+    }
+
+    #[test]
+    fn stretches_of_the_past_matter_alike() {
+        let glow = glow(&[0.5], &[[1.0, 2.0], [4.0, 9.0]], 6.0);
+        let stretches = glow.stretches(6.0, 8);
+        assert!(stretches.is_sorted_by(|a, b| a[0] < a[1] && a[1] < b[0]), "{stretches:?}");
+        let light = |from: f32, to: f32| {
+            let pieces = glow.between(from, to);
+            let ends = pieces.iter().scan(from, |at, piece| {
+                *at += piece.seconds;
+                Some((*at, piece))
+            });
+            let left = |ago: f32| (-0.5 * ago).exp();
+            let of_piece = |(end, piece): (f32, &Piece)| {
+                if piece.on[0] { left(6.0 - end) - left(6.0 - end + piece.seconds) } else { 0.0 }
+            };
+            ends.map(of_piece).sum::<f32>()
+        };
+        let whole = light(0.0, 6.0);
+        for (index, [from, middle]) in stretches.iter().enumerate() {
+            let to = stretches.get(index + 1).map_or(6.0, |next| next[0]);
+            assert!((light(*from, to) * 8.0 / whole - 1.0).abs() < 0.02, "{from} to {to}");
+            assert!((light(*from, *middle) * 16.0 / whole - 1.0).abs() < 0.03, "{from} to {middle}");
+        }
+        assert!(glow.stretches(0.5, 8).is_empty() && glow.stretches(f32::NAN, 8).is_empty());
     }
 
     #[test]

@@ -205,6 +205,11 @@ impl Scene {
         &self.materials[id.0 as usize]
     }
 
+    /// Whether any surface emits light by itself.
+    pub fn emits(&self) -> bool {
+        self.meshes.iter().any(|mesh| self.material(mesh.material).emission.max_element() > 0.0)
+    }
+
     /// Takes out triangles without an area, which have no normal, and meshes that lose all of theirs.
     fn drop_degenerate_triangles(&mut self) {
         for mesh in &mut self.meshes {

@@ -57,11 +57,13 @@ pub(crate) fn groups(invocations: usize) -> [u32; 3] {
 }
 
 /// How finely a scene is laid out.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// The papers' s: radius of a surfel over half the height of what is seen at its distance.
+    #[schemars(range(min = 0.002, max = 0.5))]
     pub scale: f32,
     /// Distance from the camera below which surfels get no smaller, over the effect's radius.
+    #[schemars(range(min = 0.0, max = 4.0), extend("unit" = "radii"))]
     pub near: f32,
 }
 

@@ -75,14 +75,17 @@ fn painted(patch: Patch, scene: &Scene, mesh: &Mesh, triangle: usize) -> Patch {
     let asked = SAMPLES.map(|sample| mixed(corners, Vec3::from_array(sample)));
     // Where nothing varies, one answer is enough.
     let asked = if varies(material, mesh) { &asked[..] } else { &asked[3..] };
-    let (mut colour, mut coverage) = (Vec3::ZERO, 0.0);
+    let (mut colour, mut emission, mut coverage) = (Vec3::ZERO, Vec3::ZERO, 0.0);
     for at in asked {
         let (uvs, vertex_colour) = attributes(mesh, triangle, *at);
         let opacity = material.opacity(&scene.textures, uvs, vertex_colour);
-        colour += opacity * material.surface(&scene.textures, uvs, vertex_colour).diffuse;
+        let surface = material.surface(&scene.textures, uvs, vertex_colour);
+        colour += opacity * surface.diffuse;
+        emission += opacity * surface.emission;
         coverage += opacity;
     }
-    patch.painted(colour / f32::max(coverage, f32::MIN_POSITIVE), coverage / asked.len() as f32)
+    let there = f32::max(coverage, f32::MIN_POSITIVE);
+    patch.painted(colour / there, coverage / asked.len() as f32).shining(emission / there)
 }
 
 /// Whether a material says different things of different points of a triangle.

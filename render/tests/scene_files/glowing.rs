@@ -51,6 +51,7 @@ fn glow() -> Glow {
     let state = PaintState { decay: 0.4, excitation: Vec3::splat(0.05), emission: Vec3::new(1.0, 0.8, 0.2) };
     Glow {
         surfaces: vec![(None, Paint { name: "test".to_owned(), states: vec![state] })],
+        medium: None,
         schedules: vec![Schedule { lights: vec![], on: vec![[0.0, 0.6]] }],
         start: Start::Share(0.0),
         moment: 0.0,
@@ -127,7 +128,9 @@ fn kept_light_moves_and_bends_with_its_surface() {
         .expect("a frame");
     }
     let step = plan.steps().iter().rev().nth(1).expect("passes");
-    let states: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, &step.writes[0]).expect("states");
+    let mut states: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, &step.writes[0]).expect("states");
+    // What rounding left is behind them.
+    states.truncate(states.len() / 2);
     let image: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, plan.output()).expect("an image");
 
     let tiles = Tiles::new(&animated.scene, &frame.world().geometry.draws, TEXELS.texels);

@@ -10,8 +10,8 @@ use deepshade_shaders::gpu::{self, Gpu};
 use glam::{Mat4, Vec3};
 use std::path::Path;
 
-/// The largest distances, in parts of the scene's diagonal, of posed vertices from those of the file at the same time, of
-/// their displacements while the shutter is open and ways since the time before, and of unit normals and tangents.
+/// The largest distances, in parts of the scene's diagonal, of vertices posed on the GPU and on the CPU from those of the file
+/// at the same time, of their displacements while the shutter is open and ways since the time before, and of unit normals and tangents.
 fn distances(gpu: &Gpu, path: &Path, times: &[f32], place: Mat4) -> [f32; 5] {
     distances_loaded_at(gpu, path, times[0], times, place)
 }
@@ -62,9 +62,28 @@ fn distances_loaded_at(gpu: &Gpu, path: &Path, loaded: f32, times: &[f32], place
                 worst = std::array::from_fn(|i| worst[i].max(found[i]));
             }
         }
+        let for_rays = animated.at(*time, shutter).expect("a pose");
+        assert_eq!(for_rays.meshes.len(), file.meshes.len());
+        for (mesh, expected) in for_rays.meshes.iter().zip(&file.meshes) {
+            let found = [
+                farthest(&mesh.positions, &expected.positions) / diagonal,
+                farthest(&mesh.displacements, &expected.displacements) / diagonal,
+                0.0,
+                farthest(&mesh.normals, &expected.normals),
+                0.0,
+            ];
+            worst = std::array::from_fn(|i| worst[i].max(found[i]));
+            assert_eq!(mesh.triangles, expected.triangles);
+            assert_eq!(mesh.material.0, 1 + expected.material.0, "the hall has a material of its own");
+        }
         before = Some(file);
     }
     worst
+}
+
+fn farthest(some: &[Vec3], others: &[Vec3]) -> f32 {
+    assert_eq!(some.len(), others.len());
+    some.iter().zip(others).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
 }
 
 fn place() -> Mat4 {

@@ -8,7 +8,16 @@ table! {
     /// Surfels as light and as blockers.
     LPV_INJECT: "lpv.inject", file "methods/lpv/inject", constants [HEIGHT = 8], uniforms [LightGrid, FrameView],
         shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_patch_record", "surfel_order",
-                "lpv_grid"];
+                "lpv_grid", "lpv_send"];
+    /// Light that surfels emit.
+    LPV_SHINE: "lpv.shine", file "methods/lpv/shine", constants [HEIGHT = 8], uniforms [LightGrid, FrameView],
+        shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_patch_record", "surfel_order",
+                "lpv_grid", "lpv_send"];
+    /// Light that surfels reflect of it.
+    LPV_REFLECT: "lpv.reflect", file "methods/lpv/reflect", constants [HEIGHT = 8, LOOKUP = 0],
+        uniforms [LightGrid, FrameView],
+        shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_patch_record", "surfel_order",
+                "lpv_grid", "lpv_irradiance", "lpv_send"];
     /// What passes between cells.
     LPV_LINKS: "lpv.links", file "methods/lpv/links", constants [], uniforms [LightGrid],
         shared ["lpv_grid", "lpv_fixed", "lpv_lattice"];
@@ -17,30 +26,47 @@ table! {
         uniforms [LightGrid, MediumRecord],
         shared ["lpv_grid", "lpv_lattice", "lpv_lobe", "lpv_flight", "medium_span", "medium", "lpv_medium", "lpv_part"];
     /// Light that surfaces reflect.
-    LPV_FRESH: "lpv.fresh", file "methods/lpv/fresh", constants [UNSCATTERED = 2, SCATTERED = 1, LOBES = 0],
+    LPV_FRESH: "lpv.fresh", file "methods/lpv/fresh", constants [UNSCATTERED = 2, SCATTERED = 1, LOBES = 0, FIRST = 1],
         uniforms [LightGrid], shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_fixed", "lpv_lobe"];
     /// Light of the lamps that the medium in cells scatters.
     LPV_BEGIN: "lpv.begin", file "methods/lpv/begin",
         constants [LIGHTS = 1, MEDIUM = 2, GREY = 0, UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0],
         uniforms [LightGrid, FrameView, LightRecord, MediumRecord],
         shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "view", "lights", "shadow",
-                "medium_span", "medium", "colours", "light_dimmed", "lpv_part"];
+                "medium_span", "medium", "colours", "light_dimmed", "lpv_medium", "lpv_lamps_only",
+                "lpv_reflectance", "lpv_part"];
+    /// Light of the lamps and of surfaces that the medium in cells scatters.
+    LPV_BEGIN_EMITTED: "lpv.begin_emitted", file "methods/lpv/begin",
+        constants [LIGHTS = 1, MEDIUM = 2, GREY = 0, UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0],
+        uniforms [LightGrid, FrameView, LightRecord, MediumRecord],
+        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "view", "lights", "shadow",
+                "medium_span", "medium", "colours", "light_dimmed", "lpv_medium", "lpv_emitted",
+                "lpv_reflectance", "lpv_part"];
     /// One iteration.
     LPV_PROPAGATE: "lpv.propagate", file "methods/lpv/propagate",
-        constants [UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0],
+        constants [UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0, BORDERS = 1, FIRST = 1, NESTED = 1],
         uniforms [LightGrid, MediumRecord, Iteration, Propagation],
+        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "lpv_medium",
+                "lpv_reflectance"];
+    /// Where a finer grid lies.
+    LPV_NEST: "lpv.nest", file "methods/lpv/nest", constants [], uniforms [LightGrid, FrameView], shared [];
+    /// Light that a coarser grid hands to it.
+    LPV_BORDER: "lpv.border", file "methods/lpv/border",
+        constants [UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0], uniforms [LightGrid, MediumRecord],
         shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "lpv_medium"];
     /// Surfaces lit by the grid.
-    LPV_LIT: "lpv.lit", file "methods/lpv/lit", constants [LOOKUP = 0], uniforms [LightGrid, FrameView],
-        shared ["surface", "surface_valid", "view", "lpv_grid", "lpv_irradiance"];
+    LPV_LIT: "lpv.lit", file "methods/lpv/lit", constants [LOOKUP = 0, NESTED = 1, FINER = 1],
+        uniforms [LightGrid, FrameView],
+        shared ["surface", "surface_valid", "view", "lpv_grid", "lpv_nested", "lpv_irradiance"];
     /// The medium, lit by the grid, in an image of fewer pixels.
-    LPV_MARCH: "lpv.march", file "methods/lpv/march", constants [MEDIUM = 2, SCALE = 1, LOOKUP = 0],
+    LPV_MARCH: "lpv.march", file "methods/lpv/march", constants [MEDIUM = 2, SCALE = 1, LOOKUP = 0, NESTED = 1, FINER = 1],
         uniforms [LightGrid, Marching, FrameView, MediumRecord],
         shared ["surface_distance", "random", "bounded", "view", "medium_span", "medium", "mean_decay", "lpv_grid",
-                "lpv_irradiance"];
+                "lpv_nested", "lpv_irradiance"];
     /// The medium in front of each pixel and the surface behind it.
     LPV_APPLY: "lpv.apply", file "methods/lpv/apply",
-        constants [MEDIUM = 2, SCALE = 1, LOOKUP = 0, SCATTERS = 1, LIT = 1, SCATTERED = 1],
+        constants [MEDIUM = 2, SCALE = 1, LOOKUP = 0, SCATTERS = 1, LIT = 1, SCATTERED = 1, NESTED = 1, FINER = 1],
         uniforms [LightGrid, Marching, FrameView, MediumRecord],
-        shared ["surface", "surface_valid", "view", "medium_span", "medium", "lpv_grid", "lpv_irradiance"];
+        shared ["surface", "surface_valid", "view", "medium_span", "medium", "lpv_grid", "lpv_nested",
+                "lpv_irradiance"];
 }

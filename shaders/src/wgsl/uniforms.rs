@@ -74,7 +74,7 @@ pub use frame::{Chosen, FrameView, LightRecord, MaterialRecord, Pose, Reprojecti
 pub use indirect::Prefiltered;
 pub use nets::{NaiveLayer, NetLayer};
 pub use occlusion::{Blur, Hbao, Slices, Ssdo};
-pub use phosphor::{GlowLevel, GlowSamples, GlowTile, PaintState};
+pub use phosphor::{GlowCells, GlowLevel, GlowSamples, GlowStretch, GlowTile, PaintState};
 pub use post::{Fxaa, Gather, Reconstruction, RingGather, Separable};
 pub use surfels::{
     BounceWindow, Bounces, FacetRays, FacetSlice, FacetSum, LevelSum, SplatLevel, Surfels, TreeLevel,

@@ -34,5 +34,6 @@ fn received(light: LightRecord, place: Place) -> vec3f {
     if cosine <= 0.0 || all(arrived.irradiance == vec3f(0.0)) {
         return vec3f(0.0);
     }
-    return arrived.irradiance * cosine * lit_share(light, place.position, geometric, arrived.direction);
+    let shown = lit_share(light, place.position, geometric, arrived.direction);
+    return arrived.irradiance * cosine * shown * passed_share(place.position, arrived);
 }

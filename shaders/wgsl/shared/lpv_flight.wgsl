@@ -38,3 +38,22 @@ fn colliding(lobe: vec4f, within: vec3f, colour: u32) -> f32 {
     );
     return dot(by_kind(lobe), 1.0 - left);
 }
+
+// Less extinction than this per cell counts as none where lengths are asked for.
+const CLEAR = 1e-3;
+
+// Length of a way on which so much passes; `whole` where nothing is lost.
+fn track(passes: vec3f, extinction: vec3f, whole: f32) -> vec3f {
+    return select(vec3f(whole), (1.0 - passes) / max(extinction, vec3f(CLEAR)), extinction > vec3f(CLEAR));
+}
+
+// What half a space of a medium reflects of diffuse light (Hapke 1981).
+fn half_space(albedo: vec3f) -> vec3f {
+    let gamma = sqrt(max(1.0 - albedo, vec3f(0.0)));
+    return (1.0 - gamma) / (1.0 + gamma) * (1.0 - gamma / (3.0 + 3.0 * gamma));
+}
+
+// What goes in of light from a cell to another, by what both would send of even light.
+fn let_in(there: vec3f, here: vec3f) -> vec3f {
+    return select(vec3f(1.0), here / max(there, vec3f(1e-37)), there > here);
+}

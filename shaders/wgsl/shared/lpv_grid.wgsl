@@ -13,6 +13,10 @@ fn is_cell(at: vec3i) -> bool {
     return all(at >= vec3i(0)) && all(at < vec3i(grid.size.xyz));
 }
 
+fn is_border(at: vec3i) -> bool {
+    return any(at == vec3i(0)) || any(at == vec3i(grid.size.xyz) - 1);
+}
+
 fn cell_index(at: vec3i) -> u32 {
     let size = vec3i(grid.size.xyz);
     return u32((at.z * size.y + at.y) * size.x + at.x);

@@ -10,6 +10,8 @@ struct Patch {
     colour: u32,
     // The mesh that it is part of, as object ids count them.
     object: u32,
+    // Emitted radiance, packed.
+    emission: u32,
 }
 
 // Share of a part that is there: alpha.

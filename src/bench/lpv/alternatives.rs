@@ -15,6 +15,9 @@ use deepshade_shaders::{Effect, Planes};
 const GRIDS: [usize; 2] = [32, 64];
 const ITERATIONS: [usize; 7] = [1, 2, 4, 8, 16, 32, 64];
 
+/// Two grids, and one that takes as long: names, cells along the scene, of which there are as many iterations, and grids.
+const NESTED: [(&str, usize, usize); 2] = [("nested", 32, 2), ("one_grid", 38, 1)];
+
 /// An image's relative squared error, FLIP, and mean over that of truth.
 struct Row {
     name: String,
@@ -90,6 +93,10 @@ impl Alternatives {
                 let image = subject.multiple(Parameters { cells, iterations, ..parameters })?;
                 rows.push(Row::new(format!("multiple_{cells}_{iterations}"), &image, &wanted));
             }
+        }
+        for (name, cells, cascades) in NESTED {
+            let image = subject.multiple(Parameters { cells, cascades, iterations: cells, ..parameters })?;
+            rows.push(Row::new(format!("multiple_{name}"), &image, &wanted));
         }
         Ok(Self(rows))
     }

@@ -19,7 +19,7 @@ const STEPS: u32 = 32;
 const SCALE: usize = 2;
 /// Bytes that an iteration reads and writes of a cell at least: lobes of three kinds of light and three colours and what
 /// is sent out again in both directions, what is shown by the medium and by surfaces likewise, links and the medium.
-const BYTES: u64 = 2 * (144 + 16) + 2 * SHOWN + 16 + 32;
+const BYTES: u64 = 2 * (144 + 16) + 2 * SHOWN + 16 + 48;
 /// Of these, what is shown.
 const SHOWN: u64 = 96;
 
@@ -42,6 +42,7 @@ impl Costs {
         for (cells, suffix) in GRIDS {
             let plan = subject.plan(Parameters {
                 cells,
+                cascades: 1,
                 iterations: ITERATIONS,
                 steps: STEPS,
                 scale: SCALE,

@@ -17,11 +17,12 @@ const GREY: MaterialId = MaterialId(0);
 /// Materials of walls that keep light, after [`GREY`]: the name of their paint and their colour.
 const KEEPING: [(&str, Vec3); 2] = [("red", Vec3::new(0.6, 0.1, 0.08)), ("blue", Vec3::new(0.12, 0.2, 0.6))];
 
-/// The room under a lamp, and the camera before its open side; `all` is whether every surface keeps light.
+/// The room under a lamp that shines at these times, and the camera before its open side; `all` is whether every surface keeps
+/// light.
 ///
 /// # Errors
 /// If a preset is missing.
-pub fn room(intensity: f32, all: bool) -> Result<(Scene, Camera)> {
+pub fn room(intensity: f32, all: bool, on: Vec<[f32; 2]>) -> Result<(Scene, Camera)> {
     let presets = MaterialFile::presets();
     let paint = |name: &str| {
         let material = presets.named(name).context("a preset")?;
@@ -34,8 +35,8 @@ pub fn room(intensity: f32, all: bool) -> Result<(Scene, Camera)> {
     if all {
         surfaces.push((None, paint("blue")?));
     }
-    let schedules = vec![Schedule { lights: Vec::new(), on: vec![[0.0, OFF]] }];
-    let glow = Glow { surfaces, schedules, start: Start::Share(0.0), moment: OFF };
+    let schedules = vec![Schedule { lights: Vec::new(), on }];
+    let glow = Glow { surfaces, medium: None, schedules, start: Start::Share(0.0), moment: OFF };
     let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
     let sides = [([z, x, -y], 0), ([x, z, y], 0), ([x, y, -z], 0), ([y, z, -x], 1), ([z, y, x], 2)];
     let walls = sides.map(|(axes, material)| side(columns(axes), Vec3::ZERO, material));

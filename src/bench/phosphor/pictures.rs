@@ -28,7 +28,7 @@ const STEP: f32 = 0.5;
 /// If the device fails or a file cannot be written.
 pub fn write(gpu: &Gpu, folder: &Path, size: Size, rivals: [u32; 2]) -> Result<Vec<PathBuf>> {
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    let mut subject = Subject::new(gpu, size, BRIGHT, false)?;
+    let mut subject = Subject::new(gpu, size, BRIGHT, false, vec![[0.0, OFF]])?;
     let states = subject.plan(&RateEquation::new(gpu, Parameters::of(Quality::High))?)?;
     let [few, many] = rivals.map(|samples| subject.plan(&Glassner::new(gpu, Moments { samples })?));
     let (few, many) = (few?, many?);

@@ -1,7 +1,7 @@
 //! What a step of as many texels as in the thesis' Figure 8.1 takes, shadow-mapped irradiance included, and which share of the
 //! device's copy bandwidth it moves.
 
-use super::cornell::BRIGHT;
+use super::cornell::{BRIGHT, OFF};
 use super::subject::Subject;
 use crate::arguments::Size;
 use crate::figures::Figures;
@@ -12,11 +12,11 @@ use deepshade_shaders::gpu::{self, Gpu};
 /// Texels of the thesis' figure.
 const TEXELS: f64 = 4.7e6;
 /// How far from that the lattices of triangles may be.
-const OFF: f64 = 0.01;
+const NEAR: f64 = 0.01;
 /// Texels along the diagonal of a first guess.
 const GUESS: f64 = 500.0;
-/// Bytes that a step reads and writes of a texel: a state both ways, and which tile it is of.
-const BYTES: f64 = 12.0;
+/// Bytes that a step reads and writes of a texel: a state and what rounding left of it both ways, and which tile it is of.
+const BYTES: f64 = 20.0;
 
 /// What was measured.
 pub struct Step {
@@ -31,7 +31,7 @@ impl Step {
     /// # Errors
     /// If the device fails.
     pub fn of(gpu: &Gpu, runs: usize) -> Result<Self> {
-        let mut subject = Subject::new(gpu, Size { width: 64, height: 64 }, BRIGHT, true)?;
+        let mut subject = Subject::new(gpu, Size { width: 64, height: 64 }, BRIGHT, true, vec![[0.0, OFF]])?;
         let mut across = GUESS;
         let (mut milliseconds, mut texels) = (0.0, 0);
         // Texels are as the square of how many are along the diagonal, but for rounding.
@@ -41,7 +41,7 @@ impl Step {
             subject.make(1.0 / 60.0, &[&plan])?;
             (milliseconds, texels) = subject.step(&plan, runs)?;
             let ratio = TEXELS / texels as f64;
-            if (ratio - 1.0).abs() < OFF {
+            if (ratio - 1.0).abs() < NEAR {
                 break;
             }
             across *= ratio.sqrt();

@@ -24,12 +24,18 @@ pub struct Subject<'a> {
 }
 
 impl<'a> Subject<'a> {
-    /// The room under a lamp of so many W/sr; `all` is whether every surface keeps light.
+    /// The room under a lamp of so many W/sr that shines at these times; `all` is whether every surface keeps light.
     ///
     /// # Errors
     /// If the device has no room.
-    pub fn new(gpu: &'a Gpu, Size { width, height }: Size, intensity: f32, all: bool) -> Result<Self> {
-        let (scene, camera) = room(intensity, all)?;
+    pub fn new(
+        gpu: &'a Gpu,
+        Size { width, height }: Size,
+        intensity: f32,
+        all: bool,
+        on: Vec<[f32; 2]>,
+    ) -> Result<Self> {
+        let (scene, camera) = room(intensity, all, on)?;
         let attributes =
             vec![Attribute::Position, Attribute::ObjectId, Attribute::DiffuseLight, Attribute::Valid];
         let settings = Settings { height, width, attributes, shadow_size: SHADOW_SIZE };
@@ -92,7 +98,7 @@ impl<'a> Subject<'a> {
             step.step.encode(encoder, "step", None);
         })?;
         let states = self.frame.world().glow.states();
-        let texels = step.writes.first().context("states")?.size() as usize / 4 / states;
+        let texels = step.writes.first().context("states")?.size() as usize / 8 / states;
         Ok((timing.milliseconds, texels))
     }
 

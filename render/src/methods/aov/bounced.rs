@@ -17,9 +17,10 @@ use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 const SLICE: u32 = 5;
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
-    /// Directions of a pixel, brought into 1 to [`bounced_z::MOST_DIRECTIONS`].
+    /// Directions of a pixel, 1 to 16.
+    #[schemars(range(min = 1, max = 16))]
     pub directions: u32,
     /// What brings neighbours' samples together.
     pub filter: blur::Parameters,

@@ -16,7 +16,7 @@ use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 const SLICE: u32 = 4;
 
 /// The method, which has nothing to set: no sample is drawn, so that more time would not make it better.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Volumes;
 
 /// The method, compiled for a device.

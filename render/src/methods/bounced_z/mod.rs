@@ -59,15 +59,18 @@ pub const COVER: f32 = 1.25;
 pub const MOST_DIRECTIONS: u32 = 16;
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// How finely the scene is laid out.
     pub surfels: surfels::Parameters,
     /// The papers' epsilon: what of a surfel's effect may be left to the next coarser level, from 0 to 1.
+    #[schemars(range(min = 0.001, max = 1.0))]
     pub threshold: f32,
-    /// Levels of the interleaved framebuffer, 1 to [`MOST_LEVELS`]; on 1 all pixels meet all surfels.
+    /// Levels of the interleaved framebuffer, 1 to 8; on 1 all pixels meet all surfels.
+    #[schemars(range(min = 1, max = 8))]
     pub levels: u32,
-    /// Directions of a pixel, 1 to [`MOST_DIRECTIONS`].
+    /// Directions of a pixel, 1 to 16.
+    #[schemars(range(min = 1, max = 16))]
     pub directions: u32,
     /// What brings neighbours' samples together.
     pub filter: blur::Parameters,

@@ -55,22 +55,27 @@ pub use spacing::Spacing;
 use sweep::TreeSweep;
 
 /// What it may take.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Light rays in a slice.
+    #[schemars(range(min = 16, max = 16384))]
     pub light_rays: usize,
     /// Terms of the integrand's decomposition.
+    #[schemars(skip)]
     pub terms: Terms,
     /// Texels along an edge of shadow maps.
+    #[schemars(range(min = 64, max = 8192), extend("unit" = "texels", "multipleOf" = 64))]
     pub shadow_size: usize,
     /// View rays that cross fewer light rays are marched,
+    #[schemars(range(min = 0.0, max = 1024.0))]
     pub least_light_rays: f32,
     /// in so many steps.
+    #[schemars(range(min = 1, max = 4096))]
     pub steps: u32,
 }
 
 /// How many terms the integrand is decomposed into.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Terms {
     /// As in the paper, for distant lights unless the view is opposite to them; else twelve.
     Four,

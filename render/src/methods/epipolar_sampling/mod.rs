@@ -19,15 +19,19 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 /// What it may take.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Pixels from one that is marched to the next along a line without jumps.
+    #[schemars(range(min = 1, max = 256), extend("unit" = "pixels"))]
     pub spacing: usize,
     /// Share of a depth by which neighbours differ where it jumps.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub jump: f32,
     /// Steps of a march.
+    #[schemars(range(min = 1, max = 8192))]
     pub steps: u32,
     /// Texels along an edge of shadow maps.
+    #[schemars(range(min = 64, max = 8192), extend("unit" = "texels", "multipleOf" = 64))]
     pub shadow_size: usize,
 }
 

@@ -26,9 +26,10 @@ use deepshade_shaders::wgsl::{self, TILE, uniforms};
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Steps along each view ray, for each lamp.
+    #[schemars(range(min = 1, max = 4096))]
     pub steps: u32,
 }
 

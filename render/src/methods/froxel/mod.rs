@@ -29,13 +29,16 @@ use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 use passes::Passes;
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Pixels along an edge of a column; more where there would be no room for 32 slices.
+    #[schemars(range(min = 1, max = 64), extend("unit" = "pixels"))]
     pub tile: usize,
     /// Froxels in a column; fewer where there would be no room for them.
+    #[schemars(range(min = 1, max = 512))]
     pub slices: u32,
     /// Points of a froxel at which light is looked for.
+    #[schemars(range(min = 1, max = 64))]
     pub samples: u32,
 }
 

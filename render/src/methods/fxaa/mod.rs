@@ -34,15 +34,18 @@ use passes::Passes;
 const MOST_STEPS: usize = 12;
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
-    /// Lengths of the steps of the search for an edge's end, pixels; at most 12.
-    pub search: &'static [f32],
+    /// Lengths of the steps of the search for an edge's end, pixels; where there are fewer than 12, zeros come last.
+    pub search: [f32; MOST_STEPS],
     /// Contrast of luma, as a share of the brightest around, above which there is an edge.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub contrast: f32,
     /// Contrast of luma, square roots of radiance, above which there is an edge.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub least_contrast: f32,
     /// How much of what is smaller than a pixel is blurred, 0 to 1.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub subpixel: f32,
 }
 
@@ -115,14 +118,14 @@ impl Parameters {
             Quality::High => (0.063, 0.0312),
             Quality::Ultra => (0.03, 0.0),
         };
-        Self { search, contrast, least_contrast, subpixel: 0.5 }
+        let mut lengths = [0.0; MOST_STEPS];
+        lengths[..search.len()].copy_from_slice(search);
+        Self { search: lengths, contrast, least_contrast, subpixel: 0.5 }
     }
 
     /// The passes' parameters for a view.
     pub fn settings(&self, view: &View) -> Settings {
-        let steps = self.search.len().min(MOST_STEPS);
-        let mut lengths = [0.0; MOST_STEPS];
-        lengths[..steps].copy_from_slice(&self.search[..steps]);
+        let steps = self.search.iter().take_while(|length| **length > 0.0).count();
         let fxaa = uniforms::Fxaa {
             width: view.width as u32,
             height: view.height as u32,
@@ -131,6 +134,6 @@ impl Parameters {
             least_contrast: self.least_contrast,
             subpixel: self.subpixel,
         };
-        Settings { fxaa, lengths }
+        Settings { fxaa, lengths: self.search }
     }
 }

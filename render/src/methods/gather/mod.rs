@@ -27,9 +27,10 @@ use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 use passes::Passes;
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Samples of each colour of a pixel, at least 1.
+    #[schemars(range(min = 1, max = 4096))]
     pub samples: u32,
 }
 

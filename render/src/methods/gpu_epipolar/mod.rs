@@ -44,13 +44,16 @@ const LEVELS: usize = 5;
 const ROOM: usize = 128 << 20;
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Light rays in a slice; fewer where there would be no room.
+    #[schemars(range(min = 16, max = 8192))]
     pub light_rays: usize,
     /// View rays that cross fewer light rays are marched,
+    #[schemars(range(min = 0, max = 1024))]
     pub least: u32,
     /// in so many steps.
+    #[schemars(range(min = 1, max = 4096))]
     pub steps: u32,
 }
 

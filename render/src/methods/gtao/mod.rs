@@ -25,7 +25,7 @@ use deepshade_shaders::wgsl::{self, uniforms};
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// The march.
     pub slices: slices::Parameters,

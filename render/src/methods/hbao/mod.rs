@@ -29,22 +29,29 @@ use deepshade_shaders::wgsl::{self, uniforms};
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Radius that is marched over the radius of the effect. Above 1 it makes up for the attenuation.
+    #[schemars(range(min = 0.1, max = 4.0))]
     pub radius_scale: f32,
     /// Angle above the tangent below which nothing occludes, radians; hides the facets of curved surfaces.
+    #[schemars(range(min = 0.0, max = 1.5), extend("unit" = "radians"))]
     pub bias: f32,
     /// Factor of the occlusion; 1 is what the integral says.
+    #[schemars(range(min = 0.0, max = 4.0))]
     pub strength: f32,
     /// Directions marched from each pixel, at least 1.
+    #[schemars(range(min = 1, max = 64))]
     pub directions: u32,
     /// Samples of a direction, at least 1; fewer where the radius covers fewer pixels.
+    #[schemars(range(min = 1, max = 128))]
     pub steps: u32,
     /// Pixels on either side that the blur reaches; 0 is no blur.
+    #[schemars(range(min = 0, max = 32), extend("unit" = "pixels"))]
     pub blur_radius: u32,
     /// How much distance from the tangent plane weakens the blur: a neighbour one radius off the plane has the weight
     /// `exp(-blur_sharpness^2)`.
+    #[schemars(range(min = 0.0, max = 65536.0))]
     pub blur_sharpness: f32,
 }
 

@@ -2,8 +2,10 @@
 //! another way with the medium in it but for single scattering.
 
 use super::Parameters;
+use super::lit_volume::LitVolumes;
 use super::passes::{self, Filled, Passes, Pixel, Shown};
-use super::reference::{self, LitVolume};
+use super::reference;
+use super::shown::Marched;
 use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::GpuError;
@@ -31,6 +33,19 @@ struct InMedium {
     parameters: Parameters,
     light: Shown,
     pixel: Pixel,
+}
+
+impl From<Parameters> for Multiple {
+    fn from(parameters: Parameters) -> Self {
+        Self(parameters)
+    }
+}
+
+/// Shown by the medium, which is what the effect `fog-indirect` is.
+impl From<Parameters> for Indirect {
+    fn from(parameters: Parameters) -> Self {
+        Self(parameters, Pixel { medium: true, surface: false })
+    }
 }
 
 impl From<Multiple> for InMedium {
@@ -63,11 +78,11 @@ impl InMedium {
         output: &wgpu::Buffer,
     ) -> Result<Vec<MethodStep>, GpuError> {
         let filled = Filled::Medium(self.light);
-        let (volume, mut steps) = passes.volume_steps(device, inputs, self.parameters, uniforms, filled)?;
+        let (volumes, mut steps) = passes.volume_steps(device, inputs, self.parameters, uniforms, filled)?;
         let [.., march] = uniforms else { unreachable!("the march has a uniform buffer") };
-        let read = [&uniforms[passes::VIEW], march];
-        let shown = (self.pixel, self.parameters.scale);
-        steps.extend(volume.march_steps(device, inputs, read, shown, output)?);
+        let (view, scale) = (&uniforms[passes::VIEW], self.parameters.scale);
+        let marched = Marched { inputs, view, march, pixel: self.pixel, scale };
+        steps.extend(marched.steps(device, &volumes, output)?);
         Ok(steps)
     }
 
@@ -76,8 +91,8 @@ impl InMedium {
         let Some(medium) = scene.scene().medium.as_deref() else {
             return Ok(vec![vec![0.0; 3 * view.height * view.width]]);
         };
-        let volume = LitVolume::new(scene, self.parameters, view, Filled::Medium(self.light), f32::MAX);
-        let image = reference::shade(inputs.gbuffer, &volume, medium, self.parameters, (self.pixel, view))?;
+        let volumes = LitVolumes::new(scene, self.parameters, view, Filled::Medium(self.light), f32::MAX);
+        let image = reference::shade(inputs.gbuffer, &volumes, medium, self.parameters, (self.pixel, view))?;
         Ok(vec![image.data().to_vec()])
     }
 }

@@ -16,41 +16,61 @@
 //! 0.70 of the flux that goes there where all directions are alike goes along axes, 1.17 across edges and 1.41 across
 //! corners; in a medium scattering evens that out.
 //!
-//! Limits. Light of point, spot and directional lights only. In a medium, surfaces send back light that comes to them,
-//! in the mean colour of those around a cell and the way that it came. Light outside the grid, which ends a cell beyond
-//! the scene, is lost. A medium with a preferred direction of scattering is replaced by a thinner one without, but for
-//! the last scattering towards the eye.
-//! Of hundreds of mean free paths in a cell, light that enters hardly leaves again, and such a medium is far too bright.
+//! Light that surfaces emit goes through a volume of its own until surfels reflect it or the medium scatters it, which is
+//! then handed on as that of the lamps is; where nothing emits there is no such volume. Around the camera there may be finer
+//! grids ([`crate::lpv::cascade`]).
+//!
+//! Limits. Light of lamps and of surfaces that emit, not of an environment, and not of surfaces that keep light. In a medium,
+//! surfaces send back light that comes to them, in the mean colour of those around a cell and the way that it came. Light
+//! outside the grid, which ends a cell beyond the scene, is lost. A medium with a preferred direction of scattering is
+//! replaced by a thinner one without, but for the last scattering towards the eye.
+//! A medium of many mean free paths in a cell reflects light of other cells as it should ([`crate::lpv::flight`]), but for a
+//! thousandth of it that an iteration may add; what lamps and surfaces send into it is still far
+//! too much of hundreds of mean free paths.
 //!
 //! [`Scheme::PAPER`] is equation (3) as Billeter et al. have it, with linear extinction, two bands and surfaces lit by the
 //! cell that they are in, to be compared with.
 
 pub mod in_medium;
+mod lit_volume;
 pub mod passes;
 pub mod reference;
+mod room;
+pub mod shown;
 #[cfg(test)]
 mod tests;
 
 use super::Quality;
-use crate::lpv::Scheme;
+use crate::lpv::{LightGrid, Scheme};
+use crate::scene::Bounds;
 use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
+use glam::Vec3;
+use lit_volume::LitVolumes;
 use passes::{Filled, Passes};
-use reference::LitVolume;
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Cells along the longest edge of the scene's box.
+    #[schemars(range(min = 4, max = 128))]
     pub cells: usize,
+    /// Grids of so many cells: one around the scene, and in it finer ones around the camera, each of half the edges of the
+    /// one before; one and more.
+    #[schemars(range(min = 1, max = 4))]
+    pub cascades: usize,
     /// How often light is handed on.
+    #[schemars(range(min = 1, max = 512))]
     pub iterations: usize,
     /// Steps of the march through the medium.
+    #[schemars(range(min = 1, max = 512))]
     pub steps: u32,
     /// Of so many pixels along each axis one is marched.
+    #[schemars(range(min = 1, max = 4), extend("unit" = "pixels"))]
     pub scale: usize,
     /// How light is handed on and looked up.
+    #[schemars(skip)]
     pub scheme: Scheme,
 }
 
@@ -69,7 +89,14 @@ impl Parameters {
             Quality::High => (48, 48, 48, 1),
             Quality::Ultra => (64, 96, 64, 1),
         };
-        Self { cells, iterations, steps, scale, scheme: Scheme::OURS }
+        Self { cells, cascades: 1, iterations, steps, scale, scheme: Scheme::OURS }
+    }
+
+    /// The grids, the coarsest first, of a scene in a box and a camera at a place.
+    pub fn grids(&self, bounds: Bounds, camera: Vec3) -> Vec<LightGrid> {
+        let coarsest = LightGrid::around(bounds, self.cells);
+        let finer = |grid: &LightGrid| Some(grid.nested(camera));
+        std::iter::successors(Some(coarsest), finer).take(self.cascades.max(1)).collect()
     }
 }
 
@@ -99,15 +126,17 @@ impl Technique for Parameters {
         uniforms: &[wgpu::Buffer],
         output: &wgpu::Buffer,
     ) -> Result<Vec<MethodStep>, GpuError> {
-        let (volume, mut steps) = passes.volume_steps(device, inputs, *self, uniforms, Filled::Clear)?;
-        steps.push(volume.lit_step(device, inputs.gbuffer, &uniforms[passes::VIEW], output)?);
+        let (volumes, mut steps) = passes.volume_steps(device, inputs, *self, uniforms, Filled::Clear)?;
+        for volume in &volumes {
+            steps.push(volume.lit_step(device, inputs.gbuffer, &uniforms[passes::VIEW], output)?);
+        }
         Ok(steps)
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
         let shaded = |scene| {
-            let volume = LitVolume::new(scene, *self, view, Filled::Clear, view.radius);
-            Ok(reference::lit(inputs.gbuffer, &volume, view)?.data().to_vec())
+            let volumes = LitVolumes::new(scene, *self, view, Filled::Clear, view.radius);
+            Ok(reference::lit(inputs.gbuffer, &volumes, view)?.data().to_vec())
         };
         inputs.scene.map(shaded).into_iter().collect()
     }

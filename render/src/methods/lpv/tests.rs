@@ -1,6 +1,7 @@
 //! The passes against their plain version, and what must hold of images.
 
 mod motion;
+mod room;
 
 use super::in_medium::{Indirect, IndirectScattering, Multiple, MultipleScattering};
 use super::passes::{Filled, Pixel, Shown};
@@ -22,7 +23,8 @@ use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::wgsl::{self, Shader};
 use glam::{Vec3, Vec4};
 
-const FEW: Parameters = Parameters { cells: 14, iterations: 9, steps: 12, scale: 2, scheme: Scheme::OURS };
+const FEW: Parameters =
+    Parameters { cells: 14, cascades: 1, iterations: 9, steps: 12, scale: 2, scheme: Scheme::OURS };
 
 /// Shadow maps end within a texel of where shadows do.
 const TOLERANCE: Tolerance = Tolerance { usual: 1e-3, worst: 0.02 };

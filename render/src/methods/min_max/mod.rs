@@ -20,15 +20,19 @@ use glam::Vec3;
 use integration::{ClosedForm, PrefixSums};
 
 /// What it may take.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Light rays in a slice, each with four samples of its depth.
+    #[schemars(range(min = 16, max = 16384))]
     pub light_rays: usize,
     /// Texels along an edge of shadow maps.
+    #[schemars(range(min = 64, max = 8192), extend("unit" = "texels", "multipleOf" = 64))]
     pub shadow_size: usize,
     /// View rays that cross fewer light rays are marched,
+    #[schemars(range(min = 0.0, max = 1024.0))]
     pub least_light_rays: f32,
     /// in so many steps.
+    #[schemars(range(min = 1, max = 4096))]
     pub steps: u32,
 }
 

@@ -5,31 +5,31 @@
 //! shadows. That model knows no saturation: strong light makes it too bright. The start is what the rate equation's is.
 //!
 //! Why it: no state is kept, so that any moment can be shown at once. Why not: noise that falls with the root of the
-//! samples, and light anew for each. What moves is taken as it is now, at every moment of the past: shadow maps of frames
-//! gone by are not kept.
+//! samples, and light anew for each. Of what moves a still has shadow maps of poses of the past; in a sequence it is taken as it
+//! is now, at every moment of the past: shadow maps of frames gone by are not kept.
 
 use super::passes::Finding;
 use super::reference::{found, image};
 use super::{ATTRIBUTES, Parameters as Texels, Quality};
 use crate::bvh::TracedScene;
-use crate::path::phosphor::{Afterglow, Place};
-use crate::phosphor::paint::PaintState;
+use crate::path::phosphor::Afterglow;
+use crate::phosphor::paint::{Lit, PaintState};
 use crate::raster::view::perspective;
 use crate::scene::Glow;
-use crate::scene::glow::Piece;
 use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
 use crate::surfels::frame;
 use bytemuck::bytes_of;
-use deepshade_shaders::gpu::GpuError;
+use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::random::random;
-use deepshade_shaders::wgsl::uniforms::GlowSamples;
+use deepshade_shaders::wgsl::uniforms::{GlowSamples, GlowStretch};
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 use glam::{Vec2, Vec3};
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Moments that are drawn of each state.
+    #[schemars(range(min = 1, max = 4096))]
     pub samples: u32,
 }
 
@@ -54,6 +54,9 @@ impl Parameters {
         GlowSamples { width, height, samples: self.samples.max(1), seed: view.seed }
     }
 }
+
+/// All of the past, seconds ago.
+const EVER: [f32; 2] = [0.0, f32::MAX];
 
 impl Technique for Parameters {
     const NAME: &'static str = "glassner";
@@ -86,7 +89,14 @@ impl Technique for Parameters {
         let coarsest = Texels { texels: 1 };
         let finding = Finding::new(device, world, gbuffer, coarsest.texels)?;
         let mut steps = finding.steps(device, world, gbuffer, view)?;
-        steps.push(finding.look_back(device, world, gbuffer, [settings, output])?);
+        let parts = world.past().iter().map(|(stretch, pose)| (*stretch, pose));
+        let parts: Vec<_> = if world.past().is_empty() { vec![(EVER, world)] } else { parts.collect() };
+        for (index, (stretch, pose)) in parts.into_iter().enumerate() {
+            let [since, until] = stretch;
+            let stretch = GlowStretch { since, until, adds: u32::from(index > 0), padding: 0 };
+            let stretch = gpu::uniform(device, "phosphor.stretch", &stretch)?;
+            steps.push(finding.look_back(device, pose, gbuffer, [settings, &stretch, output])?);
+        }
         Ok(steps)
     }
 
@@ -98,53 +108,45 @@ impl Technique for Parameters {
 /// The plain version's image.
 fn shaded(scene: &TracedScene, view: &View, parameters: Parameters) -> Vec<f32> {
     let (afterglow, glow) = (Afterglow::new(scene), Glow::of(scene.scene()));
-    let past = glow.past(glow.moment);
-    let states = glow.surfaces.iter().map(|(_, paint)| paint.states.len()).max().unwrap_or(1) as u32;
+    let states = glow.most_states() as u32;
     image(view, |at| {
         let found = found(scene, view, at)?;
         let mesh = &scene.scene().meshes[found.mesh as usize];
         let paint = glow.paint_of(&scene.scene().material(mesh.material).name)?;
         let Vec2 { x, y } = found.place;
-        let received = afterglow.irradiance(&Place::new(mesh, found.triangle as usize, [1.0 - x - y, x, y]));
+        let past = afterglow.history(found.mesh as usize, found.triangle as usize, [1.0 - x - y, x, y]);
         let of_state = |(index, state): (usize, &PaintState)| {
             let number =
                 |sample: u32| random(at.x as u32, at.y as u32, view.seed, sample * states + index as u32);
-            state.emission
-                * share(state, glow.before(), &past, &received, (0..parameters.samples).map(number))
+            state.emission * share(state, glow.before(), &past, (0..parameters.samples).map(number))
         };
         Some(glow.surfaces[paint].1.states.iter().enumerate().map(of_state).sum())
     })
 }
 
 /// The excited share of a state without saturation, by moments that random numbers draw.
-fn share(
-    state: &PaintState,
-    before: f32,
-    past: &[Piece],
-    received: &[Vec3],
-    numbers: impl ExactSizeIterator<Item = f32>,
-) -> f32 {
+fn share(state: &PaintState, before: f32, past: &[Lit], numbers: impl ExactSizeIterator<Item = f32>) -> f32 {
     if state.decay <= 0.0 {
         return 0.0;
     }
-    let whole: f32 = past.iter().map(|piece| piece.seconds).sum();
+    let whole: f32 = past.iter().map(|lit| lit.seconds).sum();
     let within = -(-state.decay * whole).exp_m1();
     let count = numbers.len() as f32;
     let charge = |number: f32| {
         let ago = -(-number * within).ln_1p() / state.decay;
-        state.charge(light_at(past, received, ago))
+        state.charge(light_at(past, ago))
     };
     numbers.map(charge).sum::<f32>() / count * within / state.decay + before * (-state.decay * whole).exp()
 }
 
 /// Irradiance so many seconds ago.
-fn light_at(past: &[Piece], received: &[Vec3], ago: f32) -> Vec3 {
+fn light_at(past: &[Lit], ago: f32) -> Vec3 {
     let mut left = ago;
-    for piece in past.iter().rev() {
-        if left < piece.seconds {
-            return piece.on.iter().zip(received).filter(|(on, _)| **on).map(|(_, light)| *light).sum();
+    for lit in past.iter().rev() {
+        if left < lit.seconds {
+            return lit.irradiance;
         }
-        left -= piece.seconds;
+        left -= lit.seconds;
     }
     Vec3::ZERO
 }

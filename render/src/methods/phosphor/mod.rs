@@ -7,8 +7,11 @@
 //! g-buffer knows objects, not triangles, and one that rays made is as good as one that was drawn. What it shows is linear
 //! between texels.
 //!
-//! A still goes through all of the past in one frame, lamps being switched at their moments. In a sequence a frame costs the
+//! A still goes through all of the past in one frame, lamps being switched at their moments; where something moves, a stretch
+//! after the other, each under shadow maps of a pose of its own. In a sequence a frame costs the
 //! same however long it has lasted; states are the past.
+//!
+//! A medium may keep light, too: states of the cells of a grid, lit through it, which a march shows ([`cells`]).
 //!
 //! Why it: cost does not grow with time, strong light saturates, what moves takes its light along. Why not: light is kept only
 //! where texels are; what the camera never looks at costs as much as what it sees.
@@ -16,6 +19,7 @@
 //! Limits. Lamps without an extent excite, as they are at a frame's end; light by detours does not. Texels are as many as
 //! the mesh's area asks for, and slivers have more.
 
+mod cells;
 pub mod glassner;
 pub mod passes;
 pub mod reference;
@@ -28,14 +32,16 @@ use crate::raster::view::perspective;
 use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
 use crate::surfels::frame;
 use bytemuck::bytes_of;
+use cells::Cells;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 use passes::Finding;
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Texels along the scene's diagonal.
+    #[schemars(range(min = 8, max = 4096))]
     pub texels: u32,
 }
 
@@ -86,8 +92,17 @@ impl Technique for Parameters {
         let finding = Finding::new(device, world, inputs.gbuffer, self.texels)?;
         let mut steps = finding.steps(device, world, inputs.gbuffer, &uniforms[0])?;
         let states = finding.states(device, world)?;
-        steps.push(finding.step(device, world, &states)?);
+        let cells = Cells::new(device, world, self.texels)?;
+        let kept = cells.as_ref().filter(|_| world.glow.glow().medium.is_some());
+        let still = world.past().is_empty().then_some(world);
+        for pose in world.past().iter().map(|(_, pose)| pose).chain(still) {
+            steps.push(finding.step(device, pose, &states)?);
+            steps.extend(kept.map(|cells| cells.step(device, pose)).transpose()?);
+        }
         steps.push(finding.show(device, world, &states, output)?);
+        if let Some(cells) = &cells {
+            steps.push(cells.shine(device, world, inputs.gbuffer, [&uniforms[0], output])?);
+        }
         Ok(steps)
     }
 

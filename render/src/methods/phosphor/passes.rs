@@ -3,6 +3,7 @@
 use super::tile::Tiles;
 use crate::raster::World;
 use crate::raster::light::{Lights, shadow_sampler};
+use crate::raster::medium::MediumOnGpu;
 use crate::screen::{GpuGBuffer, MethodStep, Step};
 use crate::surfels::groups;
 use deepshade_shaders::Attribute;
@@ -58,12 +59,12 @@ impl Finding {
         self.texels
     }
 
-    /// Room for the states of all texels.
+    /// Room for the states of all texels, `[2, texels, states]`: excited shares, and what rounding leaves of their changes.
     ///
     /// # Errors
     /// If the device has none.
     pub fn states(&self, device: &wgpu::Device, world: &World) -> Result<wgpu::Buffer, GpuError> {
-        gpu::empty::<f32>(device, "phosphor.states", self.texels.max(1) * world.glow.states())
+        gpu::empty::<f32>(device, "phosphor.states", 2 * self.texels.max(1) * world.glow.states())
     }
 
     /// The passes that fit the tree to the frame and find each pixel's tile; `view` is the camera's.
@@ -131,13 +132,22 @@ impl Finding {
     ) -> Result<MethodStep, GpuError> {
         let glow = &world.glow;
         let lights = ("LIGHTS", world.gpu_lights.count as u32);
-        let source = wgsl::PHOSPHOR_STEP.specialised(&[&glow.constants()[..], &[lights]].concat());
-        let pass = Pass::new(device, wgsl::PHOSPHOR_STEP.name, &source)?;
+        let constants = [&glow.constants()[..], &[lights]].concat();
+        let is_dimmed = world.scene().medium.is_some();
+        let (shader, constants) = match is_dimmed {
+            true => (&wgsl::PHOSPHOR_STEP_DIMMED, [constants, vec![("MEDIUM", world.medium.kind)]].concat()),
+            false => (&wgsl::PHOSPHOR_STEP, constants),
+        };
+        let pass = Pass::new(device, shader.name, &shader.specialised(&constants))?;
         let sampler = shadow_sampler(device);
         let own = [&glow.paints, &self.tiles, &self.owners, &world.geometry.posed, &glow.since];
         let resources = own.map(|buffer| buffer.as_entire_binding()).into_iter();
-        let resources: Vec<_> =
+        let mut resources: Vec<_> =
             resources.chain(lamps(world, &sampler)).chain([states.as_entire_binding()]).collect();
+        if is_dimmed {
+            let MediumOnGpu { record, densities, .. } = &world.medium;
+            resources.extend([record.as_entire_binding(), wgpu::BindingResource::TextureView(densities)]);
+        }
         let pass = pass.bind(device, &resources)?;
         Ok(MethodStep {
             step: Step { pass, workgroups: groups(self.texels).into() },
@@ -165,7 +175,7 @@ impl Finding {
         MethodStep::bind(device, &pass, groups(pixels), &reads, &[image])
     }
 
-    /// The pass that looks back over the past; `settings` are its samples.
+    /// The pass that looks back over a stretch of the past, in which the world was like this; `settings` are its samples.
     ///
     /// # Errors
     /// If the device refuses.
@@ -174,7 +184,7 @@ impl Finding {
         device: &wgpu::Device,
         world: &World,
         gbuffer: &GpuGBuffer,
-        [settings, image]: [&wgpu::Buffer; 2],
+        [settings, stretch, image]: [&wgpu::Buffer; 3],
     ) -> Result<MethodStep, GpuError> {
         let glow = &world.glow;
         let lights = ("LIGHTS", world.gpu_lights.count as u32);
@@ -183,8 +193,10 @@ impl Finding {
         let sampler = shadow_sampler(device);
         let own = [settings, &glow.paints, &self.tiles, &world.geometry.posed, &self.found, &glow.past];
         let resources = own.map(|buffer| buffer.as_entire_binding()).into_iter();
-        let resources: Vec<_> =
-            resources.chain(lamps(world, &sampler)).chain([image.as_entire_binding()]).collect();
+        let resources: Vec<_> = resources
+            .chain(lamps(world, &sampler))
+            .chain([image, stretch].map(|b| b.as_entire_binding()))
+            .collect();
         let pass = pass.bind(device, &resources)?;
         let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
         Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![image.clone()] })
@@ -192,7 +204,7 @@ impl Finding {
 }
 
 /// Lamps and their maps.
-fn lamps<'a>(world: &'a World, sampler: &'a wgpu::Sampler) -> [wgpu::BindingResource<'a>; 5] {
+pub(super) fn lamps<'a>(world: &'a World, sampler: &'a wgpu::Sampler) -> [wgpu::BindingResource<'a>; 5] {
     let Lights { records, map_views, pictures, .. } = &world.gpu_lights;
     [
         records.as_entire_binding(),

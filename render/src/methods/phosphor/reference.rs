@@ -1,8 +1,9 @@
 //! The plain version: the same texels by rays and closed forms.
 
 use super::Parameters;
+use super::cells::PlainCells;
 use super::tile::{Tiles, texel_weights, texels_around};
-use crate::bvh::TracedScene;
+use crate::bvh::{Hit, TracedScene};
 use crate::methods::picture::every_pixel;
 use crate::path::phosphor::Afterglow;
 use crate::phosphor::paint::MOST_STATES;
@@ -18,14 +19,15 @@ use std::collections::HashMap;
 /// States of all texels, `[texels, states]`, and the image, `[3, height, width]`.
 pub fn shade(scene: &TracedScene, view: &View, parameters: Parameters) -> Written {
     let tiles = Tiles::new(scene.scene(), &draws_of(scene.scene()), parameters.texels);
-    let shares = shares(scene, &tiles);
+    let afterglow = Afterglow::new(scene);
+    let shares = shares(&afterglow, &tiles);
+    let cells = PlainCells::new(scene, &afterglow, parameters.texels);
     let glow = Glow::of(scene.scene());
-    let room = glow.surfaces.iter().map(|(_, paint)| paint.states.len()).max().unwrap_or(1);
+    let room = glow.most_states();
     let states = shares.iter().flat_map(|shares| shares[..room].iter().copied()).collect();
     let index: HashMap<[u32; 2], usize> =
         tiles.origins.iter().enumerate().map(|(index, origin)| (*origin, index)).collect();
-    let image = image(view, |at| {
-        let found = found(scene, view, at)?;
+    let sent = |found: &Found| {
         let tile = &tiles.tiles[*index.get(&[found.mesh, found.triangle])?];
         let mut mixed = [0.0; MOST_STATES];
         for (texel, weight) in texels_around(tile.divisions, found.place) {
@@ -33,6 +35,13 @@ pub fn shade(scene: &TracedScene, view: &View, parameters: Parameters) -> Writte
             mixed.iter_mut().zip(shares).for_each(|(mixed, share)| *mixed += weight * share);
         }
         Some(glow.surfaces[tile.paint as usize].1.emission(&mixed))
+    };
+    let image = image(view, |at| {
+        let found = found(scene, view, at);
+        let surface = found.as_ref().and_then(sent).unwrap_or(Vec3::ZERO);
+        let reach = found.map_or(f32::INFINITY, |found| found.reach);
+        let ray = (view.camera.position, view.camera.direction(at, view.height, view.width), reach);
+        Some(cells.as_ref().map_or(surface, |cells| cells.seen(ray, surface)))
     });
     vec![states, image]
 }
@@ -43,13 +52,16 @@ pub(super) struct Found {
     pub(super) triangle: u32,
     /// Weights of the second and third corner.
     pub(super) place: Vec2,
+    /// How far it is from the camera, metres.
+    reach: f32,
 }
 
 /// What is seen at the middle of a pixel.
 pub(super) fn found(scene: &TracedScene, view: &View, at: Vec2) -> Option<Found> {
     let direction = view.camera.direction(at, view.height, view.width);
     let hit = scene.hit(view.camera.position, direction, f32::INFINITY)?;
-    Some(Found { mesh: hit.mesh, triangle: hit.triangle, place: hit.barycentric })
+    let Hit { mesh, triangle, barycentric: place, distance: reach } = hit;
+    Some(Found { mesh, triangle, place, reach })
 }
 
 /// An image of what each pixel's middle sends, `[3, height, width]`; black where that is nothing.
@@ -60,11 +72,10 @@ pub(super) fn image(view: &View, sent: impl Fn(Vec2) -> Option<Vec3> + Sync) -> 
 }
 
 /// The excited shares of all texels.
-fn shares(scene: &TracedScene, tiles: &Tiles) -> Vec<[f32; MOST_STATES]> {
-    let afterglow = Afterglow::new(scene);
+fn shares(afterglow: &Afterglow<'_>, tiles: &Tiles) -> Vec<[f32; MOST_STATES]> {
     let of_tile = |(tile, [mesh, triangle]): (&GlowTile, &[u32; 2])| {
-        let mesh = &scene.scene().meshes[*mesh as usize];
-        let share = |weights| afterglow.shares(mesh, *triangle as usize, weights).unwrap_or_default();
+        let share =
+            |weights| afterglow.shares(*mesh as usize, *triangle as usize, weights).unwrap_or_default();
         texel_weights(tile.divisions).map(share).collect::<Vec<_>>()
     };
     tiles.tiles.par_iter().zip(&tiles.origins).flat_map_iter(of_tile).collect()

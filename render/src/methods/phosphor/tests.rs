@@ -9,7 +9,8 @@ use crate::methods::proving::Tolerance;
 use crate::methods::proving::beyond::prove_twin;
 use crate::scene::glow::tests::glow;
 use crate::scene::glow::{Glow, Start};
-use crate::scene::{Camera, Light, Material, MaterialId, Mesh, Scene};
+use crate::scene::medium::Weather;
+use crate::scene::{Bounds, Camera, Density, Light, Look, Material, MaterialId, Medium, Mesh, Scene};
 use crate::screen::{self, GpuGBuffer, Plan};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{GBuffer, Planes};
@@ -77,10 +78,13 @@ fn shaded(method: &impl Method, (scene, view, gbuffer): &(TracedScene, View, GBu
     method.shade(&frame, Repeats::ONCE).expect("an image").image
 }
 
-/// What the step of a plan, its last pass but one, has written.
+/// The shares that the step of a plan, its last pass but one, has written.
 fn states(gpu: &Gpu, plan: &Plan) -> Vec<f32> {
     let step = plan.steps().iter().rev().nth(1).expect("passes");
-    gpu::read(&gpu.device, &gpu.queue, &step.writes[0]).expect("states")
+    let mut states: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, &step.writes[0]).expect("states");
+    // What rounding left is behind them.
+    states.truncate(states.len() / 2);
+    states
 }
 
 #[test]
@@ -96,6 +100,64 @@ fn moments_of_the_past_are_those_of_the_plain_version() {
     let gpu = gpu();
     let method = Glassner::new(&gpu, Moments { samples: 9 }).expect("valid shaders");
     prove_twin(&method, &room(), Tolerance { usual: 2e-3, worst: 0.06 });
+}
+
+/// A floor under a lamp, with a board between them that was elsewhere in each of three stretches of the past.
+fn moving() -> (TracedScene, View, GBuffer) {
+    let corners = [(-0.4, 0.4), (0.4, 0.4), (0.4, -0.4), (-0.4, -0.4)];
+    let board = |x: f32| quad(corners.map(|(across, z)| Vec3::new(x + across, 1.2, z)), 1);
+    let at = |x: f32| {
+        let glow = glow(&[0.7, 0.1], &[[0.5, 2.0]], 2.0);
+        scene(vec![floor(), board(x)], vec![lamp(Vec3::new(0.1, 2.5, 0.2), 30.0)], glow)
+    };
+    let past = vec![(0.0, at(-1.1)), (0.9, at(-0.5)), (1.4, at(0.2))];
+    seen(at(1.3).with_past(past).expect("the same triangles"), camera(), [37, 53])
+}
+
+#[test]
+fn what_moved_leaves_its_shadows_where_they_were() {
+    let gpu = gpu();
+    let (scene, view, gbuffer) = moving();
+    let still = scene.clone().with_past(vec![]).expect("no past");
+    let states = RateEquation::new(&gpu, Parameters { texels: 150 }).expect("valid shaders");
+    let moments = Glassner::new(&gpu, Moments { samples: 16 }).expect("valid shaders");
+    // At an edge of a shadow a texel or a pixel may be on the other side; moments know no saturation and are brighter.
+    let methods: [(Box<dyn screen::ScreenMethod>, f32); 2] =
+        [(Box::new(states), 0.4), (Box::new(moments), 2.5)];
+    for (method, worst) in methods {
+        let told = (scene.clone(), view, gbuffer.clone());
+        prove_twin(&method, &told, Tolerance { usual: 4e-3, worst });
+        let [told, untold] =
+            [told, (still.clone(), view, gbuffer.clone())].map(|frame| shaded(&method, &frame));
+        let off = told.data().iter().zip(untold.data()).filter(|(a, b)| (*a - *b).abs() > 0.02).count();
+        assert!(off > told.data().len() / 50, "as if it had never moved: {off}");
+    }
+}
+
+/// A board before a lamp in smoke that keeps light, over a floor that does, too, or not.
+#[test]
+fn a_medium_keeps_light_as_in_the_plain_version() {
+    let gpu = gpu();
+    let method = RateEquation::new(&gpu, Parameters { texels: 100 }).expect("valid shaders");
+    let bounds = Bounds { min: Vec3::new(-1.0, 0.1, -1.0), max: Vec3::new(1.0, 1.3, 1.0) };
+    let smoke = Weather::smoke(3, 1.5, 0.9).grid(bounds, 12, 0.0).expect("smoke");
+    for density in [Density::Grid(smoke), Density::Within(bounds)] {
+        let mut kept = glow(&[0.7, 0.1], &[[0.5, 2.0]], 2.0);
+        kept.medium = Some(crate::scene::glow::tests::paint(&[0.4]));
+        let corners = [(-0.3, 0.3), (0.3, 0.3), (0.3, -0.3), (-0.3, -0.3)];
+        let board = quad(corners.map(|(x, z)| Vec3::new(x, 1.8, z)), 1);
+        let lights = vec![lamp(Vec3::new(0.1, 2.5, 0.2), 30.0)];
+        let scene = scene(vec![floor(), board], lights, kept);
+        let medium = Medium::new(Vec3::splat(0.2), Vec3::new(0.6, 0.8, 1.0), 0.0, density).expect("a medium");
+        let look = Look { medium: Some(Arc::new(medium)), ..scene.scene().look() };
+        let room = seen(scene.with_look(look).expect("a look"), camera(), [37, 53]);
+        prove_twin(&method, &room, Tolerance { usual: 4e-3, worst: 0.3 });
+        let blank = Look { medium: None, ..room.0.scene().look() };
+        let clear = (room.0.with_look(blank).expect("a look"), room.1, room.2.clone());
+        let [foggy, clear] = [&room, &clear].map(|room| shaded(&method, room));
+        let off = foggy.data().iter().zip(clear.data()).filter(|(a, b)| (*a - *b).abs() > 0.02).count();
+        assert!(off > foggy.data().len() / 20, "as if there were no medium: {off}");
+    }
 }
 
 #[test]
@@ -192,6 +254,19 @@ fn frames_add_up_to_the_same_past_whatever_their_steps() {
     let last = moments.map(|moment| frames.states(moment)).into_iter().next_back().expect("a frame");
     let worst = last.iter().zip(&at_once).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
     assert!(worst < 1e-5, "{worst}");
+}
+
+/// In a frame each share changes by a fifth of what can be told from it.
+#[test]
+fn slow_states_lose_nothing_to_rounding() {
+    let mut slow = glow(&[1e-6], &[], 0.0);
+    slow.start = Start::Share(0.75);
+    let frame = seen(scene(vec![floor()], vec![lamp(Vec3::Y, 5.0)], slow), camera(), [9, 11]);
+    let mut frames = Loop::new(&frame.0.scene().clone().into(), &frame, 10);
+    let (count, second) = (300u16, 60.0);
+    let last = (0..=count).map(|i| frames.states(f32::from(i) / second)).last().expect("frames");
+    let expected = 0.75 * 1e-6 * f32::from(count) / second;
+    assert!(last.iter().all(|share| ((0.75 - share) / expected - 1.0).abs() < 0.03), "{}", 0.75 - last[0]);
 }
 
 #[test]

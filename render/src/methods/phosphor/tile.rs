@@ -9,8 +9,10 @@ use deepshade_shaders::wgsl::uniforms::GlowTile;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Most texels of a scene; where there were more, all are farther apart.
+/// Most texels of a scene, and most states of all of them; where there were more, all are farther apart. A state is two
+/// numbers, and software Vulkan binds 128 MB at once.
 const MOST_TEXELS: usize = 1 << 23;
+const MOST_STATES_OF_ALL: usize = 1 << 24;
 
 /// Most steps along an edge: square roots of their numbers are exact enough in 32 bits.
 const MOST_DIVISIONS: u32 = 1023;
@@ -38,8 +40,9 @@ impl Tiles {
         let count = |spacing: f32| -> usize {
             tiles.par_iter().map(|(_, _, _, longest)| texels_of(divisions(*longest, spacing))).sum()
         };
-        let least = 3 * tiles.len();
-        while count(spacing) > MOST_TEXELS.max(least) {
+        let states = Glow::of(scene).most_states();
+        let most = MOST_TEXELS.min(MOST_STATES_OF_ALL / states).max(3 * tiles.len());
+        while count(spacing) > most {
             spacing *= 1.25;
         }
         let mut first = 0;

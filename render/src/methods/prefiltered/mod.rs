@@ -33,9 +33,10 @@ use glam::Vec3;
 use passes::Passes;
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Rows of the finest map: rounded down to a power of two, at least 32.
+    #[schemars(range(min = 32, max = 1024), extend("unit" = "rows"))]
     pub height: usize,
 }
 

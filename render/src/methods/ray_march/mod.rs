@@ -22,13 +22,16 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 /// What it may take.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Steps along each view ray.
+    #[schemars(range(min = 1, max = 8192))]
     pub steps: u32,
     /// Steps from each of them to the light, through grids.
+    #[schemars(range(min = 1, max = 256))]
     pub light_steps: u32,
     /// Texels along an edge of shadow maps.
+    #[schemars(range(min = 64, max = 8192), extend("unit" = "texels", "multipleOf" = 64))]
     pub shadow_size: usize,
     /// Whether steps are shifted from pixel to pixel.
     pub jitter: bool,

@@ -33,13 +33,16 @@ use passes::Passes;
 const TILE_SIZE: u32 = 16;
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Samples along a line, at least 1; the paper has 15.
+    #[schemars(range(min = 1, max = 512))]
     pub samples: u32,
     /// Longest half of a movement, as a share of the image's height.
+    #[schemars(range(min = 0.0, max = 0.5), extend("unit" = "heights"))]
     pub longest: f32,
     /// How much nearer, as a share of the depth, what is fully in front.
+    #[schemars(range(min = 0.001, max = 1.0))]
     pub depth_extent: f32,
 }
 

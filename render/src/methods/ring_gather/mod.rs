@@ -32,15 +32,19 @@ use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 use passes::Passes;
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Pixels of the image along the edge of one that is gathered: 2 is half the size, 1 the full one.
+    #[schemars(range(min = 1, max = 2), extend("unit" = "pixels"))]
     pub scale: u32,
     /// Most rings around a pixel; fewer where they would be nearer to each other than pixels.
+    #[schemars(range(min = 1, max = 64))]
     pub rings: u32,
     /// Largest radius of a circle of confusion, as a share of the image's height.
+    #[schemars(range(min = 0.0, max = 0.5), extend("unit" = "heights"))]
     pub largest: f32,
     /// Difference of signed radii, pixels, from which on the nearer of two surfaces is fully in front of the other.
+    #[schemars(range(min = 0.0, max = 64.0), extend("unit" = "pixels"))]
     pub softness: f32,
 }
 

@@ -32,14 +32,17 @@ use passes::Passes;
 const MOST_TAPS: usize = 25;
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Taps of a row or column, 3 to 49, odd.
+    #[schemars(range(min = 3, max = 49))]
     pub taps: usize,
     /// Distance of the last tap, mean free paths.
+    #[schemars(range(min = 0.5, max = 32.0), extend("unit" = "mean free paths"))]
     pub reach: f32,
     /// How many of itself a tap's weight falls by where it is a mean free path farther in space than on the screen:
     /// `exp(-follow)`.
+    #[schemars(range(min = 0.0, max = 4.0))]
     pub follow: f32,
 }
 

@@ -31,15 +31,19 @@ use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 use glam::Vec3;
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// Directions of a pixel, at least 1.
+    #[schemars(range(min = 1, max = 1024))]
     pub directions: u32,
     /// Points along each, at least 1.
+    #[schemars(range(min = 1, max = 128))]
     pub steps: u32,
     /// How thick everything is taken to be, away from the eye, as a share of the radius.
+    #[schemars(range(min = 0.0, max = 10.0))]
     pub thickness: f32,
     /// Rows of the map that the environment is filtered into, at least 1.
+    #[schemars(range(min = 1, max = 256), extend("unit" = "rows"))]
     pub environment_height: usize,
     /// What removes the noise.
     pub blur: blur::Parameters,

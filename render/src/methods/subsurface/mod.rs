@@ -28,6 +28,12 @@ use glam::{IVec2, Vec3};
 #[derive(Clone, Copy, Debug)]
 pub struct FromScreen<T>(pub T);
 
+impl<T> From<T> for FromScreen<T> {
+    fn from(method: T) -> Self {
+        Self(method)
+    }
+}
+
 /// By two blurs, compiled for a device.
 pub type SeparableSubsurface = Compiled<FromScreen<separable::Parameters>>;
 /// By a gather, compiled for a device.

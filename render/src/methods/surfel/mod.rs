@@ -44,13 +44,15 @@ use super::{Quality, blur};
 use crate::surfels;
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// How finely the scene is laid out.
     pub surfels: surfels::Parameters,
     /// The papers' epsilon: what of a surfel's effect may be left to the next coarser level, from 0 to 1.
+    #[schemars(range(min = 0.001, max = 1.0))]
     pub threshold: f32,
-    /// Levels of the interleaved framebuffer, 1 to [`MOST_LEVELS`]; 1 is splatting in full resolution.
+    /// Levels of the interleaved framebuffer, 1 to 8; 1 is splatting in full resolution.
+    #[schemars(range(min = 1, max = 8))]
     pub levels: u32,
     /// What removes the noise of a level: the radius is that of the finest, and is doubled with each coarser one.
     pub blur: blur::Parameters,

@@ -18,7 +18,7 @@ pub enum Improvement {
 }
 
 /// Those that are in use.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Improvements(u32);
 
 impl Improvement {

@@ -37,23 +37,30 @@ use intervals::Division;
 use passes::Passes;
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Parameters {
     /// How finely the scene is laid out.
     pub surfels: surfels::Parameters,
     /// The paper's epsilon: what of a surfel's effect may be left to the next coarser level, from 0 to 1.
+    #[schemars(range(min = 0.001, max = 1.0))]
     pub threshold: f32,
-    /// Levels of the interleaved framebuffer, 1 to [`surfel::MOST_LEVELS`].
+    /// Levels of the interleaved framebuffer, 1 to 8.
+    #[schemars(range(min = 1, max = 8))]
     pub levels: u32,
     /// Points of a ray's way through the medium at which density is looked up.
+    #[schemars(range(min = 1, max = 2048))]
     pub steps: u32,
     /// Distances of each ray that are kept, one more than intervals; a multiple of 4.
+    #[schemars(range(min = 4, max = 32), extend("multipleOf" = 4))]
     pub samples: u32,
     /// Points of the way from a surfel at which a grid's density is looked up.
+    #[schemars(range(min = 1, max = 32))]
     pub points: u32,
     /// The paper's delta: surfels nearer than this, over the effect's radius, do what they would at this distance.
+    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "radii"))]
     pub nearest: f32,
     /// What is done in another way than in the paper; all of it but in studies.
+    #[schemars(skip)]
     pub improvements: Improvements,
 }
 

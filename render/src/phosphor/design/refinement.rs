@@ -1,8 +1,11 @@
-//! The best re-radiation functions of given rates, and rates that are better than those of the grid.
+//! Rates that are better than those of the grid, by variable projection (Golub and Pereyra 1973): of the rates alone the sum of
+//! squares is a function, the best re-radiation functions being known at once. Its derivatives are Kaufman's (1975), which leave
+//! out what vanishes where the fit is good: those of the responses, less what re-radiation functions make up for. Steps are
+//! those of Levenberg and Marquardt, within bounds.
 
-use super::super::least_squares::{Unknown, minimum};
-use super::super::rate::Scheme;
-use super::{Place, Rates};
+use super::Rates;
+use super::problem::Problem;
+use super::response::{Fitted, amounts, dot, fitted, off, slopes};
 use rayon::prelude::*;
 
 /// Rates stay within these bounds, per second.
@@ -10,176 +13,184 @@ const DECAY: [f64; 2] = [1e-5, 10.0];
 const EXCITATION: [f64; 2] = [0.0, 100.0];
 /// How much leaving the start weighs beside the wanted colours: what key frames do not determine stays as it was.
 const STAYING: f64 = 1e-6;
+/// Steps at most, and how often a step is made shorter.
+const STEPS: usize = 100;
+const TRIES: usize = 12;
+/// The search ends where a step lowers the sum of squares by no more than this part.
+const ENOUGH: f64 = 1e-9;
 
-/// Re-radiation functions of given rates.
-#[derive(Clone, Debug)]
-pub struct Fitted {
-    /// One a state, one value a band.
-    pub emission: Vec<Vec<f64>>,
-    /// The sum of squares that is left.
-    pub cost: f64,
+/// An unknown: a change of the start in units of its scale.
+struct Unknown {
+    start: f64,
+    scale: f64,
+    bounds: [f64; 2],
 }
 
-/// What each of `N` states sends at the keys but for its re-radiation function.
-pub struct Columns<'a, const N: usize> {
-    columns: [&'a [f64]; N],
-    /// Products of the columns with one another.
-    products: [[f64; N]; N],
-}
-
-impl<'a, const N: usize> Columns<'a, N> {
-    pub fn new(columns: [&'a Vec<f64>; N]) -> Self {
-        let columns = columns.map(Vec::as_slice);
-        Self { columns, products: columns.map(|a| columns.map(|b| dot(a, b))) }
-    }
-
-    /// The least sum of squares that is left, over all bands.
-    pub fn cost(&self, wanted: &[Vec<f64>]) -> f64 {
-        wanted.iter().map(|band| dot(band, band) - self.gain(&self.solution(band), band)).sum()
-    }
-
-    /// The non-negative amounts of the columns that explain a band best.
-    fn solution(&self, band: &[f64]) -> [f64; N] {
-        let explained = self.columns.map(|column| dot(column, band));
-        let alone = |index: usize| {
-            let mut amounts = [0.0; N];
-            let square = self.products[index][index];
-            amounts[index] = if square > 0.0 { (explained[index] / square).max(0.0) } else { 0.0 };
-            amounts
-        };
-        if N == 1 {
-            return alone(0);
-        }
-        let [[a, b], [_, d]] = [0, 1].map(|i| [0, 1].map(|j| self.products[i][j]));
-        let determinant = a * d - b * b;
-        let mut both = [0.0; N];
-        both[0] = (explained[0] * d - explained[1] * b) / determinant;
-        both[1] = (explained[1] * a - explained[0] * b) / determinant;
-        // Columns that are nearly the same are one.
-        if determinant > 1e-12 * a * d && both.iter().all(|amount| *amount >= 0.0) {
-            return both;
-        }
-        let [first, second] = [alone(0), alone(1)];
-        if self.gain(&first, band) >= self.gain(&second, band) { first } else { second }
-    }
-
-    /// By how much amounts that are best, or best alone, lower the sum of squares.
-    fn gain(&self, amounts: &[f64; N], band: &[f64]) -> f64 {
-        self.columns.iter().zip(amounts).map(|(column, amount)| amount * dot(column, band)).sum()
-    }
-}
-
-/// The best re-radiation functions of states of given rates.
-pub fn fitted(place: &Place, rates: &[Rates]) -> Fitted {
-    let responses: Vec<Vec<f64>> = rates.iter().map(|rates| response(place, rates)).collect();
-    let wanted = place.wanted();
-    let amounts: Vec<Vec<f64>> = wanted.iter().map(|band| amounts(&responses, band)).collect();
-    let emission: Vec<Vec<f64>> =
-        (0..rates.len()).map(|state| amounts.iter().map(|amounts| amounts[state]).collect()).collect();
-    let cost = residuals(&responses, &amounts, &wanted).map(|off| off * off).sum();
-    Fitted { emission, cost }
-}
-
-fn amounts(responses: &[Vec<f64>], band: &[f64]) -> Vec<f64> {
-    match responses {
-        [one] => Columns::new([one]).solution(band).to_vec(),
-        [one, other, ..] => Columns::new([one, other]).solution(band).to_vec(),
-        [] => vec![],
-    }
-}
-
-/// What is sent less what is wanted, band by band and key by key.
-fn residuals(responses: &[Vec<f64>], amounts: &[Vec<f64>], wanted: &[Vec<f64>]) -> impl Iterator<Item = f64> {
-    wanted.iter().zip(amounts).flat_map(move |(band, amounts)| {
-        let sent = move |key: usize| responses.iter().zip(amounts).map(|(r, a)| r[key] * a).sum::<f64>();
-        band.iter().enumerate().map(move |(key, wanted)| sent(key) - wanted)
-    })
-}
-
-/// Decay times excited share at each key, of a state of given rates.
-pub fn response(place: &Place, rates: &Rates) -> Vec<f64> {
-    let mut response = vec![0.0; place.keys.len()];
-    let mut share = 0.0;
-    for (frame, light) in place.irradiance[..=place.last()].iter().enumerate() {
-        for (response, key) in response.iter_mut().zip(&place.keys) {
-            if key.frame == frame {
-                *response = rates.decay * share;
-            }
-        }
-        let charge = light.iter().zip(&rates.excitation).map(|(light, rate)| light * rate).sum();
-        share = Scheme::Exact.step(share, charge, rates.decay, place.dt);
-    }
-    response
+/// The sum of squares at a place, with half its gradient and half its curvature, row-major.
+struct Slope {
+    cost: f64,
+    gradient: Vec<f64>,
+    curvature: Vec<f64>,
 }
 
 /// The best rates that are found from any of the starts, with their functions; never worse than the best start.
-pub fn best(place: &Place, starts: &[Vec<Rates>]) -> (Vec<Rates>, Fitted) {
-    let tried =
-        starts.par_iter().flat_map_iter(|start| [Some(start.clone()), refined(place, start)]).flatten();
-    let fitted = tried.map(|rates| (fitted(place, &rates), rates)).map(|(fitted, rates)| (rates, fitted));
-    fitted.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost)).expect("a start at least")
+pub fn best(problem: &Problem, starts: &[Vec<Rates>]) -> (Vec<Rates>, Fitted) {
+    let tried = starts.par_iter().flat_map_iter(|start| [start.clone(), refined(problem, start)]);
+    let found = tried.map(|rates| (fitted(problem, &rates), rates)).map(|(fitted, rates)| (rates, fitted));
+    found.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost)).expect("a start at least")
 }
 
 /// The rates where the sum of squares is least near a start.
-fn refined(place: &Place, start: &[Rates]) -> Option<Vec<Rates>> {
-    let wanted = place.wanted();
-    let bands = place.bands.count();
-    let size = wanted.iter().flatten().map(|value| value * value).sum::<f64>().sqrt();
+fn refined(problem: &Problem, start: &[Rates]) -> Vec<Rates> {
     let unknowns: Vec<Unknown> = start.iter().flat_map(unknowns).collect();
-    let values = bands * place.keys.len();
-    let residuals_of = |x: &[f64], residuals_of: &mut [f64]| {
-        let responses: Vec<Vec<f64>> =
-            unpacked(x, bands).iter().map(|rates| response(place, rates)).collect();
-        let amounts: Vec<Vec<f64>> = wanted.iter().map(|band| amounts(&responses, band)).collect();
-        let (off, moved) = residuals_of.split_at_mut(values);
-        off.iter_mut().zip(residuals(&responses, &amounts, &wanted)).for_each(|(to, from)| *to = from);
-        for ((moved, x), unknown) in moved.iter_mut().zip(x).zip(&unknowns) {
-            *moved = STAYING * size * (x - unknown.start) / unknown.scale;
+    let staying = STAYING * STAYING * problem.size();
+    let slope_at = |x: &[f64]| slope(problem, &unknowns, x, staying);
+    let mut x = vec![0.0; unknowns.len()];
+    let (mut here, mut damping) = (slope_at(&x), 1e-3);
+    for _ in 0..STEPS {
+        let Some((next, there)) = (0..TRIES).find_map(|_| {
+            let next = stepped(&here, &x, &unknowns, damping);
+            let there = slope_at(&next);
+            let better = there.cost < here.cost;
+            damping *= if better { 0.1 } else { 10.0 };
+            better.then_some((next, there))
+        }) else {
+            break;
+        };
+        let won = here.cost - there.cost;
+        (x, here) = (next, there);
+        if won <= ENOUGH * here.cost {
+            break;
         }
+    }
+    unpacked(&x, &unknowns, problem.bands.count())
+}
+
+/// Where a damped step leads to. Unknowns that a bound holds stay there.
+fn stepped(here: &Slope, x: &[f64], unknowns: &[Unknown], damping: f64) -> Vec<f64> {
+    let count = x.len();
+    let held = |index: &usize| {
+        let [low, high] = unknowns[*index].reach();
+        let (at, gradient) = (x[*index], here.gradient[*index]);
+        (at <= low && gradient > 0.0) || (at >= high && gradient < 0.0)
     };
-    let found = minimum(&unknowns, values + unknowns.len(), residuals_of).ok()?;
-    Some(unpacked(&found.values, bands))
+    let free: Vec<usize> = (0..count).filter(|index| !held(index)).collect();
+    let entry = |row: usize, column: usize| {
+        let (row, column) = (free[row], free[column]);
+        let value = here.curvature[row * count + column];
+        if row == column { value * (1.0 + damping) } else { value }
+    };
+    let wanted: Vec<f64> = free.iter().map(|index| -here.gradient[*index]).collect();
+    let mut next = x.to_vec();
+    for (index, step) in free.iter().zip(solved(entry, wanted)) {
+        let [low, high] = unknowns[*index].reach();
+        next[*index] = (x[*index] + step).clamp(low, high);
+    }
+    next
+}
+
+/// The solution of equations whose matrix is symmetric and positive, by Cholesky's decomposition; what has no weight stays 0.
+fn solved(entry: impl Fn(usize, usize) -> f64, mut x: Vec<f64>) -> Vec<f64> {
+    let count = x.len();
+    let mut lower = vec![0.0; count * count];
+    for row in 0..count {
+        for column in 0..=row {
+            let known: f64 = (0..column).map(|k| lower[row * count + k] * lower[column * count + k]).sum();
+            let left = entry(row, column) - known;
+            lower[row * count + column] = match row == column {
+                true if left > 0.0 => left.sqrt(),
+                true => f64::INFINITY,
+                false => left / lower[column * count + column],
+            };
+        }
+    }
+    for row in 0..count {
+        let known: f64 = (0..row).map(|k| lower[row * count + k] * x[k]).sum();
+        x[row] = (x[row] - known) / lower[row * count + row];
+    }
+    for row in (0..count).rev() {
+        let known: f64 = (row + 1..count).map(|k| lower[k * count + row] * x[k]).sum();
+        x[row] = (x[row] - known) / lower[row * count + row];
+    }
+    x
+}
+
+/// The sum of squares where unknowns are `x` from the start.
+fn slope(problem: &Problem, unknowns: &[Unknown], x: &[f64], staying: f64) -> Slope {
+    let rates = unpacked(x, unknowns, problem.bands.count());
+    let (responses, slopes): (Vec<_>, Vec<_>) = rates.iter().map(|rates| slopes(problem, rates)).unzip();
+    let of_state = 1 + problem.bands.count();
+    let count = x.len();
+    let mut slope = Slope {
+        cost: staying * dot(x, x),
+        gradient: x.iter().map(|x| staying * x).collect(),
+        curvature: vec![0.0; count * count],
+    };
+    (0..count).for_each(|index| slope.curvature[index * count + index] = staying);
+    for band in &problem.wanted {
+        let amounts = amounts(&responses, band);
+        let off = off(&responses, &amounts, band);
+        let basis = basis(&responses, &amounts);
+        slope.cost += dot(&off, &off);
+        let moved: Vec<Option<Vec<f64>>> = (0..count)
+            .map(|index| {
+                let state = index / of_state;
+                let amount = amounts[state] * unknowns[index].scale;
+                (amount > 0.0).then(|| made_up_for(&slopes[state][index % of_state], amount, &basis))
+            })
+            .collect();
+        for (row, moved_row) in moved.iter().enumerate() {
+            let Some(moved_row) = moved_row else { continue };
+            slope.gradient[row] += dot(moved_row, &off);
+            for (column, moved_column) in moved.iter().enumerate() {
+                let product = moved_column.as_ref().map_or(0.0, |moved| dot(moved_row, moved));
+                slope.curvature[row * count + column] += product;
+            }
+        }
+    }
+    slope
+}
+
+/// Directions of length 1, at right angles, of the responses that are sent.
+fn basis(responses: &[Vec<f64>], amounts: &[f64]) -> Vec<Vec<f64>> {
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for (response, _) in responses.iter().zip(amounts).filter(|(_, amount)| **amount > 0.0) {
+        let rest = made_up_for(response, 1.0, &basis);
+        let length = dot(&rest, &rest).sqrt();
+        if length > 1e-9 * dot(response, response).sqrt() {
+            basis.push(rest.iter().map(|value| value / length).collect());
+        }
+    }
+    basis
+}
+
+/// A change times a factor, without what other amounts of the responses make up for.
+fn made_up_for(change: &[f64], factor: f64, basis: &[Vec<f64>]) -> Vec<f64> {
+    let mut rest: Vec<f64> = change.iter().map(|value| value * factor).collect();
+    for direction in basis {
+        let part = dot(&rest, direction);
+        rest.iter_mut().zip(direction).for_each(|(rest, direction)| *rest -= part * direction);
+    }
+    rest
 }
 
 /// A state's unknowns: the logarithm of its decay, and its excitation rates.
-fn unknowns(rates: &Rates) -> Vec<Unknown> {
+fn unknowns(rates: &Rates) -> impl Iterator<Item = Unknown> {
     let decay = Unknown { start: rates.decay.ln(), bounds: DECAY.map(f64::ln), scale: 1.0 };
-    let excitation = rates.excitation.iter().map(|rate| Unknown {
-        start: *rate,
-        bounds: EXCITATION,
-        scale: rate.max(0.01),
-    });
-    std::iter::once(decay).chain(excitation).collect()
+    let excitation = |rate: &f64| Unknown { start: *rate, bounds: EXCITATION, scale: rate.max(0.01) };
+    std::iter::once(decay).chain(rates.excitation.iter().map(excitation).collect::<Vec<_>>())
 }
 
-fn unpacked(values: &[f64], bands: usize) -> Vec<Rates> {
+impl Unknown {
+    /// From where to where its change goes.
+    fn reach(&self) -> [f64; 2] {
+        self.bounds.map(|bound| (bound - self.start) / self.scale)
+    }
+}
+
+fn unpacked(x: &[f64], unknowns: &[Unknown], bands: usize) -> Vec<Rates> {
+    let values: Vec<f64> =
+        x.iter().zip(unknowns).map(|(x, unknown)| unknown.start + unknown.scale * x).collect();
     let rates = |values: &[f64]| Rates { decay: values[0].exp(), excitation: values[1..].to_vec() };
     values.chunks(1 + bands).map(rates).collect()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::super::least_squares::non_negative;
-    use super::super::super::noise::Noise;
-    use super::*;
-
-    /// Amounts of two columns are those of the general solver.
-    #[test]
-    fn two_columns_are_solved_as_by_the_general_solver() {
-        let mut noise = Noise::new(3);
-        let mut held = 0;
-        for _ in 0..500 {
-            let [a, b, wanted] = [0; 3].map(|_| (0..4).map(|_| noise.normal()).collect::<Vec<f64>>());
-            let found = Columns::new([&a, &b]).solution(&wanted);
-            let rows: Vec<Vec<f64>> = a.iter().zip(&b).map(|(a, b)| vec![*a, *b]).collect();
-            let expected = non_negative(&rows, &wanted);
-            assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {expected:?}");
-            held += usize::from(found.contains(&0.0));
-        }
-        assert!((200..450).contains(&held), "bounds held {held} of 500");
-    }
 }

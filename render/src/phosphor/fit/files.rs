@@ -3,7 +3,8 @@
 //! `decay.csv` has a row a photograph of the decay: `time_s` (since the light went off), `red`, `green`, `blue`, and if
 //! they differ from row to row `exposure_s`, `iso`, `f_number`, and the standard errors `red_noise`, `green_noise`,
 //! `blue_noise`. `excitation.csv` has the same columns, `band` (from 1 on) and `light_s`, how long light of that band
-//! was on. `spectrum.csv` has the same columns and `filter` (from 1 on), a column of `filters.csv`. `camera.csv` has
+//! was on. In place of the colours there may be a column `file`, of photographs ([`photographs`](super::photographs)).
+//! `spectrum.csv` has the same columns and `filter` (from 1 on), a column of `filters.csv`. `camera.csv` has
 //! the sensor and `light.csv` the lamp, as curves.
 
 use super::super::spectrum::curves::Curves;
@@ -11,6 +12,7 @@ use super::super::spectrum::lights::Light;
 use super::super::spectrum::{Axis, Bands};
 use super::super::table::{Table, TableError};
 use super::measurement::{Charged, Exposure, Filtered, Measurement, Shot};
+use super::photographs::{Photographs, PhotographsError};
 use super::simulated::{Laboratory, of_length_one};
 use std::fmt::Write;
 use std::path::Path;
@@ -24,6 +26,9 @@ pub enum FilesError {
     /// One of its tables is at fault.
     #[error("the measurement cannot be used")]
     Table(#[from] TableError),
+    /// One of its photographs is.
+    #[error("the measurement cannot be used")]
+    Photographs(#[from] PhotographsError),
     /// A number that counts from 1 is not one of those that there are.
     #[error("{file}: {column} {value}, there are 1 to {count}")]
     Index {
@@ -50,14 +55,16 @@ impl Measurement {
         let bands = if spectral { Bands::Eight } else { Bands::Rgb };
         let filters =
             if spectral { Curves::read(&folder.join("filters.csv"))?.bands(Axis::EIGHT) } else { vec![] };
+        let photographs = Photographs::new(folder)?;
+        let decay = shots(&Table::read(&folder.join("decay.csv"))?, true, &photographs)?;
         Ok(Self {
             bands,
             sensor: sensor(folder, bands)?,
-            spectrum: if spectral { filtered(folder, filters.len())? } else { vec![] },
+            spectrum: if spectral { filtered(folder, filters.len(), &photographs)? } else { vec![] },
             filters,
             light: light(folder, bands)?,
-            decay: shots(&Table::read(&folder.join("decay.csv"))?, true)?,
-            excitation: excitation(folder, bands)?,
+            decay,
+            excitation: excitation(folder, bands, &photographs)?,
         })
     }
 }
@@ -106,9 +113,17 @@ fn curves(curves: &Curves, name: impl Fn(usize) -> String) -> String {
 }
 
 /// The photographs of a table, whose times ascend if they are of one decay.
-fn shots(table: &Table, ascending: bool) -> Result<Vec<Shot>, TableError> {
+fn shots(table: &Table, ascending: bool, photographs: &Photographs) -> Result<Vec<Shot>, FilesError> {
     let delays = if ascending { table.ascending("time_s")? } else { table.not_negative("time_s")? };
     let seconds = table.positive_or("exposure_s", 1.0)?;
+    if let Some(files) = table.files() {
+        let (iso, f_number) = (table.positive_or("iso", 100.0)?, table.positive_or("f_number", 1.0)?);
+        let shot = |(i, file): (usize, &String)| {
+            let settings = [seconds[i], iso[i], f_number[i]];
+            photographs.shot(file, delays[i], settings).map_err(FilesError::from)
+        };
+        return files.iter().enumerate().map(shot).collect();
+    }
     let channels = ["red", "green", "blue"].map(|name| table.column(name));
     let [red, green, blue] = channels;
     let value = [red?, green?, blue?];
@@ -156,17 +171,17 @@ fn light(folder: &Path, bands: Bands) -> Result<Vec<f64>, TableError> {
     Ok(of_length_one(power))
 }
 
-fn filtered(folder: &Path, filters: usize) -> Result<Vec<Filtered>, FilesError> {
+fn filtered(folder: &Path, filters: usize, photographs: &Photographs) -> Result<Vec<Filtered>, FilesError> {
     let table = Table::read(&folder.join("spectrum.csv"))?;
     let places = indices("spectrum.csv", "filter", &table, filters)?;
     Ok(places
         .into_iter()
-        .zip(shots(&table, false)?)
+        .zip(shots(&table, false, photographs)?)
         .map(|(filter, shot)| Filtered { filter, shot })
         .collect())
 }
 
-fn excitation(folder: &Path, bands: Bands) -> Result<Vec<Charged>, FilesError> {
+fn excitation(folder: &Path, bands: Bands, photographs: &Photographs) -> Result<Vec<Charged>, FilesError> {
     let path = folder.join("excitation.csv");
     if !path.exists() {
         return Ok(vec![]);
@@ -174,7 +189,7 @@ fn excitation(folder: &Path, bands: Bands) -> Result<Vec<Charged>, FilesError> {
     let table = Table::read(&path)?;
     let places = indices("excitation.csv", "band", &table, bands.count())?;
     let seconds = table.not_negative("light_s")?;
-    let shots = shots(&table, false)?;
+    let shots = shots(&table, false, photographs)?;
     let charged = |((band, seconds), shot)| Charged { band, seconds, shot };
     Ok(places.into_iter().zip(seconds).zip(shots).map(charged).collect())
 }

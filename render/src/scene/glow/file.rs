@@ -4,9 +4,10 @@ use super::{Glow, Schedule, Start};
 use crate::phosphor::material::Material;
 use crate::phosphor::material::file::{FileError, MaterialFile};
 use crate::phosphor::paint::Paint;
-use crate::scene::Scene;
-use serde::Deserialize;
+use crate::scene::{Density, Medium, Scene};
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Why a file cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -45,45 +46,67 @@ pub enum GlowError {
     },
 }
 
-#[derive(Deserialize)]
+/// What a file says, before anything is looked up.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Written {
+pub struct GlowFile {
+    /// How it is at first.
     #[serde(default)]
-    start: WrittenStart,
+    pub start: WrittenStart,
     /// Own materials beside the presets, from here on.
-    materials: Option<PathBuf>,
-    #[serde(rename = "surface")]
-    surfaces: Vec<WrittenSurface>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub materials: Option<PathBuf>,
+    /// The paint of the medium.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub medium: Option<String>,
+    /// What keeps light.
+    #[serde(default, rename = "surface")]
+    pub surfaces: Vec<WrittenSurface>,
+    /// When lamps shine.
     #[serde(default, rename = "lamps")]
-    lamps: Vec<WrittenLamps>,
+    pub lamps: Vec<LampTimes>,
 }
 
-#[derive(Deserialize)]
+/// How surfaces are at first.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(untagged)]
-enum WrittenStart {
+pub enum WrittenStart {
+    /// By a word.
     Named(NamedStart),
+    /// A share of what can be excited.
     Share(f32),
 }
 
-#[derive(Deserialize)]
+/// [`WrittenStart`] by a word.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum NamedStart {
+pub enum NamedStart {
+    /// Nothing is excited.
     Dark,
+    /// All lamps have shone for long.
     Lit,
 }
 
-#[derive(Deserialize)]
+/// The paint of a material.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct WrittenSurface {
-    material: Option<String>,
-    paint: String,
+pub struct WrittenSurface {
+    /// A material of the scene; all that no other names where it is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
+    /// A preset or one of the own materials.
+    pub paint: String,
 }
 
-#[derive(Deserialize)]
+/// When some lamps shine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct WrittenLamps {
-    lights: Option<Vec<usize>>,
-    on: Vec<[f32; 2]>,
+pub struct LampTimes {
+    /// Which of the scene's lights, counted from 0; all that no other names where it is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lights: Option<Vec<usize>>,
+    /// From when to when, seconds.
+    pub on: Vec<[f32; 2]>,
 }
 
 impl Default for WrittenStart {
@@ -100,7 +123,7 @@ impl Glow {
     pub fn read(path: &Path, moment: f32) -> Result<Self, GlowError> {
         let text =
             std::fs::read_to_string(path).map_err(|source| GlowError::Read { path: path.into(), source })?;
-        let written: Written = toml::from_str(&text)
+        let written: GlowFile = toml::from_str(&text)
             .map_err(|source| GlowError::Form { path: path.into(), source: Box::new(source) })?;
         let own = written.materials.as_ref().map(|own| {
             let own = path.parent().unwrap_or(Path::new("")).join(own);
@@ -122,6 +145,10 @@ impl Glow {
                 return Err(format!("the scene has no material `{name}`; there are {}", known.join(", ")));
             }
         }
+        let boxed = |medium: &Arc<Medium>| !matches!(medium.density, Density::Everywhere);
+        if self.medium.is_some() && !scene.medium.as_ref().is_some_and(boxed) {
+            return Err("`medium` has a paint, and the scene no medium within a box".to_owned());
+        }
         let count = scene.lights.len();
         match self.schedules.iter().flat_map(|schedule| &schedule.lights).find(|light| **light >= count) {
             Some(light) => Err(format!("there is no light {light}; the scene has {count}, counted from 0")),
@@ -134,7 +161,12 @@ fn has(scene: &Scene, name: &str) -> bool {
     scene.materials.iter().any(|material| material.name == name)
 }
 
-impl Written {
+impl GlowFile {
+    /// Its text, which [`Glow::read`] understands.
+    pub fn text(&self) -> String {
+        toml::to_string(self).expect("tables of numbers and text")
+    }
+
     fn glow(self, own: &[Material], moment: f32) -> Result<Glow, String> {
         if !moment.is_finite() {
             return Err(format!("{moment} s is no moment"));
@@ -145,9 +177,10 @@ impl Written {
             WrittenStart::Share(share) if (0.0..=1.0).contains(&share) => Start::Share(share),
             WrittenStart::Share(share) => return Err(format!("`start` is {share}, no share from 0 to 1")),
         };
-        if self.surfaces.is_empty() {
-            return Err("no surface glows".to_owned());
+        if self.surfaces.is_empty() && self.medium.is_none() {
+            return Err("no surface glows, nor a medium".to_owned());
         }
+        let medium = self.medium.map(|paint| found(&paint, own, start)).transpose()?;
         let mut surfaces: Vec<(Option<String>, Paint)> = Vec::new();
         for WrittenSurface { material, paint } in self.surfaces {
             if surfaces.iter().any(|(name, _)| *name == material) {
@@ -158,7 +191,7 @@ impl Written {
             }
             surfaces.push((material, found(&paint, own, start)?));
         }
-        Ok(Glow { surfaces, schedules: schedules(self.lamps)?, start, moment })
+        Ok(Glow { surfaces, medium, schedules: schedules(self.lamps)?, start, moment })
     }
 }
 
@@ -178,10 +211,13 @@ fn found(name: &str, own: &[Material], start: Start) -> Result<Paint, String> {
 }
 
 /// All schedules, that of all other lamps last.
-fn schedules(written: Vec<WrittenLamps>) -> Result<Vec<Schedule>, String> {
+///
+/// # Errors
+/// If times are not in order, or a lamp is named twice; in words.
+pub fn schedules(written: Vec<LampTimes>) -> Result<Vec<Schedule>, String> {
     let mut others = None;
     let mut schedules: Vec<Schedule> = Vec::new();
-    for WrittenLamps { lights, on } in written {
+    for LampTimes { lights, on } in written {
         let sound = on.iter().all(|[from, to]| from.is_finite() && from < to);
         if !sound || on.windows(2).any(|pair| pair[0][1] > pair[1][0]) {
             return Err(format!("lamps are on {on:?}: not from one moment to a later one, in order"));

@@ -16,6 +16,7 @@ mod mesh;
 mod morph;
 mod node;
 mod place;
+mod posed;
 mod reach;
 mod rig;
 mod skin;

@@ -20,7 +20,7 @@ pub struct MorphTarget {
 
 impl MorphTarget {
     /// Adds its share to a mesh.
-    fn add_to(&self, mesh: &mut Mesh, weight: f32) {
+    pub(super) fn add_to(&self, mesh: &mut Mesh, weight: f32) {
         for (position, offset) in mesh.positions.iter_mut().zip(&self.positions) {
             *position += *offset * weight;
         }

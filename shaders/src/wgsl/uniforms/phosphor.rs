@@ -54,4 +54,26 @@ uniforms! {
         /// Chooses them.
         seed: u32,
     }
+
+    /// A stretch of the past in `methods/phosphor/glassner`.
+    GlowStretch {
+        /// From how many seconds ago on.
+        since: f32,
+        /// Up to how many.
+        until: f32,
+        /// Whether what it gives is added to the image (1).
+        adds: u32,
+        /// Fills up.
+        padding: u32,
+    }
+
+    /// The cells of a medium that keeps light.
+    GlowCells {
+        /// The lowest corner of their box, world space, metres.
+        low: vec4f,
+        /// The highest.
+        high: vec4f,
+        /// How many there are along x, y and z.
+        cells: vec4f,
+    }
 }

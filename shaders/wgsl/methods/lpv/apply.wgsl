@@ -1,5 +1,6 @@
 // The medium in front of each pixel, from an image of fewer pixels of which those count whose surfaces are as far away
-// (Kopf et al. 2007), and the surface behind it, lit by the grid's light.
+// (Kopf et al. 2007), and the surface behind it, lit by the grid's light. That of a finer grid is added to what is there of
+// the coarser ones.
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(4) var<uniform> view: FrameView;
@@ -13,6 +14,7 @@
 @group(0) @binding(10) var<storage, read> diffuse_planes: array<f32>;
 // [3, height / SCALE, width / SCALE], rounded up
 @group(0) @binding(11) var<storage, read> scattered: array<f32>;
+@group(0) @binding(12) var<uniform> finer: LightGrid;
 
 const PI = 3.14159265;
 // Farther or nearer by this share of its distance, a neighbour counts half.
@@ -64,9 +66,13 @@ fn apply(@builtin(global_invocation_id) id: vec3u) {
         let passed = exp(-medium.extinction.rgb * passed_density(view.eye.xyz, normalize(offset), reach, POINTS));
         let diffuse = vec3f(diffuse_planes[at], diffuse_planes[at + pixels], diffuse_planes[at + 2u * pixels]);
         let normal = from_view(surface_normal(at, pixels), view);
-        sum += passed * diffuse / PI * irradiance(view.eye.xyz + offset, normal, SCATTERED);
+        let point = view.eye.xyz + offset;
+        sum += share_here(point) * passed * diffuse / PI * irradiance(point, normal, SCATTERED);
     }
     for (var c = 0u; c < 3u; c++) {
+        if NESTED == 1u {
+            sum[c] += image[at + c * pixels];
+        }
         image[at + c * pixels] = sum[c];
     }
 }

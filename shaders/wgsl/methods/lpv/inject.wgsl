@@ -1,6 +1,4 @@
-// Surfels as light and as blockers. Light that a surfel reflects begins in the cell before it, half a cell along its
-// normal, so that it lies before what blocks; directed as Lambert's cosine is on average. Sums are in fixed point, so
-// that their order does not matter: render/src/lpv/injection.rs.
+// Surfels as light that they reflect of the lamps, and as blockers: render/src/lpv/injection.rs.
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<uniform> view: FrameView;
@@ -15,44 +13,10 @@
 @group(0) @binding(7) var<storage, read> patches: array<Patch>;
 @group(0) @binding(8) var<storage, read> starts: array<u32>;
 
-// Mean cosine of light that a matte surface sends.
-const DIRECTED = 2.0 / 3.0;
-
-struct Fixed {
-    low: u32,
-    high: u32,
-}
-
-fn fixed_of(value: f32) -> Fixed {
-    let scaled = clamp(value, -0x1p22, 0x1p22) * 0x1p8;
-    let high = floor(scaled);
-    return Fixed(u32((scaled - high) * 0x1p32), bitcast<u32>(i32(high)));
-}
-
-fn add_light(index: u32, value: f32) {
-    let it = fixed_of(value);
-    let before = atomicAdd(&light[2u * index], it.low);
-    atomicAdd(&light[2u * index + 1u], it.high + select(0u, 1u, before + it.low < before));
-}
-
 fn add_blocker(index: u32, value: f32) {
     let it = fixed_of(value);
     let before = atomicAdd(&cubes[2u * index], it.low);
     atomicAdd(&cubes[2u * index + 1u], it.high + select(0u, 1u, before + it.low < before));
-}
-
-fn send(point: vec3f, normal: vec3f, power: vec3f) {
-    let at = vec3i(floor(in_cells(point) + 0.5 * normal));
-    if !is_cell(at) || all(power == vec3f(0.0)) {
-        return;
-    }
-    let first = 12u * cell_index(at);
-    for (var c = 0u; c < 3u; c++) {
-        for (var axis = 0u; axis < 3u; axis++) {
-            add_light(first + 4u * c + axis, DIRECTED * power[c] * normal[axis]);
-        }
-        add_light(first + 4u * c + 3u, power[c]);
-    }
 }
 
 @compute @workgroup_size(64)

@@ -2,8 +2,9 @@
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<storage, read> table: array<f32>;
-// [cells, 2]: of each colour extinction on the part of the way to a neighbour that lies in the cell, per distance of
-// one cell, and, last, density; what sets out again of light that collides on its way out.
+// [cells, 3]: of each colour extinction on the part of the way to a neighbour that lies in the cell, per distance of
+// one cell, and, last, density; what sets out again of light that collides on its way out; what sets out in all of even
+// light where nothing is absorbed, over fluence.
 @group(0) @binding(2) var<storage, read_write> media: array<vec4f>;
 @group(0) @binding(3) var<uniform> medium: MediumRecord;
 @group(0) @binding(4) var densities: texture_3d<f32>;
@@ -13,6 +14,20 @@ const PER_DOUBLING = 4.0;
 const ENTRIES = 129u;
 // What leaves a cell of any medium at least.
 const LEAST = 1e-20;
+
+// What sets out of even light where nothing is absorbed, over fluence.
+fn even_rate(within: vec3f, extinction: vec3f) -> vec3f {
+    let sets_out = 1.0 / max(mean_leaving(within), vec3f(LEAST));
+    var way = vec3f(0.0);
+    for (var kind = 0u; kind < 3u; kind++) {
+        let leaves = leaving(within, kind);
+        let enters = exp(-(extinction - within) * DISTANCES[kind]);
+        let middle = 0.5 * DISTANCES[kind];
+        let of_kind = track(leaves, extinction, middle) + leaves * track(enters, extinction, middle);
+        way += COUNTS[kind] * SHARES[kind] * of_kind;
+    }
+    return sets_out / max(sets_out * way, vec3f(0.999 * dot(COUNTS * SHARES, DISTANCES)));
+}
 
 // The share of the way to a neighbour that lies in the cell.
 fn own_share(extinction: f32) -> f32 {
@@ -47,6 +62,7 @@ fn fill(@builtin(global_invocation_id) id: vec3u) {
     if FACTORS == PLACED {
         again = albedo / max(1.0 - albedo + albedo * mean_leaving(within), vec3f(LEAST));
     }
-    media[2u * id.x] = vec4f(within, density);
-    media[2u * id.x + 1u] = vec4f(again, 0.0);
+    media[3u * id.x] = vec4f(within, density);
+    media[3u * id.x + 1u] = vec4f(again, 0.0);
+    media[3u * id.x + 2u] = vec4f(even_rate(within, extinction), 0.0);
 }

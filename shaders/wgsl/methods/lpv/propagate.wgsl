@@ -5,27 +5,19 @@
 @group(0) @binding(1) var<uniform> medium: MediumRecord;
 // [cells, 4]: as links.wgsl writes it
 @group(0) @binding(2) var<storage, read> links: array<vec4u>;
-// [cells, 2]: as media.wgsl writes it
+// [cells, 3]: as media.wgsl writes it
 @group(0) @binding(3) var<storage, read> media: array<vec4f>;
 // [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]
 @group(0) @binding(4) var<storage, read> state: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> next: array<vec4f>;
-// [1 + SCATTERED, 3, cells]: flux and energy times lengths of ways, watts times cells, as the medium and as surfaces
-// show it
+// [1 + SCATTERED + FIRST, 3, cells]: flux and energy times lengths of ways, watts times cells, as the medium and as
+// surfaces show it, and the first kind, which a finer grid is lit by
 @group(0) @binding(6) var<storage, read_write> shown: array<vec4f>;
 @group(0) @binding(7) var<uniform> iteration: Iteration;
 @group(0) @binding(8) var<uniform> propagation: Propagation;
 
 // Mean cosine of light that a matte surface sends.
 const MATTE = 2.0 / 3.0;
-// Less extinction than this per cell counts as none where lengths are asked for.
-const CLEAR = 1e-3;
-
-// Length of a way on which so much passes; `whole` where nothing is lost.
-fn track(passes: vec3f, extinction: vec3f, whole: f32) -> vec3f {
-    return select(vec3f(whole), (1.0 - passes) / max(extinction, vec3f(CLEAR)), extinction > vec3f(CLEAR));
-}
-
 // That of half a way to a neighbour; where all collisions are in the cell that light leaves, so is all of the way.
 fn half_track(passes: vec3f, extinction: vec3f, kind: u32) -> vec3f {
     if FACTORS != PLACED {
@@ -46,13 +38,13 @@ fn track_out(within: vec3f, extinction: vec3f) -> vec3f {
     return sum;
 }
 
-fn passing(link: u32, cell: u32) -> f32 {
-    return f32((links[cell][link / 4u] >> (8u * (link % 4u))) & 255u) / 255.0;
+// Of light that comes in from a neighbour of a kind what passes to the middle.
+fn entering(within: vec3f, extinction: vec3f, kind: u32) -> vec3f {
+    return select(vec3f(1.0), exp(-(extinction - within) * DISTANCES[kind]), FACTORS == PLACED);
 }
 
-// What surfaces around a cell reflect.
-fn reflectance(cell: u32) -> vec3f {
-    return vec3f((vec3u(links[cell].w) >> vec3u(8u, 16u, 24u)) & vec3u(255u)) / 255.0;
+fn passing(link: u32, cell: u32) -> f32 {
+    return f32((links[cell][link / 4u] >> (8u * (link % 4u))) & 255u) / 255.0;
 }
 
 fn lobes(light: u32, cell: u32) -> mat3x4f {
@@ -90,6 +82,10 @@ fn is_shown_by_surfaces(light: u32) -> bool {
     return light == UNSCATTERED;
 }
 
+fn is_first(light: u32) -> bool {
+    return FIRST == 1u && light == 0u;
+}
+
 @compute @workgroup_size(64)
 fn propagate(@builtin(global_invocation_id) id: vec3u) {
     let cell = id.x;
@@ -98,26 +94,32 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let at = cell_at(cell);
-    let own = media[2u * cell];
+    let own = media[3u * cell];
     let extinction = reduced_extinction() * own.w * grid.low.w;
     let albedo = reduced_albedo();
     // Iterations beyond the reach take nothing on.
     let on = select(0.0, 1.0, f32(iteration.number) * grid.low.w < propagation.reach);
     var enters: array<vec3f, 3>;
     for (var kind = 0u; kind < 3u; kind++) {
-        enters[kind] = select(vec3f(1.0), exp(-(extinction - own.rgb) * DISTANCES[kind]), FACTORS == PLACED);
+        enters[kind] = entering(own.rgb, extinction, kind);
     }
     let out = track_out(own.rgb, extinction) * on;
     var own_lobes: array<mat3x4f, KINDS>;
     var arrived: array<Sums, KINDS>;
-    var seen: array<Sums, 2>;
+    var seen: array<Sums, 3>;
     for (var light = 0u; light < KINDS; light++) {
         own_lobes[light] = lobes(light, cell);
-        if is_shown_by_medium(light) {
+        if is_shown_by_medium(light) || is_first(light) {
             for (var c = 0u; c < 3u; c++) {
                 let leaves = moments(own_lobes[light][c]) * out[c];
-                seen[0].flux[c] += leaves.xyz;
-                seen[0].energy[c] += leaves.w;
+                if is_first(light) {
+                    seen[2].flux[c] += leaves.xyz;
+                    seen[2].energy[c] += leaves.w;
+                }
+                if is_shown_by_medium(light) {
+                    seen[0].flux[c] += leaves.xyz;
+                    seen[0].energy[c] += leaves.w;
+                }
                 if is_shown_by_surfaces(light) {
                     seen[1].flux[c] += leaves.xyz;
                     seen[1].energy[c] += leaves.w;
@@ -134,6 +136,7 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
         }
     }
     let colour = reflectance(cell);
+    let turns = half_space(albedo);
     for (var number = 0u; number < 27u; number++) {
         let offset = neighbour(number);
         let there = at - offset;
@@ -150,9 +153,20 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
         let kind = kind_of(offset);
         let direction = normalize(vec3f(offset));
         let kept = direction * kept_direction(kind);
-        let within = media[2u * source].rgb;
+        let other = media[3u * source];
+        let within = other.rgb;
         let share = SHARES[kind] * passes;
-        let streams = share * leaving(within, kind);
+        let leaves_there = leaving(within, kind);
+        let streams = share * leaves_there;
+        var goes_in = vec3f(1.0);
+        var goes_out = vec3f(1.0);
+        if BORDERS == 1u {
+            let there_even = leaves_there * media[3u * source + 2u].rgb;
+            let own_even = leaving(own.rgb, kind) * media[3u * cell + 2u].rgb;
+            let there_extinction = reduced_extinction() * other.w * grid.low.w;
+            goes_in = max(let_in(there_even, own_even), enters[kind]);
+            goes_out = max(let_in(own_even, there_even), entering(within, there_extinction, kind));
+        }
         let way = half_track(enters[kind], extinction, kind);
         var collides = vec3f(0.0);
         for (var light = 0u; light < KINDS; light++) {
@@ -162,6 +176,9 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
             }
             arrived[light] = added(arrived[light], energy * enters[kind], kept);
             collides += energy;
+            if is_first(light) {
+                seen[2] = added(seen[2], energy * way, kept);
+            }
             if is_shown_by_medium(light) {
                 seen[0] = added(seen[0], energy * way, kept);
             }
@@ -170,17 +187,20 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
             }
         }
         if SCATTERED == 1u {
-            arrived[KINDS - 1u].energy += collides * albedo * (1.0 - enters[kind]);
+            arrived[KINDS - 1u].energy += collides * albedo * max(goes_in - enters[kind], vec3f(0.0));
             // What the cell itself sends there and surfaces on the way reflect comes back half a way later.
             let leaves = leaving(own.rgb, kind);
             let returns = (SHARES[kind] * (on - passes)) * colour;
             let back = half_track(leaves, extinction, kind);
             collides = vec3f(0.0);
+            var sets_out = vec3f(0.0);
             for (var light = 0u; light < KINDS; light++) {
-                var energy = returns * leaves * sent(own_lobes[light], -direction, kind);
+                var energy = leaves * sent(own_lobes[light], -direction, kind);
                 if light == UNSCATTERED {
-                    energy += returns * leaving_again(own.rgb, kind) * own_again;
+                    energy += leaving_again(own.rgb, kind) * own_again;
                 }
+                sets_out += energy;
+                energy *= returns;
                 let becomes = select(light, light + 1u, light + 1u < UNSCATTERED);
                 arrived[becomes] = added(arrived[becomes], energy * leaves, MATTE * direction);
                 collides += energy;
@@ -192,12 +212,24 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
                 }
             }
             arrived[KINDS - 1u].energy += collides * albedo * (1.0 - leaves);
+            if BORDERS == 1u {
+                // What a denser medium there turns back comes as if from there.
+                let turned = share * sets_out * turns * (1.0 - goes_out);
+                arrived[KINDS - 1u] = added(arrived[KINDS - 1u], turned * enters[kind], kept);
+                arrived[KINDS - 1u].energy += turned * albedo * (1.0 - enters[kind]);
+                seen[0] = added(seen[0], turned * way, kept);
+                seen[1] = added(seen[1], turned * way, kept);
+            }
         }
     }
     var again = vec3f(0.0);
     for (var light = 0u; light < KINDS; light++) {
         for (var c = 0u; c < 3u; c++) {
-            let made = lobe(arrived[light].flux[c], arrived[light].energy[c]);
+            var made = lobe(arrived[light].flux[c], arrived[light].energy[c]);
+            if NESTED == 1u && is_border(at) {
+                // What goes on from here is the coarser grid's.
+                made = vec4f(0.0);
+            }
             next[lobe_index(light, c, cell)] = made;
             if SCATTERED == 1u {
                 again[c] += colliding(made, own.rgb, c);
@@ -205,9 +237,9 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
         }
     }
     if SCATTERED == 1u {
-        next[again_index(cell)] = vec4f(again * media[2u * cell + 1u].rgb, 0.0);
+        next[again_index(cell)] = vec4f(again * media[3u * cell + 1u].rgb, 0.0);
     }
-    for (var plane = 0u; plane <= SCATTERED; plane++) {
+    for (var plane = 0u; plane <= SCATTERED + FIRST; plane++) {
         for (var c = 0u; c < 3u; c++) {
             shown[(3u * plane + c) * cells + cell] += vec4f(seen[plane].flux[c], seen[plane].energy[c]);
         }

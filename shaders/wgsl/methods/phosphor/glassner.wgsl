@@ -15,6 +15,8 @@
 @group(0) @binding(10) var map_sampler: sampler_comparison;
 // [3, height, width]
 @group(0) @binding(11) var<storage, read_write> image: array<f32>;
+// When the world was as vertices and maps have it.
+@group(0) @binding(12) var<uniform> stretch: GlowStretch;
 
 fn whole_past() -> f32 {
     var seconds = 0.0;
@@ -86,13 +88,17 @@ fn look_back(@builtin(global_invocation_id) id: vec3u) {
             for (var i = 0u; i < samples; i++) {
                 let number = random(id.xy, settings.seed, i * STATES + s);
                 let ago = exponent_of(number * within) / decay;
-                charges += charge_of(state, irradiance_in(piece_at(ago), place));
+                if ago >= stretch.since && ago < stretch.until {
+                    charges += charge_of(state, irradiance_in(piece_at(ago), place));
+                }
             }
-            let share = charges / f32(samples) * within / decay + state.emission.w * exp(-exponent(decay, past));
+            let at_first = state.emission.w * exp(-exponent(decay, past));
+            let share = charges / f32(samples) * within / decay + select(at_first, 0.0, stretch.adds == 1u);
             sent += state.emission.rgb * share;
         }
     }
     for (var c = 0u; c < 3u; c++) {
-        image[pixel + c * pixels] = sent[c];
+        let at_plane = pixel + c * pixels;
+        image[at_plane] = sent[c] + select(0.0, image[at_plane], stretch.adds == 1u);
     }
 }

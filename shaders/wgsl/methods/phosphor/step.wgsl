@@ -12,7 +12,7 @@
 @group(0) @binding(7) var<storage, read> pictures: array<u32>;
 @group(0) @binding(8) var maps: texture_depth_2d_array;
 @group(0) @binding(9) var map_sampler: sampler_comparison;
-// [texels, STATES]
+// [2, texels, STATES]: shares, and what rounding has left of their changes
 @group(0) @binding(10) var<storage, read_write> states: array<f32>;
 
 // The weights of the corners of a tile's texel.
@@ -45,17 +45,28 @@ fn step_states(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups
         irradiance[schedule_of(i)] += received(lights[i], place);
     }
     let anew = time[0] == 1.0;
+    let nothing = groups.z - 1u;
     for (var s = 0u; s < STATES; s++) {
         let state = paints[tile.paint * STATES + s];
-        var share = select(states[texel * STATES + s], state.emission.w, anew);
+        let at = texel * STATES + s;
+        let at_left = at + arrayLength(&states) / 2u;
+        var share = Share(states[at], states[at_left]);
+        if anew {
+            share = Share(state.emission.w, 0.0);
+        }
         for (var piece = 0u; piece < PIECES; piece++) {
             let start = piece_start(piece);
+            // Behind the last piece no time passes.
+            if time[start] <= 0.0 {
+                break;
+            }
             var light = vec3f(0.0);
             for (var schedule = 0u; schedule < SCHEDULES; schedule++) {
                 light += select(vec3f(0.0), irradiance[schedule], time[start + 1u + schedule] == 1.0);
             }
-            share = stepped(share, charge_of(state, light), state.rates.w, time[start]);
+            share = changed(share, change_of(share.value, charge_of(state, light), state.rates.w, time[start]), nothing);
         }
-        states[texel * STATES + s] = share;
+        states[at] = share.value;
+        states[at_left] = share.left;
     }
 }

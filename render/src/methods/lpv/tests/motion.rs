@@ -1,28 +1,13 @@
-//! What moves, from frame to frame, light in a room beside truth, and light behind a wall.
+//! What moves, from frame to frame.
 
+use super::room::{mean, shaded};
 use super::*;
-use crate::methods::proving::view;
-use crate::path::{self, Sampling, Shot};
+use crate::scene::Light;
 use crate::scene::medium::Weather;
-use crate::scene::{Light, Material, Mesh};
-use crate::screen::PlainInputs;
 
 /// Metres in a frame, and seconds.
 const STEP: f32 = 0.02;
 const SECONDS: f32 = 1.0 / 60.0;
-
-/// What the plain version makes of a scene.
-fn shaded(technique: &impl Technique, scene: Scene, camera: Camera) -> Vec<f32> {
-    let scene = TracedScene::new(scene).expect("triangles");
-    let view = View { camera, radius: 20.0, ..view(12, 16, 1.0) };
-    let gbuffer = gbuffer::render(&scene, &camera, 12, 16, <Multiple as Technique>::ATTRIBUTES);
-    let inputs = PlainInputs { gbuffer: &gbuffer, environment: None, scene: Some(&scene) };
-    technique.reference(&inputs, &view).expect("attributes").remove(0)
-}
-
-fn mean(image: &[f32]) -> f32 {
-    image.iter().sum::<f32>() / image.len() as f32
-}
 
 /// How far images are on average from the mean of that before and that after, over their mean.
 fn flicker(images: &[Vec<f32>]) -> f32 {
@@ -69,61 +54,6 @@ fn what_moves_hardly_flickers() {
         let flicker = flicker(&images);
         assert!(images[0] != images[7] && flicker < 1e-3, "{name}: {flicker}");
     }
-}
-
-/// A closed room with a lamp, and with a wall across it, as thin as a sheet, if it is `divided`.
-fn room(divided: bool) -> Scene {
-    let quad = |corners: [Vec3; 4]| Mesh {
-        positions: corners.to_vec(),
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        ..Mesh::default()
-    };
-    let sides = [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
-    let side = |out: Vec3| {
-        let (along, up) = (Vec3::new(out.y, out.z, out.x), Vec3::new(out.z, out.x, out.y));
-        quad([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(a, b)| out + a * along + b * up))
-    };
-    let corner = |y: f32, z: f32| Vec3::new(0.13, y, z);
-    let sheet = quad([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]);
-    let lamp = Light::Point {
-        position: Vec3::new(0.6, 0.5, 0.0),
-        intensity: Vec3::splat(4.0),
-        range: f32::INFINITY,
-    };
-    Scene {
-        meshes: sides.map(side).chain(divided.then_some(sheet)).collect::<Vec<_>>().into(),
-        materials: vec![Material::default()],
-        lights: vec![lamp],
-        ..Scene::default()
-    }
-}
-
-#[test]
-fn a_room_is_as_bright_as_truth_has_it() {
-    let parameters = Parameters { cells: 16, iterations: 32, ..FEW };
-    let camera = Camera::look_at(Vec3::new(-0.9, 0.4, 0.9), Vec3::new(0.3, -0.3, -0.5));
-    let image = shaded(&parameters, room(false), camera);
-    let scene = TracedScene::new(room(false)).expect("triangles");
-    let shot = Shot::new(&scene, &camera, [12, 16], 20.0);
-    let truth = path::render(Effect::Gi, &shot, Sampling::one(128, 1)).mean;
-    let ratio = mean(&image) / mean(truth.data());
-    let off = |(is, wanted): (&f32, &f32)| (is - wanted).powi(2) / (wanted * wanted + 1e-2);
-    let error = mean(&image.iter().zip(truth.data()).map(off).collect::<Vec<_>>());
-    assert!((ratio - 1.0).abs() < 0.1 && error < 0.1, "{ratio} {error}");
-}
-
-#[test]
-fn little_light_goes_through_a_wall_thinner_than_a_cell() {
-    let parameters = Parameters { cells: 16, iterations: 16, ..FEW };
-    let leak = |lookup: Lookup| {
-        let technique = Parameters { scheme: Scheme { lookup, ..Scheme::OURS }, ..parameters };
-        let lit = Camera::look_at(Vec3::new(0.9, 0.2, 0.8), Vec3::new(0.3, -0.3, -0.8));
-        let dark = Camera::look_at(Vec3::new(-0.8, 0.2, 0.8), Vec3::new(0.1, -0.3, -0.6));
-        let [lit, dark] = [lit, dark].map(|camera| mean(&shaded(&technique, room(true), camera)));
-        dark / lit
-    };
-    let [before, within] = [Lookup::Before, Lookup::Within].map(leak);
-    assert!(before < 0.015 && within > 1.3 * before, "{before} {within}");
 }
 
 #[test]

@@ -1,0 +1,196 @@
+//! Volumes in plain Rust, filled with a scene's light, which has been handed on, and what it is at a point.
+
+use super::Parameters;
+use super::passes::{Filled, surfel_settings};
+use crate::bvh::TracedScene;
+use crate::lpv::LightGrid;
+use crate::lpv::injection::{self, sent_from, single_scattering, volume};
+use crate::lpv::lobe::irradiance;
+use crate::lpv::propagation::{Field, Kinds, Light, Shown, Volume};
+use crate::lpv::scheme::Lookup;
+use crate::screen::View;
+use crate::surfels::reference::{self as surfels, Disk};
+use crate::surfels::{Patch, patches};
+use glam::{IVec3, Mat3, Vec3, Vec4Swizzles};
+use std::f32::consts::PI;
+
+/// A volume whose light has been handed on.
+pub struct LitVolume {
+    grid: LightGrid,
+    lookup: Lookup,
+    shown: Shown,
+    /// Whether it is in a coarser one.
+    is_nested: bool,
+    /// The grid of a finer one that is in it.
+    finer: Option<LightGrid>,
+}
+
+/// The volume around a scene, and finer ones in it.
+pub struct LitVolumes(pub Vec<LitVolume>);
+
+/// What a cell behind a surface counts at least.
+const LEAST_SEEN: f32 = 1e-3;
+
+/// What of a scene fills its volumes.
+struct Source<'a> {
+    scene: &'a TracedScene,
+    patches: Vec<Patch>,
+    disks: Vec<Disk>,
+    view: &'a View,
+    parameters: Parameters,
+    filled: Filled,
+    reach: f32,
+}
+
+/// A volume, and the same of light that surfaces emit, if any do.
+struct Level {
+    light: LitVolume,
+    emission: Option<LitVolume>,
+}
+
+impl LitVolumes {
+    /// Those of a scene, of light that goes no farther than `reach`, metres.
+    pub fn new(scene: &TracedScene, parameters: Parameters, view: &View, filled: Filled, reach: f32) -> Self {
+        let grids = parameters.grids(scene.scene().bounds(), view.camera.position);
+        let patches = patches::of_scene(scene.scene());
+        let disks = disks(scene, &patches, grids[grids.len() - 1].cell, view, filled);
+        let source = Source { scene, patches, disks, view, parameters, filled, reach };
+        let mut levels: Vec<Level> = Vec::new();
+        for grid in &grids {
+            let level = source.level(*grid, levels.last());
+            levels.push(level);
+        }
+        let finer = grids.iter().skip(1).copied().map(Some).chain([None]);
+        let volume = |(level, finer): (Level, _)| LitVolume { finer, ..level.light };
+        Self(levels.into_iter().zip(finer).map(volume).collect())
+    }
+
+    /// Irradiance on one side of a surface.
+    pub fn irradiance(&self, point: Vec3, normal: Vec3) -> Vec3 {
+        self.0.iter().map(|volume| volume.share_of(point) * volume.irradiance(point, normal)).sum()
+    }
+}
+
+impl Source<'_> {
+    /// One of the volumes, in a coarser one if there is one.
+    fn level(&self, grid: LightGrid, outside: Option<&Level>) -> Level {
+        let (scene, scheme) = (self.scene.scene(), self.parameters.scheme);
+        let (surfels, camera) = ((&self.disks[..], &self.patches[..]), &self.view.camera);
+        let is_filled = self.filled != Filled::Clear;
+        let (volume, mut reflected) = volume((grid, scheme), scene, surfels, camera, is_filled);
+        let kinds = self.filled.kinds();
+        let mut scattered = if kinds.scattered { single_scattering(&grid, self.scene) } else { Vec::new() };
+        let mut emission = None;
+        if scene.emits() {
+            let light = sent_from(&grid, surfels, camera, |patch, _, _| PI * patch.emission());
+            let field = Field::new(scheme, Kinds { unscattered: 1, scattered: false }, &light, &[]);
+            let outside = outside.and_then(|outside| outside.emission.as_ref());
+            let emitted = self.handed_on(&volume, field, outside, f32::MAX);
+            let reflects = |patch: &Patch, point, normal| patch.colour() * emitted.irradiance(point, normal);
+            add(&mut reflected, &sent_from(&grid, surfels, camera, reflects));
+            let medium = scene.medium.as_deref();
+            add(&mut scattered, &injection::scattered(&grid, medium, &emitted.shown.by_medium));
+            emission = Some(emitted);
+        }
+        let field = Field::new(scheme, kinds, &reflected, &scattered);
+        let outside = outside.map(|outside| &outside.light);
+        Level { light: self.handed_on(&volume, field, outside, self.reach), emission }
+    }
+
+    /// Light after all iterations, but for those beyond a reach.
+    fn handed_on(&self, volume: &Volume, field: Field, outside: Option<&LitVolume>, reach: f32) -> LitVolume {
+        let mut field = match outside {
+            Some(outside) => field.nested(volume, (&outside.grid, &outside.shown)),
+            None => field,
+        };
+        let within = |iteration: &usize| (*iteration as f32) * volume.grid.cell < reach;
+        (0..self.parameters.iterations).filter(within).for_each(|_| field.step(volume));
+        let (grid, lookup) = (volume.grid, volume.scheme.lookup);
+        LitVolume { grid, lookup, shown: field.shown, is_nested: outside.is_some(), finer: None }
+    }
+}
+
+impl LitVolume {
+    /// What of a point's light is its, and not a coarser or a finer one's.
+    pub fn share_of(&self, point: Vec3) -> f32 {
+        let own = if self.is_nested { self.grid.share_of(point) } else { 1.0 };
+        own * (1.0 - self.finer.map_or(0.0, |finer| finer.share_of(point)))
+    }
+
+    /// Fluence of a cell, of each colour the flux in a column, and over all directions.
+    fn of_cell(&self, at: IVec3) -> (Mat3, Vec3) {
+        let light = &self.shown.by_medium[self.grid.index(at).expect("it is clamped")];
+        (
+            Mat3::from_cols(light[0].xyz(), light[1].xyz(), light[2].xyz()),
+            Vec3::from([0, 1, 2].map(|c| light[c].w)),
+        )
+    }
+
+    /// The eight cells around a point, with their trilinear weights.
+    fn taps(&self, point: Vec3) -> impl Iterator<Item = (IVec3, f32)> + '_ {
+        let size = self.grid.size;
+        let at = (self.grid.in_cells(point) - 0.5).clamp(Vec3::ZERO, size.as_vec3() - 1.0);
+        let low = at.floor().min((size.as_vec3() - 2.0).max(Vec3::ZERO));
+        (0..8).map(move |i| {
+            let corner = IVec3::new(i & 1, i >> 1 & 1, i >> 2);
+            let weights = Vec3::select(corner.cmpeq(IVec3::ONE), at - low, 1.0 - (at - low));
+            ((low.as_ivec3() + corner).min(size - 1), weights.element_product())
+        })
+    }
+
+    /// Irradiance of the light of one cell.
+    fn irradiance_of_cell(&self, at: IVec3, normal: Vec3) -> Vec3 {
+        let light = &self.shown.by_surfaces[self.grid.index(at).expect("it is clamped")];
+        Vec3::from(light.map(|moments| irradiance(moments, normal))) / (self.grid.cell * self.grid.cell)
+    }
+
+    /// Irradiance on one side of a surface.
+    fn irradiance(&self, point: Vec3, normal: Vec3) -> Vec3 {
+        let cell = self.grid.cell;
+        if self.lookup == Lookup::Within {
+            let at = self.grid.in_cells(point).floor().as_ivec3().clamp(IVec3::ZERO, self.grid.size - 1);
+            return self.irradiance_of_cell(at, normal);
+        }
+        let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
+        for (at, weight) in self.taps(point + 0.5 * cell * normal) {
+            let before = ((self.grid.middle(at) - point).dot(normal) / (0.25 * cell)).clamp(0.0, 1.0);
+            let weight = weight * before.max(LEAST_SEEN);
+            sum += weight * self.irradiance_of_cell(at, normal);
+            weights += weight;
+        }
+        sum / weights
+    }
+
+    /// Radiance that a metre of density 1 sends along a direction, over its scattering coefficient.
+    pub fn scattered_along(&self, point: Vec3, direction: Vec3, anisotropy: f32) -> Vec3 {
+        let mut sum = Vec3::ZERO;
+        for (at, weight) in self.taps(point) {
+            let (flux, all) = self.of_cell(at);
+            sum += weight * (all + 3.0 * anisotropy * (flux.transpose() * direction));
+        }
+        sum.max(Vec3::ZERO) / (4.0 * PI * self.grid.cell * self.grid.cell)
+    }
+
+    /// Where a ray is in the grid's box and a span.
+    pub fn span(&self, origin: Vec3, direction: Vec3, [begins, ends]: [f32; 2]) -> [f32; 2] {
+        let along = Vec3::select(direction.abs().cmplt(Vec3::splat(1e-12)), Vec3::splat(1e-12), direction);
+        let high = self.grid.low + self.grid.cell * self.grid.size.as_vec3();
+        let (a, b) = ((self.grid.low - origin) / along, (high - origin) / along);
+        let begins = begins.max(a.min(b).max_element());
+        [begins, begins.max(ends.min(a.max(b).min_element()))]
+    }
+}
+
+/// Adds light to that of the same cells, if they have any.
+fn add(light: &mut [Light], more: &[Light]) {
+    light.iter_mut().zip(more).for_each(|(light, more)| (0..3).for_each(|c| light[c] += more[c]));
+}
+
+/// The surfels of a scene, as many as cells of such an edge want, with their light.
+fn disks(scene: &TracedScene, patches: &[Patch], cell: f32, view: &View, filled: Filled) -> Vec<Disk> {
+    let vertices = surfels::vertices(scene.scene().meshes.iter(), &view.camera);
+    let settings = surfel_settings(cell, scene.scene().bounds());
+    let amounts = surfels::amounts(patches, &vertices, &settings, view);
+    let disks = surfels::disks(patches, &vertices, &amounts, &settings);
+    surfels::lit(scene, disks, &view.camera, filled.lit())
+}

@@ -1,0 +1,177 @@
+//! What a volume shows of its light: surfaces lit by it, and the medium in front of pixels.
+
+use super::passes::Pixel;
+use super::room::scattered;
+use crate::lpv::Scheme;
+use crate::lpv::propagation::Kinds;
+use crate::raster::medium::MediumOnGpu;
+use crate::screen::{GpuGBuffer, Inputs, MethodStep, Step};
+use crate::surfels::frame;
+use deepshade_shaders::Attribute;
+use deepshade_shaders::gpu::{self, GpuError, Pass};
+use deepshade_shaders::wgsl::{self, Shader, TILE};
+
+/// The buffers of a volume.
+#[derive(Clone, Debug)]
+pub struct VolumeOnGpu {
+    /// The grid.
+    pub record: wgpu::Buffer,
+    /// `[planes, 3, cells]`: flux and energy times lengths of ways, watts times cells; as the medium and, if there is
+    /// scattered light, as surfaces show it.
+    pub shown: wgpu::Buffer,
+    /// How light was handed on.
+    pub scheme: Scheme,
+    /// Which light there is.
+    pub kinds: Kinds,
+    /// Whether it is in a coarser one.
+    pub is_nested: bool,
+    /// The grid of a finer one that is in it.
+    pub finer: Option<wgpu::Buffer>,
+}
+
+impl VolumeOnGpu {
+    /// The grid of the finer one; any where there is none.
+    fn finer(&self) -> &wgpu::Buffer {
+        self.finer.as_ref().unwrap_or(&self.record)
+    }
+
+    /// Whether there are others, as the passes have it.
+    fn nesting(&self) -> [(&'static str, u32); 2] {
+        [("NESTED", u32::from(self.is_nested)), ("FINER", u32::from(self.finer.is_some()))]
+    }
+
+    /// The pass that lights surfaces: irradiance over pi, `[3, height, width]`; that of a finer volume is added to what is
+    /// there.
+    ///
+    /// # Errors
+    /// If the device refuses it.
+    pub fn lit_step(
+        &self,
+        device: &wgpu::Device,
+        gbuffer: &GpuGBuffer,
+        view: &wgpu::Buffer,
+        image: &wgpu::Buffer,
+    ) -> Result<MethodStep, GpuError> {
+        let constants = [&[self.scheme.lookup_constant()][..], &self.nesting()].concat();
+        let pass = Pass::new(device, wgsl::LPV_LIT.name, &wgsl::LPV_LIT.specialised(&constants))?;
+        let [position, normal, valid] = surface(gbuffer);
+        let reads = [&self.record, position, normal, valid, view, &self.shown];
+        let reads: Vec<_> = (0..).zip(reads).chain([(7, self.finer())]).collect();
+        let groups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
+        MethodStep::bind_at(device, &pass, groups, &reads, &[(6, image)])
+    }
+}
+
+/// Pixels that volumes light through a medium.
+#[derive(Clone, Copy)]
+pub struct Marched<'a> {
+    /// The g-buffer and the scene.
+    pub inputs: &'a Inputs<'a>,
+    /// The camera.
+    pub view: &'a wgpu::Buffer,
+    /// [`uniforms::Marching`](wgsl::uniforms::Marching).
+    pub march: &'a wgpu::Buffer,
+    /// What of pixels is lit.
+    pub pixel: Pixel,
+    /// Of so many pixels along each axis one is marched.
+    pub scale: usize,
+}
+
+impl Marched<'_> {
+    /// The passes that light the medium and the surfaces behind it: radiance, `[3, height, width]`.
+    ///
+    /// # Errors
+    /// If the device refuses them.
+    pub fn steps(
+        &self,
+        device: &wgpu::Device,
+        volumes: &[VolumeOnGpu],
+        image: &wgpu::Buffer,
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let size = self.size();
+        let scattered = gpu::empty::<f32>(device, "lpv.scattered", 3 * size[0] * size[1])?;
+        let mut steps = Vec::new();
+        if self.pixel.medium {
+            for volume in volumes {
+                steps.push(self.march_step(device, volume, &scattered)?);
+            }
+        }
+        for volume in volumes {
+            // A finer one lights surfaces alone: what the medium scatters is there.
+            if self.pixel.surface || !volume.is_nested {
+                steps.push(self.apply_step(device, volume, &scattered, image)?);
+            }
+        }
+        Ok(steps)
+    }
+
+    /// Rows and columns of pixels that are marched.
+    fn size(&self) -> [usize; 2] {
+        let gbuffer = self.inputs.gbuffer;
+        [gbuffer.height(), gbuffer.width()].map(|edge| edge.div_ceil(self.scale))
+    }
+
+    fn march_step(
+        &self,
+        device: &wgpu::Device,
+        volume: &VolumeOnGpu,
+        scattered: &wgpu::Buffer,
+    ) -> Result<MethodStep, GpuError> {
+        let medium = &frame::scene(self.inputs.world)?.medium;
+        let constants = [&self.constants(medium, volume)[..], &volume.nesting()].concat();
+        let [position, _, valid] = surface(self.inputs.gbuffer);
+        let grid = [&volume.record, self.march, &medium.record, valid, position, self.view];
+        let light = [(6, &volume.shown), (7, scattered), (9, volume.finer())];
+        let buffers = (0..).zip(grid).chain(light);
+        step(device, &wgsl::LPV_MARCH, &constants, (buffers, (8, medium)), self.size(), scattered)
+    }
+
+    fn apply_step(
+        &self,
+        device: &wgpu::Device,
+        volume: &VolumeOnGpu,
+        light: &wgpu::Buffer,
+        image: &wgpu::Buffer,
+    ) -> Result<MethodStep, GpuError> {
+        let gbuffer = self.inputs.gbuffer;
+        let medium = &frame::scene(self.inputs.world)?.medium;
+        let shows = [
+            ("SCATTERS", u32::from(self.pixel.medium && !volume.is_nested)),
+            ("LIT", u32::from(self.pixel.surface)),
+            scattered(volume.kinds),
+        ];
+        let constants = [&self.constants(medium, volume)[..], &volume.nesting(), &shows].concat();
+        let [position, normal, valid] = surface(gbuffer);
+        let buffers = [&volume.record, position, normal, valid, self.view, &volume.shown, image];
+        let diffuse = gbuffer.buffer(Attribute::Diffuse);
+        let others = [(7, self.march), (8, &medium.record), (10, diffuse), (11, light), (12, volume.finer())];
+        let size = [gbuffer.height(), gbuffer.width()];
+        let buffers = (0..).zip(buffers).chain(others);
+        step(device, &wgsl::LPV_APPLY, &constants, (buffers, (9, medium)), size, image)
+    }
+
+    fn constants(&self, medium: &MediumOnGpu, volume: &VolumeOnGpu) -> [(&'static str, u32); 3] {
+        [("MEDIUM", medium.kind), ("SCALE", self.scale as u32), volume.scheme.lookup_constant()]
+    }
+}
+
+/// A pass over an image of rows and columns, bound to buffers and a medium's densities by their numbers.
+fn step<'a>(
+    device: &wgpu::Device,
+    shader: &Shader,
+    constants: &[(&str, u32)],
+    (buffers, (densities, medium)): (impl Iterator<Item = (u32, &'a wgpu::Buffer)>, (u32, &'a MediumOnGpu)),
+    [rows, columns]: [usize; 2],
+    written: &wgpu::Buffer,
+) -> Result<MethodStep, GpuError> {
+    let pass = Pass::new(device, shader.name, &shader.specialised(constants))?;
+    let buffers = buffers.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
+    let densities = (densities, wgpu::BindingResource::TextureView(&medium.densities));
+    let pass = pass.bind_at(device, buffers.chain([densities]))?;
+    let workgroups = gpu::groups(rows, columns, TILE).into();
+    Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![written.clone()] })
+}
+
+fn surface(gbuffer: &GpuGBuffer) -> [&wgpu::Buffer; 3] {
+    [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|attribute| gbuffer.buffer(attribute))
+}

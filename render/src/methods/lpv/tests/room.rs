@@ -1,0 +1,152 @@
+//! Light in a closed room beside truth: of a lamp, of a wall that shines, in fog; and light behind a wall.
+
+use super::*;
+use crate::methods::proving::view;
+use crate::path::{self, Sampling, Shot};
+use crate::scene::{Bounds, Light, Material, MaterialId, Mesh};
+use crate::screen::PlainInputs;
+
+/// What the plain version makes of a scene.
+pub fn shaded(technique: &impl Technique, scene: Scene, camera: Camera) -> Vec<f32> {
+    let scene = TracedScene::new(scene).expect("triangles");
+    let view = View { camera, radius: 20.0, ..view(12, 16, 1.0) };
+    let gbuffer = gbuffer::render(&scene, &camera, 12, 16, <Multiple as Technique>::ATTRIBUTES);
+    let inputs = PlainInputs { gbuffer: &gbuffer, environment: None, scene: Some(&scene) };
+    technique.reference(&inputs, &view).expect("attributes").remove(0)
+}
+
+pub fn mean(image: &[f32]) -> f32 {
+    image.iter().sum::<f32>() / image.len() as f32
+}
+
+/// A closed room with a lamp, and with a wall across it, as thin as a sheet, if it is `divided`.
+fn room(divided: bool) -> Scene {
+    let quad = |corners: [Vec3; 4]| Mesh {
+        positions: corners.to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    };
+    let sides = [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
+    let side = |out: Vec3| {
+        let (along, up) = (Vec3::new(out.y, out.z, out.x), Vec3::new(out.z, out.x, out.y));
+        quad([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(a, b)| out + a * along + b * up))
+    };
+    let corner = |y: f32, z: f32| Vec3::new(0.13, y, z);
+    let sheet = quad([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]);
+    let lamp = Light::Point {
+        position: Vec3::new(0.6, 0.5, 0.0),
+        intensity: Vec3::splat(4.0),
+        range: f32::INFINITY,
+    };
+    Scene {
+        meshes: sides.map(side).chain(divided.then_some(sheet)).collect::<Vec<_>>().into(),
+        materials: vec![Material::default()],
+        lights: vec![lamp],
+        ..Scene::default()
+    }
+}
+
+#[test]
+fn a_room_is_as_bright_as_truth_has_it() {
+    let parameters = Parameters { cells: 16, iterations: 32, ..FEW };
+    let camera = Camera::look_at(Vec3::new(-0.9, 0.4, 0.9), Vec3::new(0.3, -0.3, -0.5));
+    let image = shaded(&parameters, room(false), camera);
+    let scene = TracedScene::new(room(false)).expect("triangles");
+    let shot = Shot::new(&scene, &camera, [12, 16], 20.0);
+    let truth = path::render(Effect::Gi, &shot, Sampling::one(128, 1)).mean;
+    let ratio = mean(&image) / mean(truth.data());
+    let off = |(is, wanted): (&f32, &f32)| (is - wanted).powi(2) / (wanted * wanted + 1e-2);
+    let error = mean(&image.iter().zip(truth.data()).map(off).collect::<Vec<_>>());
+    assert!((ratio - 1.0).abs() < 0.1 && error < 0.1, "{ratio} {error}");
+}
+
+#[test]
+fn little_light_goes_through_a_wall_thinner_than_a_cell() {
+    let parameters = Parameters { cells: 16, iterations: 16, ..FEW };
+    let leak = |lookup: Lookup| {
+        let technique = Parameters { scheme: Scheme { lookup, ..Scheme::OURS }, ..parameters };
+        let lit = Camera::look_at(Vec3::new(0.9, 0.2, 0.8), Vec3::new(0.3, -0.3, -0.8));
+        let dark = Camera::look_at(Vec3::new(-0.8, 0.2, 0.8), Vec3::new(0.1, -0.3, -0.6));
+        let [lit, dark] = [lit, dark].map(|camera| mean(&shaded(&technique, room(true), camera)));
+        dark / lit
+    };
+    let [before, within] = [Lookup::Before, Lookup::Within].map(leak);
+    assert!(before < 0.015 && within > 1.3 * before, "{before} {within}");
+}
+
+/// The room with a wall that shines in place of the lamp, or with the lamp, with fog or without.
+fn shining(is_wall: bool, medium: Option<Medium>) -> Scene {
+    let mut scene = Scene { medium: medium.map(Into::into), ..room(false) };
+    if is_wall {
+        scene.lights.clear();
+        scene.materials.push(Material { emission: Vec3::new(1.0, 0.6, 0.3), ..Material::default() });
+        let mut meshes = scene.meshes.to_vec();
+        meshes[0].material = MaterialId(1);
+        scene.meshes = meshes.into();
+    }
+    scene
+}
+
+/// Fog of a mean free path of two metres.
+fn fog() -> Medium {
+    let bounds = Bounds { min: Vec3::splat(-1.0), max: Vec3::splat(1.0) };
+    Medium::new(Vec3::splat(0.05), Vec3::splat(0.45), 0.0, Density::Within(bounds)).expect("fog")
+}
+
+/// Brightness over truth's of an effect.
+fn over_truth(technique: &impl Technique, effect: Effect, scene: Scene, samples: u32) -> f32 {
+    let camera = Camera::look_at(Vec3::new(-0.9, 0.4, 0.9), Vec3::new(0.3, -0.3, -0.5));
+    let image = shaded(technique, scene.clone(), camera);
+    let scene = TracedScene::new(scene).expect("triangles");
+    let shot = Shot::new(&scene, &camera, [12, 16], 20.0);
+    mean(&image) / mean(path::render(effect, &shot, Sampling::one(samples, 1)).mean.data())
+}
+
+#[test]
+fn a_wall_that_shines_lights_a_room_a_sixth_more_than_truth_has_it() {
+    let parameters = Parameters { cells: 16, iterations: 32, ..FEW };
+    let ratio = over_truth(&parameters, Effect::Gi, shining(true, None), 256);
+    assert!((ratio - 1.0).abs() < 0.17, "{ratio}");
+}
+
+#[test]
+fn surfaces_that_shine_are_as_the_plain_version_has_it() {
+    let gpu = gpu();
+    let pixel = Pixel { medium: true, surface: false };
+    let frame = |scene: Scene| {
+        let scene = TracedScene::new(scene).expect("triangles");
+        let camera = Camera::look_at(Vec3::new(-0.9, 0.4, 0.9), Vec3::new(0.3, -0.3, -0.5));
+        let view = View { camera, radius: 20.0, ..view(30, 40, 1.0) };
+        let gbuffer = gbuffer::render(&scene, &camera, 30, 40, &[Attribute::Valid]);
+        with_colours((scene, view, gbuffer))
+    };
+    let lit = LightVolume::new(&gpu, FEW).expect("valid shaders");
+    prove_twin(&lit, &frame(shining(true, None)), TOLERANCE);
+    let foggy = frame(shining(true, Some(fog())));
+    prove_twin(
+        &IndirectScattering::new(&gpu, Indirect(FEW, pixel)).expect("valid shaders"),
+        &foggy,
+        OF_MEDIUM,
+    );
+    prove_twin(&MultipleScattering::new(&gpu, Multiple(FEW)).expect("valid shaders"), &foggy, OF_MEDIUM);
+}
+
+#[test]
+fn finer_grids_light_as_the_plain_version_has_it() {
+    let gpu = gpu();
+    let nested = Parameters { cascades: 2, ..FEW };
+    prove_twin(&LightVolume::new(&gpu, nested).expect("valid shaders"), &with_colours(corner()), TOLERANCE);
+    let multiple = MultipleScattering::new(&gpu, Multiple(nested)).expect("valid shaders");
+    let foggy = foggy().into_iter().map(with_colours);
+    foggy.for_each(|frame| prove_twin(&multiple, &frame, OF_MEDIUM));
+}
+
+#[test]
+fn a_finer_grid_is_as_bright_as_the_one_around_it() {
+    let parameters = Parameters { cells: 12, iterations: 32, ..FEW };
+    let camera = Camera::look_at(Vec3::new(-0.6, 0.1, 0.3), Vec3::new(-1.0, -0.1, 0.2));
+    let brightness = |cascades| mean(&shaded(&Parameters { cascades, ..parameters }, room(false), camera));
+    let [one, two] = [1, 2].map(brightness);
+    assert!((two / one - 1.0).abs() < 0.15, "{two} of {one}");
+    assert!(two != one);
+}

@@ -1,0 +1,55 @@
+// States of a medium's cells (thesis, Figure 8.17), moved on by a stretch of time under the lamps as they are now: all light of
+// theirs that goes through a cell's middle, dimmed on its way, whatever its direction.
+
+@group(0) @binding(0) var<uniform> paints: array<PaintState, PAINT_STATES>;
+@group(0) @binding(1) var<uniform> grid: GlowCells;
+@group(0) @binding(2) var<storage, read> time: array<f32>;
+@group(0) @binding(3) var<storage, read> lights: array<LightRecord>;
+@group(0) @binding(4) var<storage, read> map_views: array<FrameView>;
+@group(0) @binding(5) var<storage, read> pictures: array<u32>;
+@group(0) @binding(6) var maps: texture_depth_2d_array;
+@group(0) @binding(7) var map_sampler: sampler_comparison;
+// [2, cells, STATES]: shares, and what rounding has left of their changes
+@group(0) @binding(8) var<storage, read_write> states: array<f32>;
+
+@compute @workgroup_size(64)
+fn step_cells(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let cell = id.x + id.y * groups.x * 64u;
+    let size = vec3u(grid.cells.xyz);
+    if cell >= size.x * size.y * size.z {
+        return;
+    }
+    let at_cell = vec3f(vec3u(cell % size.x, cell / size.x % size.y, cell / (size.x * size.y)));
+    let point = grid.low.xyz + (at_cell + 0.5) / grid.cells.xyz * (grid.high.xyz - grid.low.xyz);
+    var irradiance: array<vec3f, SCHEDULES>;
+    for (var i = 0u; i < LIGHTS; i++) {
+        let arrived = arrival(lights[i], point);
+        let shown = lit_share(lights[i], point, arrived.direction, arrived.direction);
+        irradiance[schedule_of(i)] += arrived.irradiance * shown * passed_share(point, arrived);
+    }
+    let anew = time[0] == 1.0;
+    let nothing = groups.z - 1u;
+    for (var s = 0u; s < STATES; s++) {
+        let state = paints[PAINT * STATES + s];
+        let at = cell * STATES + s;
+        let at_left = at + arrayLength(&states) / 2u;
+        var share = Share(states[at], states[at_left]);
+        if anew {
+            share = Share(state.emission.w, 0.0);
+        }
+        for (var piece = 0u; piece < PIECES; piece++) {
+            let start = piece_start(piece);
+            // Behind the last piece no time passes.
+            if time[start] <= 0.0 {
+                break;
+            }
+            var light = vec3f(0.0);
+            for (var schedule = 0u; schedule < SCHEDULES; schedule++) {
+                light += select(vec3f(0.0), irradiance[schedule], time[start + 1u + schedule] == 1.0);
+            }
+            share = changed(share, change_of(share.value, charge_of(state, light), state.rates.w, time[start]), nothing);
+        }
+        states[at] = share.value;
+        states[at_left] = share.left;
+    }
+}

@@ -1,0 +1,49 @@
+//! Kubernetes: an indexed job (batch/v1, `completionMode: Indexed`) with one index for each shard, as a file for kubectl.
+//!
+//! A volume that all pods share is at the folder of jobs: the claim `deepshade`, or another one once the file is edited.
+
+use super::plan::Plan;
+use anyhow::{Context, Result};
+use serde_json::json;
+use std::path::Path;
+
+/// The job, in the folder of jobs: JSON, which kubectl reads as it reads YAML.
+pub const FILE: &str = "kubernetes.json";
+
+/// Pods at a time, at most; an autoscaler adds nodes for those that find none.
+const AT_ONCE: u32 = 1000;
+
+/// The job. A shard that always fails uses up its own retries and nobody else's.
+///
+/// # Errors
+/// If a path is no text.
+pub fn job(plan: &Plan, jobs: &Path) -> Result<String> {
+    let jobs = jobs.to_str().context("the folder of jobs is no text")?;
+    // Indices begin at 0. The paths are arguments of the shell, not part of what it reads.
+    let work = "exec \"$0\" farm work \"$1\" --shard $((JOB_COMPLETION_INDEX + 1))";
+    let job = json!({
+        "apiVersion": "batch/v1",
+        "kind": "Job",
+        "metadata": { "name": plan.name() },
+        "spec": {
+            "completionMode": "Indexed",
+            "completions": plan.shards,
+            "parallelism": plan.shards.min(AT_ONCE),
+            "backoffLimitPerIndex": plan.retries,
+            "maxFailedIndexes": plan.shards,
+            "template": { "spec": {
+                "restartPolicy": "Never",
+                "containers": [{
+                    "name": "shard",
+                    "image": plan.image,
+                    "command": ["sh", "-c", work, plan.program, jobs],
+                    "env": [{ "name": "RAYON_NUM_THREADS", "value": plan.cores.to_string() }],
+                    "resources": { "requests": { "cpu": plan.cores.to_string() } },
+                    "volumeMounts": [{ "name": "jobs", "mountPath": jobs }],
+                }],
+                "volumes": [{ "name": "jobs", "persistentVolumeClaim": { "claimName": "deepshade" } }],
+            } },
+        },
+    });
+    serde_json::to_string_pretty(&job).context("a job as JSON")
+}

@@ -1,0 +1,88 @@
+//! `deepshade farm submit`: the shards that are not made yet, handed to the engine.
+
+use super::plan::Plan;
+use super::record::Record;
+use super::{Engine, kubernetes, ray, slurm};
+use anyhow::{Context, Result, bail, ensure};
+use deepshade_dataset::Shard;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Hands the shards that are not made yet to the engine.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  deepshade farm submit /shared/jobs/ao\n\n\
+    Given again it submits what is still missing, also shards that failed. With Ray it waits for the end.")]
+pub struct Args {
+    /// Folder of the jobs.
+    jobs: PathBuf,
+    /// Python with Ray.
+    #[arg(long, default_value = "python3")]
+    python: PathBuf,
+}
+
+/// Submits.
+///
+/// # Errors
+/// If the engine is missing or refuses.
+pub fn run(args: &Args) -> Result<()> {
+    let plan = Plan::load(&args.jobs)?;
+    let jobs = args.jobs.canonicalize().with_context(|| args.jobs.display().to_string())?;
+    let waiting = waiting(&plan, &jobs)?;
+    if waiting.is_empty() {
+        return say!("all {} shards are made; next: deepshade farm merge {}", plan.shards, jobs.display());
+    }
+    match plan.engine {
+        Engine::Slurm => {
+            let array = format!("--array={}", ranges(&waiting));
+            let mut sbatch = Command::new("sbatch");
+            let output = output(sbatch.args(["--parsable", &array]).arg(jobs.join(slurm::FILE)))?;
+            let id = output.trim().split(';').next().unwrap_or_default();
+            say!("job {id}: {} shards", waiting.len())
+        }
+        Engine::Ray => {
+            let mut python = Command::new(&args.python);
+            python.arg(jobs.join(ray::FILE)).args(waiting.iter().map(ToString::to_string));
+            let status = python.stdin(Stdio::null()).status();
+            let status = status.with_context(|| format!("cannot start {}", args.python.display()))?;
+            ensure!(
+                status.success(),
+                "not all shards were made: `deepshade farm status {}` says why",
+                jobs.display()
+            );
+            say!("{} shards made", waiting.len())
+        }
+        Engine::Kubernetes => {
+            bail!(
+                "Kubernetes takes it from kubectl: kubectl apply -f {}",
+                jobs.join(kubernetes::FILE).display()
+            )
+        }
+    }
+}
+
+/// Numbers of the shards that nobody has made.
+fn waiting(plan: &Plan, jobs: &Path) -> Result<Vec<usize>> {
+    let missing = |shard: Shard| match Record::load(jobs, shard) {
+        Ok(record) => (!record.made()).then_some(Ok(shard.number())),
+        Err(error) => Some(Err(error)),
+    };
+    plan.shards().filter_map(missing).collect()
+}
+
+/// Numbers in rising order as Slurm writes them: `1-3,7`.
+pub(super) fn ranges(numbers: &[usize]) -> String {
+    let runs = numbers.chunk_by(|one, next| one + 1 == *next);
+    let written = runs.filter_map(|run| match (run.first()?, run.last()?) {
+        (first, last) if first == last => Some(first.to_string()),
+        (first, last) => Some(format!("{first}-{last}")),
+    });
+    written.collect::<Vec<_>>().join(",")
+}
+
+fn output(command: &mut Command) -> Result<String> {
+    let name = command.get_program().to_string_lossy().into_owned();
+    let output = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output();
+    let output = output.with_context(|| format!("cannot start {name}: is the engine installed here?"))?;
+    ensure!(output.status.success(), "{name} refused ({})", output.status);
+    String::from_utf8(output.stdout).with_context(|| format!("what {name} says"))
+}

@@ -1,0 +1,211 @@
+//! `deepshade phosphor design`: materials by how places of a scene should look (thesis, section 8.6).
+
+mod light;
+mod pictures;
+mod spread;
+mod task;
+
+use crate::figures::{Figures, write_atomically};
+use crate::table;
+use anyhow::{Context, Result, ensure};
+use deepshade_render::bvh::TracedScene;
+use deepshade_render::phosphor::design::{Design, Key, Place, thesis_grid};
+use deepshade_render::phosphor::material::Material;
+use deepshade_render::phosphor::material::file::MaterialFile;
+use deepshade_render::scene::glow::file::{GlowFile, WrittenSurface};
+use glam::{DVec3, Vec3};
+use light::Spot;
+use serde_json::json;
+use std::path::PathBuf;
+use std::time::Instant;
+use task::Task;
+
+/// Finds materials that make places of a scene look as they should at certain moments.
+///
+/// A file (TOML) names the scene, says when its lamps shine, and for places on its surfaces which colours they should have when.
+/// Light is that of lamps with shadows; what moves is where it is in each frame. Places on the same material are met together, by
+/// one material; other materials that are like it, in place and colour, may get one like it. The folder --out gets `glow.toml`,
+/// which `render --effect phosphor --phosphor` takes, its `materials.toml`, a plot for each place of what is wanted and what is
+/// reached, and a strip of pictures of the moments that were asked for.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLE)]
+pub struct Args {
+    /// What is wanted (.toml).
+    file: PathBuf,
+    /// Folder for what is found, which is made.
+    #[arg(long)]
+    out: PathBuf,
+    /// Rows of the pictures; columns are half as many more.
+    #[arg(long, default_value_t = 192, value_parser = clap::value_parser!(u16).range(16..=2048))]
+    height: u16,
+    /// Writes the figures here as JSON.
+    #[arg(long, value_parser = crate::arguments::written_file)]
+    json: Option<PathBuf>,
+}
+
+/// What `--help` ends with.
+const EXAMPLE: &str = "Example: a wall that is green after its lamp went off at second 5, and blue later.
+
+  scene = \"hall.gltf\"           # relative to this file, or a family and a seed: \"room:7\"
+  states = 2                    # 1 by default
+  bands = \"rgb\"                 # or \"eight\"; rgb by default
+  frames = 200
+  fps = 10
+  reflected = false             # whether colours include light of lamps that the surface reflects
+
+  [[lamps]]                     # as in files for --phosphor
+  on = [[0.0, 5.0]]
+
+  [[place]]
+  at = [0.2, 1.1, -3.0]         # metres; the surface next to it
+  keys = [{ time = 5.5, colour = [0.02, 0.08, 0.03] }, { time = 15, colour = [0.005, 0.01, 0.02] }]
+
+  [spread]                      # to materials alike: over such differences affinity falls to 1/e; may be left out
+  distance = 4.0
+  colour = 0.2
+
+  [view]                        # of the pictures; by default the scene's first camera
+  eye = [0, 1.6, 4]
+  look_at = [0, 1, 0]
+
+  deepshade phosphor design wanted.toml --out designed
+  deepshade render --scene hall.gltf --effect phosphor --phosphor designed/glow.toml --time 8
+
+Of the figures, ms_design is what all designs take, design_residual the sum of squares that they leave of what is wanted, over \
+places, keys and bands, design_residual_grid what the thesis' grid leaves (one state, ten values for each parameter).";
+
+/// A material of the scene with what was found for it.
+pub struct Designed {
+    /// Number and name in the scene.
+    pub material: usize,
+    pub name: String,
+    /// Its places.
+    pub spots: Vec<Spot>,
+    /// Their light and what is wanted there.
+    pub places: Vec<Place>,
+    pub design: Design,
+    /// What the thesis' grid leaves.
+    grid: f64,
+    milliseconds: f64,
+}
+
+/// Designs, writes and prints.
+///
+/// # Errors
+/// If the file says what makes no sense or the scene lacks, or a file cannot be written.
+pub fn run(args: &Args) -> Result<()> {
+    let task = Task::read(&args.file)?;
+    let first = light::at(&task, 0.0)?;
+    ensure!(!first.scene().lights.is_empty(), "{}: the scene has no lamp", args.file.display());
+    let found = designs(&task, &first).with_context(|| args.file.display().to_string())?;
+    let paints = spread::paints(&found, first.scene(), task.reach())?;
+    let mut figures = Figures::new("phosphor design");
+    figures.set("ms_design", found.iter().map(|found| found.milliseconds).sum());
+    figures.set("design_residual", found.iter().map(|found| found.design.residual).sum());
+    figures.set("design_residual_grid", found.iter().map(|found| found.grid).sum());
+    figures.set("wanted", found.iter().map(Designed::wanted).sum());
+    let of_material = |found: &Designed| {
+        json!({ "material": found.name, "ms": found.milliseconds, "residual": found.design.residual, "grid": found.grid,
+            "wanted": found.wanted(), "states": found.design.material.states })
+    };
+    figures.detail("designs", found.iter().map(of_material).collect());
+    std::fs::create_dir_all(&args.out).with_context(|| args.out.display().to_string())?;
+    figures.write(args.json.as_deref())?;
+    let surface = |(material, paint): &(String, Material)| WrittenSurface {
+        material: Some(material.clone()),
+        paint: paint.name.clone(),
+    };
+    let glow = GlowFile {
+        materials: Some("materials.toml".into()),
+        surfaces: paints.iter().map(surface).collect(),
+        lamps: task.lamps.clone(),
+        ..GlowFile::default()
+    };
+    let materials =
+        MaterialFile { materials: paints.into_iter().map(|(_, paint)| paint).collect(), fragments: vec![] };
+    write_atomically(&args.out.join("materials.toml"), materials.text().as_bytes())?;
+    let file = args.out.join("glow.toml");
+    write_atomically(&file, glow.text().as_bytes())?;
+    pictures::plots(&task, &found, &args.out)?;
+    pictures::strip(&task, &found, &file, [args.height.into(), usize::from(args.height) * 3 / 2])?;
+    say!("{}", table::aligned(&rows(&found)))?;
+    say!("{}", file.display())
+}
+
+/// The designs of all materials that places are on.
+fn designs(task: &Task, first: &TracedScene) -> Result<Vec<Designed>> {
+    let spots: Vec<Spot> =
+        task.places.iter().map(|place| light::spot(first, place.at)).collect::<Result<_>>()?;
+    let received = light::received(task, first, &spots)?;
+    let mut materials: Vec<usize> = spots.iter().map(|spot| spot.material).collect();
+    materials.sort_unstable();
+    materials.dedup();
+    let of_material = |material: usize| {
+        let own: Vec<usize> = (0..spots.len()).filter(|index| spots[*index].material == material).collect();
+        let places = own.iter().map(|index| place(task, first, *index, &spots[*index], &received[*index]));
+        let places = places.collect::<Result<Vec<Place>>>()?;
+        let name = first.scene().materials[material].name.clone();
+        let start = Instant::now();
+        let design = Design::new(&format!("{name}, designed"), &places, task.states)?;
+        let milliseconds = 1e3 * start.elapsed().as_secs_f64();
+        let spots = own.iter().map(|index| spots[*index].clone()).collect();
+        let grid = thesis_grid(&places)?;
+        Ok(Designed { material, name, spots, places, design, grid, milliseconds })
+    };
+    materials.into_iter().map(of_material).collect()
+}
+
+/// A place of the task with its light.
+fn place(task: &Task, first: &TracedScene, index: usize, spot: &Spot, received: &[Vec3]) -> Result<Place> {
+    let wanted = &task.places[index];
+    ensure!(
+        received.iter().any(|light| *light != Vec3::ZERO),
+        "the place at {} gets no light of lamps in any frame",
+        wanted.at
+    );
+    let in_bands = |colour: Vec3| task.bands.of_linear_srgb(colour.as_dvec3().to_array());
+    let key =
+        |key: &task::WantedKey| Some(Key { frame: task.frame(key.time)?, radiance: task.radiance(key) });
+    let albedo = if task.reflected { spot.albedo(first) } else { Vec3::ZERO };
+    Ok(Place {
+        bands: task.bands,
+        dt: 1.0 / f64::from(task.fps),
+        irradiance: received.iter().map(|light| in_bands(*light)).collect(),
+        reflectance: in_bands(albedo),
+        keys: wanted.keys.iter().filter_map(key).collect(),
+    })
+}
+
+impl Designed {
+    /// The sum of squares of what is wanted.
+    fn wanted(&self) -> f64 {
+        let keys = self.places.iter().flat_map(|place| &place.keys);
+        keys.flat_map(|key| &key.radiance).map(|value| value * value).sum()
+    }
+}
+
+fn rows(found: &[Designed]) -> Vec<Vec<String>> {
+    let head = ["material", "places", "half lives, s", "off, of what is wanted", "the thesis' grid", "ms"];
+    let row = |found: &Designed| {
+        let share = |left: f64| format!("{:.2} %", 100.0 * (left / found.wanted()).sqrt());
+        let half = |decay: f64| format!("{:.1}", std::f64::consts::LN_2 / decay);
+        let states = &found.design.material.states;
+        vec![
+            found.name.clone(),
+            found.places.len().to_string(),
+            states.iter().map(|state| half(state.decay)).collect::<Vec<_>>().join(", "),
+            share(found.design.residual),
+            share(found.grid),
+            format!("{:.1}", found.milliseconds),
+        ]
+    };
+    std::iter::once(head.map(str::to_owned).to_vec()).chain(found.iter().map(row)).collect()
+}
+
+/// A linear RGB colour of values in bands.
+fn colour(task: &Task, values: &[f64]) -> DVec3 {
+    DVec3::from(task.bands.linear_srgb(values))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,77 @@
+//! What hands open and save.
+
+use super::Window;
+use crate::learned;
+use crate::view::clerk::{Done, Errand};
+use crate::view::saved::Moment;
+use crate::view::state::Map;
+use deepshade_render::scene::SceneSource;
+use eframe::egui::Context;
+use std::path::{Path, PathBuf};
+
+impl Window {
+    /// Opens what was dropped onto the window.
+    pub fn open(&mut self, path: &Path) {
+        if learned::is_network(path) {
+            return match self.state.open_model(path) {
+                Ok(()) => self.changed(),
+                Err(error) => self.refuse(format!("{error:#}")),
+            };
+        }
+        if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr")) {
+            return self.send(Errand::Open(path.to_owned()));
+        }
+        match path.display().to_string().parse::<SceneSource>() {
+            Ok(source) => self.open_scene(source),
+            Err(error) => self.refuse(format!("{}: {error}", path.display())),
+        }
+    }
+
+    /// Shows another scene.
+    pub fn open_scene(&mut self, source: SceneSource) {
+        let was_read = self.subject.as_ref().is_some_and(|subject| subject.source == self.state.show.source);
+        self.state.open(source, was_read);
+        self.changed();
+    }
+
+    /// Saves what is shown now into a folder, or into one that is free, and says where, once it is done.
+    pub fn save(&mut self, folder: Option<PathBuf>) {
+        match Moment::of(self) {
+            Some(moment) => self.send(Errand::Save(Box::new(moment), folder)),
+            None => self.refuse("there is no picture yet".to_owned()),
+        }
+    }
+
+    /// Whether all errands are run, and none is left to be sent.
+    pub fn is_idle(&self) -> bool {
+        self.errands == 0 && self.choice_of_layers() == self.developing
+    }
+
+    /// Has an errand run.
+    pub fn send(&mut self, errand: Errand) {
+        let sent = self.desk.clerk.as_ref().is_some_and(|clerk| clerk.send(errand).is_ok());
+        self.errands += usize::from(sent);
+    }
+
+    /// Takes what came of an errand.
+    pub(super) fn take_errand(&mut self, context: &Context, done: Result<Done, String>) {
+        self.errands -= 1;
+        match done {
+            Ok(Done::Quietly) => {}
+            Ok(Done::Said(note)) => self.say(note),
+            Ok(Done::Opened(opened)) => self.take_opened(opened),
+            Ok(Done::Developed(choice, pictures)) => {
+                // Hands may have chosen others meanwhile, or closed the file.
+                if self.developing.as_ref() == Some(&choice) {
+                    self.put_away_layers();
+                    pictures.iter().for_each(|it| self.show(context, &it.name, Map::Image, &it.picture));
+                    self.developed = pictures;
+                }
+            }
+            Err(what) => {
+                self.stop_recording();
+                self.refuse(what);
+            }
+        }
+    }
+}

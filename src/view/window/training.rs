@@ -1,0 +1,36 @@
+//! A training run that the window follows: its weights are run from each checkpoint on.
+
+use super::Window;
+use crate::view::training::Training;
+
+impl Window {
+    /// The run whose folder is the network's, as it was heard of last.
+    pub fn training_of_model(&self) -> Option<&Training> {
+        let model = self.state.show.model.as_ref()?;
+        self.training.as_ref().filter(|training| training.folder == *model)
+    }
+
+    /// After how many steps its newest checkpoint was saved.
+    pub fn trained_step(&self) -> Option<usize> {
+        self.training_of_model()?.checkpoint.as_ref().map(|(progress, _)| progress.step)
+    }
+
+    /// Has the folder of the network followed, which may be a run's.
+    pub(super) fn follow(&mut self) {
+        let model = &self.state.show.model;
+        if self.followed == *model {
+            return;
+        }
+        self.desk.follower.put(model.clone());
+        self.followed.clone_from(model);
+    }
+
+    /// Takes what a run has come to.
+    pub(super) fn learn(&mut self, training: Training) {
+        self.training = Some(training);
+        let checkpoint = self.training_of_model().and_then(|training| training.checkpoint.as_ref());
+        if let Some((_, trained)) = checkpoint {
+            self.state.show.trained = Some(trained.clone());
+        }
+    }
+}
