@@ -88,7 +88,7 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
     {
         added.push("no ray of the picture meets the medium: it lies elsewhere".to_owned());
     }
-    if effect == Effect::Phosphor || additions.phosphor.is_some() {
+    if matches!(effect, Effect::Phosphor | Effect::PhosphorGi) || additions.phosphor.is_some() {
         let lit = scene.with_look(look.clone())?;
         let (glow, said) = additions.glow(lit.scene(), wants.time)?;
         look.glow = Some(Arc::new(glow));

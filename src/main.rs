@@ -35,10 +35,6 @@ mod parameters;
 mod parity;
 mod phosphor;
 mod place;
-#[cfg_attr(
-    not(feature = "train"),
-    expect(dead_code, reason = "curves and companions are drawn by studies only")
-)]
 mod plot;
 mod props;
 mod radius;

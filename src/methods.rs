@@ -72,7 +72,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 46] = [
+const ALL: [Entry; 48] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -115,6 +115,8 @@ const ALL: [Entry; 46] = [
     screen::<froxel::Parameters, froxel::Parameters>(),
     screen::<phosphor::Parameters, phosphor::Parameters>(),
     screen::<phosphor::glassner::Parameters, phosphor::glassner::Parameters>(),
+    screen::<surfel::Parameters, Surfel<surfel::indirect::KeptLight>>(),
+    screen::<lpv::Parameters, lpv::KeptLight>(),
     processor::<epipolar::Parameters>(),
     processor::<min_max::Parameters>(),
     processor::<epipolar_sampling::Parameters>(),

@@ -33,7 +33,7 @@ pub const fn attributes(effect: Effect) -> &'static [Attribute] {
             &[Position, Normal, Depth, Light, Diffuse, Valid]
         }
         // Where lamps shone tells what was kept of their light.
-        Effect::Phosphor => &[Position, Normal, DiffuseLight, Diffuse, Valid],
+        Effect::Phosphor | Effect::PhosphorGi => &[Position, Normal, DiffuseLight, Diffuse, Valid],
         Effect::Path => &[Position, Normal, Depth, Light, Diffuse, Specular, Glossiness, Emission, Valid],
         // All that a depth image tells.
         Effect::Real => &[Position, Normal, Valid],

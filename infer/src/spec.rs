@@ -184,6 +184,7 @@ impl NetSpec {
             | Effect::FogIndirect
             | Effect::FogMultiple
             | Effect::Phosphor
+            | Effect::PhosphorGi
             | Effect::Path => return None,
         };
         let image_groups = if effect == Effect::Ibl { 3 } else { 1 };

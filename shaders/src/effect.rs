@@ -41,6 +41,9 @@ pub enum Effect {
     FogMultiple,
     /// Phosphorescence: what the surface that is seen gives back of light of lamps that it kept, radiance, RGB (thesis 8.3).
     Phosphor,
+    /// Diffuse light of phosphorescence: irradiance, divided by pi, of what surfaces within a radius give back of light of
+    /// lamps that they kept, RGB.
+    PhosphorGi,
     /// All light, radiance, RGB.
     Path,
     /// The look of photographs, radiance, RGB: all light, in a setting that a network learns by heart (thesis 7.4).
@@ -49,7 +52,7 @@ pub enum Effect {
 
 impl Effect {
     /// Every effect.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Ao,
         Self::Do,
         Self::Gi,
@@ -65,6 +68,7 @@ impl Effect {
         Self::FogIndirect,
         Self::FogMultiple,
         Self::Phosphor,
+        Self::PhosphorGi,
         Self::Path,
         Self::Real,
     ];
@@ -87,6 +91,7 @@ impl Effect {
             Self::FogIndirect => "fog-indirect",
             Self::FogMultiple => "fog-multiple",
             Self::Phosphor => "phosphor",
+            Self::PhosphorGi => "phosphor-gi",
             Self::Path => "path",
             Self::Real => "real",
         }
@@ -111,7 +116,8 @@ impl Effect {
             | Self::Ibl
             | Self::Sss
             | Self::Subsurface
-            | Self::Phosphor => Some(0.0),
+            | Self::Phosphor
+            | Self::PhosphorGi => Some(0.0),
             Self::Dof
             | Self::MotionBlur
             | Self::Aa
@@ -134,7 +140,8 @@ impl Effect {
             | Self::MotionBlur
             | Self::Aa
             | Self::Multi
-            | Self::Phosphor => true,
+            | Self::Phosphor
+            | Self::PhosphorGi => true,
             Self::Ao
             | Self::Do
             | Self::Gi
@@ -162,6 +169,7 @@ impl Effect {
             | Self::FogIndirect
             | Self::FogMultiple
             | Self::Phosphor
+            | Self::PhosphorGi
             | Self::Path
             | Self::Real => false,
         }
@@ -171,7 +179,7 @@ impl Effect {
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Ao => "open share of the hemisphere",
-            Self::Do | Self::Gi => "irradiance / pi",
+            Self::Do | Self::Gi | Self::PhosphorGi => "irradiance / pi",
             _ => "radiance",
         }
     }

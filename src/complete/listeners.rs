@@ -4,7 +4,8 @@ use anyhow::{Result, bail};
 use deepshade_shaders::Effect;
 
 /// Effects that reach no further than a radius.
-pub const RADIUS: &[Effect] = &[Effect::Ao, Effect::Do, Effect::Gi, Effect::Glossy, Effect::Multi];
+pub const RADIUS: &[Effect] =
+    &[Effect::Ao, Effect::Do, Effect::Gi, Effect::Glossy, Effect::Multi, Effect::PhosphorGi];
 /// Effects of a moment that lasts.
 pub const SHUTTER: &[Effect] = &[Effect::MotionBlur];
 /// Effects of light on its way through a medium.
@@ -29,7 +30,7 @@ pub const LENS: &[Effect] = &[
     Effect::Real,
 ];
 /// Effects of light that surfaces keep.
-pub const PHOSPHOR: &[Effect] = &[Effect::Phosphor, Effect::Path];
+pub const PHOSPHOR: &[Effect] = &[Effect::Phosphor, Effect::PhosphorGi, Effect::Path];
 /// Effects that show an environment, or are lit by it.
 pub const ENVIRONMENT: &[Effect] = &[
     Effect::Do,

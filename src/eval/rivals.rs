@@ -93,6 +93,7 @@ pub const fn trivial_name(effect: Effect) -> &'static str {
         | Effect::FogIndirect
         | Effect::FogMultiple
         | Effect::Phosphor
+        | Effect::PhosphorGi
         | Effect::Real => "black",
         _ => "light",
     }

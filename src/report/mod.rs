@@ -114,6 +114,7 @@ pub const fn title(effect: Effect) -> &'static str {
         Effect::FogIndirect => "Fog, light from surfaces",
         Effect::FogMultiple => "Fog, light scattered many times",
         Effect::Phosphor => "Phosphorescence",
+        Effect::PhosphorGi => "Diffuse light of phosphorescence",
         Effect::Path => "All light",
         Effect::Real => "The look of photographs",
     }

@@ -17,7 +17,7 @@ const fn keys(effect: Effect) -> (Option<&'static str>, &'static [&'static str])
         Effect::Gi => (None, SHADING),
         // Materials that are drawn are of the Phong model, of which a g-buffer does not know.
         Effect::Glossy => (None, &["textures", "light", "environment"]),
-        Effect::Aa | Effect::Phosphor => (None, BY_LAMPS),
+        Effect::Aa | Effect::Phosphor | Effect::PhosphorGi => (None, BY_LAMPS),
         Effect::Sss | Effect::Subsurface => (Some("mean_free_path"), BY_LAMPS),
         Effect::Dof | Effect::Multi => (Some("lens"), BY_LAMPS),
         Effect::MotionBlur => (Some("motion"), BY_LAMPS),

@@ -52,15 +52,14 @@ fn surfaces(
 /// What disks send from each of their sides that is outside of bodies: watts a square metre of patch, point and normal.
 pub fn sent_from(
     grid: &LightGrid,
-    (disks, patches): (&[Disk], &[Patch]),
+    disks: &[Disk],
     camera: &Camera,
-    sends: impl Fn(&Patch, Vec3, Vec3) -> Vec3,
+    sends: impl Fn(usize, Vec3, Vec3) -> Vec3,
 ) -> Vec<Light> {
     let mut light = vec![Light::default(); grid.cells()];
     for (disk, point, normal, area) in laid(disks, camera) {
-        let patch = &patches[disk.patch as usize];
         for normal in [Some(normal), disk.open.then_some(-normal)].into_iter().flatten() {
-            send(&mut light, grid, (point, normal), area * sends(patch, point, normal));
+            send(&mut light, grid, (point, normal), area * sends(disk.patch as usize, point, normal));
         }
     }
     light

@@ -48,6 +48,7 @@ pub use ibl::Ibl;
 pub use motion_blur::MotionBlur;
 pub use multi::Multi;
 pub use part::Part;
+use phosphor::KeptLight;
 pub use phosphor::Phosphor;
 pub use refinement::{Refinement, Taken};
 pub use sss::ScreenSpaceScattering;
@@ -151,6 +152,7 @@ pub fn integrator<'a>(effect: Effect, shot: &Shot<'a>) -> Box<dyn Integrator + '
         Effect::FogIndirect => Box::new(fog::indirect(shot)),
         Effect::FogMultiple => Box::new(fog::multiple(shot)),
         Effect::Phosphor => Box::new(Phosphor::new(shot)),
+        Effect::PhosphorGi => Box::new(AtSurface::new(shot, KeptLight::new(shot))),
         Effect::Path | Effect::Real => Box::new(FullPath::new(shot)),
     }
 }

@@ -12,8 +12,10 @@
 
 mod afterglow;
 pub mod in_medium;
+mod indirect;
 
 pub use afterglow::{Afterglow, Place};
+pub use indirect::KeptLight;
 
 use super::sampler::{PixelSampler, Stream};
 use super::{Footprint, Integrator, Shot};

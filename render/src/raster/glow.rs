@@ -1,9 +1,16 @@
-//! What of a scene keeps light, on the GPU: its paints, and the time that passes from frame to frame.
+//! What of a scene keeps light, on the GPU: its paints, the time that passes from frame to frame, and the pass in which states
+//! move on by it.
 
+use super::light::shadow_sampler;
+use super::medium::MediumOnGpu;
+use super::world::World;
 use crate::phosphor::paint::PaintState as State;
 use crate::scene::Scene;
 use crate::scene::glow::{Glow, Piece};
-use deepshade_shaders::gpu::{self, GpuError};
+use crate::screen::{MethodStep, Step};
+use crate::surfels::groups;
+use deepshade_shaders::gpu::{self, GpuError, Pass};
+use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::wgsl::uniforms::PaintState;
 
 /// Paints and time. Buffers of time are as `shared/glow_time.wgsl` says.
@@ -94,6 +101,49 @@ impl GlowOnGpu {
         let stride = 1 + self.glow.schedules.len();
         time.resize(1 + self.schedules.len() + self.glow.most_pieces() * stride, 0.0);
         time
+    }
+}
+
+/// What keeps light, on the GPU, and the states that it has.
+#[derive(Clone, Copy)]
+pub struct Keeping<'a> {
+    /// The pass that moves states on, in a clear scene and in one whose medium dims light.
+    pub shaders: [&'a Shader; 2],
+    /// What the pass reads of what keeps light.
+    pub keepers: [&'a wgpu::Buffer; 2],
+    /// How many of them there are, an invocation each.
+    pub count: usize,
+    /// `[2, count, states]`: excited shares, and what rounding leaves of their changes.
+    pub states: &'a wgpu::Buffer,
+}
+
+impl Keeping<'_> {
+    /// The pass that moves all states on by the time since the frame before.
+    ///
+    /// # Errors
+    /// If the device refuses.
+    pub fn step(&self, device: &wgpu::Device, world: &World) -> Result<MethodStep, GpuError> {
+        let Self { shaders: [clear, dimmed], keepers: [first, second], count, states } = *self;
+        let glow = &world.glow;
+        let constants = [&glow.constants()[..], &[("LIGHTS", world.gpu_lights.count as u32)]].concat();
+        let is_dimmed = world.scene().medium.is_some();
+        let (shader, constants) = match is_dimmed {
+            true => (dimmed, [constants, vec![("MEDIUM", world.medium.kind)]].concat()),
+            false => (clear, constants),
+        };
+        let pass = Pass::new(device, shader.name, &shader.specialised(&constants))?;
+        let sampler = shadow_sampler(device);
+        let own = [&glow.paints, first, second, &world.geometry.posed, &glow.since];
+        let resources = own.map(|buffer| buffer.as_entire_binding()).into_iter();
+        let mut resources: Vec<_> =
+            resources.chain(world.lamps(&sampler)).chain([states.as_entire_binding()]).collect();
+        if is_dimmed {
+            let MediumOnGpu { record, densities, .. } = &world.medium;
+            resources.extend([record.as_entire_binding(), wgpu::BindingResource::TextureView(densities)]);
+        }
+        let pass = pass.bind(device, &resources)?;
+        let step = Step { pass, workgroups: groups(count).into() };
+        Ok(MethodStep { step, writes: vec![states.clone()] })
     }
 }
 

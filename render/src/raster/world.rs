@@ -10,7 +10,7 @@ use super::shadow::{self, MapPlan, Seen, ShadowPass};
 use super::texture::Textures;
 use crate::scene::gltf::Rig;
 use crate::scene::{AnimatedScene, Bounds, Camera, Light, Scene};
-use crate::surfels::{Patch, patches};
+use crate::surfels::{Emission, Patch, patches};
 use deepshade_shaders::gpu::{Gpu, GpuError, Stamps};
 use deepshade_shaders::wgsl::uniforms::FrameView;
 use std::sync::OnceLock;
@@ -103,6 +103,12 @@ impl World {
         &self.past
     }
 
+    /// The worlds that a frame goes through: that of each stretch of the past, or this one alone.
+    pub fn poses(&self) -> impl Iterator<Item = &Self> {
+        let still = self.past().is_empty().then_some(self);
+        self.past().iter().map(|(_, pose)| pose).chain(still)
+    }
+
     /// Says what the next frame shows: the scene at `time` seconds, with the shutter open for `shutter` seconds around it, by
     /// a camera whose images are `aspect` times as wide as high.
     pub fn set(&mut self, queue: &wgpu::Queue, time: f32, shutter: f32, camera: &Camera, aspect: f32) {
@@ -140,6 +146,18 @@ impl World {
         }
     }
 
+    /// Its lamps with their maps, as passes bind them one after the other.
+    pub fn lamps<'a>(&'a self, sampler: &'a wgpu::Sampler) -> [wgpu::BindingResource<'a>; 5] {
+        let Lights { records, map_views, pictures, .. } = &self.gpu_lights;
+        [
+            records.as_entire_binding(),
+            map_views.as_entire_binding(),
+            pictures.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&self.shadows.maps),
+            wgpu::BindingResource::Sampler(sampler),
+        ]
+    }
+
     /// The scene at one moment; what moves lies elsewhere at others.
     pub const fn scene(&self) -> &Scene {
         &self.scene
@@ -148,6 +166,16 @@ impl World {
     /// The parts of its surface that surfels are laid out on; made when they are asked for first.
     pub fn patches(&self) -> &[Patch] {
         self.patches.get_or_init(|| patches::patches(&self.scene, &self.geometry.draws))
+    }
+
+    /// Radiance that each of them emits; none where nothing emits.
+    pub fn emissions(&self) -> Vec<Emission> {
+        patches::emissions(&self.scene, &self.geometry.draws)
+    }
+
+    /// The paint of each of them, as its glow counts them.
+    pub fn patch_paints(&self) -> Vec<Option<usize>> {
+        patches::paints(&self.scene, &self.geometry.draws)
     }
 
     /// Whether any of its surface emits light.

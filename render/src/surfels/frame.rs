@@ -1,7 +1,7 @@
 //! Everything that lays out a frame's surfels, in order: the surfels, their light where it is wanted, their tree.
 
 use super::cloud::{self, Cloud};
-use super::light::{LightPass, Lit};
+use super::light::{self, Lit};
 use super::{HEIGHT, Parameters, Passes};
 use crate::raster::World;
 use crate::raster::view::perspective;
@@ -48,7 +48,7 @@ pub fn steps(
     let uniforms = cloud::Uniforms { settings, view };
     let mut steps = passes.surfel_steps(device, world, &cloud, uniforms)?;
     if let (Some(lit), Some(sent)) = (lit, &cloud.sent) {
-        steps.push(LightPass::new(device, world, lit)?.step(device, world, &cloud, view, sent)?);
+        steps.extend(light::steps(device, world, lit, &cloud, [view, sent])?);
     }
     steps.extend(passes.tree_steps(device, &cloud, tree)?);
     Ok((cloud, steps))

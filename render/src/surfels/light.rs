@@ -2,6 +2,7 @@
 //! Illumination"). What they send is in a buffer of its own, which effects without light do not have.
 
 use super::cloud::{Cloud, SURFEL_GROUPS};
+use super::kept;
 use crate::raster::World;
 use crate::raster::light::{Lights, shadow_sampler};
 use crate::raster::medium::MediumOnGpu;
@@ -21,62 +22,47 @@ pub enum Lit {
     },
     /// What they receive, as white ones reflect it, of both sides together.
     Received,
+    /// What they give back of light that they kept.
+    Kept,
 }
 
-/// The pass, compiled for a number of lights.
-#[derive(Clone, Debug)]
-pub struct LightPass {
-    pass: Pass,
+/// The passes that write what a cloud's surfels send, `[surfels, 2]` u32.
+///
+/// # Errors
+/// If the device refuses one, or has no room.
+pub fn steps(
+    device: &wgpu::Device,
+    world: &World,
     lit: Lit,
-}
-
-impl LightPass {
-    /// Compiles it for a scene.
-    ///
-    /// # Errors
-    /// If the device refuses it.
-    pub fn new(device: &wgpu::Device, world: &World, lit: Lit) -> Result<Self, GpuError> {
-        let count = ("LIGHTS", world.gpu_lights.count as u32);
-        let (shader, constants) = match lit {
-            Lit::Reflected => (&wgsl::SURFELS_REFLECTED, vec![count]),
-            Lit::Dimmed { is_grey } => (
-                &wgsl::SURFELS_DIMMED,
-                vec![count, ("MEDIUM", world.medium.kind), ("GREY", u32::from(is_grey))],
-            ),
-            Lit::Received => (&wgsl::SURFELS_RECEIVED, vec![count]),
-        };
-        let source = shader.specialised(&constants);
-        Ok(Self { pass: Pass::new(device, shader.name, &source)?, lit })
-    }
-
-    /// The pass bound to a scene's lights and their maps. It writes `sent`, `[surfels, 2]` u32.
-    ///
-    /// # Errors
-    /// If the device refuses a binding.
-    pub fn step(
-        &self,
-        device: &wgpu::Device,
-        world: &World,
-        cloud: &Cloud,
-        view: &wgpu::Buffer,
-        sent: &wgpu::Buffer,
-    ) -> Result<MethodStep, GpuError> {
-        let Lights { records, map_views, pictures, .. } = &world.gpu_lights;
-        let Cloud { patches, starts, totals, surfels, .. } = cloud;
-        let sampler = shadow_sampler(device);
-        let buffers = [view, patches, starts, totals, surfels, records, map_views, pictures];
-        let mut resources: Vec<_> = buffers.map(|buffer| buffer.as_entire_binding()).into();
-        resources.extend([
-            wgpu::BindingResource::TextureView(&world.shadows.maps),
-            wgpu::BindingResource::Sampler(&sampler),
-            sent.as_entire_binding(),
-        ]);
-        if matches!(self.lit, Lit::Dimmed { .. }) {
-            let MediumOnGpu { record, densities, .. } = &world.medium;
-            resources.extend([record.as_entire_binding(), wgpu::BindingResource::TextureView(densities)]);
+    cloud: &Cloud,
+    [view, sent]: [&wgpu::Buffer; 2],
+) -> Result<Vec<MethodStep>, GpuError> {
+    let count = ("LIGHTS", world.gpu_lights.count as u32);
+    let (shader, constants) = match lit {
+        Lit::Kept => return kept::steps(device, world, cloud, sent),
+        Lit::Reflected => (&wgsl::SURFELS_REFLECTED, vec![count]),
+        Lit::Dimmed { is_grey } => {
+            let grey = ("GREY", u32::from(is_grey));
+            (&wgsl::SURFELS_DIMMED, vec![count, ("MEDIUM", world.medium.kind), grey])
         }
-        let pass = self.pass.bind(device, &resources)?;
-        let workgroups = Workgroups::Counted(totals.clone(), SURFEL_GROUPS);
-        Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![sent.clone()] })
+        Lit::Received => (&wgsl::SURFELS_RECEIVED, vec![count]),
+    };
+    let pass = Pass::new(device, shader.name, &shader.specialised(&constants))?;
+    let Lights { records, map_views, pictures, .. } = &world.gpu_lights;
+    let Cloud { patches, starts, totals, surfels, .. } = cloud;
+    let sampler = shadow_sampler(device);
+    let buffers = [view, patches, starts, totals, surfels, records, map_views, pictures];
+    let mut resources: Vec<_> = buffers.map(|buffer| buffer.as_entire_binding()).into();
+    resources.extend([
+        wgpu::BindingResource::TextureView(&world.shadows.maps),
+        wgpu::BindingResource::Sampler(&sampler),
+        sent.as_entire_binding(),
+    ]);
+    if matches!(lit, Lit::Dimmed { .. }) {
+        let MediumOnGpu { record, densities, .. } = &world.medium;
+        resources.extend([record.as_entire_binding(), wgpu::BindingResource::TextureView(densities)]);
     }
+    let pass = pass.bind(device, &resources)?;
+    let workgroups = Workgroups::Counted(totals.clone(), SURFEL_GROUPS);
+    Ok(vec![MethodStep { step: Step { pass, workgroups }, writes: vec![sent.clone()] }])
 }

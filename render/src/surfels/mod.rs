@@ -7,7 +7,7 @@
 //! - [`patches`] cuts a scene's surface into parts, once; [`closed`] tells bodies from sheets.
 //! - [`vertices`] moves a scene's vertices to camera space.
 //! - [`cloud`] lays [surfels](Surfel) out on them, each frame, on the GPU, and puts a tree over them; [`light`] lights
-//!   them.
+//!   them, or lets them give back light that they kept.
 //! - [`frame`] has all of these passes in order, with what they read.
 //! - [`reference`](mod@reference) is the slow, plain version.
 //!
@@ -20,7 +20,9 @@
 
 pub mod closed;
 pub mod cloud;
+mod emission;
 pub mod frame;
+mod kept;
 pub mod light;
 pub mod patch;
 pub mod patches;
@@ -31,6 +33,7 @@ mod tests;
 pub mod vertices;
 
 pub use cloud::{Cloud, Passes, Tree};
+pub use emission::Emission;
 pub use light::Lit;
 pub use patch::Patch;
 pub use surfel::Surfel;

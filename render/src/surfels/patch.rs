@@ -1,4 +1,4 @@
-//! A part of a triangle, in 28 bytes, since a scene has millions: which part of which triangle, and what its material
+//! A part of a triangle, in 24 bytes, since a scene has millions: which part of which triangle, and what its material
 //! says of it.
 
 use bytemuck::{Pod, Zeroable};
@@ -17,8 +17,6 @@ pub struct Patch {
     colour: u32,
     /// The mesh that it is part of, as [`Attribute::ObjectId`](deepshade_shaders::Attribute::ObjectId) counts them.
     pub object: u32,
-    /// Emitted radiance, as `shared/packing.wgsl` packs it.
-    emission: u32,
 }
 
 /// Edges are halved no more often.
@@ -32,12 +30,12 @@ const MOST_COVERED: u32 = 511;
 
 impl Patch {
     /// One that is nowhere.
-    pub const NOWHERE: Self = Self { corners: [0; 3], part: 0, colour: 0, object: 0, emission: 0 };
+    pub const NOWHERE: Self = Self { corners: [0; 3], part: 0, colour: 0, object: 0 };
 
     /// A part of a triangle of a mesh, of which nothing is there until it is [`painted`](Self::painted), and whose
     /// edges are halved so many times: two bits of `quarters` a halving say which quarter.
     pub const fn new(corners: [u32; 3], object: u32, halvings: u32, quarters: u32) -> Self {
-        Self { corners, part: halvings << 28 | quarters, colour: 0, object, emission: 0 }
+        Self { corners, part: halvings << 28 | quarters, colour: 0, object }
     }
 
     /// It as part of no closed surface, so that its back is seen too.
@@ -56,23 +54,6 @@ impl Patch {
             colour: bits(red, 2047) | bits(green, 2047) << 11 | bits(blue, 1023) << 22,
             ..self
         }
-    }
-
-    /// It with the radiance that it emits, the mean over what of it is there.
-    #[must_use]
-    pub fn shining(self, emission: Vec3) -> Self {
-        Self { emission: packed(emission), ..self }
-    }
-
-    /// Emitted radiance, on either side.
-    pub fn emission(&self) -> Vec3 {
-        let scale = ((self.emission >> 27) as f32 - 24.0).exp2();
-        Vec3::from([0, 9, 18].map(|shift| (self.emission >> shift & 511) as f32)) * scale
-    }
-
-    /// Whether it emits anything.
-    pub const fn emits(&self) -> bool {
-        self.emission & ((1 << 27) - 1) != 0
     }
 
     /// Share of the part that is there: alpha, from 0 to 1.
@@ -112,17 +93,6 @@ impl Patch {
         }
         corners
     }
-}
-
-/// Radiance in nine bits a colour and an exponent of five: 2^-24 to 65,408, and 0.
-fn packed(radiance: Vec3) -> u32 {
-    let bounded = radiance.clamp(Vec3::ZERO, Vec3::splat(65_408.0));
-    let largest = bounded.max_element().max((-16.0f32).exp2());
-    let exponent = largest.log2().floor().clamp(-16.0, 15.0) + 1.0;
-    let rounded = |exponent: f32| (bounded / (exponent - 9.0).exp2() + 0.5).floor();
-    let exponent = if rounded(exponent).max_element() > 511.0 { exponent + 1.0 } else { exponent };
-    let [red, green, blue] = rounded(exponent).to_array().map(|part| part as u32);
-    red | green << 9 | blue << 18 | ((exponent + 15.0) as u32) << 27
 }
 
 #[cfg(test)]
@@ -167,18 +137,5 @@ mod tests {
             assert!((painted.coverage() - coverage).abs() < 1e-3, "{coverage}");
             assert_eq!((painted.halvings(), painted.weights()), (9, part.weights()));
         }
-    }
-
-    #[test]
-    fn emission_is_kept_to_a_five_hundredth_of_its_largest_colour() {
-        for emission in
-            [Vec3::new(3.0, 0.2, 1.1), Vec3::new(0.001, 0.0, 0.0), Vec3::splat(511.7), Vec3::splat(6e4)]
-        {
-            let patch = Patch::NOWHERE.shining(emission);
-            let off = (patch.emission() - emission).abs().max_element() / emission.max_element();
-            assert!(patch.emits() && off < 2e-3, "{emission}: {}", patch.emission());
-        }
-        assert!(!Patch::NOWHERE.shining(Vec3::ZERO).emits() && !Patch::NOWHERE.emits());
-        assert_eq!(Patch::NOWHERE.shining(Vec3::INFINITY).emission(), Vec3::splat(65_408.0));
     }
 }

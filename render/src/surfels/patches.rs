@@ -6,10 +6,11 @@
 //! ordered along a curve through space (Morton 1966), so that surfels that follow one another lie together.
 
 use super::closed::closed;
+use super::emission::Emission;
 use super::patch::{MOST_HALVINGS, Patch};
 use crate::gbuffer::OBJECT_IDS;
 use crate::raster::geometry::{Draw, draws_of};
-use crate::scene::{Material, Mesh, Scene};
+use crate::scene::{Glow, Material, Mesh, Scene, Surface};
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
@@ -31,11 +32,47 @@ pub fn patches(scene: &Scene, draws: &[Draw]) -> Vec<Patch> {
 
 /// As [`patches`], about `parts` of them beside triangles that are smaller than one.
 pub fn cut(scene: &Scene, draws: &[Draw], parts: f32) -> Vec<Patch> {
+    cut_into(scene, draws, parts, painted)
+}
+
+/// Radiance that each of a scene's [`patches`] emits; empty where nothing does.
+pub fn emissions(scene: &Scene, draws: &[Draw]) -> Vec<Emission> {
+    if scene.emits() { cut_into(scene, draws, PARTS, emission) } else { Vec::new() }
+}
+
+/// The paint of each of a scene's [`patches`], as its [`Glow`] counts them.
+pub fn paints(scene: &Scene, draws: &[Draw]) -> Vec<Option<usize>> {
+    let paints = Glow::of(scene).paints_of(scene);
+    let paint = |part: &Part<'_>| paints[scene.meshes[part.mesh].material.0 as usize];
+    cut_into(scene, draws, PARTS, paint)
+}
+
+/// Mesh and triangle of each of the [patches](of_scene) of a scene that stays.
+pub fn origins(scene: &Scene) -> Vec<[usize; 2]> {
+    cut_into(scene, &draws_of(scene), PARTS, |part| [part.mesh, part.triangle])
+}
+
+/// A part of a triangle.
+struct Part<'a> {
+    patch: Patch,
+    scene: &'a Scene,
+    mesh: usize,
+    triangle: usize,
+}
+
+/// What `said` says of the parts of a scene, and of which triangle of which mesh they are.
+fn cut_into<T: Send>(
+    scene: &Scene,
+    draws: &[Draw],
+    parts: f32,
+    said: impl Fn(&Part<'_>) -> T + Sync,
+) -> Vec<T> {
     let bounds = scene.bounds();
     let size = bounds.size().max_element().max(f32::MIN_POSITIVE);
     let largest = area_of(scene) / parts;
     let closed: Vec<Vec<bool>> = scene.meshes.iter().map(closed).collect();
-    let mut placed: Vec<(u64, Patch)> = draws
+    let said = &said;
+    let mut placed: Vec<(u64, T)> = draws
         .par_iter()
         .flat_map(|draw| {
             let mesh = &scene.meshes[draw.mesh as usize];
@@ -49,13 +86,14 @@ pub fn cut(scene: &Scene, draws: &[Draw], parts: f32) -> Vec<Patch> {
                 let patch = if closed[draw.mesh as usize][triangle] { patch } else { patch.opened() };
                 let middle = patch.weights().into_iter().sum::<Vec3>() / 3.0;
                 let at = mixed(mesh.corners(triangle), middle);
-                (morton((at - bounds.min) / size), painted(patch, scene, mesh, triangle))
+                let part = Part { patch, scene, mesh: draw.mesh as usize, triangle };
+                (morton((at - bounds.min) / size), said(&part))
             })
         })
         .collect();
     // A stable order: patches of one place stay in that of the scene.
     placed.par_sort_by_key(|(place, _)| *place);
-    placed.into_iter().map(|(_, patch)| patch).collect()
+    placed.into_iter().map(|(_, said)| said).collect()
 }
 
 /// The parts of a scene that stays.
@@ -69,23 +107,35 @@ pub fn cut_scene(scene: &Scene, parts: f32) -> Vec<Patch> {
 }
 
 /// A part of a triangle with what its material says.
-fn painted(patch: Patch, scene: &Scene, mesh: &Mesh, triangle: usize) -> Patch {
-    let material = scene.material(mesh.material);
-    let corners = patch.weights();
-    let asked = SAMPLES.map(|sample| mixed(corners, Vec3::from_array(sample)));
-    // Where nothing varies, one answer is enough.
-    let asked = if varies(material, mesh) { &asked[..] } else { &asked[3..] };
-    let (mut colour, mut emission, mut coverage) = (Vec3::ZERO, Vec3::ZERO, 0.0);
-    for at in asked {
-        let (uvs, vertex_colour) = attributes(mesh, triangle, *at);
-        let opacity = material.opacity(&scene.textures, uvs, vertex_colour);
-        let surface = material.surface(&scene.textures, uvs, vertex_colour);
-        colour += opacity * surface.diffuse;
-        emission += opacity * surface.emission;
-        coverage += opacity;
+fn painted(part: &Part<'_>) -> Patch {
+    let (coverage, colour) = part.mean(|surface| surface.diffuse);
+    part.patch.painted(colour, coverage)
+}
+
+/// Radiance that a part of a triangle emits.
+fn emission(part: &Part<'_>) -> Emission {
+    Emission::new(part.mean(|surface| surface.emission).1)
+}
+
+impl Part<'_> {
+    /// The share of it that is there, and the mean over that share of something of its surface.
+    fn mean(&self, of: fn(&Surface) -> Vec3) -> (f32, Vec3) {
+        let Self { scene, triangle, .. } = *self;
+        let mesh = &scene.meshes[self.mesh];
+        let material = scene.material(mesh.material);
+        let corners = self.patch.weights();
+        let asked = SAMPLES.map(|sample| mixed(corners, Vec3::from_array(sample)));
+        // Where nothing varies, one answer is enough.
+        let asked = if varies(material, mesh) { &asked[..] } else { &asked[3..] };
+        let (mut sum, mut coverage) = (Vec3::ZERO, 0.0);
+        for at in asked {
+            let (uvs, vertex_colour) = attributes(mesh, triangle, *at);
+            let opacity = material.opacity(&scene.textures, uvs, vertex_colour);
+            sum += opacity * of(&material.surface(&scene.textures, uvs, vertex_colour));
+            coverage += opacity;
+        }
+        (coverage / asked.len() as f32, sum / f32::max(coverage, f32::MIN_POSITIVE))
     }
-    let there = f32::max(coverage, f32::MIN_POSITIVE);
-    patch.painted(colour / there, coverage / asked.len() as f32).shining(emission / there)
 }
 
 /// Whether a material says different things of different points of a triangle.

@@ -3,6 +3,7 @@
 use super::{Lit, MOST, Parameters, Patch, Surfel, patches};
 use crate::bvh::TracedScene;
 use crate::path::lights::Arrival;
+use crate::path::phosphor::Afterglow;
 use crate::scene::{Camera, Medium, Mesh, Scene};
 use crate::screen::View;
 use deepshade_shaders::random::random;
@@ -210,13 +211,29 @@ pub fn laid(scene: &TracedScene, parameters: &Parameters, view: &View, light: Op
     }
 }
 
+/// Disks that send what their patches kept at their middles.
+fn giving_back(scene: &TracedScene, disks: Vec<Disk>, patches: &[Patch]) -> Vec<Disk> {
+    let (afterglow, origins) = (Afterglow::new(scene), patches::origins(scene.scene()));
+    let kept = |disk: Disk| {
+        let index = disk.patch as usize;
+        let middle = patches[index].weights().into_iter().sum::<Vec3>() / 3.0;
+        let [mesh, triangle] = origins[index];
+        let front = afterglow.emission_at(mesh, triangle, middle.to_array());
+        Disk { sent: [front, if disk.open { front } else { Vec3::ZERO }], ..disk }
+    };
+    disks.into_par_iter().map(kept).collect()
+}
+
 /// Disks that send light of a scene's lamps, with exact shadows.
 pub fn lit(scene: &TracedScene, disks: Vec<Disk>, camera: &Camera, lit: Lit) -> Vec<Disk> {
     let patches = patches::of_scene(scene.scene());
+    if lit == Lit::Kept {
+        return giving_back(scene, disks, &patches);
+    }
     let medium = match lit {
         Lit::Dimmed { is_grey: true } => scene.scene().medium.as_deref().map(Medium::in_grey),
         Lit::Dimmed { is_grey: false } => scene.scene().medium.as_deref().cloned(),
-        Lit::Reflected | Lit::Received => None,
+        Lit::Reflected | Lit::Received | Lit::Kept => None,
     };
     let light = |disk: Disk| {
         let (point, normal) = (camera.position + camera.rotation * disk.place, camera.rotation * disk.normal);
@@ -235,7 +252,7 @@ pub fn lit(scene: &TracedScene, disks: Vec<Disk>, camera: &Camera, lit: Lit) -> 
         }
         let reflected = match lit {
             Lit::Reflected | Lit::Dimmed { .. } => patches[disk.patch as usize].colour() / PI,
-            Lit::Received => Vec3::splat(1.0 / PI),
+            Lit::Received | Lit::Kept => Vec3::splat(1.0 / PI),
         };
         Disk { sent: received.map(|received| received * reflected), ..disk }
     };

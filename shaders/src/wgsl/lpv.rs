@@ -11,8 +11,7 @@ table! {
                 "lpv_grid", "lpv_send"];
     /// Light that surfels emit.
     LPV_SHINE: "lpv.shine", file "methods/lpv/shine", constants [HEIGHT = 8], uniforms [LightGrid, FrameView],
-        shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_patch_record", "surfel_order",
-                "lpv_grid", "lpv_send"];
+        shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_order", "lpv_grid", "lpv_send"];
     /// Light that surfels reflect of it.
     LPV_REFLECT: "lpv.reflect", file "methods/lpv/reflect", constants [HEIGHT = 8, LOOKUP = 0],
         uniforms [LightGrid, FrameView],

@@ -5,10 +5,10 @@ use super::{Shader, uniforms};
 table! {
     /// The tree over tiles.
     PHOSPHOR_FIT: "phosphor.fit", file "methods/phosphor/fit", constants [FAN = 8, LEAVES = 1],
-        uniforms [GlowLevel, GlowTile], shared ["glow_corners"];
+        uniforms [GlowLevel, GlowTile], shared ["glow_tile", "glow_corners"];
     /// The tile of each pixel.
     PHOSPHOR_FIND: "phosphor.find", file "methods/phosphor/find", constants [FAN = 8, LEVELS = 1, TILES = 1],
-        uniforms [FrameView, GlowTile], shared ["view", "glow_corners"];
+        uniforms [FrameView, GlowTile], shared ["view", "glow_tile", "glow_corners"];
     /// States after a stretch of time.
     PHOSPHOR_STEP: "phosphor.step", file "methods/phosphor/step",
         constants [LIGHTS = 1, SCHEDULES = 1, PIECES = 1, STATES = 1, PAINT_STATES = 1],
@@ -37,5 +37,6 @@ table! {
     PHOSPHOR_GLASSNER: "phosphor.glassner", file "methods/phosphor/glassner",
         constants [LIGHTS = 1, SCHEDULES = 1, PIECES = 1, STATES = 1, PAINT_STATES = 1],
         uniforms [GlowSamples, GlowStretch, PaintState, GlowTile, FrameView, LightRecord],
-        shared ["random", "bounded", "view", "lights", "shadow", "light_clear", "glow_corners", "glow_place", "glow_time"];
+        shared ["random", "bounded", "view", "lights", "shadow", "light_clear", "glow_tile", "glow_corners", "glow_place",
+                "glow_time"];
 }

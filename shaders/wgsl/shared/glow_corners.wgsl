@@ -1,4 +1,4 @@
-// Where the corners of tiles are in this frame. Passes bind `posed`, [vertices, POSED], world space.
+// Where the corners of triangles are in this frame. Passes bind `posed`, [vertices, POSED], world space.
 
 // Numbers of a vertex that is drawn, of which the first six are its position and its normal, world space.
 const POSED = 16u;
@@ -8,8 +8,6 @@ fn vertex_position(vertex: u32) -> vec3f {
     return vec3f(posed[first], posed[first + 1u], posed[first + 2u]);
 }
 
-fn tile_corners(tile: GlowTile) -> mat3x3f {
-    return mat3x3f(
-        vertex_position(tile.corner_0), vertex_position(tile.corner_1), vertex_position(tile.corner_2)
-    );
+fn corners_of(vertices: vec3u) -> mat3x3f {
+    return mat3x3f(vertex_position(vertices.x), vertex_position(vertices.y), vertex_position(vertices.z));
 }

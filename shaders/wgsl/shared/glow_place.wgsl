@@ -1,4 +1,4 @@
-// A point of a tile as light falls on it: render/src/path/phosphor.rs.
+// A point of a triangle as light falls on it: render/src/path/phosphor.rs.
 
 struct Place {
     position: vec3f,
@@ -12,13 +12,13 @@ fn vertex_normal(vertex: u32) -> vec3f {
 }
 
 // `weights` are those of the triangle's corners.
-fn place_of(tile: GlowTile, weights: vec3f) -> Place {
-    let corners = tile_corners(tile);
+fn place_of(vertices: vec3u, weights: vec3f) -> Place {
+    let corners = corners_of(vertices);
     let across = cross(corners[1] - corners[0], corners[2] - corners[0]);
     let area = length(across);
     let geometric = select(vec3f(0.0), across / area, area > 0.0);
-    let sum = vertex_normal(tile.corner_0) * weights.x + vertex_normal(tile.corner_1) * weights.y
-        + vertex_normal(tile.corner_2) * weights.z;
+    let sum = vertex_normal(vertices.x) * weights.x + vertex_normal(vertices.y) * weights.y
+        + vertex_normal(vertices.z) * weights.z;
     let length = length(sum);
     let smooth_normal = select(geometric, sum / length, length > 0.0);
     let normal = select(smooth_normal, -smooth_normal, dot(smooth_normal, geometric) < 0.0);

@@ -2,6 +2,10 @@
 // points, drawn in from the triangle's edges by half a step: a texel on an edge would be in two surfaces. The same as
 // render/src/methods/phosphor/tile.rs.
 
+fn tile_vertices(tile: GlowTile) -> vec3u {
+    return vec3u(tile.corner_0, tile.corner_1, tile.corner_2);
+}
+
 // How far the lattice is drawn in.
 fn drawn_in(divisions: u32) -> f32 {
     return 3.0 / f32(2u * divisions + 3u);

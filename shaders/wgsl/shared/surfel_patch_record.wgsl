@@ -10,8 +10,6 @@ struct Patch {
     colour: u32,
     // The mesh that it is part of, as object ids count them.
     object: u32,
-    // Emitted radiance, packed.
-    emission: u32,
 }
 
 // Share of a part that is there: alpha.
@@ -30,4 +28,24 @@ fn patch_colour(one: Patch) -> vec3f {
     let parts = vec3u(extractBits(colour, 0u, 11u), extractBits(colour, 11u, 11u), extractBits(colour, 22u, 10u));
     let root = vec3f(parts) / vec3f(2047.0, 2047.0, 1023.0);
     return root * root;
+}
+
+// The weights of a patch's corners.
+fn patch_weights(part: u32) -> mat3x3f {
+    var at = mat3x3f(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+    let halvings = part >> 28u;
+    for (var i = 0u; i < halvings; i++) {
+        let quarter = (part >> (2u * (halvings - 1u - i))) & 3u;
+        let middles = mat3x3f(0.5 * (at[1] + at[2]), 0.5 * (at[2] + at[0]), 0.5 * (at[0] + at[1]));
+        if quarter == 3u {
+            at = middles;
+        } else {
+            at = mat3x3f(
+                select(middles[(3u - quarter) % 3u], at[0], quarter == 0u),
+                select(middles[(5u - quarter) % 3u], at[1], quarter == 1u),
+                select(middles[(4u - quarter) % 3u], at[2], quarter == 2u),
+            );
+        }
+    }
+    return at;
 }

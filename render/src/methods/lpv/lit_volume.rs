@@ -8,6 +8,7 @@ use crate::lpv::injection::{self, sent_from, single_scattering, volume};
 use crate::lpv::lobe::irradiance;
 use crate::lpv::propagation::{Field, Kinds, Light, Shown, Volume};
 use crate::lpv::scheme::Lookup;
+use crate::raster::geometry::draws_of;
 use crate::screen::View;
 use crate::surfels::reference::{self as surfels, Disk};
 use crate::surfels::{Patch, patches};
@@ -76,18 +77,21 @@ impl Source<'_> {
     fn level(&self, grid: LightGrid, outside: Option<&Level>) -> Level {
         let (scene, scheme) = (self.scene.scene(), self.parameters.scheme);
         let (surfels, camera) = ((&self.disks[..], &self.patches[..]), &self.view.camera);
-        let is_filled = self.filled != Filled::Clear;
+        let is_filled = self.filled.has_medium();
         let (volume, mut reflected) = volume((grid, scheme), scene, surfels, camera, is_filled);
         let kinds = self.filled.kinds();
         let mut scattered = if kinds.scattered { single_scattering(&grid, self.scene) } else { Vec::new() };
         let mut emission = None;
-        if scene.emits() {
-            let light = sent_from(&grid, surfels, camera, |patch, _, _| PI * patch.emission());
+        if self.filled != Filled::Kept && scene.emits() {
+            let emissions = patches::emissions(scene, &draws_of(scene));
+            let shines = |patch: usize, _, _| PI * emissions[patch].radiance();
+            let light = sent_from(&grid, &self.disks, camera, shines);
             let field = Field::new(scheme, Kinds { unscattered: 1, scattered: false }, &light, &[]);
             let outside = outside.and_then(|outside| outside.emission.as_ref());
             let emitted = self.handed_on(&volume, field, outside, f32::MAX);
-            let reflects = |patch: &Patch, point, normal| patch.colour() * emitted.irradiance(point, normal);
-            add(&mut reflected, &sent_from(&grid, surfels, camera, reflects));
+            let colour = |patch: usize| self.patches[patch].colour();
+            let reflects = |patch, point, normal| colour(patch) * emitted.irradiance(point, normal);
+            add(&mut reflected, &sent_from(&grid, &self.disks, camera, reflects));
             let medium = scene.medium.as_deref();
             add(&mut scattered, &injection::scattered(&grid, medium, &emitted.shown.by_medium));
             emission = Some(emitted);

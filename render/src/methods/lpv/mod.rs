@@ -20,7 +20,9 @@
 //! then handed on as that of the lamps is; where nothing emits there is no such volume. Around the camera there may be finer
 //! grids ([`crate::lpv::cascade`]).
 //!
-//! Limits. Light of lamps and of surfaces that emit, not of an environment, and not of surfaces that keep light. In a medium,
+//! Light that surfaces kept is that of `phosphor-gi`: surfels give it back as they reflect that of lamps for `gi`.
+//!
+//! Limits. Light of lamps and of surfaces that emit, not of an environment. In a medium,
 //! surfaces send back light that comes to them, in the mean colour of those around a cell and the way that it came. Light
 //! outside the grid, which ends a cell beyond the scene, is lost. A medium with a preferred direction of scattering is
 //! replaced by a thinner one without, but for the last scattering towards the eye.
@@ -47,7 +49,6 @@ use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, 
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 use glam::Vec3;
-use lit_volume::LitVolumes;
 use passes::{Filled, Passes};
 
 /// What can be set.
@@ -126,18 +127,51 @@ impl Technique for Parameters {
         uniforms: &[wgpu::Buffer],
         output: &wgpu::Buffer,
     ) -> Result<Vec<MethodStep>, GpuError> {
-        let (volumes, mut steps) = passes.volume_steps(device, inputs, *self, uniforms, Filled::Clear)?;
-        for volume in &volumes {
-            steps.push(volume.lit_step(device, inputs.gbuffer, &uniforms[passes::VIEW], output)?);
-        }
-        Ok(steps)
+        passes.lit_steps(device, inputs, *self, uniforms, (Filled::Clear, output))
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
-        let shaded = |scene| {
-            let volumes = LitVolumes::new(scene, *self, view, Filled::Clear, view.radius);
-            Ok(reference::lit(inputs.gbuffer, &volumes, view)?.data().to_vec())
-        };
-        inputs.scene.map(shaded).into_iter().collect()
+        reference::lit_image(inputs, view, *self, Filled::Clear)
+    }
+}
+
+/// Diffuse light of phosphorescence by the grid: its only light is what surfels give back of light that they kept.
+#[derive(Clone, Copy, Debug)]
+pub struct KeptLight(Parameters);
+
+impl From<Parameters> for KeptLight {
+    fn from(parameters: Parameters) -> Self {
+        Self(parameters)
+    }
+}
+
+impl Technique for KeptLight {
+    const NAME: &'static str = Parameters::NAME;
+    const EFFECT: Effect = Effect::PhosphorGi;
+    const ATTRIBUTES: &'static [Attribute] = Parameters::ATTRIBUTES;
+    const LOOKS_BEYOND: bool = true;
+    type Passes = Passes;
+
+    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
+        Passes::new(device)
+    }
+
+    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
+        self.0.uniforms(view)
+    }
+
+    fn steps(
+        &self,
+        passes: &Passes,
+        device: &wgpu::Device,
+        inputs: &Inputs<'_>,
+        uniforms: &[wgpu::Buffer],
+        output: &wgpu::Buffer,
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        passes.lit_steps(device, inputs, self.0, uniforms, (Filled::Kept, output))
+    }
+
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        reference::lit_image(inputs, view, self.0, Filled::Kept)
     }
 }

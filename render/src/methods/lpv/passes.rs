@@ -9,7 +9,7 @@ use crate::raster::view::perspective;
 use crate::scene::Bounds;
 use crate::screen::{Inputs, MethodStep, View, Workgroups};
 use crate::surfels::cloud::{self, SURFEL_GROUPS};
-use crate::surfels::light::LightPass;
+use crate::surfels::light;
 use crate::surfels::{self, Cloud, Lit, Tree, frame};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
@@ -31,6 +31,8 @@ const FAR: f32 = 1e3;
 pub enum Filled {
     /// Nothing, whatever the scene has.
     Clear,
+    /// Nothing; there is no light but what surfaces kept.
+    Kept,
     /// The scene's medium; of light, what is said.
     Medium(Shown),
 }
@@ -49,15 +51,23 @@ impl Filled {
     /// The kinds of light that are kept apart for it.
     pub const fn kinds(self) -> Kinds {
         match self {
-            Self::Clear | Self::Medium(Shown::Reflected) => Kinds { unscattered: 1, scattered: false },
+            Self::Clear | Self::Kept | Self::Medium(Shown::Reflected) => {
+                Kinds { unscattered: 1, scattered: false }
+            }
             Self::Medium(Shown::Multiple) => Kinds { unscattered: 2, scattered: true },
         }
+    }
+
+    /// Whether there is the scene's medium.
+    pub const fn has_medium(self) -> bool {
+        matches!(self, Self::Medium(_))
     }
 
     /// What surfels send into it.
     pub const fn lit(self) -> Lit {
         match self {
             Self::Clear => Lit::Reflected,
+            Self::Kept => Lit::Kept,
             Self::Medium(_) => Lit::Dimmed { is_grey: false },
         }
     }
@@ -149,6 +159,25 @@ impl Passes {
         Ok((levels.into_iter().zip(finer).map(volume).collect(), steps))
     }
 
+    /// The passes that light surfaces by volumes, in an image.
+    ///
+    /// # Errors
+    /// As [`volume_steps`](Self::volume_steps).
+    pub fn lit_steps(
+        &self,
+        device: &wgpu::Device,
+        inputs: &Inputs<'_>,
+        parameters: Parameters,
+        uniforms: &[wgpu::Buffer],
+        (filled, image): (Filled, &wgpu::Buffer),
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let (volumes, mut steps) = self.volume_steps(device, inputs, parameters, uniforms, filled)?;
+        for volume in &volumes {
+            steps.push(volume.lit_step(device, inputs.gbuffer, &uniforms[VIEW], image)?);
+        }
+        Ok(steps)
+    }
+
     /// The passes of one volume.
     fn level_steps(
         &self,
@@ -160,12 +189,12 @@ impl Passes {
         (parameters, filled): (Parameters, Filled),
     ) -> Result<(Level, Vec<MethodStep>), GpuError> {
         let mut steps = self.injection(device, frame, surfels, &room)?;
-        if filled != Filled::Clear {
+        if filled.has_medium() {
             steps.push(room.media_step(device, frame.world)?);
         }
         let iterations = parameters.iterations;
         let mut emission = None;
-        if frame.world.emits() {
+        if filled != Filled::Kept && frame.world.emits() {
             let outside = outside.and_then(|outside| outside.emission.as_ref());
             let (shown, emitted) = self.emission(device, frame, surfels, &room, (outside, iterations))?;
             steps.extend(emitted);
@@ -191,7 +220,7 @@ impl Passes {
     ) -> Result<Vec<MethodStep>, GpuError> {
         let of_surfels = cloud::Uniforms { settings, view };
         let mut steps = self.surfels.surfel_steps(device, world, cloud, of_surfels)?;
-        steps.push(LightPass::new(device, world, *lit)?.step(device, world, cloud, view, sent)?);
+        steps.extend(light::steps(device, world, *lit, cloud, [view, sent])?);
         Ok(steps)
     }
 
@@ -230,12 +259,13 @@ impl Passes {
         let shine = Pass::new(device, wgsl::LPV_SHINE.name, &wgsl::LPV_SHINE.source())?;
         let reflects = wgsl::LPV_REFLECT.specialised(&[room.scheme.lookup_constant()]);
         let reflects = Pass::new(device, wgsl::LPV_REFLECT.name, &reflects)?;
-        let read = || {
-            let read = [&room.record, view, &cloud.totals, &cloud.surfels, &cloud.patches];
+        let emissions = gpu::storage(device, "lpv.emissions", &world.emissions())?;
+        let read = |of_patches| {
+            let read = [&room.record, view, &cloud.totals, &cloud.surfels, of_patches];
             (0..).zip(read).chain([(7, &cloud.starts)])
         };
-        let shining: Vec<_> = read().collect();
-        let reflecting: Vec<_> = read().chain([(6, &emitted.shown)]).collect();
+        let shining: Vec<_> = read(&emissions).collect();
+        let reflecting: Vec<_> = read(&cloud.patches).chain([(6, &emitted.shown)]).collect();
         // However far it came: a radius is of what surfaces reflect.
         let reach = gpu::uniform(device, "lpv.reach", &uniforms::Propagation { reach: f32::MAX })?;
         let mut steps = vec![

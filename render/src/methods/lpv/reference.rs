@@ -2,11 +2,11 @@
 
 use super::Parameters;
 use super::lit_volume::{LitVolume, LitVolumes};
-use super::passes::Pixel;
+use super::passes::{Filled, Pixel};
 use crate::methods::picture::every_pixel;
 use crate::methods::single_scattering::mean_decay;
 use crate::scene::Medium;
-use crate::screen::View;
+use crate::screen::{PlainInputs, View, Written};
 use deepshade_shaders::random::random;
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes, shows_surface};
 use glam::{UVec2, Vec2, Vec3};
@@ -35,6 +35,23 @@ fn seen(gbuffer: &GBuffer, view: &View, colour: bool) -> Result<Vec<Option<Seen>
         })
     };
     Ok((0..view.height * view.width).map(pixel).collect())
+}
+
+/// Irradiance over pi of what a scene is filled with, `[3, height, width]`; nothing without a scene.
+///
+/// # Errors
+/// If the g-buffer lacks an attribute.
+pub fn lit_image(
+    inputs: &PlainInputs<'_>,
+    view: &View,
+    parameters: Parameters,
+    filled: Filled,
+) -> Result<Written, MissingAttribute> {
+    let shaded = |scene| {
+        let volumes = LitVolumes::new(scene, parameters, view, filled, view.radius);
+        Ok(lit(inputs.gbuffer, &volumes, view)?.data().to_vec())
+    };
+    inputs.scene.map(shaded).into_iter().collect()
 }
 
 /// Irradiance over pi, `[3, height, width]`.

@@ -1,7 +1,6 @@
 //! Light that a medium keeps: states in the cells of a grid over its box, lit by the lamps' shadow maps through the medium, and a
 //! march that shows them (thesis, Figure 8.17).
 
-use super::passes::lamps;
 use crate::bvh::TracedScene;
 use crate::path::phosphor::Afterglow;
 use crate::path::phosphor::in_medium::seen_through;
@@ -113,7 +112,7 @@ impl Cells {
         let pass = Pass::new(device, wgsl::PHOSPHOR_CELLS.name, &source)?;
         let sampler = shadow_sampler(device);
         let first = [&glow.paints, &self.record, &glow.since].map(|buffer| buffer.as_entire_binding());
-        let mut resources: Vec<_> = (0..).zip(first.into_iter().chain(lamps(world, &sampler))).collect();
+        let mut resources: Vec<_> = (0..).zip(first.into_iter().chain(world.lamps(&sampler))).collect();
         resources.push((8, self.states.as_entire_binding()));
         resources.push((11, world.medium.record.as_entire_binding()));
         resources.push((12, wgpu::BindingResource::TextureView(&world.medium.densities)));

@@ -94,9 +94,8 @@ impl Technique for Parameters {
         let states = finding.states(device, world)?;
         let cells = Cells::new(device, world, self.texels)?;
         let kept = cells.as_ref().filter(|_| world.glow.glow().medium.is_some());
-        let still = world.past().is_empty().then_some(world);
-        for pose in world.past().iter().map(|(_, pose)| pose).chain(still) {
-            steps.push(finding.step(device, pose, &states)?);
+        for pose in world.poses() {
+            steps.push(finding.keeping(&states).step(device, pose)?);
             steps.extend(kept.map(|cells| cells.step(device, pose)).transpose()?);
         }
         steps.push(finding.show(device, world, &states, output)?);

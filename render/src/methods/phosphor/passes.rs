@@ -2,8 +2,8 @@
 
 use super::tile::Tiles;
 use crate::raster::World;
-use crate::raster::light::{Lights, shadow_sampler};
-use crate::raster::medium::MediumOnGpu;
+use crate::raster::glow::Keeping;
+use crate::raster::light::shadow_sampler;
 use crate::screen::{GpuGBuffer, MethodStep, Step};
 use crate::surfels::groups;
 use deepshade_shaders::Attribute;
@@ -120,39 +120,14 @@ impl Finding {
         Ok(MethodStep { step: Step { pass, workgroups }, writes: Vec::new() })
     }
 
-    /// The pass that moves all states on by the time since the frame before.
-    ///
-    /// # Errors
-    /// If the device refuses.
-    pub fn step(
-        &self,
-        device: &wgpu::Device,
-        world: &World,
-        states: &wgpu::Buffer,
-    ) -> Result<MethodStep, GpuError> {
-        let glow = &world.glow;
-        let lights = ("LIGHTS", world.gpu_lights.count as u32);
-        let constants = [&glow.constants()[..], &[lights]].concat();
-        let is_dimmed = world.scene().medium.is_some();
-        let (shader, constants) = match is_dimmed {
-            true => (&wgsl::PHOSPHOR_STEP_DIMMED, [constants, vec![("MEDIUM", world.medium.kind)]].concat()),
-            false => (&wgsl::PHOSPHOR_STEP, constants),
-        };
-        let pass = Pass::new(device, shader.name, &shader.specialised(&constants))?;
-        let sampler = shadow_sampler(device);
-        let own = [&glow.paints, &self.tiles, &self.owners, &world.geometry.posed, &glow.since];
-        let resources = own.map(|buffer| buffer.as_entire_binding()).into_iter();
-        let mut resources: Vec<_> =
-            resources.chain(lamps(world, &sampler)).chain([states.as_entire_binding()]).collect();
-        if is_dimmed {
-            let MediumOnGpu { record, densities, .. } = &world.medium;
-            resources.extend([record.as_entire_binding(), wgpu::BindingResource::TextureView(densities)]);
+    /// What keeps light, with its states.
+    pub fn keeping<'a>(&'a self, states: &'a wgpu::Buffer) -> Keeping<'a> {
+        Keeping {
+            shaders: [&wgsl::PHOSPHOR_STEP, &wgsl::PHOSPHOR_STEP_DIMMED],
+            keepers: [&self.tiles, &self.owners],
+            count: self.texels,
+            states,
         }
-        let pass = pass.bind(device, &resources)?;
-        Ok(MethodStep {
-            step: Step { pass, workgroups: groups(self.texels).into() },
-            writes: vec![states.clone()],
-        })
     }
 
     /// The pass that shows states.
@@ -194,25 +169,13 @@ impl Finding {
         let own = [settings, &glow.paints, &self.tiles, &world.geometry.posed, &self.found, &glow.past];
         let resources = own.map(|buffer| buffer.as_entire_binding()).into_iter();
         let resources: Vec<_> = resources
-            .chain(lamps(world, &sampler))
+            .chain(world.lamps(&sampler))
             .chain([image, stretch].map(|b| b.as_entire_binding()))
             .collect();
         let pass = pass.bind(device, &resources)?;
         let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
         Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![image.clone()] })
     }
-}
-
-/// Lamps and their maps.
-pub(super) fn lamps<'a>(world: &'a World, sampler: &'a wgpu::Sampler) -> [wgpu::BindingResource<'a>; 5] {
-    let Lights { records, map_views, pictures, .. } = &world.gpu_lights;
-    [
-        records.as_entire_binding(),
-        map_views.as_entire_binding(),
-        pictures.as_entire_binding(),
-        wgpu::BindingResource::TextureView(&world.shadows.maps),
-        wgpu::BindingResource::Sampler(sampler),
-    ]
 }
 
 /// The tree over so many tiles, leaves first, up to a single node.

@@ -1,5 +1,7 @@
 //! The passes against their plain versions and closed forms; what moves and what bends; extremes.
 
+mod kept_light;
+
 use super::glassner::{Glassner, Parameters as Moments};
 use super::*;
 use crate::bvh::TracedScene;

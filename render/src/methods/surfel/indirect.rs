@@ -1,5 +1,6 @@
-//! Diffuse indirect light of one bounce by surfels (thesis 4.3): the sum of what they send, lit by the scene's lights
-//! with shadows.
+//! Diffuse indirect light by surfels (thesis 4.3): the sum of what they send. Of `gi` that is what they reflect once of the
+//! scene's lights, with shadows; of `phosphor-gi` what they give back of light that they kept, each part of all surface with
+//! states of its own.
 //!
 //! Unlike the paper's, shells are as wide for a dim surfel as for a bright one, so that the threshold has no unit;
 //! surfels without light are left out.
@@ -12,28 +13,52 @@ use crate::surfels::{Lit, Tree};
 use deepshade_shaders::wgsl;
 use deepshade_shaders::{Effect, MissingAttribute, Planes};
 
-/// The effect.
+/// The effect `gi`.
 #[derive(Clone, Copy, Debug)]
 pub struct Indirect;
 
-/// The method, compiled for a device.
+/// The effect `phosphor-gi`.
+#[derive(Clone, Copy, Debug)]
+pub struct KeptLight;
+
+/// `gi`, compiled for a device.
 pub type SurfelIndirect = Compiled<Surfel<Indirect>>;
 
 impl SurfelEffect for Indirect {
     const EFFECT: Effect = Effect::Gi;
 
     fn shaders() -> passes::Shaders {
-        passes::Shaders {
-            tree: Tree::Lit,
-            splat: &wgsl::SURFEL_LIGHT,
-            add: &wgsl::SURFEL_INDIRECT,
-            channels: 3,
-            lit: Some(Lit::Reflected),
-            ending: Ending::Sum,
-        }
+        shaders(Lit::Reflected)
     }
 
     fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Result<Planes, MissingAttribute> {
-        Ok(reference::sums(plain.surface, &disks, reference::LIGHT, plain.parameters, plain.view))
+        Ok(sum(plain, &disks))
     }
+}
+
+impl SurfelEffect for KeptLight {
+    const EFFECT: Effect = Effect::PhosphorGi;
+
+    fn shaders() -> passes::Shaders {
+        shaders(Lit::Kept)
+    }
+
+    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Result<Planes, MissingAttribute> {
+        Ok(sum(plain, &disks))
+    }
+}
+
+const fn shaders(lit: Lit) -> passes::Shaders {
+    passes::Shaders {
+        tree: Tree::Lit,
+        splat: &wgsl::SURFEL_LIGHT,
+        add: &wgsl::SURFEL_INDIRECT,
+        channels: 3,
+        lit: Some(lit),
+        ending: Ending::Sum,
+    }
+}
+
+fn sum(plain: &Plain<'_>, disks: &[Disk]) -> Planes {
+    reference::sums(plain.surface, disks, reference::LIGHT, plain.parameters, plain.view)
 }

@@ -130,10 +130,13 @@ impl<'a> Afterglow<'a> {
 
     /// The radiance that a surface gives back where a ray met it.
     pub fn emission(&self, hit: &Hit) -> Vec3 {
-        let mesh = &self.scene.scene().meshes[hit.mesh as usize];
-        let weights = corner_weights(hit.barycentric);
-        let shares = self.shares(hit.mesh as usize, hit.triangle as usize, weights);
-        let paint = self.paints[mesh.material.0 as usize];
+        self.emission_at(hit.mesh as usize, hit.triangle as usize, corner_weights(hit.barycentric))
+    }
+
+    /// The radiance that a point of a mesh gives back.
+    pub fn emission_at(&self, mesh: usize, triangle: usize, weights: [f32; 3]) -> Vec3 {
+        let shares = self.shares(mesh, triangle, weights);
+        let paint = self.paints[self.scene.scene().meshes[mesh].material.0 as usize];
         paint.zip(shares).map_or(Vec3::ZERO, |(paint, shares)| self.glow.surfaces[paint].1.emission(&shares))
     }
 }

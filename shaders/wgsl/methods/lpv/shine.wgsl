@@ -4,7 +4,8 @@
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<storage, read> totals: Totals;
 @group(0) @binding(3) var<storage, read> surfels: array<Surfel>;
-@group(0) @binding(4) var<storage, read> patches: array<Patch>;
+// Of patches: emitted radiance, packed.
+@group(0) @binding(4) var<storage, read> emissions: array<u32>;
 // [cells, 3, 4, 2]: flux and energy of each colour, watts
 @group(0) @binding(5) var<storage, read_write> light: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read> starts: array<u32>;
@@ -15,7 +16,7 @@ fn shine(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let surfel = surfels[id.x];
-    let emission = unpack_radiance(patches[patch_of(chosen(id.x))].emission);
+    let emission = unpack_radiance(emissions[patch_of(chosen(id.x))]);
     if all(emission == vec3f(0.0)) {
         return;
     }

@@ -73,7 +73,7 @@ fn find(@builtin(global_invocation_id) id: vec3u) {
         if is_near {
             let end = min((node + 1u) * FAN, TILES);
             for (var tile = node * FAN; tile < end; tile++) {
-                let near = near_triangle(point, tile_corners(tiles[tile]));
+                let near = near_triangle(point, corners_of(tile_vertices(tiles[tile])));
                 if near.off < least && tiles[tile].object == object {
                     least = near.off;
                     best = vec4f(f32(tile + 1u), near.weights, 0.0);

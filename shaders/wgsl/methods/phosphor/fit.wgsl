@@ -21,7 +21,7 @@ fn fit(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups
     let end = min((node + 1u) * FAN, level.children);
     for (var child = node * FAN; child < end; child++) {
         if LEAVES == 1u {
-            let corners = tile_corners(tiles[child]);
+            let corners = corners_of(tile_vertices(tiles[child]));
             low = min(low, min(corners[0], min(corners[1], corners[2])));
             high = max(high, max(corners[0], max(corners[1], corners[2])));
         } else {

@@ -73,7 +73,7 @@ fn look_back(@builtin(global_invocation_id) id: vec3u) {
     var sent = vec3f(0.0);
     if at.x > 0.0 {
         let tile = tiles[u32(at.x) - 1u];
-        let place = place_of(tile, vec3f(1.0 - at.y - at.z, at.yz));
+        let place = place_of(tile_vertices(tile), vec3f(1.0 - at.y - at.z, at.yz));
         let past = whole_past();
         let samples = bounded(settings.samples, id.xy);
         for (var s = 0u; s < STATES; s++) {

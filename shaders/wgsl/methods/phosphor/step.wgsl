@@ -39,34 +39,10 @@ fn step_states(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups
         return;
     }
     let tile = tiles[owners[texel]];
-    let place = place_of(tile, texel_weights(texel - tile.first, tile.divisions));
+    let place = place_of(tile_vertices(tile), texel_weights(texel - tile.first, tile.divisions));
     var irradiance: array<vec3f, SCHEDULES>;
     for (var i = 0u; i < LIGHTS; i++) {
         irradiance[schedule_of(i)] += received(lights[i], place);
     }
-    let anew = time[0] == 1.0;
-    let nothing = groups.z - 1u;
-    for (var s = 0u; s < STATES; s++) {
-        let state = paints[tile.paint * STATES + s];
-        let at = texel * STATES + s;
-        let at_left = at + arrayLength(&states) / 2u;
-        var share = Share(states[at], states[at_left]);
-        if anew {
-            share = Share(state.emission.w, 0.0);
-        }
-        for (var piece = 0u; piece < PIECES; piece++) {
-            let start = piece_start(piece);
-            // Behind the last piece no time passes.
-            if time[start] <= 0.0 {
-                break;
-            }
-            var light = vec3f(0.0);
-            for (var schedule = 0u; schedule < SCHEDULES; schedule++) {
-                light += select(vec3f(0.0), irradiance[schedule], time[start + 1u + schedule] == 1.0);
-            }
-            share = changed(share, change_of(share.value, charge_of(state, light), state.rates.w, time[start]), nothing);
-        }
-        states[at] = share.value;
-        states[at_left] = share.left;
-    }
+    move_on(texel, tile.paint, &irradiance, groups.z - 1u);
 }

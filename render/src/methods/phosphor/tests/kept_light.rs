@@ -1,0 +1,67 @@
+//! What glowing surfaces light: by surfels and by the grid, against their plain versions and against truth.
+
+use super::*;
+use crate::methods::lpv;
+use crate::methods::surfel::{self, Surfel, indirect};
+use crate::path::{self, Sampling, Shot};
+use crate::surfels;
+
+type BySurfels = Compiled<Surfel<indirect::KeptLight>>;
+type ByGrid = Compiled<lpv::KeptLight>;
+
+/// The room as methods of the effect see it.
+fn lit_room((scene, view, _): (TracedScene, View, GBuffer)) -> (TracedScene, View, GBuffer) {
+    let attributes = [Attribute::Position, Attribute::Normal, Attribute::Valid];
+    let gbuffer = gbuffer::render(&scene, &view.camera, view.height, view.width, &attributes);
+    (scene, View { radius: 2.0, ..view }, gbuffer)
+}
+
+fn by_surfels(gpu: &Gpu) -> BySurfels {
+    let surfels = surfels::Parameters { scale: 0.02, near: 0.1 };
+    let parameters = surfel::Parameters { surfels, ..surfel::Parameters::default() };
+    BySurfels::new(gpu, parameters.into()).expect("valid shaders")
+}
+
+fn by_grid(gpu: &Gpu) -> ByGrid {
+    let parameters = lpv::Parameters { cells: 12, iterations: 12, ..lpv::Parameters::default() };
+    ByGrid::new(gpu, parameters.into()).expect("valid shaders")
+}
+
+#[test]
+fn surfels_and_cells_light_as_their_plain_versions_do() {
+    let gpu = gpu();
+    // Shadow maps end within a texel of where shadows do, and a patch is dark or lit.
+    let tolerance = Tolerance { usual: 5e-3, worst: 0.1 };
+    prove_twin(&by_surfels(&gpu), &lit_room(room()), tolerance);
+    prove_twin(&by_grid(&gpu), &lit_room(room()), tolerance);
+}
+
+#[test]
+fn patches_keep_light_of_what_moved_where_it_was() {
+    let gpu = gpu();
+    let method = by_surfels(&gpu);
+    let told = lit_room(moving());
+    prove_twin(&method, &told, Tolerance { usual: 1e-2, worst: 0.1 });
+    let still = (told.0.clone().with_past(vec![]).expect("no past"), told.1, told.2.clone());
+    let [told, untold] = [&told, &still].map(|frame| shaded(&method, frame));
+    let off = told.data().iter().zip(untold.data()).filter(|(a, b)| (*a - *b).abs() > 0.02 * *a).count();
+    assert!(off > told.data().len() / 50, "as if it had never moved: {off}");
+}
+
+/// The mean over the floor of an image over that of truth.
+#[test]
+fn a_glowing_wall_lights_the_floor_as_truth_says() {
+    let gpu = gpu();
+    let mut glow = glow(&[0.3], &[[0.0, 9.0]], 1.0);
+    glow.surfaces[0].0 = Some("wall".to_owned());
+    let lit = || vec![lamp(Vec3::new(0.0, 1.0, 1.0), 5.0)];
+    let room = lit_room(seen(scene(vec![floor(), wall()], lit(), glow), camera(), [37, 53]));
+    let (scene, view, _) = &room;
+    let shot = Shot::new(scene, &view.camera, [view.height, view.width], view.radius);
+    let truth = path::render(Effect::PhosphorGi, &shot, Sampling::one(256, 1)).mean;
+    let mean = |image: &Planes| image.data().iter().sum::<f32>() / image.data().len() as f32;
+    let wanted = mean(&truth);
+    assert!(wanted > 1e-3, "{wanted}");
+    let ratios = [shaded(&by_surfels(&gpu), &room), shaded(&by_grid(&gpu), &room)].map(|i| mean(&i) / wanted);
+    assert!((ratios[0] - 1.0).abs() < 0.1 && (ratios[1] - 1.0).abs() < 0.25, "{ratios:?}");
+}
