@@ -4,6 +4,7 @@
 mod design;
 mod fit;
 mod materials;
+mod particles;
 mod self_test;
 mod simulate;
 
@@ -20,6 +21,8 @@ pub enum Verb {
     Design(design::Args),
     /// Simulates the measurement of a known material: files for `fit`.
     Simulate(simulate::Args),
+    /// Makes a scene of particles that move, each of which keeps light of its own.
+    Particles(particles::Args),
 }
 
 /// Does it.
@@ -32,5 +35,6 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Fit(args) => fit::run(args),
         Verb::Design(args) => design::run(args),
         Verb::Simulate(args) => simulate::run(args),
+        Verb::Particles(args) => particles::run(args),
     }
 }

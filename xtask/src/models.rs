@@ -26,6 +26,8 @@ struct Budget {
     crop: u32,
     /// The optimiser's highest rate.
     rate: &'static str,
+    /// The network's default radius as a share of a scene's diagonal, where the recipe has metres.
+    share: Option<&'static str>,
 }
 
 /// A network of the thesis' Table 7.1 each, cheap ones first. One core trains some 60 crops of 128 x 128 pixels a second
@@ -33,17 +35,17 @@ struct Budget {
 /// data and less than that for training. Indirect light, most of which is dark, wants a lower rate: at 0.004 the weights grew
 /// without bound, to where structural similarity has no gradient.
 const BUDGETS: [Budget; 11] = [
-    Budget { name: "aa", steps: 16_000, batch: 8, crop: 128, rate: "0.005" },
-    Budget { name: "ibl", steps: 8_000, batch: 4, crop: 128, rate: "0.005" },
-    Budget { name: "dof", steps: 20_000, batch: 4, crop: 128, rate: "0.004" },
-    Budget { name: "motion-blur", steps: 20_000, batch: 4, crop: 128, rate: "0.004" },
-    Budget { name: "sss", steps: 20_000, batch: 4, crop: 128, rate: "0.004" },
-    Budget { name: "gi", steps: 16_000, batch: 4, crop: 128, rate: "0.003" },
-    Budget { name: "gi-paper", steps: 16_000, batch: 4, crop: 128, rate: "0.003" },
-    Budget { name: "do", steps: 20_000, batch: 4, crop: 128, rate: "0.004" },
-    Budget { name: "multi", steps: 20_000, batch: 4, crop: 128, rate: "0.004" },
-    Budget { name: "real", steps: 20_000, batch: 4, crop: 128, rate: "0.004" },
-    Budget { name: "ao", steps: 20_000, batch: 4, crop: 256, rate: "0.002" },
+    Budget { name: "aa", steps: 16_000, batch: 8, crop: 128, rate: "0.005", share: None },
+    Budget { name: "ibl", steps: 8_000, batch: 4, crop: 128, rate: "0.005", share: None },
+    Budget { name: "dof", steps: 20_000, batch: 4, crop: 128, rate: "0.004", share: None },
+    Budget { name: "motion-blur", steps: 20_000, batch: 4, crop: 128, rate: "0.004", share: None },
+    Budget { name: "sss", steps: 20_000, batch: 4, crop: 128, rate: "0.004", share: None },
+    Budget { name: "gi", steps: 16_000, batch: 4, crop: 128, rate: "0.003", share: None },
+    Budget { name: "gi-paper", steps: 16_000, batch: 4, crop: 128, rate: "0.003", share: None },
+    Budget { name: "do", steps: 20_000, batch: 4, crop: 128, rate: "0.004", share: None },
+    Budget { name: "multi", steps: 20_000, batch: 4, crop: 128, rate: "0.004", share: None },
+    Budget { name: "real", steps: 20_000, batch: 4, crop: 128, rate: "0.004", share: Some("0.04") },
+    Budget { name: "ao", steps: 20_000, batch: 4, crop: 256, rate: "0.002", share: None },
 ];
 
 /// What the command line says.
@@ -84,7 +86,7 @@ pub fn run(args: &[String]) -> Result<()> {
 
 /// The steps from a recipe to a model with its figures.
 fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
-    let Budget { name, steps, batch, crop, rate } = budget;
+    let Budget { name, steps, batch, crop, rate, share } = budget;
     let recipe = |suffix: &str| format!("dataset/recipes/{name}{suffix}.toml");
     let folder = |of: &str| work.join(of).join(name).display().to_string();
     let (data, run, testset) = (folder("data"), folder("runs"), folder("testsets"));
@@ -93,9 +95,13 @@ fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
     let [steps, batch, crop] = [steps, batch, crop].map(u32::to_string);
     // No early stop: the rate falls until the last step.
     let budget = ["--steps", &steps, "--batch", &batch, "--crop", &crop, "--rate", rate, "--patience", "0"];
+    let share = share.map_or_else(Vec::new, |share| vec!["--diagonal-share", share]);
     vec![
         ("data", deepshade(&["dataset", "generate", &recipe(""), "--out", &data])),
-        ("training", deepshade(&[&["train", "--dataset", &data, "--out", &run], &budget[..]].concat())),
+        (
+            "training",
+            deepshade(&[&["train", "--dataset", &data, "--out", &run], &budget[..], &share[..]].concat()),
+        ),
         ("export", deepshade(&["export", "--run", &run, "--out", &model])),
         ("test set", deepshade(&["dataset", "testset", &recipe("-test"), "--out", &testset])),
         ("evaluation", deepshade(&["eval", "--model", &model, "--testset", &testset, "--json", &metrics])),
@@ -134,13 +140,14 @@ mod tests {
 
     #[test]
     fn every_network_has_its_recipes_and_crops_that_fit() {
-        for Budget { name, crop, .. } in &BUDGETS {
+        for Budget { name, crop, share, .. } in &BUDGETS {
             for suffix in ["", "-test"] {
                 let recipe = root().join(format!("dataset/recipes/{name}{suffix}.toml"));
                 let text = std::fs::read_to_string(&recipe).expect("a recipe of that name");
                 let height = text.split("height = ").nth(1).and_then(|rest| rest.split(',').next());
                 let height: u32 = height.and_then(|number| number.trim().parse().ok()).expect("a height");
                 assert!(*crop <= height && crop.is_multiple_of(8), "{name}{suffix}");
+                assert_eq!(text.contains("radius = { metres"), share.is_some(), "{name}{suffix}");
             }
         }
     }

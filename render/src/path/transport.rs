@@ -152,6 +152,9 @@ impl<'a> Transport<'a> {
             let hit = self.hit(&edge, stream);
             let length = hit.map_or(f32::INFINITY, |hit| hit.distance);
             let segment = Segment { origin: edge.origin, direction: edge.direction, length };
+            if let Some(afterglow) = self.afterglow.as_ref().filter(|_| self.wants(vertices)) {
+                found(vertices, throughput * self.kept_by_medium(afterglow, &segment, stream));
+            }
             let Flight { scattered, weight } = self.follow(vertices, &segment, throughput, stream);
             throughput *= weight;
             if throughput == Vec3::ZERO {
@@ -257,6 +260,15 @@ impl<'a> Transport<'a> {
             return radiance;
         }
         radiance * self.weight(edge, |lights| lights.density_of_environment(edge.direction))
+    }
+
+    /// Light that the medium on a segment kept: nothing but paths finds it.
+    fn kept_by_medium(&self, afterglow: &Afterglow<'_>, segment: &Segment, stream: &mut Stream) -> Vec3 {
+        if !afterglow.is_in_medium() {
+            return Vec3::ZERO;
+        }
+        let number = stream.next_1d();
+        afterglow.of_medium(segment, number, |before| self.media.transmittance(before, stream))
     }
 
     /// Emission of a surface at the end of an edge, weighed.

@@ -15,6 +15,7 @@ pub mod medium;
 pub mod mesh;
 mod mesh_list;
 pub mod obj;
+pub mod particles;
 pub mod procedural;
 pub mod source;
 pub mod summary;

