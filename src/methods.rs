@@ -72,7 +72,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 48] = [
+const ALL: [Entry; 49] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -116,6 +116,7 @@ const ALL: [Entry; 48] = [
     screen::<phosphor::Parameters, phosphor::Parameters>(),
     screen::<phosphor::glassner::Parameters, phosphor::glassner::Parameters>(),
     screen::<surfel::Parameters, Surfel<surfel::indirect::KeptLight>>(),
+    screen::<bounced_z::Parameters, BouncedZ<bounced_z::indirect::KeptLight>>(),
     screen::<lpv::Parameters, lpv::KeptLight>(),
     processor::<epipolar::Parameters>(),
     processor::<min_max::Parameters>(),

@@ -1,5 +1,5 @@
 //! Diffuse indirect light of one bounce by a bounced z-buffer: what the nearest surfels send, lit by the scene's lights
-//! with shadows. Surfels without light hide those behind them, so none is left out.
+//! with shadows; of `phosphor-gi` what they give back of light that they kept. Surfels without light hide those behind them, so none is left out.
 
 use super::technique::{Reflectors, Shaders};
 use super::{BouncedEffect, BouncedZ, Matte};
@@ -12,11 +12,15 @@ use deepshade_shaders::wgsl;
 use deepshade_shaders::{Effect, GBuffer, MissingAttribute};
 use glam::Vec3;
 
-/// The effect.
+/// The effect `gi`.
 #[derive(Clone, Copy, Debug)]
 pub struct Indirect;
 
-/// The method, compiled for a device.
+/// The effect `phosphor-gi`.
+#[derive(Clone, Copy, Debug)]
+pub struct KeptLight;
+
+/// `gi`, compiled for a device.
 pub type BouncedIndirect = Compiled<BouncedZ<Indirect>>;
 
 impl BouncedEffect for Indirect {
@@ -35,5 +39,27 @@ impl BouncedEffect for Indirect {
 
     fn arriving(met: Option<&Disk>, direction: Vec3) -> Vec3 {
         met.map_or(Vec3::ZERO, |disk| sent(direction, disk))
+    }
+}
+
+impl BouncedEffect for KeptLight {
+    const EFFECT: Effect = Effect::PhosphorGi;
+    const LIT: Option<Lit> = Some(Lit::Kept);
+
+    type Reflector = Matte;
+
+    fn shaders() -> Shaders {
+        Indirect::shaders()
+    }
+
+    fn reflectors<'a>(
+        gbuffer: &GBuffer,
+        surface: &'a Surface,
+    ) -> Result<Reflectors<'a, Matte>, MissingAttribute> {
+        Indirect::reflectors(gbuffer, surface)
+    }
+
+    fn arriving(met: Option<&Disk>, direction: Vec3) -> Vec3 {
+        Indirect::arriving(met, direction)
     }
 }

@@ -28,11 +28,18 @@ impl SurfelEffect for Indirect {
     const EFFECT: Effect = Effect::Gi;
 
     fn shaders() -> passes::Shaders {
-        shaders(Lit::Reflected)
+        passes::Shaders {
+            tree: Tree::Lit,
+            splat: &wgsl::SURFEL_LIGHT,
+            add: &wgsl::SURFEL_INDIRECT,
+            channels: 3,
+            lit: Some(Lit::Reflected),
+            ending: Ending::Sum,
+        }
     }
 
     fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Result<Planes, MissingAttribute> {
-        Ok(sum(plain, &disks))
+        Ok(reference::sums(plain.surface, &disks, reference::LIGHT, plain.parameters, plain.view))
     }
 }
 
@@ -40,25 +47,10 @@ impl SurfelEffect for KeptLight {
     const EFFECT: Effect = Effect::PhosphorGi;
 
     fn shaders() -> passes::Shaders {
-        shaders(Lit::Kept)
+        passes::Shaders { lit: Some(Lit::Kept), ..Indirect::shaders() }
     }
 
     fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Result<Planes, MissingAttribute> {
-        Ok(sum(plain, &disks))
+        Indirect::plain(plain, disks)
     }
-}
-
-const fn shaders(lit: Lit) -> passes::Shaders {
-    passes::Shaders {
-        tree: Tree::Lit,
-        splat: &wgsl::SURFEL_LIGHT,
-        add: &wgsl::SURFEL_INDIRECT,
-        channels: 3,
-        lit: Some(lit),
-        ending: Ending::Sum,
-    }
-}
-
-fn sum(plain: &Plain<'_>, disks: &[Disk]) -> Planes {
-    reference::sums(plain.surface, disks, reference::LIGHT, plain.parameters, plain.view)
 }

@@ -74,7 +74,7 @@ mod tests {
     use crate::path::{FullPath, Shot};
     use crate::scene::glow::Start;
     use crate::scene::glow::tests::glow;
-    use crate::scene::{Bounds, Camera, Density, Material, Medium, Scene};
+    use crate::scene::{Bounds, Camera, Density, Gloss, Material, Medium, Scene};
     use glam::Vec3;
 
     /// A wall, black and without paint, behind a metre of fog that is full of light and scatters half of what it takes, or none.
@@ -88,7 +88,7 @@ mod tests {
         let corners = [(-9., -9.), (9., -9.), (9., 9.), (-9., 9.)].map(|(x, y)| Vec3::new(x, y, -0.6));
         TracedScene::new(Scene {
             meshes: vec![quad(corners)].into(),
-            materials: vec![Material::matte("black", Vec3::ZERO)],
+            materials: vec![Material { gloss: Gloss::None, ..Material::matte("black", Vec3::ZERO) }],
             medium: Some(Medium::new(absorption, scattering, 0.0, density).expect("fog").into()),
             glow: Some(full.into()),
             ..Scene::default()

@@ -1,11 +1,12 @@
-//! What glowing surfaces light: by surfels and by the grid, against their plain versions and against truth.
+//! What glowing surfaces light: by surfels, by rays that meet them and by the grid, against their plain versions and against truth.
 
 use super::*;
-use crate::methods::lpv;
 use crate::methods::surfel::{self, Surfel, indirect};
+use crate::methods::{bounced_z, lpv};
 use crate::path::{self, Sampling, Shot};
 use crate::surfels;
 
+type ByRays = Compiled<bounced_z::BouncedZ<bounced_z::indirect::KeptLight>>;
 type BySurfels = Compiled<Surfel<indirect::KeptLight>>;
 type ByGrid = Compiled<lpv::KeptLight>;
 
@@ -26,6 +27,12 @@ fn by_surfels(gpu: &Gpu) -> BySurfels {
     BySurfels::new(gpu, parameters.into()).expect("valid shaders")
 }
 
+fn by_rays(gpu: &Gpu) -> ByRays {
+    let surfels = surfels::Parameters { scale: 0.02, near: 0.1 };
+    let parameters = bounced_z::Parameters { surfels, ..bounced_z::Parameters::default() };
+    ByRays::new(gpu, parameters.into()).expect("valid shaders")
+}
+
 fn by_grid(gpu: &Gpu, cells: usize) -> ByGrid {
     let parameters = lpv::Parameters { cells, iterations: cells, ..lpv::Parameters::default() };
     ByGrid::new(gpu, parameters.into()).expect("valid shaders")
@@ -40,6 +47,7 @@ const fn tolerance() -> Tolerance {
 fn surfels_and_cells_light_as_their_plain_versions_do() {
     let gpu = gpu();
     prove_twin(&by_surfels(&gpu), &lit_room(room()), tolerance());
+    prove_twin(&by_rays(&gpu), &lit_room(room()), tolerance());
     prove_twin(&by_grid(&gpu, 12), &lit_room(room()), tolerance());
 }
 
@@ -55,7 +63,6 @@ fn patches_keep_light_of_what_moved_where_it_was() {
     assert!(off > told.data().len() / 50, "as if it had never moved: {off}");
 }
 
-/// The mean over the floor of an image over that of truth.
 #[test]
 fn a_glowing_wall_lights_the_floor_as_truth_says() {
     let gpu = gpu();
@@ -70,6 +77,8 @@ fn a_glowing_wall_lights_the_floor_as_truth_says() {
     let wanted = mean(&truth);
     assert!(wanted > 1e-3, "{wanted}");
     let surfels = mean(&shaded(&by_surfels(&gpu), &room)) / wanted;
-    let grids = [12, 24, 48].map(|cells| mean(&shaded(&by_grid(&gpu, cells), &room)) / wanted);
-    assert!((surfels - 1.0).abs() < 0.1 && (grids[0] - 1.0).abs() < 0.25, "{surfels} {grids:?}");
+    let rays = mean(&shaded(&by_rays(&gpu), &room)) / wanted;
+    let grid = mean(&shaded(&by_grid(&gpu, 12), &room)) / wanted;
+    assert!((surfels - 1.0).abs() < 0.1 && (rays - 1.0).abs() < 0.1, "{surfels} {rays}");
+    assert!((grid - 1.0).abs() < 0.25, "{grid}");
 }
