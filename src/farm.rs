@@ -4,9 +4,11 @@
 //! `plan` writes a folder of jobs that all machines see: what is made (`plan`), and the engine's file (`slurm`, `ray`,
 //! `kubernetes`). Every task of the engine calls `farm work`, which makes one shard and keeps a record of how it went
 //! (`work`). Where tasks run, and what is tried again, the engine decides. `status` reads the records and the shards'
-//! own lists (`status`); `merge` puts the shards together.
+//! own lists (`status`); `merge` puts the shards together. `cost` says what all of it would take, by a `model` of it.
 
+mod cost;
 mod kubernetes;
+mod model;
 mod plan;
 mod ray;
 mod record;
@@ -14,6 +16,9 @@ mod slurm;
 mod status;
 mod submit;
 mod work;
+
+pub use cost::{measured, program};
+pub use model::{Farm, Outcome, Parts};
 
 use crate::place::Place;
 use anyhow::Result;
@@ -35,6 +40,8 @@ pub enum Verb {
     Work(work::Args),
     /// Puts the shards together.
     Merge(Merge),
+    /// Says what datasets would take on many machines: hours, cores, bytes, and what holds them up.
+    Cost(cost::Args),
 }
 
 /// Puts the shards of a farm together, once all are made.
@@ -73,6 +80,7 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Submit(args) => submit::run(args),
         Verb::Status(args) => status::run(args),
         Verb::Work(args) => work::run(args),
+        Verb::Cost(args) => cost::run(args),
         Verb::Merge(args) => {
             let shards = Plan::load(&args.jobs)?.places().collect::<Vec<_>>();
             crate::dataset::merge_places(&shards, &args.out, args.json.as_deref())

@@ -13,15 +13,10 @@ use anyhow::Result;
 /// What to do with phosphorescent materials.
 #[derive(clap::Subcommand)]
 pub enum Verb {
-    /// Lists the materials that are known by name, or those of a file.
     Materials(materials::Args),
-    /// Fits a material to measurements, or tests such fits on simulated ones.
     Fit(fit::Args),
-    /// Finds materials that make places of a scene look as they should at certain moments.
     Design(design::Args),
-    /// Simulates the measurement of a known material: files for `fit`.
     Simulate(simulate::Args),
-    /// Makes a scene of particles that move, each of which keeps light of its own.
     Particles(particles::Args),
 }
 

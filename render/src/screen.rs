@@ -20,6 +20,7 @@ use crate::bvh::TracedScene;
 
 use crate::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
 use crate::raster::World;
+use crate::scene::glow::Start;
 use crate::scene::{Camera, Environment, Glow, Scene};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
@@ -198,9 +199,13 @@ fn remembered(gpu: &Gpu, traced: &TracedScene, view: &View) -> Result<World, Gpu
     // In the middle of as many poses as stand for one.
     let poses = traced.past();
     let each = poses.len().div_ceil(POSES).max(1);
-    let starts: Vec<f32> = poses.iter().step_by(each).map(|(from, _)| *from).collect();
+    // Lamps that had shone for long did so before the first pose alone.
+    let long = usize::from(Glow::of(traced.scene()).start == Start::LitForLong).min(poses.len());
+    let (first, later) = poses.split_at(long);
+    let groups = || first.chunks(1).chain(later.chunks(each));
+    let starts: Vec<f32> = groups().map(|group| group[0].0).collect();
     let mut past = Vec::new();
-    for (index, group) in poses.chunks(each).enumerate() {
+    for (index, group) in groups().enumerate() {
         let (_, pose) = &group[group.len() / 2];
         let mut then = still(gpu, pose.scene(), view, PAST_SHADOW_SIZE)?;
         let to = starts.get(index + 1).map_or(moment, |next| next.min(moment));

@@ -3,14 +3,16 @@
 //!
 //! A worker is a process of one thread that makes shard after shard, as an engine's tasks do (`deepshade farm work`), so
 //! that starting, reading scenes again and putting shards together count. With more workers than cores there is nothing
-//! to gain, and the figures say so.
+//! to gain, and the figures say so. Beside each stands what the simulation of `deepshade farm cost` says of it, from a few pairs
+//! that were timed alone.
 
+use crate::farm::{Farm, Outcome, Parts, measured, program};
 use crate::figures::Figures;
 use anyhow::{Context, Result, ensure};
+use deepshade_dataset::Recipe;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
@@ -47,16 +49,26 @@ pub fn run(args: &Args) -> Result<()> {
     let mut figures = Figures::new("bench farm");
     figures.set("pairs", pairs);
     figures.set("pairs_per_hour_one_run", 3600.0 * pairs / alone);
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let parts = measured(&args.recipe, &Recipe::load(&args.recipe)?)?;
     let mut equal = true;
     let mut lines = Vec::new();
     for workers in &args.workers {
-        let (seconds, merged) = farmed(args, *workers, folder.path())?;
+        let Farmed { seconds, merge, merged } = farmed(args, *workers, folder.path())?;
         equal &= contents(&merged)? == whole;
-        let rate = 3600.0 * pairs / seconds;
+        let farm = Farm {
+            workers: *workers as usize,
+            cores: cores as f64,
+            shards: args.shards as usize,
+            pairs: pairs as usize,
+        };
+        let said = Outcome::of(&farm, &Parts { merge: merge / pairs, ..parts }).seconds;
+        let [rate, simulated] = [seconds, said].map(|seconds| 3600.0 * pairs / seconds);
         figures.set(&format!("pairs_per_hour_{workers}"), rate);
-        lines.push(format!("{workers:>7}  {rate:>8.0}  {:>6.2}", rate * alone / (3600.0 * pairs)));
+        figures.set(&format!("simulated_pairs_per_hour_{workers}"), simulated);
+        let beside = rate * alone / (3600.0 * pairs);
+        lines.push(format!("{workers:>7}  {rate:>8.0}  {beside:>6.2}  {simulated:>9.0}"));
     }
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
     figures.set("bytes_equal", if equal { 1.0 } else { 0.0 });
     figures.set("bytes", whole.values().map(Vec::len).sum::<usize>() as f64);
     figures.detail("cores", json!(cores));
@@ -64,14 +76,23 @@ pub fn run(args: &Args) -> Result<()> {
     figures.detail("recipe", json!(args.recipe));
     figures.write(args.json.as_deref())?;
     say!("workers of one thread on {cores} cores, {} shards; beside one run of one thread", args.shards)?;
-    say!("workers   pairs/h    beside")?;
+    say!("workers   pairs/h  beside  simulated")?;
     lines.iter().try_for_each(|line| say!("{line}"))?;
     ensure!(equal, "the bytes are not those of one run");
     say!("the bytes are those of one run")
 }
 
-/// Seconds that so many workers took for all shards, put together, and the folder of the dataset.
-fn farmed(args: &Args, workers: u32, folder: &Path) -> Result<(f64, PathBuf)> {
+/// A dataset that a farm made.
+struct Farmed {
+    /// What it took, putting its shards together included.
+    seconds: f64,
+    /// What that took.
+    merge: f64,
+    merged: PathBuf,
+}
+
+/// Makes the dataset by so many workers.
+fn farmed(args: &Args, workers: u32, folder: &Path) -> Result<Farmed> {
     let place = |name: &str| folder.join(format!("{name}-{workers}"));
     let (jobs, made, merged) = (place("jobs"), place("shards"), place("merged"));
     let shards = args.shards.to_string();
@@ -104,19 +125,10 @@ fn farmed(args: &Args, workers: u32, folder: &Path) -> Result<(f64, PathBuf)> {
             .into_iter()
             .try_for_each(|hand| hand.join().unwrap_or_else(|_| anyhow::bail!("a worker's thread")))
     })?;
+    let made = start.elapsed().as_secs_f64();
     program(&["farm", "merge"], &[&jobs, "--out".as_ref(), &merged])?;
-    Ok((start.elapsed().as_secs_f64(), merged))
-}
-
-/// Runs this program with one thread.
-fn program(verb: &[&str], args: &[&Path]) -> Result<()> {
-    let own = std::env::current_exe().context("where this program is")?;
-    let mut command = Command::new(own);
-    command.args(verb).args(args).env("RAYON_NUM_THREADS", "1").stdin(Stdio::null());
-    let output = command.output().with_context(|| verb.join(" "))?;
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    ensure!(output.status.success(), "deepshade {} failed: {said}", verb.join(" "));
-    Ok(())
+    let seconds = start.elapsed().as_secs_f64();
+    Ok(Farmed { seconds, merge: seconds - made, merged })
 }
 
 /// All files of a dataset.

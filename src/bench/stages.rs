@@ -39,7 +39,7 @@ pub enum Stage {
 }
 
 /// Which shader belongs to which stage.
-static SHADERS: [(Stage, &Shader); 58] = [
+static SHADERS: [(Stage, &Shader); 61] = [
     (Stage::Surfels, &wgsl::SURFELS_VERTICES),
     (Stage::Surfels, &wgsl::SURFELS_MEASURE),
     (Stage::Surfels, &wgsl::SURFELS_SUM),
@@ -50,6 +50,9 @@ static SHADERS: [(Stage, &Shader); 58] = [
     (Stage::Light, &wgsl::SURFELS_REFLECTED),
     (Stage::Light, &wgsl::SURFELS_RECEIVED),
     (Stage::Light, &wgsl::SURFELS_DIMMED),
+    (Stage::Light, &wgsl::SURFELS_KEEP),
+    (Stage::Light, &wgsl::SURFELS_KEEP_DIMMED),
+    (Stage::Light, &wgsl::SURFELS_GIVE_BACK),
     (Stage::Intervals, &wgsl::VOLUME_SHELL_INTERVALS),
     (Stage::Intervals, &wgsl::VOLUME_SHELL_PAPER_INTERVALS),
     (Stage::Tree, &wgsl::SURFELS_LEAVES),

@@ -14,6 +14,7 @@ pub const MEDIUM: &[Effect] = &[
     Effect::FogIndirect,
     Effect::FogMultiple,
     Effect::Phosphor,
+    Effect::PhosphorGi,
     Effect::Path,
     Effect::Real,
 ];

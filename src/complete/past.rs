@@ -1,10 +1,9 @@
 //! What a scene that moves was like before, for light that its surfaces keep.
 
-use crate::{exposure_time, props};
+use crate::props;
 use anyhow::Result;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::{AnimatedScene, Glow, Scene, SceneError, SceneSource};
-use deepshade_shaders::Effect;
 
 /// Poses at most, and the triangles of all of them: each takes memory as the scene does.
 const POSES: usize = 48;
@@ -37,7 +36,7 @@ pub fn remembered(scene: TracedScene, source: &SceneSource, props: &props::Args)
     let glow = Glow::of(scene.scene());
     let count = (TRIANGLES / scene.scene().triangle_count().max(1)).clamp(2, POSES);
     let pose = |[from, at]: [f32; 2]| {
-        let mut posed = exposure_time::Args::new(Some(at), None).scene(source, props, Effect::Phosphor)?;
+        let mut posed = animated.at(at, 0.0)?;
         let mut look = scene.scene().look();
         animated.light(&mut look.lights, at);
         posed.set_look(look);

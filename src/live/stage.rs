@@ -130,10 +130,11 @@ impl Staged {
         frame as f32 / self.fps
     }
 
-    /// A frame's moment in the animation, which begins again when it is over.
+    /// A frame's moment in the animation, which begins again when it is over; but not where surfaces keep light, whose time goes
+    /// on.
     pub fn time(&self, frame: u32, first: f32) -> f32 {
         let time = first + self.seconds(frame);
-        match self.animated.span() {
+        match self.animated.span().filter(|_| self.animated.scene.glow.is_none()) {
             Some([begin, end]) if end > begin && time > end => begin + (time - begin).rem_euclid(end - begin),
             _ => time,
         }

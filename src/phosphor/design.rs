@@ -7,7 +7,7 @@ mod task;
 
 use crate::figures::{Figures, write_atomically};
 use crate::table;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::phosphor::design::{Design, Key, Place, thesis_grid};
 use deepshade_render::phosphor::material::Material;
@@ -140,6 +140,13 @@ fn designs(task: &Task, first: &TracedScene) -> Result<Vec<Designed>> {
     let mut materials: Vec<usize> = spots.iter().map(|spot| spot.material).collect();
     materials.sort_unstable();
     materials.dedup();
+    let name_of = |material: &usize| &first.scene().materials[*material].name;
+    if let Some(twice) = materials
+        .iter()
+        .find(|one| first.scene().materials.iter().filter(|other| other.name == *name_of(one)).count() > 1)
+    {
+        bail!("several materials are called `{}`, and a design is of one: rename them", name_of(twice));
+    }
     let of_material = |material: usize| {
         let own: Vec<usize> = (0..spots.len()).filter(|index| spots[*index].material == material).collect();
         let places = own.iter().map(|index| place(task, first, *index, &spots[*index], &received[*index]));

@@ -32,13 +32,15 @@ pub struct Args {
     /// Name of their material, for files that say what keeps light (`--phosphor`).
     #[arg(long, default_value = "particles")]
     material: String,
-    /// The glTF file, binary.
+    /// The glTF file, binary (.glb).
     #[arg(long)]
     out: PathBuf,
 }
 
 /// Most particles of a file: joints have 16 bits.
 const MOST: u32 = 65_535;
+/// Most moments of all particles: 16 bytes each, of which 4 GB can be told.
+const MOST_MOMENTS: usize = 50_000_000;
 
 /// Writes the file.
 ///
@@ -48,11 +50,20 @@ pub fn run(args: &Args) -> Result<()> {
     ensure!(args.radius.is_finite() && args.radius > 0.0, "--radius {} is not above 0", args.radius);
     let seconds = args.seconds;
     ensure!((0.1..=600.0).contains(&seconds), "--seconds {seconds} is not from 0.1 to 600");
+    let ending = args.out.extension().is_some_and(|ending| ending == "glb");
+    ensure!(ending, "--out {}: binary glTF files end in .glb", args.out.display());
+    let moments = f64::from(args.fountain.unwrap_or(0)) * f64::from(seconds) * 60.0;
+    ensure!(
+        moments <= MOST_MOMENTS as f64,
+        "a fountain of so many drops for so long is more than a file can have"
+    );
     let tracks = match (&args.tracks, args.fountain) {
         (Some(path), _) => Tracks::read(path)?,
         (None, drops) => Tracks::fountain(drops.unwrap_or(1) as usize, seconds, args.seed),
     };
     let count = tracks.count();
+    let moments = tracks.moments();
+    ensure!(moments <= MOST_MOMENTS, "{moments} rows are more than the {MOST_MOMENTS} that a file can have");
     ensure!(count <= MOST as usize, "{count} particles are more than the {MOST} that a file can have");
     write_atomically(&args.out, &tracks.glb(args.radius, &args.material))?;
     say!("{}: {count} particles", args.out.display())

@@ -6,7 +6,7 @@ use crate::view::pilot::Pilot;
 use crate::views::Viewpoint;
 use anyhow::Result;
 use deepshade_render::bvh::TracedScene;
-use deepshade_render::scene::{AnimatedScene, Light, Look, SceneSource};
+use deepshade_render::scene::{AnimatedScene, Glow, Light, Look, SceneSource};
 use deepshade_shaders::Effect;
 use glam::Vec3;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -77,6 +77,11 @@ impl Subject {
         self.rigged.get(light) == Some(&true)
     }
 
+    /// Whether time goes on by itself: something moves, or surfaces keep light.
+    pub fn goes_on(&self) -> bool {
+        self.moves_for() > 0.0 || self.animated.scene.glow.is_some()
+    }
+
     /// For how long its animations last, seconds; 0 where nothing moves.
     pub fn moves_for(&self) -> f32 {
         self.animated.span().map_or(0.0, |[begin, end]| end - begin)
@@ -99,12 +104,16 @@ impl Subject {
 
     fn at(&self, time: f32) -> Result<Arc<TracedScene>> {
         let mut kept = self.traced.lock().unwrap_or_else(PoisonError::into_inner);
+        let glow = self.animated.scene.glow.as_deref();
+        let stays = self.animated.span().is_none() && glow.is_none();
         if let Some((moment, traced)) = kept.as_ref()
-            && (*moment == time || self.animated.span().is_none())
+            && (*moment == time || stays)
         {
             return Ok(Arc::clone(traced));
         }
-        let traced = Arc::new(TracedScene::new(self.animated.at(time, self.shutter)?)?);
+        let mut scene = self.animated.at(time, self.shutter)?;
+        scene.glow = glow.map(|glow| Arc::new(Glow { moment: time, ..glow.clone() }));
+        let traced = Arc::new(TracedScene::new(scene)?);
         *kept = Some((time, Arc::clone(&traced)));
         Ok(traced)
     }

@@ -2,7 +2,6 @@
 //! move on by it.
 
 use super::light::shadow_sampler;
-use super::medium::MediumOnGpu;
 use super::world::World;
 use crate::phosphor::paint::PaintState as State;
 use crate::scene::Scene;
@@ -123,25 +122,14 @@ impl Keeping<'_> {
     /// # Errors
     /// If the device refuses.
     pub fn step(&self, device: &wgpu::Device, world: &World) -> Result<MethodStep, GpuError> {
-        let Self { shaders: [clear, dimmed], keepers: [first, second], count, states } = *self;
-        let glow = &world.glow;
-        let constants = [&glow.constants()[..], &[("LIGHTS", world.gpu_lights.count as u32)]].concat();
-        let is_dimmed = world.scene().medium.is_some();
-        let (shader, constants) = match is_dimmed {
-            true => (dimmed, [constants, vec![("MEDIUM", world.medium.kind)]].concat()),
-            false => (clear, constants),
-        };
+        let Self { shaders, keepers: [first, second], count, states } = *self;
+        let (shader, constants) = world.dimmed(shaders);
         let pass = Pass::new(device, shader.name, &shader.specialised(&constants))?;
         let sampler = shadow_sampler(device);
-        let own = [&glow.paints, first, second, &world.geometry.posed, &glow.since];
-        let resources = own.map(|buffer| buffer.as_entire_binding()).into_iter();
-        let mut resources: Vec<_> =
-            resources.chain(world.lamps(&sampler)).chain([states.as_entire_binding()]).collect();
-        if is_dimmed {
-            let MediumOnGpu { record, densities, .. } = &world.medium;
-            resources.extend([record.as_entire_binding(), wgpu::BindingResource::TextureView(densities)]);
-        }
-        let pass = pass.bind(device, &resources)?;
+        let own = [&world.glow.paints, first, second, &world.geometry.posed, &world.glow.since];
+        let own = own.map(|buffer| buffer.as_entire_binding()).into_iter();
+        let resources = own.chain(world.lamps(&sampler)).chain([states.as_entire_binding()]);
+        let pass = pass.bind(device, &resources.chain(world.dimming()).collect::<Vec<_>>())?;
         let step = Step { pass, workgroups: groups(count).into() };
         Ok(MethodStep { step, writes: vec![states.clone()] })
     }

@@ -12,6 +12,7 @@ use crate::scene::gltf::Rig;
 use crate::scene::{AnimatedScene, Bounds, Camera, Light, Scene};
 use crate::surfels::{Emission, Patch, patches};
 use deepshade_shaders::gpu::{Gpu, GpuError, Stamps};
+use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::wgsl::uniforms::FrameView;
 use std::sync::OnceLock;
 
@@ -156,6 +157,27 @@ impl World {
             wgpu::BindingResource::TextureView(&self.shadows.maps),
             wgpu::BindingResource::Sampler(sampler),
         ]
+    }
+
+    /// Of a pass that reads light that surfaces keep, in a clear scene and in one whose medium dims the lamps', the one that this
+    /// scene wants, with its constants.
+    pub fn dimmed<'a>(&self, [clear, dimmed]: [&'a Shader; 2]) -> (&'a Shader, Vec<(&'static str, u32)>) {
+        let mut constants =
+            [&self.glow.constants()[..], &[("LIGHTS", self.gpu_lights.count as u32)]].concat();
+        if self.scene.medium.is_none() {
+            return (clear, constants);
+        }
+        constants.push(("MEDIUM", self.medium.kind));
+        (dimmed, constants)
+    }
+
+    /// The medium as such passes bind it, where there is one.
+    pub fn dimming(&self) -> Vec<wgpu::BindingResource<'_>> {
+        if self.scene.medium.is_none() {
+            return Vec::new();
+        }
+        let MediumOnGpu { record, densities, .. } = &self.medium;
+        vec![record.as_entire_binding(), wgpu::BindingResource::TextureView(densities)]
     }
 
     /// The scene at one moment; what moves lies elsewhere at others.

@@ -2,7 +2,8 @@
 
 use super::SceneError;
 use crate::memory;
-use std::{fs, io::Cursor, path::Path};
+use std::path::{Component, Path, PathBuf};
+use std::{fs, io::Cursor};
 
 /// Largest file that is read, bytes.
 const LARGEST_FILE: u64 = 4 << 30;
@@ -31,6 +32,25 @@ pub(super) fn read(path: &Path) -> Result<Vec<u8>, SceneError> {
     fs::read(path).map_err(io)
 }
 
+/// Where a file is that a scene in `folder` names, in a file of its own that lies in the folder `below`. Names do not lead out of the
+/// scene's folder, since a scene may come from anybody; what shall be read from elsewhere, a link in the folder may stand for.
+pub(super) fn beside(folder: &Path, below: &Path, name: &str) -> Result<PathBuf, String> {
+    let mut inside = below.to_owned();
+    for component in Path::new(name).components() {
+        match component {
+            Component::Normal(part) => inside.push(part),
+            Component::CurDir => {}
+            Component::ParentDir if inside.pop() => {}
+            _ => {
+                return Err(format!(
+                    "`{name}` is not in the scene's folder, and nothing else is read; a link there may stand for it"
+                ));
+            }
+        }
+    }
+    Ok(folder.join(inside))
+}
+
 /// Decodes a PNG or JPEG image; the error says what is wrong with it.
 pub(super) fn decode(bytes: &[u8]) -> Result<Image, String> {
     let format = match image::guess_format(bytes) {
@@ -49,4 +69,23 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Image, String> {
         return Err("is an image without a texel".to_owned());
     }
     Ok(Image { width, height, texels })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_do_not_lead_out_of_a_scenes_folder() {
+        let found = |below: &str, name: &str| beside(Path::new("scenes/hall"), Path::new(below), name);
+        assert_eq!(found("", "a.png"), Ok(PathBuf::from("scenes/hall/a.png")));
+        assert_eq!(found("", "./textures/../b.bin"), Ok(PathBuf::from("scenes/hall/b.bin")));
+        assert_eq!(found("materials", "../textures/a.png"), Ok(PathBuf::from("scenes/hall/textures/a.png")));
+        for (below, name) in
+            [("", "../a.png"), ("", "/etc/passwd"), ("", "a/../../b.png"), ("materials", "../../a.png")]
+        {
+            let error = found(below, name).expect_err("outside");
+            assert!(error.starts_with(&format!("`{name}` is not in the scene's folder")), "{error}");
+        }
+    }
 }

@@ -157,26 +157,35 @@ impl Glow {
     }
 
     /// `count` stretches of the past that matter alike at a moment, for what moves: from when on each is, and a moment in its
-    /// middle, seconds. What matters is time in which a lamp shines, by what is left of its light. None where none shone.
+    /// middle, seconds. What matters is time in which a lamp shines, by what is left of its light; where lamps had shone for long, the
+    /// beginning is the first. None where none shone.
     pub fn stretches(&self, moment: f32, count: usize) -> Vec<[f32; 2]> {
         let begin = self.begin();
         let step = (moment - begin) / FINE as f32;
-        let at = |index: usize| begin + (index as f32 + 0.5) * step;
+        let at = |index: usize| begin + index as f32 * step;
         let decays: Vec<f32> =
             self.paints().flat_map(|paint| &paint.states).map(|state| state.decay).collect();
         let left = |ago: f32| decays.iter().map(|decay| decay.max(1e-6) * (-decay * ago).exp()).sum::<f32>();
-        let shines = |seconds: f32| {
-            let within = |[on, off]: &[f32; 2]| (*on..*off).contains(&seconds);
-            self.schedules.iter().any(|schedule| schedule.on.iter().any(within))
+        // For how long of a part a lamp shines, at most: however short a flash is, it counts.
+        let lit = |index: usize| {
+            let within = |[on, off]: &[f32; 2]| (off.min(at(index + 1)) - on.max(at(index))).max(0.0);
+            let of_schedule = |schedule: &Schedule| schedule.on.iter().map(within).sum::<f32>();
+            self.schedules.iter().map(of_schedule).fold(0.0, f32::max)
         };
-        let weight = |index: usize| if shines(at(index)) { f64::from(left(moment - at(index))) } else { 0.0 };
+        let weight = |index: usize| f64::from(lit(index) * left(moment - at(index) - 0.5 * step));
         let mut sums: Vec<f64> = vec![0.0];
         for index in 0..FINE {
             sums.push(sums[index] + weight(index));
         }
         let whole = sums[FINE];
-        if step <= 0.0 || whole <= 0.0 || count == 0 {
+        // Lamps that shone for long did so where all was in the beginning.
+        let first = (self.start == Start::LitForLong).then_some([begin; 2]);
+        // Not a number either.
+        if step.is_nan() || step <= 0.0 || count == 0 {
             return Vec::new();
+        }
+        if whole <= 0.0 {
+            return first.into_iter().collect();
         }
         let quantile = |share: f64| {
             let index = sums.partition_point(|sum| *sum < share * whole).max(1);
@@ -184,7 +193,9 @@ impl Glow {
             begin + (index as f32 - 1.0 + within as f32) * step
         };
         let share = |part: f64| quantile(part.max(1e-9) / count as f64);
-        (0..count).map(|index| [share(index as f64), share(index as f64 + 0.5)]).collect()
+        let count_of_later = count - usize::from(first.is_some() && count > 1);
+        let later = (0..count_of_later).map(|index| [share(index as f64), share(index as f64 + 0.5)]);
+        first.into_iter().chain(later).collect()
     }
 
     /// No stretch of time has more pieces.
@@ -265,6 +276,23 @@ pub(crate) mod tests {
             assert!((light(*from, *middle) * 16.0 / whole - 1.0).abs() < 0.03, "{from} to {middle}");
         }
         assert!(glow.stretches(0.5, 8).is_empty() && glow.stretches(f32::NAN, 8).is_empty());
+    }
+
+    #[test]
+    fn a_flash_is_not_missed_and_long_light_was_there_in_the_beginning() {
+        let mut flash = glow(&[0.5], &[[3.000_1, 3.000_6]], 3000.0);
+        let stretches = flash.stretches(3000.0, 2);
+        assert!(
+            stretches.iter().all(|[from, at]| (2.0..4.0).contains(from) && (2.0..4.0).contains(at)),
+            "{stretches:?}"
+        );
+        flash.start = Start::LitForLong;
+        let stretches = flash.stretches(3000.0, 2);
+        assert_eq!((stretches.len(), stretches[0]), (2, [0.0; 2]));
+        assert!((2.0..4.0).contains(&stretches[1][0]));
+        let mut dark = glow(&[0.5], &[], 5.0);
+        dark.start = Start::LitForLong;
+        assert_eq!(dark.stretches(5.0, 8), [[0.0; 2]]);
     }
 
     #[test]

@@ -29,6 +29,10 @@ impl Tracks {
         let (particles, times) = (table.column("particle")?, table.not_negative("time")?);
         let places =
             x?.into_iter().zip(y?).zip(z?).map(|((x, y), z)| Vec3::new(x as f32, y as f32, z as f32));
+        let places: Vec<Vec3> = places.collect();
+        if let Some(row) = places.iter().position(|place| !place.is_finite()) {
+            return Err(table.says(format!("has a place in row {} that is too far away", row + 1)));
+        }
         let mut tracks: BTreeMap<u64, Vec<(f32, Vec3)>> = BTreeMap::new();
         for ((particle, time), place) in particles.into_iter().zip(times).zip(places) {
             tracks.entry(particle.to_bits()).or_default().push((time as f32, place));
@@ -62,6 +66,11 @@ impl Tracks {
             track
         };
         Self((0..drops).map(drop).collect())
+    }
+
+    /// At how many moments places of particles are known, of all together.
+    pub fn moments(&self) -> usize {
+        self.0.iter().map(Vec::len).sum()
     }
 
     /// How many there are.
@@ -230,6 +239,8 @@ mod tests {
         let twice = read("particle,time,x,y,z\n1,0,0,0,0\n1,0,0,0,1\n").expect_err("at two places");
         assert!(twice.ends_with("has a particle twice at 0 seconds"), "{twice}");
         assert!(read("particle,time,x,y\n1,0,0,0\n").expect_err("no z").contains("no column z"));
+        let far = read("particle,time,x,y,z\n1,0,0,0,0\n1,1,1e39,0,0\n").expect_err("infinite");
+        assert!(far.ends_with("has a place in row 2 that is too far away"), "{far}");
     }
 
     #[test]

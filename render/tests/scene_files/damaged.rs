@@ -274,8 +274,16 @@ fn what_a_file_refers_to_is_named() {
     let end = begin + embedded[begin..].find('"').expect("its end");
     let with_buffer = |uri: &str| [&embedded[..begin], uri, &embedded[end..]].concat();
     assert!(try_with(&with_buffer("gone%20away.bin")).contains("gone away.bin"));
+    for elsewhere in ["../a.bin", "%2e%2e/a.bin", "/etc/hostname"] {
+        assert!(try_with(&with_buffer(elsewhere)).contains("is not in the scene's folder"), "{elsewhere}");
+    }
     assert!(try_with(&with_buffer("https://example.org/a.bin")).contains("example.org"));
-    assert!(try_with(&with_buffer("/dev/zero")).contains("/dev/zero: is not a plain file"));
+    #[cfg(unix)]
+    {
+        // A link in the folder stands for what it leads to, which must be a file.
+        std::os::unix::fs::symlink("/dev/zero", folder.path().join("zero")).expect("a link");
+        assert!(try_with(&with_buffer("zero")).contains("zero: is not a plain file"));
+    }
     write(folder.path(), "short.bin", [0; 10]);
     assert!(try_with(&with_buffer("short.bin")).contains("buffer 0 is truncated: 10 bytes"));
 

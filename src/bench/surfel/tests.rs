@@ -29,7 +29,7 @@ fn every_pass_has_a_stage_and_stages_add_up() {
         assert!(has(Stage::Surfels) && has(Stage::Splat), "{name}: {cost:?}");
         assert_eq!(
             has(Stage::Light),
-            matches!(method.effect(), Effect::Gi | Effect::Glossy | Effect::Subsurface),
+            matches!(method.effect(), Effect::Gi | Effect::Glossy | Effect::Subsurface | Effect::PhosphorGi),
             "{name}"
         );
         assert_eq!(cost.surfels[0] > 100, !method.name().starts_with("aov"), "{name}: {cost:?}");

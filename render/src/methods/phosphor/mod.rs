@@ -9,7 +9,7 @@
 //!
 //! A still goes through all of the past in one frame, lamps being switched at their moments; where something moves, a stretch
 //! after the other, each under shadow maps of a pose of its own. In a sequence a frame costs the
-//! same however long it has lasted; states are the past.
+//! same however long it has lasted; states are the past. Its first frame takes all of the past as it is then.
 //!
 //! A medium may keep light, too: states of the cells of a grid, lit through it, which a march shows ([`cells`]).
 //!

@@ -162,17 +162,15 @@ impl Finding {
         [settings, stretch, image]: [&wgpu::Buffer; 3],
     ) -> Result<MethodStep, GpuError> {
         let glow = &world.glow;
-        let lights = ("LIGHTS", world.gpu_lights.count as u32);
-        let source = wgsl::PHOSPHOR_GLASSNER.specialised(&[&glow.constants()[..], &[lights]].concat());
-        let pass = Pass::new(device, wgsl::PHOSPHOR_GLASSNER.name, &source)?;
+        let (shader, constants) = world.dimmed([&wgsl::PHOSPHOR_GLASSNER, &wgsl::PHOSPHOR_GLASSNER_DIMMED]);
+        let pass = Pass::new(device, shader.name, &shader.specialised(&constants))?;
         let sampler = shadow_sampler(device);
         let own = [settings, &glow.paints, &self.tiles, &world.geometry.posed, &self.found, &glow.past];
-        let resources = own.map(|buffer| buffer.as_entire_binding()).into_iter();
-        let resources: Vec<_> = resources
-            .chain(world.lamps(&sampler))
-            .chain([image, stretch].map(|b| b.as_entire_binding()))
-            .collect();
-        let pass = pass.bind(device, &resources)?;
+        let own = own.map(|buffer| buffer.as_entire_binding()).into_iter();
+        let mut resources: Vec<_> = (0..).zip(own.chain(world.lamps(&sampler))).collect();
+        resources.extend((11..).zip(world.dimming()));
+        resources.extend((13..).zip([image, stretch].map(|buffer| buffer.as_entire_binding())));
+        let pass = pass.bind_at(device, resources)?;
         let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
         Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![image.clone()] })
     }

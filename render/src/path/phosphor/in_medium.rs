@@ -58,12 +58,13 @@ impl Afterglow<'_> {
         }
         let distance = from + number * (to - from);
         let point = segment.at(distance);
-        let extinction = medium.extinction() * medium.density.inside(point);
-        if extinction == Vec3::ZERO {
+        // What scatters light sends none of its own: deep inside, paths would add it up to more than the paint has.
+        let absorption = medium.absorption * medium.density.inside(point);
+        if absorption == Vec3::ZERO {
             return Vec3::ZERO;
         }
         let sent = paint.emission(&self.shares_in_medium(point, paint));
-        (to - from) * extinction * sent * passes(&Segment { length: distance, ..*segment })
+        (to - from) * absorption * sent * passes(&Segment { length: distance, ..*segment })
     }
 }
 

@@ -3,6 +3,9 @@
 use super::super::spectrum::Bands;
 use super::FitError;
 
+/// A step of a photograph with 16 bits.
+const STEP: f64 = 1.0 / 65_535.0;
+
 /// How a photograph was exposed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exposure {
@@ -118,7 +121,8 @@ impl Shot {
         let value = std::array::from_fn(|c| seen.iter().map(|index| pixels[*index][c]).sum::<f64>() / count);
         let noise = std::array::from_fn(|c: usize| {
             let off: f64 = seen.iter().map(|index| (pixels[*index][c] - value[c]).powi(2)).sum();
-            (off / (count - 1.0) / count).sqrt()
+            // Nobody knows a mean better than its steps, even where all pixels are alike.
+            (off / (count - 1.0) / count).sqrt().max(STEP / (12.0 * count).sqrt())
         });
         Ok(Self { delay, exposure, value, noise })
     }

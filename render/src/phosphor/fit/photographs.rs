@@ -8,6 +8,7 @@
 use super::measurement::{Exposure, PhotographError, Shot, relative_gain};
 use crate::exr_file::{self, ExrError};
 use crate::phosphor::table::{Table, TableError};
+use image::DynamicImage;
 use std::path::{Path, PathBuf};
 
 /// Side of the patches, in pixels, whose means are compared.
@@ -77,7 +78,7 @@ impl Photographs {
         let mut photographs = Self { folder: folder.into(), mask: None, settings: Vec::new() };
         let mask = folder.join("mask.png");
         if mask.exists() {
-            let Photograph { path, height, width, pixels } = Photograph::read(&mask)?;
+            let Photograph { path, height, width, pixels } = Photograph::of_any_depth(&mask)?;
             let bright = pixels.iter().map(|pixel| pixel.iter().sum::<f64>() > 1.5).collect();
             photographs.mask = Some((path, height, width, bright));
         }
@@ -175,11 +176,29 @@ impl Photograph {
             let pixels = (0..image.pixels()).map(pixel).collect();
             return Ok(Self { path: path.into(), height: image.height(), width: image.width(), pixels });
         }
-        let image =
-            image::open(path).map_err(|source| PhotographsError::Image { path: path.into(), source })?;
+        let image = Self::opened(path)?;
+        if image.color().bytes_per_pixel() < 2 * image.color().channel_count() {
+            let what =
+                "has 8 bits a colour, which are not linear; EXR files and PNG files of 16 bits are read"
+                    .to_owned();
+            return Err(PhotographsError::Sense { path: path.into(), what });
+        }
+        Ok(Self::of_image(path, &image))
+    }
+
+    /// An image of which only bright and dark matter.
+    fn of_any_depth(path: &Path) -> Result<Self, PhotographsError> {
+        Ok(Self::of_image(path, &Self::opened(path)?))
+    }
+
+    fn opened(path: &Path) -> Result<DynamicImage, PhotographsError> {
+        image::open(path).map_err(|source| PhotographsError::Image { path: path.into(), source })
+    }
+
+    fn of_image(path: &Path, image: &DynamicImage) -> Self {
         let image = image.to_rgb32f();
         let pixels = image.pixels().map(|pixel| pixel.0.map(f64::from)).collect();
-        Ok(Self { path: path.into(), height: image.height() as usize, width: image.width() as usize, pixels })
+        Self { path: path.into(), height: image.height() as usize, width: image.width() as usize, pixels }
     }
 
     /// The mean of each channel in each patch whose pixels all count.

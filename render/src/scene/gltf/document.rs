@@ -57,7 +57,9 @@ impl<'a> File<'a> {
         if name.contains("://") || name.starts_with("file:") || name.contains('\0') {
             return Err(self.invalid(format!("`{name}` is not the name of a file beside this one")));
         }
-        file::read(&self.path.parent().unwrap_or(Path::new("")).join(name))
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let path = file::beside(folder, Path::new(""), &name).map_err(|what| self.invalid(what))?;
+        file::read(&path)
     }
 
     /// The bytes of all buffers. `blob` is the binary chunk of a .glb file, which a first buffer without URI stands for.

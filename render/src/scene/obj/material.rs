@@ -43,12 +43,14 @@ impl Library {
 
     /// Reads one library; texture names become paths, from the library's folder.
     pub fn read(&self, name: &Path) -> tobj::MTLLoadResult {
-        let path = self.folder.join(name.to_string_lossy().replace('\\', "/"));
+        let name = name.to_string_lossy().replace('\\', "/");
+        let path = file::beside(&self.folder, Path::new(""), &name)
+            .map_err(|what| self.remember(SceneError::invalid(&self.folder, what)))?;
         let text = text(&path).map_err(|error| self.remember(error))?;
         let parsed = tobj::load_mtl_buf(&mut text.as_bytes());
         let (mut materials, names) =
             parsed.map_err(|error| self.remember(SceneError::invalid(&path, error.to_string())))?;
-        find_textures(&path, &mut materials).map_err(|error| self.remember(error))?;
+        find_textures(&self.folder, &path, &mut materials).map_err(|error| self.remember(error))?;
         Ok((materials, names))
     }
 
@@ -71,28 +73,29 @@ fn text(path: &Path) -> Result<String, SceneError> {
     Ok(text)
 }
 
-/// Makes the texture names of a library's materials paths.
-fn find_textures(library: &Path, materials: &mut [tobj::Material]) -> Result<(), SceneError> {
+/// Makes the texture names of the materials of a library, which is below the scene's folder, paths.
+fn find_textures(folder: &Path, library: &Path, materials: &mut [tobj::Material]) -> Result<(), SceneError> {
     for tobj::Material { name, diffuse_texture, dissolve_texture, unknown_param, .. } in materials {
         for texture in [diffuse_texture, dissolve_texture].into_iter().flatten() {
-            *texture = texture_path(library, name, texture)?;
+            *texture = texture_path([folder, library], name, texture)?;
         }
         for map in [EMISSION_MAP, NORMAL_MAP] {
             if let Some(texture) = unknown_param.get_mut(map) {
-                *texture = texture_path(library, name, texture)?;
+                *texture = texture_path([folder, library], name, texture)?;
             }
         }
     }
     Ok(())
 }
 
-fn texture_path(library: &Path, material: &str, texture: &str) -> Result<String, SceneError> {
+fn texture_path([folder, library]: [&Path; 2], material: &str, texture: &str) -> Result<String, SceneError> {
+    let invalid = |what: String| SceneError::invalid(library, format!("material `{material}`: {what}"));
     if texture.starts_with('-') {
-        let what = format!("material `{material}`: texture options are not supported: `{texture}`");
-        return Err(SceneError::invalid(library, what));
+        return Err(invalid(format!("texture options are not supported: `{texture}`")));
     }
-    let folder = library.parent().unwrap_or(Path::new(""));
-    Ok(folder.join(texture.replace('\\', "/")).to_string_lossy().into_owned())
+    let below = library.strip_prefix(folder).ok().and_then(Path::parent).unwrap_or(Path::new(""));
+    let path = file::beside(folder, below, &texture.replace('\\', "/")).map_err(invalid)?;
+    Ok(path.to_string_lossy().into_owned())
 }
 
 /// The materials and textures of a scene. `obj` is named in errors.

@@ -14,9 +14,9 @@
 @group(0) @binding(9) var maps: texture_depth_2d_array;
 @group(0) @binding(10) var map_sampler: sampler_comparison;
 // [3, height, width]
-@group(0) @binding(11) var<storage, read_write> image: array<f32>;
+@group(0) @binding(13) var<storage, read_write> image: array<f32>;
 // When the world was as vertices and maps have it.
-@group(0) @binding(12) var<uniform> stretch: GlowStretch;
+@group(0) @binding(14) var<uniform> stretch: GlowStretch;
 
 fn whole_past() -> f32 {
     var seconds = 0.0;
