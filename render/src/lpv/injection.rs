@@ -7,7 +7,7 @@ use super::propagation::{Light, Volume};
 use super::{Blockers, Flight, LightGrid, Scheme};
 use crate::bvh::TracedScene;
 use crate::path::lights::Arrival;
-use crate::scene::{Camera, Density, Medium, Scene};
+use crate::scene::{Camera, Density, Medium};
 use crate::surfels::Patch;
 use crate::surfels::reference::{Disk, POINTS};
 use glam::{IVec3, Vec3, Vec4};
@@ -103,11 +103,16 @@ fn density(grid: &LightGrid, index: usize, medium: &Medium) -> f32 {
     part.points().map(|point| medium.density.inside(point)).sum::<f32>() / 8.0 * part.share
 }
 
-/// What a medium does in each cell: by similarity one that scatters alike in all directions, and as much less of it as
-/// keeps the mean flux (van de Hulst 1980).
-pub fn flights(grid: &LightGrid, medium: Option<&Medium>, factors: Factors) -> Vec<[Flight; 3]> {
+/// What a medium does in each cell: all of it to light that is lost where it is scattered; to such as is followed, if it
+/// `is_similar`, one that scatters alike in all directions, and as much less of it as keeps the mean flux (van de Hulst 1980).
+pub fn flights(
+    grid: &LightGrid,
+    medium: Option<&Medium>,
+    factors: Factors,
+    is_similar: bool,
+) -> Vec<[Flight; 3]> {
     let Some(medium) = medium else { return vec![[Flight::by(factors, 0.0, 0.0); 3]; grid.cells()] };
-    let scattering = medium.scattering * (1.0 - medium.anisotropy);
+    let scattering = medium.scattering * if is_similar { 1.0 - medium.anisotropy } else { 1.0 };
     let extinction = medium.absorption + scattering;
     let albedo = (scattering / extinction.max(Vec3::splat(1e-30))).clamp(Vec3::ZERO, Vec3::ONE);
     let of_cell = |index: usize| {
@@ -156,17 +161,15 @@ pub fn scattered(grid: &LightGrid, medium: Option<&Medium>, ways: &[Light]) -> V
     (0..grid.cells()).into_par_iter().map(of_cell).collect()
 }
 
-/// A scene's volume, and the light that its disks, of such patches, reflect; where it is not filled, nothing is between
-/// surfaces.
+/// A scene's volume, filled with such a medium, and the light that its disks, of such patches, reflect.
 pub fn volume(
     (grid, scheme): (LightGrid, Scheme),
-    scene: &Scene,
+    (medium, is_similar): (Option<&Medium>, bool),
     disks: (&[Disk], &[Patch]),
     camera: &Camera,
-    filled: bool,
 ) -> (Volume, Vec<Light>) {
     let (light, blockers) = surfaces(&grid, disks, camera);
-    let flights = flights(&grid, scene.medium.as_deref().filter(|_| filled), scheme.factors);
+    let flights = flights(&grid, medium, scheme.factors, is_similar);
     let (passing, reflectances) = (blockers.passing(&grid), blockers.reflectances(&grid));
     (Volume { grid, flights, passing, reflectances, scheme }, light)
 }

@@ -280,7 +280,7 @@ pub(crate) mod tests {
 
     #[test]
     fn a_flash_is_not_missed_and_long_light_was_there_in_the_beginning() {
-        let mut flash = glow(&[0.5], &[[3.000_1, 3.000_6]], 3000.0);
+        let mut flash = glow(&[1e-3], &[[3.000_1, 3.000_6]], 3000.0);
         let stretches = flash.stretches(3000.0, 2);
         assert!(
             stretches.iter().all(|[from, at]| (2.0..4.0).contains(from) && (2.0..4.0).contains(at)),

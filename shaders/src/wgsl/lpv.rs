@@ -21,7 +21,7 @@ table! {
     LPV_LINKS: "lpv.links", file "methods/lpv/links", constants [], uniforms [LightGrid],
         shared ["lpv_grid", "lpv_fixed", "lpv_lattice"];
     /// What the medium in cells does to light.
-    LPV_MEDIA: "lpv.media", file "methods/lpv/media", constants [MEDIUM = 2, FACTORS = 0, LOBES = 0],
+    LPV_MEDIA: "lpv.media", file "methods/lpv/media", constants [MEDIUM = 2, FACTORS = 0, LOBES = 0, SIMILAR = 1],
         uniforms [LightGrid, MediumRecord],
         shared ["lpv_grid", "lpv_lattice", "lpv_lobe", "lpv_flight", "medium_span", "medium", "lpv_medium", "lpv_part"];
     /// Light that surfaces reflect.
@@ -29,21 +29,21 @@ table! {
         uniforms [LightGrid], shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_fixed", "lpv_lobe"];
     /// Light of the lamps that the medium in cells scatters.
     LPV_BEGIN: "lpv.begin", file "methods/lpv/begin",
-        constants [LIGHTS = 1, MEDIUM = 2, GREY = 0, UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0],
+        constants [LIGHTS = 1, MEDIUM = 2, GREY = 0, UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0, SIMILAR = 1],
         uniforms [LightGrid, FrameView, LightRecord, MediumRecord],
         shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "view", "lights", "shadow",
                 "medium_span", "medium", "colours", "light_dimmed", "lpv_medium", "lpv_lamps_only",
                 "lpv_reflectance", "lpv_part"];
     /// Light of the lamps and of surfaces that the medium in cells scatters.
     LPV_BEGIN_EMITTED: "lpv.begin_emitted", file "methods/lpv/begin",
-        constants [LIGHTS = 1, MEDIUM = 2, GREY = 0, UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0],
+        constants [LIGHTS = 1, MEDIUM = 2, GREY = 0, UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0, SIMILAR = 1],
         uniforms [LightGrid, FrameView, LightRecord, MediumRecord],
         shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "view", "lights", "shadow",
                 "medium_span", "medium", "colours", "light_dimmed", "lpv_medium", "lpv_emitted",
                 "lpv_reflectance", "lpv_part"];
     /// One iteration.
     LPV_PROPAGATE: "lpv.propagate", file "methods/lpv/propagate",
-        constants [UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0, BORDERS = 1, FIRST = 1, NESTED = 1],
+        constants [UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0, BORDERS = 1, FIRST = 1, NESTED = 1, SIMILAR = 1],
         uniforms [LightGrid, MediumRecord, Iteration, Propagation],
         shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "lpv_medium",
                 "lpv_reflectance"];
@@ -51,7 +51,7 @@ table! {
     LPV_NEST: "lpv.nest", file "methods/lpv/nest", constants [], uniforms [LightGrid, FrameView], shared [];
     /// Light that a coarser grid hands to it.
     LPV_BORDER: "lpv.border", file "methods/lpv/border",
-        constants [UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0], uniforms [LightGrid, MediumRecord],
+        constants [UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0, SIMILAR = 1], uniforms [LightGrid, MediumRecord],
         shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "lpv_medium"];
     /// Surfaces lit by the grid.
     LPV_LIT: "lpv.lit", file "methods/lpv/lit", constants [LOOKUP = 0, NESTED = 1, FINER = 1],

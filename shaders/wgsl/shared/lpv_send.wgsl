@@ -1,7 +1,7 @@
 // What surfels send into cells. Light begins in the cell before its surfel, half a cell along its normal, so that it lies
 // before what blocks; directed as Lambert's cosine is on average. Sums are in 64 bits of which 40 are behind the point, so
 // that their order does not matter: render/src/lpv/injection.rs. Passes bind `grid` and `light`, [cells, 3, 4, 2]: flux
-// and energy of each colour, watts.
+// and energy of each colour, watts over the area of a cell's face, so that what they hold does not hang on the scene's size.
 
 // Mean cosine of light that a matte surface sends.
 const DIRECTED = 2.0 / 3.0;
@@ -12,9 +12,14 @@ struct Fixed {
 }
 
 fn fixed_of(value: f32) -> Fixed {
-    let scaled = clamp(value, -0x1p22, 0x1p22) * 0x1p8;
+    let scaled = min(abs(value), 0x1p22) * 0x1p8;
     let high = floor(scaled);
-    return Fixed(u32((scaled - high) * 0x1p32), bitcast<u32>(i32(high)));
+    let it = Fixed(u32((scaled - high) * 0x1p32), u32(high));
+    if value >= 0.0 {
+        return it;
+    }
+    // The negative of both words, so that what is small is lost of no sign more than of the other.
+    return Fixed(~it.low + 1u, ~it.high + select(0u, 1u, it.low == 0u));
 }
 
 fn add_light(index: u32, value: f32) {
@@ -29,10 +34,11 @@ fn send(point: vec3f, normal: vec3f, power: vec3f) {
         return;
     }
     let first = 12u * cell_index(at);
+    let even = power / (grid.low.w * grid.low.w);
     for (var c = 0u; c < 3u; c++) {
         for (var axis = 0u; axis < 3u; axis++) {
-            add_light(first + 4u * c + axis, DIRECTED * power[c] * normal[axis]);
+            add_light(first + 4u * c + axis, DIRECTED * even[c] * normal[axis]);
         }
-        add_light(first + 4u * c + 3u, power[c]);
+        add_light(first + 4u * c + 3u, even[c]);
     }
 }

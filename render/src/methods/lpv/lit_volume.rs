@@ -77,9 +77,9 @@ impl Source<'_> {
     fn level(&self, grid: LightGrid, outside: Option<&Level>) -> Level {
         let (scene, scheme) = (self.scene.scene(), self.parameters.scheme);
         let (surfels, camera) = ((&self.disks[..], &self.patches[..]), &self.view.camera);
-        let is_filled = self.filled.has_medium();
-        let (volume, mut reflected) = volume((grid, scheme), scene, surfels, camera, is_filled);
         let kinds = self.filled.kinds();
+        let medium = scene.medium.as_deref().filter(|_| self.filled.has_medium());
+        let (volume, mut reflected) = volume((grid, scheme), (medium, kinds.scattered), surfels, camera);
         let mut scattered = if kinds.scattered { single_scattering(&grid, self.scene) } else { Vec::new() };
         let mut emission = None;
         if self.filled != Filled::Kept && scene.emits() {

@@ -17,15 +17,16 @@
 //! corners; in a medium scattering evens that out.
 //!
 //! Light that surfaces emit goes through a volume of its own until surfels reflect it or the medium scatters it, which is
-//! then handed on as that of the lamps is; where nothing emits there is no such volume. Around the camera there may be finer
-//! grids ([`crate::lpv::cascade`]).
+//! then handed on as that of the lamps is; where nothing emits there is no such volume. Around the camera there may be a finer
+//! grid ([`crate::lpv::cascade`]).
 //!
 //! Light that surfaces kept is that of `phosphor-gi`: surfels give it back as they reflect that of lamps for `gi`.
 //!
 //! Limits. Light of lamps and of surfaces that emit, not of an environment. In a medium,
 //! surfaces send back light that comes to them, in the mean colour of those around a cell and the way that it came. Light
 //! outside the grid, which ends a cell beyond the scene, is lost. A medium with a preferred direction of scattering is
-//! replaced by a thinner one without, but for the last scattering towards the eye.
+//! replaced by a thinner one without, but for the last scattering towards the eye, where scattered light is followed; where light
+//! is wanted that met no medium (`fog-indirect`), all of it is there. Light that surfaces kept does not enter a medium.
 //! A medium of many mean free paths in a cell reflects light of other cells as it should ([`crate::lpv::flight`]), but for a
 //! thousandth of it that an iteration may add; what lamps and surfaces send into it is still far
 //! too much of hundreds of mean free paths.
@@ -57,9 +58,8 @@ pub struct Parameters {
     /// Cells along the longest edge of the scene's box.
     #[schemars(range(min = 4, max = 128))]
     pub cells: usize,
-    /// Grids of so many cells: one around the scene, and in it finer ones around the camera, each of half the edges of the
-    /// one before; one and more.
-    #[schemars(range(min = 1, max = 4))]
+    /// Grids of so many cells: one around the scene, and in it, if it is 2, a finer one of half the edges around the camera.
+    #[schemars(range(min = 1, max = 2))]
     pub cascades: usize,
     /// How often light is handed on.
     #[schemars(range(min = 1, max = 512))]
@@ -82,13 +82,14 @@ impl Default for Parameters {
 }
 
 impl Parameters {
-    /// More time is more cells.
+    /// More time is more cells, and iterations for light to cross them three times: after one crossing of a closed room in fog
+    /// half of the light is still on its way.
     pub const fn of(quality: Quality) -> Self {
         let (cells, iterations, steps, scale) = match quality {
-            Quality::Low => (16, 16, 16, 2),
-            Quality::Medium => (32, 32, 32, 2),
-            Quality::High => (48, 48, 48, 1),
-            Quality::Ultra => (64, 96, 64, 1),
+            Quality::Low => (16, 48, 16, 2),
+            Quality::Medium => (32, 96, 32, 2),
+            Quality::High => (48, 144, 48, 1),
+            Quality::Ultra => (64, 192, 64, 1),
         };
         Self { cells, cascades: 1, iterations, steps, scale, scheme: Scheme::OURS }
     }
@@ -97,7 +98,7 @@ impl Parameters {
     pub fn grids(&self, bounds: Bounds, camera: Vec3) -> Vec<LightGrid> {
         let coarsest = LightGrid::around(bounds, self.cells);
         let finer = |grid: &LightGrid| Some(grid.nested(camera));
-        std::iter::successors(Some(coarsest), finer).take(self.cascades.max(1)).collect()
+        std::iter::successors(Some(coarsest), finer).take(self.cascades.clamp(1, 2)).collect()
     }
 }
 

@@ -41,6 +41,8 @@ pub struct Room {
     pub kinds: Kinds,
     /// How it is handed on.
     pub scheme: Scheme,
+    /// Whether the medium is thinned by similarity, for light that is scattered in it.
+    is_similar: bool,
     nesting: Nesting,
     cells: usize,
 }
@@ -81,6 +83,7 @@ impl Room {
             groups: surfels::groups(cells).into(),
             kinds,
             scheme,
+            is_similar: kinds.scattered,
             nesting,
             cells,
         })
@@ -118,6 +121,11 @@ impl Room {
         [("UNSCATTERED", self.kinds.unscattered as u32), scattered(self.kinds)]
     }
 
+    /// Whether the medium is thinned, as the passes have it.
+    fn similar(&self) -> (&'static str, u32) {
+        ("SIMILAR", u32::from(self.is_similar))
+    }
+
     /// Whether the first kind is shown apart, as the passes have it.
     fn first(&self) -> (&'static str, u32) {
         ("FIRST", u32::from(keeps_first(self.kinds, self.nesting)))
@@ -143,7 +151,8 @@ impl Room {
     pub fn media_step(&self, device: &wgpu::Device, world: &World) -> Result<MethodStep, GpuError> {
         let MediumOnGpu { record: medium, densities, .. } = &world.medium;
         let [_, kind] = single_scattering::constants(world);
-        let shader = wgsl::LPV_MEDIA.specialised(&[&[kind][..], &self.scheme.constants()].concat());
+        let shader =
+            wgsl::LPV_MEDIA.specialised(&[&[kind, self.similar()][..], &self.scheme.constants()].concat());
         let pass = Pass::new(device, wgsl::LPV_MEDIA.name, &shader)?;
         let table = gpu::storage(device, "lpv.table", flight::table())?;
         let buffers = [&self.record, &table, &self.media, medium].map(|buffer| buffer.as_entire_binding());
@@ -186,7 +195,7 @@ impl Room {
         world: &World,
         outside: &VolumeOnGpu,
     ) -> Result<MethodStep, GpuError> {
-        let constants = [self.constants(), self.scheme.constants()].concat();
+        let constants = [&self.constants()[..], &self.scheme.constants(), &[self.similar()]].concat();
         let pass = Pass::new(device, wgsl::LPV_BORDER.name, &wgsl::LPV_BORDER.specialised(&constants))?;
         let reads = [&self.record, &outside.record, &world.medium.record, &self.media, &outside.shown];
         MethodStep::bind(device, &pass, self.groups.clone(), &reads, &[&self.states[0]])
@@ -208,7 +217,7 @@ impl Room {
             && self.scheme.factors == Factors::Placed
             && world.medium.kind != MediumOnGpu::EVERYWHERE;
         let nested = ("NESTED", u32::from(self.nesting.is_nested));
-        let own = [("BORDERS", u32::from(borders)), self.first(), nested];
+        let own = [("BORDERS", u32::from(borders)), self.first(), nested, self.similar()];
         let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
         let shader = wgsl::LPV_PROPAGATE.specialised(&constants);
         let pass = Pass::new(device, wgsl::LPV_PROPAGATE.name, &shader)?;

@@ -99,7 +99,7 @@ fn furthest_off(gpu: &Gpu, frame: &Seen, parameters: Parameters) -> f32 {
     let byte = |cell: usize, i: usize| (links[cell][i / 4] >> (8 * (i % 4)) & 255) as f32 / 255.0;
     let volume = Volume {
         grid,
-        flights: flights(&grid, scene.medium.as_deref(), scheme.factors),
+        flights: flights(&grid, scene.medium.as_deref(), scheme.factors, true),
         passing: (0..cells).map(|cell| std::array::from_fn(|link| byte(cell, link))).collect(),
         reflectances: (0..cells).map(|cell| [13, 14, 15].map(|i| byte(cell, i))).collect(),
         scheme,

@@ -302,8 +302,12 @@ mod tests {
         assert!(said("3.png", &whole([40, 24])).contains("3.png: a pixel is full"));
         assert!(said("3.png", &whole([4, 4])).contains("4x4 pixels"));
         assert!(said("3.png", &|path| std::fs::write(path, "no image").expect("written")).contains("3.png"));
-        let black = |path: &Path| ImageBuffer::from_pixel(40, 24, Rgb([0u8; 3])).save(path).expect("written");
+        let black =
+            |path: &Path| ImageBuffer::from_pixel(40, 24, Rgb([0u16; 3])).save(path).expect("written");
         assert!(said("mask.png", &black).contains("shows nothing to compare"));
+        let coarse =
+            |path: &Path| ImageBuffer::from_pixel(40, 24, Rgb([9u8; 3])).save(path).expect("written");
+        assert!(said("3.png", &coarse).contains("3.png: has 8 bits a colour"));
         assert!(said("steady-100.png", &black).contains("shows nothing to compare"));
         let other = |path: &Path| std::fs::write(path, "file,iso\nsteady-100.png,100\n").expect("written");
         assert!(said("calibration.csv", &other).contains("ISO 200 at f/1 is not in calibration.csv"));

@@ -5,7 +5,7 @@
 @group(0) @binding(2) var<storage, read> totals: Totals;
 @group(0) @binding(3) var<storage, read> surfels: array<Surfel>;
 @group(0) @binding(4) var<storage, read> sent: array<vec2u>;
-// [cells, 3, 4, 2]: flux and energy of each colour, watts
+// [cells, 3, 4, 2]: flux and energy of each colour, as lpv_send.wgsl has them
 @group(0) @binding(5) var<storage, read_write> light: array<atomic<u32>>;
 // [cubes, 9, 2]: xx, yy, zz, xy, xz and yz of `sum A n n^T / s^2`; `sum A colour / s^2`
 @group(0) @binding(6) var<storage, read_write> cubes: array<atomic<u32>>;

@@ -6,7 +6,7 @@
 @group(0) @binding(2) var<storage, read> totals: Totals;
 @group(0) @binding(3) var<storage, read> surfels: array<Surfel>;
 @group(0) @binding(4) var<storage, read> patches: array<Patch>;
-// [cells, 3, 4, 2]: flux and energy of each colour, watts
+// [cells, 3, 4, 2]: flux and energy of each colour, as lpv_send.wgsl has them
 @group(0) @binding(5) var<storage, read_write> light: array<atomic<u32>>;
 // [3, cells]: emitted light
 @group(0) @binding(6) var<storage, read> shown: array<vec4f>;

@@ -6,7 +6,7 @@
 @group(0) @binding(3) var<storage, read> surfels: array<Surfel>;
 // Of patches: emitted radiance, packed.
 @group(0) @binding(4) var<storage, read> emissions: array<u32>;
-// [cells, 3, 4, 2]: flux and energy of each colour, watts
+// [cells, 3, 4, 2]: flux and energy of each colour, as lpv_send.wgsl has them
 @group(0) @binding(5) var<storage, read_write> light: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read> starts: array<u32>;
 

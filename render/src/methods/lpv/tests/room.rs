@@ -156,6 +156,65 @@ fn a_finer_grid_is_as_bright_as_the_one_around_it() {
     assert!(two != one);
 }
 
+/// A room with a lamp in fog with a preferred direction of scattering: what is scattered nearly ahead is scattered all the same.
+/// Light goes about in cells for longer than it does, so that what it leaves in the fog is too bright, but alike.
+#[test]
+fn fog_in_a_room_is_about_as_bright_as_truth_has_it_whichever_way_it_scatters() {
+    let parameters = Parameters { cells: 16, iterations: 64, ..FEW };
+    let ratios = [-0.5, 0.0, 0.7].map(|anisotropy| {
+        let scene = shining(false, Some(Medium { anisotropy, ..fog() }));
+        let indirect = over_truth(&Indirect::from(parameters), Effect::FogIndirect, scene.clone(), 1024);
+        [indirect, over_truth(&Multiple::from(parameters), Effect::FogMultiple, scene, 1024)]
+    });
+    assert!(ratios.iter().all(|[indirect, _]| (1.0..1.5).contains(indirect)), "{ratios:?}");
+    assert!(ratios.iter().all(|[_, multiple]| (0.7..1.3).contains(multiple)), "{ratios:?}");
+    let [less, even, more] = ratios.map(|[indirect, _]| indirect);
+    assert!((less / even - 1.0).abs() < 0.15 && (more / even - 1.0).abs() < 0.15, "{ratios:?}");
+}
+
+/// Light of any strength, in rooms of any size.
+#[test]
+fn light_is_linear_and_the_same_on_both_sides_of_a_mirror() {
+    let gpu = gpu();
+    let method =
+        LightVolume::new(&gpu, Parameters { cells: 8, iterations: 8, ..FEW }).expect("valid shaders");
+    let corner = |size: f32, power: f32, side: f32| {
+        let quad = |corners: [[f32; 3]; 4]| Mesh {
+            positions: corners.map(|[x, y, z]| size * Vec3::new(side * x, y, z)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        };
+        let floor = quad([[-1., 0., 1.], [1., 0., 1.], [1., 0., -1.], [-1., 0., -1.]]);
+        let wall = quad([[1., 0., -1.], [1., 0., 1.], [1., 1., 1.], [1., 1., -1.]]);
+        let sun = Light::Directional {
+            direction: Vec3::new(0.6 * side, -0.8, 0.0),
+            irradiance: Vec3::splat(power),
+            pattern: None,
+        };
+        let scene = Scene {
+            meshes: vec![floor, wall].into(),
+            materials: vec![Material::default()],
+            lights: vec![sun],
+            ..Scene::default()
+        };
+        let scene = TracedScene::new(scene).expect("triangles");
+        let camera = Camera::look_at(size * Vec3::new(0.0, 1.0, 1.5), Vec3::ZERO);
+        let attributes = <Parameters as Technique>::ATTRIBUTES;
+        let gbuffer = gbuffer::render(&scene, &camera, 12, 16, attributes);
+        let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius: 20.0 * size, seed: 1 };
+        let image = method.shade(&frame, Repeats::ONCE).expect("an image").image;
+        mean(image.data()) / power
+    };
+    let usual = corner(1.0, 1.0, 1.0);
+    assert!(usual > 1e-3, "{usual}");
+    for (size, power, side) in
+        [(1.0, 1e-4, 1.0), (1.0, 1e-4, -1.0), (300.0, 1e5, 1.0), (300.0, 1e5, -1.0), (1.0, 1.0, -1.0)]
+    {
+        let found = corner(size, power, side);
+        assert!((found / usual - 1.0).abs() < 0.02, "{size} m, {power} W/m²: {found} for {usual}");
+    }
+}
+
 /// A wall that glows, radiance 1, as truth has it to the others of a cube: Howell's catalogue, C-11 and C-14, to which 0.2 is near.
 #[test]
 fn light_that_a_wall_kept_comes_to_the_others_by_their_form_factors() {
