@@ -227,13 +227,11 @@ fn giving_back(scene: &TracedScene, disks: Vec<Disk>, patches: &[Patch]) -> Vec<
 /// Disks that send light of a scene's lamps, with exact shadows.
 pub fn lit(scene: &TracedScene, disks: Vec<Disk>, camera: &Camera, lit: Lit) -> Vec<Disk> {
     let patches = patches::of_scene(scene.scene());
-    if lit == Lit::Kept {
-        return giving_back(scene, disks, &patches);
-    }
     let medium = match lit {
+        Lit::Kept => return giving_back(scene, disks, &patches),
         Lit::Dimmed { is_grey: true } => scene.scene().medium.as_deref().map(Medium::in_grey),
         Lit::Dimmed { is_grey: false } => scene.scene().medium.as_deref().cloned(),
-        Lit::Reflected | Lit::Received | Lit::Kept => None,
+        Lit::Reflected | Lit::Received => None,
     };
     let light = |disk: Disk| {
         let (point, normal) = (camera.position + camera.rotation * disk.place, camera.rotation * disk.normal);
@@ -250,11 +248,9 @@ pub fn lit(scene: &TracedScene, disks: Vec<Disk>, camera: &Camera, lit: Lit) -> 
                 received[usize::from(cosine < 0.0)] += irradiance * passed * cosine.abs();
             }
         }
-        let reflected = match lit {
-            Lit::Reflected | Lit::Dimmed { .. } => patches[disk.patch as usize].colour() / PI,
-            Lit::Received | Lit::Kept => Vec3::splat(1.0 / PI),
-        };
-        Disk { sent: received.map(|received| received * reflected), ..disk }
+        // Of what is received all is told, as white would send it.
+        let colour = if lit == Lit::Received { Vec3::ONE } else { patches[disk.patch as usize].colour() };
+        Disk { sent: received.map(|received| received * colour / PI), ..disk }
     };
     disks.into_par_iter().map(light).collect()
 }
