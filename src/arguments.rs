@@ -65,6 +65,11 @@ pub fn svg_file(text: &str) -> Result<PathBuf, String> {
     file_of_kind(text, "svg")
 }
 
+/// Reads the name of an HTML file to be written.
+pub fn html_file(text: &str) -> Result<PathBuf, String> {
+    file_of_kind(text, "html")
+}
+
 /// A name without an extension is a device's or the user's own business; another one would say what is not true.
 fn file_of_kind(text: &str, kind: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);

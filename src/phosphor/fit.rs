@@ -1,5 +1,7 @@
 //! `deepshade phosphor fit`: a material from measurements of it.
 
+mod report;
+
 use super::self_test;
 use crate::figures::{Figures, write_atomically};
 use crate::plot::{CHANNELS, Line, Plot};
@@ -19,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// `light.csv` the lamp. `simulate` writes such a folder.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
-    deepshade phosphor fit measured --states 2 --out paint.toml --plot paint.svg\n  \
+    deepshade phosphor fit measured --states 2 --out paint.toml --plot paint.svg --report paint.html\n  \
     deepshade phosphor fit --self-test --json self-test.json\n\n\
     Of the self test's figures, coverage is the share of 95 % intervals that hold the true value, of the material for which it is \
     farthest from 0.95; worst_residual_over_noise the largest over materials; median_ratio_nc2_nc1 and last_ratio_nc2_nc1 what \
@@ -40,6 +42,9 @@ pub struct Args {
     /// Draws what is left of the decay that the fit does not explain, over the noise, into this SVG file.
     #[arg(long, conflicts_with = "self_test", value_parser = crate::arguments::svg_file)]
     plot: Option<PathBuf>,
+    /// Writes a page about the fit into this HTML file: parameters, plots, how different photographs and the material look.
+    #[arg(long, conflicts_with = "self_test", value_parser = crate::arguments::html_file)]
+    report: Option<PathBuf>,
     /// Measures all known materials in a simulated laboratory, many times, and says how often fits find them.
     #[arg(long)]
     self_test: bool,
@@ -72,7 +77,10 @@ pub fn run(args: &Args) -> Result<()> {
         write_atomically(path, file.text().as_bytes())?;
     }
     if let Some(path) = &args.plot {
-        write_atomically(path, residuals(&fit).svg(&name)?.as_bytes())?;
+        write_atomically(path, residuals(&fit, Part::Decay).svg(&name)?.as_bytes())?;
+    }
+    if let Some(path) = &args.report {
+        write_atomically(path, report::page(&fit)?.as_bytes())?;
     }
     let mut rows = vec![["state", "parameter", "value", "95 % interval"].map(str::to_owned).to_vec()];
     rows.extend(fit.estimates.iter().map(estimate_row));
@@ -112,16 +120,16 @@ fn estimate_detail(estimate: &Estimate) -> serde_json::Value {
     })
 }
 
-/// What is left of the decay, over its noise, against time.
-fn residuals(fit: &Fit) -> Plot {
+/// What is left of a part of the measurements, over its noise, against time.
+fn residuals(fit: &Fit, part: Part) -> Plot {
     let of_channel = |channel: usize| {
-        let its = |value: &&Explained| value.part == Part::Decay && value.channel == channel;
+        let its = |value: &&Explained| value.part == part && value.channel == channel;
         let point = |value: &Explained| (value.seconds, (value.measured - value.fitted) / value.noise);
         fit.values.iter().filter(its).map(point).collect::<Vec<_>>()
     };
     let line = |((name, colour), channel)| Line::dotted(name, of_channel(channel)).coloured(colour);
     Plot {
-        x: "time in the dark, s",
+        x: if part == Part::Excitation { "time of light, s" } else { "time in the dark, s" },
         is_logarithmic: false,
         y: "measured less fitted, standard errors",
         lines: CHANNELS.into_iter().zip(0..).map(line).collect(),

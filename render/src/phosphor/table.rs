@@ -131,6 +131,25 @@ impl Table {
         &self.names
     }
 
+    /// Whether all columns are some of these, which `what` has, in words.
+    ///
+    /// # Errors
+    /// If one is not, or is there twice; it is named.
+    pub fn has_only(&self, known: &[&str], what: &str) -> Result<(), TableError> {
+        for (index, name) in self.names.iter().enumerate() {
+            if !known.contains(&name.as_str()) {
+                let known = known.join(", ");
+                return Err(
+                    self.says(format!("has a column {name}, which means nothing: {what} has {known}"))
+                );
+            }
+            if self.names[..index].contains(name) {
+                return Err(self.says(format!("has two columns {name}")));
+            }
+        }
+        Ok(())
+    }
+
     /// The column of names of files, if there is one.
     pub fn files(&self) -> Option<&[String]> {
         self.index(FILE).map(|_| &self.files[..])
@@ -268,6 +287,11 @@ mod tests {
             "{fault}"
         );
         assert!(read("red\n-1\n").expect("a table").not_negative("red").is_err());
+        let fault = |text| {
+            read(text).expect("a table").has_only(&["iso", "red"], "it").expect_err("a fault").to_string()
+        };
+        assert!(fault("iso,rad\n1,1\n").ends_with("has a column rad, which means nothing: it has iso, red"));
+        assert!(fault("red,red\n1,1\n").ends_with("has two columns red"));
         assert!(read("iso\n0\n").expect("a table").positive_or("iso", 1.0).is_err());
     }
 }

@@ -3,7 +3,8 @@
 //! `decay.csv` has a row a photograph of the decay: `time_s` (since the light went off), `red`, `green`, `blue`, and if
 //! they differ from row to row `exposure_s`, `iso`, `f_number`, and the standard errors `red_noise`, `green_noise`,
 //! `blue_noise`. `excitation.csv` has the same columns, `band` (from 1 on) and `light_s`, how long light of that band
-//! was on. In place of the colours there may be a column `file`, of photographs ([`photographs`](super::photographs)).
+//! was on. In place of `iso` and `f_number` there may be `gain`, what a radiance of 1 gives a pixel. In place of the colours there may
+//! be a column `file`, of photographs ([`photographs`](super::photographs)). Other columns are refused by name.
 //! `spectrum.csv` has the same columns and `filter` (from 1 on), a column of `filters.csv`. `camera.csv` has
 //! the sensor and `light.csv` the lamp, as curves.
 
@@ -56,7 +57,7 @@ impl Measurement {
         let filters =
             if spectral { Curves::read(&folder.join("filters.csv"))?.bands(Axis::EIGHT) } else { vec![] };
         let photographs = Photographs::new(folder)?;
-        let decay = shots(&Table::read(&folder.join("decay.csv"))?, true, &photographs)?;
+        let decay = shots(&Table::read(&folder.join("decay.csv"))?, true, &[], &photographs)?;
         Ok(Self {
             bands,
             sensor: sensor(folder, bands)?,
@@ -82,6 +83,13 @@ impl Laboratory {
             ("filters.csv", curves(&self.filters, |index| format!("place_{}", index + 1))),
             ("camera.csv", curves(&self.sensor, |index| ["red", "green", "blue"][index].into())),
         ];
+        // Who reads it takes the lamp for a halogen lamp where nothing is said.
+        if self.lamp != Light::Halogen {
+            files.push((
+                "light.csv",
+                curves(&Curves::of_bands(self.lamp.spectrum(Axis::EIGHT)), |_| "power".into()),
+            ));
+        }
         if !measurement.excitation.is_empty() {
             let mut excitation = format!("band,light_s,{SHOT}\n");
             let rows = measurement.excitation.iter();
@@ -112,8 +120,42 @@ fn curves(curves: &Curves, name: impl Fn(usize) -> String) -> String {
     text
 }
 
-/// The photographs of a table, whose times ascend if they are of one decay.
-fn shots(table: &Table, ascending: bool, photographs: &Photographs) -> Result<Vec<Shot>, FilesError> {
+/// The columns of all photographs, of those in files, and of those whose colours are in the table, with a gain or the settings that
+/// it follows from.
+const OF_ALL: [&str; 2] = ["time_s", "exposure_s"];
+const SETTINGS: [&str; 2] = ["iso", "f_number"];
+const GAIN: &str = "gain";
+const COLOURS: [&str; 6] = ["red", "green", "blue", "red_noise", "green_noise", "blue_noise"];
+
+/// Whether a table has no column that means nothing beside its others, of which `own` are those of its kind.
+fn check_columns(table: &Table, own: &[&str]) -> Result<(), TableError> {
+    let has_gain = table.names().iter().any(|name| name == GAIN);
+    let mut known = [&OF_ALL[..], own].concat();
+    let what = if table.files().is_some() {
+        known.push("file");
+        known.extend(SETTINGS);
+        "a table of files of photographs"
+    } else if has_gain {
+        known.extend(COLOURS);
+        known.push(GAIN);
+        "a table of colours under a gain"
+    } else {
+        known.extend(COLOURS);
+        known.extend(SETTINGS);
+        known.push(GAIN);
+        "a table of colours"
+    };
+    table.has_only(&known, what)
+}
+
+/// The photographs of a table, whose times ascend if they are of one decay; `own` are the other columns of a table of its kind.
+fn shots(
+    table: &Table,
+    ascending: bool,
+    own: &[&str],
+    photographs: &Photographs,
+) -> Result<Vec<Shot>, FilesError> {
+    check_columns(table, own)?;
     let delays = if ascending { table.ascending("time_s")? } else { table.not_negative("time_s")? };
     let seconds = table.positive_or("exposure_s", 1.0)?;
     if let Some(files) = table.files() {
@@ -144,8 +186,8 @@ fn shots(table: &Table, ascending: bool, photographs: &Photographs) -> Result<Ve
 
 /// What a radiance of 1 gives a pixel: the column `gain` where it was measured, else what the camera's settings say.
 fn gains(table: &Table, seconds: &[f64]) -> Result<Vec<f64>, TableError> {
-    if table.names().iter().any(|name| name == "gain") {
-        return table.positive_or("gain", 1.0);
+    if table.names().iter().any(|name| name == GAIN) {
+        return table.positive_or(GAIN, 1.0);
     }
     let (iso, f_number) = (table.positive_or("iso", 100.0)?, table.positive_or("f_number", 1.0)?);
     Ok((0..seconds.len()).map(|i| Exposure::of_camera(seconds[i], iso[i], f_number[i]).gain).collect())
@@ -176,7 +218,7 @@ fn filtered(folder: &Path, filters: usize, photographs: &Photographs) -> Result<
     let places = indices("spectrum.csv", "filter", &table, filters)?;
     Ok(places
         .into_iter()
-        .zip(shots(&table, false, photographs)?)
+        .zip(shots(&table, false, &["filter"], photographs)?)
         .map(|(filter, shot)| Filtered { filter, shot })
         .collect())
 }
@@ -189,7 +231,7 @@ fn excitation(folder: &Path, bands: Bands, photographs: &Photographs) -> Result<
     let table = Table::read(&path)?;
     let places = indices("excitation.csv", "band", &table, bands.count())?;
     let seconds = table.not_negative("light_s")?;
-    let shots = shots(&table, false, photographs)?;
+    let shots = shots(&table, false, &["band", "light_s"], photographs)?;
     let charged = |((band, seconds), shot)| Charged { band, seconds, shot };
     Ok(places.into_iter().zip(seconds).zip(shots).map(charged).collect())
 }

@@ -3,7 +3,8 @@
 //! Photographs are linear RGB: EXR files, or PNG files of 16 bits whose values are taken as they are, without a transfer curve. Where
 //! a folder has `mask.png`, its bright pixels are those of the material. `calibration.csv` lists photographs of one thing in steady
 //! light under different settings: `file`, `exposure_s`, `iso`, `f_number`. What cameras do is not quite what their dials say; with
-//! that list gains are those that were measured, without it those of the dials.
+//! that list gains are those that were measured, without it those of the dials. Shutters are taken to keep their times: what
+//! photographs of one ISO and f-number say, under whatever times, is averaged, and refused where they say different things.
 
 use super::measurement::{Exposure, PhotographError, Shot, relative_gain};
 use crate::exr_file::{self, ExrError};
@@ -17,6 +18,9 @@ const PATCH: usize = 8;
 const FULL: f64 = 0.999;
 /// Settings are the same within this part.
 const SAME: f64 = 1e-6;
+/// By how much of it photographs of one setting may disagree on what it does: shutters keep their times, and light is steady, within
+/// some per cent.
+const AGREE: f64 = 0.05;
 
 /// Why photographs cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -138,28 +142,43 @@ impl Photographs {
 
     /// How strongly the settings of a list expose, relative to what they say, that of the first being right.
     fn calibrated(&self, table: &Table) -> Result<Vec<([f64; 2], f64)>, PhotographsError> {
+        table.has_only(&["file", "exposure_s", "iso", "f_number"], "a calibration")?;
         let files = table.files().ok_or_else(|| table.says("has no column file".to_owned()))?;
         let [seconds, iso, f_number] = [("exposure_s", 1.0), ("iso", 100.0), ("f_number", 1.0)]
             .map(|(name, usual)| table.positive_or(name, usual));
         let (seconds, iso, f_number) = (seconds?, iso?, f_number?);
         let mut first: Option<(Vec<f64>, f64)> = None;
-        let mut settings: Vec<([f64; 2], f64)> = Vec::new();
+        // Of each setting what its photographs say.
+        let mut said: Vec<([f64; 2], Vec<f64>)> = Vec::new();
         for (index, file) in files.iter().enumerate() {
             let photograph = Photograph::read(&self.folder.join(file))?;
             let patches = photograph.patches(&self.seen(&photograph)?);
             let says = Exposure::of_camera(seconds[index], iso[index], f_number[index]).gain;
-            let (reference, said) = first.get_or_insert_with(|| (patches.clone(), says));
+            let (reference, its) = first.get_or_insert_with(|| (patches.clone(), says));
+            let wrong = |what: String| PhotographsError::Sense { path: photograph.path.clone(), what };
             let (gain, _) =
                 relative_gain(reference, &patches).filter(|(gain, _)| *gain > 0.0).ok_or_else(|| {
-                    let what = "shows nothing to compare with the first of calibration.csv".to_owned();
-                    PhotographsError::Sense { path: photograph.path.clone(), what }
+                    wrong("shows nothing to compare with the first of calibration.csv".to_owned())
                 })?;
-            let setting = [iso[index], f_number[index]];
-            if !settings.iter().any(|(other, _)| same(*other, setting)) {
-                settings.push((setting, gain / (says / *said)));
+            let (setting, factor) = ([iso[index], f_number[index]], gain / (says / *its));
+            let known = said.iter_mut().find(|(other, _)| same(*other, setting));
+            let Some((_, factors)) = known else {
+                said.push((setting, vec![factor]));
+                continue;
+            };
+            if let Some(other) = factors.iter().find(|other| (factor / **other - 1.0).abs() > AGREE) {
+                let [iso, f_number] = setting;
+                let off = 100.0 * (factor / other - 1.0);
+                let what = format!(
+                    "exposes {off:+.0} % beside another of calibration.csv at ISO {iso} and f/{f_number}"
+                );
+                return Err(wrong(format!("{what}: the light was not steady, or the shutter keeps no time")));
             }
+            factors.push(factor);
         }
-        Ok(settings)
+        let mean = |factors: &Vec<f64>| factors.iter().sum::<f64>() / factors.len() as f64;
+        let right = said.first().map_or(1.0, |(_, factors)| mean(factors));
+        Ok(said.iter().map(|(setting, factors)| (*setting, mean(factors) / right)).collect())
     }
 }
 
@@ -279,6 +298,29 @@ mod tests {
         assert!((blind / DECAY - 1.0).abs() > 0.02, "as the dials say: {blind}");
     }
 
+    /// All photographs of a setting count, whatever their exposure times: noise is averaged, and a shutter that is off by 2 % one way
+    /// and 2 % the other is right on average.
+    #[test]
+    fn photographs_of_a_setting_are_taken_together() {
+        let folder = folder(false);
+        let mut noise = Noise::new(7);
+        let mut list = "file,exposure_s,iso\n".to_owned();
+        for (name, seconds, really, iso) in
+            [("a", 1.0, 1.0, 100.0), ("b", 0.5, 0.51, 200.0), ("c", 0.25, 0.245, 200.0)]
+        {
+            let name = format!("steady-{name}.png");
+            photograph(&folder.path().join(&name), 0.2 * really, iso, &mut noise);
+            list += &format!("{name},{seconds},{iso}\n");
+        }
+        std::fs::write(folder.path().join("calibration.csv"), list).expect("written");
+        let photographs = Photographs::new(folder.path()).expect("a calibration");
+        let settings: Vec<[f64; 2]> = photographs.settings.iter().map(|(setting, _)| *setting).collect();
+        assert_eq!(settings, [[100.0, 1.0], [200.0, 1.0]]);
+        assert_eq!(photographs.settings[0].1, 1.0);
+        let factor = photographs.settings[1].1;
+        assert!((factor / REALLY - 1.0).abs() < 2e-3, "{factor}");
+    }
+
     #[test]
     fn what_cannot_be_used_is_said_by_name() {
         let good = folder(true);
@@ -309,6 +351,25 @@ mod tests {
             |path: &Path| ImageBuffer::from_pixel(40, 24, Rgb([9u8; 3])).save(path).expect("written");
         assert!(said("3.png", &coarse).contains("3.png: has 8 bits a colour"));
         assert!(said("steady-100.png", &black).contains("shows nothing to compare"));
+        let written = |text: &'static str| move |path: &Path| std::fs::write(path, text).expect("written");
+        let beside = "file,time_s,iso,red\n0.png,0,100,0.4\n";
+        assert!(said("decay.csv", &written(beside)).contains("has a column red, which means nothing"));
+        let beside = "file,time_s,gain\n0.png,0,1\n";
+        assert!(said("decay.csv", &written(beside)).contains("has a column gain, which means nothing"));
+        let beside = "time_s,gain,iso,red,green,blue\n0,1,100,0.4,0.4,0.4\n";
+        assert!(said("decay.csv", &written(beside)).contains("has a column iso, which means nothing"));
+        let misspelt = "file,exposure,iso\nsteady-100.png,1,100\nsteady-200.png,1,200\n";
+        assert!(
+            said("calibration.csv", &written(misspelt))
+                .contains("has a column exposure, which means nothing")
+        );
+        let unsteady =
+            "file,exposure_s,iso\nsteady-100.png,1,100\nsteady-200.png,1,200\nsteady-200.png,2,200\n";
+        assert!(
+            said("calibration.csv", &written(unsteady)).contains(
+                "steady-200.png: exposes -50 % beside another of calibration.csv at ISO 200 and f/1"
+            )
+        );
         let other = |path: &Path| std::fs::write(path, "file,iso\nsteady-100.png,100\n").expect("written");
         assert!(said("calibration.csv", &other).contains("ISO 200 at f/1 is not in calibration.csv"));
     }

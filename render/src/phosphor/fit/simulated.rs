@@ -95,7 +95,8 @@ impl Laboratory {
         let spectrum: Vec<[f64; 3]> = measurement.filters.iter().map(through).collect::<Result<_, _>>()?;
         let mut charged = Vec::new();
         let excited = if material.excitation_is_known() { self.excited } else { 0 };
-        for band in 0..excited {
+        // Light that the lamp lacks excites nothing.
+        for band in (0..excited).filter(|band| measurement.light[*band] > 0.0) {
             for seconds in &self.charges {
                 let shares = charged_shares(material, &measurement.light, band, *seconds)?;
                 charged.push((band, *seconds, seen(&open_to, &shares, self.charged_delay)?));

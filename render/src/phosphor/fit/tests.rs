@@ -1,5 +1,6 @@
 use super::super::material::file::MaterialFile;
 use super::super::spectrum::Bands;
+use super::super::spectrum::lights::Light;
 use super::*;
 
 fn preset(name: &str) -> Material {
@@ -144,6 +145,30 @@ fn measurements_written_and_read_are_the_same() {
     assert!(
         std::error::Error::source(&fault).expect("a source").to_string().contains("decay.csv:3: time_s is 0")
     );
+}
+
+/// A measurement under another lamp says which, band by band; light that it lacks excites nothing.
+#[test]
+fn lamps_are_written_and_read() {
+    for lamp in Light::ALL {
+        let laboratory = Laboratory { lamp, ..quiet() };
+        let measurement = laboratory.measure(&preset("blue"), 3).expect("a measurement");
+        let folder = tempfile::tempdir().expect("a folder");
+        for (name, text) in laboratory.files(&measurement) {
+            std::fs::write(folder.path().join(name), text).expect("written");
+        }
+        assert_eq!(folder.path().join("light.csv").exists(), lamp != Light::Halogen);
+        let read = Measurement::read(folder.path()).expect("read");
+        let off = read.light.iter().zip(&measurement.light).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-12, "{lamp:?}: {off}");
+        let excited = if lamp == Light::Mercury { 1 } else { 3 };
+        assert_eq!(measurement.excited_bands(), excited, "{lamp:?}");
+        let fit = Fit::new("blue", &read, 1).expect("a fit");
+        let rates = &fit.material.states[0].excitation;
+        for (found, expected) in rates.iter().zip([0.0170, 0.0500]).take(excited) {
+            assert!((found / expected - 1.0).abs() < 0.05, "{lamp:?}: {rates:?}");
+        }
+    }
 }
 
 #[test]

@@ -4,6 +4,9 @@ use super::super::table::{Table, TableError};
 use super::Axis;
 use std::path::Path;
 
+/// How wide, in nm, what goes up or down between two bands is.
+const STEP: f64 = 1e-6;
+
 /// Curves over wavelength, linear between their points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curves {
@@ -69,6 +72,19 @@ impl Curves {
             wavelengths.iter().map(|at| 0.8 * (-0.5 * ((at - centre) / deviation).powi(2)).exp()).collect()
         };
         Self { values: (0..count).map(place).collect(), wavelengths }
+    }
+
+    /// A curve that has a value all over each of the eight bands.
+    pub fn of_bands(values: Vec<f64>) -> Self {
+        let Axis { from, width, .. } = Axis::EIGHT;
+        let mut curve = Self { wavelengths: Vec::new(), values: vec![Vec::new()] };
+        for (band, value) in values.into_iter().enumerate() {
+            let begin = from + width * band as f64;
+            let end = if band + 1 == Axis::EIGHT.count { begin + width } else { begin + width - STEP };
+            curve.wavelengths.extend([begin, end]);
+            curve.values[0].extend([value; 2]);
+        }
+        curve
     }
 
     /// The mean of each curve over each band.
