@@ -12,6 +12,7 @@ pub mod method;
 pub mod methods;
 pub mod metrics;
 pub mod nearest;
+pub mod past;
 pub mod path;
 pub mod phosphor;
 pub mod raster;

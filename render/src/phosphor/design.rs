@@ -30,14 +30,14 @@ const STARTS: usize = 4;
 /// A place of an animated scene, and how it should look.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// The bands of irradiance, reflectance, colours and the material.
+    /// The bands of irradiance, colours and the material.
     pub bands: Bands,
     /// Between frames, in seconds.
     pub dt: f64,
     /// Irradiance of each frame, one value a band. Before the first frame it was dark for long.
     pub irradiance: Vec<Vec<f64>>,
-    /// What the surface reflects of irradiance in each band, from 0 to 1; radiance is that over pi.
-    pub reflectance: Vec<f64>,
+    /// Radiance that the surface reflects in each frame, one value a band, where that is part of how it looks; else there are none.
+    pub reflected: Vec<Vec<f64>>,
     /// How it should look, at one frame at least.
     pub keys: Vec<Key>,
 }
@@ -83,9 +83,17 @@ pub enum DesignError {
         /// The last that there is.
         last: usize,
     },
-    /// Two keys at one frame.
-    #[error("two keys at frame {0}")]
-    Twice(usize),
+    /// Two keys of a place at one frame.
+    #[error("place {place} has two keys at frame {frame}")]
+    Twice {
+        /// The place's, counted from 1.
+        place: usize,
+        /// The keys'.
+        frame: usize,
+    },
+    /// Reflected light of some frames, and not of others.
+    #[error("reflected light of {0} frames, irradiance of {1}")]
+    Reflected(usize, usize),
     /// A list of the wrong length, or a number that makes no sense.
     #[error("{what} is {values:?}, not {bands} finite numbers that are at least 0")]
     Values {
@@ -140,11 +148,12 @@ fn checked(places: &[Place]) -> Result<(), DesignError> {
     if places.iter().any(|place| place.bands != first.bands) {
         return Err(DesignError::Unlike);
     }
-    places.iter().try_for_each(Place::check)
+    (1..).zip(places).try_for_each(|(number, place)| place.check(number))
 }
 
 impl Place {
-    fn check(&self) -> Result<(), DesignError> {
+    /// Whether the place of this number makes sense.
+    fn check(&self, place: usize) -> Result<(), DesignError> {
         let bands = self.bands.count();
         if !(self.dt.is_finite() && self.dt > 0.0) {
             return Err(DesignError::TimeStep(self.dt));
@@ -154,7 +163,11 @@ impl Place {
         }
         let irradiance = self.irradiance.iter().map(|values| ("irradiance", values));
         let keys = self.keys.iter().map(|key| ("a key's radiance", &key.radiance));
-        for (what, values) in irradiance.chain(keys).chain([("reflectance", &self.reflectance)]) {
+        let reflected = self.reflected.iter().map(|values| ("reflected light", values));
+        if !self.reflected.is_empty() && self.reflected.len() != self.irradiance.len() {
+            return Err(DesignError::Reflected(self.reflected.len(), self.irradiance.len()));
+        }
+        for (what, values) in irradiance.chain(keys).chain(reflected) {
             if values.len() != bands || !values.iter().all(|value| value.is_finite() && *value >= 0.0) {
                 return Err(DesignError::Values { what, values: values.clone(), bands });
             }
@@ -167,7 +180,7 @@ impl Place {
                 });
             }
             if self.keys[..index].iter().any(|other| other.frame == key.frame) {
-                return Err(DesignError::Twice(key.frame));
+                return Err(DesignError::Twice { place, frame: key.frame });
             }
         }
         Ok(())
@@ -176,9 +189,8 @@ impl Place {
     /// The emission that is wanted at each key, a list a band: what should be seen less what is reflected. It may be
     /// negative where more is reflected than should be seen.
     fn wanted(&self) -> Vec<Vec<f64>> {
-        let reflected = |key: &Key, band: usize| {
-            self.reflectance[band] * self.irradiance[key.frame][band] / std::f64::consts::PI
-        };
+        let reflected =
+            |key: &Key, band: usize| self.reflected.get(key.frame).map_or(0.0, |radiance| radiance[band]);
         let of_band = |band| self.keys.iter().map(|key| key.radiance[band] - reflected(key, band)).collect();
         (0..self.bands.count()).map(of_band).collect()
     }

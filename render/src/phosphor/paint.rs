@@ -41,6 +41,25 @@ pub struct Lit {
     pub irradiance: Vec3,
 }
 
+/// How a time of light that stays the same is gone through.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Steps {
+    /// By which scheme.
+    pub scheme: Scheme,
+    /// In how many steps, one at least.
+    pub count: u32,
+}
+
+impl Steps {
+    /// At once.
+    pub const EXACT: Self = Self { scheme: Scheme::Exact, count: 1 };
+
+    /// So many steps of Euler's scheme, or the exact one without any.
+    pub const fn of(euler: u32) -> Self {
+        if euler == 0 { Self::EXACT } else { Self { scheme: Scheme::Euler, count: euler } }
+    }
+}
+
 impl Paint {
     /// What a material does in images.
     ///
@@ -58,11 +77,22 @@ impl Paint {
     /// The excited share of each state after a past, which began with `start` of each excited. What is no amount of light
     /// is none, and endless light fills a state.
     pub fn after(&self, start: f32, past: impl Iterator<Item = Lit> + Clone) -> [f32; MOST_STATES] {
+        self.after_steps(start, past.map(|lit| (lit, Steps::EXACT)))
+    }
+
+    /// The same by any steps.
+    pub fn after_steps(
+        &self,
+        start: f32,
+        past: impl Iterator<Item = (Lit, Steps)> + Clone,
+    ) -> [f32; MOST_STATES] {
         let mut shares = [0.0; MOST_STATES];
         for (share, state) in shares.iter_mut().zip(&self.states) {
-            let step = |share: f64, lit: Lit| {
+            let step = |share: f64, (lit, Steps { scheme, count }): (Lit, Steps)| {
                 let (charge, seconds) = (state.charge(lit.irradiance), f64::from(lit.seconds));
-                Scheme::Exact.step(share, f64::from(charge), f64::from(state.decay), seconds)
+                let (charge, decay) = (f64::from(charge), f64::from(state.decay));
+                let one = |share, _| scheme.step(share, charge, decay, seconds / f64::from(count));
+                (0..count).fold(share, one)
             };
             *share = past.clone().fold(f64::from(start), step) as f32;
         }

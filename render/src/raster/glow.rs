@@ -106,6 +106,8 @@ impl GlowOnGpu {
 /// What keeps light, on the GPU, and the states that it has.
 #[derive(Clone, Copy)]
 pub struct Keeping<'a> {
+    /// Steps of Euler's scheme for each time in which no lamp is switched; without any the step is exact.
+    pub euler: u32,
     /// The pass that moves states on, in a clear scene and in one whose medium dims light.
     pub shaders: [&'a Shader; 2],
     /// What the pass reads of what keeps light.
@@ -122,8 +124,9 @@ impl Keeping<'_> {
     /// # Errors
     /// If the device refuses.
     pub fn step(&self, device: &wgpu::Device, world: &World) -> Result<MethodStep, GpuError> {
-        let Self { shaders, keepers: [first, second], count, states } = *self;
-        let (shader, constants) = world.dimmed(shaders);
+        let Self { euler, shaders, keepers: [first, second], count, states } = *self;
+        let (shader, mut constants) = world.dimmed(shaders);
+        constants.push(("EULER", euler));
         let pass = Pass::new(device, shader.name, &shader.specialised(&constants))?;
         let sampler = shadow_sampler(device);
         let own = [&world.glow.paints, first, second, &world.geometry.posed, &world.glow.since];

@@ -80,6 +80,7 @@ impl AnimatedScene {
     }
 
     /// The scene as it is at `time`, seconds, with what moves in the `shutter` seconds around that. The file is not read again.
+    /// Its triangles are the same at all times: what moves keeps those that have no area now.
     ///
     /// # Errors
     /// If the time is none, or a vertex is nowhere then.
@@ -93,7 +94,6 @@ impl AnimatedScene {
             rig.put(&mut scene.meshes, time, shutter).map_err(invalid)?;
             rig.light(&mut scene.lights, time);
         }
-        scene.drop_degenerate_triangles();
         Ok(scene)
     }
 

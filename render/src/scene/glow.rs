@@ -12,7 +12,7 @@ use std::sync::LazyLock;
 const USUAL: &str = "blue";
 
 /// A time so long that every state that changes has reached its equilibrium, seconds.
-const FOR_LONG: f32 = 1e12;
+pub const FOR_LONG: f32 = 1e12;
 
 /// Parts of the past that are looked at to tell what of it matters.
 const FINE: usize = 4096;

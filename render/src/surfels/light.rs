@@ -26,6 +26,20 @@ pub enum Lit {
     Kept,
 }
 
+/// The pass, if there is one, at the end of an image of what surfels send, `[3, height, width]`: light that they kept they send in a
+/// unit of its own.
+///
+/// # Errors
+/// If the device refuses it.
+pub fn ending(
+    device: &wgpu::Device,
+    world: &World,
+    lit: Option<Lit>,
+    image: &wgpu::Buffer,
+) -> Result<Option<MethodStep>, GpuError> {
+    (lit == Some(Lit::Kept)).then(|| kept::in_watts(device, world, image)).transpose()
+}
+
 /// The passes that write what a cloud's surfels send, `[surfels, 2]` u32.
 ///
 /// # Errors

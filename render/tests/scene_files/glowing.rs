@@ -3,22 +3,26 @@
 
 use crate::build::{Builder, write};
 use deepshade_render::bvh::TracedScene;
+use deepshade_render::gbuffer;
+use deepshade_render::method::{self, Method};
 use deepshade_render::methods::phosphor::tile::{Tiles, texel_weights, texels_around};
 use deepshade_render::methods::phosphor::{Parameters, RateEquation};
+use deepshade_render::past;
 use deepshade_render::path::phosphor::{Afterglow, Place};
+use deepshade_render::path::{self, Sampling, Shot};
 use deepshade_render::phosphor::paint::{Lit, MOST_STATES, Paint, PaintState};
 use deepshade_render::raster::{Frame, frame::Settings, frame::Stage};
 use deepshade_render::scene::glow::{Glow, Schedule, Start};
-use deepshade_render::scene::{AnimatedScene, Camera, Scene, SceneSource};
+use deepshade_render::scene::{AnimatedScene, Camera, Light, Scene, SceneSource};
 use deepshade_render::screen::{Inputs, Plan, ScreenMethod, View};
-use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, Gpu};
+use deepshade_shaders::{Attribute, Effect};
 use glam::{Vec2, Vec3};
 use std::path::Path;
 use std::sync::Arc;
 
 const SIZE: usize = 48;
-const TEXELS: Parameters = Parameters { texels: 120 };
+const TEXELS: Parameters = Parameters::exact(120);
 /// Frames a second; the sequence lasts one.
 const FPS: u16 = 8;
 
@@ -173,4 +177,93 @@ fn kept_light_moves_and_bends_with_its_surface() {
     };
     let still: Vec<f32> = tiles.tiles.iter().zip(&tiles.origins).flat_map(still).collect();
     assert!(off(&still, &right) > 0.1, "{}", off(&still, &right));
+}
+
+/// A plate above the floor, under the lamp, that has no size until the middle of the first second.
+fn growing() -> String {
+    let mut builder = Builder::default();
+    let square = |half: f32| [-half, 0.0, half, half, 0.0, half, half, 0.0, -half, -half, 0.0, -half];
+    let floor = builder.floats("VEC3", &square(2.0));
+    let plate = builder.floats("VEC3", &square(0.5));
+    let indices = builder.shorts("SCALAR", &[0, 1, 2, 0, 2, 3]);
+    let times = builder.floats("SCALAR", &[0.0, 0.5]);
+    let sizes = builder.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
+    builder.gltf(&format!(
+        r#""extensionsUsed":["KHR_lights_punctual"],
+        "extensions":{{"KHR_lights_punctual":{{"lights":[{{"type":"point","intensity":3000}}]}}}},
+        "nodes":[{{"mesh":0}},{{"mesh":1,"translation":[0,1,0],"scale":[0,0,0]}},
+            {{"translation":[0,3,0],"extensions":{{"KHR_lights_punctual":{{"light":0}}}}}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":{floor}}},"indices":{indices},"material":0}}]}},
+            {{"primitives":[{{"attributes":{{"POSITION":{plate}}},"indices":{indices},"material":0}}]}}],
+        "materials":[{{"name":"paint"}}],
+        "animations":[{{"channels":[{{"sampler":0,"target":{{"node":1,"path":"scale"}}}}],
+        "samplers":[{{"input":{times},"output":{sizes},"interpolation":"STEP"}}]}}]"#
+    ))
+}
+
+/// What has no area for a while keeps its triangles: it has got no light then, and the floor below was not in its shadow.
+#[test]
+fn kept_light_survives_poses_in_which_triangles_have_no_area() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    write(folder.path(), "growing.gltf", growing());
+    let source = SceneSource::File(folder.path().join("growing.gltf"));
+    let mut animated = AnimatedScene::load(&source, 0.0).expect("a file");
+    // So faint that nothing is full.
+    let intensity = Vec3::splat(20.0);
+    animated.scene.lights[0] = Light::Point { position: 3.0 * Vec3::Y, intensity, range: f32::INFINITY };
+    let mut kept = Glow { moment: 1.5, ..glow() };
+    kept.schedules[0].on = vec![[0.0, 1.0]];
+    let (state, moment) = (kept.surfaces[0].1.states[0], kept.moment);
+    let now = Scene { glow: Some(Arc::new(kept)), ..animated.scene.clone() };
+    let scene = past::of_animation(&animated, &now).expect("poses of the same triangles");
+
+    // Irradiance on top of the plate and in the middle of the floor, and what each keeps of a time of it.
+    let share = |distance: f32, [from, to]: [f32; 2]| {
+        let charge = state.excitation.dot(intensity / (distance * distance));
+        let total = charge + state.decay;
+        charge / total * (1.0 - (-total * (to - from)).exp()) * (-state.decay * (moment - to)).exp()
+    };
+    let afterglow = Afterglow::new(&scene);
+    let middle = |mesh: usize| afterglow.shares(mesh, 0, [0.5, 0.0, 0.5]).expect("paint")[0];
+    for (mesh, expected) in [(0, share(3.0, [0.0, 0.5])), (1, share(2.0, [0.5, 1.0]))] {
+        let found = middle(mesh);
+        // The change falls into one of 48 poses of the second of light.
+        assert!((found / expected - 1.0).abs() < 0.05 && expected > 0.05, "{mesh}: {found} {expected}");
+    }
+
+    // And so on the GPU, in a still and in frames.
+    let gpu = Gpu::new().expect("an adapter");
+    let method = RateEquation::new(&gpu, TEXELS).expect("valid shaders");
+    let camera = Camera::look_at(Vec3::new(0.0, 1.6, 3.0), Vec3::new(0.0, 0.4, 0.0));
+    let gbuffer = gbuffer::render(&scene, &camera, SIZE, SIZE, ScreenMethod::attributes(&method));
+    let seen = method::Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius: 1.0, seed: 0 };
+    let still = method.shade(&seen, method::Repeats::ONCE).expect("an image").image;
+    let shot = Shot::new(&scene, &camera, [SIZE, SIZE], 1.0);
+    let truth = path::render(Effect::Phosphor, &shot, Sampling::one(1, 1)).mean;
+    // The change falls into one of twelve poses of a second there, which may be all on the wrong side: a sixth of half a second. Frames
+    // below are shorter.
+    let brightest = truth.data().iter().copied().fold(0.0, f32::max);
+    let far = |image: &[f32]| {
+        let off = image.iter().zip(truth.data()).filter(|(a, b)| (*a - *b).abs() > brightest / 6.0).count();
+        off as f32 / image.len() as f32
+    };
+    assert!(far(still.data()) < 0.03, "{}", far(still.data()));
+
+    let glowing = AnimatedScene { scene: now, rigs: animated.rigs };
+    let attributes = ScreenMethod::attributes(&method).to_vec();
+    let settings = Settings { height: SIZE, width: SIZE, attributes, shadow_size: 1024 };
+    let mut frame = Frame::new(&gpu, &glowing, &settings).expect("a frame");
+    let view = View { height: SIZE, width: SIZE, camera, radius: 1.0, seed: 0 };
+    let inputs = Inputs { gbuffer: frame.gbuffer(), environment: None, world: Some(frame.world()) };
+    let plan = Plan::new(&method, &inputs, &view).expect("a plan");
+    for number in 0..=72u16 {
+        frame.set(&gpu.queue, f32::from(number) / 48.0, 0.0, &camera);
+        gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| {
+            Stage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
+            plan.encode(encoder);
+        })
+        .expect("a frame");
+    }
+    let image: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, plan.output()).expect("an image");
+    assert!(far(&image) < 0.03, "{}", far(&image));
 }

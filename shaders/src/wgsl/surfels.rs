@@ -50,20 +50,22 @@ table! {
                 "shadow", "light_clear", "surfel_received"];
     /// States of patches after a stretch of time.
     SURFELS_KEEP: "surfels.keep", file "surfels/keep",
-        constants [LIGHTS = 1, SCHEDULES = 1, PIECES = 1, STATES = 1, PAINT_STATES = 1],
+        constants [LIGHTS = 1, SCHEDULES = 1, PIECES = 1, STATES = 1, PAINT_STATES = 1, EULER = 0],
         uniforms [PaintState, FrameView, LightRecord],
         shared ["view", "lights", "shadow", "light_clear", "surfel_patch_record", "glow_corners", "glow_place", "glow_time",
                 "glow_change"];
     /// The same where the medium dims the lamps' light.
     SURFELS_KEEP_DIMMED: "surfels.keep_dimmed", file "surfels/keep",
-        constants [LIGHTS = 1, SCHEDULES = 1, PIECES = 1, STATES = 1, PAINT_STATES = 1, MEDIUM = 2, GREY = 0],
+        constants [LIGHTS = 1, SCHEDULES = 1, PIECES = 1, STATES = 1, PAINT_STATES = 1, EULER = 0, MEDIUM = 2, GREY = 0],
         uniforms [PaintState, FrameView, LightRecord, MediumRecord],
         shared ["view", "lights", "shadow", "medium_span", "medium", "colours", "light_dimmed", "surfel_patch_record",
                 "glow_corners", "glow_place", "glow_time", "glow_change"];
     /// Light that surfels give back.
     SURFELS_GIVE_BACK: "surfels.give_back", file "surfels/give_back",
-        constants [HEIGHT = 8, STATES = 1, PAINT_STATES = 1], uniforms [PaintState],
+        constants [HEIGHT = 8, STATES = 1, PAINT_STATES = 1, UNIT = 128], uniforms [PaintState],
         shared ["random", "packing", "surfel", "surfel_record", "surfel_order"];
+    /// An image of that light, in W/m²/sr.
+    SURFELS_IN_WATTS: "surfels.in_watts", file "surfels/in_watts", constants [UNIT = 128], uniforms [], shared [];
     /// The lowest nodes of the tree, of surfels that send light.
     SURFELS_LIT_LEAVES: "surfels.lit_leaves", file "surfels/leaves", constants [HEIGHT = 8], uniforms [],
         shared ["packing", "surfel", "surfel_record", "surfel_tree", "surfel_reach_if_lit"];

@@ -1,6 +1,9 @@
 // States moved on, a share of each with what rounding leaves of its changes. Passes bind `paints`, `time` and `states`, [2, ..,
 // STATES]: shares, and then what rounding has left.
 
+// Light before the beginning, which is an equilibrium by any scheme.
+const FOR_LONG = 1e12;
+
 struct Share {
     value: f32,
     left: f32,
@@ -15,7 +18,23 @@ fn changed(share: Share, change: f32, nothing: u32) -> Share {
     return Share(value, select(0.0, wanted - (sum - share.value), value == sum));
 }
 
-// The states of a texel, a cell or a patch after a stretch of time, under light of each schedule.
+// One exact step of the rate equation (thesis, equation 8.1). What is left after a long time is less than what rounding leaves of the
+// change, so that it is found by itself.
+fn exactly(share: Share, charge: f32, decay: f32, seconds: f32, nothing: u32) -> Share {
+    let rate = charge + decay;
+    if rate <= 0.0 {
+        return share;
+    }
+    let rest = charge / rate;
+    let x = exponent(rate, seconds);
+    if x > 0.5 {
+        return Share(clamp(rest + (share.value - rest) * exp(-x), 0.0, 1.0), 0.0);
+    }
+    return changed(share, (rest - share.value) * progress(x), nothing);
+}
+
+// The states of a texel, a cell or a patch after a stretch of time, under light of each schedule: exactly, or by EULER steps of
+// Euler's scheme for each time in which no lamp is switched.
 fn move_on(kept: u32, paint: u32, irradiance: ptr<function, array<vec3f, SCHEDULES>>, nothing: u32) {
     let anew = time[0] == 1.0;
     for (var s = 0u; s < STATES; s++) {
@@ -36,7 +55,16 @@ fn move_on(kept: u32, paint: u32, irradiance: ptr<function, array<vec3f, SCHEDUL
             for (var schedule = 0u; schedule < SCHEDULES; schedule++) {
                 light += select(vec3f(0.0), (*irradiance)[schedule], time[start + 1u + schedule] == 1.0);
             }
-            share = changed(share, change_of(share.value, charge_of(state, light), state.rates.w, time[start]), nothing);
+            let charge = charge_of(state, light);
+            if EULER == 0u || time[start] >= FOR_LONG {
+                share = exactly(share, charge, state.rates.w, time[start], nothing);
+                continue;
+            }
+            let seconds = time[start] / f32(EULER);
+            for (var i = 0u; i < EULER; i++) {
+                let slope = (1.0 - share.value) * charge - share.value * state.rates.w;
+                share = changed(share, seconds * slope, nothing);
+            }
         }
         states[at] = share.value;
         states[at_left] = share.left;

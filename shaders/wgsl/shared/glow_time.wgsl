@@ -31,12 +31,3 @@ fn progress(x: f32) -> f32 {
     }
     return 1.0 - exp(-x);
 }
-
-// What one exact step of the rate equation (thesis, equation 8.1) adds to a share.
-fn change_of(share: f32, charge: f32, decay: f32, seconds: f32) -> f32 {
-    let rate = charge + decay;
-    if rate <= 0.0 {
-        return 0.0;
-    }
-    return (charge / rate - share) * progress(exponent(rate, seconds));
-}

@@ -1,5 +1,5 @@
-// What surfels send of light that their patches kept (thesis, equation 8.3). What the inside of a closed body gives back stays
-// in it.
+// What surfels send of light that their patches kept (thesis, equation 8.3), in 2^(128 - UNIT) W/m²/sr: packed radiance ends at
+// 2^-24, and what is kept for long is fainter. What the inside of a closed body gives back stays in it.
 
 @group(0) @binding(0) var<uniform> paints: array<PaintState, PAINT_STATES>;
 // As keep.wgsl has them.
@@ -22,6 +22,6 @@ fn give_back(@builtin(global_invocation_id) id: vec3u) {
             emission += states[index * STATES + s] * paints[(painted[index] - 1u) * STATES + s].emission.rgb;
         }
     }
-    let front = pack_radiance(emission);
+    let front = pack_radiance(emission * exp2(f32(UNIT) - 128.0));
     sent[id.x] = vec2u(front, select(0u, front, surfel_is_open(surfels[id.x])));
 }

@@ -36,7 +36,7 @@ impl Step {
         let (mut milliseconds, mut texels) = (0.0, 0);
         // Texels are as the square of how many are along the diagonal, but for rounding.
         for _ in 0..4 {
-            let plan = subject.plan(&RateEquation::new(gpu, Parameters { texels: across as u32 })?)?;
+            let plan = subject.plan(&RateEquation::new(gpu, Parameters::exact(across as u32))?)?;
             subject.make(0.0, &[&plan])?;
             subject.make(1.0 / 60.0, &[&plan])?;
             (milliseconds, texels) = subject.step(&plan, runs)?;

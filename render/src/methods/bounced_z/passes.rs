@@ -4,7 +4,7 @@ use super::technique::Shaders;
 use super::{BouncedEffect, Parameters};
 use crate::methods::lobe;
 use crate::screen::{Inputs, MethodStep, View};
-use crate::surfels::{self, Lit, Tree, frame, groups};
+use crate::surfels::{self, Lit, Tree, frame, groups, light};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{Shader, TILE};
@@ -83,6 +83,7 @@ impl Passes {
         steps.push(MethodStep::bind_at(device, &self.arrive, all, &reads, &[(0, &arrived)])?);
         let reads = [&[window], &surface[..], &[&ways, &arrived]].concat();
         steps.push(MethodStep::bind(device, &self.filter, pixels, &reads, &[image])?);
+        steps.extend(light::ending(device, frame::scene(inputs.world)?, self.lit, image)?);
         Ok(steps)
     }
 }

@@ -175,6 +175,7 @@ impl Passes {
         for volume in &volumes {
             steps.push(volume.lit_step(device, inputs.gbuffer, &uniforms[VIEW], image)?);
         }
+        steps.extend(light::ending(device, frame::scene(inputs.world)?, Some(filled.lit()), image)?);
         Ok(steps)
     }
 

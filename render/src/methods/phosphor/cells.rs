@@ -100,14 +100,19 @@ impl Cells {
         }))
     }
 
-    /// The pass that moves their states on by the time since the frame before, of a medium with a paint.
+    /// The pass that moves their states on by the time since the frame before, of a medium with a paint, exactly or by so many steps of
+    /// Euler's scheme.
     ///
     /// # Errors
     /// If the device refuses.
-    pub fn step(&self, device: &wgpu::Device, world: &World) -> Result<MethodStep, GpuError> {
+    pub fn step(&self, device: &wgpu::Device, world: &World, euler: u32) -> Result<MethodStep, GpuError> {
         let glow = &world.glow;
-        let own =
-            [("LIGHTS", world.gpu_lights.count as u32), paint(glow.glow()), ("MEDIUM", world.medium.kind)];
+        let own = [
+            ("LIGHTS", world.gpu_lights.count as u32),
+            paint(glow.glow()),
+            ("MEDIUM", world.medium.kind),
+            ("EULER", euler),
+        ];
         let source = wgsl::PHOSPHOR_CELLS.specialised(&[&glow.constants()[..], &own].concat());
         let pass = Pass::new(device, wgsl::PHOSPHOR_CELLS.name, &source)?;
         let sampler = shadow_sampler(device);

@@ -86,7 +86,7 @@ impl Technique for Parameters {
         let (world, gbuffer) = (frame::scene(inputs.world)?, inputs.gbuffer);
         let [view, settings] = uniforms else { unreachable!("it has two uniform buffers") };
         // It has no texels; tiles are how a pixel finds its triangle.
-        let coarsest = Texels { texels: 1 };
+        let coarsest = Texels::exact(1);
         let finding = Finding::new(device, world, gbuffer, coarsest.texels)?;
         let mut steps = finding.steps(device, world, gbuffer, view)?;
         let parts = world.past().iter().map(|(stretch, pose)| (*stretch, pose));

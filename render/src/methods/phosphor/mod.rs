@@ -2,7 +2,8 @@
 //!
 //! Every triangle that keeps light has a lattice of texels of its own ([`tile`]), so that a mesh needs no texture coordinates,
 //! and texels keep their place however it moves or bends. Each frame one pass moves their states on by the time that went by,
-//! under the lamps' shadow maps as they are now, exactly for light that stays the same ([`rate`](crate::phosphor::rate)). A
+//! under the lamps' shadow maps as they are now, exactly for light that stays the same, or by Euler's scheme as in the thesis
+//! ([`rate`](crate::phosphor::rate)). A
 //! pixel finds its triangle by where its surface is, in a tree of boxes that is fitted to the triangles of each frame: a
 //! g-buffer knows objects, not triangles, and one that rays made is as good as one that was drawn. What it shows is linear
 //! between texels.
@@ -43,6 +44,10 @@ pub struct Parameters {
     /// Texels along the scene's diagonal.
     #[schemars(range(min = 8, max = 4096))]
     pub texels: u32,
+    /// Steps of Euler's scheme, as the thesis has it, for each time between frames or switches of lamps; without any the step is the
+    /// exact one.
+    #[schemars(range(min = 0, max = 4096))]
+    pub euler: u32,
 }
 
 /// The method, compiled for a device.
@@ -52,6 +57,11 @@ pub type RateEquation = Compiled<Parameters>;
 const ATTRIBUTES: &[Attribute] = &[Attribute::Position, Attribute::ObjectId, Attribute::Valid];
 
 impl Parameters {
+    /// So many texels along the scene's diagonal, whose steps are exact.
+    pub const fn exact(texels: u32) -> Self {
+        Self { texels, euler: 0 }
+    }
+
     /// More time is finer texels.
     pub const fn of(quality: Quality) -> Self {
         let texels = match quality {
@@ -60,7 +70,7 @@ impl Parameters {
             Quality::High => 512,
             Quality::Ultra => 1536,
         };
-        Self { texels }
+        Self::exact(texels)
     }
 }
 
@@ -95,8 +105,8 @@ impl Technique for Parameters {
         let cells = Cells::new(device, world, self.texels)?;
         let kept = cells.as_ref().filter(|_| world.glow.glow().medium.is_some());
         for pose in world.poses() {
-            steps.push(finding.keeping(&states).step(device, pose)?);
-            steps.extend(kept.map(|cells| cells.step(device, pose)).transpose()?);
+            steps.push(finding.keeping(&states, self.euler).step(device, pose)?);
+            steps.extend(kept.map(|cells| cells.step(device, pose, self.euler)).transpose()?);
         }
         steps.push(finding.show(device, world, &states, output)?);
         if let Some(cells) = &cells {

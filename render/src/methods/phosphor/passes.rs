@@ -120,9 +120,10 @@ impl Finding {
         Ok(MethodStep { step: Step { pass, workgroups }, writes: Vec::new() })
     }
 
-    /// What keeps light, with its states.
-    pub fn keeping<'a>(&'a self, states: &'a wgpu::Buffer) -> Keeping<'a> {
+    /// What keeps light, with its states, which move on by so many steps of Euler's scheme, or exactly.
+    pub fn keeping<'a>(&'a self, states: &'a wgpu::Buffer, euler: u32) -> Keeping<'a> {
         Keeping {
+            euler,
             shaders: [&wgsl::PHOSPHOR_STEP, &wgsl::PHOSPHOR_STEP_DIMMED],
             keepers: [&self.tiles, &self.owners],
             count: self.texels,

@@ -6,7 +6,7 @@ use super::tile::{Tiles, texel_weights, texels_around};
 use crate::bvh::{Hit, TracedScene};
 use crate::methods::picture::every_pixel;
 use crate::path::phosphor::Afterglow;
-use crate::phosphor::paint::MOST_STATES;
+use crate::phosphor::paint::{MOST_STATES, Steps};
 use crate::raster::geometry::draws_of;
 use crate::scene::Glow;
 use crate::screen::{View, Written};
@@ -19,7 +19,7 @@ use std::collections::HashMap;
 /// States of all texels, `[texels, states]`, and the image, `[3, height, width]`.
 pub fn shade(scene: &TracedScene, view: &View, parameters: Parameters) -> Written {
     let tiles = Tiles::new(scene.scene(), &draws_of(scene.scene()), parameters.texels);
-    let afterglow = Afterglow::new(scene);
+    let afterglow = Afterglow::new(scene).by(Steps::of(parameters.euler));
     let shares = shares(&afterglow, &tiles);
     let cells = PlainCells::new(scene, &afterglow, parameters.texels);
     let glow = Glow::of(scene.scene());

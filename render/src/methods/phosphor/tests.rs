@@ -16,7 +16,7 @@ use crate::scene::{Bounds, Camera, Density, Light, Look, Material, MaterialId, M
 use crate::screen::{self, GpuGBuffer, Plan};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{GBuffer, Planes};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
 fn gpu() -> Gpu {
@@ -92,7 +92,7 @@ fn states(gpu: &Gpu, plan: &Plan) -> Vec<f32> {
 #[test]
 fn states_and_images_are_those_of_the_plain_version() {
     let gpu = gpu();
-    let method = RateEquation::new(&gpu, Parameters { texels: 100 }).expect("valid shaders");
+    let method = RateEquation::new(&gpu, Parameters::exact(100)).expect("valid shaders");
     // Shadow maps end within a texel of where shadows do.
     prove_twin(&method, &room(), Tolerance { usual: 2e-3, worst: 0.06 });
 }
@@ -116,23 +116,78 @@ fn moving() -> (TracedScene, View, GBuffer) {
     seen(at(1.3).with_past(past).expect("the same triangles"), camera(), [37, 53])
 }
 
+/// Where a pixel of the floor is next to an edge of the board's shadow in any of some poses of it, within `width` metres.
+fn is_near_an_edge(point: Vec3, width: f32) -> bool {
+    let lamp = Vec3::new(0.1, 2.5, 0.2);
+    // On the board's plane, seen from the lamp.
+    let share = (lamp.y - 1.2) / (lamp.y - point.y);
+    let there = lamp + (point - lamp) * share;
+    [-1.1f32, -0.5, 0.2].iter().any(|x| {
+        let off = Vec2::new((there.x - x).abs() - 0.4, there.z.abs() - 0.4);
+        // Inside how deep, outside how far.
+        let distance =
+            if off.max_element() < 0.0 { -off.max_element() } else { off.max(Vec2::ZERO).length() };
+        distance < width * share
+    })
+}
+
+/// Both methods draw shadows by maps and states at texels: within a texel of where a shadow ends, a place may have got any share of
+/// what a place gets that is never in the shadow; everywhere else they are what the plain version is.
 #[test]
 fn what_moved_leaves_its_shadows_where_they_were() {
     let gpu = gpu();
     let (scene, view, gbuffer) = moving();
     let still = scene.clone().with_past(vec![]).expect("no past");
-    let states = RateEquation::new(&gpu, Parameters { texels: 150 }).expect("valid shaders");
+    // The floor alone: nothing was ever between it and the lamp.
+    let open = seen(
+        self::scene(vec![floor()], scene.scene().lights.clone(), Glow::of(scene.scene()).clone()),
+        camera(),
+        [37, 53],
+    );
+    let states = RateEquation::new(&gpu, Parameters::exact(150)).expect("valid shaders");
     let moments = Glassner::new(&gpu, Moments { samples: 16 }).expect("valid shaders");
-    // At an edge of a shadow a texel or a pixel may be on the other side; moments know no saturation and are brighter.
+    let spacing = scene.diagonal() / 150.0;
+    // Of a map of 90 degrees and 1024 texels, at the floor's distance; a lookup mixes two by two.
+    let texel = 2.0 * 2.0 * 2.5 / 1024.0;
     let methods: [(Box<dyn screen::ScreenMethod>, f32); 2] =
-        [(Box::new(states), 0.4), (Box::new(moments), 2.5)];
-    for (method, worst) in methods {
+        [(Box::new(states), spacing + texel), (Box::new(moments), 2.0 * texel)];
+    for (method, width) in methods {
         let told = (scene.clone(), view, gbuffer.clone());
-        prove_twin(&method, &told, Tolerance { usual: 4e-3, worst });
-        let [told, untold] =
-            [told, (still.clone(), view, gbuffer.clone())].map(|frame| shaded(&method, &frame));
-        let off = told.data().iter().zip(untold.data()).filter(|(a, b)| (*a - *b).abs() > 0.02).count();
-        assert!(off > told.data().len() / 50, "as if it had never moved: {off}");
+        let found = shaded(&method, &told);
+        let plain = |(scene, view, gbuffer): &(TracedScene, View, GBuffer)| {
+            let inputs = PlainInputs { gbuffer, environment: None, scene: Some(scene) };
+            let image = method.reference(&inputs, view).expect("attributes").pop().expect("an image");
+            Planes::from_data(3, view.height, view.width, image)
+        };
+        let (right, lit) = (plain(&told), plain(&open));
+        let brightest = lit.data().iter().copied().fold(0.0, f32::max);
+        let (mut near, mut floor) = (0, 0);
+        for (y, x) in (0..view.height).flat_map(|y| (0..view.width).map(move |x| (y, x))) {
+            let direction =
+                view.camera.direction(Vec2::new(x as f32, y as f32) + 0.5, view.height, view.width);
+            let Some(hit) = scene.hit(view.camera.position, direction, f32::INFINITY) else { continue };
+            let point = view.camera.position + direction * hit.distance;
+            let is_edge = hit.mesh == 0 && is_near_an_edge(point, width);
+            floor += usize::from(hit.mesh == 0);
+            near += usize::from(is_edge);
+            for channel in 0..3 {
+                let [found, right, lit] = [&found, &right, &lit].map(|image| image.at(channel, y, x));
+                if is_edge {
+                    let within = 0.0..=lit + 2e-3 * brightest;
+                    assert!(
+                        within.contains(&found) && within.contains(&right),
+                        "{x}, {y}: {found} {right} {lit}"
+                    );
+                } else {
+                    let off = (found - right).abs() / brightest;
+                    assert!(off < 2e-3, "{}: {x}, {y}: {found} {right}", method.name());
+                }
+            }
+        }
+        assert!(floor > 500 && 3 * near < floor, "{}: {near} of {floor} near edges", method.name());
+        let untold = shaded(&method, &(still.clone(), view, gbuffer.clone()));
+        let off = found.data().iter().zip(untold.data()).filter(|(a, b)| (*a - *b).abs() > 0.02).count();
+        assert!(off > found.data().len() / 50, "as if it had never moved: {off}");
     }
 }
 
@@ -140,7 +195,7 @@ fn what_moved_leaves_its_shadows_where_they_were() {
 #[test]
 fn a_medium_keeps_light_as_in_the_plain_version() {
     let gpu = gpu();
-    let method = RateEquation::new(&gpu, Parameters { texels: 100 }).expect("valid shaders");
+    let method = RateEquation::new(&gpu, Parameters::exact(100)).expect("valid shaders");
     let bounds = Bounds { min: Vec3::new(-1.0, 0.1, -1.0), max: Vec3::new(1.0, 1.3, 1.0) };
     let smoke = Weather::smoke(3, 1.5, 0.9).grid(bounds, 12, 0.0).expect("smoke");
     for density in [Density::Grid(smoke), Density::Within(bounds)] {
@@ -169,7 +224,7 @@ fn without_shadows_states_are_exact() {
     glow.start = Start::LitForLong;
     let room =
         seen(scene(vec![floor()], vec![lamp(Vec3::new(0.3, 2.0, 0.2), 20.0)], glow), camera(), [9, 11]);
-    let method = RateEquation::new(&gpu, Parameters { texels: 60 }).expect("valid shaders");
+    let method = RateEquation::new(&gpu, Parameters::exact(60)).expect("valid shaders");
     let (scene, view, gbuffer) = &room;
     let uploaded = GpuGBuffer::upload(&gpu.device, gbuffer, ATTRIBUTES).expect("attributes");
     let world = screen::world(&gpu, scene.scene(), view).expect("room");
@@ -177,11 +232,36 @@ fn without_shadows_states_are_exact() {
     let plan = Plan::new(&method, &inputs, view).expect("a plan");
     gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
     let states = states(&gpu, &plan);
-    let expected = &reference::shade(scene, view, Parameters { texels: 60 })[0];
+    let expected = &reference::shade(scene, view, Parameters::exact(60))[0];
     assert!(states.len() == expected.len() && states.len() > 3000);
     let worst = states.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
     assert!(worst < 1e-5, "{worst}");
     assert!(states.iter().skip(2).step_by(3).all(|share| *share == 1.0), "what does not decay is full");
+}
+
+/// Euler's scheme, as the thesis has it: the same states as in the plain version, and an error that falls as its steps do; from long
+/// light, which is no step, too.
+#[test]
+fn steps_of_euler_tend_to_the_exact_ones() {
+    let gpu = gpu();
+    let mut glow = glow(&[0.7, 0.1], &[[0.5, 2.0]], 3.0);
+    glow.start = Start::LitForLong;
+    let lights = vec![lamp(Vec3::new(0.3, 2.0, 0.2), 20.0)];
+    let room = seen(scene(vec![floor()], lights, glow), camera(), [9, 11]);
+    let image = |euler| {
+        let method = RateEquation::new(&gpu, Parameters { texels: 60, euler }).expect("valid shaders");
+        prove_twin(&method, &room, Tolerance { usual: 1e-4, worst: 1e-4 });
+        shaded(&method, &room)
+    };
+    let exact = image(0);
+    let error = |euler| {
+        let off =
+            image(euler).data().iter().zip(exact.data()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(off > 1e-5, "{euler}: {off}");
+        off
+    };
+    let ratio = error(128) / error(256);
+    assert!((1.9..2.1).contains(&ratio), "{ratio}");
 }
 
 /// The error of images with few moments falls with their root, and they have the right mean where light is weak.
@@ -191,7 +271,7 @@ fn moments_tend_to_the_rate_equation_where_light_is_weak() {
     let glow = glow(&[0.7, 0.1], &[[0.5, 2.0]], 3.0);
     let room =
         seen(scene(vec![floor()], vec![lamp(Vec3::new(0.3, 2.0, 0.2), 1e-3)], glow), camera(), [24, 32]);
-    let right = shaded(&RateEquation::new(&gpu, Parameters { texels: 200 }).expect("valid shaders"), &room);
+    let right = shaded(&RateEquation::new(&gpu, Parameters::exact(200)).expect("valid shaders"), &room);
     let error = |samples| {
         let image = shaded(&Glassner::new(&gpu, Moments { samples }).expect("valid shaders"), &room);
         let squares = image.data().iter().zip(right.data()).map(|(a, b)| (a - b).powi(2)).sum::<f32>();
@@ -217,7 +297,7 @@ impl Loop {
     ) -> Self {
         let gpu = gpu();
         let (_, view, gbuffer) = frame;
-        let method = RateEquation::new(&gpu, Parameters { texels }).expect("valid shaders");
+        let method = RateEquation::new(&gpu, Parameters::exact(texels)).expect("valid shaders");
         let uploaded = GpuGBuffer::upload(&gpu.device, gbuffer, ATTRIBUTES).expect("attributes");
         let world = crate::raster::World::new(&gpu, animated, Some(512)).expect("room");
         let inputs = Inputs { gbuffer: &uploaded, environment: None, world: Some(&world) };
@@ -274,7 +354,7 @@ fn slow_states_lose_nothing_to_rounding() {
 #[test]
 fn extremes_give_shares_and_finite_images() {
     let gpu = gpu();
-    let method = RateEquation::new(&gpu, Parameters { texels: 30 }).expect("valid shaders");
+    let method = RateEquation::new(&gpu, Parameters::exact(30)).expect("valid shaders");
     let rival = Glassner::new(&gpu, Moments { samples: 4 }).expect("valid shaders");
     for (decays, power, moment, start) in [
         (&[0.0, 1e30][..], 1e30, 1.0, Start::Share(1.0)),
@@ -298,7 +378,7 @@ fn extremes_give_shares_and_finite_images() {
 #[test]
 fn nothing_glows_without_paint_or_lamps() {
     let gpu = gpu();
-    let method = RateEquation::new(&gpu, Parameters { texels: 30 }).expect("valid shaders");
+    let method = RateEquation::new(&gpu, Parameters::exact(30)).expect("valid shaders");
     let lit = || vec![lamp(Vec3::Y, 5.0)];
     let mut unpainted = glow(&[0.3], &[[0.0, 9.0]], 1.0);
     unpainted.surfaces[0].0 = Some("no such material".to_owned());
@@ -312,7 +392,7 @@ fn nothing_glows_without_paint_or_lamps() {
 #[test]
 fn each_material_has_its_own_paint() {
     let gpu = gpu();
-    let method = RateEquation::new(&gpu, Parameters { texels: 60 }).expect("valid shaders");
+    let method = RateEquation::new(&gpu, Parameters::exact(60)).expect("valid shaders");
     let mut of_wall = glow(&[0.3], &[[0.0, 9.0]], 1.0);
     of_wall.surfaces[0].0 = Some("wall".to_owned());
     let (scene, view, _) =

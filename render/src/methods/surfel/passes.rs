@@ -4,7 +4,7 @@ use super::around::{Around, Ending};
 use super::{Parameters, shells};
 use crate::methods::blur::Blur;
 use crate::screen::{Inputs, MethodStep, View};
-use crate::surfels::{Cloud, Lit, Tree, frame};
+use crate::surfels::{Cloud, Lit, Tree, frame, light};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
@@ -108,6 +108,7 @@ impl Passes {
             steps.extend(self.level_steps(splatting, level, uniforms)?);
         }
         steps.extend_from_slice(after);
+        steps.extend(light::ending(device, frame::scene(inputs.world)?, self.lit, image)?);
         Ok(steps)
     }
 

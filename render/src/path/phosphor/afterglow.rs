@@ -3,8 +3,8 @@
 use crate::bvh::{Hit, TracedScene, corner_weights};
 use crate::intersection::clearance;
 use crate::path::lights::Arrival;
-use crate::phosphor::paint::{Lit, MOST_STATES, Paint};
-use crate::scene::glow::Piece;
+use crate::phosphor::paint::{Lit, MOST_STATES, Paint, Steps};
+use crate::scene::glow::{FOR_LONG, Piece};
 use crate::scene::{Glow, Mesh};
 use glam::Vec3;
 
@@ -17,6 +17,7 @@ pub struct Afterglow<'a> {
     paints: Vec<Option<usize>>,
     /// Poses of the past, with the time for which each stands, cut where lamps are switched.
     past: Vec<(&'a TracedScene, Vec<Piece>)>,
+    steps: Steps,
 }
 
 /// A point of a mesh as light falls on it.
@@ -54,23 +55,48 @@ impl<'a> Afterglow<'a> {
     /// Of a scene at the moment of its [`Glow`].
     pub fn new(scene: &'a TracedScene) -> Self {
         let glow = Glow::of(scene.scene());
-        Self { scene, glow, paints: glow.paints_of(scene.scene()), past: poses(scene, glow) }
+        Self {
+            scene,
+            glow,
+            paints: glow.paints_of(scene.scene()),
+            past: poses(scene, glow),
+            steps: Steps::EXACT,
+        }
+    }
+
+    /// The same by other steps for each time in which no lamp is switched.
+    #[must_use]
+    pub fn by(self, steps: Steps) -> Self {
+        Self { steps, ..self }
+    }
+
+    /// Excited shares of a paint after all that happened.
+    fn after(&self, paint: &Paint, history: Vec<Lit>) -> [f32; MOST_STATES] {
+        // Light before the beginning is an equilibrium by any scheme.
+        let steps = |lit: Lit| (lit, if lit.seconds >= FOR_LONG { Steps::EXACT } else { self.steps });
+        paint.after_steps(self.glow.before(), history.into_iter().map(steps))
     }
 
     /// Irradiance of the lamps of each schedule when they shine, on both sides of a surface together, W/m², RGB, in the
     /// scene as it is now.
     pub fn irradiance(&self, place: &Place) -> Vec<Vec3> {
-        self.irradiance_in(self.scene, place)
+        self.irradiance_in(self.scene, place, None)
     }
 
-    fn irradiance_in(&self, traced: &TracedScene, place: &Place) -> Vec<Vec3> {
+    /// The same on the side that is seen from a direction.
+    pub fn irradiance_towards(&self, place: &Place, eye: Vec3) -> Vec<Vec3> {
+        self.irradiance_in(self.scene, place, Some(eye))
+    }
+
+    fn irradiance_in(&self, traced: &TracedScene, place: &Place, eye: Option<Vec3>) -> Vec<Vec3> {
         let mut received = vec![Vec3::ZERO; self.glow.schedules.len()];
         let scene = traced.scene();
         for (index, light) in scene.lights.iter().enumerate() {
             let Arrival { direction, distance, irradiance } = Arrival::new(scene, light, place.position);
             let side = place.geometric_normal.dot(direction).signum();
             let cosine = side * place.normal.dot(direction);
-            if cosine <= 0.0 || irradiance == Vec3::ZERO {
+            let is_behind = eye.is_some_and(|eye| side * place.geometric_normal.dot(eye) <= 0.0);
+            if cosine <= 0.0 || is_behind || irradiance == Vec3::ZERO {
                 continue;
             }
             let origin = place.position + side * place.geometric_normal * place.clearance;
@@ -87,7 +113,7 @@ impl<'a> Afterglow<'a> {
         for (pose, pieces) in &self.past {
             let shines = pieces.iter().any(|piece| piece.on.contains(&true));
             let place = || Place::new(&pose.scene().meshes[mesh], triangle, weights);
-            let received = if shines { self.irradiance_in(pose, &place()) } else { Vec::new() };
+            let received = if shines { self.irradiance_in(pose, &place(), None) } else { Vec::new() };
             let lit = |piece: &Piece| Lit { seconds: piece.seconds, irradiance: piece.light(&received) };
             history.extend(pieces.iter().map(lit));
         }
@@ -99,7 +125,7 @@ impl<'a> Afterglow<'a> {
         let material = self.scene.scene().meshes[mesh].material;
         let paint = self.paints[material.0 as usize]?;
         let history = self.history(mesh, triangle, weights);
-        Some(self.glow.surfaces[paint].1.after(self.glow.before(), history.into_iter()))
+        Some(self.after(&self.glow.surfaces[paint].1, history))
     }
 
     /// The excited share of each state at a point of the medium, whose paint it has: what excites it is all direct light that goes
@@ -112,7 +138,7 @@ impl<'a> Afterglow<'a> {
             let lit = |piece: &Piece| Lit { seconds: piece.seconds, irradiance: piece.light(&received) };
             history.extend(pieces.iter().map(lit));
         }
-        paint.after(self.glow.before(), history.into_iter())
+        self.after(paint, history)
     }
 
     /// What of the lamps of each schedule goes through a point, whatever its direction.

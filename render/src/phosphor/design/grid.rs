@@ -298,7 +298,7 @@ mod tests {
             bands,
             dt: 0.4,
             irradiance: (0..60).map(light).collect(),
-            reflectance: vec![0.0; bands.count()],
+            reflected: vec![],
             keys: vec![key(59), key(3), key(20), key(40)],
         }
     }

@@ -73,7 +73,7 @@ mod tests {
             bands: Bands::Rgb,
             dt: 0.5,
             irradiance,
-            reflectance: vec![0.0; 3],
+            reflected: vec![],
             keys: vec![key(50), key(20), key(0)],
         };
         let problem = Problem::new(&[place.clone(), place]);

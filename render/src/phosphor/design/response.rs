@@ -138,7 +138,7 @@ mod tests {
         let key = |frame| Key { frame, radiance: vec![1.0; 3] };
         let irradiance = (0..60).map(light).collect();
         let keys = vec![key(59), key(3), key(0), key(20)];
-        Place { bands: Bands::Rgb, dt: 0.4, irradiance, reflectance: vec![0.0; 3], keys }
+        Place { bands: Bands::Rgb, dt: 0.4, irradiance, reflected: vec![], keys }
     }
 
     fn rates() -> Rates {

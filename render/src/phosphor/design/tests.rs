@@ -24,11 +24,13 @@ fn material(bands: Bands, states: Vec<State>) -> Material {
 fn place(material: &Material, frames: &[usize]) -> Place {
     let bands = material.bands;
     let key = |frame: &usize| Key { frame: *frame, radiance: vec![0.0; bands.count()] };
+    let irradiance = animation(bands);
+    let reflected = |light: &Vec<f64>| light.iter().map(|light| 0.3 * light / std::f64::consts::PI).collect();
     let mut place = Place {
         bands,
         dt: 0.25,
-        irradiance: animation(bands),
-        reflectance: vec![0.3; bands.count()],
+        reflected: irradiance.iter().map(reflected).collect(),
+        irradiance,
         keys: frames.iter().map(key).collect(),
     };
     let seen = seen(material, &place);
@@ -42,9 +44,7 @@ fn seen(material: &Material, place: &Place) -> Vec<Vec<f64>> {
     let mut seen = vec![Vec::new(); place.keys.len()];
     for (frame, light) in place.irradiance.iter().enumerate() {
         if let Some(key) = place.keys.iter().position(|key| key.frame == frame) {
-            let reflected =
-                light.iter().zip(&place.reflectance).map(|(light, part)| light * part / std::f64::consts::PI);
-            seen[key] = run.emission().iter().zip(reflected).map(|(a, b)| a + b).collect();
+            seen[key] = run.emission().iter().zip(&place.reflected[frame]).map(|(a, b)| a + b).collect();
         }
         run.step(light, place.dt).expect("a step");
     }
@@ -156,7 +156,8 @@ fn what_makes_no_sense_is_refused() {
     assert!(matches!(Design::new("x", &[good.clone(), other], 1), Err(DesignError::Unlike)));
     assert_eq!(fault(&|p| p.keys.clear()), DesignError::NoKeys);
     assert_eq!(fault(&|p| p.keys[0].frame = 200), DesignError::Frame { frame: 200, last: 199 });
-    assert_eq!(fault(&|p| p.keys[0].frame = 70), DesignError::Twice(70));
+    assert_eq!(fault(&|p| p.keys[0].frame = 70), DesignError::Twice { place: 1, frame: 70 });
+    assert_eq!(fault(&|p| p.reflected.truncate(7)), DesignError::Reflected(7, 200));
     assert_eq!(fault(&|p| p.dt = 0.0), DesignError::TimeStep(0.0));
     assert!(matches!(
         fault(&|p| p.irradiance[3][1] = f64::NAN),

@@ -10,15 +10,23 @@ type ByRays = Compiled<bounced_z::BouncedZ<bounced_z::indirect::KeptLight>>;
 type BySurfels = Compiled<Surfel<indirect::KeptLight>>;
 type ByGrid = Compiled<lpv::KeptLight>;
 
-/// The room as methods of the effect see it, with paint of so much light that what it lights is about as bright as it is.
+/// The room as methods of the effect see it.
 fn lit_room((scene, view, _): (TracedScene, View, GBuffer)) -> (TracedScene, View, GBuffer) {
-    let mut glow = Glow::of(scene.scene()).clone();
-    glow.surfaces[0].1.states.iter_mut().for_each(|state| state.emission *= 30.0);
-    let look = Look { glow: Some(Arc::new(glow)), ..scene.scene().look() };
-    let scene = scene.with_look(look).expect("a look");
     let attributes = [Attribute::Position, Attribute::Normal, Attribute::Valid];
     let gbuffer = gbuffer::render(&scene, &view.camera, view.height, view.width, &attributes);
     (scene, View { radius: 20.0, ..view }, gbuffer)
+}
+
+/// The same at another moment, with paint so many times as bright.
+fn changed(
+    (scene, view, gbuffer): &(TracedScene, View, GBuffer),
+    moment: f32,
+    by: f32,
+) -> (TracedScene, View, GBuffer) {
+    let mut glow = Glow { moment, ..Glow::of(scene.scene()).clone() };
+    glow.surfaces[0].1.states.iter_mut().for_each(|state| state.emission *= by);
+    let look = Look { glow: Some(Arc::new(glow)), ..scene.scene().look() };
+    (scene.with_look(look).expect("a look"), *view, gbuffer.clone())
 }
 
 fn by_surfels(gpu: &Gpu) -> BySurfels {
@@ -38,9 +46,10 @@ fn by_grid(gpu: &Gpu, cells: usize) -> ByGrid {
     ByGrid::new(gpu, parameters.into()).expect("valid shaders")
 }
 
-/// Shadow maps end within a texel of where shadows do, and a patch is dark or lit.
+/// Shadow maps end within a texel of where shadows do, and a patch is dark or lit. What surfaces light is a thirtieth as bright as
+/// they are.
 const fn tolerance() -> Tolerance {
-    Tolerance { usual: 5e-3, worst: 0.1 }
+    Tolerance { usual: 5e-3 / 30.0, worst: 0.1 / 30.0 }
 }
 
 #[test]
@@ -75,10 +84,49 @@ fn a_glowing_wall_lights_the_floor_as_truth_says() {
     let truth = path::render(Effect::PhosphorGi, &shot, Sampling::one(256, 1)).mean;
     let mean = |image: &Planes| image.data().iter().sum::<f32>() / image.data().len() as f32;
     let wanted = mean(&truth);
-    assert!(wanted > 1e-3, "{wanted}");
+    assert!(wanted > 1e-5, "{wanted}");
     let surfels = mean(&shaded(&by_surfels(&gpu), &room)) / wanted;
     let rays = mean(&shaded(&by_rays(&gpu), &room)) / wanted;
     let grid = mean(&shaded(&by_grid(&gpu, 12), &room)) / wanted;
     assert!((surfels - 1.0).abs() < 0.1 && (rays - 1.0).abs() < 0.1, "{surfels} {rays}");
     assert!((grid - 1.0).abs() < 0.25, "{grid}");
+}
+
+/// Paint of a billionth of a thousandth of the light lights as much less, to rounding.
+#[test]
+fn what_is_faint_is_as_exact_as_what_is_bright() {
+    let gpu = gpu();
+    let room = lit_room(room());
+    let methods: [Box<dyn screen::ScreenMethod>; 3] =
+        [Box::new(by_surfels(&gpu)), Box::new(by_rays(&gpu)), Box::new(by_grid(&gpu, 12))];
+    let by = (-40.0f32).exp2();
+    for method in methods {
+        let [bright, faint] = [1.0, by].map(|by| shaded(&method, &changed(&room, 3.0, by)));
+        assert!(bright.data().iter().any(|value| *value > 1e-4));
+        for (bright, faint) in bright.data().iter().zip(faint.data()) {
+            assert!((faint / by - bright).abs() <= 1e-6 * bright, "{}: {faint} {bright}", method.name());
+        }
+    }
+}
+
+/// In the dark all of one state fades alike: after 14 of its lifetimes a millionth is left, everywhere.
+#[test]
+fn kept_light_fades_as_its_state_does() {
+    let gpu = gpu();
+    let decay = 0.7f32;
+    let mut glow = glow(&[decay], &[[0.0, 1.0]], 1.0);
+    glow.surfaces[0].0 = Some("wall".to_owned());
+    let lit = vec![lamp(Vec3::new(0.0, 1.0, 1.0), 5.0)];
+    let room = lit_room(seen(scene(vec![floor(), wall()], lit, glow), camera(), [37, 53]));
+    let methods: [Box<dyn screen::ScreenMethod>; 3] =
+        [Box::new(by_surfels(&gpu)), Box::new(by_rays(&gpu)), Box::new(by_grid(&gpu, 12))];
+    for method in methods {
+        let [before, after] = [1.0, 21.0].map(|moment| shaded(&method, &changed(&room, moment, 1.0)));
+        let left = (-decay * 20.0).exp();
+        let largest = before.data().iter().copied().fold(0.0, f32::max);
+        let worst =
+            before.data().iter().zip(after.data()).map(|(b, a)| (a / left - b).abs()).fold(0.0, f32::max);
+        // A half of the last of nine bits of the brightest colour, on either side.
+        assert!(worst <= largest / 256.0, "{}: {worst} of {largest}", method.name());
+    }
 }
