@@ -5,7 +5,7 @@ pub mod listeners;
 mod past;
 
 pub use additions::Additions;
-pub use past::{moves, remembered};
+pub use past::remembered;
 
 use anyhow::{Result, ensure};
 use deepshade_dataset::vary::Lamp;

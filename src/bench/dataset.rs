@@ -122,8 +122,7 @@ fn pair(recipe: &Recipe, props: &Props, scene: &PlannedScene, args: &Args) -> Re
     let staged = StagedScene::load(&scene.scene, recipe, props)?;
     let loading = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let camera = staged.camera(scene.key, view.index)?;
-    let (camera, variation) = staged.draw(camera, view.seed);
+    let (camera, variation) = staged.drawn(scene.key, view)?;
     let shown = staged.shown(&camera, variation.as_ref())?;
     let staging = start.elapsed().as_secs_f64();
 

@@ -44,7 +44,8 @@ use step::Step;
     ratio_error_glassner_equal_time its squared error over the rate equation's with as many moments as cost no more. ms_design is the median over places of a material of one state and three colours that meets four keys of a \
     sequence of 200 frames, design_residual the sum of what is left over all places, design_residual_grid that of the thesis' \
     grid; ms_design_BANDS_STATES and so on are of other bands and states. ratio_glassner_one_place is what the integral takes \
-    at one place on the processor, at an error of 1 %, over what a step of the rate equation takes there, after 600 frames.")]
+    at one place on the processor, at an error of 1 %, over what a step of the rate equation takes there, after 600 frames. \
+    relmse_frames_NAME is how far each of the --pictures by frames is from the same light path traced.")]
 pub struct Args {
     /// Size of the images that are compared, columns x rows; those of the thesis have 1024x512.
     #[arg(long, default_value = "256x128")]
@@ -52,9 +53,10 @@ pub struct Args {
     /// Timed runs of each pass; by default 20 on a graphics card and 1 on a software adapter.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1000))]
     runs: Option<u16>,
-    /// Writes pictures of a box with glowing walls here, before and after its lamp has gone out: from left to right all light,
-    /// path traced; what the walls give back by truth; by the rate equation in frames; by the integral in equal time; by the
-    /// integral in equal quality.
+    /// Writes pictures of a box with glowing walls here, before and after its lamp has gone out. From left to right: all light, path
+    /// traced; what of it surfaces and the lamp send and surfaces reflect once, path traced, and by frames on the GPU (the rate
+    /// equation and surfels); what the walls give back by truth; by the rate equation in frames; by the integral in equal time; by
+    /// the integral in equal quality.
     #[arg(long)]
     pictures: Option<PathBuf>,
     /// Draws what a frame takes by either method as a sequence goes on into this SVG file.
@@ -135,6 +137,7 @@ pub fn run(args: &Args) -> Result<()> {
     step.set(&mut figures);
     contest.set(&mut figures);
     growth.set(&mut figures);
+    pictures.iter().for_each(|picture| picture.set(&mut figures));
     figures.detail("adapter", json!(gpu.info.name));
     figures.detail("contest", contest.to_json());
     for of in &designed {
@@ -158,7 +161,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     say!("\n{}", table::aligned(&contest.rows()))?;
     say!("\n{}", table::aligned(&growth.rows()))?;
-    pictures.iter().try_for_each(|path| say!("{}", path.display()))?;
+    pictures.iter().try_for_each(|picture| say!("{}", picture.path.display()))?;
     say!("\n{}", table::aligned(&design_rows(&designed)))?;
     say!("\n{}", table::aligned(&rival_rows(&rivals)))
 }
@@ -230,7 +233,7 @@ fn place(bands: Bands, noise: &mut Noise) -> Result<Place> {
         }
         run.step(light, dt)?;
     }
-    Ok(Place { bands, dt, irradiance, reflectance: vec![0.0; count], keys })
+    Ok(Place { bands, dt, irradiance, reflected: vec![], keys })
 }
 
 impl Rivals {

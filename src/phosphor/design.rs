@@ -8,13 +8,12 @@ mod task;
 use crate::figures::{Figures, write_atomically};
 use crate::table;
 use anyhow::{Context, Result, bail, ensure};
-use deepshade_render::bvh::TracedScene;
 use deepshade_render::phosphor::design::{Design, Key, Place, thesis_grid};
 use deepshade_render::phosphor::material::Material;
 use deepshade_render::phosphor::material::file::MaterialFile;
 use deepshade_render::scene::glow::file::{GlowFile, WrittenSurface};
 use glam::{DVec3, Vec3};
-use light::Spot;
+use light::{Spot, Stage};
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -51,7 +50,7 @@ const EXAMPLE: &str = "Example: a wall that is green after its lamp went off at 
   bands = \"rgb\"                 # or \"eight\"; rgb by default
   frames = 200
   fps = 10
-  reflected = false             # whether colours include light of lamps that the surface reflects
+  reflected = false             # whether colours include light of lamps that the surface reflects to the camera of [view]
 
   [[lamps]]                     # as in files for --phosphor
   on = [[0.0, 5.0]]
@@ -64,7 +63,7 @@ const EXAMPLE: &str = "Example: a wall that is green after its lamp went off at 
   distance = 4.0
   colour = 0.2
 
-  [view]                        # of the pictures; by default the scene's first camera
+  [view]                        # by default the scene's first camera
   eye = [0, 1.6, 4]
   look_at = [0, 1, 0]
 
@@ -79,7 +78,8 @@ pub struct Designed {
     /// Number and name in the scene.
     pub material: usize,
     pub name: String,
-    /// Its places.
+    /// Its places, by their numbers in the task.
+    pub numbers: Vec<usize>,
     pub spots: Vec<Spot>,
     /// Their light and what is wanted there.
     pub places: Vec<Place>,
@@ -95,9 +95,12 @@ pub struct Designed {
 /// If the file says what makes no sense or the scene lacks, or a file cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     let task = Task::read(&args.file)?;
-    let first = light::at(&task, 0.0)?;
+    let stage = Stage::new(&task).with_context(|| args.file.display().to_string())?;
+    let first = stage.at(0.0)?;
     ensure!(!first.scene().lights.is_empty(), "{}: the scene has no lamp", args.file.display());
-    let found = designs(&task, &first).with_context(|| args.file.display().to_string())?;
+    let size = [args.height.into(), usize::from(args.height) * 3 / 2];
+    let camera = task.view.of(&first, size, 0)?.camera;
+    let found = designs(&task, &stage, camera.position).with_context(|| args.file.display().to_string())?;
     let paints = spread::paints(&found, first.scene(), task.reach())?;
     let mut figures = Figures::new("phosphor design");
     figures.set("ms_design", found.iter().map(|found| found.milliseconds).sum());
@@ -127,16 +130,17 @@ pub fn run(args: &Args) -> Result<()> {
     let file = args.out.join("glow.toml");
     write_atomically(&file, glow.text().as_bytes())?;
     pictures::plots(&task, &found, &args.out)?;
-    pictures::strip(&task, &found, &file, [args.height.into(), usize::from(args.height) * 3 / 2])?;
+    pictures::strip(&task, (&stage, &camera), &found, &file, size)?;
     say!("{}", table::aligned(&rows(&found)))?;
     say!("{}", file.display())
 }
 
-/// The designs of all materials that places are on.
-fn designs(task: &Task, first: &TracedScene) -> Result<Vec<Designed>> {
+/// The designs of all materials that places are on, which are seen from `eye`.
+fn designs(task: &Task, stage: &Stage, eye: Vec3) -> Result<Vec<Designed>> {
+    let first = stage.at(0.0)?;
     let spots: Vec<Spot> =
-        task.places.iter().map(|place| light::spot(first, place.at)).collect::<Result<_>>()?;
-    let received = light::received(task, first, &spots)?;
+        task.places.iter().map(|place| light::spot(&first, place.at)).collect::<Result<_>>()?;
+    let [excites, reflected] = light::received(task, stage, &first, (&spots, eye))?;
     let mut materials: Vec<usize> = spots.iter().map(|spot| spot.material).collect();
     materials.sort_unstable();
     materials.dedup();
@@ -148,37 +152,38 @@ fn designs(task: &Task, first: &TracedScene) -> Result<Vec<Designed>> {
         bail!("several materials are called `{}`, and a design is of one: rename them", name_of(twice));
     }
     let of_material = |material: usize| {
-        let own: Vec<usize> = (0..spots.len()).filter(|index| spots[*index].material == material).collect();
-        let places = own.iter().map(|index| place(task, first, *index, &spots[*index], &received[*index]));
+        let numbers: Vec<usize> =
+            (0..spots.len()).filter(|index| spots[*index].material == material).collect();
+        let places = numbers.iter().map(|index| place(task, *index, [&excites[*index], &reflected[*index]]));
         let places = places.collect::<Result<Vec<Place>>>()?;
         let name = first.scene().materials[material].name.clone();
         let start = Instant::now();
         let design = Design::new(&format!("{name}, designed"), &places, task.states)?;
         let milliseconds = 1e3 * start.elapsed().as_secs_f64();
-        let spots = own.iter().map(|index| spots[*index].clone()).collect();
+        let spots = numbers.iter().map(|index| spots[*index].clone()).collect();
         let grid = thesis_grid(&places)?;
-        Ok(Designed { material, name, spots, places, design, grid, milliseconds })
+        Ok(Designed { material, name, numbers, spots, places, design, grid, milliseconds })
     };
     materials.into_iter().map(of_material).collect()
 }
 
-/// A place of the task with its light.
-fn place(task: &Task, first: &TracedScene, index: usize, spot: &Spot, received: &[Vec3]) -> Result<Place> {
+/// A place of the task with its light in each frame: what excites, and what is reflected.
+fn place(task: &Task, index: usize, [excites, reflected]: [&[Vec3]; 2]) -> Result<Place> {
     let wanted = &task.places[index];
     ensure!(
-        received.iter().any(|light| *light != Vec3::ZERO),
+        excites.iter().any(|light| *light != Vec3::ZERO),
         "the place at {} gets no light of lamps in any frame",
         wanted.at
     );
-    let in_bands = |colour: Vec3| task.bands.of_linear_srgb(colour.as_dvec3().to_array());
+    let in_bands = |colour: &Vec3| task.bands.of_linear_srgb(colour.as_dvec3().to_array());
     let key =
         |key: &task::WantedKey| Some(Key { frame: task.frame(key.time)?, radiance: task.radiance(key) });
-    let albedo = if task.reflected { spot.albedo(first) } else { Vec3::ZERO };
+    let counts: &[Vec3] = if task.reflected { reflected } else { &[] };
     Ok(Place {
         bands: task.bands,
         dt: 1.0 / f64::from(task.fps),
-        irradiance: received.iter().map(|light| in_bands(*light)).collect(),
-        reflectance: in_bands(albedo),
+        irradiance: excites.iter().map(in_bands).collect(),
+        reflected: counts.iter().map(in_bands).collect(),
         keys: wanted.keys.iter().filter_map(key).collect(),
     })
 }

@@ -6,7 +6,8 @@ use crate::view::pilot::Pilot;
 use crate::views::Viewpoint;
 use anyhow::Result;
 use deepshade_render::bvh::TracedScene;
-use deepshade_render::scene::{AnimatedScene, Glow, Light, Look, SceneSource};
+use deepshade_render::past;
+use deepshade_render::scene::{AnimatedScene, Glow, Light, Scene, SceneSource};
 use deepshade_shaders::Effect;
 use glam::Vec3;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -87,19 +88,19 @@ impl Subject {
         self.animated.span().map_or(0.0, |[begin, end]| end - begin)
     }
 
-    /// The scene at a moment, seconds, under these lights, but for those that animations move, ready for rays.
+    /// The scene at a moment, seconds, under these lights, but for those that animations move, ready for rays; with what it was like
+    /// before where surfaces keep light and something moves.
     ///
     /// # Errors
     /// If there is no such moment.
     pub fn traced(&self, time: f32, lights: &[Light]) -> Result<Arc<TracedScene>> {
         let traced = self.at(time)?;
-        let mut lights = lights.to_vec();
-        self.animated.light(&mut lights, time);
-        if traced.scene().lights == lights {
+        let mut now = lights.to_vec();
+        self.animated.light(&mut now, time);
+        if traced.scene().lights == now {
             return Ok(traced);
         }
-        let look = Look { lights, ..traced.scene().look() };
-        Ok(Arc::new(traced.with_look(look)?))
+        Ok(Arc::new(past::lit(&self.animated, &traced, lights, time)?))
     }
 
     fn at(&self, time: f32) -> Result<Arc<TracedScene>> {
@@ -111,9 +112,14 @@ impl Subject {
         {
             return Ok(Arc::clone(traced));
         }
-        let mut scene = self.animated.at(time, self.shutter)?;
-        scene.glow = glow.map(|glow| Arc::new(Glow { moment: time, ..glow.clone() }));
-        let traced = Arc::new(TracedScene::new(scene)?);
+        let traced = Arc::new(match glow {
+            Some(glow) => {
+                let glow = Glow { moment: time, ..glow.clone() };
+                let now = Scene { glow: Some(Arc::new(glow)), ..self.animated.scene.clone() };
+                past::of_animation(&self.animated, &now)?
+            }
+            None => TracedScene::new(self.animated.at(time, self.shutter)?)?,
+        });
         *kept = Some((time, Arc::clone(&traced)));
         Ok(traced)
     }
@@ -185,5 +191,36 @@ mod tests {
                 "as bright as hands have it"
             );
         }
+    }
+
+    /// The lamp goes on for a second and shines from second 0 on: poses of the past have it, as bright as hands have it, where it was.
+    #[test]
+    fn rays_see_what_was_before_where_surfaces_keep_light() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (file, glow) = (folder.path().join("lamp.gltf"), folder.path().join("glow.toml"));
+        std::fs::write(&file, LAMP).expect("written");
+        std::fs::write(&glow, "[[surface]]\npaint = 'orange'\n").expect("written");
+        let source = SceneSource::File(file.clone());
+        let arguments = "--effect phosphor --eye 0,4,3 --look-at 0,0,0 --phosphor";
+        let args = args(&format!("--scene {} {arguments} {}", file.display(), glow.display()));
+        let subject = Subject::load(&args, &source, Effect::Phosphor).expect("a scene");
+        let bright: Vec<Light> = subject.lights(None).iter().map(|light| light.brighter(2.0)).collect();
+        let traced = subject.traced(2.0, &bright).expect("a moment");
+        let places = traced.past().iter().map(|(from, pose)| {
+            let light = pose.scene().lights[0];
+            let place = light.position().expect("a point");
+            assert_eq!(light, bright[0].moved(|_| place, |direction| direction));
+            (*from, place.x)
+        });
+        let places: Vec<(f32, f32)> = places.collect();
+        assert!(places.len() > 8 && places[0].1 < 0.3, "{places:?}");
+        for (index, (from, x)) in places.iter().enumerate() {
+            let until = places.get(index + 1).map_or(2.0, |(next, _)| *next);
+            let within = (3.0 * from.min(1.0), 3.0 * until.min(1.0));
+            assert!(within.0 <= x + 1e-4 && x - 1e-4 <= within.1, "{x} m from second {from} to {until}");
+        }
+        let still = Subject::load(&args, &"still-life:1".parse().expect("a scene"), Effect::Phosphor);
+        let traced = still.expect("a scene").traced(2.0, &bright[..0]);
+        assert!(traced.expect("a moment").past().is_empty(), "nothing moves");
     }
 }

@@ -4,6 +4,7 @@ use super::cornell::room;
 use crate::arguments::Size;
 use anyhow::{Context, Result};
 use deepshade_render::bvh::TracedScene;
+use deepshade_render::gbuffer;
 use deepshade_render::path::{self, Sampling, Shot};
 use deepshade_render::raster::frame::{Frame, Settings, Stage};
 use deepshade_render::scene::Glow;
@@ -36,8 +37,14 @@ impl<'a> Subject<'a> {
         on: Vec<[f32; 2]>,
     ) -> Result<Self> {
         let (scene, camera) = room(intensity, all, on)?;
-        let attributes =
-            vec![Attribute::Position, Attribute::ObjectId, Attribute::DiffuseLight, Attribute::Valid];
+        let attributes = vec![
+            Attribute::Position,
+            Attribute::Normal,
+            Attribute::ObjectId,
+            Attribute::DiffuseLight,
+            Attribute::Diffuse,
+            Attribute::Valid,
+        ];
         let settings = Settings { height, width, attributes, shadow_size: SHADOW_SIZE };
         let frame = Frame::new(gpu, &scene.clone().into(), &settings)?;
         let scene = TracedScene::new(scene)?;
@@ -76,6 +83,22 @@ impl<'a> Subject<'a> {
     pub fn image(&self, plan: &Plan) -> Result<Planes> {
         let data = gpu::read(&self.gpu.device, &self.gpu.queue, plan.output())?;
         Ok(Planes::from_data(3, self.view.height, self.view.width, data))
+    }
+
+    /// An attribute of the frame that was made last.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn attribute(&self, attribute: Attribute) -> Result<Planes> {
+        let buffer = self.frame.gbuffer().buffer(attribute);
+        let data = gpu::read(&self.gpu.device, &self.gpu.queue, buffer)?;
+        Ok(Planes::from_data(attribute.width(), self.view.height, self.view.width, data))
+    }
+
+    /// The same by rays.
+    pub fn traced(&self, attribute: Attribute) -> Planes {
+        let View { height, width, camera, .. } = self.view;
+        gbuffer::render(&self.scene, &camera, height, width, &[attribute]).planes().clone()
     }
 
     /// Milliseconds of a plan, of the frame that was made last.

@@ -2,17 +2,15 @@
 //! are in that frame.
 
 use super::task::Task;
-use crate::complete::moves;
-use crate::{exposure_time, props};
 use anyhow::{Context, Result, ensure};
 use deepshade_render::bvh::{Hit, TracedScene};
 use deepshade_render::intersection::SurfacePoint;
 use deepshade_render::nearest::nearest_in_triangle;
 use deepshade_render::path::phosphor::{Afterglow, Place as OnSurface};
-use deepshade_render::scene::Mesh;
-use deepshade_render::scene::glow::{Glow, Start};
-use deepshade_shaders::Effect;
+use deepshade_render::scene::glow::{Glow, Schedule, Start};
+use deepshade_render::scene::{AnimatedScene, Mesh, Scene};
 use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
 use std::sync::Arc;
 
 /// How far from a surface a place may be, over the scene's diagonal.
@@ -41,23 +39,46 @@ impl Spot {
     }
 }
 
-/// The scene of a task at a moment, seconds, ready for rays, with lamps switched as the task says.
-///
-/// # Errors
-/// If it cannot be read, or lacks a lamp.
-pub fn at(task: &Task, seconds: f32) -> Result<TracedScene> {
-    let moment = exposure_time::Args::new(Some(seconds), None);
-    let mut scene = moment.scene(&task.scene, &props::Args::new(Vec::new()), Effect::Phosphor)?;
-    let glow = Glow {
-        surfaces: Vec::new(),
-        medium: None,
-        schedules: task.schedules()?,
-        start: Start::Share(0.0),
-        moment: seconds,
-    };
-    glow.check(&scene).map_err(anyhow::Error::msg)?;
-    scene.glow = Some(Arc::new(glow));
-    TracedScene::new(scene).with_context(|| format!("scene {}", task.scene))
+/// What a task's places are on: the scene over time, with lamps switched as the task says. Its file is read once.
+pub struct Stage {
+    pub animated: AnimatedScene,
+    schedules: Vec<Schedule>,
+}
+
+impl Stage {
+    /// That of a task.
+    ///
+    /// # Errors
+    /// If the scene cannot be read, or lacks a lamp.
+    pub fn new(task: &Task) -> Result<Self> {
+        let scene = || format!("scene {}", task.scene);
+        let animated = AnimatedScene::load(&task.scene, 0.0).with_context(scene)?;
+        let stage = Self { animated, schedules: task.schedules()? };
+        stage.glow(0.0).check(&stage.animated.scene).map_err(anyhow::Error::msg)?;
+        Ok(stage)
+    }
+
+    /// The scene at a moment, seconds.
+    ///
+    /// # Errors
+    /// If a vertex is nowhere then.
+    pub fn scene(&self, seconds: f32) -> Result<Scene> {
+        let glow = Some(Arc::new(self.glow(seconds)));
+        Ok(Scene { glow, ..self.animated.at(seconds, 0.0)? })
+    }
+
+    /// The same, ready for rays.
+    ///
+    /// # Errors
+    /// As [`Self::scene`], and if it is beyond what can be traced.
+    pub fn at(&self, seconds: f32) -> Result<TracedScene> {
+        Ok(TracedScene::new(self.scene(seconds)?)?)
+    }
+
+    fn glow(&self, moment: f32) -> Glow {
+        let schedules = self.schedules.clone();
+        Glow { surfaces: Vec::new(), medium: None, schedules, start: Start::Share(0.0), moment }
+    }
 }
 
 /// The point of a scene's surfaces that is next to a place.
@@ -79,35 +100,57 @@ pub fn spot(scene: &TracedScene, at: Vec3) -> Result<Spot> {
     Ok(spot)
 }
 
-/// Irradiance of places in each frame, linear RGB, `[places][frames]`: the mean from that frame to the next.
+/// What light does at places in each frame, linear RGB, `[places][frames]`: irradiance that excites, the mean from that frame to the
+/// next, and radiance of lamps' light that the side which `eye` sees reflects in the frame itself.
 ///
 /// # Errors
-/// If a frame's scene cannot be read, or has other triangles than the first.
-pub fn received(task: &Task, first: &TracedScene, spots: &[Spot]) -> Result<Vec<Vec<Vec3>>> {
-    let moves = moves(&task.scene)?;
-    let mut received = vec![Vec::with_capacity(task.frames); spots.len()];
-    let mut by_lamps = of_schedules(first, spots)?;
+/// If a vertex is nowhere in a frame.
+pub fn received(
+    task: &Task,
+    stage: &Stage,
+    first: &TracedScene,
+    (spots, eye): (&[Spot], Vec3),
+) -> Result<[PerFrame; 2]> {
+    let albedos: Vec<Vec3> = spots.iter().map(|spot| spot.albedo(first)).collect();
+    let moves = !stage.animated.rigs.is_empty();
+    let [mut excites, mut reflected] = [(); 2].map(|()| vec![Vec::with_capacity(task.frames); spots.len()]);
+    let mut lit = Lit::of(first, spots, eye);
     for frame in 0..task.frames {
         let (from, to) = (task.seconds(frame), task.seconds(frame + 1));
         if moves {
-            by_lamps = of_schedules(&at(task, 0.5 * (from + to))?, spots)?;
+            lit = Lit::of(&stage.at(0.5 * (from + to))?, spots, eye);
         }
         let pieces = Glow::of(first.scene()).between(from, to);
-        for (received, by_lamps) in received.iter_mut().zip(&by_lamps) {
-            let lit = pieces.iter().map(|piece| piece.light(by_lamps) * piece.seconds);
-            received.push(lit.sum::<Vec3>() / (to - from));
+        let now = pieces.first();
+        for (place, albedo) in albedos.iter().enumerate() {
+            let all = pieces.iter().map(|piece| piece.light(&lit.whole[place]) * piece.seconds);
+            excites[place].push(all.sum::<Vec3>() / (to - from));
+            let seen = now.map_or(Vec3::ZERO, |piece| piece.light(&lit.seen[place]));
+            reflected[place].push(*albedo * seen / PI);
         }
     }
-    Ok(received)
+    Ok([excites, reflected])
 }
 
+/// A colour for each place and frame.
+pub type PerFrame = Vec<Vec<Vec3>>;
+
 /// Irradiance of places by the lamps of each schedule when they shine, `[places][schedules]`.
-fn of_schedules(scene: &TracedScene, spots: &[Spot]) -> Result<Vec<Vec<Vec3>>> {
-    let afterglow = Afterglow::new(scene);
-    let of_spot = |spot: &Spot| {
-        let mesh = scene.scene().meshes.get(spot.mesh).filter(|mesh| spot.triangle < mesh.triangles.len());
-        let mesh = mesh.context("triangles come and go as the scene moves")?;
-        Ok(afterglow.irradiance(&OnSurface::new(mesh, spot.triangle, spot.weights)))
-    };
-    spots.iter().map(of_spot).collect()
+struct Lit {
+    /// On both sides together.
+    whole: Vec<Vec<Vec3>>,
+    /// On the side that is seen.
+    seen: Vec<Vec<Vec3>>,
+}
+
+impl Lit {
+    fn of(scene: &TracedScene, spots: &[Spot], eye: Vec3) -> Self {
+        let afterglow = Afterglow::new(scene);
+        let of_spot = |spot: &Spot| {
+            let place = OnSurface::new(&scene.scene().meshes[spot.mesh], spot.triangle, spot.weights);
+            (afterglow.irradiance(&place), afterglow.irradiance_towards(&place, eye - place.position))
+        };
+        let (whole, seen) = spots.iter().map(of_spot).unzip();
+        Self { whole, seen }
+    }
 }

@@ -1,19 +1,19 @@
 //! What designs look like: plots of wanted and reached colours over time, and a strip of pictures.
 
-use super::{Designed, colour, light, task::Task};
-use crate::complete::remembered;
+use super::light::Stage;
+use super::{Designed, colour, task::Task};
 use crate::figures::write_atomically;
 use crate::plot::{CHANNELS, Line, Plot, Style};
-use crate::props;
 use crate::report::images::{shown, write_png};
 use anyhow::{Context, Result};
 use deepshade_render::metrics::{exposed, exposure};
+use deepshade_render::past;
 use deepshade_render::path::{self, Sampling, Shot};
 use deepshade_render::phosphor::design::Place;
 use deepshade_render::phosphor::material::Material;
 use deepshade_render::phosphor::rate::Scheme;
 use deepshade_render::phosphor::simulation::{Initial, Simulation};
-use deepshade_render::scene::{Glow, Look};
+use deepshade_render::scene::{Camera, Glow, Scene};
 use deepshade_shaders::{Effect, Planes};
 use image::{RgbImage, imageops};
 use std::path::Path;
@@ -23,13 +23,14 @@ use std::sync::Arc;
 const PICTURES: usize = 8;
 const SAMPLES: u32 = 4;
 
-/// Draws a plot for each place, counted from 1.
+/// Draws a plot for each place, counted from 1 as the task has them.
 ///
 /// # Errors
 /// If a material makes no sense, or a file cannot be written.
 pub fn plots(task: &Task, found: &[Designed], folder: &Path) -> Result<()> {
-    let places = found.iter().flat_map(|found| found.places.iter().map(move |place| (found, place)));
-    for (number, (found, place)) in (1..).zip(places) {
+    let of_material = found.iter().flat_map(|found| (0..found.places.len()).map(move |index| (found, index)));
+    for (found, index) in of_material {
+        let (place, number) = (&found.places[index], found.numbers[index] + 1);
         let title = format!("Wanted (dots) and reached: {}", found.name);
         let svg = plot(task, place, &found.design.material)?.svg(&title)?;
         write_atomically(&folder.join(format!("place-{number}.svg")), svg.as_bytes())?;
@@ -64,20 +65,27 @@ fn plot(task: &Task, place: &Place, material: &Material) -> Result<Plot> {
 /// What a place looks like in each frame.
 fn seen(place: &Place, material: &Material) -> Result<Vec<Vec<f64>>> {
     let mut run = Simulation::new(material, Scheme::Exact, Initial::Dark)?;
-    let frame = |light: &Vec<f64>| {
-        let reflected = light.iter().zip(&place.reflectance).map(|(a, b)| a * b / std::f64::consts::PI);
-        let seen = run.emission().iter().zip(reflected).map(|(a, b)| a + b).collect();
+    let frame = |(frame, light): (usize, &Vec<f64>)| {
+        let mut seen = run.emission();
+        let reflected = place.reflected.get(frame).into_iter().flatten();
+        seen.iter_mut().zip(reflected).for_each(|(seen, reflected)| *seen += reflected);
         run.step(light, place.dt)?;
         Ok(seen)
     };
-    place.irradiance.iter().map(frame).collect()
+    place.irradiance.iter().enumerate().map(frame).collect()
 }
 
 /// Writes pictures of the moments at which something is wanted beside the file that says what glows: what surfaces give back.
 ///
 /// # Errors
-/// If a scene cannot be read, the file does not fit it, or there is no view.
-pub fn strip(task: &Task, found: &[Designed], glow: &Path, size: [usize; 2]) -> Result<()> {
+/// If the file that says what glows cannot be read or does not fit the scene, or a vertex is nowhere at a moment.
+pub fn strip(
+    task: &Task,
+    (stage, camera): (&Stage, &Camera),
+    found: &[Designed],
+    glow: &Path,
+    size: [usize; 2],
+) -> Result<()> {
     let mut frames: Vec<usize> = found
         .iter()
         .flat_map(|found| &found.places)
@@ -88,7 +96,8 @@ pub fn strip(task: &Task, found: &[Designed], glow: &Path, size: [usize; 2]) -> 
     frames.dedup();
     let count = frames.len().min(PICTURES);
     let moments = (0..count).map(|index| task.seconds(frames[index * frames.len() / count]));
-    let images = moments.map(|moment| picture(task, glow, moment, size)).collect::<Result<Vec<_>>>()?;
+    let images =
+        moments.map(|moment| picture((stage, camera), glow, moment, size)).collect::<Result<Vec<_>>>()?;
     let brightest = images
         .iter()
         .map(|image| exposure(Effect::Phosphor, image))
@@ -103,13 +112,11 @@ pub fn strip(task: &Task, found: &[Designed], glow: &Path, size: [usize; 2]) -> 
     write_png(&glow.with_file_name("strip.png"), &strip)
 }
 
-fn picture(task: &Task, glow: &Path, moment: f32, size: [usize; 2]) -> Result<Planes> {
-    let scene = light::at(task, moment)?;
-    let view = task.view.of(&scene, size, 0)?;
+fn picture((stage, camera): (&Stage, &Camera), glow: &Path, moment: f32, size: [usize; 2]) -> Result<Planes> {
     let glow = Glow::read(glow, moment)?;
-    glow.check(scene.scene()).map_err(anyhow::Error::msg).context("what was designed")?;
-    let look = Look { glow: Some(Arc::new(glow)), ..scene.scene().look() };
-    let scene = remembered(scene.with_look(look)?, &task.scene, &props::Args::default())?;
-    let shot = Shot::new(&scene, &view.camera, size, scene.diagonal());
+    glow.check(&stage.animated.scene).map_err(anyhow::Error::msg).context("what was designed")?;
+    let now = Scene { glow: Some(Arc::new(glow)), ..stage.animated.scene.clone() };
+    let scene = past::of_animation(&stage.animated, &now)?;
+    let shot = Shot::new(&scene, camera, size, scene.diagonal());
     Ok(path::render(Effect::Phosphor, &shot, Sampling::one(SAMPLES, 1)).mean)
 }

@@ -1,7 +1,7 @@
 //! What is asked of a design: a file (TOML).
 
 use crate::views::Viewpoint;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use deepshade_render::phosphor::design::{MAX_STATES, Reach};
 use deepshade_render::phosphor::spectrum::Bands;
 use deepshade_render::scene::SceneSource;
@@ -29,7 +29,7 @@ pub struct Task {
     /// Frames of the animation, and how many a second; it begins in the dark, at second 0.
     pub frames: usize,
     pub fps: f32,
-    /// Whether colours include what the surface reflects of the lamps' light.
+    /// Whether colours include what the surface reflects of the lamps' light towards the camera of `view`.
     #[serde(default)]
     pub reflected: bool,
     /// When lamps shine; those of which nothing is said, always.
@@ -117,7 +117,7 @@ impl Task {
         for place in &self.places {
             ensure!(place.at.is_finite(), "a place at {}", place.at);
             ensure!(!place.keys.is_empty(), "the place at {} has no keys", place.at);
-            for key in &place.keys {
+            for (index, key) in place.keys.iter().enumerate() {
                 let count = key.colour.len();
                 ensure!(
                     count == 3 || count == self.bands.count(),
@@ -133,6 +133,11 @@ impl Task {
                     key.time,
                     self.seconds(frames - 1)
                 );
+                let same = |other: &&WantedKey| self.frame(other.time) == self.frame(key.time);
+                if let Some(other) = place.keys[..index].iter().find(same) {
+                    let (one, two) = (other.time, key.time);
+                    bail!("at {}: keys at seconds {one} and {two} are at the same frame", place.at);
+                }
             }
         }
         self.schedules()?;
@@ -207,6 +212,11 @@ mod tests {
             ("time = 6", "time = 20", "a key at second 20; the frames are from second 0 to 19.9"),
             ("time = 6", "time = nan", "a key at second NaN"),
             ("[0, 1, 2]", "[0, 1, inf]", "a place at"),
+            (
+                "keys = [",
+                "keys = [{ time = 6.01, colour = [0, 0, 0] }, ",
+                "at [0, 1, 2]: keys at seconds 6.01 and 6 are at the same frame",
+            ),
             ("[[0.0, 5.0]]", "[[5.0, 0.0]]", "not from one moment to a later one"),
             ("box.gltf", "box.gtlf", "box.gtlf"),
         ] {

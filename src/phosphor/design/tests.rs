@@ -30,9 +30,13 @@ fn task(bands: Bands, at: &[Vec3]) -> Task {
     task
 }
 
+fn stage(task: &Task) -> Stage {
+    Stage::new(task).expect("a scene")
+}
+
 /// The radiance that truth shows of a place with a material.
 fn rendered(task: &Task, spot: &Spot, material: &Material, time: f32) -> Vec<f64> {
-    let scene = light::at(task, time).expect("a scene");
+    let scene = stage(task).at(time).expect("a scene");
     let paint = Paint::new(material).expect("few states");
     let glow = Glow { surfaces: vec![(None, paint.clone())], ..Glow::of(scene.scene()).clone() };
     let look = Look { glow: Some(Arc::new(glow)), ..scene.scene().look() };
@@ -48,7 +52,7 @@ const LIT: [Vec3; 2] = [Vec3::new(1.5, 0.0, 0.5), Vec3::new(-1.5, 0.0, 0.5)];
 fn parameters_are_found_again_from_what_was_rendered_with_them() {
     for bands in [Bands::Rgb, Bands::Eight] {
         let blank = task(bands, &[]);
-        let scene = light::at(&blank, 0.0).expect("a room");
+        let scene = stage(&blank).at(0.0).expect("a room");
         let mut task = task(bands, &LIT);
         let hidden = hidden(bands);
         for place in &mut task.places {
@@ -57,7 +61,7 @@ fn parameters_are_found_again_from_what_was_rendered_with_them() {
                 key.colour = rendered(&blank, &spot, &hidden, key.time);
             }
         }
-        let found = designs(&task, &scene).expect("designs");
+        let found = designs(&task, &stage(&task), Vec3::ZERO).expect("designs");
         let residual: f64 = found.iter().map(|found| found.design.residual / found.wanted()).sum();
         assert!(residual < 1e-5, "{bands:?}: {residual}");
         for found in &found {
@@ -72,7 +76,7 @@ fn parameters_are_found_again_from_what_was_rendered_with_them() {
 #[test]
 fn files_are_those_that_rendering_reads() {
     let folder = tempfile::tempdir().expect("a folder");
-    let scene = light::at(&task(Bands::Rgb, &[]), 0.0).expect("a room");
+    let scene = stage(&task(Bands::Rgb, &[])).at(0.0).expect("a room");
     let at = LIT[0].to_array();
     let text = format!(
         "scene = 'room:7'\nframes = 60\nfps = 10\n[spread]\ndistance = 1e4\ncolour = 10.0\n\
@@ -95,14 +99,88 @@ fn files_are_those_that_rendering_reads() {
 
 #[test]
 fn places_that_cannot_be_are_refused() {
-    let scene = light::at(&task(Bands::Rgb, &[]), 0.0).expect("a room");
+    let said =
+        |task: &Task| format!("{:#}", designs(task, &stage(task), Vec3::ZERO).err().expect("no such design"));
     let far = task(Bands::Rgb, &[Vec3::splat(1e3)]);
-    assert!(
-        format!("{:#}", designs(&far, &scene).err().expect("far away")).contains("from the next surface")
-    );
+    assert!(said(&far).contains("from the next surface"));
     let mut dark = task(Bands::Rgb, &LIT[..1]);
     dark.lamps[0].lights = None;
     dark.lamps[0].on = vec![[100.0, 101.0]];
-    let scene = light::at(&dark, 0.0).expect("a room");
-    assert!(format!("{:#}", designs(&dark, &scene).err().expect("dark")).contains("no light of lamps"));
+    assert!(said(&dark).contains("no light of lamps"));
+}
+
+/// A square on the floor, seen from above, under a lamp that goes round it within 4 seconds: from above to below and back.
+const AROUND: &str = r#"{"asset":{"version":"2.0"},"extensionsUsed":["KHR_lights_punctual"],
+    "extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":5}]}},
+    "scenes":[{"nodes":[0,1]}],
+    "nodes":[{"mesh":0},{"translation":[0,2,0],"extensions":{"KHR_lights_punctual":{"light":0}}}],
+    "materials":[{"name":"paper","pbrMetallicRoughness":{"baseColorFactor":[0.8,0.4,0.2,1],"metallicFactor":0}}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],
+    "animations":[{"channels":[{"sampler":0,"target":{"node":1,"path":"translation"}}],
+        "samplers":[{"input":1,"output":2,"interpolation":"STEP"}]}],
+    "buffers":[{"uri":"around.bin","byteLength":68}],
+    "bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":8},
+        {"buffer":0,"byteOffset":44,"byteLength":24}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[-2,0,-2],"max":[2,0,2]},
+        {"bufferView":1,"componentType":5126,"count":2,"type":"SCALAR","min":[0],"max":[2]},
+        {"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}]}"#;
+
+/// The lamp is above the paper for two seconds, and as far below it for two: both excite alike, and who looks from above sees what
+/// is reflected above alone. The file is read once.
+#[test]
+fn reflected_light_is_that_of_the_side_that_is_seen() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let corners = [-2.0f32, 0.0, -2.0, 0.0, 0.0, 2.0, 2.0, 0.0, -2.0];
+    let (times, lamp) = ([0.0f32, 2.0], [0.0f32, 2.0, 0.0, 0.0, -2.0, 0.0]);
+    let bytes: Vec<u8> = corners.into_iter().chain(times).chain(lamp).flat_map(f32::to_le_bytes).collect();
+    std::fs::write(folder.path().join("around.bin"), bytes).expect("written");
+    let file = folder.path().join("around.gltf");
+    std::fs::write(&file, AROUND).expect("written");
+    let text = format!("scene = '{}'\nplace = []\nframes = 8\nfps = 2\nreflected = true\n", file.display());
+    let mut task: Task = toml::from_str(&text).expect("a task");
+    task.places = vec![WantedPlace { at: Vec3::new(0.1, 0.0, 0.0), keys: vec![] }];
+    let stage = stage(&task);
+    std::fs::remove_file(&file).expect("deleted");
+    let first = stage.at(0.0).expect("a scene");
+    let spots = [light::spot(&first, task.places[0].at).expect("paper")];
+    assert!(spots[0].albedo(&first).min_element() > 0.1);
+    for (eye, lit) in [(Vec3::Y * 4.0, 0..4), (Vec3::NEG_Y * 4.0, 4..8)] {
+        let [excites, reflected] = light::received(&task, &stage, &first, (&spots, eye)).expect("light");
+        for frame in 0..8 {
+            let irradiance = excites[0][frame];
+            assert!((irradiance / excites[0][0] - 1.0).abs().max_element() < 1e-5, "{frame}: {irradiance}");
+            let share = if lit.contains(&frame) { spots[0].albedo(&first) } else { Vec3::ZERO };
+            let expected = share * irradiance / std::f32::consts::PI;
+            let found = reflected[0][frame];
+            assert!(
+                (found - expected).abs().max_element() <= 1e-5 * irradiance.x,
+                "{frame}: {found} {expected}"
+            );
+        }
+    }
+}
+
+/// Places are plotted by their numbers in the task, whatever order their materials have in the scene.
+#[test]
+fn plots_have_the_numbers_of_their_places() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let blank = task(Bands::Rgb, &[]);
+    let scene = stage(&blank).at(0.0).expect("a room");
+    let wall = Vec3::new(1.5, 1.6, scene.bounds().min.z);
+    let mut places = [LIT[0], wall].map(|at| (light::spot(&scene, at).expect("a surface").material, at));
+    places.sort_by_key(|(material, _)| std::cmp::Reverse(*material));
+    let [(first, one), (second, two)] = places;
+    assert!(first > second, "the first place's material is the later one: {first} {second}");
+    let mut task = task(Bands::Rgb, &[one, two]);
+    task.lamps.clear();
+    for (place, red) in task.places.iter_mut().zip([0.01, 0.02]) {
+        place.keys.iter_mut().for_each(|key| key.colour = vec![red, 0.01, 0.01]);
+    }
+    let found = designs(&task, &stage(&task), Vec3::ZERO).expect("designs");
+    pictures::plots(&task, &found, folder.path()).expect("plots");
+    for (number, material) in [(1, first), (2, second)] {
+        let svg = std::fs::read_to_string(folder.path().join(format!("place-{number}.svg"))).expect("a plot");
+        let name = &scene.scene().materials[material].name;
+        assert!(svg.contains(&format!("reached: {name}")), "place {number} is on {name}");
+    }
 }
