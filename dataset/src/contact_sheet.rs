@@ -4,7 +4,7 @@
 mod paint;
 
 use crate::generate::target_layer;
-use crate::{Dataset, DatasetError, Pair, TestSet, font};
+use crate::{Dataset, DatasetError, Pair, TestSet, Variation, font};
 use deepshade_shaders::atomic_file;
 use deepshade_shaders::{Attribute, AttributeKind, GBuffer, shows_surface};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
@@ -34,7 +34,8 @@ pub fn contact_sheet(dataset: &Dataset, pairs: &[usize], path: &Path) -> Result<
     let mut rows = Vec::new();
     for index in pairs {
         let record = dataset.record(*index);
-        let title = format!("{}, view {}, {:?}", record.scene, record.view, record.part).to_lowercase();
+        let time = time(record.variation.as_ref());
+        let title = format!("{}, view {}{time}, {:?}", record.scene, record.view, record.part).to_lowercase();
         rows.push((title, columns(&dataset.pair(*index)?, &target_layer(dataset.recipe()))));
     }
     write(&Sheet::drawn(&rows), path)
@@ -53,10 +54,17 @@ pub fn test_sheet(set: &TestSet, frames: &[usize], path: &Path) -> Result<(), Da
     let mut rows = Vec::new();
     for index in frames {
         let record = &set.frames()[*index];
-        let title = format!("{}, view {}, testing", record.scene, record.view).to_lowercase();
+        let time = time(record.variation.as_ref());
+        let title = format!("{}, view {}{time}, testing", record.scene, record.view).to_lowercase();
         rows.push((title, columns(&set.pair(*index, &props)?, &target)));
     }
     write(&Sheet::drawn(&rows), path)
+}
+
+/// The moment of a frame of a timeline, as titles have it.
+fn time(variation: Option<&Variation>) -> String {
+    let moment = variation.and_then(|variation| variation.moment);
+    moment.map_or_else(String::new, |moment| format!(", {} s", moment.time))
 }
 
 /// Writes a PNG file.

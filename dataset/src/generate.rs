@@ -204,9 +204,8 @@ impl Work<'_> {
         staged: &StagedScene<'_>,
         view: &PlannedView,
     ) -> Result<PairRecord, DatasetError> {
-        let camera = staged.camera(planned.key, view.index)?;
         let radius = self.recipe.radius.metres(staged.base().diagonal());
-        let (camera, variation) = staged.draw(camera, view.seed);
+        let (camera, variation) = staged.drawn(planned.key, view)?;
         let scene = staged.shown(&camera, variation.as_ref())?;
         let gbuffer = staged.gbuffer(&scene, &camera, view.seed);
         let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: view.seed };
@@ -296,6 +295,9 @@ fn metadata(recipe: &Recipe, record: &PairRecord, samples: u32) -> Metadata {
     .chain(recipe.target.clone().map(|method| {
         ("target_method", format!("{method}, quality {} where it has one", target::QUALITY.name()))
     }))
+    .chain(recipe.vary.iter().filter_map(|vary| vary.timeline.as_ref()).flat_map(|timeline| {
+        [("frame_seconds", timeline.seconds.to_string()), ("lamps_on_seconds", format!("{:?}", timeline.on))]
+    }))
     .chain(varied(record))
     .map(|(name, value)| (name.to_owned(), value))
     .collect()
@@ -312,7 +314,8 @@ fn varied(record: &PairRecord) -> Vec<(&'static str, String)> {
         let (absorption, scattering, g) = (fog.absorption, fog.scattering, fog.anisotropy);
         format!("{kind}, absorption {absorption} /m, scattering {scattering} /m, anisotropy {g}")
     });
-    [("lens", lens), ("lamp", lamp), ("fog", fog)]
+    let time = record.variation.and_then(|variation| variation.moment).map(|moment| moment.time.to_string());
+    [("lens", lens), ("lamp", lamp), ("fog", fog), ("time_seconds", time)]
         .into_iter()
         .filter_map(|(name, value)| value.map(|value| (name, value)))
         .collect()

@@ -134,8 +134,12 @@ impl Recipe {
             let frames = self.sequence.map_or(1, |sequence| sequence.frames);
             held_apart(view / frames, self.views_per_scene / frames, self.validation_share)
         };
-        let seed = mix(&[u64::from(self.seed), key, view as u64]) as u32;
-        PlannedView { index: view, name: view_name(name, view), seed, held_apart }
+        PlannedView { index: view, name: view_name(name, view), seed: self.view_seed(key, view), held_apart }
+    }
+
+    /// The seed of a scene's view.
+    pub(crate) fn view_seed(&self, key: u64, view: usize) -> u32 {
+        mix(&[u64::from(self.seed), key, view as u64]) as u32
     }
 }
 

@@ -1,7 +1,7 @@
 //! Reading a dataset.
 
 use crate::generate::target_layer;
-use crate::{DatasetError, Manifest, PairRecord, Part, Props, Recipe, truth};
+use crate::{DatasetError, Manifest, PairRecord, Part, Props, Recipe};
 use deepshade_render::exr_file;
 use deepshade_shaders::{GBuffer, Planes};
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ pub struct Dataset {
 /// A g-buffer with the truth of an effect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pair {
-    /// What the camera sees, with [`truth::attributes`].
+    /// What the camera sees, with [`Recipe::attributes`].
     pub gbuffer: GBuffer,
     /// Truth, `[effect.channels(), height, width]`.
     pub target: Planes,
@@ -118,7 +118,7 @@ impl Dataset {
             ));
         }
         Ok(Pair {
-            gbuffer: image.gbuffer(truth::attributes(recipe.effect))?,
+            gbuffer: image.gbuffer(&recipe.attributes())?,
             target: image.image(&target_layer(recipe), recipe.effect.channels())?,
             radius: record.radius,
         })

@@ -8,9 +8,9 @@
 
 mod check;
 
-use crate::{DatasetError, Vary};
+use crate::{DatasetError, Vary, truth};
 use deepshade_render::scene::procedural::Split;
-use deepshade_shaders::Effect;
+use deepshade_shaders::{Attribute, Effect};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -51,7 +51,7 @@ pub struct Recipe {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub field_of_view: Option<f32>,
     /// Views that follow each other, as the camera goes on a little, for networks that know what they made of the frame
-    /// before: as many of `views_per_scene` as there are frames belong together.
+    /// before: as many of `views_per_scene` as there are frames belong together. With `vary.timeline` time goes on, too.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sequence: Option<Sequence>,
     /// Share of the scenes, or of the views where there is one scene only, that is held apart for validation.
@@ -110,7 +110,7 @@ pub struct Viewpoint {
 pub struct Sequence {
     /// How many views follow each other.
     pub frames: usize,
-    /// How far the camera turns from one to the next, degrees.
+    /// How far the camera turns from one to the next, degrees; 0 where it stands still.
     pub turn: f32,
     /// How far it goes from one to the next, as a share of the diagonal of the scene's bounds.
     pub step: f32,
@@ -204,6 +204,21 @@ impl Recipe {
         !self.files.is_empty()
             || !self.captures.is_empty()
             || self.vary.iter().any(|vary| vary.paths().next().is_some())
+    }
+
+    /// Whether its frames are of a timeline.
+    pub(crate) fn is_timeline(&self) -> bool {
+        self.vary.as_ref().is_some_and(|vary| vary.timeline.is_some())
+    }
+
+    /// The attributes of its pairs: [`truth::attributes`] of its effect, and in a timeline how things move.
+    pub fn attributes(&self) -> Vec<Attribute> {
+        let mut attributes = truth::attributes(self.effect).to_vec();
+        if self.is_timeline() && !attributes.contains(&Attribute::Motion) {
+            // The mask is the last of all.
+            attributes.insert(attributes.len() - 1, Attribute::Motion);
+        }
+        attributes
     }
 
     /// Number of scenes and captures.

@@ -4,7 +4,7 @@ use crate::generate::generate_by;
 use crate::recipe::{Recipe, Resolution};
 use crate::target::QUALITY;
 use crate::testset::TestSet;
-use crate::{Dataset, StagedScene, TargetMethod, contact_sheet, test_sheet, truth, verify};
+use crate::{Dataset, StagedScene, TargetMethod, contact_sheet, test_sheet, verify};
 use deepshade_render::methods::ssgi::{self, Ssgi};
 use deepshade_render::methods::surfel::{self, occlusion::SurfelOcclusion};
 use deepshade_render::scene::procedural::Split;
@@ -30,6 +30,7 @@ pub fn shrunk(name: &str) -> Recipe {
     recipe.resolution = Resolution { height: 32, width: 32 };
     recipe.samples = 4;
     recipe.views_per_scene = 2;
+    recipe.sequence.iter_mut().for_each(|sequence| sequence.frames = 2);
     if recipe.split == Split::Train {
         recipe.validation_share = 0.5;
     }
@@ -175,7 +176,7 @@ fn every_recipe_for_testing_gives_a_test_set_that_is_read_and_shown() {
             let values = frame.truth.data();
             assert!(values.iter().any(|value| *value != values[0]), "{effect}: truth of one value");
             assert!(values.iter().all(|value| *value >= 0.0 && value.is_finite()), "{effect}");
-            assert_eq!(pair.gbuffer.attributes(), truth::attributes(effect));
+            assert_eq!(pair.gbuffer.attributes(), recipe.attributes());
         }
         let sheet = folder.path().join("sheet.png");
         test_sheet(&set, &[0, 1], &sheet).expect("drawn");

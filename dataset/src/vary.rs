@@ -14,6 +14,7 @@ mod motion;
 mod pool;
 mod props;
 mod staged;
+mod timeline;
 
 pub use draw::Variation;
 pub(crate) use draw::purpose;
@@ -21,6 +22,7 @@ pub use fog::Fog;
 pub use lamp::Lamp;
 pub use props::{Props, hashes};
 pub use staged::StagedScene;
+pub use timeline::{Moment, Timeline};
 
 use crate::Sensor;
 use serde::{Deserialize, Serialize};
@@ -47,7 +49,8 @@ pub struct Vary {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lens: Option<[f32; 2]>,
     /// Three objects in four move parallel to the image plane; the range is that of how far their nearest visible point
-    /// moves while the shutter is open, in pixels. What is animated in a scene file moves as it does there, at a random time.
+    /// moves while the shutter is open, in pixels. What is animated in a scene file moves as it does there, at a random time. In a
+    /// timeline it is how far it moves from frame to frame, and what is animated goes on from its beginning.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<[f32; 2]>,
     /// Mean free path below every object's surface, of the colour in which it is longest, as a share of the scene's
@@ -57,6 +60,10 @@ pub struct Vary {
     /// A medium between the surfaces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fog: Option<FogRange>,
+    /// What the frames of a `sequence` have in common, of effects of light that surfaces keep: one look, one lamp, and movements that go
+    /// on, while lamps go on and off. Direct light is that of lamps that shine; how things move is one more attribute of pairs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub timeline: Option<Timeline>,
     /// The camera of a capture: surfaces are what it measures of them, and targets of training its photographs. Truth of
     /// test sets has no noise.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -97,10 +97,16 @@ impl Recipe {
         let other = [
             ("camera", self.camera.is_some()),
             ("field_of_view", self.field_of_view.is_some()),
-            ("vary", self.vary.is_some()),
+            ("vary", self.vary.is_some() && !self.is_timeline()),
         ];
+        if self.is_timeline() && self.sequence.is_none() {
+            return Err("`vary.timeline` is of the frames of a `sequence`".to_owned());
+        }
         if let (Some(_), Some((key, _))) = (self.sequence, other.into_iter().find(|(_, given)| *given)) {
-            return Err(format!("`sequence` moves the camera through a scene as it is: without `{key}`"));
+            let but = if key == "vary" { ", but for one with a `timeline`" } else { "" };
+            return Err(format!(
+                "`sequence` moves the camera through a scene as it is: without `{key}`{but}"
+            ));
         }
         if self.split == Split::Test && self.validation_share > 0.0 {
             return Err(

@@ -74,6 +74,11 @@ fn absurd_values_are_refused_with_their_limits() {
             "seed = 1\nfield_of_view = 50.0\nsequence = { frames = 2, turn = 1.0, step = 0.0 }",
             "without `field_of_view`",
         ),
+        (
+            "seed = 1",
+            "seed = 1\nvary = {}\nsequence = { frames = 2, turn = 1.0, step = 0.0 }",
+            "without `vary`, but for one with a `timeline`",
+        ),
         ("seed = 1", "seed = 1\nfield_of_view = 19.0", "`field_of_view` must be 20 to 90 degrees"),
         ("seed = 1", "seed = 1\nfield_of_view = nan", "`field_of_view` must be 20 to 90 degrees"),
         ("share = 0.25", "share = 0.75", "`validation_share` must be 0 to 0.5"),
@@ -94,6 +99,48 @@ fn families_for_testing_do_not_train_and_the_reverse() {
     let mixed = refusal(|text| for_testing(&text));
     assert!(mixed.contains("mixes training and testing") && mixed.contains(train.name()), "{mixed}");
     assert!(refusal(|text| text.replace(train.name(), "castles")).contains("no procedural family `castles`"));
+}
+
+#[test]
+fn a_timeline_is_of_a_sequence_and_of_light_that_is_kept() {
+    let timeline = |text: &str, seconds: &str, on: &str| {
+        let vary =
+            format!("vary = {{ motion = [1.0, 2.0], timeline = {{ seconds = {seconds}, on = {on} }} }}");
+        text.replace("\"ao\"", "\"phosphor\"").replace("seed = 1", &format!("seed = 1\n{vary}"))
+    };
+    let sequence = |text: &str| {
+        text.replace("seed = 1\n", "seed = 1\nsequence = { frames = 2, turn = 0.0, step = 0.0 }\n")
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let sound = |text: String| sequence(&timeline(&text, "0.5", "[[0.0, 1.0], [2.0, inf]]"));
+    let recipe = load(folder.path(), "a.toml", sound).expect("a sound recipe");
+    assert_eq!(recipe.attributes().last_chunk(), Some(&[Attribute::Motion, Attribute::Valid]));
+    assert!(
+        refusal(|text| timeline(&text, "0.5", "[[0.0, 1.0]]"))
+            .contains("`vary.timeline` is of the frames of a `sequence`")
+    );
+    let of_ao = |text: String| sound(text).replace("\"phosphor\"", "\"ao\"");
+    assert!(refusal(of_ao).contains("`vary.motion` means nothing for effect `ao`"));
+    let unmoved = |text: String| of_ao(text).replace("motion = [1.0, 2.0], ", "");
+    assert!(refusal(unmoved).contains("`vary.timeline` means nothing for effect `ao`"));
+    let still = |text: String| {
+        text.replace("\"ao\"", "\"phosphor\"").replace("seed = 1", "seed = 1\nvary = { motion = [1.0, 2.0] }")
+    };
+    assert!(
+        refusal(still).contains("`vary.motion` means nothing for effect `phosphor` without `vary.timeline`")
+    );
+    for (seconds, on, expected) in [
+        ("0.0", "[[0.0, 1.0]]", "`vary.timeline.seconds` must be 0.001 to 3600"),
+        ("nan", "[[0.0, 1.0]]", "`vary.timeline.seconds` must be 0.001 to 3600"),
+        ("0.5", "[]", "`vary.timeline.on` must be times"),
+        ("0.5", "[[1.0, 1.0]]", "`vary.timeline.on` must be times"),
+        ("0.5", "[[-1.0, 1.0]]", "`vary.timeline.on` must be times"),
+        ("0.5", "[[0.0, 2.0], [1.0, 3.0]]", "`vary.timeline.on` must be times"),
+        ("0.5", "[[0.0, nan]]", "`vary.timeline.on` must be times"),
+    ] {
+        let error = refusal(|text| sequence(&timeline(&text, seconds, on)));
+        assert!(error.contains(expected), "{seconds} {on}: {error}");
+    }
 }
 
 /// A folder with scene files: `seen.obj`, others of the same scene, and another one.

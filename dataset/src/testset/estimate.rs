@@ -76,8 +76,7 @@ fn probe(recipe: &Recipe, props: &Props, planned: &PlannedScene) -> Result<Secon
     let staged = StagedScene::load(&planned.scene, recipe, props)?;
     let scene = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let camera = staged.camera(planned.key, 0)?;
-    let (camera, variation) = staged.draw(camera, planned.views[0].seed);
+    let (camera, variation) = staged.drawn(planned.key, &planned.views[0])?;
     let shown = staged.shown(&camera, variation.as_ref())?;
     let view = start.elapsed().as_secs_f64();
     let (one_in, samples) = PROBE;

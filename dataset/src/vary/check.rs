@@ -1,6 +1,6 @@
 //! Which keys of the table `vary` an effect needs, which it may have, and their limits.
 
-use super::{FogRange, Textures, Vary};
+use super::{FogRange, Textures, Timeline, Vary};
 use deepshade_shaders::Effect;
 
 /// What changes how surfaces are shaded.
@@ -17,7 +17,10 @@ const fn keys(effect: Effect) -> (Option<&'static str>, &'static [&'static str])
         Effect::Gi => (None, SHADING),
         // Materials that are drawn are of the Phong model, of which a g-buffer does not know.
         Effect::Glossy => (None, &["textures", "light", "environment"]),
-        Effect::Aa | Effect::Phosphor | Effect::PhosphorGi => (None, BY_LAMPS),
+        Effect::Aa => (None, BY_LAMPS),
+        Effect::Phosphor | Effect::PhosphorGi => {
+            (None, &["materials", "textures", "light", "timeline", "motion"])
+        }
         Effect::Sss | Effect::Subsurface => (Some("mean_free_path"), BY_LAMPS),
         Effect::Dof | Effect::Multi => (Some("lens"), BY_LAMPS),
         Effect::MotionBlur => (Some("motion"), BY_LAMPS),
@@ -42,6 +45,7 @@ impl Vary {
             ("motion", self.motion.is_some()),
             ("mean_free_path", self.mean_free_path.is_some()),
             ("fog", self.fog.is_some()),
+            ("timeline", self.timeline.is_some()),
             ("sensor", self.sensor.is_some()),
         ];
         let (needed, allowed) = keys(effect);
@@ -52,6 +56,10 @@ impl Vary {
             if is_given && needed != Some(key) && !allowed.contains(&key) {
                 return Err(format!("`vary.{key}` means nothing for effect `{effect}`"));
             }
+        }
+        let keeps = matches!(effect, Effect::Phosphor | Effect::PhosphorGi);
+        if keeps && self.motion.is_some() && self.timeline.is_none() {
+            return Err(format!("`vary.motion` means nothing for effect `{effect}` without `vary.timeline`"));
         }
         self.check_limits()
     }
@@ -67,6 +75,7 @@ impl Vary {
         if !(0.0..=1.0).contains(&smoke_share) {
             return Err("`vary.fog.smoke_share` must be 0 to 1".to_owned());
         }
+        self.timeline.iter().try_for_each(Timeline::check)?;
         range("lens", self.lens, 0.01, 256.0)?;
         range("motion", self.motion, 0.01, 256.0)?;
         range("mean_free_path", self.mean_free_path, 1e-5, 1.0)?;

@@ -1,6 +1,6 @@
 //! What is drawn for one image.
 
-use super::{Fog, Lamp, Vary};
+use super::{Fog, Lamp, Moment, Vary};
 use crate::random::uniform;
 use crate::views;
 use deepshade_render::bvh::TracedScene;
@@ -20,6 +20,9 @@ pub struct Variation {
     /// What is between the surfaces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fog: Option<Fog>,
+    /// Which moment of a timeline it shows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moment: Option<Moment>,
 }
 
 /// What random numbers are for, so that none is used twice.
@@ -68,6 +71,7 @@ pub(super) fn draw(
         seed,
         lamp: lamp.then(|| Lamp::drawn(scene, &camera, [height, width], seed)),
         fog: table.fog.map(|range| Fog::drawn(range, scene, seed)),
+        moment: None,
     };
     (camera, Some(variation))
 }

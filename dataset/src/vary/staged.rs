@@ -1,14 +1,14 @@
 //! A scene of data, and how it is shown in each of its images.
 
 use super::draw::{between, purpose};
-use super::{Props, Variation, Vary, draw, look, motion};
+use super::{Moment, Props, Timeline, Variation, Vary, draw, look, motion, timeline};
 use crate::plan::PlannedView;
 use crate::random::uniform;
 use crate::recipe::Viewpoint;
-use crate::{DatasetError, Recipe, SceneRecord, Sensor, Subject, truth, views};
+use crate::{DatasetError, Recipe, SceneRecord, Sensor, Subject, views};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
-use deepshade_render::scene::{Camera, Scene, SceneSource};
+use deepshade_render::scene::{AnimatedScene, Camera, Scene, SceneSource};
 use deepshade_shaders::{GBuffer, Planes};
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -20,8 +20,10 @@ pub struct StagedScene<'a> {
     base: Arc<TracedScene>,
     /// Of a scene that moves by itself.
     animation: Option<Animation>,
+    /// The same in a timeline, with the triangles of `base`.
+    in_timeline: Option<AnimatedScene>,
     recipe: &'a Recipe,
-    props: &'a Props,
+    pub(super) props: &'a Props,
 }
 
 /// A scene file that is animated.
@@ -41,16 +43,23 @@ impl<'a> StagedScene<'a> {
     /// # Errors
     /// As [`SceneRecord::load`].
     pub fn load(scene: &SceneRecord, recipe: &'a Recipe, props: &'a Props) -> Result<Self, DatasetError> {
-        let base = prepared(scene.read(&recipe.folder)?, recipe)?;
-        let moves = recipe.vary.as_ref().is_some_and(|vary| vary.motion.is_some());
-        let animation = match &scene.source {
-            Subject::Scene(SceneSource::File(path)) if moves => {
-                let path = recipe.folder.join(path);
-                Scene::animation_span(&path)?.map(|span| Animation { path, span })
+        let read = scene.read(&recipe.folder)?;
+        let vary = recipe.vary.as_ref();
+        let goes_on = vary.is_some_and(|vary| vary.timeline.is_some());
+        let moves = goes_on || vary.is_some_and(|vary| vary.motion.is_some());
+        let (mut base, mut animation, mut in_timeline) = (read, None, None);
+        if let Subject::Scene(SceneSource::File(path)) = &scene.source
+            && moves
+        {
+            let path = recipe.folder.join(path);
+            animation = Scene::animation_span(&path)?.map(|span| Animation { path: path.clone(), span });
+            if goes_on && animation.is_some() {
+                let animated = AnimatedScene::load(&SceneSource::File(path), 0.0)?;
+                base = animated.at(0.0, 0.0)?;
+                in_timeline = Some(animated);
             }
-            _ => None,
-        };
-        Ok(Self { base: Arc::new(base), animation, recipe, props })
+        }
+        Ok(Self { base: Arc::new(prepared(base, recipe)?), animation, in_timeline, recipe, props })
     }
 
     /// The scene as it is by itself, in which views are sampled.
@@ -69,12 +78,13 @@ impl<'a> StagedScene<'a> {
         }
     }
 
-    /// What is known of an image's surfaces, with [`truth::attributes`]: what is seen, or what the recipe's sensor
-    /// measures of that, by the image's seed.
+    /// What is known of an image's surfaces, with [`Recipe::attributes`]: what is seen, or what the recipe's sensor
+    /// measures of that, by the image's seed. In a timeline direct light is that of lamps that shine at the image's moment.
     pub fn gbuffer(&self, shown: &TracedScene, camera: &Camera, seed: u32) -> GBuffer {
-        let Recipe { effect, resolution, .. } = *self.recipe;
-        let seen =
-            gbuffer::render(shown, camera, resolution.height, resolution.width, truth::attributes(effect));
+        let [height, width] = self.size();
+        let lit = self.timeline().map(|_| timeline::shining(shown));
+        let lit = lit.as_ref().unwrap_or(shown);
+        let seen = gbuffer::render(lit, camera, height, width, &self.recipe.attributes());
         match self.sensor() {
             Some(sensor) => sensor.surface(&seen, camera, seed),
             None => seen,
@@ -89,14 +99,43 @@ impl<'a> StagedScene<'a> {
         }
     }
 
+    pub(super) const fn size(&self) -> [usize; 2] {
+        [self.recipe.resolution.height, self.recipe.resolution.width]
+    }
+
+    fn timeline(&self) -> Option<&Timeline> {
+        self.recipe.vary.as_ref()?.timeline.as_ref()
+    }
+
+    /// What of the scene is animated in a timeline.
+    pub(super) const fn timeline_animation(&self) -> Option<&AnimatedScene> {
+        self.in_timeline.as_ref()
+    }
+
     fn sensor(&self) -> Option<Sensor> {
         self.recipe.vary.as_ref().and_then(|vary| vary.sensor)
     }
 
+    /// The camera of one of its views, as [`Self::camera`] gives it, and what its image gets: drawn by the view's seed, or in a
+    /// timeline by that of the first frame of its sequence, whose look, lamp and movements it shares.
+    ///
+    /// # Errors
+    /// As [`Self::camera`].
+    pub fn drawn(&self, key: u64, view: &PlannedView) -> Result<(Camera, Option<Variation>), DatasetError> {
+        let camera = self.camera(key, view.index)?;
+        let Some((timeline, sequence)) = self.timeline().zip(self.recipe.sequence) else {
+            return Ok(self.draw(camera, view.seed));
+        };
+        let frame = view.index % sequence.frames;
+        let first = view.index - frame;
+        let (first, variation) = self.draw(self.camera(key, first)?, self.recipe.view_seed(key, first));
+        let moment = Some(Moment { time: timeline.time(frame), first });
+        Ok((camera, variation.map(|variation| Variation { moment, ..variation })))
+    }
+
     /// Draws by a seed what an image gets: the lens of its camera, and the rest.
-    pub fn draw(&self, camera: Camera, seed: u32) -> (Camera, Option<Variation>) {
-        let size = [self.recipe.resolution.height, self.recipe.resolution.width];
-        draw::draw(self.recipe.vary.as_ref(), self.recipe.effect, &self.base, camera, size, seed)
+    pub(crate) fn draw(&self, camera: Camera, seed: u32) -> (Camera, Option<Variation>) {
+        draw::draw(self.recipe.vary.as_ref(), self.recipe.effect, &self.base, camera, self.size(), seed)
     }
 
     /// The scene as an image shows it. Images share triangles and hierarchies, but for those of moving objects.
@@ -112,11 +151,13 @@ impl<'a> StagedScene<'a> {
         let Some(variation) = variation else { return Ok(Arc::clone(&self.base)) };
         let nothing = Vary::default();
         let vary = self.recipe.vary.as_ref().unwrap_or(&nothing);
+        if let Some((timeline, moment)) = vary.timeline.as_ref().zip(variation.moment.as_ref()) {
+            return Ok(Arc::new(self.at_moment((vary, timeline), variation, moment)?));
+        }
         let posed = self.posed(variation.seed)?;
         let scene = posed.with_look(look::look(&posed, vary, variation, self.props)?)?;
         let Some(range) = vary.motion else { return Ok(Arc::new(scene)) };
-        let size = [self.recipe.resolution.height, self.recipe.resolution.width];
-        let displacements = motion::displacements(&posed, camera, size, range, variation.seed);
+        let displacements = motion::displacements(&posed, camera, self.size(), range, variation.seed);
         Ok(Arc::new(scene.with_motion(displacements)?))
     }
 
@@ -134,8 +175,12 @@ impl<'a> StagedScene<'a> {
         views: &[PlannedView],
         make: impl Fn(&PlannedView) -> Result<R, DatasetError> + Sync + Send,
     ) -> Result<Vec<R>, DatasetError> {
-        let moves = self.recipe.vary.as_ref().is_some_and(|vary| vary.motion.is_some());
-        if moves { views.iter().map(make).collect() } else { views.par_iter().map(make).collect() }
+        let moves = |vary: &Vary| vary.motion.is_some() || vary.timeline.is_some();
+        if self.recipe.vary.as_ref().is_some_and(moves) {
+            views.iter().map(make).collect()
+        } else {
+            views.par_iter().map(make).collect()
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use glam::Vec3;
 use std::path::Path;
 
 /// A recipe for an effect with a table `vary`.
-fn recipe(folder: &Path, effect: &str, vary: &str) -> Recipe {
+pub(super) fn recipe(folder: &Path, effect: &str, vary: &str) -> Recipe {
     let path = folder.join(format!("{effect}.toml"));
     let text = format!(
         "effect = \"{effect}\"\nsplit = \"train\"\nseed = 3\nresolution = {{ height = 24, width = 32 }}\n\
@@ -20,7 +20,7 @@ fn recipe(folder: &Path, effect: &str, vary: &str) -> Recipe {
     Recipe::load(&path).expect("a sound recipe")
 }
 
-fn record(recipe: &Recipe) -> SceneRecord {
+pub(super) fn record(recipe: &Recipe) -> SceneRecord {
     recipe.plan().expect("a plan")[0].scene.clone()
 }
 
@@ -236,7 +236,7 @@ fn one_environment_is_in_all_images_and_its_file_is_checked() {
 #[test]
 fn a_variation_is_what_it_was_after_json() {
     let lamp = Lamp { position: Vec3::new(0.1, 1.0 / 3.0, -7.7e-3), intensity: Vec3::splat(12.345_678) };
-    let variation = Variation { seed: u32::MAX, lamp: Some(lamp), fog: None };
+    let variation = Variation { seed: u32::MAX, lamp: Some(lamp), fog: None, moment: None };
     let text = serde_json::to_string(&variation).expect("JSON");
     assert_eq!(serde_json::from_str::<Variation>(&text).expect("a variation"), variation);
 }
@@ -296,21 +296,26 @@ const SLIDING: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"
         {"bufferView": 2, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [2]},
         {"bufferView": 3, "componentType": 5126, "count": 2, "type": "VEC3"}]}"#;
 
-#[test]
-fn what_is_animated_in_a_file_moves_at_a_time_of_its_own_in_every_image() {
-    let folder = tempfile::tempdir().expect("a folder");
+/// [`SLIDING`] as a file of a folder.
+pub(super) fn sliding(folder: &Path) -> SceneRecord {
     let sliding = [-2.0f32, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0, 0.0];
     let floor = [-9.0, 0.0, 9.0, 9.0, 0.0, 9.0, 0.0, 0.0, -9.0];
     let (times, places) = ([0.0, 2.0], [0.0, 0.0, 0.0, 4.0, 0.0, 0.0]);
     let numbers = sliding.into_iter().chain(floor).chain(times).chain(places);
     let bytes: Vec<u8> = numbers.flat_map(f32::to_le_bytes).collect();
-    std::fs::write(folder.path().join("sliding.bin"), bytes).expect("written");
-    let path = folder.path().join("sliding.gltf");
+    std::fs::write(folder.join("sliding.bin"), bytes).expect("written");
+    let path = folder.join("sliding.gltf");
     std::fs::write(&path, SLIDING).expect("written");
-    let file = SceneRecord {
+    SceneRecord {
         source: Subject::Scene(SceneSource::File("sliding.gltf".into())),
         blake3: Some(crate::identity::scene_hash(&Scene::load(&path, 0.0).expect("a scene"))),
-    };
+    }
+}
+
+#[test]
+fn what_is_animated_in_a_file_moves_at_a_time_of_its_own_in_every_image() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = sliding(folder.path());
     let vary = "vary = { textures = { procedural = 2 }, motion = [3.0, 8.0] }";
     let recipe = recipe(folder.path(), "motion-blur", vary);
     let props = Props::load(&recipe).expect("textures");
