@@ -94,7 +94,7 @@ pub fn rms(image: &Planes) -> f32 {
 }
 
 /// Largest magnitude of all elements.
-fn largest(image: &Planes) -> f32 {
+pub(crate) fn largest(image: &Planes) -> f32 {
     image.data().iter().fold(0.0, |largest, value| largest.max(value.abs()))
 }
 

@@ -1,6 +1,6 @@
 //! The weights of a network, layer by layer, as plain arrays.
 
-use crate::{NetSpec, parity, reference};
+use crate::{Layer, NetSpec, Source, parity, reference};
 use deepshade_shaders::random::random;
 
 /// Weights and biases of one layer.
@@ -43,6 +43,25 @@ impl Weights {
         weights
     }
 
+    /// The same network with every layer but the last scaled by a power of two, so that the largest of what it makes
+    /// of [`parity::noise`] is from 1 to 2, and what reads it scaled back: leaky ReLUs pass a positive factor on, so
+    /// the image is the same to the last bit. Training leaves features as large as it likes, and half floats end at 65,504.
+    #[must_use]
+    pub fn balanced(mut self, spec: &NetSpec) -> Self {
+        let side = (2 * spec.alignment()).max(64);
+        let noise = parity::noise(spec.input_channels(), side, side, 1);
+        let layers = spec.layers();
+        let mut factors = scales(&reference::layers(spec, &self, &noise));
+        *factors.last_mut().expect("a network has a layer") = 1.0;
+        for ((layer, factor), weights) in layers.iter().zip(&factors).zip(&mut self.0) {
+            let read: Vec<f32> = (0..layer.inputs)
+                .map(|channel| factor_read(spec, &layers, layer, channel, &factors))
+                .collect();
+            weights.scale(layer, spec.kernel, *factor, &read);
+        }
+        self
+    }
+
     /// Whether every array has the length that the spec asks for.
     pub fn fit(&self, spec: &NetSpec) -> bool {
         let layers = spec.layers();
@@ -51,6 +70,39 @@ impl Weights {
                 weights.bias.len() == layer.outputs
                     && weights.weight.len() + weights.bias.len() == layer.weight_count(spec.kernel)
             })
+    }
+}
+
+impl LayerWeights {
+    /// Makes the layer's image `factor` times as large, where channel `c` of what it reads is `read[c]` times as large
+    /// as it was.
+    fn scale(&mut self, layer: &Layer, kernel: usize, factor: f32, read: &[f32]) {
+        let (share, per_group) = (layer.inputs / layer.groups, layer.outputs / layer.groups);
+        for (index, taps) in self.weight.chunks_mut(kernel * kernel).enumerate() {
+            let (output, input) = (index / share, index % share);
+            let channel = output / per_group * share + input;
+            taps.iter_mut().for_each(|weight| *weight *= factor / read[channel]);
+        }
+        self.bias.iter_mut().for_each(|bias| *bias *= factor);
+    }
+}
+
+/// For each layer the power of two that brings its largest magnitude to between 1 and 2; 1 where it makes nothing.
+fn scales(made: &[parity::Activation]) -> Vec<f32> {
+    let scale = |largest: f32| if largest.is_normal() { (-largest.log2().floor()).exp2() } else { 1.0 };
+    made.iter().map(|made| scale(parity::largest(&made.planes))).collect()
+}
+
+/// The factor of the layer from which `layer` reads the channel of that index.
+fn factor_read(spec: &NetSpec, layers: &[Layer], layer: &Layer, channel: usize, factors: &[f32]) -> f32 {
+    match layer.source {
+        Source::Input => 1.0,
+        Source::Plain(from) | Source::Pooled(from) => factors[from],
+        Source::Joined { coarse, skip } => {
+            let [of_coarse, of_skip] = [coarse, skip].map(|index| layers[index].outputs);
+            let from = spec.joined_order(of_coarse, of_skip, layer.groups)[channel];
+            factors[if from < of_coarse { coarse } else { skip }]
+        }
     }
 }
 
@@ -69,6 +121,34 @@ mod tests {
         for made in reference::layers(&spec, &weights, &other_input) {
             let rms = parity::rms(&made.planes);
             assert!((0.7..1.4).contains(&rms), "{}: rms {rms}", made.layer);
+        }
+    }
+
+    #[test]
+    fn balanced_weights_make_the_same_image_of_features_that_half_floats_hold() {
+        let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+        for order in [ChannelOrder::Interleaved, ChannelOrder::Contiguous] {
+            let spec = NetSpec { levels: 4, ..NetSpec::ao(order, reach) };
+            let mut weights = Weights::random(&spec, 3);
+            // What training may do: one layer far too large for half floats, another far too small.
+            for (index, factor) in [(1, 3e6_f32), (2, 1e-9)] {
+                let layer = &mut weights.0[index];
+                layer.weight.iter_mut().chain(&mut layer.bias).for_each(|value| *value *= factor);
+            }
+            let balanced = weights.clone().balanced(&spec);
+            let input = parity::noise(spec.input_channels(), 75, 50, 9);
+            let [before, after] =
+                [&weights, &balanced].map(|weights| reference::layers(&spec, weights, &input));
+            assert_eq!(before.last(), after.last(), "the image, to the last bit");
+            let largest = |made: &[parity::Activation]| {
+                made[..made.len() - 1].iter().map(|made| parity::largest(&made.planes)).fold(0.0, f32::max)
+            };
+            assert!(largest(&before) > 65_504.0, "what is to be mended: {}", largest(&before));
+            for made in &after[..after.len() - 1] {
+                let largest = parity::largest(&made.planes);
+                assert!((0.5..4.0).contains(&largest), "{}: {largest}", made.layer);
+            }
+            assert_ne!(weights, balanced);
         }
     }
 }

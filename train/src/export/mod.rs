@@ -39,7 +39,9 @@ pub fn export(run: &Path, folder: &Path, facts: &Facts) -> Result<Model, TrainEr
     let (Some((step, loss)), Some(weights)) = (checkpoint.progress.best(), checkpoint.best_weights()) else {
         return Err(TrainError::NotValidated { run: run.to_owned(), step: checkpoint.progress.step });
     };
-    let model = Model { spec: config.spec.clone(), weights: weights.clone() };
+    // Features that half floats hold.
+    let weights = weights.clone().balanced(&config.spec);
+    let model = Model { spec: config.spec.clone(), weights };
     let trained = Trained { step, of: checkpoint.progress.step, loss };
     std::fs::create_dir_all(folder).map_err(TrainError::io("create", folder))?;
     delete_temporaries(folder).map_err(TrainError::io("clean", folder))?;
