@@ -5,9 +5,9 @@ use crate::kernels;
 use deepshade_infer::forward::{self, ForwardError, Precision};
 use deepshade_infer::{Model, NetSpec, cpu};
 use deepshade_shaders::Planes;
-use deepshade_shaders::gpu::{Gpu, Timing};
+use deepshade_shaders::gpu::{self, Gpu, Timing};
 use std::cell::RefCell;
-use std::time::Instant;
+use web_time::Instant;
 
 /// A network on the fastest device there is.
 pub struct Engine {
@@ -27,13 +27,15 @@ enum Runner {
 
 impl Engine {
     /// Prepares a network: on the processor where the device is none of its own, as software Vulkan is, or makes wrong
-    /// images.
+    /// images. A web page has the device alone: it has one thread of the processor, and no vector instructions.
     ///
     /// # Errors
     /// If the weights are not the spec's.
     pub fn new(gpu: Option<&Gpu>, model: &Model) -> Result<Self, ForwardError> {
         let processor = cpu::Network::new(&model.spec, &model.weights)?;
-        let card = gpu.filter(|gpu| !gpu.is_software()).map(|gpu| (gpu.clone(), model.clone()));
+        let card = gpu
+            .filter(|gpu| cfg!(target_arch = "wasm32") || !gpu.is_software())
+            .map(|gpu| (gpu.clone(), model.clone()));
         Ok(Self { processor, card, runner: RefCell::new(None) })
     }
 
@@ -71,16 +73,28 @@ impl Engine {
         warm_up: usize,
         timed: usize,
     ) -> Result<(Planes, Timing), ForwardError> {
+        gpu::wait(self.run_async(input, warm_up, timed))?
+    }
+
+    /// As [`Engine::run`], awaited.
+    ///
+    /// # Errors
+    /// If the input is not the network's, or the device fails.
+    pub async fn run_async(
+        &self,
+        input: &Planes,
+        warm_up: usize,
+        timed: usize,
+    ) -> Result<(Planes, Timing), ForwardError> {
         let size = [input.height(), input.width()];
-        let mut slot = self.runner.borrow_mut();
-        let (_, runner) = match slot.take().filter(|(last, _)| *last == size) {
-            Some(fitting) => slot.insert(fitting),
-            None => slot.insert((size, self.runner(size)?)),
-        };
-        match runner {
-            Runner::Wgsl(card) => card.1.run_timed(&card.0.queue, input, warm_up, timed),
+        let last = self.runner.take().filter(|(last, _)| *last == size);
+        let mut runner = last.map_or_else(|| self.runner(size), |(_, runner)| Ok(runner))?;
+        let made = match &mut runner {
+            Runner::Wgsl(card) => card.1.run_timed_async(&card.0.queue, input, warm_up, timed).await,
             Runner::Cpu(plan) => run_on_cpu(plan, input, warm_up, timed),
-        }
+        };
+        self.runner.replace(Some((size, runner)));
+        made
     }
 
     fn runner(&self, [height, width]: [usize; 2]) -> Result<Runner, ForwardError> {

@@ -10,7 +10,7 @@ use deepshade_infer::forward::ForwardError;
 use deepshade_infer::model::{SPEC, WEIGHTS};
 use deepshade_infer::{Model, NetSpec};
 use deepshade_render::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
-use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Effect, GBuffer, MissingAttribute};
 use std::path::{Path, PathBuf};
 
@@ -115,6 +115,20 @@ impl Learned {
     /// # Errors
     /// If the g-buffer lacks something or the device fails.
     pub fn image(&self, gbuffer: &GBuffer, radius: f32, repeats: Repeats) -> Result<Shaded, MethodError> {
+        let waited_for = gpu::wait(self.image_async(gbuffer, radius, repeats));
+        waited_for.map_err(|source| MethodError::Gpu { method: LEARNED, source })?
+    }
+
+    /// As [`Learned::image`], awaited.
+    ///
+    /// # Errors
+    /// If the g-buffer lacks something or the device fails.
+    pub async fn image_async(
+        &self,
+        gbuffer: &GBuffer,
+        radius: f32,
+        repeats: Repeats,
+    ) -> Result<Shaded, MethodError> {
         let missing = |source: MissingAttribute| MethodError::Missing { method: LEARNED, source };
         let spec = self.spec();
         let Repeats { warm_up, timed } = repeats;
@@ -122,7 +136,7 @@ impl Learned {
         let (mut runs, mut milliseconds, mut clock) = (Vec::new(), 0.0, Clock::Gpu);
         for run in 0..spec.runs() {
             let input = spec.input(gbuffer, scaling, run).map_err(missing)?;
-            let (image, timing) = self.engine.run(&input, warm_up, timed).map_err(failed)?;
+            let (image, timing) = self.engine.run_async(&input, warm_up, timed).await.map_err(failed)?;
             runs.push(image);
             milliseconds += timing.milliseconds;
             clock = if timing.by_gpu { clock } else { Clock::Cpu };

@@ -3,6 +3,8 @@
 //! Passes are timed one by one: by the GPU's own clock where it has one, some frames later, and else, as with software
 //! Vulkan, by waiting for each.
 
+#[cfg(any(feature = "view", target_arch = "wasm32"))]
+pub mod pilot;
 pub mod stage;
 
 use crate::learned::Learned;
@@ -23,7 +25,7 @@ use deepshade_render::screen::{Inputs, Plan, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, Gpu, GpuError, PassClock, Stamps};
 use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
 use std::sync::Arc;
-use std::time::Instant;
+use web_time::Instant;
 
 /// Edge of shadow maps, texels.
 const SHADOW_SIZE: usize = 2048;
@@ -157,6 +159,14 @@ impl Live {
     /// # Errors
     /// If the device fails.
     pub fn make(&mut self, time: f32, seed: u32, camera: &Camera) -> Result<Option<Vec<f64>>> {
+        gpu::wait(self.make_async(time, seed, camera))?
+    }
+
+    /// As [`Live::make`], awaited.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub async fn make_async(&mut self, time: f32, seed: u32, camera: &Camera) -> Result<Option<Vec<f64>>> {
         self.view = View { camera: *camera, seed, ..self.view };
         self.frame.set(&self.gpu.queue, time, self.shutter, camera);
         for shading in &self.shading {
@@ -166,29 +176,29 @@ impl Live {
         }
         let times = match self.clock.take() {
             Some(clock) => self.make_at_once(clock)?,
-            None => Some(self.make_one_by_one()?),
+            None => Some(self.make_one_by_one().await?),
         };
-        let network = self.run_network()?;
+        let network = self.run_network().await?;
         Ok(times.map(|times| times.into_iter().chain(network).collect()))
     }
 
     /// Runs the trained network, if there is one, on the g-buffer of the frame, and gives its milliseconds, and by the wall
     /// clock those of sending its image there and mixing it with the ones before.
-    fn run_network(&mut self) -> Result<Vec<f64>> {
+    async fn run_network(&mut self) -> Result<Vec<f64>> {
         let Some(index) =
             self.shading.iter().position(|shading| matches!(shading.method, Running::Network(_)))
         else {
             return Ok(Vec::new());
         };
         let Running::Network(learned) = &self.shading[index].method else { return Ok(Vec::new()) };
-        let gbuffer = self.gbuffer(truth::attributes(learned.spec().effect))?;
-        let shaded = learned.image(&gbuffer, self.view.radius, Repeats::ONCE)?;
+        let gbuffer = self.gbuffer_async(truth::attributes(learned.spec().effect)).await?;
+        let shaded = learned.image_async(&gbuffer, self.view.radius, Repeats::ONCE).await?;
         let queue = &self.gpu.queue;
         let shading = &mut self.shading[index];
         queue.write_buffer(&shading.output, 0, bytemuck::cast_slice(shaded.image.data()));
         let mut times = vec![shaded.milliseconds];
         if let Some(temporal) = &mut shading.temporal {
-            times.push(waited_for(&self.gpu, &mut |encoder| temporal.encode(queue, encoder, None))?);
+            times.push(waited_for(&self.gpu, &mut |encoder| temporal.encode(queue, encoder, None)).await?);
         }
         Ok(times)
     }
@@ -216,21 +226,27 @@ impl Live {
     }
 
     /// A submission a pass, each waited for.
-    fn make_one_by_one(&mut self) -> Result<Vec<f64>> {
-        let queue = &self.gpu.queue;
-        let timed = |record: &mut dyn FnMut(&mut wgpu::CommandEncoder)| waited_for(&self.gpu, record);
+    async fn make_one_by_one(&mut self) -> Result<Vec<f64>> {
+        let (gpu, queue) = (&self.gpu, &self.gpu.queue);
         let mut times = Vec::with_capacity(Stage::ALL.len() + self.shading.len());
         for stage in Stage::ALL {
-            times.push(timed(&mut |encoder| self.frame.encode(stage, encoder, None))?);
+            times.push(waited_for(gpu, &mut |encoder| self.frame.encode(stage, encoder, None)).await?);
         }
-        times.push(timed(&mut |encoder| self.since.encode(encoder, None))?);
+        times.push(waited_for(gpu, &mut |encoder| self.since.encode(encoder, None)).await?);
         for shading in self.shading.iter_mut().filter(|shading| shading.is_recorded()) {
-            times.push(timed(&mut |encoder| shading.encode_method(encoder, None))?);
+            times.push(waited_for(gpu, &mut |encoder| shading.encode_method(encoder, None)).await?);
             if let Some(temporal) = &mut shading.temporal {
-                times.push(timed(&mut |encoder| temporal.encode(queue, encoder, None))?);
+                times.push(waited_for(gpu, &mut |encoder| temporal.encode(queue, encoder, None)).await?);
             }
         }
         Ok(times)
+    }
+
+    /// Where the image is that a method makes of each frame, `[channels, height, width]`.
+    #[cfg(target_arch = "wasm32")]
+    pub fn output(&self, method: usize) -> &wgpu::Buffer {
+        let Shading { output, temporal, .. } = &self.shading[method];
+        temporal.as_ref().map_or(output, Reprojection::output)
     }
 
     /// The image that a method made of the last frame, `[channels, height, width]`.
@@ -238,9 +254,17 @@ impl Live {
     /// # Errors
     /// If the device fails.
     pub fn image(&self, method: usize) -> Result<Planes> {
+        gpu::wait(self.image_async(method))?
+    }
+
+    /// As [`Live::image`], awaited.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub async fn image_async(&self, method: usize) -> Result<Planes> {
         let Shading { method, output, temporal } = &self.shading[method];
         let output = temporal.as_ref().map_or(output, Reprojection::output);
-        self.read(output, method.effect().channels())
+        self.read(output, method.effect().channels()).await
     }
 
     /// An attribute of the last frame.
@@ -248,7 +272,11 @@ impl Live {
     /// # Errors
     /// If the device fails.
     pub fn attribute(&self, attribute: Attribute) -> Result<Planes> {
-        self.read(self.frame.gbuffer().buffer(attribute), attribute.width())
+        gpu::wait(self.attribute_async(attribute))?
+    }
+
+    async fn attribute_async(&self, attribute: Attribute) -> Result<Planes> {
+        self.read(self.frame.gbuffer().buffer(attribute), attribute.width()).await
     }
 
     /// Several attributes of the last frame.
@@ -256,9 +284,13 @@ impl Live {
     /// # Errors
     /// If the device fails.
     pub fn gbuffer(&self, attributes: &[Attribute]) -> Result<GBuffer> {
+        gpu::wait(self.gbuffer_async(attributes))?
+    }
+
+    async fn gbuffer_async(&self, attributes: &[Attribute]) -> Result<GBuffer> {
         let mut planes = Vec::new();
         for attribute in attributes {
-            planes.extend_from_slice(self.attribute(*attribute)?.data());
+            planes.extend_from_slice(self.attribute_async(*attribute).await?.data());
         }
         let channels = attributes.iter().map(|attribute| attribute.width()).sum();
         let planes = Planes::from_data(channels, self.view.height, self.view.width, planes);
@@ -271,7 +303,7 @@ impl Live {
     /// # Errors
     /// If the device fails.
     pub fn since_before(&self) -> Result<Planes> {
-        self.read(self.since.planes(), Since::PLANES)
+        gpu::wait(self.read(self.since.planes(), Since::PLANES))?
     }
 
     /// Waits until all frames are made, and gives the milliseconds that the GPU's clock has not told of yet. Those of a
@@ -285,17 +317,17 @@ impl Live {
         Ok(self.clock.as_mut().filter(|_| recorded).map(PassClock::arrived_all).unwrap_or_default())
     }
 
-    fn read(&self, buffer: &wgpu::Buffer, channels: usize) -> Result<Planes> {
-        let data = gpu::read(&self.gpu.device, &self.gpu.queue, buffer)?;
+    async fn read(&self, buffer: &wgpu::Buffer, channels: usize) -> Result<Planes> {
+        let data = gpu::read_async(&self.gpu.device, &self.gpu.queue, buffer).await?;
         Ok(Planes::from_data(channels, self.view.height, self.view.width, data))
     }
 }
 
 /// Milliseconds, by the wall clock, of a submission of its own.
-fn waited_for(gpu: &Gpu, record: &mut dyn FnMut(&mut wgpu::CommandEncoder)) -> Result<f64> {
+async fn waited_for(gpu: &Gpu, record: &mut dyn FnMut(&mut wgpu::CommandEncoder)) -> Result<f64> {
     let start = Instant::now();
     gpu::submit(&gpu.device, &gpu.queue, "live", record)?;
-    gpu.device.poll(wgpu::PollType::wait_indefinitely()).context("the device stopped")?;
+    gpu::idle(&gpu.device, &gpu.queue, "live").await?;
     Ok(start.elapsed().as_secs_f64() * 1e3)
 }
 

@@ -1,5 +1,10 @@
 //! deepshade: learned, analytic and path-traced screen-space shading side by side.
 
+#![cfg_attr(
+    target_arch = "wasm32",
+    allow(dead_code, unused_imports, reason = "a web page has no command line")
+)]
+
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -52,6 +57,7 @@ mod tune;
 #[cfg(feature = "view")]
 mod view;
 mod views;
+mod web;
 #[cfg(feature = "train")]
 mod wgsl_folder;
 
@@ -108,6 +114,10 @@ enum Verb {
     Experiment(experiment::Args),
     /// Tunes hbao's parameters on the validation views of a dataset.
     Tune(tune::Args),
+    /// Records what the web page shows where a browser has no WebGPU; `cargo xtask web` calls this.
+    #[cfg(not(target_arch = "wasm32"))]
+    #[command(hide = true)]
+    Web(web::Args),
     /// Checks truth against Mitsuba 3; `cargo xtask crosscheck` sets it up and calls this.
     #[command(hide = true)]
     Crosscheck(crosscheck::Args),
@@ -122,6 +132,13 @@ enum Verb {
     Bench(bench::Verb),
 }
 
+/// In a browser there is no command line: the page's script asks for what it wants.
+#[cfg(target_arch = "wasm32")]
+fn main() {
+    web::start();
+}
+
+#[cfg(not(target_arch = "wasm32"))]
 fn main() -> ExitCode {
     let cli = Cli::from_arg_matches(&with_negative_numbers(Cli::command()).get_matches());
     interrupt::watch();
@@ -149,6 +166,7 @@ fn main() -> ExitCode {
         Verb::Phosphor(verb) => phosphor::run(&verb),
         Verb::Crosscheck(args) => crosscheck::run(&args),
         Verb::Bench(verb) => bench::run(&verb),
+        Verb::Web(args) => web::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -28,8 +28,15 @@ pub fn line(text: Arguments<'_>) -> Result<()> {
 }
 
 /// Writes a line to stderr, where that is possible.
+#[cfg(not(target_arch = "wasm32"))]
 pub fn aside(text: Arguments<'_>) {
     let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// Writes a line to the browser's console.
+#[cfg(target_arch = "wasm32")]
+pub fn aside(text: Arguments<'_>) {
+    web_sys::console::log_1(&text.to_string().into());
 }
 
 /// Whether an error says no more than that nobody reads what is written.

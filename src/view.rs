@@ -19,7 +19,6 @@ mod outcome;
 mod panel;
 mod parameters;
 mod pictures;
-mod pilot;
 mod saved;
 mod script;
 mod state;

@@ -64,6 +64,11 @@ impl Viewpoint {
         Self { eye: Some(eye), look_at: Some(target), ..Self::default() }
     }
 
+    /// A view sampled in the scene, by its number.
+    pub fn sampled(view: usize) -> Self {
+        Self { view: Some(view), ..Self::default() }
+    }
+
     /// Whether one thing is stated, and whole.
     ///
     /// # Errors

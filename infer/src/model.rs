@@ -130,8 +130,21 @@ impl Model {
     /// If a file is missing, truncated, absurdly large or does not fit the other, each with the file, and where it
     /// applies the tensor and both shapes.
     pub fn load(folder: &Path) -> Result<Self, ModelError> {
-        let spec = read_spec(&folder.join(SPEC))?;
-        let weights = read_weights(&folder.join(WEIGHTS), &spec)?;
+        let path = folder.join(SPEC);
+        let spec = spec_of(&path, &file::read(&path, file::MOST_SPEC_BYTES)?)?;
+        let path = folder.join(WEIGHTS);
+        let most = (spec.weight_count() * size_of::<f32>()) as u64 + file::MOST_HEADER_BYTES;
+        let weights = weights_of(&file::Tensors::open(&path, most)?, &spec)?;
+        Ok(Self { spec, weights })
+    }
+
+    /// Reads the two files of a model folder of that name where they are in memory, as in a web page.
+    ///
+    /// # Errors
+    /// As [`Model::load`].
+    pub fn from_bytes(folder: &Path, spec: &[u8], weights: Vec<u8>) -> Result<Self, ModelError> {
+        let spec = spec_of(&folder.join(SPEC), spec)?;
+        let weights = weights_of(&file::Tensors::of(&folder.join(WEIGHTS), weights)?, &spec)?;
         Ok(Self { spec, weights })
     }
 
@@ -182,17 +195,14 @@ pub fn withdraw(folder: &Path) -> Result<(), ModelError> {
     }
 }
 
-fn read_spec(path: &Path) -> Result<NetSpec, ModelError> {
-    let bytes = file::read(path, file::MOST_SPEC_BYTES)?;
-    let spec: NetSpec = serde_json::from_slice(&bytes)
-        .map_err(|source| ModelError::Json { path: path.to_owned(), source })?;
+fn spec_of(path: &Path, bytes: &[u8]) -> Result<NetSpec, ModelError> {
+    let spec: NetSpec =
+        serde_json::from_slice(bytes).map_err(|source| ModelError::Json { path: path.to_owned(), source })?;
     spec.validate().map_err(|source| ModelError::Spec { path: path.to_owned(), source })?;
     Ok(spec)
 }
 
-fn read_weights(path: &Path, spec: &NetSpec) -> Result<Weights, ModelError> {
-    let most = (spec.weight_count() * size_of::<f32>()) as u64 + file::MOST_HEADER_BYTES;
-    let tensors = file::Tensors::open(path, most)?;
+fn weights_of(tensors: &file::Tensors, spec: &NetSpec) -> Result<Weights, ModelError> {
     let layers = spec.layers();
     let names: Vec<_> =
         layers.iter().flat_map(|l| [format!("{}.weight", l.name), format!("{}.bias", l.name)]).collect();

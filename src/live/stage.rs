@@ -140,7 +140,6 @@ impl Staged {
         }
     }
 
-    #[cfg(feature = "view")]
     /// Distance of what the camera looks at first, metres.
     pub fn distance(&self) -> f32 {
         self.pivot.distance(self.camera.position)

@@ -23,6 +23,18 @@ pub enum Exposure {
     },
 }
 
+/// What is shown of a colour of luminance L: the colour times `scale` (1 + `stretch` l) / (1 + `compression` l), where l
+/// is L times `scale`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Curve {
+    /// Factor of all light.
+    pub scale: f32,
+    /// How much brightness is compressed: 0 or 1.
+    pub compression: f32,
+    /// How much of that is taken back, so that white is white.
+    pub stretch: f32,
+}
+
 /// What a middle grey reflects.
 const KEY: f32 = 0.18;
 
@@ -67,17 +79,25 @@ impl Exposure {
         painted(&seen, |pixel| colour(&seen, pixel))
     }
 
-    /// The linear colour on the screen.
-    fn shown(self, colour: Vec3) -> Vec3 {
+    /// The curve, for whoever draws by it.
+    pub fn curve(self) -> Curve {
         match self {
-            Self::Plain => colour,
-            Self::Tone { middle, white } if white.is_infinite() => colour * (KEY / middle),
+            Self::Plain => Curve { scale: 1.0, compression: 0.0, stretch: 0.0 },
+            Self::Tone { middle, white } if white.is_infinite() => {
+                Curve { scale: KEY / middle, compression: 0.0, stretch: 0.0 }
+            }
             Self::Tone { middle, white } => {
-                let scaled = KEY / middle;
-                let (bright, white) = (luminance(colour.into()) * scaled, (white * scaled).max(1.0));
-                colour * scaled * (1.0 + bright / (white * white)) / (1.0 + bright)
+                let scale = KEY / middle;
+                Curve { scale, compression: 1.0, stretch: (white * scale).max(1.0).powi(-2) }
             }
         }
+    }
+
+    /// The linear colour on the screen.
+    fn shown(self, colour: Vec3) -> Vec3 {
+        let Curve { scale, compression, stretch } = self.curve();
+        let bright = luminance(colour.into()) * scale;
+        colour * scale * (1.0 + bright * stretch) / (1.0 + bright * compression)
     }
 }
 

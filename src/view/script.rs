@@ -2,10 +2,10 @@
 
 mod steps;
 
-use super::pilot::Pilot;
 use super::state::State;
 use super::window::Window;
 use crate::figures::memory;
+use crate::live::pilot::Pilot;
 use crate::methods;
 use crate::report::images::write_png;
 use anyhow::{Context as _, Result, ensure};

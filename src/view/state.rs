@@ -1,9 +1,9 @@
 //! What hands have chosen.
 
 use super::Args;
-use super::pilot::Pilot;
 use super::studio::Show;
 use crate::learned;
+use crate::live::pilot::Pilot;
 use crate::methods::{self, LEARNED, TRUTH};
 use anyhow::Result;
 use deepshade_render::methods::dials::{Changes, Dial};

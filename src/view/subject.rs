@@ -1,8 +1,8 @@
 //! What the window shows: a scene with all that an effect needs of it, for the GPU and for rays.
 
 use super::Args;
+use crate::live::pilot::Pilot;
 use crate::live::stage::{self, Seen};
-use crate::view::pilot::Pilot;
 use crate::views::Viewpoint;
 use anyhow::Result;
 use deepshade_render::bvh::TracedScene;

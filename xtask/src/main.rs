@@ -1,8 +1,8 @@
 //! Set-up and the commands that the README and CI call: `cargo xtask demo`, `cargo xtask test`,
 //! `cargo xtask prove`, `cargo xtask crosscheck`, `cargo xtask models`, `cargo xtask book`, `cargo xtask deny`,
-//! `cargo xtask faults`, `cargo xtask store`, `cargo xtask farm`.
+//! `cargo xtask faults`, `cargo xtask store`, `cargo xtask farm`, `cargo xtask web`.
 //!
-//! Nothing but std and anyhow, so that it builds in seconds on a machine that has nothing else yet.
+//! Nothing but std and anyhow, but for what drives a browser (feature `browser`), so that it builds in seconds on a machine that has nothing else yet.
 
 mod apt;
 mod book;
@@ -20,6 +20,7 @@ mod python;
 mod store;
 mod test;
 mod vulkan;
+mod web;
 
 use anyhow::{Result, bail};
 use std::process::ExitCode;
@@ -51,6 +52,11 @@ Commands:
   farm [--json F] [--only slurm|ray]
                Set up Slurm with several nodes, and Ray, on this machine, and make a dataset by each while workers are killed
                and one shard always fails
+  web [--out DIR] [--serve] [--test [--json F]]
+               Build the web page as static files, by default below the target folder: the program as WebAssembly, the
+               networks, and what is shown where a browser has no WebGPU. On Debian it installs a compiler for browsers
+               where rustup has none. --serve serves it to this machine; --test drives headless Chromium, installed
+               where it is missing: images must be those of the program, slider and figures must work
   help         Print this
 
 On Linux, set-up installs Debian or Ubuntu packages if it may (as root, or by sudo without a password); otherwise it
@@ -83,6 +89,7 @@ fn run(args: &[String]) -> Result<()> {
         ("faults", rest) => faults::run(rest),
         ("store", []) => store::run(),
         ("farm", rest) => farm::run(rest),
+        ("web", rest) => web::run(rest),
         ("help" | "-h" | "--help", []) => {
             println!("{HELP}");
             Ok(())

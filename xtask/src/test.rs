@@ -20,7 +20,7 @@ type Step = (&'static str, &'static [&'static str]);
 
 /// Lints and documentation are of what people build, training on the CPU's own kernels included. Training on Vulkan
 /// leaves these kernels out: its step compiles what is there instead.
-const STEPS: [Step; 9] = [
+const STEPS: [Step; 10] = [
     ("formatting", &["fmt", "--all", "--check"]),
     ("clippy", &["clippy", "--release", "--locked", "--workspace", "--all-targets", "--", "-D", "warnings"]),
     (
@@ -40,6 +40,22 @@ const STEPS: [Step; 9] = [
     (
         "the benchmark beside Embree",
         &["clippy", "--release", "--locked", "--features", "embree", "--", "-D", "warnings"],
+    ),
+    (
+        "what drives a browser",
+        &[
+            "clippy",
+            "--release",
+            "--locked",
+            "-p",
+            "xtask",
+            "--features",
+            "browser",
+            "--all-targets",
+            "--",
+            "-D",
+            "warnings",
+        ],
     ),
     ("tests", &["test", "--release", "--locked", "--workspace", "--no-fail-fast"]),
     (

@@ -3,7 +3,7 @@
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use std::hint::black_box;
-use std::time::Instant;
+use web_time::Instant;
 
 /// Numbers that all threads together copy: far more than caches hold.
 const COPIED: usize = 1 << 26;

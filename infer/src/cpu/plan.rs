@@ -7,7 +7,7 @@ use crate::forward::{ForwardError, Tile, Tiling};
 use crate::{Activation, Source};
 use deepshade_shaders::Planes;
 use std::borrow::Cow;
-use std::time::Instant;
+use web_time::Instant;
 
 /// Most bytes of feature maps, unless the caller wants otherwise.
 pub const MOST_BYTES: u64 = 1 << 30;

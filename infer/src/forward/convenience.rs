@@ -123,10 +123,27 @@ impl Runner {
         warm_up: usize,
         timed: usize,
     ) -> Result<(Planes, Timing), ForwardError> {
+        gpu::wait(self.run_timed_async(queue, input, warm_up, timed))?
+    }
+
+    /// As [`Runner::run_timed`], awaited.
+    ///
+    /// # Errors
+    /// If the input is not the network's or the GPU refuses.
+    ///
+    /// # Panics
+    /// If the input is of another size than the runner.
+    pub async fn run_timed_async(
+        &self,
+        queue: &wgpu::Queue,
+        input: &Planes,
+        warm_up: usize,
+        timed: usize,
+    ) -> Result<(Planes, Timing), ForwardError> {
         self.write(queue, input)?;
         let record = |encoder: &mut wgpu::CommandEncoder| self.recording.encode(encoder);
-        let timing = gpu::time(&self.plan.device, queue, "net", warm_up, timed, record)?;
-        Ok((self.plan.image(queue, &self.output)?, timing))
+        let timing = gpu::time_async(&self.plan.device, queue, "net", warm_up, timed, record).await?;
+        Ok((self.plan.image_async(queue, &self.output).await?, timing))
     }
 
     fn write(&self, queue: &wgpu::Queue, input: &Planes) -> Result<(), ForwardError> {

@@ -139,8 +139,17 @@ impl Plan {
     /// # Errors
     /// If the device is lost or its memory exhausted.
     pub fn image(&self, queue: &wgpu::Queue, output: &wgpu::Buffer) -> Result<Planes, ForwardError> {
+        gpu::wait(self.image_async(queue, output))?
+    }
+
+    /// As [`Plan::image`], awaited.
+    pub(super) async fn image_async(
+        &self,
+        queue: &wgpu::Queue,
+        output: &wgpu::Buffer,
+    ) -> Result<Planes, ForwardError> {
         let ([height, width], channels) = (self.size, self.spec.output_channels());
-        let mut data: Vec<f32> = gpu::read(&self.device, queue, output)?;
+        let mut data: Vec<f32> = gpu::read_async(&self.device, queue, output).await?;
         data.truncate(channels * height * width);
         Ok(Planes::from_data(channels, height, width, data))
     }

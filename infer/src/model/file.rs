@@ -65,7 +65,12 @@ pub struct Tensors {
 impl Tensors {
     /// Reads a file of at most `most` bytes and checks that it is whole.
     pub fn open(path: &Path, most: u64) -> Result<Self, ModelError> {
-        let tensors = Self { path: path.to_owned(), bytes: read(path, most)? };
+        Self::of(path, read(path, most)?)
+    }
+
+    /// A file of that name that was read, if it is whole.
+    pub fn of(path: &Path, bytes: Vec<u8>) -> Result<Self, ModelError> {
+        let tensors = Self { path: path.to_owned(), bytes };
         tensors.parse()?;
         Ok(tensors)
     }

@@ -1,6 +1,6 @@
 //! Buffers that are filled once, written by passes, and read back.
 
-use super::{GpuError, allocate, catch};
+use super::{GpuError, allocate, catch, wait};
 use bytemuck::Pod;
 use wgpu::BufferUsages;
 
@@ -75,7 +75,19 @@ pub fn read<T: Pod>(
     queue: &wgpu::Queue,
     buffer: &wgpu::Buffer,
 ) -> Result<Vec<T>, GpuError> {
-    read_part(device, queue, buffer, 0, buffer.size())
+    wait(read_async(device, queue, buffer))?
+}
+
+/// As [`read`], awaited.
+///
+/// # Errors
+/// If the device is lost or its memory exhausted.
+pub async fn read_async<T: Pod>(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    buffer: &wgpu::Buffer,
+) -> Result<Vec<T>, GpuError> {
+    read_part_async(device, queue, buffer, 0, buffer.size()).await
 }
 
 /// As [`read`], `bytes` from `offset` on, both multiples of four.
@@ -83,6 +95,16 @@ pub fn read<T: Pod>(
 /// # Errors
 /// If the buffer is smaller, the device is lost or its memory exhausted.
 pub fn read_part<T: Pod>(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    buffer: &wgpu::Buffer,
+    offset: u64,
+    bytes: u64,
+) -> Result<Vec<T>, GpuError> {
+    wait(read_part_async(device, queue, buffer, offset, bytes))?
+}
+
+async fn read_part_async<T: Pod>(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     buffer: &wgpu::Buffer,
@@ -98,12 +120,12 @@ pub fn read_part<T: Pod>(
         queue.submit([encoder.finish()]);
     })
     .map_err(failed)?;
-    let (sender, receiver) = std::sync::mpsc::channel();
+    let (sender, receiver) = futures_channel::oneshot::channel();
     // The receiver is alive until the map is done or given up; either way nobody misses the message.
     catch(device, || staging.map_async(wgpu::MapMode::Read, .., move |result| drop(sender.send(result))))
         .map_err(failed)?;
     device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| failed(e.to_string()))?;
-    receiver.recv().map_err(|e| failed(e.to_string()))?.map_err(|e| failed(e.to_string()))?;
+    receiver.await.map_err(|e| failed(e.to_string()))?.map_err(|e| failed(e.to_string()))?;
     let mapped = staging.get_mapped_range(..).map_err(|e| failed(e.to_string()))?;
     Ok(bytemuck::pod_collect_to_vec(&mapped))
 }

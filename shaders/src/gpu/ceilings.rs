@@ -2,7 +2,8 @@
 
 use super::{BoundPass, GpuError, Pass, empty, storage, time};
 use crate::wgsl;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use web_time::Instant;
 
 /// Bytes that are copied at a time, where the device's limits allow: more than caches hold.
 const COPIED: u64 = 1 << 27;

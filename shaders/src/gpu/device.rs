@@ -1,6 +1,6 @@
 //! The device of programs that have none of their own.
 
-use super::GpuError;
+use super::{GpuError, wait};
 use wgpu::Features;
 
 /// A device and its queue. Clones share both.
@@ -25,11 +25,19 @@ impl Gpu {
     /// If there is no adapter, or it offers less than WebGPU's limits.
     pub fn new() -> Result<Self, GpuError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        wait(Self::of(&instance))?
+    }
+
+    /// As [`Gpu::new`], of an instance that may have surfaces too, awaited.
+    ///
+    /// # Errors
+    /// If there is no adapter, or it offers less than WebGPU's limits.
+    pub async fn of(instance: &wgpu::Instance) -> Result<Self, GpuError> {
         let options = wgpu::RequestAdapterOptions {
             power_preference: wgpu::PowerPreference::HighPerformance,
             ..Default::default()
         };
-        let adapter = pollster::block_on(instance.request_adapter(&options)).map_err(GpuError::NoAdapter)?;
+        let adapter = instance.request_adapter(&options).await.map_err(GpuError::NoAdapter)?;
         let info = adapter.get_info();
         let optional = Features::TIMESTAMP_QUERY
             | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
@@ -48,7 +56,9 @@ impl Gpu {
             required_features: adapter.features() & optional,
             ..Default::default()
         };
-        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+        let (device, queue) = adapter
+            .request_device(&descriptor)
+            .await
             .map_err(|source| GpuError::Device { adapter: info.name.clone(), source })?;
         Ok(Self { device, queue, info })
     }

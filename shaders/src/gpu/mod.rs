@@ -13,8 +13,9 @@ mod raster;
 mod stamps;
 mod texture;
 mod timing;
+mod waiting;
 
-pub use buffer::{arena, empty, filled, read, read_part, storage, uniform, uniforms, write};
+pub use buffer::{arena, empty, filled, read, read_async, read_part, storage, uniform, uniforms, write};
 pub use ceilings::{Ceilings, ceilings, wake};
 pub use device::{Gpu, adapter_key};
 pub use pass::{BoundPass, Pass, groups, submit};
@@ -22,7 +23,8 @@ pub use pipeline_cache::PipelineCache;
 pub use raster::{DEPTH_FORMAT, RasterPass, target};
 pub use stamps::{PassClock, Stamps};
 pub use texture::{array_view, read_texture_array, sent_texture, sent_volume, texture_array};
-pub use timing::{Timing, time};
+pub use timing::{Timing, time, time_async};
+pub use waiting::{idle, wait};
 
 use thiserror::Error;
 
@@ -85,6 +87,9 @@ pub enum GpuError {
         /// Why.
         what: String,
     },
+    /// A web page was to wait.
+    #[error("a web page cannot wait for the device")]
+    Page,
 }
 
 /// Runs `work`; whatever the device finds wrong with it is the error, in words.
@@ -106,6 +111,7 @@ fn allocate<T>(
 }
 
 /// Runs `work`; whatever the device finds wrong with it is the error. What a driver's compiler refuses is internal to it.
+#[cfg(not(target_arch = "wasm32"))]
 fn caught<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> Result<T, wgpu::Error> {
     let internal = device.push_error_scope(wgpu::ErrorFilter::Internal);
     let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
@@ -115,6 +121,12 @@ fn caught<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> Result<T, wgpu:
     let exhausted = pollster::block_on(memory.pop());
     let failed = pollster::block_on(internal.pop());
     invalid.or(exhausted).or(failed).map_or(Ok(done), Err)
+}
+
+/// Runs `work`. What a browser's device finds wrong it says later, to the handler of uncaptured errors.
+#[cfg(target_arch = "wasm32")]
+fn caught<T>(_: &wgpu::Device, work: impl FnOnce() -> T) -> Result<T, wgpu::Error> {
+    Ok(work())
 }
 
 #[cfg(test)]

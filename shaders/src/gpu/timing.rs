@@ -1,8 +1,9 @@
 //! How long recorded work takes on the GPU.
 
-use super::{GpuError, read, submit};
+use super::{GpuError, idle, read_async, submit, wait};
 use crate::lists;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use web_time::Instant;
 use wgpu::{BufferUsages, Features};
 
 /// Most runs that a query set has room for, at two timestamps a run.
@@ -48,6 +49,21 @@ pub fn time(
     label: &str,
     warm_up: usize,
     timed: usize,
+    record: impl FnMut(&mut wgpu::CommandEncoder),
+) -> Result<Timing, GpuError> {
+    wait(time_async(device, queue, label, warm_up, timed, record))?
+}
+
+/// As [`time`], awaited. In a browser the clock is on the wall.
+///
+/// # Errors
+/// If what was recorded is not valid, or the timestamps cannot be read; `label` names it.
+pub async fn time_async(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    label: &str,
+    warm_up: usize,
+    timed: usize,
     mut record: impl FnMut(&mut wgpu::CommandEncoder),
 ) -> Result<Timing, GpuError> {
     let timed = timed.clamp(1, MOST_RUNS);
@@ -57,22 +73,22 @@ pub fn time(
     for _ in 0..warm_up {
         submit(device, queue, label, &mut record)?;
         if !by_gpu {
-            idle(device, label)?;
+            idle(device, queue, label).await?;
             if start.elapsed() > PATIENCE {
                 break;
             }
         }
     }
-    idle(device, label)?;
+    idle(device, queue, label).await?;
     let runs = if by_gpu {
-        by_timestamps(device, queue, label, timed, record)?
+        by_timestamps(device, queue, label, timed, record).await?
     } else {
-        by_wall_clock(device, queue, label, timed, record)?
+        by_wall_clock(device, queue, label, timed, record).await?
     };
     Ok(Timing::new(runs, by_gpu))
 }
 
-fn by_timestamps(
+async fn by_timestamps(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     label: &str,
@@ -101,12 +117,12 @@ fn by_timestamps(
     // In a submission of its own: wgpu may resolve queries of the same submission before they are written (wgpu
     // issue 6406).
     submit(device, queue, label, |encoder| encoder.resolve_query_set(&queries, 0..count, &resolved, 0))?;
-    let ticks: Vec<u64> = read(device, queue, &resolved)?;
+    let ticks: Vec<u64> = read_async(device, queue, &resolved).await?;
     let period = f64::from(queue.get_timestamp_period());
     Ok(ticks.chunks_exact(2).map(|run| run[1].saturating_sub(run[0]) as f64 * period * 1e-6).collect())
 }
 
-fn by_wall_clock(
+async fn by_wall_clock(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     label: &str,
@@ -117,15 +133,8 @@ fn by_wall_clock(
     while runs.len() < timed && (runs.is_empty() || first.elapsed() < PATIENCE) {
         let start = Instant::now();
         submit(device, queue, label, &mut record)?;
-        idle(device, label)?;
+        idle(device, queue, label).await?;
         runs.push(start.elapsed().as_secs_f64() * 1e3);
     }
     Ok(runs)
-}
-
-/// Waits until all submitted work is done.
-fn idle(device: &wgpu::Device, label: &str) -> Result<(), GpuError> {
-    let refused =
-        |e: wgpu::PollError| GpuError::Refused { label: format!("deepshade.{label}"), what: e.to_string() };
-    device.poll(wgpu::PollType::wait_indefinitely()).map(|_| ()).map_err(refused)
 }

@@ -32,4 +32,6 @@ table! {
     /// An image of fewer pixels in full size.
     UPSAMPLE: "frame.upsample", file "frame/upsample",
         constants [CHANNELS = 1], uniforms [Upsampling], shared ["surface", "surface_valid"];
+    /// Two images of one effect on the screen.
+    WIPE: "frame.wipe", file "frame/wipe", constants [], uniforms [Wipe], shared [];
 }

@@ -70,7 +70,7 @@ mod post;
 mod surfels;
 mod volume;
 
-pub use frame::{Chosen, FrameView, LightRecord, MaterialRecord, Pose, Reprojection, Upsampling};
+pub use frame::{Chosen, FrameView, LightRecord, MaterialRecord, Pose, Reprojection, Upsampling, Wipe};
 pub use indirect::Prefiltered;
 pub use nets::{NaiveLayer, NetLayer};
 pub use occlusion::{Blur, Hbao, Slices, Ssdo};

@@ -141,7 +141,7 @@ fn surface(in: Corner, @builtin(front_facing) front: bool) -> Words {
     return Words(
         vec4u(
             pack2x16snorm(to_octahedron(normal)),
-            coarse | u32(floor(roughness * 65535.0 + 0.5)) << 16u,
+            coarse | (u32(floor(roughness * 65535.0 + 0.5)) << 16u),
             pack2x16unorm(colour.rg),
             pack2x16unorm(vec2f(colour.b, metallic)),
         ),

@@ -23,5 +23,5 @@ fn interleaved_pixel(sub_buffer: u32, place: vec2u, level: u32, seed: u32) -> ve
 fn number_in_square(pixel: vec2u, level: u32, seed: u32) -> u32 {
     let place = pixel >> vec2u(level);
     let inside = pixel & vec2u((1u << level) - 1u);
-    return permuted(inside.x | inside.y << level, level, hash(place.x + hash(place.y + hash(level + hash(seed)))));
+    return permuted(inside.x | (inside.y << level), level, hash(place.x + hash(place.y + hash(level + hash(seed)))));
 }

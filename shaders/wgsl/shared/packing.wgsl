@@ -29,7 +29,7 @@ fn pack_radiance(radiance: vec3f) -> u32 {
         exponent += 1.0;
     }
     let bits = vec3u(floor(bounded / exp2(exponent - 9.0) + 0.5));
-    return bits.x | bits.y << 9u | bits.z << 18u | u32(exponent + 15.0) << 27u;
+    return bits.x | (bits.y << 9u) | (bits.z << 18u) | (u32(exponent + 15.0) << 27u);
 }
 
 fn unpack_radiance(word: u32) -> vec3f {
@@ -44,7 +44,7 @@ fn pack_way(way: vec3f) -> u32 {
     let exponent = clamp(floor(log2(largest)), -16.0, 15.0) + 1.0;
     let parts = clamp(floor(way / exp2(exponent - 8.0) + 0.5), vec3f(-255.0), vec3f(255.0));
     let bits = vec3u(vec3i(parts)) & vec3u(511u);
-    return bits.x | bits.y << 9u | bits.z << 18u | u32(exponent + 15.0) << 27u;
+    return bits.x | (bits.y << 9u) | (bits.z << 18u) | (u32(exponent + 15.0) << 27u);
 }
 
 fn unpack_way(word: u32) -> vec3f {

@@ -28,7 +28,7 @@ fn bits_of_radius(radius: f32, threshold: f32) -> u32 {
 
 fn new_surfel(place: vec3f, normal: vec3f, open: bool, radius_bits: u32) -> Surfel {
     let flat = vec2u(vec2i(floor(to_octahedron(normal) * LARGEST_COORDINATE + 0.5))) & vec2u(1023u);
-    return Surfel(place, flat.x | flat.y << 10u | select(0u, 1u << 20u, open) | radius_bits << 21u);
+    return Surfel(place, flat.x | (flat.y << 10u) | select(0u, 1u << 20u, open) | (radius_bits << 21u));
 }
 
 fn surfel_radius(surfel: Surfel) -> f32 {

@@ -33,7 +33,7 @@ use crate::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
 use crate::scene::Medium;
 use deepshade_shaders::{Effect, Planes};
 use glam::Vec3;
-use std::time::Instant;
+use web_time::Instant;
 
 /// What one lamp's light is integrated from.
 #[derive(Clone, Copy, Debug)]

@@ -136,4 +136,22 @@ uniforms! {
         /// The image where no surface is seen.
         background: f32,
     }
+
+    /// What `frame/wipe` reads.
+    Wipe {
+        /// Columns of the images.
+        width: u32,
+        /// Rows of the images.
+        height: u32,
+        /// Their channels: 1 or 3.
+        channels: u32,
+        /// Columns to the left of the border.
+        border: f32,
+        /// What light is multiplied by.
+        scale: f32,
+        /// How much brightness is compressed.
+        compression: f32,
+        /// How much of that is taken back.
+        stretch: f32,
+    }
 }

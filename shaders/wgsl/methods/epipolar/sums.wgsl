@@ -36,7 +36,7 @@ fn sum_up(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) 
     let first_ray = group.y * epipolar.light_rays + group.x * LEAVES;
     keys[0][leaf] = ends[first_ray + leaf];
     let place = 2u * leaf + 1u;
-    behind[0][leaf] = place << SQUARES | place * place;
+    behind[0][leaf] = (place << SQUARES) | (place * place);
     workgroupBarrier();
     for (var level = 1u; level <= LEVELS; level++) {
         let side = (level + 1u) % 2u;

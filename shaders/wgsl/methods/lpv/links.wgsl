@@ -54,6 +54,6 @@ fn link(@builtin(global_invocation_id) id: vec3u) {
         words[i / 4u] |= passes << (8u * (i % 4u));
     }
     let colour = vec3u(floor(255.0 * colour_around(at) + 0.5));
-    words.w |= colour.r << 8u | colour.g << 16u | colour.b << 24u;
+    words.w |= (colour.r << 8u) | (colour.g << 16u) | (colour.b << 24u);
     links[id.x] = words;
 }

@@ -1,0 +1,178 @@
+//! `deepshade web`: what the page shows where a browser has no WebGPU, made on this machine by the same code. With it the
+//! values that the browser's images are held against.
+
+use super::showing::{Showing, Sight, Wish, scores};
+use crate::figures::{machine, write_atomically};
+use crate::learned;
+use crate::methods::{LEARNED, TRUTH};
+use crate::render::picture::Exposure;
+use crate::report::images::write_png;
+use anyhow::{Context, Result};
+use clap::builder::RangedU64ValueParser;
+use deepshade_infer::Model;
+use deepshade_render::path::estimate::SCRAMBLINGS;
+use deepshade_render::scene::SceneSource;
+use deepshade_render::scene::procedural::Family;
+use deepshade_shaders::gpu::{self, Gpu};
+use deepshade_shaders::{Effect, Planes};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// What the page begins with, and what is recorded: an effect, two of its methods, a scene and a view of it. Networks are
+/// shown on families that they were not trained on.
+const RECORDED: [(Effect, [&str; 2], Family, u64, usize); 6] = [
+    (Effect::Ao, ["hbao", LEARNED], Family::Playground, 3, 2),
+    (Effect::Do, ["ssdo", LEARNED], Family::Drapery, 2, 2),
+    (Effect::Gi, ["ssgi", "lpv"], Family::StillLife, 1, 2),
+    (Effect::Dof, ["ring-gather", LEARNED], Family::Playground, 3, 2),
+    (Effect::Sss, ["separable", LEARNED], Family::Drapery, 2, 1),
+    (Effect::FogDirect, ["gpu-march", "froxel"], Family::Colonnade, 5, 1),
+];
+
+/// Records what the web page shows where a browser has no WebGPU; `cargo xtask web` calls this.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The folder; `recorded.json` in it lists the pictures.
+    #[arg(long)]
+    out: PathBuf,
+    /// Folder of the trained networks, one folder an effect.
+    #[arg(long, default_value = "models")]
+    models: PathBuf,
+    /// Rows and columns of the images.
+    #[arg(long, default_value_t = 384, value_parser = RangedU64ValueParser::<usize>::new().range(16..=2048))]
+    size: usize,
+    /// Samples of a pixel of truth; 0 leaves it out.
+    #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(0..=65_536))]
+    samples: u32,
+    /// Only the comparison of this effect.
+    #[arg(long)]
+    only: Option<Effect>,
+    /// Writes the images' values, too, as 32-bit floats: `[channels, height, width]`, least significant byte first.
+    #[arg(long)]
+    values: bool,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// If there is no device, a network cannot be read, or a file not be written.
+pub fn run(args: &Args) -> Result<()> {
+    let gpu = Gpu::new()?;
+    let wanted = RECORDED.iter().filter(|(effect, ..)| args.only.is_none_or(|only| only == *effect));
+    let mut recorded = Vec::new();
+    for (effect, methods, family, seed, view) in wanted {
+        let wish = Wish {
+            scene: SceneSource::Procedural(*family, *seed),
+            view: *view,
+            effect: *effect,
+            methods: methods.map(str::to_owned).to_vec(),
+            size: [args.size; 2],
+        };
+        note!("{effect} of {}: {}", wish.scene, methods.join(", "));
+        recorded.push(record(args, &gpu, &wish).with_context(|| format!("{effect} of {}", wish.scene))?);
+    }
+    let list = json!({ "recorded": recorded, "device": gpu.info.name, "machine": machine() });
+    let list = serde_json::to_string_pretty(&list)?;
+    write_atomically(&args.out.join("recorded.json"), list.as_bytes())?;
+    say!("{} comparisons in {}", recorded.len(), args.out.display())
+}
+
+fn record(args: &Args, gpu: &Gpu, wish: &Wish) -> Result<Value> {
+    let effect = wish.effect;
+    let learned = wish.methods.iter().any(|name| name == LEARNED);
+    let model = learned.then(|| learned::network(&args.models.join(effect.name()), Some(effect)));
+    let model: Option<Model> = model.transpose()?;
+    let mut showing = Showing::new(gpu, wish, model.as_ref())?;
+    let camera = showing.staged.camera;
+    let mut times = None;
+    // What is compiled in the first frame is no part of a frame, and a clock tells of frames before.
+    for _ in 0..8 {
+        times = gpu::wait(showing.make(0.0, &camera))??.or(times);
+    }
+    let passes = showing.live.passes();
+    let images = (0..showing.names.len()).map(|index| Ok((showing.names[index], showing.live.image(index)?)));
+    let mut images: Vec<(&str, Planes)> = images.collect::<Result<_>>()?;
+    let truth = (args.samples > 0).then(|| {
+        let sight = Sight::new(wish, &showing.staged, 0.0, showing.radius)?;
+        Ok::<_, anyhow::Error>(sight.refine(&camera, None, args.samples.div_ceil(SCRAMBLINGS)).0)
+    });
+    let truth = truth.transpose()?;
+    let exposure = Exposure::new(effect, &images[0].1, None);
+    let judged = truth.as_ref().map(|truth| {
+        let judged = images
+            .iter()
+            .map(|(name, image)| ((*name).to_owned(), json!(scores(effect, image, &truth.mean))));
+        judged.collect::<serde_json::Map<_, _>>()
+    });
+    images.extend(truth.as_ref().map(|truth| (TRUTH, truth.mean.clone())));
+    let files = images.iter().map(|(name, image)| {
+        let file = format!("{effect}-{name}");
+        write_png(&args.out.join(format!("{file}.png")), &exposure.picture(image, None))?;
+        if args.values {
+            write_values(&args.out.join(format!("{file}.f32")), image)?;
+        }
+        Ok(((*name).to_owned(), json!(file)))
+    });
+    let files = files.collect::<Result<serde_json::Map<_, _>>>()?;
+    Ok(json!({
+        "wish": wish,
+        "files": files,
+        "scores": judged,
+        "samples": truth.map(|truth| truth.samples),
+        "passes": passes,
+        "milliseconds": times,
+        "exposure": exposure.to_string(),
+        "added": showing.staged.added,
+    }))
+}
+
+fn write_values(path: &Path, image: &Planes) -> Result<()> {
+    let bytes: Vec<u8> = image.data().iter().flat_map(|value| value.to_le_bytes()).collect();
+    write_atomically(path, &bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::methods::screen_names;
+    use deepshade_render::scene::procedural::Split;
+
+    #[test]
+    fn what_is_recorded_is_there_and_networks_are_shown_on_families_of_tests() {
+        for (effect, methods, family, ..) in RECORDED {
+            let screen = screen_names(effect);
+            for name in methods {
+                assert!(name == LEARNED || screen.contains(&name), "{effect} has no {name}");
+            }
+            let model = Path::new("models").join(effect.name());
+            let learned = methods.contains(&LEARNED);
+            assert!(!learned || learned::is_network(&model), "{effect} has no network");
+            assert!(!learned || family.split() == Split::Test, "{} trained the network", family.name());
+        }
+    }
+
+    #[test]
+    fn a_comparison_is_recorded_with_figures_and_values() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let args = Args {
+            out: folder.path().to_owned(),
+            models: "models".into(),
+            size: 40,
+            samples: 8,
+            only: Some(Effect::Ao),
+            values: true,
+        };
+        run(&args).expect("recorded");
+        let list = std::fs::read(folder.path().join("recorded.json")).expect("a list");
+        let list: Value = serde_json::from_slice(&list).expect("JSON");
+        let one = &list["recorded"][0];
+        assert_eq!((&one["wish"]["effect"], &one["samples"]), (&json!("ao"), &json!(8)));
+        for name in ["hbao", LEARNED] {
+            let ssim = one["scores"][name]["ssim"].as_f64().expect("a score");
+            assert!(ssim > 0.2 && ssim < 1.0, "{name}: {ssim}");
+            let values = std::fs::read(folder.path().join(format!("ao-{name}.f32"))).expect("values");
+            assert_eq!(values.len(), 40 * 40 * 4);
+            assert!(folder.path().join(format!("ao-{name}.png")).is_file());
+        }
+    }
+}

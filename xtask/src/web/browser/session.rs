@@ -1,0 +1,208 @@
+//! A headless Chromium, and what is asked of the page in it.
+
+use anyhow::{Context, Result, bail, ensure};
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use thirtyfour::{By, ChromiumLikeCapabilities, DesiredCapabilities, WebDriver, WebElement};
+
+/// What Chromium needs for WebGPU on a machine that has no graphics card.
+pub const WEBGPU: &[&str] = &[
+    "--enable-unsafe-webgpu",
+    "--enable-features=Vulkan",
+    "--use-vulkan=swiftshader",
+    "--use-webgpu-adapter=swiftshader",
+];
+/// No window, no graphics card, and nothing asked of anybody elsewhere.
+const QUIET: &[&str] = &[
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--window-size=1100,1400",
+];
+/// How often the page is looked at.
+const PAUSE: Duration = Duration::from_millis(200);
+/// How long the driver may take to start, and a script to end.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A browser with its driver, which ends with it.
+pub struct Browser {
+    driver: WebDriver,
+    _process: Process,
+}
+
+struct Process(Child);
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+impl Browser {
+    /// Starts a browser with a profile of its own, with these arguments too.
+    ///
+    /// # Errors
+    /// If it does not start.
+    pub async fn open(arguments: &[&str]) -> Result<Self> {
+        let port = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?.port();
+        let mut command = Command::new("chromedriver");
+        command
+            .arg(format!("--port={port}"))
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null());
+        let process = Process(command.spawn().context("cannot start chromedriver")?);
+        let began = Instant::now();
+        while TcpStream::connect((Ipv4Addr::LOCALHOST, port)).is_err() {
+            ensure!(began.elapsed() < PATIENCE, "chromedriver does not answer");
+            tokio::time::sleep(PAUSE).await;
+        }
+        let mut capabilities = DesiredCapabilities::chrome();
+        for argument in QUIET.iter().chain(arguments) {
+            capabilities.add_arg(argument)?;
+        }
+        let driver = WebDriver::new(format!("http://127.0.0.1:{port}"), capabilities).await?;
+        driver.set_script_timeout(PATIENCE).await?;
+        Ok(Self { driver, _process: process })
+    }
+
+    /// Goes to an address.
+    ///
+    /// # Errors
+    /// If there is nothing.
+    pub async fn goto(&self, address: &str) -> Result<()> {
+        Ok(self.driver.goto(address).await?)
+    }
+
+    /// Ends the browser.
+    ///
+    /// # Errors
+    /// If it does not end.
+    pub async fn quit(self) -> Result<()> {
+        Ok(self.driver.quit().await?)
+    }
+
+    /// An element.
+    ///
+    /// # Errors
+    /// If there is none.
+    pub async fn find(&self, by: By) -> Result<WebElement> {
+        Ok(self.driver.find(by).await?)
+    }
+
+    /// The text of an element.
+    ///
+    /// # Errors
+    /// If there is none.
+    pub async fn text(&self, id: &str) -> Result<String> {
+        self.asked(&format!("return document.getElementById('{id}').textContent")).await
+    }
+
+    /// How many pixels wide the file of an image is.
+    ///
+    /// # Errors
+    /// If there is no such image.
+    pub async fn width(&self, id: &str) -> Result<f64> {
+        self.asked(&format!("return document.getElementById('{id}').naturalWidth")).await
+    }
+
+    /// Where the border is, percent of the width.
+    ///
+    /// # Errors
+    /// If there is none.
+    pub async fn border(&self) -> Result<f64> {
+        self.asked("return parseFloat(document.getElementById('wiped').style.getPropertyValue('--border'))")
+            .await
+    }
+
+    /// A figure of the table, such as `hbao.ms`.
+    ///
+    /// # Errors
+    /// If it is not there or is no number.
+    pub async fn figure(&self, name: &str) -> Result<f64> {
+        let script = format!("return document.querySelector('[data-figure=\"{name}\"]').textContent");
+        let text: String = self.asked(&script).await.with_context(|| name.to_owned())?;
+        text.parse().with_context(|| format!("{name} is `{text}`"))
+    }
+
+    /// The values that a method made, `[channels, height, width]`.
+    ///
+    /// # Errors
+    /// If there is no such method.
+    pub async fn values(&self, method: &str) -> Result<Vec<f64>> {
+        let script = format!(
+            "const done = arguments[0]; deepshade.values('{method}').then((values) => done(Array.from(values)), (error) => done(String(error)))"
+        );
+        let answer = self.driver.execute_async(script, Vec::new()).await?;
+        match answer.json() {
+            serde_json::Value::Array(_) => Ok(answer.convert()?),
+            other => bail!("the page says: {other}"),
+        }
+    }
+
+    /// What the browser's compiler says of the program's shaders that it refuses, a line an error, and how many shaders
+    /// there are.
+    ///
+    /// # Errors
+    /// If the browser has no device.
+    pub async fn refused_shaders(&self) -> Result<(usize, Vec<String>)> {
+        let script = "const done = arguments[0];
+            (async () => {
+                const device = await (await navigator.gpu.requestAdapter()).requestDevice();
+                const all = deepshade.shaders(), refused = [];
+                for (const [name, code] of all) {
+                    device.pushErrorScope('validation');
+                    const module = device.createShaderModule({ code });
+                    for (const { type, lineNum, message } of (await module.getCompilationInfo()).messages)
+                        if (type === 'error') refused.push(`${name}, line ${lineNum}: ${message}`);
+                    await device.popErrorScope();
+                }
+                device.destroy();
+                return [all.length, refused];
+            })().then(done, (error) => done([0, [String(error)]]));";
+        Ok(self.driver.execute_async(script, Vec::new()).await?.convert()?)
+    }
+
+    /// Waits until the page is in a state.
+    ///
+    /// # Errors
+    /// If it fails, or time is over.
+    pub async fn until(&self, state: &str, patience: Duration) -> Result<()> {
+        let began = Instant::now();
+        loop {
+            let now: String = self.asked("return document.body.dataset.state || ''").await?;
+            if now == state {
+                return Ok(());
+            }
+            let said = self.text("message").await?;
+            ensure!(now != "failed" && !said.starts_with("The page stopped"), "the page says: {said}");
+            ensure!(began.elapsed() < patience, "the page is `{now}` and says: {said}");
+            tokio::time::sleep(PAUSE).await;
+        }
+    }
+
+    /// Waits for so many samples of truth.
+    ///
+    /// # Errors
+    /// If time is over.
+    pub async fn until_samples(&self, samples: usize, patience: Duration) -> Result<()> {
+        let began = Instant::now();
+        while self.asked::<f64>("return Number(document.body.dataset.samples || 0)").await? < samples as f64 {
+            ensure!(began.elapsed() < patience, "truth: {}", self.text("truth").await?);
+            tokio::time::sleep(PAUSE).await;
+        }
+        Ok(())
+    }
+
+    async fn asked<T: serde::de::DeserializeOwned>(&self, script: &str) -> Result<T> {
+        Ok(self.driver.execute(script, Vec::new()).await?.convert()?)
+    }
+}
