@@ -14,9 +14,19 @@ use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Effect, GBuffer, MissingAttribute};
 use std::path::{Path, PathBuf};
 
-/// The folder in which an effect's network lies unless another one is named.
+/// The folder in which an effect's network lies unless another one is named: below `models` here, else among those that were
+/// installed with the program.
 pub fn usual_folder(effect: Effect) -> PathBuf {
-    Path::new("models").join(effect.name())
+    let here = Path::new("models").join(effect.name());
+    let installed =
+        || installed().map(|models| models.join(effect.name())).filter(|folder| is_network(folder));
+    if is_network(&here) { here } else { installed().unwrap_or(here) }
+}
+
+/// Where packages put networks: `share/deepshade/models` beside the program's `bin`.
+fn installed() -> Option<PathBuf> {
+    let program = std::env::current_exe().ok()?;
+    Some(program.parent()?.parent()?.join("share/deepshade/models"))
 }
 
 /// Whether a folder holds a network: a model, or a training run.

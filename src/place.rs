@@ -7,9 +7,15 @@
 use anyhow::Result;
 #[cfg(not(feature = "store"))]
 use anyhow::bail;
+#[cfg(feature = "train")]
+use deepshade_dataset::Dataset;
+#[cfg(feature = "train")]
+use deepshade_train::PairSource;
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
+#[cfg(feature = "train")]
+use std::sync::Arc;
 
 #[cfg(feature = "store")]
 use crate::store;
@@ -127,6 +133,24 @@ impl Place {
             Self::Folder(folder) => Ok(folder.clone()),
             #[cfg(feature = "store")]
             Self::Store(address) => store::read(address),
+            #[cfg(not(feature = "store"))]
+            Self::Store(address) => without_stores(address),
+        }
+    }
+
+    /// The pairs of a dataset that is there, and the folder of its manifest. From a store they are fetched as they are wanted.
+    ///
+    /// # Errors
+    /// If the store cannot be reached, or there is no dataset.
+    #[cfg(feature = "train")]
+    pub fn pairs(&self) -> Result<(PathBuf, Arc<dyn PairSource>)> {
+        match self {
+            Self::Folder(folder) => Ok((folder.clone(), Arc::new(Dataset::open(folder)?))),
+            #[cfg(feature = "store")]
+            Self::Store(address) => {
+                let stream = store::stream::Stream::open(address)?;
+                Ok((stream.folder(), Arc::new(stream)))
+            }
             #[cfg(not(feature = "store"))]
             Self::Store(address) => without_stores(address),
         }

@@ -11,6 +11,8 @@
 mod cache;
 mod commit;
 mod remote;
+#[cfg(feature = "train")]
+pub mod stream;
 mod transfer;
 
 use crate::place::Address;

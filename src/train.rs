@@ -46,6 +46,9 @@ pub struct Args {
     /// Images a step.
     #[arg(long, default_value_t = defaults().batch)]
     batch: usize,
+    /// Devices that share the images of each step: GPUs where it was built for them, threads of the processor else.
+    #[arg(long, default_value_t = defaults().devices)]
+    devices: usize,
     /// Height and width of the crops, pixels; a multiple of 8.
     #[arg(long, default_value_t = defaults().crop)]
     crop: usize,
@@ -197,9 +200,10 @@ fn defaults() -> TrainConfig {
 /// # Errors
 /// If the dataset or the run's folder cannot be used, a setting makes no sense, or training diverges.
 pub fn run(args: &Args) -> Result<()> {
-    let config = config(args)?;
+    let (folder, pairs) = args.dataset.pairs()?;
+    let config = config(args, &folder)?;
     let out = args.out.begin()?;
-    let Outcome { ending, progress, images_per_second } = deepshade_train::train(&config, &out)?;
+    let Outcome { ending, progress, images_per_second } = deepshade_train::train_on(&config, pairs, &out)?;
     args.out.finish()?;
     let what = match ending {
         Ending::Finished => "all steps are done",
@@ -231,9 +235,8 @@ pub fn minutes(text: &str) -> Result<f64, String> {
 }
 
 /// The defaults with what the command line changes.
-fn config(args: &Args) -> Result<TrainConfig> {
-    let dataset = args.dataset.read()?;
-    let manifest = Manifest::load(&dataset)?;
+fn config(args: &Args, dataset: &Path) -> Result<TrainConfig> {
+    let manifest = Manifest::load(dataset)?;
     let share = match (args.diagonal_share, manifest.origin.recipe.radius) {
         (Some(share), _) | (None, Radius::Diagonal(share)) => share,
         (None, Radius::Metres(_)) => bail!(
@@ -250,7 +253,7 @@ fn config(args: &Args) -> Result<TrainConfig> {
         args.dataset
     );
     let optimiser = args.optimiser.defaults();
-    let base = default_config(&manifest, &dataset, args.order.into(), share)?;
+    let base = default_config(&manifest, dataset, args.order.into(), share)?;
     let last = args.last.unwrap_or(LastLayer::best(base.spec.effect));
     Ok(TrainConfig {
         spec: last.of(base.spec)?,
@@ -258,6 +261,7 @@ fn config(args: &Args) -> Result<TrainConfig> {
         start: args.from.as_ref().map(Place::read).transpose()?,
         optimiser: args.rate.map_or(optimiser, |rate| optimiser.with_rate(rate)),
         batch: args.batch,
+        devices: args.devices,
         crop: args.crop,
         steps: args.steps,
         validation_pairs: args.validation_pairs,

@@ -133,6 +133,29 @@ fn source_files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
+/// CONTRIBUTING.md says why each is sound.
+#[test]
+fn unsafe_code_is_where_it_is_accounted_for() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let contributing = std::fs::read_to_string(root.join("CONTRIBUTING.md")).expect("CONTRIBUTING.md");
+    let ours = Path::new("tests/architecture.rs");
+    let places = |text: &str| {
+        ["unsafe {", "unsafe impl", "unsafe fn"].map(|what| text.matches(what).count()).iter().sum::<usize>()
+    };
+    let mut found: Vec<(String, usize)> = source_files(root)
+        .into_iter()
+        .filter_map(|file| {
+            let name = file.strip_prefix(root).expect("below the root").to_owned();
+            let count = places(&std::fs::read_to_string(&file).expect("a text"));
+            (count > 0 && name != ours).then(|| (name.display().to_string(), count))
+        })
+        .collect();
+    found.sort();
+    let expected = [("shaders/src/gpu/pipeline_cache.rs", 1), ("src/bench/rays/embree.rs", 10)];
+    assert_eq!(found, expected.map(|(name, count)| (name.to_owned(), count)));
+    assert!(found.iter().all(|(name, _)| contributing.contains(name)));
+}
+
 #[test]
 fn every_channel_of_a_gbuffer_is_explained_to_users_and_to_hosts_alike() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -42,6 +42,25 @@ pub fn source(commit: &Commit, list_hash: &str, fetch: impl FnOnce(&Path) -> Res
     Ok(files)
 }
 
+/// The folder in which pairs of a list's dataset are kept while it is trained on: the first that no other program has. Its lock
+/// goes with what is returned.
+///
+/// # Errors
+/// If it cannot be made.
+#[cfg(feature = "train")]
+pub fn stream(list_hash: &str) -> Result<(PathBuf, File)> {
+    let streams = root()?.join("streams");
+    for number in 0.. {
+        let folder = streams.join(format!("{list_hash}-{number}"));
+        std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+        let lock = File::create(folder.join("lock")).with_context(|| folder.display().to_string())?;
+        if lock.try_lock().is_ok() {
+            return Ok((folder, lock));
+        }
+    }
+    unreachable!("one of so many folders is free")
+}
+
 /// Whether a copy still has all files in their sizes.
 fn has_sizes(commit: &Commit, files: &Path) -> bool {
     let size = |name: &str| files.join(name).metadata().map(|found| found.len()).ok();
@@ -80,7 +99,11 @@ fn make_room(sources: &Path, own: &Path, wanted: u64) -> Result<()> {
     Ok(())
 }
 
-fn bound() -> Result<u64> {
+/// Most bytes of what was read.
+///
+/// # Errors
+/// If the environment says no number.
+pub fn bound() -> Result<u64> {
     let gigabytes = match std::env::var(BOUND) {
         Ok(text) => text.parse().with_context(|| format!("{BOUND} is `{text}`, which is no whole number"))?,
         Err(_) => DEFAULT_BOUND,

@@ -30,8 +30,15 @@ impl Remote {
     /// # Errors
     /// If what the environment says of the store makes no sense.
     pub fn open(address: &Address) -> Result<Self> {
+        Self::on(client(address).with_context(|| address.to_string())?, address)
+    }
+
+    /// The objects of a store below an address.
+    ///
+    /// # Errors
+    /// If there are no threads for it.
+    pub fn on(objects: Arc<dyn ObjectStore>, address: &Address) -> Result<Self> {
         let runtime = Builder::new_multi_thread().worker_threads(1).enable_all().build();
-        let objects = client(address).with_context(|| address.to_string())?;
         Ok(Self { runtime: runtime.context("threads for transfers")?, objects, address: address.clone() })
     }
 

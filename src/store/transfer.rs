@@ -44,7 +44,11 @@ pub fn fetch(remote: &Remote, commit: &Commit, folder: &Path) -> Result<()> {
     })
 }
 
-fn fetched(remote: &Remote, file: &Stored) -> Result<Vec<u8>> {
+/// The bytes of a file, held against its hash.
+///
+/// # Errors
+/// If the store cannot be reached, or the object is missing or damaged.
+pub fn fetched(remote: &Remote, file: &Stored) -> Result<Vec<u8>> {
     let object = remote.name(&file.object());
     let Some(bytes) = remote.get(&file.object(), file.bytes)? else {
         bail!("{object}, which holds `{}`, is gone", file.name)

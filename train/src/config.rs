@@ -22,6 +22,11 @@ const MOST_WORKERS: usize = 256;
 const MOST_MEGABYTES: usize = 1 << 24;
 const MOST_RATE: f64 = 1000.0;
 
+/// Devices where a run of earlier versions does not say.
+const fn one() -> usize {
+    1
+}
+
 /// The settings of a training run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -43,6 +48,10 @@ pub struct TrainConfig {
     pub start: Option<PathBuf>,
     /// Images a step.
     pub batch: usize,
+    /// Devices that share the images of a step; at most as many as there are images. Changes how sums are rounded, and nothing
+    /// else of what is learned.
+    #[serde(default = "one")]
+    pub devices: usize,
     /// Height and width of the crops, pixels; a multiple of 8.
     pub crop: usize,
     /// Steps of the whole run.
@@ -76,6 +85,7 @@ impl TrainConfig {
             optimiser: Optimiser::ADAMW,
             start: None,
             batch: 4,
+            devices: 1,
             crop: 256,
             steps: 20_000,
             validation_pairs: 32,
@@ -100,6 +110,7 @@ impl TrainConfig {
         }
         let counts = [
             ("batch", self.batch, 1, MOST_IMAGES),
+            ("devices", self.devices, 1, self.batch.max(1)),
             ("crop", self.crop, TILE, MOST_EDGE),
             ("steps", self.steps, 1, MOST_STEPS),
             ("validation_pairs", self.validation_pairs, 1, MOST_STEPS),

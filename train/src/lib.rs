@@ -19,6 +19,7 @@ pub mod net;
 pub mod optim;
 pub mod options;
 mod pairs;
+mod parallel;
 mod plain;
 pub mod regressors;
 mod rng;

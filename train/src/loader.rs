@@ -57,6 +57,34 @@ impl Batch {
         self.valid.extend(seen.into_iter().map(|seen| f32::from(u8::from(seen))));
     }
 
+    /// Number of images.
+    pub const fn images(&self) -> usize {
+        self.images
+    }
+
+    /// The images in their order, dealt out as evenly as can be; at most one share an image.
+    pub fn shared(mut self, shares: usize) -> Vec<Self> {
+        let mut left = self.images;
+        let mut shared = Vec::with_capacity(shares);
+        for share in 0..shares {
+            let images = left.div_ceil(shares - share);
+            let taken = |data: &mut Vec<f32>| {
+                let rest = data.split_off(data.len() / left * images);
+                std::mem::replace(data, rest)
+            };
+            shared.push(Self {
+                images,
+                size: self.size,
+                input: taken(&mut self.input),
+                target: taken(&mut self.target),
+                valid: taken(&mut self.valid),
+                exposure: taken(&mut self.exposure),
+            });
+            left -= images;
+        }
+        shared
+    }
+
     /// As tensors.
     pub fn into_tensors(self, device: &Device) -> Tensors {
         let pixels = self.size[0] * self.size[1];

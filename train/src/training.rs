@@ -6,8 +6,9 @@ use crate::loss::Loss;
 use crate::metrics::{Line, Metrics};
 use crate::net::UNet;
 use crate::pairs::{Cache, PairSource};
+use crate::parallel::gradients;
 use crate::{TrainConfig, TrainError, files};
-use burn::optim::{GradientsParams, ModuleOptimizer};
+use burn::optim::ModuleOptimizer;
 use burn::tensor::{Bytes, Device};
 use deepshade_dataset::holder::Holder;
 use deepshade_dataset::{Dataset, progress};
@@ -105,7 +106,8 @@ impl Split {
 struct Run<'a> {
     config: &'a TrainConfig,
     folder: &'a Path,
-    device: Device,
+    /// Each takes its share of a batch; the first has the network.
+    devices: Vec<Device>,
     cache: Arc<Cache>,
     split: Split,
     net: UNet,
@@ -125,23 +127,28 @@ impl<'a> Run<'a> {
         cache: Arc<Cache>,
         split: Split,
     ) -> Result<Self, TrainError> {
-        let device = crate::device().autodiff();
+        let devices = crate::device::devices(config.devices).map_err(|found| TrainError::Config {
+            field: "devices",
+            problem: format!("is {}; there are {found}", config.devices),
+        })?;
+        let devices: Vec<Device> = devices.into_iter().map(|device| device.autodiff()).collect();
+        let device = &devices[0];
         let spec = &config.spec;
         let mut optimiser = config.optimiser.start();
         let (net, best, progress) = match Checkpoint::load(folder, spec)? {
-            None => (first_net(config, &device)?, None, Progress::START),
+            None => (first_net(config, device)?, None, Progress::START),
             Some(checkpoint) => {
                 let state = Bytes::from_bytes_vec(checkpoint.optimiser);
                 optimiser = optimiser
                     .from_bytes(state)
                     .map_err(|error| TrainError::damaged(&folder.join(CHECKPOINT_FILE), error))?;
                 let progress = Progress { pause_loss: None, ..checkpoint.progress };
-                (UNet::from_weights(spec, &checkpoint.weights, &device), checkpoint.best, progress)
+                (UNet::from_weights(spec, &checkpoint.weights, device), checkpoint.best, progress)
             }
         };
         let metrics = Metrics::open(folder, metrics, progress.step)?;
         let meter = Meter::default();
-        Ok(Self { config, folder, device, cache, split, net, best, optimiser, progress, metrics, meter })
+        Ok(Self { config, folder, devices, cache, split, net, best, optimiser, progress, metrics, meter })
     }
 
     /// Trains until the end.
@@ -180,13 +187,10 @@ impl<'a> Run<'a> {
 
     /// One step of the optimiser; the loss before it.
     fn step(&mut self, batch: Batch) -> Result<f32, TrainError> {
-        let Tensors { input, target, valid, exposure } = batch.into_tensors(&self.device);
-        let loss = self.config.loss.of(self.net.forward(input) * exposure, target, valid);
-        let value: f32 = loss.clone().into_scalar();
+        let (value, gradients) = gradients(&self.net, self.config.loss, batch, &self.devices);
         if !value.is_finite() {
             return Err(TrainError::Diverged { step: self.progress.step, loss: value });
         }
-        let gradients = GradientsParams::from_grads(loss.backward(), &self.net);
         let rate = self.config.optimiser.rate(self.progress.step, self.config.steps);
         self.net = self.optimiser.step(rate, self.net.clone(), gradients);
         self.progress.step += 1;

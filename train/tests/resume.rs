@@ -136,6 +136,34 @@ fn threads_and_memory_change_nothing() {
     assert_ne!(other.weights, expected.weights);
 }
 
+/// On several devices a run is the same each time, and but for rounding that of one device: the same to the last bit where
+/// shares are equal powers of two, as the kernels add images up by halves.
+#[test]
+fn devices_share_a_batch_and_learn_the_same() {
+    for optimiser in [ADAMW, Optimiser::ADADELTA] {
+        let run = |devices: usize, seed: u64| {
+            let folder = tempfile::tempdir().expect("a folder");
+            let config =
+                TrainConfig { devices, seed, batch: 4, steps: 40, validate_every: 20, ..config(optimiser) };
+            train_on(&config, Synthetic::new(ENOUGH), folder.path()).expect("trains");
+            let losses: Vec<f32> = lines(folder.path()).iter().map(|line| line.loss).collect();
+            (losses, checkpoint(folder.path(), &config))
+        };
+        let (alone, _) = run(1, 1);
+        let off = |losses: &[f32]| {
+            assert_eq!(losses.len(), alone.len());
+            losses.iter().zip(&alone).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f32::max)
+        };
+        for devices in [2, 3] {
+            let (losses, first) = run(devices, 1);
+            assert_same(&first, &run(devices, 1).1);
+            println!("{optimiser}, {devices} devices: {:e}", off(&losses));
+            assert!(off(&losses) < 1e-4, "{optimiser}, {devices} devices: {alone:?}, {losses:?}");
+        }
+        assert!(off(&run(2, 2).0) > 1e-2, "another seed is another curve");
+    }
+}
+
 #[test]
 fn a_run_killed_by_the_system_goes_on_to_the_same_weights() {
     const RUN: &str = "DEEPSHADE_TEST_RUN";
@@ -392,6 +420,8 @@ fn other_settings_in_the_same_folder_and_senseless_ones_are_refused_by_name() {
     assert!(matches!(&error, TrainError::OtherRun { fields, .. } if fields == "batch, seed"), "{error}");
     let senseless = [
         (TrainConfig { batch: 0, ..config.clone() }, "`batch`"),
+        (TrainConfig { devices: 3, ..config.clone() }, "`devices`"),
+        (TrainConfig { devices: 0, ..config.clone() }, "`devices`"),
         (TrainConfig { crop: 20, ..config.clone() }, "`crop`"),
         (TrainConfig { validation_pairs: 0, ..config.clone() }, "`validation_pairs`"),
         (TrainConfig { crop: 48, ..config.clone() }, "smaller than `crop`"),

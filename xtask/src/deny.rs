@@ -11,5 +11,9 @@ pub fn run() -> Result<()> {
     if !succeeds(&mut cargo(&["deny", "--version"])) {
         bail!("cargo-deny is missing; install it with\n    cargo install cargo-deny --locked");
     }
-    crate::command::run(&mut cargo(&["deny", "--all-features", "check", "licenses", "bans", "sources"]))
+    let checks = ["--config", "deny.toml", "--all-features", "check", "licenses", "bans", "sources"];
+    for workspace in ["Cargo.toml", "fuzz/Cargo.toml"] {
+        crate::command::run(&mut cargo(&[&["deny", "--manifest-path", workspace][..], &checks].concat()))?;
+    }
+    Ok(())
 }

@@ -1,6 +1,7 @@
 //! Set-up and the commands that the README and CI call: `cargo xtask demo`, `cargo xtask test`,
 //! `cargo xtask prove`, `cargo xtask crosscheck`, `cargo xtask models`, `cargo xtask book`, `cargo xtask deny`,
-//! `cargo xtask faults`, `cargo xtask store`, `cargo xtask farm`, `cargo xtask web`.
+//! `cargo xtask faults`, `cargo xtask fuzz`, `cargo xtask package`, `cargo xtask soak`, `cargo xtask store`, `cargo xtask farm`,
+//! `cargo xtask web`.
 //!
 //! Nothing but std and anyhow, but for what drives a browser (feature `browser`), so that it builds in seconds on a machine that has nothing else yet.
 
@@ -13,10 +14,13 @@ mod deny;
 mod farm;
 mod faults;
 mod figures;
+mod fuzz;
 mod models;
+mod package;
 mod program;
 mod prove;
 mod python;
+mod soak;
 mod store;
 mod test;
 mod vulkan;
@@ -48,6 +52,15 @@ Commands:
   faults [--kills N] [--seed S] [--json F]
                Kill the program at random moments of every long job (60 times by default), fill its disk, stop it, limit
                its memory, interrupt it, start it twice: what it makes must be what it makes undisturbed, byte for byte
+  fuzz [--executions N] [--only TARGET]... [--json F]
+               Read changed files of every kind that others may have written, by libFuzzer, which needs a C++ compiler:
+               10,000,000 a target by default, which takes hours. Given again it goes on
+  package [--try] [--json F]
+               Make the Debian package with cargo-deb. --try installs it, what `cargo install` makes, and what the container
+               file says, each in a clean root of its own (debootstrap, as root), and runs the program there
+  soak [--minutes N] [--json F]
+               Make a dataset, train and look through a window under Xvfb, all at once, for two hours by default, and watch
+               whether memory or open files grow
   store        Hold object stores against a server that speaks S3 on this machine, which is built with cargo
   farm [--json F] [--only slurm|ray]
                Set up Slurm with several nodes, and Ray, on this machine, and make a dataset by each while workers are killed
@@ -87,6 +100,9 @@ fn run(args: &[String]) -> Result<()> {
         ("book", []) => book::run(),
         ("deny", []) => deny::run(),
         ("faults", rest) => faults::run(rest),
+        ("package", rest) => package::run(rest),
+        ("fuzz", rest) => fuzz::run(rest),
+        ("soak", rest) => soak::run(rest),
         ("store", []) => store::run(),
         ("farm", rest) => farm::run(rest),
         ("web", rest) => web::run(rest),

@@ -20,7 +20,7 @@ type Step = (&'static str, &'static [&'static str]);
 
 /// Lints and documentation are of what people build, training on the CPU's own kernels included. Training on Vulkan
 /// leaves these kernels out: its step compiles what is there instead.
-const STEPS: [Step; 10] = [
+const STEPS: [Step; 11] = [
     ("formatting", &["fmt", "--all", "--check"]),
     ("clippy", &["clippy", "--release", "--locked", "--workspace", "--all-targets", "--", "-D", "warnings"]),
     (
@@ -56,6 +56,10 @@ const STEPS: [Step; 10] = [
             "-D",
             "warnings",
         ],
+    ),
+    (
+        "tests of object stores",
+        &["test", "--release", "--locked", "--features", "store", "--bin", "deepshade", "store::"],
     ),
     ("tests", &["test", "--release", "--locked", "--workspace", "--no-fail-fast"]),
     (

@@ -136,6 +136,9 @@ fn what_is_wrong_is_named_with_the_file() {
     refused(tum(), &write("rgb.txt", ""), &["no colour image has a depth image"]);
     refused(tum(), &write("rgb.txt", "1.0 rgb/0.png\nsoon rgb/1.png\n"), &["rgb.txt", "line 2", "`soon`"]);
     refused(tum(), &write("rgb.txt", "\n1.0\n"), &["rgb.txt", "line 2", "too few"]);
+    for (name, text) in [("rgb.txt", "1.0 ../rgb/0.png\n"), ("depth.txt", "1.0 /etc/hostname\n")] {
+        refused(tum(), &write(name, text), &[name, "line 1", "is not in the capture's folder"]);
+    }
     refused(tum(), &write("groundtruth.txt", "1 0 0 0 0 0 0 3\n"), &["groundtruth.txt", "quaternion"]);
     refused(tum(), &write("camera.toml", "width = 6\n"), &["camera.toml", "missing field"]);
     refused(

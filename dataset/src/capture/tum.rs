@@ -5,10 +5,10 @@
 //! The camera is that of `camera.toml` (`width`, `height`, `fx`, `fy`, `cx`, `cy`, and `depth_scale`, if it is not 5000), else
 //! the benchmark's own by the folder's name.
 
-use super::tables::{lines, text};
+use super::tables::{Line, lines, text};
 use super::{Capture, CaptureCamera, CaptureError, FrameFiles, Pose};
 use glam::{Mat3, Quat, Vec3};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// The farthest in time that images and poses of one moment are apart, seconds.
 const SAME_MOMENT: f64 = 0.02;
@@ -64,8 +64,17 @@ fn nearest<T>(entries: &[(f64, T)], time: f64) -> Option<usize> {
 fn images(path: &Path) -> Result<Vec<(f64, PathBuf)>, CaptureError> {
     let text = text(path)?;
     let images: Result<Vec<_>, CaptureError> =
-        lines(path, &text).iter().map(|line| Ok((line.number(0)?, PathBuf::from(line.word(1)?)))).collect();
+        lines(path, &text).iter().map(|line| Ok((line.number(0)?, inside(line)?))).collect();
     Ok(by_time(images?))
+}
+
+/// The file that a line names. It must lie in the capture's folder, since a capture may come from anybody.
+fn inside(line: &Line<'_>) -> Result<PathBuf, CaptureError> {
+    let file = PathBuf::from(line.word(1)?);
+    match file.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir)) {
+        true => Ok(file),
+        false => Err(line.fault(&format!("`{}` is not in the capture's folder", file.display()))),
+    }
 }
 
 /// Times and poses of a trajectory, by time; none where there is no such file.
@@ -74,7 +83,7 @@ fn poses(path: &Path, y_up: bool) -> Result<Vec<(f64, Pose)>, CaptureError> {
         return Ok(Vec::new());
     }
     let text = text(path)?;
-    let pose = |line: &super::tables::Line<'_>| {
+    let pose = |line: &Line<'_>| {
         let rotation = Quat::from_array(line.numbers(4)?);
         if (rotation.length() - 1.0).abs() > 0.01 {
             return Err(line.fault("its quaternion is not of length 1"));

@@ -43,9 +43,12 @@ pub fn read(path: &Path) -> Result<ExrImage, ExrError> {
     ExrImage::new(path, image)
 }
 
+/// The most that a byte of a compressed file stands for: DEFLATE repeats 258 bytes with two bits, and nothing else repeats more.
+const MAX_RATIO: usize = 1032;
+
 /// Whether what the headers promise is sane, before memory is taken for it.
 fn check_headers(headers: &[Header], file_bytes: u64) -> Result<(), String> {
-    let mut values = 0usize;
+    let (mut values, mut bytes) = (0usize, 0usize);
     for header in headers {
         let (width, height) = (header.layer_size.width(), header.layer_size.height());
         if header.layer_size != headers[0].layer_size {
@@ -65,6 +68,10 @@ fn check_headers(headers: &[Header], file_bytes: u64) -> Result<(), String> {
             return Err(format!("{} chunks in {file_bytes} bytes", header.chunk_count));
         }
         values = values.saturating_add((width * height).saturating_mul(header.channels.list.len()));
+        bytes = bytes.saturating_add((width * height).saturating_mul(header.channels.bytes_per_pixel));
+    }
+    if bytes as u64 > file_bytes.saturating_mul(MAX_RATIO as u64) {
+        return Err(format!("it promises {bytes} bytes of values in {file_bytes}"));
     }
     if values > MAX_VALUES {
         return Err(format!("{values} values, where at most {MAX_VALUES} are accepted"));

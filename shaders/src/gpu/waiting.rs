@@ -35,7 +35,9 @@ pub async fn idle(device: &wgpu::Device, queue: &wgpu::Queue, label: &str) -> Re
     if cfg!(target_arch = "wasm32") {
         let (done, all_done) = futures_channel::oneshot::channel();
         // Who has given up waiting is told nothing.
-        queue.on_submitted_work_done(move || drop(done.send(())));
+        queue.on_submitted_work_done(move || {
+            let _ = done.send(());
+        });
         all_done.await.map_err(|e| refused(e.to_string()))?;
     }
     Ok(())

@@ -1,6 +1,7 @@
 //! A glTF file as a whole: its validated JSON and the bytes of its buffers.
 
 use super::super::{SceneError, file};
+use super::check;
 use gltf::{
     Document, Gltf, Semantic,
     json::{Path as JsonPath, Root, validation},
@@ -99,6 +100,7 @@ fn parse(bytes: &[u8]) -> Result<(Root, Option<Vec<u8>>), String> {
     if bytes.starts_with(b"glTF") && declared < 12 {
         return Err("the binary glTF header is damaged".to_owned());
     }
+    check::chunks(bytes)?;
     let gltf =
         Gltf::from_slice_without_validation(bytes).map_err(|error| format!("is not glTF 2.0: {error}"))?;
     Ok((gltf.document.into_json(), gltf.blob))
@@ -129,7 +131,7 @@ fn validate(root: &Root) -> Result<(), String> {
             problem = Some(format!("{path}: {error}"));
         }
     });
-    problem.map_or(Ok(()), Err)
+    problem.map_or_else(|| check::structure(root), Err)
 }
 
 /// Checks the accessors of positions, which the validator reads before it checks them.

@@ -8,6 +8,7 @@
 
 mod animation;
 mod buffers;
+mod check;
 mod document;
 mod instances;
 mod light;
