@@ -39,7 +39,7 @@ pub enum Stage {
 }
 
 /// Which shader belongs to which stage.
-static SHADERS: [(Stage, &Shader); 62] = [
+static SHADERS: [(Stage, &Shader); 63] = [
     (Stage::Surfels, &wgsl::SURFELS_VERTICES),
     (Stage::Surfels, &wgsl::SURFELS_MEASURE),
     (Stage::Surfels, &wgsl::SURFELS_SUM),
@@ -84,6 +84,7 @@ static SHADERS: [(Stage, &Shader); 62] = [
     (Stage::Sum, &wgsl::SURFEL_OPEN),
     (Stage::Sum, &wgsl::SURFEL_REFLECT),
     (Stage::Sum, &wgsl::SURFEL_SCATTER),
+    (Stage::Sum, &wgsl::SURFELS_IN_WATTS),
     (Stage::Sum, &wgsl::VOLUME_SHELL_ADD),
     (Stage::Direct, &wgsl::VOLUME_SHELL_DIRECT),
     (Stage::Inject, &wgsl::LPV_CLEAR),
