@@ -283,6 +283,7 @@ impl Live {
     ///
     /// # Errors
     /// If the device fails.
+    #[cfg(feature = "view")]
     pub fn gbuffer(&self, attributes: &[Attribute]) -> Result<GBuffer> {
         gpu::wait(self.gbuffer_async(attributes))?
     }

@@ -141,6 +141,7 @@ impl Staged {
     }
 
     /// Distance of what the camera looks at first, metres.
+    #[cfg(any(feature = "view", target_arch = "wasm32"))]
     pub fn distance(&self) -> f32 {
         self.pivot.distance(self.camera.position)
     }

@@ -20,10 +20,7 @@ use super::lattice::{CLASSES, DISTANCES, mean};
 use std::sync::LazyLock;
 
 /// How collisions are counted.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
-)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Factors {
     /// Where they happen, as above.
     #[default]

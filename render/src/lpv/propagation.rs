@@ -2,10 +2,6 @@
 //!
 //! Kinds of light are kept apart by what they met, so that what is shown can leave out what other methods show sharper:
 //! light that met no medium yet by how often surfaces have reflected it, and light that was scattered.
-//!
-//! What sends light goes on sending it: each iteration adds it anew, and after many light is as it stays. That is the sum of
-//! all iterations of a single pulse, as the paper has it, where lobes are two bands. Others depend on all light that is in a
-//! cell: where the pulses of all walls of a room cross in its middle they would become one without a direction, and stay.
 
 use super::cascade::at_border;
 use super::lattice::{CLASSES, LINKS, SHARES, neighbours};
@@ -55,7 +51,8 @@ pub struct Kinds {
     pub scattered: bool,
 }
 
-/// Light as it is shown: its flux and energy times the length of its way in each cell, watts times cells.
+/// Light as it is shown: its flux and energy times the length of its way in each cell, watts times cells, summed over
+/// all iterations.
 #[derive(Clone, Debug)]
 pub struct Shown {
     /// By the medium: the last kind that met no medium, and scattered light.
@@ -88,14 +85,10 @@ impl Shown {
 pub struct Field {
     kinds: Kinds,
     scheme: Scheme,
-    /// What each iteration adds: of each kind light of each cell.
-    source: Vec<Vec<Light>>,
     /// Of each kind, lobes of each cell.
     lobes: Vec<Vec<Light>>,
-    /// What surfaces send as it is shown on its first half of a way, to the middle of its cell.
-    halfway: Vec<Light>,
-    /// Of what surfaces send into a cell and collides there, what does not go in; known once there is a volume.
-    back: Option<Vec<[f32; 3]>>,
+    /// Whether the first kind is as surfaces sent it.
+    is_fresh: bool,
     /// Whether cells at the border take what arrives.
     is_nested: bool,
     /// What is shown of it.
@@ -154,46 +147,30 @@ impl Arriving {
 }
 
 impl Field {
-    /// Before the first iteration: light that surfaces send, which lie half a way from the middles of cells, and, if scattered
-    /// light goes on too, that.
-    pub fn new(volume: &Volume, kinds: Kinds, sent: &[Light], scattered: &[Light]) -> Self {
-        let none = vec![Light::default(); sent.len()];
-        let mut source = vec![none.clone(); kinds.count()];
-        let mut halfway = none;
-        if kinds.scattered {
-            source[kinds.unscattered].copy_from_slice(scattered);
-        }
-        for (cell, sent) in sent.iter().enumerate() {
-            for (colour, sent) in sent.iter().enumerate().filter(|(_, sent)| sent.w > 0.0) {
-                let flight = &volume.flights[cell][colour];
-                let energies = volume.scheme.lobes.by_class(volume.scheme.lobes.of(*sent));
-                let mean = |of: [f32; CLASSES]| -> f32 {
-                    energies.iter().zip(of).map(|(energy, of)| energy * of).sum::<f32>() / sent.w
-                };
-                let enters = mean(flight.enters);
-                source[0][cell][colour] = *sent * enters;
-                halfway[cell][colour] = *sent * mean(flight.tracks_in);
-                if kinds.scattered {
-                    let collides = sent.w * (1.0 - enters) * volume.goes_in(cell, colour);
-                    source[kinds.unscattered][cell][colour].w += flight.albedo * collides;
-                }
-            }
-        }
-        Self { halfway, ..Self::of(volume.scheme, kinds, source) }
+    /// Before the first iteration: light that surfaces have reflected once and, if scattered light goes on too, that.
+    pub fn new(scheme: Scheme, kinds: Kinds, reflected: &[Light], scattered: &[Light]) -> Self {
+        let none = vec![Light::default(); reflected.len()];
+        let light = |kind: usize| match kind {
+            _ if kinds.is_scattered(kind) => scattered,
+            0 => reflected,
+            _ => &none,
+        };
+        let lobes = |kind: usize| light(kind).iter().map(|of| of.map(|of| scheme.lobes.of(of))).collect();
+        let lobes = (0..kinds.count()).map(lobes).collect();
+        let cells = reflected.len();
+        Self { kinds, scheme, lobes, is_fresh: true, is_nested: false, shown: Shown::none(cells) }
     }
 
     /// Light that is all of the last kind.
     pub fn scattered(scheme: Scheme, light: &[Light]) -> Self {
-        Self::of(scheme, Kinds { unscattered: 0, scattered: true }, vec![light.to_vec()])
+        let none = vec![Light::default(); light.len()];
+        Self::new(scheme, Kinds { unscattered: 0, scattered: true }, &none, light)
     }
 
-    /// Of light of each kind that sets out from the middles of cells, `[kinds, cells]`, which is not empty.
-    pub fn of(scheme: Scheme, kinds: Kinds, source: Vec<Vec<Light>>) -> Self {
-        let lobe = |light: &Light| light.map(|of| scheme.lobes.of(of));
-        let lobes = source.iter().map(|of_kind| of_kind.iter().map(lobe).collect()).collect();
-        let shown = Shown::none(source[0].len());
-        let halfway = vec![Light::default(); source[0].len()];
-        Self { kinds, scheme, source, lobes, halfway, back: None, is_nested: false, shown }
+    /// Of lobes of each kind, `[kinds, cells]`, which are not empty.
+    pub fn of_lobes(scheme: Scheme, kinds: Kinds, lobes: Vec<Vec<Light>>) -> Self {
+        let cells = lobes[0].len();
+        Self { kinds, scheme, lobes, is_fresh: true, is_nested: false, shown: Shown::none(cells) }
     }
 
     /// It in a finer grid, with light of what a coarser one shows along its border.
@@ -202,8 +179,7 @@ impl Field {
         self.is_nested = true;
         for cell in (0..volume.grid.cells()).filter(|cell| volume.grid.depth(volume.grid.at(*cell)) == 0) {
             let light = at_border(outside, volume, cell, self.kinds);
-            for ((source, lobes), light) in self.source.iter_mut().zip(&mut self.lobes).zip(light) {
-                source[cell] = light;
+            for (lobes, light) in self.lobes.iter_mut().zip(light) {
                 lobes[cell] = light.map(|of| self.scheme.lobes.of(of));
             }
         }
@@ -221,37 +197,24 @@ impl Field {
         self.is_nested && volume.grid.depth(volume.grid.at(cell)) == 0
     }
 
-    /// What of a lobe collides in its cell.
-    fn collides(&self, flight: &Flight, lobe: Vec4) -> f32 {
-        let energies = self.scheme.lobes.by_class(lobe);
-        (0..CLASSES).map(|class| energies[class] * (1.0 - flight.streams[class])).sum()
-    }
-
-    /// Of what surfaces send into a cell and collides there, what does not go in.
-    fn back(&self, volume: &Volume, cell: usize) -> [f32; 3] {
-        if !self.kinds.scattered || self.is_at_border(volume, cell) {
-            return [0.0; 3];
-        }
-        let of = |colour: usize| {
-            let collides = |source: &Vec<Light>| {
-                self.collides(&volume.flights[cell][colour], self.scheme.lobes.of(source[cell][colour]))
-            };
-            let sent: f32 = self.source[..self.kinds.unscattered].iter().map(collides).sum();
-            sent * (1.0 - volume.goes_in(cell, colour))
-        };
-        [0, 1, 2].map(of)
-    }
-
     /// What each cell sends out again of the light in it, in all directions.
-    fn again(&self, volume: &Volume, back: &[[f32; 3]], cell: usize) -> [f32; 3] {
+    fn again(&self, volume: &Volume, cell: usize) -> [f32; 3] {
         if !self.kinds.scattered {
             return [0.0; 3];
         }
         let of = |colour: usize| {
             let flight = &volume.flights[cell][colour];
-            let collides = |lobes: &Vec<Light>| self.collides(flight, lobes[cell][colour]);
-            let all = self.lobes.iter().map(collides).sum::<f32>();
-            flight.again * (all - back[cell][colour]).max(0.0)
+            let collides = |(kind, lobes): (usize, &Vec<Light>)| -> f32 {
+                let energies = self.scheme.lobes.by_class(lobes[cell][colour]);
+                let all: f32 =
+                    (0..CLASSES).map(|class| energies[class] * (1.0 - flight.streams[class])).sum();
+                let is_sent = self.is_fresh && !self.kinds.is_scattered(kind);
+                match is_sent && !self.is_at_border(volume, cell) {
+                    true => all * volume.goes_in(cell, colour),
+                    false => all,
+                }
+            };
+            flight.again * self.lobes.iter().enumerate().map(collides).sum::<f32>()
         };
         [0, 1, 2].map(of)
     }
@@ -263,31 +226,26 @@ impl Field {
 
     /// One iteration.
     pub fn step(&mut self, volume: &Volume) {
-        let cells = 0..volume.grid.cells();
-        let back = self
-            .back
-            .take()
-            .unwrap_or_else(|| cells.clone().into_par_iter().map(|cell| self.back(volume, cell)).collect());
-        let again: Vec<[f32; 3]> =
-            cells.clone().into_par_iter().map(|cell| self.again(volume, &back, cell)).collect();
-        self.back = Some(back);
+        let cells = volume.grid.cells();
+        let again: Vec<[f32; 3]> = (0..cells).into_par_iter().map(|cell| self.again(volume, cell)).collect();
+        self.is_fresh = false;
         let colours = |cell: usize| [0, 1, 2].map(|colour| self.arriving(volume, &again, cell, colour));
-        let arrived: Vec<[Arriving; 3]> = cells.into_par_iter().map(colours).collect();
-        for (kind, (lobes, source)) in self.lobes.iter_mut().zip(&self.source).enumerate() {
-            let lobe = |(cell, light): (usize, &mut Light)| {
-                // What goes on from the border is the coarser volume's.
-                let is_border = self.is_nested && volume.grid.depth(volume.grid.at(cell)) == 0;
-                for (colour, light) in light.iter_mut().enumerate() {
-                    let arrived = if is_border { Vec4::ZERO } else { arrived[cell][colour].kinds[kind] };
-                    *light = self.scheme.lobes.of(source[cell][colour] + arrived);
-                }
-            };
-            lobes.par_iter_mut().enumerate().for_each(lobe);
+        let arrived: Vec<[Arriving; 3]> = (0..cells).into_par_iter().map(colours).collect();
+        for (kind, lobes) in self.lobes.iter_mut().enumerate() {
+            let lobe = |arrived: &[Arriving; 3]| arrived.map(|of| self.scheme.lobes.of(of.kinds[kind]));
+            lobes.par_iter_mut().zip(&arrived).for_each(|(light, arrived)| *light = lobe(arrived));
+        }
+        if self.is_nested {
+            for cell in (0..cells).filter(|cell| volume.grid.depth(volume.grid.at(*cell)) == 0) {
+                self.lobes.iter_mut().for_each(|lobes| lobes[cell] = Light::default());
+            }
         }
         for (cell, arrived) in arrived.iter().enumerate() {
-            self.shown.by_medium[cell] = arrived.map(|of| of.by_medium);
-            self.shown.by_surfaces[cell] = arrived.map(|of| of.by_surfaces);
-            self.shown.first[cell] = arrived.map(|of| of.first);
+            for (colour, of) in arrived.iter().enumerate() {
+                self.shown.by_medium[cell][colour] += of.by_medium;
+                self.shown.by_surfaces[cell][colour] += of.by_surfaces;
+                self.shown.first[cell][colour] += of.first;
+            }
         }
     }
 
@@ -297,7 +255,6 @@ impl Field {
         let (kinds, scheme) = (self.kinds, self.scheme.lobes);
         let (here, at) = (&flights[cell][colour], grid.at(cell));
         let mut sums = Arriving::NONE;
-        sums.show(kinds, 0, self.halfway[cell][colour]);
         for kind in 0..kinds.count() {
             sums.show(kinds, kind, scheme.moments(self.lobes[kind][cell][colour]) * here.track_out);
         }

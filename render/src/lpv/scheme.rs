@@ -4,10 +4,7 @@ use super::flight::Factors;
 use super::lobe::Lobes;
 
 /// Which cells light a surface.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
-)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Lookup {
     /// The eight around a point half a cell before it, but for those behind it: what is behind a wall does not light it.
     #[default]
@@ -17,17 +14,13 @@ pub enum Lookup {
 }
 
 /// What can be done in two ways or more.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
-)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Scheme {
-    /// How collisions with the medium are counted: where they happen, or in the cell that light leaves, by an exponential or, as
-    /// Billeter et al. 2012 have it, a linear factor.
+    /// How collisions are counted.
     pub factors: Factors,
-    /// How light in a cell is spread over directions: as the square of a function of two bands, or, as Billeter et al. 2012 have
-    /// it, in two bands, which may be negative.
+    /// How light in a cell is spread over directions.
     pub lobes: Lobes,
-    /// Which cells light a surface: those before it, or, as Billeter et al. 2012 have it, the one that it is within.
+    /// Which cells light a surface.
     pub lookup: Lookup,
 }
 

@@ -11,14 +11,9 @@ table! {
                 "lpv_grid", "lpv_send"];
     /// Light that surfels emit.
     LPV_SHINE: "lpv.shine", file "methods/lpv/shine", constants [HEIGHT = 8], uniforms [LightGrid, FrameView],
-        shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_order", "lpv_grid", "lpv_send",
-                "lpv_emits"];
-    /// Light that surfels give back of what they kept.
-    LPV_SHINE_KEPT: "lpv.shine_kept", file "methods/lpv/shine", constants [HEIGHT = 8, UNIT = 128],
-        uniforms [LightGrid, FrameView],
-        shared ["view", "packing", "surfel", "surfel_record", "lpv_grid", "lpv_send", "lpv_gives_back"];
+        shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_order", "lpv_grid", "lpv_send"];
     /// Light that surfels reflect of it.
-    LPV_REFLECT: "lpv.reflect", file "methods/lpv/reflect", constants [HEIGHT = 8, LOOKUP = 0, NESTED = 1],
+    LPV_REFLECT: "lpv.reflect", file "methods/lpv/reflect", constants [HEIGHT = 8, LOOKUP = 0],
         uniforms [LightGrid, FrameView],
         shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_patch_record", "surfel_order",
                 "lpv_grid", "lpv_irradiance", "lpv_send"];
@@ -29,11 +24,9 @@ table! {
     LPV_MEDIA: "lpv.media", file "methods/lpv/media", constants [MEDIUM = 2, FACTORS = 0, LOBES = 0, SIMILAR = 1],
         uniforms [LightGrid, MediumRecord],
         shared ["lpv_grid", "lpv_lattice", "lpv_lobe", "lpv_flight", "medium_span", "medium", "lpv_medium", "lpv_part"];
-    /// Light that surfaces send.
-    LPV_FRESH: "lpv.fresh", file "methods/lpv/fresh",
-        constants [UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0, FIRST = 1, SIMILAR = 1],
-        uniforms [LightGrid, MediumRecord],
-        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_fixed", "lpv_lobe", "lpv_flight", "lpv_medium"];
+    /// Light that surfaces reflect.
+    LPV_FRESH: "lpv.fresh", file "methods/lpv/fresh", constants [UNSCATTERED = 2, SCATTERED = 1, LOBES = 0, FIRST = 1],
+        uniforms [LightGrid], shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_fixed", "lpv_lobe"];
     /// Light of the lamps that the medium in cells scatters.
     LPV_BEGIN: "lpv.begin", file "methods/lpv/begin",
         constants [LIGHTS = 1, MEDIUM = 2, GREY = 0, UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0, SIMILAR = 1],

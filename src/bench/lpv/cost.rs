@@ -18,9 +18,9 @@ const ITERATIONS: usize = 8;
 const STEPS: u32 = 32;
 const SCALE: usize = 2;
 /// Bytes that an iteration reads and writes of a cell at least: lobes of three kinds of light and three colours and what
-/// is sent out again in both directions, what is added of it, links and the medium.
-const BYTES: u64 = 3 * (144 + 16) + 16 + 48;
-/// Bytes that the last one writes of a cell to be shown.
+/// is sent out again in both directions, what is shown by the medium and by surfaces likewise, links and the medium.
+const BYTES: u64 = 2 * (144 + 16) + 2 * SHOWN + 16 + 48;
+/// Of these, what is shown.
 const SHOWN: u64 = 96;
 
 /// Costs of both grids.

@@ -63,15 +63,6 @@ impl Filled {
         matches!(self, Self::Medium(_))
     }
 
-    /// Whether surfaces that emit, and surfaces that give back what they kept, shine into it as lamps do, where there are any.
-    pub const fn shines(self, [emits, gives_back]: [bool; 2]) -> [bool; 2] {
-        match self {
-            Self::Clear => [emits, false],
-            Self::Kept => [false; 2],
-            Self::Medium(_) => [emits, gives_back],
-        }
-    }
-
     /// What surfels send into it.
     pub const fn lit(self) -> Lit {
         match self {
@@ -143,7 +134,7 @@ impl Passes {
         let frame = Frame { world, view: &uniforms[VIEW], reach: &uniforms[REACH] };
         let grids = parameters.grids(world.bounds, world.bounds.centre());
         let finest = grids[grids.len() - 1].cell;
-        let surfels = Surfels::new(device, frame, finest, filled)?;
+        let surfels = Surfels::new(device, frame, finest, filled.lit())?;
         let mut steps = self.surfel_steps(device, frame, &surfels)?;
         let mut levels: Vec<Level> = Vec::new();
         for (number, grid) in grids.iter().enumerate() {
@@ -204,13 +195,13 @@ impl Passes {
         }
         let iterations = parameters.iterations;
         let mut emission = None;
-        if surfels.emissions.is_some() || surfels.kept.is_some() {
+        if filled != Filled::Kept && frame.world.emits() {
             let outside = outside.and_then(|outside| outside.emission.as_ref());
             let (shown, emitted) = self.emission(device, frame, surfels, &room, (outside, iterations))?;
             steps.extend(emitted);
             emission = Some(shown);
         }
-        steps.push(room.fresh_step(device, frame.world)?);
+        steps.push(room.fresh_step(device)?);
         if room.kinds.scattered {
             steps.push(room.begin_step(device, frame.world, emission.as_ref().map(|light| &light.shown))?);
         }
@@ -226,14 +217,11 @@ impl Passes {
         &self,
         device: &wgpu::Device,
         Frame { world, view, .. }: Frame<'_>,
-        Surfels { cloud, sent, settings, lit, kept, .. }: &Surfels,
+        Surfels { cloud, sent, settings, lit }: &Surfels,
     ) -> Result<Vec<MethodStep>, GpuError> {
         let of_surfels = cloud::Uniforms { settings, view };
         let mut steps = self.surfels.surfel_steps(device, world, cloud, of_surfels)?;
         steps.extend(light::steps(device, world, *lit, cloud, [view, sent])?);
-        if let Some(kept) = kept {
-            steps.extend(light::steps(device, world, Lit::Kept, cloud, [view, kept])?);
-        }
         Ok(steps)
     }
 
@@ -257,8 +245,8 @@ impl Passes {
         ])
     }
 
-    /// Light that surfaces emit or give back, on its way until they reflect it or the medium scatters it: what they reflect
-    /// is added to the volume's.
+    /// Light that surfaces emit, on its way until they reflect it or the medium scatters it: what they reflect is added to
+    /// the volume's.
     fn emission(
         &self,
         device: &wgpu::Device,
@@ -269,32 +257,23 @@ impl Passes {
     ) -> Result<(VolumeOnGpu, Vec<MethodStep>), GpuError> {
         let Surfels { cloud, .. } = surfels;
         let emitted = room.of_emission(device)?;
-        let nested = ("NESTED", u32::from(outside.is_some()));
-        let reflects = wgsl::LPV_REFLECT.specialised(&[room.scheme.lookup_constant(), nested]);
+        let shine = Pass::new(device, wgsl::LPV_SHINE.name, &wgsl::LPV_SHINE.source())?;
+        let reflects = wgsl::LPV_REFLECT.specialised(&[room.scheme.lookup_constant()]);
         let reflects = Pass::new(device, wgsl::LPV_REFLECT.name, &reflects)?;
-        let read = |of_surfels| (0..).zip([&room.record, view, &cloud.totals, &cloud.surfels, of_surfels]);
-        let starts = (7, &cloud.starts);
-        let reflecting: Vec<_> = read(&cloud.patches).chain([(6, &emitted.shown), starts]).collect();
+        let emissions = gpu::storage(device, "lpv.emissions", &world.emissions())?;
+        let read = |of_patches| {
+            let read = [&room.record, view, &cloud.totals, &cloud.surfels, of_patches];
+            (0..).zip(read).chain([(7, &cloud.starts)])
+        };
+        let shining: Vec<_> = read(&emissions).collect();
+        let reflecting: Vec<_> = read(&cloud.patches).chain([(6, &emitted.shown)]).collect();
         // However far it came: a radius is of what surfaces reflect.
         let reach = gpu::uniform(device, "lpv.reach", &uniforms::Propagation { reach: f32::MAX })?;
-        let mut steps = vec![MethodStep::bind(
-            device,
-            &self.clear,
-            emitted.words(),
-            &[],
-            &[&emitted.sums, &emitted.cubes],
-        )?];
-        let emits = wgsl::LPV_SHINE.source();
-        let gives_back = wgsl::LPV_SHINE_KEPT.specialised(&[light::kept_unit(world)]);
-        let emissions = surfels.emissions.as_ref().map(|it| (wgsl::LPV_SHINE.name, emits, it, Some(starts)));
-        let kept = surfels.kept.as_ref().map(|it| (wgsl::LPV_SHINE_KEPT.name, gives_back, it, None));
-        for (name, source, radiances, starts) in [emissions, kept].into_iter().flatten() {
-            let pass = Pass::new(device, name, &source)?;
-            let shining: Vec<_> = read(radiances).chain(starts).collect();
-            let written = [(5, &emitted.sums)];
-            steps.push(MethodStep::bind_at(device, &pass, surfels.groups(), &shining, &written)?);
-        }
-        steps.push(emitted.fresh_step(device, world)?);
+        let mut steps = vec![
+            MethodStep::bind(device, &self.clear, emitted.words(), &[], &[&emitted.sums, &emitted.cubes])?,
+            MethodStep::bind_at(device, &shine, surfels.groups(), &shining, &[(5, &emitted.sums)])?,
+            emitted.fresh_step(device)?,
+        ];
         if let Some(outside) = outside {
             steps.push(emitted.border_step(device, world, outside)?);
         }
@@ -313,7 +292,7 @@ struct Frame<'a> {
     reach: &'a wgpu::Buffer,
 }
 
-/// One of the volumes, and light in it that surfaces send by themselves, if any do.
+/// One of the volumes, and light in it that surfaces emit, if any do.
 struct Level {
     light: VolumeOnGpu,
     emission: Option<VolumeOnGpu>,
@@ -325,23 +304,14 @@ struct Surfels {
     sent: wgpu::Buffer,
     settings: wgpu::Buffer,
     lit: Lit,
-    /// Radiance that patches emit, if any do.
-    emissions: Option<wgpu::Buffer>,
-    /// What surfels give back, as `sent`, if any do and it is light like others.
-    kept: Option<wgpu::Buffer>,
 }
 
 impl Surfels {
-    fn new(device: &wgpu::Device, frame: Frame<'_>, cell: f32, filled: Filled) -> Result<Self, GpuError> {
-        let (world, lit) = (frame.world, filled.lit());
-        let settings = gpu::uniform(device, "lpv.surfels", &surfel_settings(cell, world.bounds))?;
-        let cloud = Cloud::new(device, world, Some(lit))?;
+    fn new(device: &wgpu::Device, frame: Frame<'_>, cell: f32, lit: Lit) -> Result<Self, GpuError> {
+        let settings = gpu::uniform(device, "lpv.surfels", &surfel_settings(cell, frame.world.bounds))?;
+        let cloud = Cloud::new(device, frame.world, Some(lit))?;
         let sent = cloud.sent.clone().expect("they are lit");
-        let [emits, gives_back] = filled.shines([world.emits(), world.keeps_light()]);
-        let emissions = || gpu::storage(device, "lpv.emissions", &world.emissions());
-        let kept = || gpu::empty::<u8>(device, "lpv.kept", sent.size() as usize);
-        let (emissions, kept) = (emits.then(emissions).transpose()?, gives_back.then(kept).transpose()?);
-        Ok(Self { cloud, sent, settings, lit, emissions, kept })
+        Ok(Self { cloud, sent, settings, lit })
     }
 
     /// Workgroups of passes over them.

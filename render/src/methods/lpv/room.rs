@@ -33,8 +33,6 @@ pub struct Room {
     /// `[kinds, 3, cells, 4]` f32, before and after an iteration; if there is scattered light also `[cells, 4]`, what is
     /// sent out again.
     states: [wgpu::Buffer; 2],
-    /// `[kinds, 3, cells, 4]` f32: light that each iteration adds; if there is scattered light also `[cells, 4]`.
-    source: wgpu::Buffer,
     /// As [`VolumeOnGpu`] has it.
     pub shown: wgpu::Buffer,
     /// Workgroups of passes over cells.
@@ -81,7 +79,6 @@ impl Room {
             links: gpu::empty::<[u32; 4]>(device, "lpv.links", cells)?,
             media: gpu::empty::<[[f32; 4]; 3]>(device, "lpv.media", cells)?,
             states: [state()?, state()?],
-            source: state()?,
             shown: gpu::empty::<[f32; 4]>(device, "lpv.shown", 3 * planes * cells)?,
             groups: surfels::groups(cells).into(),
             kinds,
@@ -134,17 +131,17 @@ impl Room {
         ("FIRST", u32::from(keeps_first(self.kinds, self.nesting)))
     }
 
-    /// Light that surfaces send, before the first iteration.
+    /// Light that surfaces reflect, before the first iteration.
     ///
     /// # Errors
     /// If the device refuses it.
-    pub fn fresh_step(&self, device: &wgpu::Device, world: &World) -> Result<MethodStep, GpuError> {
-        let own = [self.first(), self.similar()];
-        let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
-        let pass = Pass::new(device, wgsl::LPV_FRESH.name, &wgsl::LPV_FRESH.specialised(&constants))?;
-        let reads = [(0, &self.record), (1, &self.sums), (5, &world.medium.record), (6, &self.media)];
-        let writes = [(2, &self.states[0]), (3, &self.shown), (4, &self.source)];
-        MethodStep::bind_at(device, &pass, self.groups.clone(), &reads, &writes)
+    pub fn fresh_step(&self, device: &wgpu::Device) -> Result<MethodStep, GpuError> {
+        let [_, lobes] = self.scheme.constants();
+        let first = self.first();
+        let shader = wgsl::LPV_FRESH.specialised(&[&self.constants()[..], &[lobes, first]].concat());
+        let pass = Pass::new(device, wgsl::LPV_FRESH.name, &shader)?;
+        let writes = [&self.states[0], &self.shown];
+        MethodStep::bind(device, &pass, self.groups.clone(), &[&self.record, &self.sums], &writes)
     }
 
     /// What the medium does in cells.
@@ -181,11 +178,11 @@ impl Room {
         let pass = Pass::new(device, shader.name, &shader.specialised(&constants))?;
         let sampler = shadow_sampler(device);
         let own = [(0, &self.record), (1, &self.links), (7, &self.states[0]), (8, &self.media)];
-        let own = own.into_iter().chain([(10, &self.source)]).chain(emission.map(|emitted| (9, emitted)));
+        let own = own.into_iter().chain(emission.map(|emitted| (9, emitted)));
         let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
         let bound = pass.bind_at(device, own.chain(single_scattering::bindings(world, &sampler)))?;
         let step = Step { pass: bound, workgroups: self.groups.clone() };
-        Ok(MethodStep { step, writes: vec![self.states[0].clone(), self.source.clone()] })
+        Ok(MethodStep { step, writes: vec![self.states[0].clone()] })
     }
 
     /// What the volume around it hands to it.
@@ -201,7 +198,7 @@ impl Room {
         let constants = [&self.constants()[..], &self.scheme.constants(), &[self.similar()]].concat();
         let pass = Pass::new(device, wgsl::LPV_BORDER.name, &wgsl::LPV_BORDER.specialised(&constants))?;
         let reads = [&self.record, &outside.record, &world.medium.record, &self.media, &outside.shown];
-        MethodStep::bind(device, &pass, self.groups.clone(), &reads, &[&self.states[0], &self.source])
+        MethodStep::bind(device, &pass, self.groups.clone(), &reads, &[&self.states[0]])
     }
 
     /// So many iterations; they end where light has gone as far as `reach` says.
@@ -225,12 +222,11 @@ impl Room {
         let shader = wgsl::LPV_PROPAGATE.specialised(&constants);
         let pass = Pass::new(device, wgsl::LPV_PROPAGATE.name, &shader)?;
         let step = |iteration: usize| {
-            let number = uniforms::Iteration { number: iteration as u32, count: iterations as u32 };
+            let number = uniforms::Iteration { number: iteration as u32 };
             let number = gpu::uniform(device, "lpv.iteration", &number)?;
             let [from, to] = [iteration % 2, 1 - iteration % 2].map(|i| &self.states[i]);
             let reads = [&self.record, &world.medium.record, &self.links, &self.media, from];
-            let reads: Vec<_> =
-                (0..).zip(reads).chain([(7, &number), (8, reach), (9, &self.source)]).collect();
+            let reads: Vec<_> = (0..).zip(reads).chain([(7, &number), (8, reach)]).collect();
             let writes = [(5, to), (6, &self.shown)];
             MethodStep::bind_at(device, &pass, self.groups.clone(), &reads, &writes)
         };

@@ -1,9 +1,7 @@
 //! The passes against their plain version, and what must hold of images.
 
 mod motion;
-mod outside;
 mod room;
-mod scales;
 
 use super::in_medium::{Indirect, IndirectScattering, Multiple, MultipleScattering};
 use super::passes::{Filled, Pixel, Shown};
@@ -19,7 +17,7 @@ use crate::method::{Frame, Method, Repeats};
 use crate::methods::proving::Tolerance;
 use crate::methods::proving::beyond::{corner, foggy, prove_twin};
 use crate::scene::{Camera, Density, Medium, Scene};
-use crate::screen::{self, GpuGBuffer, PlainInputs, Plan, ScreenMethod};
+use crate::screen::{self, GpuGBuffer, Plan, ScreenMethod};
 use deepshade_shaders::GBuffer;
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::wgsl::{self, Shader};
@@ -96,7 +94,7 @@ fn furthest_off(gpu: &Gpu, frame: &Seen, parameters: Parameters) -> f32 {
     let grid = LightGrid::around(scene.bounds(), parameters.cells);
     let cells = grid.cells();
     let start = run_twice(gpu, frame, Parameters { iterations: 0, ..parameters });
-    let source: Vec<[f32; 4]> = written(gpu, &start, &wgsl::LPV_BEGIN);
+    let state: Vec<[f32; 4]> = written(gpu, &start, &wgsl::LPV_BEGIN);
     let links: Vec<[u32; 4]> = written(gpu, &start, &wgsl::LPV_LINKS);
     let byte = |cell: usize, i: usize| (links[cell][i / 4] >> (8 * (i % 4)) & 255) as f32 / 255.0;
     let volume = Volume {
@@ -107,8 +105,8 @@ fn furthest_off(gpu: &Gpu, frame: &Seen, parameters: Parameters) -> f32 {
         scheme,
     };
     let kinds = Filled::Medium(Shown::Multiple).kinds();
-    let source = (0..kinds.count()).map(|kind| light_of(&source[3 * kind * cells..], cells)).collect();
-    let mut field = Field::of(scheme, kinds, source);
+    let lobes = (0..kinds.count()).map(|kind| light_of(&state[3 * kind * cells..], cells)).collect();
+    let mut field = Field::of_lobes(scheme, kinds, lobes);
     assert!(field.energy() > 1.0 && volume.passing.iter().flatten().any(|passes| *passes < 0.5));
     field.iterate(&volume, parameters.iterations);
     let shown = written(gpu, &run_twice(gpu, frame, parameters), &wgsl::LPV_PROPAGATE);

@@ -14,9 +14,6 @@
 @group(0) @binding(7) var<storage, read_write> state: array<vec4f>;
 // [cells, 3]: as media.wgsl writes it
 @group(0) @binding(8) var<storage, read> media: array<vec4f>;
-// [kinds, 3, cells]: flux and energy that each iteration adds; then [cells]: of what surfaces send into a cell and collides
-// there, what does not go in
-@group(0) @binding(10) var<storage, read_write> source: array<vec4f>;
 
 // Nearer to a lamp than this, in cells, a point counts as that near.
 const NEAREST = 0.25;
@@ -69,21 +66,14 @@ fn scatter(@builtin(global_invocation_id) id: vec3u) {
     let within = media[3u * id.x].rgb;
     let of_emitted = scattered_of_emitted(id.x, media[3u * id.x].w);
     let goes_in = sent_in(id.x, within);
-    let albedo = reduced_albedo();
-    var collides = vec3f(0.0);
-    var back = vec3f(0.0);
+    var again = vec3f(0.0);
     for (var c = 0u; c < 3u; c++) {
-        let of_sent = source[lobe_index(UNSCATTERED, c, id.x)].w * albedo[c] * goes_in[c];
-        let all = energy[c] * power[c] + of_emitted[c] + of_sent;
-        let directed = flux[c] * (power[c] * medium.scattering.w);
-        source[lobe_index(UNSCATTERED, c, id.x)] = vec4f(directed, all);
-        state[lobe_index(UNSCATTERED, c, id.x)] = lobe(directed, all);
-        for (var light = 0u; light < UNSCATTERED; light++) {
-            collides[c] += colliding(state[lobe_index(light, c, id.x)], within, c);
+        let all = energy[c] * power[c] + of_emitted[c];
+        state[lobe_index(UNSCATTERED, c, id.x)] = lobe(flux[c] * (power[c] * medium.scattering.w), all);
+        for (var light = 0u; light < KINDS; light++) {
+            let collides = colliding(state[lobe_index(light, c, id.x)], within, c);
+            again[c] += select(collides * goes_in[c], collides, light == UNSCATTERED);
         }
-        back[c] = collides[c] * (1.0 - goes_in[c]);
-        collides[c] += colliding(state[lobe_index(UNSCATTERED, c, id.x)], within, c);
     }
-    source[again_index(id.x)] = vec4f(back, 0.0);
-    state[again_index(id.x)] = vec4f(max(collides - back, vec3f(0.0)) * media[3u * id.x + 1u].rgb, 0.0);
+    state[again_index(id.x)] = vec4f(again * media[3u * id.x + 1u].rgb, 0.0);
 }

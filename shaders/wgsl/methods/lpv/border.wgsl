@@ -1,5 +1,5 @@
-// Light that a coarser grid hands to a finer one: in the cells along the finer one's border what goes through them:
-// render/src/lpv/cascade.rs.
+// Light that a coarser grid hands to a finer one: in the cells along the finer one's border all that goes through them in all
+// iterations, before the first: render/src/lpv/cascade.rs.
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<uniform> outside: LightGrid;
@@ -10,8 +10,6 @@
 @group(0) @binding(4) var<storage, read> shown: array<vec4f>;
 // [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]: what is sent out again
 @group(0) @binding(5) var<storage, read_write> state: array<vec4f>;
-// The same of flux and energy that each iteration has there
-@group(0) @binding(6) var<storage, read_write> source: array<vec4f>;
 
 // The shortest way, cells: of light that is hardly there.
 const LEAST_WAY = 1e-6;
@@ -73,14 +71,13 @@ fn enter(@builtin(global_invocation_id) id: vec3u) {
     var again = vec3f(0.0);
     for (var light = 0u; light < KINDS; light++) {
         for (var c = 0u; c < 3u; c++) {
-            var arrived = vec4f(0.0);
+            var made = vec4f(0.0);
             if inside {
                 let handed = of_kind(light, c * u32(outside.size.w) + around) * area;
                 let sets_out = select(0.0, media[3u * id.x + 1u][c], light == UNSCATTERED);
-                arrived = handed / way_of(handed, own[c], extinction[c], sets_out);
+                let arrived = handed / way_of(handed, own[c], extinction[c], sets_out);
+                made = lobe(arrived.xyz, arrived.w);
             }
-            let made = lobe(arrived.xyz, arrived.w);
-            source[lobe_index(light, c, id.x)] = arrived;
             state[lobe_index(light, c, id.x)] = made;
             if SCATTERED == 1u {
                 again[c] += colliding(made, own.rgb, c);
@@ -88,7 +85,6 @@ fn enter(@builtin(global_invocation_id) id: vec3u) {
         }
     }
     if SCATTERED == 1u {
-        source[again_index(id.x)] = vec4f(0.0);
         state[again_index(id.x)] = vec4f(again * media[3u * id.x + 1u].rgb, 0.0);
     }
 }

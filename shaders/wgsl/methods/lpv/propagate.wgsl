@@ -1,6 +1,5 @@
 // One iteration of propagation (Billeter et al. 2012, equation 3): each cell gathers what its 26 neighbours send to it,
-// after what blocks and what the medium does on the way, beside what goes on being sent. The plain version is
-// render/src/lpv/propagation.rs.
+// after what blocks and what the medium does on the way. The plain version is render/src/lpv/propagation.rs.
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<uniform> medium: MediumRecord;
@@ -12,17 +11,22 @@
 @group(0) @binding(4) var<storage, read> state: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> next: array<vec4f>;
 // [1 + SCATTERED + FIRST, 3, cells]: flux and energy times lengths of ways, watts times cells, as the medium and as
-// surfaces show it, and the first kind, which a finer grid is lit by; of the last iteration
+// surfaces show it, and the first kind, which a finer grid is lit by
 @group(0) @binding(6) var<storage, read_write> shown: array<vec4f>;
 @group(0) @binding(7) var<uniform> iteration: Iteration;
 @group(0) @binding(8) var<uniform> propagation: Propagation;
-// [kinds, 3, cells]: flux and energy that each iteration adds; then [cells], as begin.wgsl writes it
-@group(0) @binding(9) var<storage, read> source: array<vec4f>;
 
 // Mean cosine of light that a matte surface sends.
 const MATTE = 2.0 / 3.0;
+// That of half a way to a neighbour; where all collisions are in the cell that light leaves, so is all of the way.
+fn half_track(passes: vec3f, extinction: vec3f, kind: u32) -> vec3f {
+    if FACTORS != PLACED {
+        return vec3f(0.0);
+    }
+    return track(passes, extinction, 0.5 * DISTANCES[kind]);
+}
 
-// Mean length of the way in the cell of light that sets out from it.
+// That of light that sets out from the cell.
 fn track_out(within: vec3f, extinction: vec3f) -> vec3f {
     if FACTORS != PLACED {
         return track(mean_leaving(within), extinction, dot(COUNTS * SHARES, DISTANCES));
@@ -32,6 +36,11 @@ fn track_out(within: vec3f, extinction: vec3f) -> vec3f {
         sum += COUNTS[kind] * SHARES[kind] * half_track(leaving(within, kind), extinction, kind);
     }
     return sum;
+}
+
+// Of light that comes in from a neighbour of a kind what passes to the middle.
+fn entering(within: vec3f, extinction: vec3f, kind: u32) -> vec3f {
+    return select(vec3f(1.0), exp(-(extinction - within) * DISTANCES[kind]), FACTORS == PLACED);
 }
 
 fn passing(link: u32, cell: u32) -> f32 {
@@ -88,28 +97,18 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
     let own = media[3u * cell];
     let extinction = reduced_extinction() * own.w * grid.low.w;
     let albedo = reduced_albedo();
-    // Iterations beyond the reach change nothing.
-    if f32(iteration.number) * grid.low.w >= propagation.reach {
-        for (var plane = 0u; plane < 3u * KINDS + SCATTERED; plane++) {
-            next[plane * cells + cell] = state[plane * cells + cell];
-        }
-        return;
-    }
+    // Iterations beyond the reach take nothing on.
+    let on = select(0.0, 1.0, f32(iteration.number) * grid.low.w < propagation.reach);
     var enters: array<vec3f, 3>;
     for (var kind = 0u; kind < 3u; kind++) {
         enters[kind] = entering(own.rgb, extinction, kind);
     }
-    let out = track_out(own.rgb, extinction);
+    let out = track_out(own.rgb, extinction) * on;
     var own_lobes: array<mat3x4f, KINDS>;
     var arrived: array<Sums, KINDS>;
     var seen: array<Sums, 3>;
     for (var light = 0u; light < KINDS; light++) {
         own_lobes[light] = lobes(light, cell);
-        for (var c = 0u; c < 3u; c++) {
-            let given = source[lobe_index(light, c, cell)];
-            arrived[light].flux[c] = given.xyz;
-            arrived[light].energy[c] = given.w;
-        }
         if is_shown_by_medium(light) || is_first(light) {
             for (var c = 0u; c < 3u; c++) {
                 let leaves = moments(own_lobes[light][c]) * out[c];
@@ -144,17 +143,17 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
         if number == LINKS || !is_cell(there) {
             continue;
         }
-        let from_cell = cell_index(there);
-        var passes = 0.0;
+        let source = cell_index(there);
+        var passes = on;
         if number < LINKS {
-            passes = passing(LINKS - 1u - number, cell);
+            passes *= passing(LINKS - 1u - number, cell);
         } else {
-            passes = passing(number - LINKS - 1u, from_cell);
+            passes *= passing(number - LINKS - 1u, source);
         }
         let kind = kind_of(offset);
         let direction = normalize(vec3f(offset));
         let kept = direction * kept_direction(kind);
-        let other = media[3u * from_cell];
+        let other = media[3u * source];
         let within = other.rgb;
         let share = SHARES[kind] * passes;
         let leaves_there = leaving(within, kind);
@@ -162,7 +161,7 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
         var goes_in = vec3f(1.0);
         var goes_out = vec3f(1.0);
         if BORDERS == 1u {
-            let there_even = leaves_there * media[3u * from_cell + 2u].rgb;
+            let there_even = leaves_there * media[3u * source + 2u].rgb;
             let own_even = leaving(own.rgb, kind) * media[3u * cell + 2u].rgb;
             let there_extinction = reduced_extinction() * other.w * grid.low.w;
             goes_in = max(let_in(there_even, own_even), enters[kind]);
@@ -171,9 +170,9 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
         let way = half_track(enters[kind], extinction, kind);
         var collides = vec3f(0.0);
         for (var light = 0u; light < KINDS; light++) {
-            var energy = streams * sent(lobes(light, from_cell), direction, kind);
+            var energy = streams * sent(lobes(light, source), direction, kind);
             if light == UNSCATTERED {
-                energy += share * leaving_again(within, kind) * state[again_index(from_cell)].rgb;
+                energy += share * leaving_again(within, kind) * state[again_index(source)].rgb;
             }
             arrived[light] = added(arrived[light], energy * enters[kind], kept);
             collides += energy;
@@ -191,7 +190,7 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
             arrived[KINDS - 1u].energy += collides * albedo * max(goes_in - enters[kind], vec3f(0.0));
             // What the cell itself sends there and surfaces on the way reflect comes back half a way later.
             let leaves = leaving(own.rgb, kind);
-            let returns = (SHARES[kind] * (1.0 - passes)) * colour;
+            let returns = (SHARES[kind] * (on - passes)) * colour;
             let back = half_track(leaves, extinction, kind);
             collides = vec3f(0.0);
             var sets_out = vec3f(0.0);
@@ -229,7 +228,7 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
             var made = lobe(arrived[light].flux[c], arrived[light].energy[c]);
             if NESTED == 1u && is_border(at) {
                 // What goes on from here is the coarser grid's.
-                made = own_lobes[light][c];
+                made = vec4f(0.0);
             }
             next[lobe_index(light, c, cell)] = made;
             if SCATTERED == 1u {
@@ -238,13 +237,7 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
         }
     }
     if SCATTERED == 1u {
-        again = max(again - source[again_index(cell)].rgb, vec3f(0.0));
         next[again_index(cell)] = vec4f(again * media[3u * cell + 1u].rgb, 0.0);
-    }
-    let is_last = iteration.number + 1u == iteration.count
-        || f32(iteration.number + 1u) * grid.low.w >= propagation.reach;
-    if !is_last {
-        return;
     }
     for (var plane = 0u; plane <= SCATTERED + FIRST; plane++) {
         for (var c = 0u; c < 3u; c++) {
