@@ -79,9 +79,12 @@ mod tests {
     #[test]
     fn the_newest_library_is_taken_if_it_is_new_enough() {
         let line = |name: &str| format!("\t{name} (libc6,x86-64) => /usr/lib/{name}\n");
-        let old = line("libLLVM-14.so.1") + &line("libLLVM-15.so.1") + &line("libLLVMSPIRVLib.so.15");
+        let old = ["libLLVM-14.so.1", "libLLVM-15.so.1", "libLLVMSPIRVLib.so.15"].map(line).concat();
         assert_eq!(newest_in(&old), None);
-        assert_eq!(newest_in(&(old + &line("libLLVM.so.19.1"))), Some("/usr/lib/libLLVM.so.19.1".into()));
+        assert_eq!(
+            newest_in(&[old, line("libLLVM.so.19.1")].concat()),
+            Some("/usr/lib/libLLVM.so.19.1".into())
+        );
         assert_eq!(newest_in(&line("libLLVM-16.so.1")), Some("/usr/lib/libLLVM-16.so.1".into()));
     }
 }
