@@ -2,7 +2,7 @@
 
 use crate::{
     apt,
-    command::{cargo, command, run as run_command, succeeds},
+    command::{cargo, command, run as run_command, succeeds, target},
     python, vulkan,
 };
 use anyhow::{Context, Result};
@@ -18,14 +18,40 @@ mod real_data;
 /// A check: what it is called, and the arguments of cargo.
 type Step = (&'static str, &'static [&'static str]);
 
-/// Lints and documentation are of what people build, training on the CPU's own kernels included. Training on Vulkan
-/// leaves these kernels out: its step compiles what is there instead.
-const STEPS: [Step; 11] = [
+/// All features that exclude none: lints and tests have the same, so that a clean machine compiles each dependency once
+/// for either. Training on Vulkan leaves the CPU's own kernels out: its step compiles what is there instead, without the
+/// other features. Embree is loaded at run time and need not be there.
+const FEATURES: &str = "store,embree,xtask/browser";
+
+const STEPS: [Step; 6] = [
     ("formatting", &["fmt", "--all", "--check"]),
-    ("clippy", &["clippy", "--release", "--locked", "--workspace", "--all-targets", "--", "-D", "warnings"]),
+    (
+        "clippy",
+        &[
+            "clippy",
+            "--release",
+            "--locked",
+            "--workspace",
+            "--all-targets",
+            "--features",
+            FEATURES,
+            "--",
+            "-D",
+            "warnings",
+        ],
+    ),
     (
         "documentation",
-        &["doc", "--release", "--locked", "--workspace", "--no-deps", "--document-private-items"],
+        &[
+            "doc",
+            "--release",
+            "--locked",
+            "--workspace",
+            "--no-deps",
+            "--document-private-items",
+            "--features",
+            FEATURES,
+        ],
     ),
     (
         "training on Vulkan",
@@ -35,49 +61,14 @@ const STEPS: [Step; 11] = [
         "the program without training",
         &["clippy", "--release", "--locked", "--no-default-features", "--", "-D", "warnings"],
     ),
-    ("object stores", &["clippy", "--release", "--locked", "--features", "store", "--", "-D", "warnings"]),
-    // The library is loaded at run time and need not be there.
     (
-        "the benchmark beside Embree",
-        &["clippy", "--release", "--locked", "--features", "embree", "--", "-D", "warnings"],
-    ),
-    (
-        "what drives a browser",
-        &[
-            "clippy",
-            "--release",
-            "--locked",
-            "-p",
-            "xtask",
-            "--features",
-            "browser",
-            "--all-targets",
-            "--",
-            "-D",
-            "warnings",
-        ],
-    ),
-    (
-        "tests of object stores",
-        &["test", "--release", "--locked", "--features", "store", "--bin", "deepshade", "store::"],
-    ),
-    ("tests", &["test", "--release", "--locked", "--workspace", "--no-fail-fast"]),
-    (
-        "networks in another program",
-        &[
-            "run",
-            "--release",
-            "--locked",
-            "-p",
-            "deepshade-infer",
-            "--example",
-            "embed",
-            "--",
-            "models/ao",
-            "models/ao",
-        ],
+        "tests",
+        &["test", "--release", "--locked", "--workspace", "--no-fail-fast", "--features", FEATURES],
     ),
 ];
+
+/// What the last step has built besides, and its arguments: networks in another program.
+const EXAMPLE: (&str, [&str; 2]) = ("embed", ["models/ao", "models/ao"]);
 
 /// Sets up and runs every check in order, up to the first that fails.
 ///
@@ -89,11 +80,12 @@ pub fn run() -> Result<()> {
     let mut times = vec![("set-up", start.elapsed())];
     for (name, args) in STEPS {
         println!("\n=== {name}: cargo {}", args.join(" "));
-        let start = Instant::now();
-        run_command(&mut check(args, &onnxruntime)).with_context(|| format!("step `{name}` failed"))?;
-        times.push((name, start.elapsed()));
-        println!("=== {name}: passed in {} s", start.elapsed().as_secs());
+        times.push((name, passed(name, &mut check(args, &onnxruntime))?));
     }
+    let (example, args) = EXAMPLE;
+    println!("\n=== example {example} {}", args.join(" "));
+    let program = target().join("release/examples").join(format!("{example}{}", std::env::consts::EXE_SUFFIX));
+    times.push((example, passed(example, &mut command(&program.display().to_string(), &args))?));
     print_summary(&times);
     // Tests on real data pass without them, since not everybody has them.
     if let Some(folder) = real_data::data() {
@@ -104,6 +96,14 @@ pub fn run() -> Result<()> {
         println!("PyTorch was run by {}", python.display());
     }
     Ok(())
+}
+
+/// Runs a step to its end and gives how long it took.
+fn passed(name: &str, step: &mut Command) -> Result<Duration> {
+    let start = Instant::now();
+    run_command(step).with_context(|| format!("step `{name}` failed"))?;
+    println!("=== {name}: passed in {} s", start.elapsed().as_secs());
+    Ok(start.elapsed())
 }
 
 /// Vulkan, a C++ compiler, Xvfb and onnxruntime; gives the path of the latter's library.
