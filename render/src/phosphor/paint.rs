@@ -3,7 +3,9 @@
 
 use super::material::{Material, State};
 use super::rate::Scheme;
-use super::spectrum::Bands;
+use super::spectrum::lights::Light;
+use super::spectrum::{Axis, Bands};
+use deepshade_shaders::colour::luminance;
 use glam::{DVec3, Vec3};
 
 /// Most states of a material that is rendered.
@@ -61,16 +63,18 @@ impl Steps {
 }
 
 impl Paint {
-    /// What a material does in images.
+    /// What a material does in images under lamps of a spectrum, whose colours in a scene then say how bright they are and no
+    /// more, or under lamps of smooth spectra of their colours.
     ///
     /// # Errors
     /// If it has more states than are rendered; in words.
-    pub fn new(material: &Material) -> Result<Self, String> {
+    pub fn new(material: &Material, lamp: Option<Light>) -> Result<Self, String> {
         let (name, count) = (&material.name, material.states.len());
         if count > MOST_STATES {
             return Err(format!("{name} has {count} states; at most {MOST_STATES} are rendered"));
         }
-        let states = material.states.iter().map(|state| PaintState::new(state, material.bands)).collect();
+        let states =
+            material.states.iter().map(|state| PaintState::new(state, material.bands, lamp)).collect();
         Ok(Self { name: name.clone(), states })
     }
 
@@ -106,17 +110,17 @@ impl Paint {
 }
 
 impl PaintState {
-    fn new(state: &State, bands: Bands) -> Self {
-        let charge = |channel: usize| {
-            let mut colour = [0.0; 3];
-            colour[channel] = 1.0;
-            state.charge(&bands.of_linear_srgb(colour))
+    fn new(state: &State, bands: Bands, lamp: Option<Light>) -> Self {
+        let of_lamp = lamp.map(|lamp| state.charge(&of_luminance_one(lamp, bands)));
+        let charge = |colour: [f32; 3]| match of_lamp {
+            Some(charge) => charge * f64::from(luminance(colour)),
+            None => state.charge(&bands.of_linear_srgb(colour.map(f64::from))),
         };
         let sent: Vec<f64> = state.emission.iter().map(|emission| emission * state.decay).collect();
         let narrow = |colour: [f64; 3]| DVec3::from(colour).as_vec3().max(Vec3::ZERO);
         Self {
             decay: state.decay as f32,
-            excitation: narrow([0, 1, 2].map(charge)),
+            excitation: narrow(Vec3::AXES.map(|primary| charge(primary.to_array()))),
             emission: narrow(bands.linear_srgb(&sent)),
         }
     }
@@ -126,6 +130,18 @@ impl PaintState {
         let charge = self.excitation.dot(irradiance);
         if charge > 0.0 { charge.min(FASTEST) } else { 0.0 }
     }
+}
+
+/// Light of a lamp whose luminance is 1, in such bands.
+fn of_luminance_one(lamp: Light, bands: Bands) -> Vec<f64> {
+    let spectrum = lamp.spectrum(Axis::EIGHT);
+    let colour = Bands::Eight.linear_srgb(&spectrum);
+    let luminance = f64::from(luminance(colour.map(|part| part as f32)));
+    let light = match bands {
+        Bands::Rgb => colour.to_vec(),
+        Bands::Eight => spectrum,
+    };
+    light.into_iter().map(|part| part / luminance).collect()
 }
 
 #[cfg(test)]
@@ -139,7 +155,7 @@ mod tests {
         let presets = MaterialFile::presets();
         let light = [0.3f64, 0.7, 1.9];
         for material in presets.materials.iter().filter(|material| material.excitation_is_known()) {
-            let paint = Paint::new(material).expect("few states");
+            let paint = Paint::new(material, None).expect("few states");
             let mut run = Simulation::new(material, Scheme::Exact, Initial::Dark).expect("a start");
             run.step(&material.bands.of_linear_srgb(light), 3.0).expect("a step");
             run.step(&vec![0.0; material.bands.count()], 2.0).expect("a step");
@@ -150,6 +166,25 @@ mod tests {
             let expected = material.bands.linear_srgb(&run.emission()).map(|part| part.max(0.0) as f32);
             assert!((paint.emission(&shares) - Vec3::from(expected)).abs().max_element() < 1e-6);
         }
+    }
+
+    #[test]
+    fn a_lamp_s_spectrum_excites_as_its_bands_do_however_the_lamp_is_coloured() {
+        let presets = MaterialFile::presets();
+        let material = presets.named("green").expect("a preset");
+        let charges = Light::ALL.map(|lamp| {
+            let spectrum = lamp.spectrum(Axis::EIGHT);
+            let colour = Bands::Eight.linear_srgb(&spectrum).map(|part| part as f32);
+            let state = Paint::new(material, Some(lamp)).expect("few states").states[0];
+            let expected = material.states[0].charge(&spectrum) as f32;
+            let found = state.charge(Vec3::from(colour));
+            assert!((found / expected - 1.0).abs() < 1e-5, "{}: {found} {expected}", lamp.name());
+            let grey = state.charge(Vec3::splat(luminance(colour)));
+            assert!((grey / expected - 1.0).abs() < 1e-5, "{}: {grey} {expected}", lamp.name());
+            state.charge(Vec3::ONE)
+        });
+        let [halogen, _, mercury, ..] = charges;
+        assert!(mercury > 1.5 * halogen, "what excites is blue: {mercury} {halogen}");
     }
 
     #[test]

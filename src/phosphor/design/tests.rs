@@ -37,7 +37,7 @@ fn stage(task: &Task) -> Stage {
 /// The radiance that truth shows of a place with a material.
 fn rendered(task: &Task, spot: &Spot, material: &Material, time: f32) -> Vec<f64> {
     let scene = stage(task).at(time).expect("a scene");
-    let paint = Paint::new(material).expect("few states");
+    let paint = Paint::new(material, None).expect("few states");
     let glow = Glow { surfaces: vec![(None, paint.clone())], ..Glow::of(scene.scene()).clone() };
     let look = Look { glow: Some(Arc::new(glow)), ..scene.scene().look() };
     let scene = scene.with_look(look).expect("a look");

@@ -1,9 +1,11 @@
 //! Spectra of the lamps that the thesis excites materials with (Figure 8.3), and of two more.
 
 use super::Axis;
+use serde::{Deserialize, Serialize};
 
 /// A source of light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Light {
     /// A halogen lamp: a black body of 3200 K.
     Halogen,
