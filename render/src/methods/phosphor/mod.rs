@@ -18,7 +18,7 @@
 //! where texels are; what the camera never looks at costs as much as what it sees.
 //!
 //! Limits. Lamps without an extent excite, as they are at a frame's end; light by detours does not. Texels are as many as
-//! the mesh's area asks for, and slivers have more.
+//! the mesh's area asks for, where it is largest of some poses of an animation, and slivers have more.
 
 mod cells;
 pub mod glassner;

@@ -36,7 +36,7 @@ impl Finding {
         gbuffer: &GpuGBuffer,
         texels: u32,
     ) -> Result<Self, GpuError> {
-        let all = Tiles::new(world.scene(), &world.geometry.draws, texels);
+        let all = Tiles::new(&world.animated(), &world.geometry.draws, texels);
         let levels = levels(all.tiles.len());
         let nodes: u32 = levels.iter().map(|level| level.nodes).sum();
         let pixels = gbuffer.height() * gbuffer.width();
