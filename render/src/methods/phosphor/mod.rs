@@ -105,8 +105,10 @@ impl Technique for Parameters {
         let cells = Cells::new(device, world, self.texels)?;
         let kept = cells.as_ref().filter(|_| world.glow.glow().medium.is_some());
         for pose in world.poses() {
-            steps.push(finding.keeping(&states, self.euler).step(device, pose)?);
-            steps.extend(kept.map(|cells| cells.step(device, pose, self.euler)).transpose()?);
+            steps.extend(finding.keeping(&states, self.euler).steps(device, pose)?);
+            if let Some(cells) = kept {
+                steps.extend(cells.steps(device, pose, self.euler)?);
+            }
         }
         steps.push(finding.show(device, world, &states, output)?);
         if let Some(cells) = &cells {
