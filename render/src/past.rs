@@ -9,8 +9,8 @@ use rayon::prelude::*;
 const POSES: usize = 48;
 const TRIANGLES: usize = 4_000_000;
 
-/// A scene at the moment of its glow, with what it was like before in so many poses at most; `pose` is the scene at a moment,
-/// seconds, with the same triangles.
+/// A scene at the moment of its glow, with what it was like before in so many poses at most, or as if it had always been so without
+/// any; `pose` is the scene at a moment, seconds, with the same triangles.
 ///
 /// # Errors
 /// If there is no such pose, or as [`TracedScene::new`] and [`TracedScene::with_past`].
@@ -63,6 +63,6 @@ pub fn lit(
 
 fn stretches(scene: &Scene, most: usize) -> Vec<[f32; 2]> {
     let glow = Glow::of(scene);
-    let count = (TRIANGLES / scene.triangle_count().max(1)).clamp(2, most);
+    let count = (TRIANGLES / scene.triangle_count().max(1)).max(2).min(most);
     glow.stretches(glow.moment, count)
 }

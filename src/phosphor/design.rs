@@ -12,6 +12,7 @@ use deepshade_render::phosphor::design::{Design, Key, Place, thesis_grid};
 use deepshade_render::phosphor::material::Material;
 use deepshade_render::phosphor::material::file::MaterialFile;
 use deepshade_render::scene::glow::file::{GlowFile, WrittenSurface};
+use deepshade_shaders::colour::luminance;
 use glam::{DVec3, Vec3};
 use light::{Spot, Stage};
 use serde_json::json;
@@ -52,7 +53,9 @@ const EXAMPLE: &str = "Example: a wall that is green after its lamp went off at 
   fps = 10
   reflected = false             # whether colours include light of lamps that the surface reflects to the camera of [view]
 
-  [[lamps]]                     # as in files for --phosphor
+  spectrum = \"mercury\"          # of all lamps, as in files for --phosphor; may be left out
+
+  [[lamps]]                     # as there, from second 0 on
   on = [[0.0, 5.0]]
 
   [[place]]
@@ -121,6 +124,7 @@ pub fn run(args: &Args) -> Result<()> {
     let glow = GlowFile {
         materials: Some("materials.toml".into()),
         surfaces: paints.iter().map(surface).collect(),
+        spectrum: task.spectrum,
         lamps: task.lamps.clone(),
         ..GlowFile::default()
     };
@@ -176,13 +180,21 @@ fn place(task: &Task, index: usize, [excites, reflected]: [&[Vec3]; 2]) -> Resul
         wanted.at
     );
     let in_bands = |colour: &Vec3| task.bands.of_linear_srgb(colour.as_dvec3().to_array());
+    let lamp = task.spectrum.map(|lamp| lamp.of_luminance_one(task.bands));
+    let exciting = |colour: &Vec3| match &lamp {
+        Some(lamp) => {
+            let luminance = f64::from(luminance(colour.to_array()));
+            lamp.iter().map(|part| luminance * part).collect()
+        }
+        None => in_bands(colour),
+    };
     let key =
         |key: &task::WantedKey| Some(Key { frame: task.frame(key.time)?, radiance: task.radiance(key) });
     let counts: &[Vec3] = if task.reflected { reflected } else { &[] };
     Ok(Place {
         bands: task.bands,
         dt: 1.0 / f64::from(task.fps),
-        irradiance: excites.iter().map(in_bands).collect(),
+        irradiance: excites.iter().map(exciting).collect(),
         reflected: counts.iter().map(in_bands).collect(),
         keys: wanted.keys.iter().filter_map(key).collect(),
     })

@@ -24,7 +24,8 @@ use std::path::{Path, PathBuf};
     deepshade phosphor fit measured --states 2 --out paint.toml --plot paint.svg --report paint.html\n  \
     deepshade phosphor fit --self-test --json self-test.json\n\n\
     Of the self test's figures, coverage is the share of 95 % intervals that hold the true value, of the material for which it is \
-    farthest from 0.95; worst_residual_over_noise the largest over materials; median_ratio_nc2_nc1 and last_ratio_nc2_nc1 what \
+    farthest from 0.95, coverage_least that of the parameter of which fewest do; residual_over_noise what all fits of a material \
+    leave together, and worst_residual_over_noise what one of them does, the largest over materials; median_ratio_nc2_nc1 and last_ratio_nc2_nc1 what \
     two states leave of the error of one, in the median over materials, at all photographs and at the last.")]
 pub struct Args {
     /// Folder of measurements.
@@ -95,7 +96,7 @@ fn folder_name(folder: &Path) -> String {
     folder.file_name().map_or_else(|| "fitted".to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
-fn parameter_name(parameter: Parameter) -> String {
+pub(super) fn parameter_name(parameter: Parameter) -> String {
     match parameter {
         Parameter::Decay => "decay, 1/s".to_owned(),
         Parameter::Excitation(band) => format!("excitation, band {}", band + 1),
@@ -105,11 +106,12 @@ fn parameter_name(parameter: Parameter) -> String {
 
 fn estimate_row(estimate: &Estimate) -> Vec<String> {
     let [low, high] = estimate.interval;
+    let interval = if high.is_finite() { format!("{low:.5} to {high:.5}") } else { "not known".to_owned() };
     vec![
         (estimate.state + 1).to_string(),
         parameter_name(estimate.parameter),
         format!("{:.5}", estimate.value),
-        format!("{low:.5} to {high:.5}"),
+        interval,
     ]
 }
 

@@ -1,5 +1,6 @@
 //! Fits of materials that are known.
 
+use super::fit::parameter_name;
 use crate::figures::Figures;
 use crate::table;
 use anyhow::{Context, Result};
@@ -9,7 +10,7 @@ use deepshade_render::phosphor::material::file::MaterialFile;
 use deepshade_render::phosphor::self_test::{
     Coverage, StatesCompared, compare_states, coverage, hyperbolic_materials, two_state_materials,
 };
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::Path;
 
 /// What intervals say that they hold.
@@ -37,8 +38,10 @@ pub fn run(seeds: u64, json: Option<&Path>) -> Result<()> {
     let worst = covered.iter().max_by(|a, b| off(a).total_cmp(&off(b))).context("a material")?;
     let mut figures = Figures::new("phosphor fit");
     figures.set("coverage", worst.share);
-    let residual = covered.iter().map(|found| found.residual_over_noise).fold(0.0, f64::max);
-    figures.set("worst_residual_over_noise", residual);
+    figures.set("coverage_least", covered.iter().map(least).fold(1.0, f64::min));
+    let largest = |of: fn(&Coverage) -> f64| covered.iter().map(of).fold(0.0, f64::max);
+    figures.set("residual_over_noise", largest(|found| found.residual_over_noise));
+    figures.set("worst_residual_over_noise", largest(|found| found.worst_residual_over_noise));
     for (suffix, found) in [("", &two), ("_hyperbolic", &hyperbolic)] {
         figures.set(&format!("median_ratio_nc2_nc1{suffix}"), found.median_ratio);
         figures.set(&format!("last_ratio_nc2_nc1{suffix}"), found.last_ratio);
@@ -50,17 +53,38 @@ pub fn run(seeds: u64, json: Option<&Path>) -> Result<()> {
     figures.detail("seeds", json!(seeds));
     let shares = covered.iter().map(|found| (found.material.clone(), json!(found.share)));
     figures.detail("coverage_by_material", shares.collect());
+    let shares = covered.iter().map(|found| (found.material.clone(), by_parameter(found)));
+    figures.detail("coverage_by_parameter", shares.collect());
     figures.write(json)?;
     say!("{}", table::aligned(&rows(&covered)))?;
     say!("\n{}", table::aligned(&rows_of_states([("two states", &two), ("a hyperbola", &hyperbolic)])))
 }
 
+/// The share of the parameter whose intervals hold the true value least often.
+fn least(found: &Coverage) -> f64 {
+    found.parameters.iter().map(|(_, _, share)| *share).fold(1.0, f64::min)
+}
+
+fn by_parameter(found: &Coverage) -> Value {
+    let shares = found.parameters.iter().map(|(state, parameter, share)| {
+        json!({ "state": state + 1, "parameter": parameter_name(*parameter), "share": share })
+    });
+    shares.collect()
+}
+
 fn rows(covered: &[Coverage]) -> Vec<Vec<String>> {
-    let head = ["material", "intervals that hold what is true", "residual over noise", "worst seed"];
+    let head = [
+        "material",
+        "intervals that hold what is true",
+        "of one parameter, at least",
+        "residual over noise",
+        "worst seed",
+    ];
     let row = |found: &Coverage| {
         vec![
             found.material.clone(),
             format!("{:.3}", found.share),
+            format!("{:.3}", least(found)),
             format!("{:.3}", found.residual_over_noise),
             format!("{:.3}", found.worst_residual_over_noise),
         ]

@@ -216,6 +216,19 @@ mod tests {
         assert!((found / expected - 1.0).abs().max_element() < 2e-3, "{found} {expected}");
     }
 
+    /// The lamp is above all three corners, which are one.
+    #[test]
+    fn what_has_no_area_gets_no_light_whatever_its_normals() {
+        let scene = square(glow(&[0.2], &[[0.0, 9.0]], 1.0), vec![]);
+        let mut mesh = quad([(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)].map(|(x, y)| Vec3::new(x, y, 0.0)));
+        mesh.normals = vec![Vec3::Z; 4];
+        let received =
+            |mesh: &Mesh| Afterglow::new(&scene).irradiance(&Place::new(mesh, 0, [0.4, 0.3, 0.3])).remove(0);
+        assert!(received(&mesh).min_element() > 1.0);
+        mesh.positions = vec![Vec3::ZERO; 4];
+        assert_eq!(received(&mesh), Vec3::ZERO);
+    }
+
     #[test]
     fn what_has_no_paint_is_dark() {
         let mut other = glow(&[0.2], &[[0.0, 9.0]], 1.0);

@@ -118,7 +118,7 @@ struct Rates {
 }
 
 impl Design {
-    /// The material of one or two states that looks most like what is wanted, at all places together.
+    /// The material of one or two states, the faster first, that looks most like what is wanted, at all places together.
     ///
     /// # Errors
     /// If the number of states is neither, or a place makes no sense, or they have not the same bands.
@@ -136,7 +136,9 @@ impl Design {
             excitation: rates.excitation,
             emission,
         };
-        let states = rates.into_iter().zip(fitted.emission).map(state).collect();
+        let mut states: Vec<State> = rates.into_iter().zip(fitted.emission).map(state).collect();
+        // As fits have them; means of materials are of states of the same place.
+        states.sort_by(|a, b| b.decay.total_cmp(&a.decay));
         let material = Material { name: name.into(), bands: problem.bands, doubt: None, states };
         Ok(Self { material, residual: fitted.cost })
     }

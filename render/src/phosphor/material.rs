@@ -88,6 +88,18 @@ pub enum MaterialError {
     /// A step that is negative or not finite.
     #[error("a step in time of {0} s: it must be finite and at least 0")]
     TimeStep(f64),
+    /// A material that is measured in bands that it is not described in.
+    #[error("{material}: described in RGB; materials of eight bands are measured")]
+    NotOfEightBands {
+        /// The material.
+        material: String,
+    },
+    /// A material that is measured and sends nothing.
+    #[error("{material}: sends no light that the camera sees, not even where all is excited")]
+    Dark {
+        /// The material.
+        material: String,
+    },
     /// A start that is not one share in [0, 1] a state.
     #[error("{material}: excited shares {shares:?} are not {states} numbers from 0 to 1")]
     Shares {

@@ -4,6 +4,8 @@
 use super::material::{Material, State};
 use super::rate::Scheme;
 use super::spectrum::Bands;
+use super::spectrum::lights::Light;
+use deepshade_shaders::colour::luminance;
 use glam::{DVec3, Vec3};
 
 /// Most states of a material that is rendered.
@@ -61,16 +63,21 @@ impl Steps {
 }
 
 impl Paint {
-    /// What a material does in images.
+    /// What a material does in images under lamps of a spectrum, whose colours in a scene then say how bright they are and no
+    /// more, or under lamps of smooth spectra of their colours.
     ///
     /// # Errors
-    /// If it has more states than are rendered; in words.
-    pub fn new(material: &Material) -> Result<Self, String> {
+    /// If it has more states than are rendered, or a value that 32 bits do not hold; in words.
+    pub fn new(material: &Material, lamp: Option<Light>) -> Result<Self, String> {
         let (name, count) = (&material.name, material.states.len());
         if count > MOST_STATES {
             return Err(format!("{name} has {count} states; at most {MOST_STATES} are rendered"));
         }
-        let states = material.states.iter().map(|state| PaintState::new(state, material.bands)).collect();
+        let states: Option<Vec<PaintState>> =
+            material.states.iter().map(|state| PaintState::new(state, material.bands, lamp)).collect();
+        let states = states.ok_or_else(|| {
+            format!("{name}: a decay, an excitation or an emission is larger than numbers of 32 bits are")
+        })?;
         Ok(Self { name: name.clone(), states })
     }
 
@@ -106,25 +113,28 @@ impl Paint {
 }
 
 impl PaintState {
-    fn new(state: &State, bands: Bands) -> Self {
-        let charge = |channel: usize| {
-            let mut colour = [0.0; 3];
-            colour[channel] = 1.0;
-            state.charge(&bands.of_linear_srgb(colour))
+    /// Nothing where a value is too large.
+    fn new(state: &State, bands: Bands, lamp: Option<Light>) -> Option<Self> {
+        let of_lamp = lamp.map(|lamp| state.charge(&lamp.of_luminance_one(bands)));
+        let charge = |colour: [f32; 3]| match of_lamp {
+            Some(charge) => charge * f64::from(luminance(colour)),
+            None => state.charge(&bands.of_linear_srgb(colour.map(f64::from))),
         };
         let sent: Vec<f64> = state.emission.iter().map(|emission| emission * state.decay).collect();
-        let narrow = |colour: [f64; 3]| DVec3::from(colour).as_vec3().max(Vec3::ZERO);
-        Self {
-            decay: state.decay as f32,
-            excitation: narrow([0, 1, 2].map(charge)),
-            emission: narrow(bands.linear_srgb(&sent)),
-        }
+        let excitation = Vec3::AXES.map(|primary| charge(primary.to_array()));
+        let [excitation, emission] =
+            [excitation, bands.linear_srgb(&sent)].map(|colour| DVec3::from(colour).as_vec3());
+        let decay = state.decay as f32;
+        let is_finite = decay.is_finite() && excitation.is_finite() && emission.is_finite();
+        let [excitation, emission] = [excitation, emission].map(|colour| colour.max(Vec3::ZERO));
+        is_finite.then_some(Self { decay, excitation, emission })
     }
 
-    /// The rate at which irradiance excites it, per second, at most [`FASTEST`].
+    /// The rate at which irradiance excites it, per second, at most [`FASTEST`]. A colour that does not excite does nothing, even where
+    /// its light is endless.
     pub fn charge(&self, irradiance: Vec3) -> f32 {
-        let charge = self.excitation.dot(irradiance);
-        if charge > 0.0 { charge.min(FASTEST) } else { 0.0 }
+        let excites = self.excitation.cmpgt(Vec3::ZERO) & irradiance.cmpgt(Vec3::ZERO);
+        Vec3::select(excites, self.excitation * irradiance, Vec3::ZERO).element_sum().min(FASTEST)
     }
 }
 
@@ -132,6 +142,7 @@ impl PaintState {
 mod tests {
     use super::super::material::file::MaterialFile;
     use super::super::simulation::{Initial, Simulation};
+    use super::super::spectrum::Axis;
     use super::*;
 
     #[test]
@@ -139,7 +150,7 @@ mod tests {
         let presets = MaterialFile::presets();
         let light = [0.3f64, 0.7, 1.9];
         for material in presets.materials.iter().filter(|material| material.excitation_is_known()) {
-            let paint = Paint::new(material).expect("few states");
+            let paint = Paint::new(material, None).expect("few states");
             let mut run = Simulation::new(material, Scheme::Exact, Initial::Dark).expect("a start");
             run.step(&material.bands.of_linear_srgb(light), 3.0).expect("a step");
             run.step(&vec![0.0; material.bands.count()], 2.0).expect("a step");
@@ -153,6 +164,25 @@ mod tests {
     }
 
     #[test]
+    fn a_lamp_s_spectrum_excites_as_its_bands_do_however_the_lamp_is_coloured() {
+        let presets = MaterialFile::presets();
+        let material = presets.named("green").expect("a preset");
+        let charges = Light::ALL.map(|lamp| {
+            let spectrum = lamp.spectrum(Axis::EIGHT);
+            let colour = Bands::Eight.linear_srgb(&spectrum).map(|part| part as f32);
+            let state = Paint::new(material, Some(lamp)).expect("few states").states[0];
+            let expected = material.states[0].charge(&spectrum) as f32;
+            let found = state.charge(Vec3::from(colour));
+            assert!((found / expected - 1.0).abs() < 1e-5, "{}: {found} {expected}", lamp.name());
+            let grey = state.charge(Vec3::splat(luminance(colour)));
+            assert!((grey / expected - 1.0).abs() < 1e-5, "{}: {grey} {expected}", lamp.name());
+            state.charge(Vec3::ONE)
+        });
+        let [halogen, _, mercury, ..] = charges;
+        assert!(mercury > 1.5 * halogen, "what excites is blue: {mercury} {halogen}");
+    }
+
+    #[test]
     fn light_that_is_none_does_nothing_and_endless_light_fills() {
         let state = PaintState { decay: 0.0, excitation: Vec3::ONE, emission: Vec3::ONE };
         let paint = Paint { name: "test".to_owned(), states: vec![state] };
@@ -161,5 +191,25 @@ mod tests {
         };
         assert_eq!([under(Vec3::NAN, 1.0), under(Vec3::NEG_ONE, 1.0), under(Vec3::ONE, 0.0)], [0.25; 3]);
         assert_eq!([under(Vec3::INFINITY, 1.0), under(Vec3::ONE, f32::MAX)], [1.0; 2]);
+        let of_blue = PaintState { excitation: Vec3::Z, ..state };
+        let charges = [Vec3::INFINITY, Vec3::new(f32::INFINITY, 0.0, 2.0), Vec3::new(0.0, f32::NAN, 3.0)];
+        assert_eq!(charges.map(|light| of_blue.charge(light)), [FASTEST, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn what_32_bits_do_not_hold_is_refused() {
+        let good = State { decay: 0.1, excitation: vec![0.1; 3], emission: vec![1.0; 3] };
+        let refused = |change: fn(&mut State)| {
+            let mut state = good.clone();
+            change(&mut state);
+            let material =
+                Material { name: "huge".into(), bands: Bands::Rgb, doubt: None, states: vec![state] };
+            Paint::new(&material, None).is_err_and(|said| said.starts_with("huge: "))
+        };
+        assert!(!refused(|_| {}));
+        assert!(refused(|state| state.decay = 1e39));
+        assert!(refused(|state| state.excitation[1] = 1e39));
+        assert!(refused(|state| state.emission[2] = 1e40));
+        assert!(refused(|state| (state.decay, state.emission) = (1e20, vec![1e300; 3])));
     }
 }

@@ -102,8 +102,8 @@ impl Table {
     /// Reads a table. Blanks around names and numbers do not count; lines that start with `#` are left out.
     ///
     /// # Errors
-    /// If it cannot be read, a row is longer or shorter than the first line, a cell is no finite number, or there is no
-    /// row.
+    /// If it cannot be read, two columns have one name, a row is longer or shorter than the first line, a cell is no finite number, or
+    /// there is no row.
     pub fn read(path: &Path) -> Result<Self, TableError> {
         let text =
             std::fs::read_to_string(path).map_err(|source| TableError::Read { path: path.into(), source })?;
@@ -113,11 +113,17 @@ impl Table {
         let mut reader = reader.from_reader(text.as_bytes());
         let names: Vec<String> = reader.headers().map_err(fails)?.iter().map(Into::into).collect();
         let mut table = Self { path: path.into(), names, rows: Vec::new(), files: Vec::new() };
+        if let Some(name) = table.twice() {
+            return Err(table.says(format!("has two columns {name}")));
+        }
         // What the reader says of places does not count the lines that it leaves out.
         let read = |(_, line): &(usize, &str)| !line.is_empty() && !line.starts_with('#');
-        let lines = (1..).zip(text.lines()).filter(read).skip(1);
-        for (record, (line, _)) in reader.records().zip(lines) {
+        let mut lines = (1..).zip(text.lines()).filter(read).skip(1);
+        for record in reader.records() {
             let record = record.map_err(fails)?;
+            let (line, _) = lines.next().ok_or_else(|| {
+                table.says("has more rows than lines: one ends in a carriage return alone".into())
+            })?;
             let row = table.row(line, &record)?;
             let file = table.index(FILE).and_then(|column| record.get(column));
             table.files.extend(file.map(str::to_owned));
@@ -134,20 +140,19 @@ impl Table {
     /// Whether all columns are some of these, which `what` has, in words.
     ///
     /// # Errors
-    /// If one is not, or is there twice; it is named.
+    /// If one is not; it is named.
     pub fn has_only(&self, known: &[&str], what: &str) -> Result<(), TableError> {
-        for (index, name) in self.names.iter().enumerate() {
-            if !known.contains(&name.as_str()) {
-                let known = known.join(", ");
-                return Err(
-                    self.says(format!("has a column {name}, which means nothing: {what} has {known}"))
-                );
-            }
-            if self.names[..index].contains(name) {
-                return Err(self.says(format!("has two columns {name}")));
-            }
-        }
-        Ok(())
+        let Some(name) = self.names.iter().find(|name| !known.contains(&name.as_str())) else {
+            return Ok(());
+        };
+        let known = known.join(", ");
+        Err(self.says(format!("has a column {name}, which means nothing: {what} has {known}")))
+    }
+
+    /// A name that several columns have.
+    fn twice(&self) -> Option<&String> {
+        let mut names = self.names.iter().enumerate();
+        names.find(|(index, name)| self.names[..*index].contains(name)).map(|(_, name)| name)
     }
 
     /// The column of names of files, if there is one.
@@ -277,6 +282,9 @@ mod tests {
         );
         assert!(fault("time_s,red\nnan,1\n").contains(":2: time_s"));
         assert!(fault("time_s,red\n").ends_with("has no row of numbers"));
+        assert!(fault("red,time_s,red\n1,0,1\n").ends_with("has two columns red"));
+        assert!(fault("time_s,red\n0,1\r1,2\n2,3\n").contains("a carriage return alone"));
+        assert_eq!(read("red\r\n1\r\n2\r\n").expect("a table").column("red").expect("red"), [1.0, 2.0]);
         assert!(
             fault("time_s,red\n# a note\n0,1\n1\n").ends_with("decay.csv:4: 1 cells, the first line has 2")
         );
@@ -291,7 +299,6 @@ mod tests {
             read(text).expect("a table").has_only(&["iso", "red"], "it").expect_err("a fault").to_string()
         };
         assert!(fault("iso,rad\n1,1\n").ends_with("has a column rad, which means nothing: it has iso, red"));
-        assert!(fault("red,red\n1,1\n").ends_with("has two columns red"));
         assert!(read("iso\n0\n").expect("a table").positive_or("iso", 1.0).is_err());
     }
 }

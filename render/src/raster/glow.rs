@@ -12,6 +12,11 @@ use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::wgsl::uniforms::PaintState;
 
+/// Turns that the loops of an invocation take at most, but for a few: lavapipe (Mesa 22.3) ends them after 65,535 in all.
+const MOST_TURNS: usize = 48_000;
+/// Points of a way to a lamp at which a medium is looked up: `shared/light_dimmed.wgsl`.
+const POINTS: usize = 32;
+
 /// Paints and time. Buffers of time are as `shared/glow_time.wgsl` says.
 #[derive(Debug)]
 pub struct GlowOnGpu {
@@ -88,6 +93,40 @@ impl GlowOnGpu {
         ("PAINT_STATES", (self.glow.paints().count().max(1) * self.states()) as u32)
     }
 
+    /// The passes of such a shader that move the states of `count` keepers on: several, one after the other, where one would take too
+    /// many turns.
+    ///
+    /// # Errors
+    /// If the device refuses.
+    pub fn moving_on(
+        &self,
+        device: &wgpu::Device,
+        (shader, constants): (&Shader, &[(&'static str, u32)]),
+        euler: u32,
+        resources: &[(u32, wgpu::BindingResource<'_>)],
+        (count, states): (usize, &wgpu::Buffer),
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let step = |[first, pieces]: [u32; 2]| {
+            let own = [("EULER", euler), ("FIRST_PIECE", first), ("PIECES_AT_ONCE", pieces)];
+            let source = shader.specialised(&[constants, &own[..]].concat());
+            let pass = Pass::new(device, shader.name, &source)?.bind_at(device, resources.iter().cloned())?;
+            Ok(MethodStep { step: Step { pass, workgroups: groups(count).into() }, writes: Vec::new() })
+        };
+        let mut steps =
+            rounds(&self.glow, euler).into_iter().map(step).collect::<Result<Vec<_>, GpuError>>()?;
+        if let Some(last) = steps.last_mut() {
+            last.writes.push(states.clone());
+        }
+        Ok(steps)
+    }
+
+    /// How many moments of the past a dispatch may look at, in light through a medium or not.
+    pub fn samples_at_once(&self, is_dimmed: bool) -> u32 {
+        let per_lamp = if is_dimmed { 1 + POINTS } else { 1 };
+        let per_sample = self.states() * (1 + self.glow.most_pieces() + self.schedules.len() * per_lamp);
+        (MOST_TURNS / per_sample).max(1) as u32
+    }
+
     /// A stretch of time as passes read it; what is not needed of its room passes in no time.
     fn time(&self, anew: bool, pieces: &[Piece]) -> Vec<f32> {
         let number = |is: bool| f32::from(u8::from(is));
@@ -119,23 +158,28 @@ pub struct Keeping<'a> {
 }
 
 impl Keeping<'_> {
-    /// The pass that moves all states on by the time since the frame before.
+    /// The passes that move all states on by the time since the frame before.
     ///
     /// # Errors
     /// If the device refuses.
-    pub fn step(&self, device: &wgpu::Device, world: &World) -> Result<MethodStep, GpuError> {
+    pub fn steps(&self, device: &wgpu::Device, world: &World) -> Result<Vec<MethodStep>, GpuError> {
         let Self { euler, shaders, keepers: [first, second], count, states } = *self;
-        let (shader, mut constants) = world.dimmed(shaders);
-        constants.push(("EULER", euler));
-        let pass = Pass::new(device, shader.name, &shader.specialised(&constants))?;
+        let (shader, constants) = world.dimmed(shaders);
         let sampler = shadow_sampler(device);
         let own = [&world.glow.paints, first, second, &world.geometry.posed, &world.glow.since];
         let own = own.map(|buffer| buffer.as_entire_binding()).into_iter();
         let resources = own.chain(world.lamps(&sampler)).chain([states.as_entire_binding()]);
-        let pass = pass.bind(device, &resources.chain(world.dimming()).collect::<Vec<_>>())?;
-        let step = Step { pass, workgroups: groups(count).into() };
-        Ok(MethodStep { step, writes: vec![states.clone()] })
+        let resources: Vec<_> = (0..).zip(resources.chain(world.dimming())).collect();
+        world.glow.moving_on(device, (shader, &constants), euler, &resources, (count, states))
     }
+}
+
+/// The pieces of time that each dispatch of a pass that moves states on goes through, by so many steps of Euler's scheme each: from which
+/// one on, and how many.
+fn rounds(glow: &Glow, euler: u32) -> Vec<[u32; 2]> {
+    let per_piece = glow.most_states() * (1 + glow.schedules.len() + euler as usize);
+    let count = (MOST_TURNS / per_piece).max(1);
+    (0..glow.most_pieces()).step_by(count).map(|first| [first as u32, count as u32]).collect()
 }
 
 /// All paints, filled up with states that stay dark.
@@ -154,4 +198,31 @@ fn records(glow: &Glow) -> Vec<PaintState> {
     // A binding holds at least one.
     all.resize(all.len().max(glow.most_states()), bytemuck::Zeroable::zeroed());
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::glow::Schedule;
+    use crate::scene::glow::tests::glow;
+
+    /// Rounds follow one another through all pieces, and none takes too many turns.
+    #[test]
+    fn rounds_are_all_pieces_and_short() {
+        let flashes: Vec<[f32; 2]> = (0..400u16).map(|at| [f32::from(at), f32::from(at) + 0.5]).collect();
+        for (decays, euler) in [(&[0.1; 4][..], 4096), (&[0.1], 4096), (&[0.1; 2], 7), (&[0.1], 0)] {
+            let mut glow = glow(decays, &flashes, 9.0);
+            glow.schedules.push(Schedule { lights: vec![], on: vec![] });
+            let rounds = rounds(&glow, euler);
+            let mut next = 0;
+            for [first, count] in &rounds {
+                assert_eq!(*first, next);
+                next += count;
+                let turns = decays.len() * *count as usize * (3 + euler as usize);
+                assert!(turns < 65_535, "{turns}");
+            }
+            assert!(next as usize >= glow.most_pieces(), "{next}");
+            assert_eq!(rounds.len() == 1, euler == 0, "{}", rounds.len());
+        }
+    }
 }

@@ -185,6 +185,11 @@ impl World {
         &self.scene
     }
 
+    /// The same with what moves.
+    pub fn animated(&self) -> AnimatedScene {
+        AnimatedScene { scene: self.scene.clone(), rigs: self.rigs.clone() }
+    }
+
     /// The parts of its surface that surfels are laid out on; made when they are asked for first.
     pub fn patches(&self) -> &[Patch] {
         self.patches.get_or_init(|| patches::patches(&self.scene, &self.geometry.draws))

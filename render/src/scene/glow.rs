@@ -71,7 +71,7 @@ static AFTERGLOW: LazyLock<Glow> = LazyLock::new(|| {
     let presets = MaterialFile::presets();
     let material = presets.named(USUAL).expect("a preset");
     Glow {
-        surfaces: vec![(None, Paint::new(material).expect("one state"))],
+        surfaces: vec![(None, Paint::new(material, None).expect("one state"))],
         medium: None,
         schedules: vec![Schedule { lights: Vec::new(), on: vec![[-1.0, 0.0]] }],
         start: Start::Share(0.0),

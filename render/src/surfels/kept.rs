@@ -42,8 +42,8 @@ pub fn steps(
         count: painted.len(),
         states: &states,
     };
-    let poses = world.poses().map(|pose| keeping.step(device, pose));
-    let mut steps = poses.collect::<Result<Vec<_>, _>>()?;
+    let poses = world.poses().map(|pose| keeping.steps(device, pose));
+    let mut steps = poses.collect::<Result<Vec<_>, _>>()?.concat();
     let unit = unit(world.glow.glow());
     let constants = [("STATES", world.glow.states() as u32), world.glow.paint_states(), unit];
     let source = wgsl::SURFELS_GIVE_BACK.specialised(&constants);

@@ -50,13 +50,15 @@ table! {
                 "shadow", "light_clear", "surfel_received"];
     /// States of patches after a stretch of time.
     SURFELS_KEEP: "surfels.keep", file "surfels/keep",
-        constants [LIGHTS = 1, SCHEDULES = 1, PIECES = 1, STATES = 1, PAINT_STATES = 1, EULER = 0],
+        constants [LIGHTS = 1, SCHEDULES = 1, PIECES = 1, FIRST_PIECE = 0, PIECES_AT_ONCE = 1, STATES = 1,
+            PAINT_STATES = 1, EULER = 0],
         uniforms [PaintState, FrameView, LightRecord],
         shared ["view", "lights", "shadow", "light_clear", "surfel_patch_record", "glow_corners", "glow_place", "glow_time",
                 "glow_change"];
     /// The same where the medium dims the lamps' light.
     SURFELS_KEEP_DIMMED: "surfels.keep_dimmed", file "surfels/keep",
-        constants [LIGHTS = 1, SCHEDULES = 1, PIECES = 1, STATES = 1, PAINT_STATES = 1, EULER = 0, MEDIUM = 2, GREY = 0],
+        constants [LIGHTS = 1, SCHEDULES = 1, PIECES = 1, FIRST_PIECE = 0, PIECES_AT_ONCE = 1, STATES = 1,
+            PAINT_STATES = 1, EULER = 0, MEDIUM = 2, GREY = 0],
         uniforms [PaintState, FrameView, LightRecord, MediumRecord],
         shared ["view", "lights", "shadow", "medium_span", "medium", "colours", "light_dimmed", "surfel_patch_record",
                 "glow_corners", "glow_place", "glow_time", "glow_change"];

@@ -34,9 +34,10 @@ fn exactly(share: Share, charge: f32, decay: f32, seconds: f32, nothing: u32) ->
 }
 
 // The states of a texel, a cell or a patch after a stretch of time, under light of each schedule: exactly, or by EULER steps of
-// Euler's scheme for each time in which no lamp is switched.
+// Euler's scheme for each time in which no lamp is switched. Of these times a dispatch goes through PIECES_AT_ONCE, from FIRST_PIECE
+// on: an invocation may take so many turns of its loops, and no more.
 fn move_on(kept: u32, paint: u32, irradiance: ptr<function, array<vec3f, SCHEDULES>>, nothing: u32) {
-    let anew = time[0] == 1.0;
+    let anew = time[0] == 1.0 && FIRST_PIECE == 0u;
     for (var s = 0u; s < STATES; s++) {
         let state = paints[paint * STATES + s];
         let at = kept * STATES + s;
@@ -45,7 +46,7 @@ fn move_on(kept: u32, paint: u32, irradiance: ptr<function, array<vec3f, SCHEDUL
         if anew {
             share = Share(state.emission.w, 0.0);
         }
-        for (var piece = 0u; piece < PIECES; piece++) {
+        for (var piece = FIRST_PIECE; piece < min(FIRST_PIECE + PIECES_AT_ONCE, PIECES); piece++) {
             let start = piece_start(piece);
             // Behind the last piece no time passes.
             if time[start] <= 0.0 {

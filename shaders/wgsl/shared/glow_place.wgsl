@@ -25,13 +25,13 @@ fn place_of(vertices: vec3u, weights: vec3f) -> Place {
     return Place(corners * weights, geometric, normal);
 }
 
-// Irradiance by one lamp on both sides together, W/m².
+// Irradiance by one lamp on both sides together, W/m². What has no area gets none, though its vertices may have normals.
 fn received(light: LightRecord, place: Place) -> vec3f {
     let arrived = arrival(light, place.position);
     let facing = dot(place.geometric, arrived.direction);
     let geometric = select(-place.geometric, place.geometric, facing >= 0.0);
     let cosine = dot(place.normal, arrived.direction) * select(-1.0, 1.0, facing >= 0.0);
-    if cosine <= 0.0 || all(arrived.irradiance == vec3f(0.0)) {
+    if cosine <= 0.0 || all(place.geometric == vec3f(0.0)) || all(arrived.irradiance == vec3f(0.0)) {
         return vec3f(0.0);
     }
     let shown = lit_share(light, place.position, geometric, arrived.direction);

@@ -13,10 +13,13 @@ fn piece_start(piece: u32) -> u32 {
     return 1u + LIGHTS + piece * (1u + SCHEDULES);
 }
 
-// The rate at which light excites a state; what is no amount of light is none.
+// The rate at which light excites a state; what is no amount of light is none. A colour that does not excite does nothing, even where
+// its light is endless.
 fn charge_of(state: PaintState, irradiance: vec3f) -> f32 {
-    let charge = dot(state.rates.rgb, irradiance);
-    return select(0.0, min(charge, FASTEST), charge > 0.0);
+    let rates = state.rates.rgb;
+    let lit = select(vec3f(0.0), rates * irradiance, irradiance > vec3f(0.0));
+    let charges = select(vec3f(0.0), lit, rates > vec3f(0.0));
+    return min(charges.r + charges.g + charges.b, FASTEST);
 }
 
 // Rate times time, where it matters: nothing is left of what decays by more.

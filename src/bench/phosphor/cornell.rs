@@ -26,7 +26,7 @@ pub fn room(intensity: f32, all: bool, on: Vec<[f32; 2]>) -> Result<(Scene, Came
     let presets = MaterialFile::presets();
     let paint = |name: &str| {
         let material = presets.named(name).context("a preset")?;
-        Paint::new(material).map_err(anyhow::Error::msg)
+        Paint::new(material, None).map_err(anyhow::Error::msg)
     };
     let mut surfaces = Vec::new();
     for (name, _) in KEEPING {

@@ -101,7 +101,8 @@ pub fn spot(scene: &TracedScene, at: Vec3) -> Result<Spot> {
 }
 
 /// What light does at places in each frame, linear RGB, `[places][frames]`: irradiance that excites, the mean from that frame to the
-/// next, and radiance of lamps' light that the side which `eye` sees reflects in the frame itself.
+/// next, and radiance of lamps' light that the side which `eye` sees reflects, of the lamps that are on in the frame itself. Of both, what
+/// moves is where it is halfway to the next frame.
 ///
 /// # Errors
 /// If a vertex is nowhere in a frame.

@@ -4,6 +4,7 @@ use crate::views::Viewpoint;
 use anyhow::{Context, Result, bail, ensure};
 use deepshade_render::phosphor::design::{MAX_STATES, Reach};
 use deepshade_render::phosphor::spectrum::Bands;
+use deepshade_render::phosphor::spectrum::lights::Light;
 use deepshade_render::scene::SceneSource;
 use deepshade_render::scene::glow::Schedule;
 use deepshade_render::scene::glow::file::{LampTimes, schedules};
@@ -32,6 +33,8 @@ pub struct Task {
     /// Whether colours include what the surface reflects of the lamps' light towards the camera of `view`.
     #[serde(default)]
     pub reflected: bool,
+    /// The spectrum of all lamps, whose colours in the scene then say how bright they are and no more.
+    pub spectrum: Option<Light>,
     /// When lamps shine; those of which nothing is said, always.
     #[serde(default)]
     pub lamps: Vec<LampTimes>,
@@ -126,6 +129,14 @@ impl Task {
                     key.time,
                     if self.bands == Bands::Eight { ", or eight bands" } else { "" }
                 );
+                let sound = key.colour.iter().all(|value| value.is_finite() && *value >= 0.0);
+                ensure!(
+                    sound,
+                    "at {}, second {}: the colour {:?}, not finite numbers that are at least 0",
+                    place.at,
+                    key.time,
+                    key.colour
+                );
                 ensure!(
                     self.frame(key.time).is_some(),
                     "at {}: a key at second {}; the frames are from second 0 to {}",
@@ -141,6 +152,10 @@ impl Task {
             }
         }
         self.schedules()?;
+        let mut switched = self.lamps.iter().filter_map(|lamps| lamps.on.first());
+        if let Some([from, _]) = switched.find(|[from, _]| *from < 0.0) {
+            bail!("[[lamps]]: on from second {from}; a design begins in the dark at second 0");
+        }
         Ok(())
     }
 
@@ -209,6 +224,9 @@ mod tests {
             ("fps", "states = 3\nfps", "`states` is 3"),
             ("fps", "fsp", "fsp"),
             ("[0.1, 0.2, 0.1]", "[0.1]", "a colour of 1 values"),
+            ("[0.1, 0.2, 0.1]", "[0.1, nan, 0.1]", "second 6: the colour [0.1, NaN, 0.1], not finite"),
+            ("[0.1, 0.2, 0.1]", "[0.1, -0.2, 0.1]", "at least 0"),
+            ("fps", "spectrum = 'sodium'\nfps", "sodium"),
             ("time = 6", "time = 20", "a key at second 20; the frames are from second 0 to 19.9"),
             ("time = 6", "time = nan", "a key at second NaN"),
             ("[0, 1, 2]", "[0, 1, inf]", "a place at"),
@@ -218,6 +236,11 @@ mod tests {
                 "at [0, 1, 2]: keys at seconds 6.01 and 6 are at the same frame",
             ),
             ("[[0.0, 5.0]]", "[[5.0, 0.0]]", "not from one moment to a later one"),
+            (
+                "[[0.0, 5.0]]",
+                "[[-10.0, 5.0]]",
+                "[[lamps]]: on from second -10; a design begins in the dark at second 0",
+            ),
             ("box.gltf", "box.gtlf", "box.gtlf"),
         ] {
             let error = parsed(&GOOD.replace(from, to)).expect_err("refused");

@@ -3,6 +3,7 @@ use deepshade_render::path::phosphor::Afterglow;
 use deepshade_render::phosphor::material::State;
 use deepshade_render::phosphor::paint::Paint;
 use deepshade_render::phosphor::spectrum::Bands;
+use deepshade_render::phosphor::spectrum::lights::Light;
 use deepshade_render::scene::Look;
 use deepshade_render::scene::glow::Glow;
 use std::path::Path;
@@ -37,7 +38,7 @@ fn stage(task: &Task) -> Stage {
 /// The radiance that truth shows of a place with a material.
 fn rendered(task: &Task, spot: &Spot, material: &Material, time: f32) -> Vec<f64> {
     let scene = stage(task).at(time).expect("a scene");
-    let paint = Paint::new(material).expect("few states");
+    let paint = Paint::new(material, task.spectrum).expect("few states");
     let glow = Glow { surfaces: vec![(None, paint.clone())], ..Glow::of(scene.scene()).clone() };
     let look = Look { glow: Some(Arc::new(glow)), ..scene.scene().look() };
     let scene = scene.with_look(look).expect("a look");
@@ -50,10 +51,16 @@ const LIT: [Vec3; 2] = [Vec3::new(1.5, 0.0, 0.5), Vec3::new(-1.5, 0.0, 0.5)];
 
 #[test]
 fn parameters_are_found_again_from_what_was_rendered_with_them() {
-    for bands in [Bands::Rgb, Bands::Eight] {
-        let blank = task(bands, &[]);
+    let asked = [
+        (Bands::Rgb, None),
+        (Bands::Eight, None),
+        (Bands::Rgb, Some(Light::Daylight)),
+        (Bands::Eight, Some(Light::Mercury)),
+    ];
+    for (bands, spectrum) in asked {
+        let blank = Task { spectrum, ..task(bands, &[]) };
         let scene = stage(&blank).at(0.0).expect("a room");
-        let mut task = task(bands, &LIT);
+        let mut task = Task { spectrum, ..task(bands, &LIT) };
         let hidden = hidden(bands);
         for place in &mut task.places {
             let spot = light::spot(&scene, place.at).expect("a floor");
@@ -63,10 +70,10 @@ fn parameters_are_found_again_from_what_was_rendered_with_them() {
         }
         let found = designs(&task, &stage(&task), Vec3::ZERO).expect("designs");
         let residual: f64 = found.iter().map(|found| found.design.residual / found.wanted()).sum();
-        assert!(residual < 1e-5, "{bands:?}: {residual}");
+        assert!(residual < 1e-5, "{bands:?} {spectrum:?}: {residual}");
         for found in &found {
             let decay = found.design.material.states[0].decay;
-            assert!((decay / 0.11 - 1.0).abs() < 0.02, "{bands:?}: {decay}");
+            assert!((decay / 0.11 - 1.0).abs() < 0.02, "{bands:?} {spectrum:?}: {decay}");
             assert!(found.design.residual <= found.grid, "{} {}", found.design.residual, found.grid);
         }
     }
@@ -79,7 +86,7 @@ fn files_are_those_that_rendering_reads() {
     let scene = stage(&task(Bands::Rgb, &[])).at(0.0).expect("a room");
     let at = LIT[0].to_array();
     let text = format!(
-        "scene = 'room:7'\nframes = 60\nfps = 10\n[spread]\ndistance = 1e4\ncolour = 10.0\n\
+        "scene = 'room:7'\nframes = 60\nfps = 10\nspectrum = 'led'\n[spread]\ndistance = 1e4\ncolour = 10.0\n\
          [[place]]\nat = {at:?}\nkeys = [{{ time = 2.0, colour = [0.01, 0.02, 0.03] }}]\n"
     );
     let file = folder.path().join("wanted.toml");
@@ -89,6 +96,8 @@ fn files_are_those_that_rendering_reads() {
     run(&args).expect("a design");
     let glow = Glow::read(&out.join("glow.toml"), 2.0).expect("a sound file");
     assert_eq!(glow.check(scene.scene()), Ok(()));
+    let text = std::fs::read_to_string(out.join("glow.toml")).expect("written");
+    assert!(text.contains("spectrum = \"led\""), "{text}");
     assert!(glow.surfaces.len() > 1, "it has spread: {}", glow.surfaces.len());
     for name in ["materials.toml", "place-1.svg", "strip.png", "design.json"] {
         assert!(out.join(name).is_file(), "{name}");

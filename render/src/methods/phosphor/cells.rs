@@ -9,7 +9,6 @@ use crate::raster::World;
 use crate::raster::light::shadow_sampler;
 use crate::scene::{Bounds, Density, Glow, Medium, Scene};
 use crate::screen::{GpuGBuffer, MethodStep, Step};
-use crate::surfels::groups;
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::uniforms::GlowCells;
@@ -100,30 +99,29 @@ impl Cells {
         }))
     }
 
-    /// The pass that moves their states on by the time since the frame before, of a medium with a paint, exactly or by so many steps of
-    /// Euler's scheme.
+    /// The passes that move their states on by the time since the frame before, of a medium with a paint, exactly or by so many steps
+    /// of Euler's scheme.
     ///
     /// # Errors
     /// If the device refuses.
-    pub fn step(&self, device: &wgpu::Device, world: &World, euler: u32) -> Result<MethodStep, GpuError> {
+    pub fn steps(
+        &self,
+        device: &wgpu::Device,
+        world: &World,
+        euler: u32,
+    ) -> Result<Vec<MethodStep>, GpuError> {
         let glow = &world.glow;
-        let own = [
-            ("LIGHTS", world.gpu_lights.count as u32),
-            paint(glow.glow()),
-            ("MEDIUM", world.medium.kind),
-            ("EULER", euler),
-        ];
-        let source = wgsl::PHOSPHOR_CELLS.specialised(&[&glow.constants()[..], &own].concat());
-        let pass = Pass::new(device, wgsl::PHOSPHOR_CELLS.name, &source)?;
+        let own =
+            [("LIGHTS", world.gpu_lights.count as u32), paint(glow.glow()), ("MEDIUM", world.medium.kind)];
+        let constants = [&glow.constants()[..], &own].concat();
         let sampler = shadow_sampler(device);
         let first = [&glow.paints, &self.record, &glow.since].map(|buffer| buffer.as_entire_binding());
         let mut resources: Vec<_> = (0..).zip(first.into_iter().chain(world.lamps(&sampler))).collect();
         resources.push((8, self.states.as_entire_binding()));
         resources.push((11, world.medium.record.as_entire_binding()));
         resources.push((12, wgpu::BindingResource::TextureView(&world.medium.densities)));
-        let pass = pass.bind_at(device, resources)?;
-        let workgroups = groups(self.lattice.count()).into();
-        Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![self.states.clone()] })
+        let shader = (&wgsl::PHOSPHOR_CELLS, &constants[..]);
+        glow.moving_on(device, shader, euler, &resources, (self.lattice.count(), &self.states))
     }
 
     /// The pass that shows them in an image of surfaces.

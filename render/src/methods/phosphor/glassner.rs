@@ -2,11 +2,13 @@
 //! Monte Carlo with moments drawn by the decay, as the thesis compares itself with (section 8.5, Figure 8.16).
 //!
 //! Each pixel draws moments of the past for each state, and at each looks up the light of the lamps that shone then, with their
-//! shadows. That model knows no saturation: strong light makes it too bright. The start is what the rate equation's is.
+//! shadows. That model knows no saturation: strong light makes it too bright, and what was lit for long is as bright as the light asks,
+//! not as the paint has room for. A start that is a share is what the rate equation's is.
 //!
 //! Why it: no state is kept, so that any moment can be shown at once. Why not: noise that falls with the root of the
 //! samples, and light anew for each. Of what moves a still has shadow maps of poses of the past; in a sequence it is taken as it
-//! is now, at every moment of the past: shadow maps of frames gone by are not kept.
+//! is now, at every moment of the past: shadow maps of frames gone by are not kept. Surfaces are seen as if no medium were before them,
+//! and what it keeps itself is not shown.
 
 use super::passes::Finding;
 use super::reference::{found, image};
@@ -19,9 +21,9 @@ use crate::scene::Glow;
 use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
 use crate::surfels::frame;
 use bytemuck::bytes_of;
-use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::random::random;
-use deepshade_shaders::wgsl::uniforms::{GlowSamples, GlowStretch};
+use deepshade_shaders::wgsl::uniforms::GlowSamples;
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 use glam::{Vec2, Vec3};
 
@@ -92,10 +94,8 @@ impl Technique for Parameters {
         let parts = world.past().iter().map(|(stretch, pose)| (*stretch, pose));
         let parts: Vec<_> = if world.past().is_empty() { vec![(EVER, world)] } else { parts.collect() };
         for (index, (stretch, pose)) in parts.into_iter().enumerate() {
-            let [since, until] = stretch;
-            let stretch = GlowStretch { since, until, adds: u32::from(index > 0), padding: 0 };
-            let stretch = gpu::uniform(device, "phosphor.stretch", &stretch)?;
-            steps.push(finding.look_back(device, pose, gbuffer, [settings, &stretch, output])?);
+            let of = (stretch, self.samples.max(1), index > 0);
+            steps.extend(finding.look_back(device, pose, gbuffer, of, [settings, output])?);
         }
         Ok(steps)
     }

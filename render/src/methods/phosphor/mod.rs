@@ -18,7 +18,7 @@
 //! where texels are; what the camera never looks at costs as much as what it sees.
 //!
 //! Limits. Lamps without an extent excite, as they are at a frame's end; light by detours does not. Texels are as many as
-//! the mesh's area asks for, and slivers have more.
+//! the mesh's area asks for, where it is largest of some poses of an animation, and slivers have more.
 
 mod cells;
 pub mod glassner;
@@ -105,8 +105,10 @@ impl Technique for Parameters {
         let cells = Cells::new(device, world, self.texels)?;
         let kept = cells.as_ref().filter(|_| world.glow.glow().medium.is_some());
         for pose in world.poses() {
-            steps.push(finding.keeping(&states, self.euler).step(device, pose)?);
-            steps.extend(kept.map(|cells| cells.step(device, pose, self.euler)).transpose()?);
+            steps.extend(finding.keeping(&states, self.euler).steps(device, pose)?);
+            if let Some(cells) = kept {
+                steps.extend(cells.steps(device, pose, self.euler)?);
+            }
         }
         steps.push(finding.show(device, world, &states, output)?);
         if let Some(cells) = &cells {

@@ -8,7 +8,7 @@ use crate::screen::{GpuGBuffer, MethodStep, Step};
 use crate::surfels::groups;
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::uniforms::GlowLevel;
+use deepshade_shaders::wgsl::uniforms::{GlowLevel, GlowStretch};
 use deepshade_shaders::wgsl::{self, TILE};
 
 /// Tiles, or nodes, of a node of the tree.
@@ -36,7 +36,7 @@ impl Finding {
         gbuffer: &GpuGBuffer,
         texels: u32,
     ) -> Result<Self, GpuError> {
-        let all = Tiles::new(world.scene(), &world.geometry.draws, texels);
+        let all = Tiles::new(&world.animated(), &world.geometry.draws, texels);
         let levels = levels(all.tiles.len());
         let nodes: u32 = levels.iter().map(|level| level.nodes).sum();
         let pixels = gbuffer.height() * gbuffer.width();
@@ -151,7 +151,8 @@ impl Finding {
         MethodStep::bind(device, &pass, groups(pixels), &reads, &[image])
     }
 
-    /// The pass that looks back over a stretch of the past, in which the world was like this; `settings` are its samples.
+    /// The passes that look back over a stretch of the past, in which the world was like this, each with some of the samples that
+    /// `settings` say. The first `adds` to the image, or begins it.
     ///
     /// # Errors
     /// If the device refuses.
@@ -160,20 +161,34 @@ impl Finding {
         device: &wgpu::Device,
         world: &World,
         gbuffer: &GpuGBuffer,
-        [settings, stretch, image]: [&wgpu::Buffer; 3],
-    ) -> Result<MethodStep, GpuError> {
+        ([since, until], samples, adds): ([f32; 2], u32, bool),
+        [settings, image]: [&wgpu::Buffer; 2],
+    ) -> Result<Vec<MethodStep>, GpuError> {
         let glow = &world.glow;
+        let at_once = glow.samples_at_once(world.scene().medium.is_some());
         let (shader, constants) = world.dimmed([&wgsl::PHOSPHOR_GLASSNER, &wgsl::PHOSPHOR_GLASSNER_DIMMED]);
+        let constants = [&constants[..], &[("SAMPLES_AT_ONCE", at_once)]].concat();
         let pass = Pass::new(device, shader.name, &shader.specialised(&constants))?;
         let sampler = shadow_sampler(device);
         let own = [settings, &glow.paints, &self.tiles, &world.geometry.posed, &self.found, &glow.past];
         let own = own.map(|buffer| buffer.as_entire_binding()).into_iter();
         let mut resources: Vec<_> = (0..).zip(own.chain(world.lamps(&sampler))).collect();
         resources.extend((11..).zip(world.dimming()));
-        resources.extend((13..).zip([image, stretch].map(|buffer| buffer.as_entire_binding())));
-        let pass = pass.bind_at(device, resources)?;
-        let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
-        Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![image.clone()] })
+        resources.push((13, image.as_entire_binding()));
+        let step = |first: u32| {
+            let stretch = GlowStretch { since, until, adds: u32::from(adds || first > 0), first };
+            let stretch = gpu::uniform(device, "phosphor.stretch", &stretch)?;
+            let stretch = [(14, stretch.as_entire_binding())];
+            let pass = pass.bind_at(device, resources.iter().cloned().chain(stretch))?;
+            let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
+            Ok(MethodStep { step: Step { pass, workgroups }, writes: Vec::new() })
+        };
+        let firsts = (0..samples).step_by(at_once as usize);
+        let mut steps = firsts.map(step).collect::<Result<Vec<_>, GpuError>>()?;
+        if let Some(last) = steps.last_mut() {
+            last.writes.push(image.clone());
+        }
+        Ok(steps)
     }
 }
 

@@ -18,7 +18,7 @@ use std::collections::HashMap;
 
 /// States of all texels, `[texels, states]`, and the image, `[3, height, width]`.
 pub fn shade(scene: &TracedScene, view: &View, parameters: Parameters) -> Written {
-    let tiles = Tiles::new(scene.scene(), &draws_of(scene.scene()), parameters.texels);
+    let tiles = Tiles::new(&scene.scene().clone().into(), &draws_of(scene.scene()), parameters.texels);
     let afterglow = Afterglow::new(scene).by(Steps::of(parameters.euler));
     let shares = shares(&afterglow, &tiles);
     let cells = PlainCells::new(scene, &afterglow, parameters.texels);

@@ -1,6 +1,7 @@
 //! The passes against their plain versions and closed forms; what moves and what bends; extremes.
 
 mod kept_light;
+mod limits;
 
 use super::glassner::{Glassner, Parameters as Moments};
 use super::*;
@@ -87,6 +88,24 @@ fn states(gpu: &Gpu, plan: &Plan) -> Vec<f32> {
     // What rounding left is behind them.
     states.truncate(states.len() / 2);
     states
+}
+
+/// The shares of all texels after what a room's scene says, by the passes and by the plain version.
+fn both_states((scene, view, gbuffer): &(TracedScene, View, GBuffer), texels: u32) -> [Vec<f32>; 2] {
+    let gpu = gpu();
+    let method = RateEquation::new(&gpu, Parameters::exact(texels)).expect("valid shaders");
+    let uploaded = GpuGBuffer::upload(&gpu.device, gbuffer, ATTRIBUTES).expect("attributes");
+    let world = screen::world(&gpu, scene.scene(), view).expect("room");
+    let inputs = Inputs { gbuffer: &uploaded, environment: None, world: Some(&world) };
+    let plan = Plan::new(&method, &inputs, view).expect("a plan");
+    gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
+    let plain = reference::shade(scene, view, Parameters::exact(texels)).swap_remove(0);
+    [states(&gpu, &plan), plain]
+}
+
+/// Whether all values are as near to others; what is no number is not.
+fn near(a: &[f32], b: &[f32], tolerance: f32) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= tolerance)
 }
 
 #[test]
@@ -219,23 +238,12 @@ fn a_medium_keeps_light_as_in_the_plain_version() {
 
 #[test]
 fn without_shadows_states_are_exact() {
-    let gpu = gpu();
     let mut glow = glow(&[0.7, 0.1, 0.0], &[[0.5, 2.0]], 3.0);
     glow.start = Start::LitForLong;
     let room =
         seen(scene(vec![floor()], vec![lamp(Vec3::new(0.3, 2.0, 0.2), 20.0)], glow), camera(), [9, 11]);
-    let method = RateEquation::new(&gpu, Parameters::exact(60)).expect("valid shaders");
-    let (scene, view, gbuffer) = &room;
-    let uploaded = GpuGBuffer::upload(&gpu.device, gbuffer, ATTRIBUTES).expect("attributes");
-    let world = screen::world(&gpu, scene.scene(), view).expect("room");
-    let inputs = Inputs { gbuffer: &uploaded, environment: None, world: Some(&world) };
-    let plan = Plan::new(&method, &inputs, view).expect("a plan");
-    gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
-    let states = states(&gpu, &plan);
-    let expected = &reference::shade(scene, view, Parameters::exact(60))[0];
-    assert!(states.len() == expected.len() && states.len() > 3000);
-    let worst = states.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-    assert!(worst < 1e-5, "{worst}");
+    let [states, expected] = both_states(&room, 60);
+    assert!(states.len() > 3000 && near(&states, &expected, 1e-5));
     assert!(states.iter().skip(2).step_by(3).all(|share| *share == 1.0), "what does not decay is full");
 }
 
@@ -334,8 +342,7 @@ fn frames_add_up_to_the_same_past_whatever_their_steps() {
     assert!(start.iter().all(|share| (*share - 0.1).abs() < 1e-6), "time goes back: all begins anew");
     let moments = [0.3, 0.3, 0.95, 1.7, 2.2, 2.6, 3.0];
     let last = moments.map(|moment| frames.states(moment)).into_iter().next_back().expect("a frame");
-    let worst = last.iter().zip(&at_once).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-    assert!(worst < 1e-5, "{worst}");
+    assert!(near(&last, &at_once, 1e-5));
 }
 
 /// In a frame each share changes by a fifth of what can be told from it.

@@ -3,7 +3,7 @@
 
 use crate::gbuffer::OBJECT_IDS;
 use crate::raster::geometry::Draw;
-use crate::scene::{Glow, Scene};
+use crate::scene::{AnimatedScene, Glow, Scene};
 use crate::surfels::patches::morton;
 use deepshade_shaders::wgsl::uniforms::GlowTile;
 use glam::{Vec2, Vec3};
@@ -16,6 +16,9 @@ const MOST_STATES_OF_ALL: usize = 1 << 24;
 
 /// Most steps along an edge: square roots of their numbers are exact enough in 32 bits.
 const MOST_DIVISIONS: u32 = 1023;
+
+/// Poses of an animation by which triangles are measured, from its beginning to its end.
+const POSES: u16 = 9;
 
 /// All tiles of a scene.
 #[derive(Clone, Debug)]
@@ -32,11 +35,19 @@ pub struct Tiles {
 pub type Around = [(usize, f32); 3];
 
 impl Tiles {
-    /// The tiles of what keeps light of a scene whose meshes are drawn as `draws` says, with `texels` along its diagonal.
-    pub fn new(scene: &Scene, draws: &[Draw], texels: u32) -> Self {
+    /// The tiles of what keeps light of a scene whose meshes are drawn as `draws` says, with `texels` along its diagonal. Those of what
+    /// grows are for its largest size.
+    pub fn new(animated: &AnimatedScene, draws: &[Draw], texels: u32) -> Self {
+        let scene = &animated.scene;
         let bounds = scene.bounds();
         let mut spacing = bounds.diagonal() / texels as f32;
         let mut tiles = placed(scene, draws);
+        for pose in poses(animated) {
+            tiles.par_iter_mut().for_each(|(_, _, [mesh, triangle], longest)| {
+                let corners = pose.meshes[*mesh as usize].corners(*triangle as usize);
+                *longest = longest.max(longest_edge(corners));
+            });
+        }
         let count = |spacing: f32| -> usize {
             tiles.par_iter().map(|(_, _, _, longest)| texels_of(divisions(*longest, spacing))).sum()
         };
@@ -86,6 +97,16 @@ fn placed(scene: &Scene, draws: &[Draw]) -> Vec<(u64, GlowTile, [u32; 2], f32)> 
     let mut tiles: Vec<_> = painted.flat_map(of_draw).collect();
     tiles.par_sort_by_key(|(place, ..)| *place);
     tiles
+}
+
+/// What moves, at moments of its animation; those at which a vertex is nowhere say nothing.
+fn poses(animated: &AnimatedScene) -> impl Iterator<Item = Scene> {
+    let part = |index: u16| f32::from(index) / f32::from(POSES - 1);
+    let moments = animated
+        .span()
+        .into_iter()
+        .flat_map(move |[from, to]| (0..POSES).map(move |index| from + (to - from) * part(index)));
+    moments.filter_map(|moment| animated.at(moment, 0.0).ok())
 }
 
 fn longest_edge([a, b, c]: [Vec3; 3]) -> f32 {
@@ -193,17 +214,18 @@ mod tests {
         scene.glow = Some(Arc::new(glow(&[1.0], &[], 0.0)));
         let draws = draws_of(&scene);
         let spacing = scene.bounds().diagonal() / 100.0;
-        let fine = Tiles::new(&scene, &draws, 100);
+        let tiles = |scene: &Scene, texels| Tiles::new(&scene.clone().into(), &draws, texels);
+        let fine = tiles(&scene, 100);
         assert_eq!(fine.tiles.len(), scene.triangle_count());
         for (tile, [mesh, triangle]) in fine.tiles.iter().zip(&fine.origins) {
             let longest = longest_edge(scene.meshes[*mesh as usize].corners(*triangle as usize));
             assert!(longest / tile.divisions as f32 <= spacing * 1.001);
         }
         assert_eq!(fine.owners().len(), fine.texels);
-        assert!(Tiles::new(&scene, &draws, 1 << 20).texels <= MOST_TEXELS);
+        assert!(tiles(&scene, 1 << 20).texels <= MOST_TEXELS);
         let mut none = glow(&[1.0], &[], 0.0);
         none.surfaces[0].0 = Some("no such material".to_owned());
         scene.glow = Some(Arc::new(none));
-        assert_eq!(Tiles::new(&scene, &draws, 100).texels, 0);
+        assert_eq!(tiles(&scene, 100).texels, 0);
     }
 }

@@ -90,6 +90,10 @@ impl<'a> Afterglow<'a> {
 
     fn irradiance_in(&self, traced: &TracedScene, place: &Place, eye: Option<Vec3>) -> Vec<Vec3> {
         let mut received = vec![Vec3::ZERO; self.glow.schedules.len()];
+        // What has no area gets no light, though its vertices may have normals.
+        if place.geometric_normal == Vec3::ZERO {
+            return received;
+        }
         let scene = traced.scene();
         for (index, light) in scene.lights.iter().enumerate() {
             let Arrival { direction, distance, irradiance } = Arrival::new(scene, light, place.position);

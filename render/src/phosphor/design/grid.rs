@@ -283,6 +283,7 @@ impl Light {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::material::file::MaterialFile;
     use super::super::response::{fitted, response};
     use super::super::{Key, Place};
     use super::*;
@@ -340,7 +341,13 @@ mod tests {
     #[test]
     fn the_grid_covers_the_measured_materials() {
         let (decays, excitations) = (decays(), excitations());
-        assert!(decays[0] < 0.015 && decays[DECAYS - 1] > 0.251, "{decays:?}");
+        for state in MaterialFile::presets().materials.iter().flat_map(|material| &material.states) {
+            assert!((decays[0]..=decays[DECAYS - 1]).contains(&state.decay), "{state:?}: {decays:?}");
+            // A rate below the first is between it and none.
+            for rate in &state.excitation {
+                assert!((0.0..=excitations[EXCITATIONS - 1]).contains(rate), "{state:?}: {excitations:?}");
+            }
+        }
         assert!((decays[THESIS_STEPS - 1] - 0.032).abs() < 1e-12, "the thesis' last");
         assert!(
             excitations[1] == 0.001 && (excitations[EXCITATIONS - 1] - 4.096).abs() < 1e-12,

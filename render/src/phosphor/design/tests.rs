@@ -80,6 +80,46 @@ fn two_states_are_found_again() {
     assert!(two < 1e-6 * size && one > 100.0 * two, "{one} {two} of {size}");
 }
 
+/// The mean of designs is of fast states and of slow ones, in whatever order they were found.
+#[test]
+fn designs_spread_state_by_state() {
+    let frames = [15, 40, 60, 90, 115, 135, 140, 150, 170, 199];
+    let designed = |[fast, slow]: [f64; 2], emission: [&[f64]; 2]| {
+        let states = vec![
+            state(fast, &[0.01, 0.03, 0.05], emission[0]),
+            state(slow, &[0.002, 0.01, 0.03], emission[1]),
+        ];
+        let hidden = [place(&material(Bands::Rgb, states), &frames)];
+        Design::new("found", &hidden, 2).expect("a design").material
+    };
+    let (red, blue): (&[f64], &[f64]) = (&[3.0, 0.5, 0.2], &[0.2, 2.0, 9.0]);
+    let edit = |(index, material): (usize, Material)| {
+        let rates: Vec<f64> = material.states.iter().map(|state| state.decay).collect();
+        assert!(rates[0] > rates[1], "{index}: {rates:?}");
+        Edit { feature: feature(index as f64), material }
+    };
+    let found = [
+        designed([0.2, 0.01], [red, blue]),
+        designed([0.2, 0.01], [blue, red]),
+        designed([0.12, 0.015], [red, blue]),
+        designed([0.12, 0.015], [blue, red]),
+    ];
+    let edits: Vec<Edit> = found.into_iter().enumerate().map(edit).collect();
+    // All count alike.
+    let reach = Reach { distance: 1e6, colour: 1.0 };
+    let mean = reach.propagate(&edits, feature(1.5)).expect("a material").material;
+    for (place, state) in mean.states.iter().enumerate() {
+        let rates = edits.iter().map(|edit| edit.material.states[place].decay.ln());
+        let expected = (rates.sum::<f64>() / edits.len() as f64).exp();
+        assert!((state.decay / expected - 1.0).abs() < 1e-6, "{place}: {} {expected}", state.decay);
+    }
+    assert!(mean.states[0].decay > mean.states[1].decay, "{mean:?}");
+}
+
+fn feature(x: f64) -> Feature {
+    Feature { position: [x, 0.0, 0.0], colour: [0.5; 3] }
+}
+
 /// Two places in different light know more of a material than one does: each has too few keys alone.
 #[test]
 fn places_that_share_a_material_find_it_together() {

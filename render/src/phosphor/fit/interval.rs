@@ -1,7 +1,7 @@
 //! Intervals of a material's parameters: the fit's covariance, carried to them to first order, and Student's t.
 //!
 //! They are cut at 0. Where the true value is 0, only an interval that lies above it misses it, so that 97.5 % of those
-//! hold it and not 95 %.
+//! hold it and not 95 %. What no measurement depends on may be anything from 0 on.
 
 use super::super::least_squares::Minimum;
 use super::prediction::{Prediction, Unknowns};
@@ -30,7 +30,7 @@ pub struct Estimate {
     pub parameter: Parameter,
     /// Its value in the fit.
     pub value: f64,
-    /// The ends of its interval of [`CONFIDENCE`].
+    /// The ends of its interval of [`CONFIDENCE`]; from 0 to infinity where it is not known.
     pub interval: [f64; 2],
 }
 
@@ -40,6 +40,8 @@ pub fn estimates(prediction: &Prediction, bounded: &[f64], free: &Minimum) -> Ve
     let freedom = (prediction.count() - free.values.len()).max(1) as f64;
     let student = StudentsT::new(0.0, 1.0, freedom).expect("one degree of freedom at least");
     let reach = student.inverse_cdf(0.5 + 0.5 * CONFIDENCE) * (free.cost() / freedom).sqrt();
+    // Times infinity it is infinite, however exact the fit is.
+    let reach = reach.max(f64::MIN_POSITIVE);
     let (held, loose) = (prediction.unpacked(bounded), prediction.unpacked(&free.values));
     let layout =
         Layout { states: prediction.states, bands: held.total.len(), excited: held.excitation[0].len() };
@@ -76,9 +78,12 @@ fn by_rate(unknowns: &Unknowns) -> Vec<usize> {
     states
 }
 
-/// The standard deviation of what has these slopes over the unknowns.
+/// The standard deviation of what has these slopes over the unknowns. Those that the solver cannot tell have a variance of 0 from it.
 fn deviation(covariance: &[f64], slope: &[f64]) -> f64 {
     let count = slope.len();
+    if (0..count).any(|i| slope[i] != 0.0 && covariance[i * count + i] <= 0.0) {
+        return f64::INFINITY;
+    }
     let row = |i: usize| (0..count).map(|j| covariance[i * count + j] * slope[j]).sum::<f64>();
     (0..count).map(|i| slope[i] * row(i)).sum::<f64>().max(0.0).sqrt()
 }

@@ -69,8 +69,11 @@ impl Laboratory {
     /// whose excitation nobody knows.
     ///
     /// # Errors
-    /// If the material makes no sense.
+    /// If the material makes no sense, is not of eight bands or sends nothing.
     pub fn measure(&self, material: &Material, seed: u64) -> Result<Measurement, MaterialError> {
+        if material.bands != Bands::Eight {
+            return Err(MaterialError::NotOfEightBands { material: material.name.clone() });
+        }
         let axis = Axis::EIGHT;
         let [red, green, blue] = [0, 1, 2].map(|channel| self.sensor.bands(axis)[channel].clone());
         let mut measurement = Measurement {
@@ -103,6 +106,9 @@ impl Laboratory {
             }
         }
         let brightest = decay[0].1.into_iter().fold(0.0, f64::max);
+        if brightest <= 0.0 {
+            return Err(MaterialError::Dark { material: material.name.clone() });
+        }
         let mut camera = Camera { brightest, open: self.open, pixels: self.pixels, noise: Noise::new(seed) };
         measurement.decay = decay.into_iter().map(|(delay, seen)| camera.shot(delay, seen)).collect();
         measurement.spectrum = (0..)

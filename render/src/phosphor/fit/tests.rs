@@ -42,6 +42,31 @@ fn without_noise_materials_are_found_again() {
     }
 }
 
+#[test]
+fn what_cannot_be_measured_is_refused_by_name() {
+    let said = |change: fn(&mut Material)| {
+        let mut material = preset("blue");
+        change(&mut material);
+        Laboratory::thesis().measure(&material, 1).expect_err("refused").to_string()
+    };
+    assert!(said(|material| material.states[0].decay = 0.0).starts_with("blue: sends no light"));
+    assert!(said(|material| material.states[0].emission = vec![0.0; 8]).starts_with("blue: sends no light"));
+    assert!(said(|material| material.bands = Bands::Rgb).starts_with("blue: described in RGB"));
+}
+
+/// What the camera does not see of a material is not known of it, however certain the rest is.
+#[test]
+fn what_is_not_seen_is_not_known() {
+    let mut measurement = Laboratory::thesis().measure(&preset("blue"), 1).expect("a measurement");
+    measurement.sensor.iter_mut().for_each(|channel| channel[4] = 0.0);
+    let fit = Fit::new("blue", &measurement, 1).expect("a fit");
+    for Estimate { parameter, interval: [low, high], .. } in &fit.estimates {
+        let is_known = *parameter != Parameter::Emission(4);
+        assert_eq!(high.is_finite(), is_known, "{parameter:?}: {low} to {high}");
+        assert!(is_known || *low == 0.0, "{low}");
+    }
+}
+
 /// The delay until the shutter opens counts: taken for none, rates of excitation come out too small.
 #[test]
 fn delays_that_are_left_out_are_found_out() {

@@ -1,9 +1,12 @@
 //! Spectra of the lamps that the thesis excites materials with (Figure 8.3), and of two more.
 
-use super::Axis;
+use super::{Axis, Bands};
+use deepshade_shaders::colour::luminance;
+use serde::{Deserialize, Serialize};
 
 /// A source of light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Light {
     /// A halogen lamp: a black body of 3200 K.
     Halogen,
@@ -66,6 +69,18 @@ impl Light {
         };
         let mean = power.iter().sum::<f64>() / axis.count as f64;
         power.into_iter().map(|power| power / mean).collect()
+    }
+
+    /// Its light in such bands, of luminance 1.
+    pub fn of_luminance_one(self, bands: Bands) -> Vec<f64> {
+        let spectrum = self.spectrum(Axis::EIGHT);
+        let colour = Bands::Eight.linear_srgb(&spectrum);
+        let luminance = f64::from(luminance(colour.map(|part| part as f32)));
+        let light = match bands {
+            Bands::Rgb => colour.to_vec(),
+            Bands::Eight => spectrum,
+        };
+        light.into_iter().map(|part| part / luminance).collect()
     }
 }
 

@@ -4,6 +4,7 @@ use super::{Glow, Schedule, Start};
 use crate::phosphor::material::Material;
 use crate::phosphor::material::file::{FileError, MaterialFile};
 use crate::phosphor::paint::Paint;
+use crate::phosphor::spectrum::lights::Light;
 use crate::scene::{Density, Medium, Scene};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -56,6 +57,9 @@ pub struct GlowFile {
     /// Own materials beside the presets, from here on.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub materials: Option<PathBuf>,
+    /// The spectrum of all lamps, whose colours in the scene then say how bright they are and no more.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spectrum: Option<Light>,
     /// The paint of the medium.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub medium: Option<String>,
@@ -180,7 +184,8 @@ impl GlowFile {
         if self.surfaces.is_empty() && self.medium.is_none() {
             return Err("no surface glows, nor a medium".to_owned());
         }
-        let medium = self.medium.map(|paint| found(&paint, own, start)).transpose()?;
+        let found = |paint: &str| found(paint, own, start, self.spectrum);
+        let medium = self.medium.as_deref().map(found).transpose()?;
         let mut surfaces: Vec<(Option<String>, Paint)> = Vec::new();
         for WrittenSurface { material, paint } in self.surfaces {
             if surfaces.iter().any(|(name, _)| *name == material) {
@@ -189,14 +194,14 @@ impl GlowFile {
                     material.unwrap_or_else(|| "everything else".to_owned())
                 ));
             }
-            surfaces.push((material, found(&paint, own, start)?));
+            surfaces.push((material, found(&paint)?));
         }
         Ok(Glow { surfaces, medium, schedules: schedules(self.lamps)?, start, moment })
     }
 }
 
-/// The paint of that name, own ones first.
-fn found(name: &str, own: &[Material], start: Start) -> Result<Paint, String> {
+/// The paint of that name under lamps of such a spectrum, own ones first.
+fn found(name: &str, own: &[Material], start: Start, lamp: Option<Light>) -> Result<Paint, String> {
     let presets = MaterialFile::presets().materials;
     let material = own.iter().chain(&presets).find(|material| material.name == name).ok_or_else(|| {
         let known: Vec<&str> = own.iter().chain(&presets).map(|material| material.name.as_str()).collect();
@@ -207,7 +212,7 @@ fn found(name: &str, own: &[Material], start: Start) -> Result<Paint, String> {
             "how light excites {name} was never measured: it can only decay, from a `start` that is a number"
         ));
     }
-    Paint::new(material)
+    Paint::new(material, lamp)
 }
 
 /// All schedules, that of all other lamps last.

@@ -63,8 +63,8 @@ uniforms! {
         until: f32,
         /// Whether what it gives is added to the image (1).
         adds: u32,
-        /// Fills up.
-        padding: u32,
+        /// The first of the samples that are drawn.
+        first: u32,
     }
 
     /// The cells of a medium that keeps light.

@@ -75,7 +75,8 @@ fn look_back(@builtin(global_invocation_id) id: vec3u) {
         let tile = tiles[u32(at.x) - 1u];
         let place = place_of(tile_vertices(tile), vec3f(1.0 - at.y - at.z, at.yz));
         let past = whole_past();
-        let samples = bounded(settings.samples, id.xy);
+        // Of all samples those of this dispatch.
+        let samples = bounded(min(settings.samples - stretch.first, SAMPLES_AT_ONCE), id.xy);
         for (var s = 0u; s < STATES; s++) {
             let state = paints[tile.paint * STATES + s];
             let decay = state.rates.w;
@@ -86,14 +87,14 @@ fn look_back(@builtin(global_invocation_id) id: vec3u) {
             let within = progress(exponent(decay, past));
             var charges = 0.0;
             for (var i = 0u; i < samples; i++) {
-                let number = random(id.xy, settings.seed, i * STATES + s);
+                let number = random(id.xy, settings.seed, (stretch.first + i) * STATES + s);
                 let ago = exponent_of(number * within) / decay;
                 if ago >= stretch.since && ago < stretch.until {
                     charges += charge_of(state, irradiance_in(piece_at(ago), place));
                 }
             }
             let at_first = state.emission.w * exp(-exponent(decay, past));
-            let share = charges / f32(samples) * within / decay + select(at_first, 0.0, stretch.adds == 1u);
+            let share = charges / f32(settings.samples) * within / decay + select(at_first, 0.0, stretch.adds == 1u);
             sent += state.emission.rgb * share;
         }
     }

@@ -53,9 +53,12 @@ fn shine(@builtin(global_invocation_id) id: vec3u) {
     var sum = vec3f(0.0);
     for (var i = 0u; i < STEPS; i++) {
         let point = view.eye.xyz + direction * (span.x + (f32(i) + 0.5) * step);
-        let left = exp(-extinction * (density_inside(point) * step));
-        sum += passes * (1.0 - left) * sent_at(point);
-        passes *= left;
+        // Behind more than that nothing is seen.
+        let depth = min(extinction * (density_inside(point) * step), vec3f(80.0));
+        // Without loss where little is hidden.
+        let hidden = depth * mean_decay(depth);
+        sum += passes * hidden * sent_at(point);
+        passes *= 1.0 - hidden;
     }
     for (var c = 0u; c < 3u; c++) {
         let at = pixel + c * pixels;
