@@ -17,7 +17,7 @@ use anyhow::{Result, bail, ensure};
 use deepshade_dataset::TestSet;
 use deepshade_infer::Model;
 use deepshade_render::methods::Quality;
-use deepshade_render::methods::dials::Tuning;
+use deepshade_render::methods::dials::{Changes, Tuning};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, lists};
 use rivals::{Rival, rivals, trivial_name};
@@ -31,6 +31,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "Examples:\n  deepshade eval --model models/ao --json eval.json\n  \
     deepshade eval --effect gi --methods all --testset testsets/gi --json gi.json\n  \
     deepshade eval --effect ao --methods all --quality low,medium,high,ultra --curve ao.svg\n  \
+    deepshade eval --effect gi --methods lpv --set cells=32,iterations=8 --set cells=64,iterations=16 --testset testsets/gi\n  \
     deepshade eval --all --testsets testsets --json all.json --markdown all.md --page report\n\nTest sets are made by \
     `deepshade dataset testset`; that of a model that is shipped lies in its folder.")]
 pub struct Args {
@@ -43,6 +44,10 @@ pub struct Args {
     /// How much time analytic methods may take for a better image: one or several of low, medium, high, ultra.
     #[arg(long, value_delimiter = ',', default_value = "high")]
     quality: Vec<Quality>,
+    /// What of the methods is set otherwise than their quality has it, NAME=VALUE,NAME=VALUE; `deepshade methods` lists what can
+    /// be. Several times for several ways, each of which is evaluated.
+    #[arg(long, value_parser = changes)]
+    set: Vec<Changes>,
     /// Folder or address of the network; by default models/EFFECT, and models/ao without --effect.
     #[arg(long)]
     model: Option<Place>,
@@ -50,7 +55,7 @@ pub struct Args {
     #[arg(long)]
     testset: Option<Place>,
     /// All networks of the folder `models` that have a test set, beside the figures of the paper's Table 7.1.
-    #[arg(long, conflicts_with_all = ["effect", "methods", "model", "testset", "curve"])]
+    #[arg(long, conflicts_with_all = ["effect", "methods", "set", "model", "testset", "curve"])]
     all: bool,
     /// Folder with a test set for each network, under its name; by default the one in the network's folder.
     #[arg(long, requires = "all")]
@@ -74,6 +79,15 @@ pub struct Args {
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
+}
+
+/// What is set by hand, as the command line says it.
+fn changes(text: &str) -> Result<Changes, String> {
+    let one = |part: &str| {
+        let (name, value) = part.split_once('=').ok_or_else(|| format!("`{part}` is not NAME=VALUE"))?;
+        Ok((name.trim().to_owned(), value.trim().into()))
+    };
+    Ok(Changes(text.split(',').map(one).collect::<Result<_, String>>()?))
 }
 
 /// Who is evaluated, and on what.
@@ -155,7 +169,10 @@ fn judge(contest: &Contest, args: &Args, gpu: &Gpu) -> Result<Judgement> {
     qualities.sort_unstable();
     qualities.dedup();
     let model = network.as_ref().map(|(_, model)| model);
-    let tunings: Vec<Tuning> = qualities.into_iter().map(Tuning::from).collect();
+    let usual = [Changes::default()];
+    let ways = if args.set.is_empty() { &usual[..] } else { &args.set };
+    let tuned = |quality| ways.iter().map(move |changes| Tuning { quality, changes: changes.clone() });
+    let tunings: Vec<Tuning> = qualities.into_iter().flat_map(tuned).collect();
     let mut rivals = rivals(*effect, &args.methods, &tunings, gpu, model)?;
     let fog = set.recipe().vary.as_ref().and_then(|vary| vary.fog);
     if fog.is_some_and(|fog| fog.smoke_share > 0.0) {
@@ -211,7 +228,7 @@ fn table(
     devices: &BTreeMap<String, String>,
 ) -> String {
     let head = ["method", "quality", "SSIM", "PSNR (dB)", "FLIP", "relMSE", "bias", "ms", "on"];
-    let row = |name: &str, method: &str, quality: Option<Quality>| {
+    let row = |name: &str, method: &str, quality: String| {
         let found = |metric: &str| estimates.get(format!("{metric}_{name}").as_str());
         let interval = |metric: &str| found(metric).map_or(String::new(), Estimate::to_string);
         let number = |metric: &str, digits: usize| {
@@ -219,7 +236,7 @@ fn table(
         };
         vec![
             method.to_owned(),
-            quality.map_or("", Quality::name).to_owned(),
+            quality,
             interval("ssim"),
             interval("psnr"),
             interval("flip"),
@@ -229,8 +246,12 @@ fn table(
             devices.get(name).cloned().unwrap_or_default(),
         ]
     };
-    let methods = rivals.iter().map(|rival| row(&rival.name, rival.method_name, rival.quality));
-    let others = [trivial_name(effect), "ceiling"].map(|name| row(name, name, None));
+    let tuned = |rival: &Rival| {
+        let quality = rival.quality.map_or("", Quality::name);
+        [quality, &rival.changes.to_string()].join(" ").trim().to_owned()
+    };
+    let methods = rivals.iter().map(|rival| row(&rival.name, rival.method_name, tuned(rival)));
+    let others = [trivial_name(effect), "ceiling"].map(|name| row(name, name, String::new()));
     let rows: Vec<_> = [head.map(str::to_owned).to_vec()].into_iter().chain(methods).chain(others).collect();
     table::aligned(&rows)
 }

@@ -5,7 +5,7 @@ use anyhow::{Result, ensure};
 use deepshade_infer::Model;
 use deepshade_render::method::Method;
 use deepshade_render::methods::Quality;
-use deepshade_render::methods::dials::Tuning;
+use deepshade_render::methods::dials::{Changes, Tuning};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
 
@@ -18,6 +18,8 @@ pub struct Rival {
     pub method_name: &'static str,
     /// Of those that have one.
     pub quality: Option<Quality>,
+    /// What of it is set by hand.
+    pub changes: Changes,
     /// What is evaluated.
     pub method: Box<dyn Method>,
 }
@@ -59,6 +61,7 @@ pub fn rivals(
                     name,
                     method_name,
                     quality: by_quality.then_some(tuning.quality),
+                    changes: tuning.changes.clone(),
                     method,
                 });
             }
@@ -115,11 +118,12 @@ pub fn trivial_image(effect: Effect, gbuffer: &GBuffer) -> Planes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deepshade_render::methods::dials::Changes;
 
     #[test]
     fn names_in_figures_say_what_is_not_by_default() {
-        let changes = Changes([("blur.radius".to_owned(), 2.0), ("slices.thickness".to_owned(), 0.5)].into());
+        let changes = Changes(
+            [("blur.radius".to_owned(), 2.0.into()), ("slices.thickness".to_owned(), 0.5.into())].into(),
+        );
         let tuned = |quality, changes: &Changes| {
             tuned_name("bounced-z", &Tuning { quality, changes: changes.clone() })
         };

@@ -3,7 +3,8 @@
 use super::lattice::LINKS;
 use super::propagation::{Field, Light, Volume};
 use super::{Flight, LightGrid, Scheme};
-use glam::{IVec3, Vec3, Vec4, Vec4Swizzles};
+use glam::{DVec3, IVec3, Vec3, Vec4, Vec4Swizzles};
+use rayon::prelude::*;
 
 /// Cells of one metre, all alike, with nothing between them.
 pub fn alike(scheme: Scheme, size: IVec3, flight: Flight) -> Volume {
@@ -41,17 +42,70 @@ pub fn around_a_point(
     (volume, field)
 }
 
-/// Mean squared distance of collisions from a point source over `2 l^2 / (1 - albedo)`, which it is in an infinite
-/// medium; the mean free path `l` in cells.
+/// Mean squared distance of collisions from a point source over that of exponential flights in a cube of the same size, which
+/// is `2 l^2 / (1 - albedo)` where the cube is large; the mean free path `l` in cells.
 pub fn moment_ratio(scheme: Scheme, path: f32, albedo: f32, half: i32) -> f64 {
-    let (volume, field) = around_a_point(scheme, [1.0 / path, albedo], half, 3 * half as usize);
+    let (volume, field) = around_a_point(scheme, [1.0 / path, albedo], half, 4 * half as usize);
     let (mut all, mut second) = (0.0, 0.0);
     for (index, shown) in field.shown.by_medium.iter().enumerate() {
         let squared = (volume.grid.at(index) - half).as_dvec3().length_squared();
         all += f64::from(shown[0].w);
         second += f64::from(shown[0].w) * squared;
     }
-    second / all / f64::from(2.0 * path * path / (1.0 - albedo))
+    second / all / walked(f64::from(path), f64::from(albedo), f64::from(half) + 0.5)
+}
+
+/// Photons of [`walked`].
+const PHOTONS: usize = 1_000_000;
+
+/// Mean squared distance of collisions from a source in the middle of a cube of such half edges, beyond which nothing comes back,
+/// by exponential flights in all directions; the mean free path and edges in one unit.
+pub fn walked(path: f64, albedo: f64, half: f64) -> f64 {
+    let walk = |seed: u64| -> [f64; 2] {
+        let mut random = Xorshift::new(seed);
+        let mut sums = [0.0; 2];
+        for _ in 0..PHOTONS / BATCHES as usize {
+            let (mut at, mut weight) = (DVec3::ZERO, 1.0);
+            while weight > LEAST_WEIGHT {
+                let (z, angle) = (2.0 * random.number() - 1.0, std::f64::consts::TAU * random.number());
+                let across = (1.0 - z * z).sqrt();
+                let way = DVec3::new(across * angle.cos(), across * angle.sin(), z);
+                at -= way * (path * (1.0 - random.number()).ln());
+                if at.abs().max_element() > half {
+                    break;
+                }
+                sums = [sums[0] + weight, sums[1] + weight * at.length_squared()];
+                weight *= albedo;
+            }
+        }
+        sums
+    };
+    let batches: Vec<[f64; 2]> = (1..=BATCHES).into_par_iter().map(walk).collect();
+    let sum = |of: usize| batches.iter().map(|sums| sums[of]).sum::<f64>();
+    sum(1) / sum(0)
+}
+
+/// Batches of photons, each with random numbers of its own.
+const BATCHES: u64 = 64;
+/// Photons of less weight end.
+const LEAST_WEIGHT: f64 = 1e-4;
+
+/// Random numbers (Marsaglia 2003), the same on every machine.
+pub struct Xorshift(u64);
+
+impl Xorshift {
+    /// Those of a seed.
+    pub const fn new(seed: u64) -> Self {
+        Self(0x2545_f491_4f6c_dd1d ^ seed.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+    }
+
+    /// The next, from 0 to below 1.
+    pub fn number(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
 }
 
 /// Largest share of its energy that light loses in an iteration where nothing is absorbed, before any leaves the grid.

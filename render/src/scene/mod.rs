@@ -211,6 +211,11 @@ impl Scene {
         self.meshes.iter().any(|mesh| self.material(mesh.material).emission.max_element() > 0.0)
     }
 
+    /// Whether any of its surface keeps light.
+    pub fn keeps_light(&self) -> bool {
+        self.glow.as_deref().is_some_and(|glow| !glow.surfaces.is_empty())
+    }
+
     /// Takes out triangles without an area, which have no normal, and meshes that lose all of theirs.
     fn drop_degenerate_triangles(&mut self) {
         for mesh in &mut self.meshes {

@@ -40,6 +40,11 @@ pub fn ending(
     (lit == Some(Lit::Kept)).then(|| kept::in_watts(device, world, image)).transpose()
 }
 
+/// The constant that says in which unit surfels send what they kept.
+pub fn kept_unit(world: &World) -> (&'static str, u32) {
+    kept::unit(world.glow.glow())
+}
+
 /// The passes that write what a cloud's surfels send, `[surfels, 2]` u32.
 ///
 /// # Errors

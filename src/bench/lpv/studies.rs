@@ -7,9 +7,8 @@ use deepshade_render::lpv::bands::{Bands, Ringing, ringing};
 use deepshade_render::lpv::flight::Factors;
 use deepshade_render::lpv::studies::{energy_loss, flux_by_direction, moment_ratio, over_monopole};
 
-/// Mean free paths, cells, and half of the cells of a grid that is large enough for each; the last takes as long as all
-/// others together.
-const PATHS: [(f32, i32); 4] = [(0.5, 12), (1.0, 14), (2.0, 18), (4.0, 22)];
+/// Mean free paths, cells, and half of the cells of the cube that is looked at.
+const PATHS: [(f32, i32); 4] = [(0.5, 12), (1.0, 14), (2.0, 18), (4.0, 20)];
 const ALBEDOS: [f32; 2] = [0.5, 0.9];
 /// Half of the cells of a grid in which light goes without a medium.
 const HALF: i32 = 15;
@@ -37,17 +36,14 @@ pub struct Studies {
 }
 
 impl Studies {
-    /// Measures, also where a mean free path is long if `full`.
-    pub fn new(full: bool) -> Self {
-        let paths = if full { &PATHS[..] } else { &PATHS[..3] };
+    /// Measures.
+    pub fn new() -> Self {
         let moment = |scheme: (Scheme, _), albedo, (path, half)| {
             let ratio = moment_ratio(scheme.0, path, albedo, half);
             Moment { scheme, path, albedo, ratio }
         };
         let of = |scheme| {
-            ALBEDOS
-                .into_iter()
-                .flat_map(move |albedo| paths.iter().map(move |path| moment(scheme, albedo, *path)))
+            ALBEDOS.into_iter().flat_map(move |albedo| PATHS.map(|path| moment(scheme, albedo, path)))
         };
         let error = |(_, ratio): (f64, f64)| (ratio - 1.0).abs();
         let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
@@ -95,7 +91,7 @@ impl Studies {
         Plot {
             x: "mean free path, cells",
             is_logarithmic: true,
-            y: "over that in an infinite medium",
+            y: "over that of exponential flights",
             lines: lines.collect(),
             level: Some(("right", 1.0)),
         }
