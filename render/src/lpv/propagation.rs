@@ -4,7 +4,7 @@
 //! light that met no medium yet by how often surfaces have reflected it, and light that was scattered.
 //!
 //! Light goes on as one pulse, whose iterations are summed up, or is [steady](Kinds::is_steady): what sends it goes on sending it.
-//! In two bands both are the same. Other lobes depend on all light in a cell: where pulses of all walls of a room cross in its
+//! In two bands both are handed on alike. Other lobes depend on all light in a cell: where pulses of all walls of a room cross in its
 //! middle they become one without a direction, and stay; steady light is even there, but much light drags along the little that
 //! comes against it, so that surfaces beside bright ones get too little.
 
@@ -274,17 +274,8 @@ impl Field {
         self.is_fresh = false;
         let colours = |cell: usize| [0, 1, 2].map(|colour| self.arriving(volume, &again, cell, colour));
         let arrived: Vec<[Arriving; 3]> = (0..cells).into_par_iter().map(colours).collect();
-        if let Some(Steady { source, halfway }) = &self.steady {
-            for (cell, arrived) in arrived.iter().enumerate() {
-                // What arrives at the border of a finer volume is the coarser one's.
-                let on = if self.is_at_border(volume, cell) { 0.0 } else { 1.0 };
-                let light = |colour: usize| source[cell][colour] + on * arrived[colour].kinds[0];
-                self.lobes[0][cell] = [0, 1, 2].map(|colour| self.scheme.lobes.of(light(colour)));
-                let shown: Light = std::array::from_fn(|c| halfway[cell][c] + arrived[c].by_medium);
-                self.shown.by_medium[cell] = shown;
-                self.shown.by_surfaces[cell] = shown;
-                self.shown.first[cell] = shown;
-            }
+        if let Some(steady) = &self.steady {
+            (self.lobes[0], self.shown) = self.steadied(volume, steady, &arrived);
             return;
         }
         for (kind, lobes) in self.lobes.iter_mut().enumerate() {
@@ -303,6 +294,23 @@ impl Field {
                 self.shown.first[cell][colour] += of.first;
             }
         }
+    }
+
+    /// Lobes of steady light, and what is shown of it, by what has arrived.
+    fn steadied(&self, volume: &Volume, steady: &Steady, arrived: &[[Arriving; 3]]) -> (Vec<Light>, Shown) {
+        let lobes = |cell: usize| {
+            // What arrives at the border of a finer volume is the coarser one's.
+            let on = if self.is_at_border(volume, cell) { 0.0 } else { 1.0 };
+            let light = |colour: usize| steady.source[cell][colour] + on * arrived[cell][colour].kinds[0];
+            [0, 1, 2].map(|colour| self.scheme.lobes.of(light(colour)))
+        };
+        let shown = |cell: usize| -> Light {
+            std::array::from_fn(|colour| steady.halfway[cell][colour] + arrived[cell][colour].by_medium)
+        };
+        let cells = arrived.len();
+        let lobes = (0..cells).into_par_iter().map(lobes).collect();
+        let shown: Vec<Light> = (0..cells).into_par_iter().map(shown).collect();
+        (lobes, Shown { by_medium: shown.clone(), by_surfaces: shown.clone(), first: shown })
     }
 
     /// What arrives in a cell of one colour.

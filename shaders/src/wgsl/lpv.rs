@@ -50,8 +50,8 @@ table! {
                 "lpv_reflectance", "lpv_part"];
     /// One iteration.
     LPV_PROPAGATE: "lpv.propagate", file "methods/lpv/propagate",
-        constants [UNSCATTERED = 2, SCATTERED = 1, STEADY = 1, FACTORS = 0, LOBES = 0, BORDERS = 1, FIRST = 1, NESTED = 1,
-                   SIMILAR = 1],
+        constants [UNSCATTERED = 2, SCATTERED = 1, STEADY = 1, SHOWS = 1, FACTORS = 0, LOBES = 0, BORDERS = 1, FIRST = 1,
+                   NESTED = 1, SIMILAR = 1],
         uniforms [LightGrid, MediumRecord, Iteration, Propagation],
         shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "lpv_medium",
                 "lpv_reflectance"];

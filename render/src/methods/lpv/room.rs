@@ -230,17 +230,23 @@ impl Room {
         let borders = ("BORDERS", u32::from(borders));
         let own = [borders, self.first(), nested, self.similar(), self.steady()];
         let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
-        let shader = wgsl::LPV_PROPAGATE.specialised(&constants);
-        let pass = Pass::new(device, wgsl::LPV_PROPAGATE.name, &shader)?;
+        let compiled = |shows: bool| {
+            let constants = [&constants[..], &[("SHOWS", u32::from(shows))]].concat();
+            Pass::new(device, wgsl::LPV_PROPAGATE.name, &wgsl::LPV_PROPAGATE.specialised(&constants))
+        };
+        let showing = compiled(true)?;
+        // Of steady light the last iteration alone is shown.
+        let hidden = self.kinds.is_steady.then(|| compiled(false)).transpose()?;
         let step = |iteration: usize| {
-            let number = uniforms::Iteration { number: iteration as u32, count: iterations as u32 };
+            let pass = hidden.as_ref().filter(|_| iteration + 1 < iterations).unwrap_or(&showing);
+            let number = uniforms::Iteration { number: iteration as u32 };
             let number = gpu::uniform(device, "lpv.iteration", &number)?;
             let [from, to] = [iteration % 2, 1 - iteration % 2].map(|i| &self.states[i]);
             let reads = [&self.record, &world.medium.record, &self.links, &self.media, from];
             let others = [(7, &number), (8, reach), (9, &self.source)];
             let reads: Vec<_> = (0..).zip(reads).chain(others).collect();
             let writes = [(5, to), (6, &self.shown)];
-            MethodStep::bind_at(device, &pass, self.groups.clone(), &reads, &writes)
+            MethodStep::bind_at(device, pass, self.groups.clone(), &reads, &writes)
         };
         (0..iterations).map(step).collect()
     }

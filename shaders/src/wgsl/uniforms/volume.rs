@@ -123,8 +123,6 @@ uniforms! {
     Iteration {
         /// Its number, from 0.
         number: u32,
-        /// How many there are.
-        count: u32,
     }
 
     /// How far light is propagated.

@@ -234,12 +234,11 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
         next[again_index(cell)] = vec4f(again * media[3u * cell + 1u].rgb, 0.0);
     }
     // Of steady light the last iteration shows all.
-    if STEADY == 1u && iteration.number + 1u < iteration.count {
-        return;
-    }
-    for (var plane = 0u; plane <= SCATTERED + FIRST; plane++) {
-        for (var c = 0u; c < 3u; c++) {
-            shown[(3u * plane + c) * cells + cell] += vec4f(seen[plane].flux[c], seen[plane].energy[c]);
+    if SHOWS == 1u {
+        for (var plane = 0u; plane <= SCATTERED + FIRST; plane++) {
+            for (var c = 0u; c < 3u; c++) {
+                shown[(3u * plane + c) * cells + cell] += vec4f(seen[plane].flux[c], seen[plane].energy[c]);
+            }
         }
     }
 }
