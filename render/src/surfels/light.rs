@@ -67,10 +67,10 @@ pub fn steps(
         Lit::Received => (&wgsl::SURFELS_RECEIVED, vec![count]),
     };
     let pass = Pass::new(device, shader.name, &shader.specialised(&constants))?;
-    let Lights { records, map_views, pictures, .. } = &world.gpu_lights;
+    let Lights { shining, map_views, pictures, .. } = &world.gpu_lights;
     let Cloud { patches, starts, totals, surfels, .. } = cloud;
     let sampler = shadow_sampler(device);
-    let buffers = [view, patches, starts, totals, surfels, records, map_views, pictures];
+    let buffers = [view, patches, starts, totals, surfels, shining, map_views, pictures];
     let mut resources: Vec<_> = buffers.map(|buffer| buffer.as_entire_binding()).into();
     resources.extend([
         wgpu::BindingResource::TextureView(&world.shadows.maps),

@@ -243,7 +243,7 @@ pub fn lit(scene: &TracedScene, disks: Vec<Disk>, camera: &Camera, lit: Lit) -> 
     let light = |disk: Disk| {
         let (point, normal) = (camera.position + camera.rotation * disk.place, camera.rotation * disk.normal);
         let mut received = [Vec3::ZERO; 2];
-        for light in &scene.scene().lights {
+        for light in scene.scene().shining_lights() {
             let Arrival { direction, distance, irradiance } = Arrival::new(scene.scene(), light, point);
             let cosine = normal.dot(direction);
             let passed = match &medium {

@@ -27,8 +27,7 @@
 //! surfaces send back light that comes to them, in the mean colour of those around a cell and the way that it came. Light
 //! outside the grid, which ends a cell beyond the scene, is lost. A medium with a preferred direction of scattering is
 //! replaced by a thinner one without, but for the last scattering towards the eye, where scattered light is followed; where light
-//! is wanted that met no medium (`fog-indirect`), all of it is there. Light that a medium itself kept does not light it, and lamps
-//! that a glowing scene has switched off light fog all the same.
+//! is wanted that met no medium (`fog-indirect`), all of it is there. Light that a medium itself kept does not light it.
 //! A medium of many mean free paths in a cell reflects light of other cells as it should ([`crate::lpv::flight`]), but for a
 //! thousandth of it that an iteration may add; what lamps and surfaces send into it is still far
 //! too much of hundreds of mean free paths.

@@ -189,7 +189,8 @@ impl Room {
         let own = [(0, &self.record), (1, &self.links), (7, &self.states[0]), (8, &self.media)];
         let own = own.into_iter().chain(emission.map(|emitted| (9, emitted)));
         let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
-        let bound = pass.bind_at(device, own.chain(single_scattering::bindings(world, &sampler)))?;
+        let lamps = single_scattering::bindings(world, &world.gpu_lights.shining, &sampler);
+        let bound = pass.bind_at(device, own.chain(lamps))?;
         let step = Step { pass: bound, workgroups: self.groups.clone() };
         Ok(MethodStep { step, writes: vec![self.states[0].clone()] })
     }
