@@ -178,8 +178,11 @@ fn finer_grids_light_as_the_plain_version_has_it() {
     let nested = Parameters { cascades: 2, ..FEW };
     prove_twin(&LightVolume::new(&gpu, nested).expect("valid shaders"), &with_colours(corner()), TOLERANCE);
     let multiple = MultipleScattering::new(&gpu, Multiple(nested)).expect("valid shaders");
-    let foggy = foggy().into_iter().map(with_colours);
-    foggy.for_each(|frame| prove_twin(&multiple, &frame, OF_MEDIUM));
+    let indirect = IndirectScattering::new(&gpu, nested.into()).expect("valid shaders");
+    for frame in foggy().into_iter().map(with_colours) {
+        prove_twin(&multiple, &frame, OF_MEDIUM);
+        prove_twin(&indirect, &frame, OF_MEDIUM);
+    }
 }
 
 #[test]
@@ -215,7 +218,7 @@ fn a_finer_grid_knows_light_beside_its_border() {
 }
 
 /// A room with a lamp in fog with a preferred direction of scattering: what is scattered nearly ahead is scattered all the same.
-/// Light goes about in cells for longer than it does, so that what it leaves in the fog is too bright, but alike.
+/// What surfaces throw into the fog is steady light, which does not gather in the middle as pulses do.
 #[test]
 fn fog_in_a_room_is_about_as_bright_as_truth_has_it_whichever_way_it_scatters() {
     let parameters = Parameters { cells: 16, iterations: 64, ..FEW };
