@@ -83,11 +83,34 @@ pub struct Args {
 
 /// What is set by hand, as the command line says it.
 fn changes(text: &str) -> Result<Changes, String> {
-    let one = |part: &str| {
+    let mut changes = Changes::default();
+    for part in text.split(',') {
         let (name, value) = part.split_once('=').ok_or_else(|| format!("`{part}` is not NAME=VALUE"))?;
-        Ok((name.trim().to_owned(), value.trim().into()))
-    };
-    Ok(Changes(text.split(',').map(one).collect::<Result<_, String>>()?))
+        let name = name.trim();
+        if changes.0.insert(name.to_owned(), value.trim().into()).is_some() {
+            return Err(format!("`{name}` is set twice"));
+        }
+    }
+    Ok(changes)
+}
+
+/// Each quality with each of what is set, or as it is: all once, however often they are asked for.
+fn tunings(qualities: &[Quality], set: &[Changes]) -> Vec<Tuning> {
+    let mut qualities = qualities.to_vec();
+    qualities.sort_unstable();
+    qualities.dedup();
+    let usual = [Changes::default()];
+    let ways = if set.is_empty() { &usual[..] } else { set };
+    let mut tunings: Vec<Tuning> = Vec::new();
+    for quality in qualities {
+        for changes in ways {
+            let tuning = Tuning { quality, changes: changes.clone() };
+            if !tunings.contains(&tuning) {
+                tunings.push(tuning);
+            }
+        }
+    }
+    tunings
 }
 
 /// Who is evaluated, and on what.
@@ -165,14 +188,8 @@ fn target(set: &TestSet) -> &str {
 /// Runs the methods on the frames that the command line asks for.
 fn judge(contest: &Contest, args: &Args, gpu: &Gpu) -> Result<Judgement> {
     let Contest { effect, network, set } = contest;
-    let mut qualities = args.quality.clone();
-    qualities.sort_unstable();
-    qualities.dedup();
     let model = network.as_ref().map(|(_, model)| model);
-    let usual = [Changes::default()];
-    let ways = if args.set.is_empty() { &usual[..] } else { &args.set };
-    let tuned = |quality| ways.iter().map(move |changes| Tuning { quality, changes: changes.clone() });
-    let tunings: Vec<Tuning> = qualities.into_iter().flat_map(tuned).collect();
+    let tunings = tunings(&args.quality, &args.set);
     let mut rivals = rivals(*effect, &args.methods, &tunings, gpu, model)?;
     let fog = set.recipe().vary.as_ref().and_then(|vary| vary.fog);
     if fog.is_some_and(|fog| fog.smoke_share > 0.0) {
@@ -254,4 +271,26 @@ fn table(
     let others = [trivial_name(effect), "ceiling"].map(|name| row(name, name, String::new()));
     let rows: Vec<_> = [head.map(str::to_owned).to_vec()].into_iter().chain(methods).chain(others).collect();
     table::aligned(&rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_set_is_read_and_each_way_is_taken_once() {
+        let [few, same, many] =
+            ["cells=32, scheme.lobes=two-bands", "scheme.lobes=two-bands,cells=32.0", "cells=64"]
+                .map(|text| changes(text).expect(text));
+        assert_eq!(few.to_string(), "cells 32, scheme.lobes two-bands");
+        assert_eq!(changes("jitter=false"), changes("jitter=0"));
+        let refused = |text: &str| changes(text).expect_err(text);
+        assert_eq!(refused("cells=32,cells=64"), "`cells` is set twice");
+        assert_eq!(refused("cells"), "`cells` is not NAME=VALUE");
+        let all = tunings(&[Quality::High, Quality::Low, Quality::High], &[few.clone(), same, many.clone()]);
+        let tuned = |quality, changes: &Changes| Tuning { quality, changes: changes.clone() };
+        let [low, high] = [Quality::Low, Quality::High];
+        assert_eq!(all, [tuned(low, &few), tuned(low, &many), tuned(high, &few), tuned(high, &many)]);
+        assert_eq!(tunings(&[high], &[]), [Tuning::from(high)]);
+    }
 }

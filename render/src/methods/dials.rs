@@ -92,10 +92,12 @@ impl From<f64> for Setting {
     }
 }
 
-/// A number where it is one, else a name.
+/// A number where it is one, or what a switch is, else a name.
 impl From<&str> for Setting {
     fn from(text: &str) -> Self {
-        text.parse().map_or_else(|_| Self::Name(text.to_owned()), Self::Number)
+        let switch = |on: bool| Self::Number(f64::from(u8::from(on)));
+        let number = |_| text.parse::<f64>().map(Self::Number);
+        text.parse::<bool>().map(switch).or_else(number).unwrap_or_else(|_| Self::Name(text.to_owned()))
     }
 }
 
@@ -399,6 +401,18 @@ mod tests {
         assert_eq!(parameters, usual);
         let still: ray_march::Parameters = changed(r#"{ "jitter": false }"#).parameters().expect("a switch");
         assert_eq!(still, ray_march::Parameters { jitter: false, ..ray_march::Parameters::of(Quality::Low) });
+    }
+
+    #[test]
+    fn text_is_a_number_a_switch_or_a_name() {
+        for (text, number) in [("0.5", 0.5), ("-3", -3.0), ("true", 1.0), ("false", 0.0)] {
+            assert_eq!(Setting::from(text), Setting::Number(number), "{text}");
+        }
+        assert_eq!(Setting::from("two-bands"), Setting::Name("two-bands".to_owned()));
+        let changes = Changes([("jitter".to_owned(), "false".into())].into());
+        let still: ray_march::Parameters =
+            Tuning { quality: Quality::Low, changes }.parameters().expect("a switch");
+        assert!(!still.jitter && ray_march::Parameters::of(Quality::Low).jitter);
     }
 
     #[test]
