@@ -42,9 +42,11 @@ pub fn around_a_point(
     (volume, field)
 }
 
-/// Mean squared distance of collisions from a point source over that of exponential flights in a cube of the same size, which
-/// is `2 l^2 / (1 - albedo)` where the cube is large; the mean free path `l` in cells.
-pub fn moment_ratio(scheme: Scheme, path: f32, albedo: f32, half: i32) -> f64 {
+/// By how much collisions are too far from a point source, squared: over the mean free path `l`, in cells, that of exponential
+/// flights whose collisions have the mean squared distance measured, in a cube of the same size. Where the cube is large, that is
+/// the distance over `2 l^2 / (1 - albedo)`; where little light stays in it the distance itself tells next to nothing.
+pub fn moment_ratio(scheme: Scheme, path: f32, flights: &Flights, half: i32) -> f64 {
+    let albedo = flights.albedo as f32;
     let (volume, field) = around_a_point(scheme, [1.0 / path, albedo], half, 4 * half as usize);
     let (mut all, mut second) = (0.0, 0.0);
     for (index, shown) in field.shown.by_medium.iter().enumerate() {
@@ -52,43 +54,84 @@ pub fn moment_ratio(scheme: Scheme, path: f32, albedo: f32, half: i32) -> f64 {
         all += f64::from(shown[0].w);
         second += f64::from(shown[0].w) * squared;
     }
-    second / all / walked(f64::from(path), f64::from(albedo), f64::from(half) + 0.5)
+    (flights.path(second / all, f64::from(half) + 0.5) / f64::from(path)).powi(2)
 }
 
-/// Photons of [`walked`].
+/// Exponential flights in all directions from the middle of a cube, beyond which nothing comes back; the mean free path is 1.
+#[derive(Clone, Debug)]
+pub struct Flights {
+    /// What is left of light after a collision.
+    pub albedo: f64,
+    /// Of cubes of growing half edges, [`CUBES`] to a mean free path, the collisions in each: their weights, and these times squared
+    /// distances.
+    within: Vec<[f64; 2]>,
+}
+
+/// Photons that are followed.
 const PHOTONS: usize = 1_000_000;
-
-/// Mean squared distance of collisions from a source in the middle of a cube of such half edges, beyond which nothing comes back,
-/// by exponential flights in all directions; the mean free path and edges in one unit.
-pub fn walked(path: f64, albedo: f64, half: f64) -> f64 {
-    let walk = |seed: u64| -> [f64; 2] {
-        let mut random = Xorshift::new(seed);
-        let mut sums = [0.0; 2];
-        for _ in 0..PHOTONS / BATCHES as usize {
-            let (mut at, mut weight) = (DVec3::ZERO, 1.0);
-            while weight > LEAST_WEIGHT {
-                let (z, angle) = (2.0 * random.number() - 1.0, std::f64::consts::TAU * random.number());
-                let across = (1.0 - z * z).sqrt();
-                let way = DVec3::new(across * angle.cos(), across * angle.sin(), z);
-                at -= way * (path * (1.0 - random.number()).ln());
-                if at.abs().max_element() > half {
-                    break;
-                }
-                sums = [sums[0] + weight, sums[1] + weight * at.length_squared()];
-                weight *= albedo;
-            }
-        }
-        sums
-    };
-    let batches: Vec<[f64; 2]> = (1..=BATCHES).into_par_iter().map(walk).collect();
-    let sum = |of: usize| batches.iter().map(|sums| sums[of]).sum::<f64>();
-    sum(1) / sum(0)
-}
-
-/// Batches of photons, each with random numbers of its own.
+/// Batches of them, each with random numbers of its own.
 const BATCHES: u64 = 64;
 /// Photons of less weight end.
 const LEAST_WEIGHT: f64 = 1e-4;
+/// Cubes for each mean free path of their half edges.
+const CUBES: usize = 64;
+/// Half an edge of the largest cube, mean free paths.
+const LARGEST: usize = 128;
+
+impl Flights {
+    /// Follows photons.
+    pub fn new(albedo: f64) -> Self {
+        let batches: Vec<Vec<[f64; 2]>> =
+            (1..=BATCHES).into_par_iter().map(|seed| Self::batch(albedo, seed)).collect();
+        let sum = |of: &dyn Fn(&Vec<[f64; 2]>) -> f64| batches.iter().map(of).sum::<f64>();
+        let mut so_far = [0.0; 2];
+        let within = (0..CUBES * LARGEST).map(|cube| {
+            so_far = [0, 1].map(|i| so_far[i] + sum(&|batch| batch[cube][i]));
+            so_far
+        });
+        Self { albedo, within: within.collect() }
+    }
+
+    /// Collisions by the least cube that holds them and all before them.
+    fn batch(albedo: f64, seed: u64) -> Vec<[f64; 2]> {
+        let mut random = Xorshift::new(seed);
+        let mut by_cube = vec![[0.0; 2]; CUBES * LARGEST];
+        for _ in 0..PHOTONS / BATCHES as usize {
+            let (mut at, mut farthest, mut weight) = (DVec3::ZERO, 0.0f64, 1.0);
+            while weight > LEAST_WEIGHT {
+                let (z, angle) = (2.0 * random.number() - 1.0, std::f64::consts::TAU * random.number());
+                let across = (1.0 - z * z).sqrt();
+                at -=
+                    DVec3::new(across * angle.cos(), across * angle.sin(), z) * (1.0 - random.number()).ln();
+                farthest = farthest.max(at.abs().max_element());
+                let Some(sums) = by_cube.get_mut((farthest * CUBES as f64) as usize) else { break };
+                *sums = [sums[0] + weight, sums[1] + weight * at.length_squared()];
+                weight *= albedo;
+            }
+        }
+        by_cube
+    }
+
+    /// Mean squared distance of collisions from the middle of a cube of such half edges, of a mean free path in the same unit.
+    pub fn moment(&self, path: f64, half: f64) -> f64 {
+        // Sums are those at the far ends of cubes.
+        let at = (half / path * CUBES as f64 - 1.0).clamp(0.0, (self.within.len() - 1) as f64);
+        let (cube, part) = (at as usize, at.fract());
+        let next = self.within[(cube + 1).min(self.within.len() - 1)];
+        let [weight, squared] = [0, 1].map(|i| self.within[cube][i] * (1.0 - part) + next[i] * part);
+        path * path * squared / weight
+    }
+
+    /// The mean free path for which [`Self::moment`] is so much, up to half an edge of the cube.
+    pub fn path(&self, moment: f64, half: f64) -> f64 {
+        let (mut low, mut high) = (half / LARGEST as f64, half);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if self.moment(middle, half) < moment { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    }
+}
 
 /// Random numbers (Marsaglia 2003), the same on every machine.
 pub struct Xorshift(u64);
