@@ -16,7 +16,7 @@ use crate::arguments::Size;
 use crate::figures::{Figures, write_atomically};
 use crate::table;
 use alternatives::Alternatives;
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use cost::Costs;
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::gpu::{self, Gpu};
@@ -35,21 +35,23 @@ use subject::Subject;
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     deepshade bench lpv --json lpv.json --plot lpv.svg\n  \
-    deepshade bench lpv --only images --scene colonnade:1 --scene sponza.gltf --page figure-5 --json images.json\n  \
+    deepshade bench lpv --only images --scene drapery:1 --scene cave:1 --scene playground:1 --scene bridge:1 \
+    --scene sponza.gltf --scene CesiumMan.gltf --page figure-5 --json six.json\n  \
     deepshade bench lpv --scene sponza.gltf --full --json lpv.json\n\n\
     In the JSON file ms_STAGE and ms_STAGE_64 are of 32 and 64 cells along the scene and eight iterations, ratio_64_32 is of \
     propagation; bytes_ratio is what propagation reads and writes at least in a second over what a copy does. relmse_NAME is the \
     relative squared error against all light, path traced, of what the paper compares: shadow_map, plain, single, marched, sum, and \
-    ours in relmse_lpv and with the paper's factors, lobes and lookup in relmse_paper; relmse_multiple that of multiple scattering \
+    ours in relmse_lpv and with the paper's factors, lobes and lookup in relmse_paper; light that the medium scattered once is that of \
+    `gpu-epipolar`, but in relmse_lpv_traced_single and relmse_paper_traced_single, where it is path traced; relmse_multiple that of multiple scattering \
     alone, relmse_multiple_CELLS_ITERATIONS of grids of many sizes, relmse_multiple_nested of a grid of 32 cells with a finer one \
     around the camera, relmse_multiple_one_grid of one that takes as long; relmse_black of nothing. flip_NAME and brightness_NAME \
     are beside each, brightness_lit_NAME and brightness_dark_NAME where the lamp lights what is seen and where it does not, over \
-    truth's; of several scenes all are means. injection_error_WAY \
+    truth's; of several scenes all are means over those in which such a region is seen. injection_error_WAY \
     is the share of surfaces' light that surfels, or a reflective shadow map of so many texels along an edge, put into other cells \
     than one of 1536 does. energy_loss_iteration is the largest share of its energy that light loses in an \
-    iteration; moment_ratio_L_A the mean squared distance of collisions over what exponential flights make of it in a cube of the \
-    same size, L cells a mean free path and an albedo of A; moment_ratio_FACTORS_L_A by other factors; \
-    monopole_error how far fluence is from a monopole's beyond three mean free paths; flux_DIRECTION the flux of a point source \
+    iteration; moment_ratio_L_A the mean squared distance of collisions over that of exponential flights, whose mean free path is found \
+    by what they come to in a cube of the same size, L cells a mean free path and an albedo of A; moment_ratio_FACTORS_L_A by other \
+    factors; monopole_error_L_A how far fluence is from a monopole's beyond three mean free paths, monopole_error of 1 cell and 0.9; flux_DIRECTION the flux of a point source \
     without a medium along an axis, across an edge and across a corner over what it is where all directions are alike; \
     ringing_N_bands the share of light that is negative in N spherical harmonic bands by themselves. \
     flicker_WHAT is how far images are from the mean of those before and after as something moves, over their mean; leak_LOOKUP \
@@ -72,7 +74,7 @@ pub struct Args {
     /// Writes the images beside truth (PNG and EXR) and a page that shows them into this folder.
     #[arg(long)]
     page: Option<PathBuf>,
-    /// Writes the plot of collisions' distances against mean free paths here as SVG.
+    /// Writes the plot of collisions' distances, and of light far away, against mean free paths here as SVG.
     #[arg(long, value_parser = crate::arguments::svg_file)]
     plot: Option<PathBuf>,
     /// Writes the figures here as JSON.
@@ -123,7 +125,7 @@ impl Part {
             (Self::Leaks, _) => 10.0,
             (Self::Motion, false) => 120.0,
             (Self::Motion, true) => 600.0,
-            (Self::Propagation, _) => 90.0,
+            (Self::Propagation, _) => 120.0,
         }
     }
 }
@@ -142,13 +144,18 @@ const WAKING: Duration = Duration::from_millis(500);
 /// # Errors
 /// If the scene cannot be read, the device fails, or a file cannot be written.
 pub fn run(args: &Args) -> Result<()> {
+    let wanted = |part: &Part| args.only.is_empty() || args.only.contains(part);
+    ensure!(args.page.is_none() || wanted(&Part::Images), "--page shows images, which --only leaves out");
+    ensure!(
+        args.plot.is_none() || wanted(&Part::Propagation),
+        "--plot shows propagation, which --only leaves out"
+    );
     let page = args.page.as_deref().map(Page::new).transpose()?;
     let gpu = Gpu::new()?;
     let runs = args.runs.map_or(if gpu.is_software() { 1 } else { 20 }, usize::from);
     let scales = if args.full { [1.0, 0.25] } else { [0.25, 0.1] };
     let [size, small] = scales.map(|scale| PAPER.scaled(scale));
     gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
-    let wanted = |part: &Part| args.only.is_empty() || args.only.contains(part);
     let parts: Vec<Part> = Part::ALL.into_iter().filter(wanted).collect();
     let seconds = |part: &Part| (part.name(), part.seconds(args.scene.len(), args.full));
     let mut progress = Progress::new(parts.iter().map(seconds).collect());
@@ -197,7 +204,7 @@ pub fn run(args: &Args) -> Result<()> {
                 studies.set(&mut figures);
                 tables.push(studies.rows());
                 if let Some(path) = &args.plot {
-                    let plot = studies.plot().svg("Squared distance of collisions")?;
+                    let plot = studies.plot().svg("Squared distance of collisions, and light far away")?;
                     write_atomically(path, plot.as_bytes())?;
                 }
             }
@@ -217,4 +224,29 @@ pub fn run(args: &Args) -> Result<()> {
         say!("\n{}", table::aligned(&rows))?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser as _;
+
+    #[derive(clap::Parser)]
+    struct Line {
+        #[command(flatten)]
+        args: Args,
+    }
+
+    #[test]
+    fn files_of_parts_that_are_left_out_are_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let refused = |option: &str, name: &str, only: &str| {
+            let path = folder.path().join(name).display().to_string();
+            let line = Line::try_parse_from(["lpv", option, &path, "--only", only]).expect("options");
+            run(&line.args).expect_err("nothing would be written").to_string()
+        };
+        assert!(refused("--page", "page", "stages,leaks").contains("--only leaves out"));
+        assert!(refused("--plot", "plot.svg", "images").contains("--only leaves out"));
+        assert!(!folder.path().join("page").exists());
+    }
 }

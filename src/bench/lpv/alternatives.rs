@@ -45,8 +45,8 @@ fn less(image: &Planes, other: &Planes) -> Planes {
 }
 
 impl Alternatives {
-    /// Measures them against truth of so many samples a pixel. What is not of a light propagation volume is truth's own
-    /// in all of them.
+    /// Measures them against truth of so many samples a pixel. Light that the medium scatters once is that of the epipolar method,
+    /// and in rows of their own truth's; light that surfaces send straight to the camera is truth's in all of them.
     ///
     /// # Errors
     /// If the device fails, or the camera sees no light.
@@ -54,8 +54,9 @@ impl Alternatives {
         let truth = |effect, part| subject.truth(effect, part, samples);
         let all = truth(Effect::Path, Part::All);
         ensure!(all.data().iter().any(|value| *value > 0.0), "the camera sees no light");
-        let single = truth(Effect::FogDirect, Part::All);
-        let shadowed = less(&truth(Effect::Path, Part::Direct), &single);
+        let traced_single = truth(Effect::FogDirect, Part::All);
+        let shadowed = less(&truth(Effect::Path, Part::Direct), &traced_single);
+        let single = subject.single()?;
         let lit = subject.lit()?;
         let parameters = Parameters::of(Quality::High);
         let shown = |medium, surface| subject.indirect(parameters, Pixel { medium, surface });
@@ -63,18 +64,27 @@ impl Alternatives {
         let multiple = subject.multiple(parameters)?;
         let as_in_paper = Parameters { scheme: Scheme::PAPER, ..parameters };
         let paper = subject.multiple(as_in_paper)?;
+        let papers_indirect = subject.indirect(as_in_paper, Pixel { medium: true, surface: true })?;
+        let ours = |single| sum(&[&shadowed, single, &on_surfaces, &marched, &multiple]);
+        let papers = |single| sum(&[&shadowed, single, &papers_indirect, &paper]);
         let images = vec![
             ("shadow_map", sum(&[&shadowed])),
             ("plain", sum(&[&shadowed, &on_surfaces])),
             ("single", sum(&[&shadowed, &single])),
             ("marched", sum(&[&shadowed, &on_surfaces, &marched])),
             ("sum", sum(&[&shadowed, &single, &on_surfaces, &marched])),
-            ("lpv", sum(&[&shadowed, &single, &on_surfaces, &marched, &multiple])),
-            ("paper", sum(&[&shadowed, &single, &on_surfaces, &marched, &paper])),
+            ("lpv", ours(&single)),
+            ("paper", papers(&single)),
         ];
         let mut rows: Vec<Row> =
             images.iter().map(|(name, image)| Row::new(name, image, &all, &lit)).collect();
-        rows.push(Row::new("black", &less(&all, &all), &all, &lit));
+        for (name, image) in [
+            ("lpv_traced_single", ours(&traced_single)),
+            ("paper_traced_single", papers(&traced_single)),
+            ("black", less(&all, &all)),
+        ] {
+            rows.push(Row::new(name, &image, &all, &lit));
+        }
         let wanted = truth(Effect::FogMultiple, Part::All);
         let mut score = |name: &str, image: &Planes| rows.push(Row::new(name, image, &wanted, &lit));
         score("multiple", &multiple);
@@ -103,6 +113,17 @@ mod tests {
     use super::*;
     use crate::arguments::Size;
     use deepshade_shaders::gpu::Gpu;
+
+    #[test]
+    fn light_that_the_medium_scatters_once_is_as_bright_as_in_truth() {
+        let gpu = Gpu::new().expect("an adapter");
+        let source = "colonnade:1".parse().expect("a scene");
+        let subject = Subject::new(&gpu, &source, Size { width: 64, height: 36 }).expect("a frame");
+        let mean = |image: &Planes| image.data().iter().sum::<f32>();
+        let truth = subject.truth(Effect::FogDirect, Part::All, 256);
+        let brightness = mean(&subject.single().expect("an image")) / mean(&truth);
+        assert!((brightness - 1.0).abs() < 0.1, "{brightness}");
+    }
 
     /// Where the frame has no shadow maps, the lamp shines through vaults and columns, and there is three times as much.
     #[test]

@@ -2,9 +2,11 @@
 
 use super::alternatives::Alternatives;
 use super::scores::{self, Row};
+use crate::arguments;
 use crate::figures::write_atomically;
+use crate::methods::TRUTH;
 use crate::report::images::{shown, write_png};
-use anyhow::{Result, ensure};
+use anyhow::Result;
 use askama::Template;
 use deepshade_render::exr_file::{self, Layer, Metadata};
 use deepshade_render::metrics::{exposed, exposure};
@@ -20,15 +22,15 @@ const MAKER: &str = "deepshade bench lpv";
 const CAPTIONS: [(&str, &str); 8] = [
     ("shadow_map", "what the lamp lights alone"),
     ("plain", "with indirect light: plain light propagation volumes"),
-    ("single", "with light that the medium scattered once"),
+    ("single", "with light that the medium scattered once, by gpu-epipolar"),
     ("marched", "with indirect light on surfaces and in the medium"),
     ("sum", "the sum of these"),
     ("paper", "with multiple scattering, the paper's scheme"),
     ("lpv", "with multiple scattering, ours"),
-    ("truth", "all light, path traced"),
+    (TRUTH, "all light, path traced"),
 ];
 
-/// A folder that a page may be written to.
+/// A folder that is ready for a page.
 pub struct Page<'a>(&'a Path);
 
 #[derive(Template)]
@@ -48,14 +50,12 @@ struct Sight<'a> {
 }
 
 impl<'a> Page<'a> {
-    /// The page of a folder that is empty or holds an earlier one.
+    /// The page of a folder, as [`arguments::page_folder`] says.
     ///
     /// # Errors
-    /// If it holds something else.
+    /// As that.
     pub fn new(folder: &'a Path) -> Result<Self> {
-        let empty = std::fs::read_dir(folder).map_or(true, |mut entries| entries.next().is_none());
-        let ours = std::fs::read_to_string(folder.join(PAGE)).is_ok_and(|page| page.contains(MAKER));
-        ensure!(empty || ours, "{} holds something else: choose a new or an empty folder", folder.display());
+        arguments::page_folder(folder, PAGE, MAKER)?;
         Ok(Self(folder))
     }
 
@@ -85,15 +85,16 @@ impl<'a> Page<'a> {
         write_png(&path.with_extension("png"), &shown(&exposed(image, exposure)))?;
         let facts = [("scene", scene.to_owned()), ("exposure", exposure.to_string())];
         let facts: Metadata = facts.map(|(name, fact)| (name.to_owned(), fact)).into();
-        let layer = Layer::image(Effect::Path.name(), image);
+        let layer = Layer::image(Effect::Path.name(), image).in_full();
         Ok(exr_file::write(&path.with_extension("exr"), &[layer], &facts)?)
     }
 }
 
 impl Alternatives {
-    /// An image by its name in figures; any other is truth.
+    /// An image by its name in figures, or truth.
     fn image(&self, name: &str) -> &Planes {
-        self.images.iter().find(|(known, _)| *known == name).map_or(&self.truth, |(_, image)| image)
+        let known = self.images.iter().find(|(known, _)| *known == name).map(|(_, image)| image);
+        known.or_else(|| (name == TRUTH).then_some(&self.truth)).expect("all that have a caption are made")
     }
 }
 
@@ -105,23 +106,35 @@ mod tests {
     fn images_lie_beside_the_page_and_other_folders_are_refused() {
         let folder = tempfile::tempdir().expect("a folder");
         let planes = |value: f32| Planes::filled(3, 2, 4, value);
-        let names = ["shadow_map", "plain", "single", "marched", "sum", "lpv", "paper"];
-        let images = (1u8..).zip(names).map(|(i, name)| (name, planes(0.1 * f32::from(i)))).collect();
+        let values = [
+            ("shadow_map", 0.1),
+            ("plain", 0.2),
+            ("single", 0.3),
+            ("marched", 0.4),
+            // More than half floats hold.
+            ("sum", 1e5),
+            ("lpv", 0.6),
+            ("paper", 0.7),
+        ];
+        let images = values.map(|(name, value)| (name, planes(value))).into();
         let rows = vec![Row::new("lpv", &planes(0.6), &planes(0.8), &[true; 8])];
         let scene = Alternatives { truth: planes(0.8), images, rows };
         let page = Page::new(folder.path()).expect("an empty folder");
         page.write(&["hall <1>".to_owned()], std::slice::from_ref(&scene), &scene.rows).expect("files");
         let text = std::fs::read_to_string(folder.path().join(PAGE)).expect("a page");
         assert!(text.contains("hall &#60;1&#62;") && text.contains("0.750"), "{text}");
-        for (name, _) in CAPTIONS {
+        assert_eq!(CAPTIONS.len(), values.len() + 1);
+        for (name, value) in values.into_iter().chain([("truth", 0.8)]) {
             assert!(text.contains(&format!("1/{name}.png")), "{name}");
             let file = folder.path().join("1").join(name);
             let read = exr_file::read(&file.with_extension("exr")).expect("an image");
             let read = read.image(Effect::Path.name(), 3).expect("three planes");
-            let off = (read.data()[0] - scene.image(name).data()[0]).abs();
-            assert!(off < 1e-3 && file.with_extension("png").is_file(), "{name}: {off}");
+            assert!(read.data()[0] == value && file.with_extension("png").is_file(), "{name}");
         }
         assert!(Page::new(folder.path()).is_ok(), "it may be written anew");
         assert!(Page::new(&folder.path().join("1")).is_err(), "what is no page is left alone");
+        let page = folder.path().join(PAGE);
+        let error = Page::new(&page).err().expect("it is a file").to_string();
+        assert!(error.contains(PAGE) && page.is_file(), "{error}");
     }
 }

@@ -13,7 +13,8 @@ const SCORES: [(&str, &str); 5] = [
     ("brightness_dark", "where it does not"),
 ];
 
-/// An image's [`SCORES`]: relative squared error, FLIP, and mean over that of truth, of all and by region.
+/// An image's [`SCORES`]: relative squared error, FLIP, and mean over that of truth, of all and by region; not finite for a region of
+/// which nothing is seen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// What is shown.
@@ -42,18 +43,22 @@ impl Row {
         Self { name: name.to_owned(), scores }
     }
 
-    /// Its scores by the names of figures.
+    /// Its scores by the names of figures, of what is seen.
     pub fn figures(&self) -> impl Iterator<Item = (String, f64)> + '_ {
-        SCORES.iter().zip(self.scores).map(|((figure, _), score)| (format!("{figure}_{}", self.name), score))
+        let seen = SCORES.iter().zip(self.scores).filter(|(_, score)| score.is_finite());
+        seen.map(|((figure, _), score)| (format!("{figure}_{}", self.name), score))
     }
 }
 
-/// Means of the rows of several scenes.
+/// Means of the rows of several scenes, each over those in which there is something to see of its region.
 pub fn mean<'a>(scenes: impl Iterator<Item = &'a [Row]>) -> Vec<Row> {
     let scenes: Vec<&[Row]> = scenes.collect();
     let of = |row: usize| {
-        let score =
-            |at: usize| scenes.iter().map(|rows| rows[row].scores[at]).sum::<f64>() / scenes.len() as f64;
+        let score = |at: usize| {
+            let all = scenes.iter().map(|rows| rows[row].scores[at]);
+            let seen: Vec<f64> = all.filter(|score| score.is_finite()).collect();
+            seen.iter().sum::<f64>() / seen.len() as f64
+        };
         Row { name: scenes[0][row].name.clone(), scores: std::array::from_fn(score) }
     };
     (0..scenes.first().map_or(0, |rows| rows.len())).map(of).collect()
@@ -68,7 +73,8 @@ pub fn set(rows: &[Row], figures: &mut Figures) {
 pub fn table(rows: &[Row]) -> Vec<Vec<String>> {
     let head = std::iter::once("shown").chain(SCORES.iter().map(|(_, name)| *name)).map(str::to_owned);
     let line = |row: &Row| {
-        let scores = row.scores.iter().map(|score| format!("{score:.3}"));
+        let number = |score: &f64| if score.is_finite() { format!("{score:.3}") } else { String::new() };
+        let scores = row.scores.iter().map(number);
         std::iter::once(row.name.replace('_', " ")).chain(scores).collect()
     };
     std::iter::once(head.collect()).chain(rows.iter().map(line)).collect()
@@ -88,5 +94,18 @@ mod tests {
         let mean = mean([&[exact][..], &[half][..]].into_iter());
         assert_eq!(&mean[0].scores[2..], &[0.9, 0.75, 1.5]);
         assert_eq!(mean[0].figures().last(), Some(("brightness_dark_a".to_owned(), 1.5)));
+    }
+
+    #[test]
+    fn scenes_that_are_lit_all_over_tell_nothing_of_the_dark() {
+        let planes = |value: f32| Planes::filled(3, 1, 2, value);
+        let row = |lit: [bool; 2]| Row::new("a", &planes(1.0), &planes(2.0), &lit);
+        let mean_of = |rows: [Row; 2]| mean(rows.each_ref().map(std::slice::from_ref).into_iter()).remove(0);
+        let names = |row: &Row| row.figures().map(|(name, _)| name).collect::<Vec<_>>();
+        let one = mean_of([row([true; 2]), row([true, false])]);
+        assert_eq!(&one.scores[2..], &[0.5; 3]);
+        let none = mean_of([row([true; 2]), row([true; 2])]);
+        assert_eq!(names(&none), ["relmse_a", "flip_a", "brightness_a", "brightness_lit_a"]);
+        assert_eq!(table(&[none])[1].last(), Some(&String::new()));
     }
 }

@@ -7,6 +7,8 @@ use deepshade_dataset::vary::Lamp;
 use deepshade_dataset::views::sample_view;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::lpv::LightGrid;
+use deepshade_render::methods::Quality;
+use deepshade_render::methods::gpu_epipolar::{self, GpuEpipolar};
 use deepshade_render::methods::lpv::in_medium::{Indirect, IndirectScattering, Multiple, MultipleScattering};
 use deepshade_render::methods::lpv::passes::Pixel;
 use deepshade_render::methods::lpv::{LightVolume, Parameters};
@@ -83,6 +85,15 @@ impl<'a> Subject<'a> {
     pub fn indirect(&self, parameters: Parameters, pixel: Pixel) -> Result<Planes, GpuError> {
         let method = IndirectScattering::new(self.gpu, Indirect(parameters, pixel))?;
         self.image(&self.planned(&method)?)
+    }
+
+    /// Light that the medium scatters once, by the epipolar method of `fog-direct`.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn single(&self) -> Result<Planes, GpuError> {
+        let parameters = gpu_epipolar::Parameters::of(Quality::High);
+        self.image(&self.planned(&GpuEpipolar::new(self.gpu, parameters)?)?)
     }
 
     /// Path-traced truth of so many samples a pixel.
