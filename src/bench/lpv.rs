@@ -40,22 +40,23 @@ use subject::Subject;
     deepshade bench lpv --scene sponza.gltf --full --json lpv.json\n\n\
     In the JSON file ms_STAGE and ms_STAGE_64 are of 32 and 64 cells along the scene and eight iterations, ratio_64_32 is of \
     propagation; bytes_ratio is what propagation reads and writes at least in a second over what a copy does. relmse_NAME is the \
-    relative squared error against all light, path traced, of what the paper compares: shadow_map, plain, single, marched, sum, and \
-    ours in relmse_lpv and with the paper's factors, lobes and lookup in relmse_paper; light that the medium scattered once is that of \
-    `gpu-epipolar`, but in relmse_lpv_traced_single and relmse_paper_traced_single, where it is path traced; relmse_multiple that of multiple scattering \
-    alone, relmse_multiple_CELLS_ITERATIONS of grids of many sizes, relmse_multiple_nested of a grid of 32 cells with a finer one \
-    around the camera, relmse_multiple_one_grid of one that takes as long; relmse_black of nothing. flip_NAME and brightness_NAME \
-    are beside each, brightness_lit_NAME and brightness_dark_NAME where the lamp lights what is seen and where it does not, over \
-    truth's; of several scenes all are means over those in which such a region is seen. injection_error_WAY \
-    is the share of surfaces' light that surfels, or a reflective shadow map of so many texels along an edge, put into other cells \
-    than one of 1536 does. energy_loss_iteration is the largest share of its energy that light loses in an \
-    iteration; moment_ratio_L_A the mean squared distance of collisions over that of exponential flights, whose mean free path is found \
-    by what they come to in a cube of the same size, L cells a mean free path and an albedo of A; moment_ratio_FACTORS_L_A by other \
-    factors; monopole_error_L_A how far fluence is from a monopole's beyond three mean free paths, monopole_error of 1 cell and 0.9; flux_DIRECTION the flux of a point source \
-    without a medium along an axis, across an edge and across a corner over what it is where all directions are alike; \
-    ringing_N_bands the share of light that is negative in N spherical harmonic bands by themselves. \
-    flicker_WHAT is how far images are from the mean of those before and after as something moves, over their mean; leak_LOOKUP \
-    the light seen behind a wall thinner than a cell over that before it.")]
+    relative squared error against all light, path traced, of what the paper compares: shadow_map, plain, single, marched, sum, \
+    and ours in relmse_lpv and with the paper's factors, lobes and lookup in relmse_paper; light that the medium scattered once \
+    is that of `gpu-epipolar`, but in relmse_lpv_traced_single and relmse_paper_traced_single, where it is path traced; \
+    relmse_multiple that of multiple scattering alone, relmse_multiple_CELLS_ITERATIONS of grids of many sizes, \
+    relmse_multiple_nested of a grid of 32 cells with a finer one around the camera, relmse_multiple_one_grid of one that takes \
+    as long; relmse_black of nothing. flip_NAME and brightness_NAME are beside each, brightness_lit_NAME and \
+    brightness_dark_NAME where the lamp lights what is seen and where it does not, over truth's; of several scenes all are means \
+    over those in which such a region is seen. injection_error_WAY is the share of surfaces' light that surfels, or a reflective \
+    shadow map of so many texels along an edge, put into other cells than one of 1536 does. energy_loss_iteration is the largest \
+    share of its energy that light loses in an iteration; moment_ratio_L_A the mean squared distance of collisions over that of \
+    exponential flights, whose mean free path is found by what they come to in a cube of the same size, L cells a mean free path \
+    and an albedo of A; moment_ratio_FACTORS_L_A by other factors; monopole_error_L_A how far fluence is from a monopole's \
+    beyond three mean free paths, monopole_error of 1 cell and 0.9; flux_DIRECTION the flux of a point source without a medium \
+    along an axis, across an edge and across a corner over what it is where all directions are alike; ringing_N_bands the share \
+    of light that is negative in N spherical harmonic bands by themselves. flicker_WHAT is how far images are from the mean of \
+    those before and after as something moves, over their mean; leak_LOOKUP the light seen behind a wall thinner than a cell \
+    over that before it.")]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed. Several times for images of several; stages are timed
     /// on the first.
