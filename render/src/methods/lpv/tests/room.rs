@@ -238,7 +238,12 @@ fn lamps_that_are_switched_off_light_nothing() {
     let parameters = Parameters { cells: 12, iterations: 16, ..FEW };
     let camera = Camera::look_at(Vec3::new(-0.9, 0.4, 0.9), Vec3::new(0.3, -0.3, -0.5));
     let dark = glowing(Some(fog()));
-    let off = Scene { lights: room(false).lights, ..dark.clone() };
+    let lamp = Light::Point {
+        position: Vec3::new(0.1, 0.2, -0.1),
+        intensity: Vec3::new(0.3, 0.4, 0.2),
+        range: f32::INFINITY,
+    };
+    let off = Scene { lights: vec![lamp], ..dark.clone() };
     let mut on = off.clone();
     let mut glow = (**on.glow.as_ref().expect("a paint")).clone();
     // From now on: nothing is kept of it yet.
