@@ -1,10 +1,10 @@
 //! What command lines hold, read and checked.
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use deepshade_shaders::atomic_file;
 use glam::Vec3;
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// How far from the origin a place may be, metres: a thousand kilometres away 32-bit floats are 6 cm apart.
 const FARTHEST: f32 = 1e6;
@@ -48,6 +48,19 @@ pub fn written_file(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     atomic_file::check(&path).map_err(|error| error.to_string())?;
     Ok(path)
+}
+
+/// Makes a folder ready for a page and what it shows, and refuses one that holds something but no earlier page, which has a mark in
+/// it: better now than when all work is done.
+///
+/// # Errors
+/// If so, or if it cannot be made.
+pub fn page_folder(folder: &Path, page: &str, mark: &str) -> Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    let empty = std::fs::read_dir(folder).map_or(true, |mut entries| entries.next().is_none());
+    let ours = std::fs::read_to_string(folder.join(page)).is_ok_and(|page| page.contains(mark));
+    ensure!(empty || ours, "{} holds something else: choose a new or an empty folder", folder.display());
+    Ok(())
 }
 
 /// Reads the name of a PNG file to be written.

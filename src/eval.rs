@@ -17,7 +17,7 @@ use anyhow::{Result, bail, ensure};
 use deepshade_dataset::TestSet;
 use deepshade_infer::Model;
 use deepshade_render::methods::Quality;
-use deepshade_render::methods::dials::Tuning;
+use deepshade_render::methods::dials::{Changes, Tuning};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, lists};
 use rivals::{Rival, rivals, trivial_name};
@@ -31,6 +31,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "Examples:\n  deepshade eval --model models/ao --json eval.json\n  \
     deepshade eval --effect gi --methods all --testset testsets/gi --json gi.json\n  \
     deepshade eval --effect ao --methods all --quality low,medium,high,ultra --curve ao.svg\n  \
+    deepshade eval --effect gi --methods lpv --set cells=32,iterations=8 --set cells=64,iterations=16 --testset testsets/gi\n  \
     deepshade eval --all --testsets testsets --json all.json --markdown all.md --page report\n\nTest sets are made by \
     `deepshade dataset testset`; that of a model that is shipped lies in its folder.")]
 pub struct Args {
@@ -43,6 +44,10 @@ pub struct Args {
     /// How much time analytic methods may take for a better image: one or several of low, medium, high, ultra.
     #[arg(long, value_delimiter = ',', default_value = "high")]
     quality: Vec<Quality>,
+    /// What of the methods is set otherwise than their quality has it, NAME=VALUE,NAME=VALUE; `deepshade methods` lists what can
+    /// be. Several times for several ways, each of which is evaluated.
+    #[arg(long, value_parser = changes)]
+    set: Vec<Changes>,
     /// Folder or address of the network; by default models/EFFECT, and models/ao without --effect.
     #[arg(long)]
     model: Option<Place>,
@@ -50,7 +55,7 @@ pub struct Args {
     #[arg(long)]
     testset: Option<Place>,
     /// All networks of the folder `models` that have a test set, beside the figures of the paper's Table 7.1.
-    #[arg(long, conflicts_with_all = ["effect", "methods", "model", "testset", "curve"])]
+    #[arg(long, conflicts_with_all = ["effect", "methods", "set", "model", "testset", "curve"])]
     all: bool,
     /// Folder with a test set for each network, under its name; by default the one in the network's folder.
     #[arg(long, requires = "all")]
@@ -74,6 +79,38 @@ pub struct Args {
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
+}
+
+/// What is set by hand, as the command line says it.
+fn changes(text: &str) -> Result<Changes, String> {
+    let mut changes = Changes::default();
+    for part in text.split(',') {
+        let (name, value) = part.split_once('=').ok_or_else(|| format!("`{part}` is not NAME=VALUE"))?;
+        let name = name.trim();
+        if changes.0.insert(name.to_owned(), value.trim().into()).is_some() {
+            return Err(format!("`{name}` is set twice"));
+        }
+    }
+    Ok(changes)
+}
+
+/// Each quality with each of what is set, or as it is: all once, however often they are asked for.
+fn tunings(qualities: &[Quality], set: &[Changes]) -> Vec<Tuning> {
+    let mut qualities = qualities.to_vec();
+    qualities.sort_unstable();
+    qualities.dedup();
+    let usual = [Changes::default()];
+    let ways = if set.is_empty() { &usual[..] } else { set };
+    let mut tunings: Vec<Tuning> = Vec::new();
+    for quality in qualities {
+        for changes in ways {
+            let tuning = Tuning { quality, changes: changes.clone() };
+            if !tunings.contains(&tuning) {
+                tunings.push(tuning);
+            }
+        }
+    }
+    tunings
 }
 
 /// Who is evaluated, and on what.
@@ -151,11 +188,8 @@ fn target(set: &TestSet) -> &str {
 /// Runs the methods on the frames that the command line asks for.
 fn judge(contest: &Contest, args: &Args, gpu: &Gpu) -> Result<Judgement> {
     let Contest { effect, network, set } = contest;
-    let mut qualities = args.quality.clone();
-    qualities.sort_unstable();
-    qualities.dedup();
     let model = network.as_ref().map(|(_, model)| model);
-    let tunings: Vec<Tuning> = qualities.into_iter().map(Tuning::from).collect();
+    let tunings = tunings(&args.quality, &args.set);
     let mut rivals = rivals(*effect, &args.methods, &tunings, gpu, model)?;
     let fog = set.recipe().vary.as_ref().and_then(|vary| vary.fog);
     if fog.is_some_and(|fog| fog.smoke_share > 0.0) {
@@ -211,7 +245,7 @@ fn table(
     devices: &BTreeMap<String, String>,
 ) -> String {
     let head = ["method", "quality", "SSIM", "PSNR (dB)", "FLIP", "relMSE", "bias", "ms", "on"];
-    let row = |name: &str, method: &str, quality: Option<Quality>| {
+    let row = |name: &str, method: &str, quality: String| {
         let found = |metric: &str| estimates.get(format!("{metric}_{name}").as_str());
         let interval = |metric: &str| found(metric).map_or(String::new(), Estimate::to_string);
         let number = |metric: &str, digits: usize| {
@@ -219,7 +253,7 @@ fn table(
         };
         vec![
             method.to_owned(),
-            quality.map_or("", Quality::name).to_owned(),
+            quality,
             interval("ssim"),
             interval("psnr"),
             interval("flip"),
@@ -229,8 +263,34 @@ fn table(
             devices.get(name).cloned().unwrap_or_default(),
         ]
     };
-    let methods = rivals.iter().map(|rival| row(&rival.name, rival.method_name, rival.quality));
-    let others = [trivial_name(effect), "ceiling"].map(|name| row(name, name, None));
+    let tuned = |rival: &Rival| {
+        let quality = rival.quality.map_or("", Quality::name);
+        [quality, &rival.changes.to_string()].join(" ").trim().to_owned()
+    };
+    let methods = rivals.iter().map(|rival| row(&rival.name, rival.method_name, tuned(rival)));
+    let others = [trivial_name(effect), "ceiling"].map(|name| row(name, name, String::new()));
     let rows: Vec<_> = [head.map(str::to_owned).to_vec()].into_iter().chain(methods).chain(others).collect();
     table::aligned(&rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_set_is_read_and_each_way_is_taken_once() {
+        let [few, same, many] =
+            ["cells=32, scheme.lobes=two-bands", "scheme.lobes=two-bands,cells=32.0", "cells=64"]
+                .map(|text| changes(text).expect(text));
+        assert_eq!(few.to_string(), "cells 32, scheme.lobes two-bands");
+        assert_eq!(changes("jitter=false"), changes("jitter=0"));
+        let refused = |text: &str| changes(text).expect_err(text);
+        assert_eq!(refused("cells=32,cells=64"), "`cells` is set twice");
+        assert_eq!(refused("cells"), "`cells` is not NAME=VALUE");
+        let all = tunings(&[Quality::High, Quality::Low, Quality::High], &[few.clone(), same, many.clone()]);
+        let tuned = |quality, changes: &Changes| Tuning { quality, changes: changes.clone() };
+        let [low, high] = [Quality::Low, Quality::High];
+        assert_eq!(all, [tuned(low, &few), tuned(low, &many), tuned(high, &few), tuned(high, &many)]);
+        assert_eq!(tunings(&[high], &[]), [Tuning::from(high)]);
+    }
 }

@@ -345,7 +345,7 @@ mod tests {
         let gbuffer = gbuffer::render(&scene, &camera, 24, 40, &Attribute::ALL);
         let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius: 0.5, seed: 1 };
         let image = |name: &str, value: f64| {
-            let changes = Changes([(name.to_owned(), value)].into());
+            let changes = Changes([(name.to_owned(), value.into())].into());
             let tuning = Tuning { quality: Quality::Low, changes };
             let setup = Setup { gpu: &gpu, model: None, tuning: &tuning };
             let method = open(Effect::Ao, &["hbao"], setup)?.remove(0);

@@ -57,7 +57,12 @@ fn parameters(method: &str, dials: &[Dial]) -> String {
     let mut rows = vec![["parameter", "value", "takes", "what it is"].map(str::to_owned).to_vec()];
     rows.extend(dials.iter().map(|dial| {
         let unit = if dial.unit.is_empty() { String::new() } else { format!(" {}", dial.unit) };
-        vec![dial.name.clone(), format!("{}{unit}", dial.usual), dial.wanted(), dial.text.clone()]
+        vec![
+            dial.name.clone(),
+            format!("{}{unit}", dial.setting(dial.usual)),
+            dial.wanted(),
+            dial.text.clone(),
+        ]
     }));
     table::aligned(&rows)
 }

@@ -39,7 +39,7 @@ pub enum Stage {
 }
 
 /// Which shader belongs to which stage.
-static SHADERS: [(Stage, &Shader); 62] = [
+static SHADERS: [(Stage, &Shader); 63] = [
     (Stage::Surfels, &wgsl::SURFELS_VERTICES),
     (Stage::Surfels, &wgsl::SURFELS_MEASURE),
     (Stage::Surfels, &wgsl::SURFELS_SUM),
@@ -93,6 +93,7 @@ static SHADERS: [(Stage, &Shader); 62] = [
     (Stage::Inject, &wgsl::LPV_NEST),
     (Stage::Inject, &wgsl::LPV_BORDER),
     (Stage::Inject, &wgsl::LPV_SHINE),
+    (Stage::Inject, &wgsl::LPV_SHINE_KEPT),
     (Stage::Inject, &wgsl::LPV_REFLECT),
     (Stage::Blockers, &wgsl::LPV_LINKS),
     (Stage::Medium, &wgsl::LPV_MEDIA),

@@ -202,10 +202,6 @@ fn opened(
     let changes = &choice.parameters;
     let tunings: Vec<Tuning> =
         qualities.iter().map(|quality| Tuning { quality: *quality, changes: changes.clone() }).collect();
-    ensure!(
-        choice.name != LEARNED || changes.is_empty(),
-        "method `{LEARNED}`: a trained network has no parameters"
-    );
     let rivals = rivals(effect, &names, &tunings, gpu, network.map(|network| &network.model))?;
     let weights = network.map(|network| weights(&network.folder)).transpose()?;
     let contestants = rivals.into_iter().map(|rival| {

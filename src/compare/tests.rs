@@ -87,14 +87,14 @@ fn numbers_of_a_method_are_read_as_tables_and_written_so_that_they_are_read_agai
     let text = "scenes = [\"room:7\"]\n\
         methods = [\"gtao\", { name = \"gtao\", parameters = { slices.thickness = 0.5, blur = { radius = 2 } } }]";
     let run = &parsed(text).runs[0];
-    let changes = [("blur.radius".to_owned(), 2.0), ("slices.thickness".to_owned(), 0.5)];
+    let changes = [("blur.radius".to_owned(), 2.0.into()), ("slices.thickness".to_owned(), 0.5.into())];
     assert_eq!(run.methods()[1].parameters.0, changes.into());
     assert!(run.methods()[0].parameters.is_empty());
     let written = parsed(text).to_toml(Path::new(".")).expect("text");
     assert_eq!(parsed(&written).runs[0].methods(), run.methods(), "{written}");
-    let refused = toml::from_str::<Run>("methods = [{ name = \"gtao\", parameters = { blur = \"much\" } }]");
-    let error = refused.expect_err("no number").to_string();
-    assert!(error.contains("`blur` is \"much\", which is no number"), "{error}");
+    let refused = toml::from_str::<Run>("methods = [{ name = \"gtao\", parameters = { blur = [1] } }]");
+    let error = refused.expect_err("a list").to_string();
+    assert!(error.contains("`blur` is [1], which is no number or name"), "{error}");
 }
 
 #[test]

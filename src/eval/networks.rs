@@ -39,7 +39,7 @@ pub struct Row {
 /// If there is none, a network or test set cannot be read, a method fails or a file cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     if let Some(folder) = &args.page {
-        page::check_folder(folder)?;
+        page::make_folder(folder)?;
     }
     let gpu = Gpu::new()?;
     let mut rows = Vec::new();

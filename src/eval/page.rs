@@ -2,9 +2,10 @@
 
 use super::networks::Row;
 use super::score::Sight;
+use crate::arguments;
 use crate::figures::write_atomically;
 use crate::report::images::{shown, write_png};
-use anyhow::{Result, ensure};
+use anyhow::Result;
 use askama::Template;
 use std::path::Path;
 
@@ -25,15 +26,12 @@ struct Network<'a> {
     sights: Vec<(&'static str, &'a Sight)>,
 }
 
-/// Refuses a folder that holds something, but no earlier page.
+/// Makes a folder ready for it, as [`arguments::page_folder`] says.
 ///
 /// # Errors
-/// If so.
-pub fn check_folder(folder: &Path) -> Result<()> {
-    let empty = std::fs::read_dir(folder).map_or(true, |mut entries| entries.next().is_none());
-    let ours = std::fs::read_to_string(folder.join(PAGE)).is_ok_and(|page| page.contains("deepshade eval"));
-    ensure!(empty || ours, "{} holds something else: choose a new or an empty folder", folder.display());
-    Ok(())
+/// As that.
+pub fn make_folder(folder: &Path) -> Result<()> {
+    arguments::page_folder(folder, PAGE, "deepshade eval")
 }
 
 /// Writes the page and its pictures, the page last.

@@ -5,7 +5,7 @@ use anyhow::{Result, ensure};
 use deepshade_infer::Model;
 use deepshade_render::method::Method;
 use deepshade_render::methods::Quality;
-use deepshade_render::methods::dials::Tuning;
+use deepshade_render::methods::dials::{Changes, Tuning};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
 
@@ -18,6 +18,8 @@ pub struct Rival {
     pub method_name: &'static str,
     /// Of those that have one.
     pub quality: Option<Quality>,
+    /// What of it is set by hand.
+    pub changes: Changes,
     /// What is evaluated.
     pub method: Box<dyn Method>,
 }
@@ -47,9 +49,15 @@ pub fn rivals(
         "`{TRUTH}` is what others are scored against: --methods names none of these"
     );
     ensure!(!asked.is_empty(), "effect `{effect}` has no method yet but truth");
+    let tunable = methods::names_with_qualities(effect);
+    ensure!(
+        tunings.iter().all(|tuning| tuning.changes.is_empty())
+            || asked.iter().any(|name| tunable.contains(name)),
+        "method `{LEARNED}`: a trained network has no parameters"
+    );
     let mut rivals = Vec::new();
     for name in asked {
-        let by_quality = methods::names_with_qualities(effect).contains(&name);
+        let by_quality = tunable.contains(&name);
         for tuning in if by_quality { tunings } else { &tunings[..1] } {
             let setup = Setup { gpu, model, tuning };
             for method in methods::open(effect, &[name], setup)? {
@@ -59,6 +67,7 @@ pub fn rivals(
                     name,
                     method_name,
                     quality: by_quality.then_some(tuning.quality),
+                    changes: if by_quality { tuning.changes.clone() } else { Changes::default() },
                     method,
                 });
             }
@@ -115,11 +124,13 @@ pub fn trivial_image(effect: Effect, gbuffer: &GBuffer) -> Planes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deepshade_render::methods::dials::Changes;
+    use deepshade_infer::{ChannelOrder, NetSpec, Reach, Weights};
 
     #[test]
     fn names_in_figures_say_what_is_not_by_default() {
-        let changes = Changes([("blur.radius".to_owned(), 2.0), ("slices.thickness".to_owned(), 0.5)].into());
+        let changes = Changes(
+            [("blur.radius".to_owned(), 2.0.into()), ("slices.thickness".to_owned(), 0.5.into())].into(),
+        );
         let tuned = |quality, changes: &Changes| {
             tuned_name("bounced-z", &Tuning { quality, changes: changes.clone() })
         };
@@ -136,6 +147,25 @@ mod tests {
             let gbuffer = GBuffer::new(attributes, Planes::filled(width, 8, 8, 0.5));
             assert_eq!(trivial_image(effect, &gbuffer), Planes::filled(3, 8, 8, 0.5), "{effect}");
         }
+    }
+
+    #[test]
+    fn what_is_set_is_of_methods_that_have_parameters() {
+        let gpu = Gpu::new().expect("an adapter");
+        let spec =
+            NetSpec::ao(ChannelOrder::Interleaved, Reach { radius: 1.0, diagonal_share: 0.1, height: 24 });
+        let model = Model { weights: Weights::random(&spec, 1), spec };
+        let changes = Changes([("blur.radius".to_owned(), 2.0.into())].into());
+        let tunings = [Tuning { quality: Quality::Low, changes: changes.clone() }];
+        let opened = |names: &[&str]| {
+            let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+            rivals(Effect::Ao, &names, &tunings, &gpu, Some(&model))
+        };
+        let both = opened(&[LEARNED, "gtao"]).expect("methods");
+        assert!(both[0].changes.is_empty() && both[0].name == LEARNED);
+        assert_eq!((&both[1].changes, both[1].name.as_str()), (&changes, "gtao_low_blur_radius_2"));
+        let error = opened(&[LEARNED]).err().expect("nothing can be set").to_string();
+        assert!(error.contains("a trained network has no parameters"), "{error}");
     }
 
     #[test]

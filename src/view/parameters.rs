@@ -1,9 +1,9 @@
-//! Sliders for the numbers of the methods that are shown: names, ranges, units, texts and what is usual are the parameters' own.
+//! Sliders, boxes and lists for what can be set of the methods that are shown: names, ranges, units, texts and what is usual are the parameters' own.
 
 use super::state::State;
 use crate::methods;
 use deepshade_render::methods::dials::{Dial, Values};
-use eframe::egui::{Button, CollapsingHeader, RichText, Slider, SliderClamping, Ui};
+use eframe::egui::{Button, CollapsingHeader, ComboBox, RichText, Slider, SliderClamping, Ui};
 
 /// Shows them, a method under the other.
 pub fn show(ui: &mut Ui, state: &mut State) {
@@ -25,16 +25,26 @@ pub fn show(ui: &mut Ui, state: &mut State) {
 
 /// A dial: its slider, and a button that puts it back.
 fn row(ui: &mut Ui, state: &mut State, method: &'static str, dial: &Dial) {
-    let changed = state.show.changes.get(method).and_then(|changes| changes.0.get(&dial.name)).copied();
+    let changed = state.show.changes.get(method).and_then(|changes| changes.0.get(&dial.name));
+    let changed = changed.and_then(|setting| dial.number(setting).ok());
     let mut value = changed.unwrap_or(dial.usual);
     ui.horizontal(|ui| {
-        let response = if dial.values == Values::Switch {
-            let mut on = value == 1.0;
-            let response = ui.checkbox(&mut on, &dial.name);
-            value = f64::from(u8::from(on));
-            response
-        } else {
-            ui.add(slider(&mut value, dial))
+        let response = match &dial.values {
+            Values::Switch => {
+                let mut on = value == 1.0;
+                let response = ui.checkbox(&mut on, &dial.name);
+                value = f64::from(u8::from(on));
+                response
+            }
+            Values::Named(names) => {
+                let mut chosen = value as usize;
+                let choice = ComboBox::from_id_salt(&dial.name);
+                let mut response = choice.show_index(ui, &mut chosen, names.len(), |at| names[at].clone());
+                value = chosen as f64;
+                response |= ui.label(&dial.name);
+                response
+            }
+            Values::Real | Values::Whole(_) => ui.add(slider(&mut value, dial)),
         };
         if response.on_hover_text(&dial.text).changed() {
             state.set(method, dial, value);
@@ -53,6 +63,6 @@ fn slider<'a>(value: &'a mut f64, dial: &Dial) -> Slider<'a> {
     let slider = slider.suffix(suffix).text(&dial.name);
     match dial.values {
         Values::Whole(of) => slider.step_by(f64::from(of)).fixed_decimals(0),
-        Values::Real | Values::Switch => slider,
+        Values::Real | Values::Switch | Values::Named(_) => slider,
     }
 }

@@ -9,6 +9,7 @@ use crate::live::pilot::Pilot;
 use crate::methods;
 use crate::report::images::write_png;
 use anyhow::{Context as _, Result, ensure};
+use deepshade_render::methods::dials::Setting;
 use eframe::egui::{ColorImage, Context, ScreenshotCallback, ViewportCommand, vec2};
 use glam::Vec2;
 use image::RgbImage;
@@ -117,7 +118,7 @@ impl Script {
                 state.show.methods = known.into_iter().filter(|name| wanted.contains(name)).collect();
             }
             Step::Quality(quality) => state.show.quality = *quality,
-            Step::Set(method, name, value) => return set(state, method, name, *value),
+            Step::Set(method, name, value) => return set(state, method, name, value),
             Step::Radius(radius) => state.show.radius = Some(*radius),
             Step::Time(time) => state.time = *time,
             Step::Play(on) => state.playing = *on,
@@ -268,14 +269,13 @@ fn steer(window: &mut Window, how: impl FnOnce(&mut Pilot)) -> Result<bool> {
 }
 
 /// Sets a parameter of a method by hand.
-fn set(state: &mut State, method: &str, name: &str, value: f64) -> Result<bool> {
+fn set(state: &mut State, method: &str, name: &str, value: &Setting) -> Result<bool> {
     let shown = state.show.methods.iter().copied().find(|shown| *shown == method);
     let shown = shown.with_context(|| format!("method `{method}` is not shown"))?;
     let dials = methods::dials(state.show.effect, shown, state.show.quality)?;
     let dial = dials.iter().find(|dial| dial.name == name);
     let dial = dial.with_context(|| format!("method `{method}` has no parameter `{name}`"))?;
-    dial.check(value)?;
-    state.set(shown, dial, value);
+    state.set(shown, dial, dial.number(value)?);
     Ok(true)
 }
 

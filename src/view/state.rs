@@ -196,13 +196,13 @@ impl State {
         Ok(())
     }
 
-    /// Sets a number of a method by hand, or, where it is what the quality has anyway, no longer.
+    /// Sets a dial of a method by hand, or, where it is what the quality has anyway, no longer.
     pub fn set(&mut self, method: &'static str, dial: &Dial, value: f64) {
         let Changes(changes) = self.show.changes.entry(method).or_default();
         if value == dial.usual {
             changes.remove(&dial.name);
         } else {
-            changes.insert(dial.name.clone(), value);
+            changes.insert(dial.name.clone(), dial.setting(value));
         }
         self.show.changes.retain(|_, changes| !changes.is_empty());
     }

@@ -20,7 +20,10 @@ use super::lattice::{CLASSES, DISTANCES, mean};
 use std::sync::LazyLock;
 
 /// How collisions are counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
+#[serde(rename_all = "kebab-case")]
 pub enum Factors {
     /// Where they happen, as above.
     #[default]

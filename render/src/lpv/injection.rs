@@ -131,7 +131,7 @@ pub fn single_scattering(grid: &LightGrid, scene: &TracedScene) -> Vec<Light> {
         let part = CellPart::of(grid, grid.at(index), &medium.density);
         for point in part.points() {
             let density = medium.density.inside(point) * part.share;
-            for light in &scene.scene().lights {
+            for light in scene.scene().shining_lights() {
                 let Arrival { direction, distance, irradiance } = Arrival::new(scene.scene(), light, point);
                 if irradiance == Vec3::ZERO || density == 0.0 || scene.blocked(point, direction, distance) {
                     continue;

@@ -15,7 +15,10 @@ const MOST_DIRECTED: f32 = 0.75;
 pub const MATTE: f32 = 2.0 / 3.0;
 
 /// How light is spread over directions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
+#[serde(rename_all = "kebab-case")]
 pub enum Lobes {
     /// As above.
     #[default]

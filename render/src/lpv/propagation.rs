@@ -2,6 +2,11 @@
 //!
 //! Kinds of light are kept apart by what they met, so that what is shown can leave out what other methods show sharper:
 //! light that met no medium yet by how often surfaces have reflected it, and light that was scattered.
+//!
+//! Light goes on as one pulse, whose iterations are summed up, or is [steady](Kinds::is_steady): what sends it goes on sending it.
+//! In two bands both are handed on alike. Other lobes depend on all light in a cell: where pulses of all walls of a room cross in its
+//! middle they become one without a direction, and stay; steady light is even there, but much light drags along the little that
+//! comes against it, so that surfaces beside bright ones get too little.
 
 use super::cascade::at_border;
 use super::lattice::{CLASSES, LINKS, SHARES, neighbours};
@@ -49,9 +54,39 @@ pub struct Kinds {
     pub unscattered: usize,
     /// Whether light goes on that was scattered.
     pub scattered: bool,
+    /// Whether what sends light goes on sending it; of one kind that met no medium.
+    pub is_steady: bool,
 }
 
-/// Light as it is shown: its flux and energy times the length of its way in each cell, watts times cells, summed over
+/// What each iteration adds to steady light.
+#[derive(Clone, Debug)]
+struct Steady {
+    /// Light of each cell that sets out from its middle.
+    source: Vec<Light>,
+    /// What surfaces send as it is shown on its first half of a way, to the middle of its cell.
+    halfway: Vec<Light>,
+}
+
+impl Steady {
+    /// That of light which surfaces send, half a way from the middles of cells.
+    fn new(volume: &Volume, sent: &[Light]) -> Self {
+        let of_cell = |cell: usize, shares: &dyn Fn(&Flight) -> [f32; CLASSES]| -> Light {
+            std::array::from_fn(|colour| {
+                let sent = sent[cell][colour];
+                let energies = volume.scheme.lobes.by_class(volume.scheme.lobes.of(sent));
+                let shares = shares(&volume.flights[cell][colour]);
+                let sum: f32 = energies.iter().zip(shares).map(|(energy, share)| energy * share).sum();
+                sent * (sum / sent.w.max(1e-37))
+            })
+        };
+        let all = |shares: &dyn Fn(&Flight) -> [f32; CLASSES]| {
+            (0..sent.len()).map(|cell| of_cell(cell, shares)).collect()
+        };
+        Self { source: all(&|flight| flight.enters), halfway: all(&|flight| flight.tracks_in) }
+    }
+}
+
+/// Light as it is shown: its flux and energy times the length of its way in each cell, watts times cells, of a pulse summed over
 /// all iterations.
 #[derive(Clone, Debug)]
 pub struct Shown {
@@ -91,6 +126,7 @@ pub struct Field {
     is_fresh: bool,
     /// Whether cells at the border take what arrives.
     is_nested: bool,
+    steady: Option<Steady>,
     /// What is shown of it.
     pub shown: Shown,
 }
@@ -147,30 +183,34 @@ impl Arriving {
 }
 
 impl Field {
-    /// Before the first iteration: light that surfaces have reflected once and, if scattered light goes on too, that.
-    pub fn new(scheme: Scheme, kinds: Kinds, reflected: &[Light], scattered: &[Light]) -> Self {
-        let none = vec![Light::default(); reflected.len()];
+    /// Before the first iteration: light that surfaces send and, if scattered light goes on too, that.
+    pub fn new(volume: &Volume, kinds: Kinds, sent: &[Light], scattered: &[Light]) -> Self {
+        let steady = kinds.is_steady.then(|| Steady::new(volume, sent));
+        let sent = steady.as_ref().map_or(sent, |steady| &steady.source[..]);
+        let none = vec![Light::default(); sent.len()];
+        let scheme = volume.scheme;
         let light = |kind: usize| match kind {
             _ if kinds.is_scattered(kind) => scattered,
-            0 => reflected,
+            0 => sent,
             _ => &none,
         };
         let lobes = |kind: usize| light(kind).iter().map(|of| of.map(|of| scheme.lobes.of(of))).collect();
         let lobes = (0..kinds.count()).map(lobes).collect();
-        let cells = reflected.len();
-        Self { kinds, scheme, lobes, is_fresh: true, is_nested: false, shown: Shown::none(cells) }
+        Self { steady, ..Self::of_lobes(scheme, kinds, lobes) }
     }
 
     /// Light that is all of the last kind.
     pub fn scattered(scheme: Scheme, light: &[Light]) -> Self {
-        let none = vec![Light::default(); light.len()];
-        Self::new(scheme, Kinds { unscattered: 0, scattered: true }, &none, light)
+        let lobes = light.iter().map(|of| of.map(|of| scheme.lobes.of(of))).collect();
+        let kinds = Kinds { unscattered: 0, scattered: true, is_steady: false };
+        Self::of_lobes(scheme, kinds, vec![lobes])
     }
 
     /// Of lobes of each kind, `[kinds, cells]`, which are not empty.
     pub fn of_lobes(scheme: Scheme, kinds: Kinds, lobes: Vec<Vec<Light>>) -> Self {
         let cells = lobes[0].len();
-        Self { kinds, scheme, lobes, is_fresh: true, is_nested: false, shown: Shown::none(cells) }
+        let shown = Shown::none(cells);
+        Self { kinds, scheme, lobes, is_fresh: true, is_nested: false, steady: None, shown }
     }
 
     /// It in a finer grid, with light of what a coarser one shows along its border.
@@ -179,6 +219,9 @@ impl Field {
         self.is_nested = true;
         for cell in (0..volume.grid.cells()).filter(|cell| volume.grid.depth(volume.grid.at(*cell)) == 0) {
             let light = at_border(outside, volume, cell, self.kinds);
+            if let Some(steady) = &mut self.steady {
+                steady.source[cell] = light[0];
+            }
             for (lobes, light) in self.lobes.iter_mut().zip(light) {
                 lobes[cell] = light.map(|of| self.scheme.lobes.of(of));
             }
@@ -231,6 +274,10 @@ impl Field {
         self.is_fresh = false;
         let colours = |cell: usize| [0, 1, 2].map(|colour| self.arriving(volume, &again, cell, colour));
         let arrived: Vec<[Arriving; 3]> = (0..cells).into_par_iter().map(colours).collect();
+        if let Some(steady) = &self.steady {
+            (self.lobes[0], self.shown) = self.steadied(volume, steady, &arrived);
+            return;
+        }
         for (kind, lobes) in self.lobes.iter_mut().enumerate() {
             let lobe = |arrived: &[Arriving; 3]| arrived.map(|of| self.scheme.lobes.of(of.kinds[kind]));
             lobes.par_iter_mut().zip(&arrived).for_each(|(light, arrived)| *light = lobe(arrived));
@@ -247,6 +294,23 @@ impl Field {
                 self.shown.first[cell][colour] += of.first;
             }
         }
+    }
+
+    /// Lobes of steady light, and what is shown of it, by what has arrived.
+    fn steadied(&self, volume: &Volume, steady: &Steady, arrived: &[[Arriving; 3]]) -> (Vec<Light>, Shown) {
+        let lobes = |cell: usize| {
+            // What arrives at the border of a finer volume is the coarser one's.
+            let on = if self.is_at_border(volume, cell) { 0.0 } else { 1.0 };
+            let light = |colour: usize| steady.source[cell][colour] + on * arrived[cell][colour].kinds[0];
+            [0, 1, 2].map(|colour| self.scheme.lobes.of(light(colour)))
+        };
+        let shown = |cell: usize| -> Light {
+            std::array::from_fn(|colour| steady.halfway[cell][colour] + arrived[cell][colour].by_medium)
+        };
+        let cells = arrived.len();
+        let lobes = (0..cells).into_par_iter().map(lobes).collect();
+        let shown: Vec<Light> = (0..cells).into_par_iter().map(shown).collect();
+        (lobes, Shown { by_medium: shown.clone(), by_surfaces: shown.clone(), first: shown })
     }
 
     /// What arrives in a cell of one colour.

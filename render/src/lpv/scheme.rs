@@ -4,7 +4,10 @@ use super::flight::Factors;
 use super::lobe::Lobes;
 
 /// Which cells light a surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
+#[serde(rename_all = "kebab-case")]
 pub enum Lookup {
     /// The eight around a point half a cell before it, but for those behind it: what is behind a wall does not light it.
     #[default]
@@ -14,13 +17,17 @@ pub enum Lookup {
 }
 
 /// What can be done in two ways or more.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
 pub struct Scheme {
-    /// How collisions are counted.
+    /// How collisions with the medium are counted: where they happen, or in the cell that light leaves, by an exponential or, as
+    /// Billeter et al. 2012 have it, a linear factor.
     pub factors: Factors,
-    /// How light in a cell is spread over directions.
+    /// How light in a cell is spread over directions: as the square of a function of two bands, or, as Billeter et al. 2012 have
+    /// it, in two bands, which may be negative.
     pub lobes: Lobes,
-    /// Which cells light a surface.
+    /// Which cells light a surface: those before it, or, as Billeter et al. 2012 have it, the one that it is within.
     pub lookup: Lookup,
 }
 

@@ -3,7 +3,8 @@
 use super::lattice::LINKS;
 use super::propagation::{Field, Light, Volume};
 use super::{Flight, LightGrid, Scheme};
-use glam::{IVec3, Vec3, Vec4, Vec4Swizzles};
+use glam::{DVec3, IVec3, Vec3, Vec4, Vec4Swizzles};
+use rayon::prelude::*;
 
 /// Cells of one metre, all alike, with nothing between them.
 pub fn alike(scheme: Scheme, size: IVec3, flight: Flight) -> Volume {
@@ -41,17 +42,113 @@ pub fn around_a_point(
     (volume, field)
 }
 
-/// Mean squared distance of collisions from a point source over `2 l^2 / (1 - albedo)`, which it is in an infinite
-/// medium; the mean free path `l` in cells.
-pub fn moment_ratio(scheme: Scheme, path: f32, albedo: f32, half: i32) -> f64 {
-    let (volume, field) = around_a_point(scheme, [1.0 / path, albedo], half, 3 * half as usize);
+/// By how much collisions are too far from a point source, squared: over the mean free path `l`, in cells, that of exponential
+/// flights whose collisions have the mean squared distance measured, in a cube of the same size. Where the cube is large, that is
+/// the distance over `2 l^2 / (1 - albedo)`; where little light stays in it the distance itself tells next to nothing.
+pub fn moment_ratio(scheme: Scheme, path: f32, flights: &Flights, half: i32) -> f64 {
+    let albedo = flights.albedo as f32;
+    let (volume, field) = around_a_point(scheme, [1.0 / path, albedo], half, 4 * half as usize);
     let (mut all, mut second) = (0.0, 0.0);
     for (index, shown) in field.shown.by_medium.iter().enumerate() {
         let squared = (volume.grid.at(index) - half).as_dvec3().length_squared();
         all += f64::from(shown[0].w);
         second += f64::from(shown[0].w) * squared;
     }
-    second / all / f64::from(2.0 * path * path / (1.0 - albedo))
+    (flights.path(second / all, f64::from(half) + 0.5) / f64::from(path)).powi(2)
+}
+
+/// Exponential flights in all directions from the middle of a cube, beyond which nothing comes back; the mean free path is 1.
+#[derive(Clone, Debug)]
+pub struct Flights {
+    /// What is left of light after a collision.
+    pub albedo: f64,
+    /// Of cubes of growing half edges, [`CUBES`] to a mean free path, the collisions in each: their weights, and these times squared
+    /// distances.
+    within: Vec<[f64; 2]>,
+}
+
+/// Photons that are followed.
+const PHOTONS: usize = 1_000_000;
+/// Batches of them, each with random numbers of its own.
+const BATCHES: u64 = 64;
+/// Photons of less weight end.
+const LEAST_WEIGHT: f64 = 1e-4;
+/// Cubes for each mean free path of their half edges.
+const CUBES: usize = 64;
+/// Half an edge of the largest cube, mean free paths.
+const LARGEST: usize = 128;
+
+impl Flights {
+    /// Follows photons.
+    pub fn new(albedo: f64) -> Self {
+        let batches: Vec<Vec<[f64; 2]>> =
+            (1..=BATCHES).into_par_iter().map(|seed| Self::batch(albedo, seed)).collect();
+        let sum = |of: &dyn Fn(&Vec<[f64; 2]>) -> f64| batches.iter().map(of).sum::<f64>();
+        let mut so_far = [0.0; 2];
+        let within = (0..CUBES * LARGEST).map(|cube| {
+            so_far = [0, 1].map(|i| so_far[i] + sum(&|batch| batch[cube][i]));
+            so_far
+        });
+        Self { albedo, within: within.collect() }
+    }
+
+    /// Collisions by the least cube that holds them and all before them.
+    fn batch(albedo: f64, seed: u64) -> Vec<[f64; 2]> {
+        let mut random = Xorshift::new(seed);
+        let mut by_cube = vec![[0.0; 2]; CUBES * LARGEST];
+        for _ in 0..PHOTONS / BATCHES as usize {
+            let (mut at, mut farthest, mut weight) = (DVec3::ZERO, 0.0f64, 1.0);
+            while weight > LEAST_WEIGHT {
+                let (z, angle) = (2.0 * random.number() - 1.0, std::f64::consts::TAU * random.number());
+                let across = (1.0 - z * z).sqrt();
+                at -=
+                    DVec3::new(across * angle.cos(), across * angle.sin(), z) * (1.0 - random.number()).ln();
+                farthest = farthest.max(at.abs().max_element());
+                let Some(sums) = by_cube.get_mut((farthest * CUBES as f64) as usize) else { break };
+                *sums = [sums[0] + weight, sums[1] + weight * at.length_squared()];
+                weight *= albedo;
+            }
+        }
+        by_cube
+    }
+
+    /// Mean squared distance of collisions from the middle of a cube of such half edges, of a mean free path in the same unit.
+    pub fn moment(&self, path: f64, half: f64) -> f64 {
+        // Sums are those at the far ends of cubes.
+        let at = (half / path * CUBES as f64 - 1.0).clamp(0.0, (self.within.len() - 1) as f64);
+        let (cube, part) = (at as usize, at.fract());
+        let next = self.within[(cube + 1).min(self.within.len() - 1)];
+        let [weight, squared] = [0, 1].map(|i| self.within[cube][i] * (1.0 - part) + next[i] * part);
+        path * path * squared / weight
+    }
+
+    /// The mean free path for which [`Self::moment`] is so much, up to half an edge of the cube.
+    pub fn path(&self, moment: f64, half: f64) -> f64 {
+        let (mut low, mut high) = (half / LARGEST as f64, half);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if self.moment(middle, half) < moment { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    }
+}
+
+/// Random numbers (Marsaglia 2003), the same on every machine.
+pub struct Xorshift(u64);
+
+impl Xorshift {
+    /// Those of a seed.
+    pub const fn new(seed: u64) -> Self {
+        Self(0x2545_f491_4f6c_dd1d ^ seed.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+    }
+
+    /// The next, from 0 to below 1.
+    pub fn number(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
 }
 
 /// Largest share of its energy that light loses in an iteration where nothing is absorbed, before any leaves the grid.

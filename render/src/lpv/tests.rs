@@ -5,10 +5,12 @@ mod density;
 
 use super::bands::{Bands, ringing};
 use super::flight::Factors;
-use super::lattice::LINKS;
+use super::lattice::{self, DISTANCES, LINKS};
 use super::lobe::Lobes;
 use super::propagation::{Field, Kinds, Light, Volume};
-use super::studies::{alike, decay, energy_loss, flux_by_direction, lit, moment_ratio, over_monopole};
+use super::studies::{
+    Flights, alike, decay, energy_loss, flux_by_direction, lit, moment_ratio, over_monopole,
+};
 use super::{Flight, LightGrid, Scheme};
 use crate::scene::Bounds;
 use glam::{IVec3, Vec3, Vec4};
@@ -40,7 +42,7 @@ fn absorption_takes_what_its_closed_form_says() {
         let volume = alike(Scheme::OURS, IVec3::splat(21), flight);
         let start = lit(&volume, IVec3::splat(10), Vec4::W);
         // Of a cell's energy what leaves it, scattered within or not, and what is left of that where it arrives.
-        let mean = |of: &dyn Fn(usize) -> f32| f64::from(super::lattice::mean(of));
+        let mean = |of: &dyn Fn(usize) -> f32| f64::from(lattice::mean(of));
         let again = f64::from(flight.again) * mean(&|k| 1.0 - flight.streams[k]);
         let kept = (1.0 + again)
             * mean(&|k| flight.streams[k] * (flight.enters[k] + albedo * (1.0 - flight.enters[k])));
@@ -52,7 +54,7 @@ fn absorption_takes_what_its_closed_form_says() {
             assert!((field.energy() / wanted - 1.0).abs() < off, "{} for {wanted}", field.energy());
         }
         if albedo == 0.0 {
-            let straight = mean(&|k| (-extinction * f64::from(super::lattice::DISTANCES[k])).exp() as f32);
+            let straight = mean(&|k| (-extinction * f64::from(DISTANCES[k])).exp() as f32);
             assert!((kept / straight - 1.0).abs() < 1e-5, "exp(-sigma d) of each way");
         }
     }
@@ -85,20 +87,80 @@ fn mirrored_light_makes_a_mirrored_image() {
 }
 
 #[test]
-fn collisions_are_as_far_away_as_in_an_infinite_medium() {
+fn collisions_are_as_far_away_as_those_of_exponential_flights() {
+    let [half, most] = [0.5, 0.9].map(Flights::new);
+    let flights = |albedo: f32| if albedo == 0.5 { &half } else { &most };
     for (path, albedo, half, [low, high]) in [
         (0.25, 0.5, 6, [0.99, 1.01]),
         (0.25, 0.9, 9, [0.99, 1.01]),
         (0.5, 0.5, 8, [0.99, 1.01]),
         (0.5, 0.9, 13, [0.99, 1.01]),
         (1.0, 0.5, 12, [0.99, 1.01]),
-        (2.0, 0.5, 15, [0.95, 0.97]),
+        (1.0, 0.9, 12, [0.97, 1.03]),
+        (2.0, 0.5, 15, [0.97, 1.03]),
+        (2.0, 0.9, 15, [0.95, 1.05]),
+        (4.0, 0.5, 15, [0.95, 1.05]),
+        (4.0, 0.9, 15, [0.95, 1.05]),
     ] {
-        let ratio = moment_ratio(Scheme::OURS, path, albedo, half);
+        let ratio = moment_ratio(Scheme::OURS, path, flights(albedo), half);
         assert!(ratio > low && ratio < high, "path {path}, albedo {albedo}: {ratio}");
     }
     // Where each collision costs the length of a cell, dense media spread light too far.
-    assert!(moment_ratio(EXPONENTIAL, 0.5, 0.9, 16) > 2.5);
+    assert!(moment_ratio(EXPONENTIAL, 0.5, flights(0.9), 16) > 2.5);
+}
+
+#[test]
+fn flights_go_as_far_as_theory_says_unless_their_cube_is_small() {
+    for (path, albedo) in [(1.0, 0.5), (4.0, 0.9)] {
+        let (theory, flights) = (2.0 * path * path / (1.0 - albedo), Flights::new(albedo));
+        let ratio = flights.moment(path, 100.0 * path) / theory;
+        // Photons of a weight below 1e-4 end.
+        assert!((ratio - 1.0).abs() < 0.01, "path {path}, albedo {albedo}: {ratio}");
+        assert!(flights.moment(path, path) < 0.3 * theory);
+        // In a cube of which most light goes out the path is known all the same.
+        for longer in [1.0, 1.1] {
+            let moment = flights.moment(longer * path, 4.0 * path);
+            let found = flights.path(moment, 4.0 * path) / path;
+            assert!((found - longer).abs() < 2e-3, "path {path}, albedo {albedo}: {found} for {longer}");
+        }
+    }
+}
+
+/// Light that is handed on in two bands does not depend on other light: what each iteration sends anew adds up to what a pulse
+/// sends in all of them.
+#[test]
+fn steady_light_in_two_bands_is_a_pulse_and_its_way_to_the_middles_of_cells() {
+    let kinds = Kinds { unscattered: 1, scattered: false, is_steady: false };
+    let after = |lobes: Lobes, is_steady: bool, iterations: usize| -> Vec<Light> {
+        let scheme = Scheme { lobes, ..Scheme::OURS };
+        let mut volume = alike(scheme, IVec3::new(9, 8, 7), Flight::new(0.0, 0.0));
+        volume.passing.iter_mut().step_by(3).for_each(|passing| *passing = [0.4; LINKS]);
+        let mut light = vec![Light::default(); volume.grid.cells()];
+        for (at, moments) in
+            [(IVec3::new(2, 3, 3), Vec4::W), (IVec3::new(6, 4, 3), Vec4::new(-0.9, 0.3, 0.2, 1.5))]
+        {
+            light[volume.grid.index(at).expect("a cell")][0] = moments;
+        }
+        let field = Field::new(&volume, Kinds { is_steady, ..kinds }, &light, &[]);
+        iterated(&volume, field, iterations).shown.by_medium
+    };
+    let first_half = |lobes: Lobes, iterations: usize| -> Vec<Vec4> {
+        let [steady, pulse] = [true, false].map(|is_steady| after(lobes, is_steady, iterations));
+        steady.iter().zip(&pulse).map(|(steady, pulse)| steady[0] - pulse[0]).collect()
+    };
+    let brightest = after(Lobes::TwoBands, false, 12).iter().map(|of| of[0].w).fold(0.0, f32::max);
+    let furthest = |a: &[Vec4], b: &[Vec4]| {
+        a.iter().zip(b).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max) / brightest
+    };
+    let [one, twelve] = [1, 12].map(|iterations| first_half(Lobes::TwoBands, iterations));
+    assert!(furthest(&one, &twelve) < 1e-5, "{}", furthest(&one, &twelve));
+    // Half the mean way to a neighbour, of all that is sent alike in all directions.
+    let way = 0.5 * lattice::mean(|class| DISTANCES[class]);
+    let largest = one.iter().map(|of| of.w).fold(0.0, f32::max);
+    assert!((one.iter().map(|of| of.w).sum::<f32>() / (2.5 * way) - 1.0).abs() < 1e-3 && largest > way);
+    assert!(one.iter().any(|of| (*of - way * Vec4::W).abs().max_element() < 1e-5), "{way}");
+    let [one, twelve] = [1, 12].map(|iterations| first_half(Lobes::Squared, iterations));
+    assert!(furthest(&one, &twelve) > 1e-3, "a control: {}", furthest(&one, &twelve));
 }
 
 #[test]
@@ -186,13 +248,15 @@ fn light_that_surfaces_reflect_again_is_kept_apart_from_what_one_reflected() {
         (vec![Light::default(); volume.grid.cells()], vec![Light::default(); volume.grid.cells()]);
     light[volume.grid.index(IVec3::splat(4)).expect("a cell")][0] = Vec4::W;
     let after = |kinds: Kinds, iterations: usize| {
-        let field = Field::new(Scheme::OURS, kinds, &light, &none);
+        let field = Field::new(&volume, kinds, &light, &none);
         let field = iterated(&volume, field, iterations);
         let all = |light: &[Light]| light.iter().map(|of| f64::from(of[0].w)).sum::<f64>();
         (field.energy(), all(&field.shown.by_medium), all(&field.shown.by_surfaces))
     };
-    let (once, several) =
-        (Kinds { unscattered: 1, scattered: false }, Kinds { unscattered: 2, scattered: true });
+    let (once, several) = (
+        Kinds { unscattered: 1, scattered: false, is_steady: false },
+        Kinds { unscattered: 2, scattered: true, is_steady: false },
+    );
     assert!((after(once, 2).0 - 0.25).abs() < 1e-6, "half passes each time, and the rest is of another kind");
     let (energy, by_medium, by_surfaces) = after(several, 2);
     assert!((energy - 1.0).abs() < 1e-6, "white surfaces keep it: {energy}");

@@ -1,5 +1,5 @@
-//! What of a method's parameters can be set, read off their own types: a number that has a range, or a switch, is a [`Dial`],
-//! with the field's documentation for a text. [`Tuning`] is a quality with some of its numbers changed.
+//! What of a method's parameters can be set, read off their own types: a number that has a range, a switch, or one of several
+//! names, is a [`Dial`], with the field's documentation for a text. [`Tuning`] is a quality with some of its dials changed.
 
 use super::Quality;
 use schemars::JsonSchema;
@@ -12,8 +12,8 @@ use std::fmt::{Display, Formatter};
 
 /// Parameters of a method that can be set number by number.
 ///
-/// Fields with a `range` are dials, and so are switches; fields that are neither, `#[schemars(skip)]`, stay as the
-/// quality has them.
+/// Fields with a `range` are dials, and so are switches and enumerations; fields that are none of these, `#[schemars(skip)]`,
+/// stay as the quality has them.
 pub trait Tunable: Serialize + DeserializeOwned + JsonSchema {
     /// Those of a quality.
     fn of_quality(quality: Quality) -> Self;
@@ -64,7 +64,7 @@ impl Tunable for super::aov::Volumes {
 }
 
 /// What values a dial takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Values {
     /// Any.
     Real,
@@ -72,9 +72,45 @@ pub enum Values {
     Whole(u32),
     /// 0 or 1.
     Switch,
+    /// One of these names; as a number, which of them.
+    Named(Vec<String>),
 }
 
-/// A number of a method that can be set.
+/// What a dial is set to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Setting {
+    /// A number, or a switch.
+    Number(f64),
+    /// One of the names that it takes.
+    Name(String),
+}
+
+impl From<f64> for Setting {
+    fn from(number: f64) -> Self {
+        Self::Number(number)
+    }
+}
+
+/// A number where it is one, or what a switch is, else a name.
+impl From<&str> for Setting {
+    fn from(text: &str) -> Self {
+        let switch = |on: bool| Self::Number(f64::from(u8::from(on)));
+        let number = |_| text.parse::<f64>().map(Self::Number);
+        text.parse::<bool>().map(switch).or_else(number).unwrap_or_else(|_| Self::Name(text.to_owned()))
+    }
+}
+
+impl Display for Setting {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Number(number) => number.fmt(f),
+            Self::Name(name) => name.fmt(f),
+        }
+    }
+}
+
+/// A value of a method that can be set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dial {
     /// Its name; of a part's number with the part's before it, `blur.radius`.
@@ -87,7 +123,7 @@ pub struct Dial {
     pub range: [f64; 2],
     /// Which of these it takes.
     pub values: Values,
-    /// What it is in the quality asked for.
+    /// What it is in the quality asked for; of names, which of them.
     pub usual: f64,
 }
 
@@ -108,7 +144,7 @@ pub enum DialError {
         /// The parameter.
         name: String,
         /// What it was to be.
-        value: f64,
+        value: Setting,
         /// What it can be.
         wanted: String,
     },
@@ -117,55 +153,73 @@ pub enum DialError {
     Parameters(String),
 }
 
-/// Numbers of a method that are not as its quality has them, by the names of their dials.
+/// What of a method is not as its quality has it, by the names of dials.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(transparent)]
-pub struct Changes(pub BTreeMap<String, f64>);
+pub struct Changes(pub BTreeMap<String, Setting>);
 
-/// How much time a method may take, and which of its numbers are set by hand.
+/// How much time a method may take, and which of its dials are set by hand.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tuning {
-    /// What the numbers are that are not changed.
+    /// What is not changed is as it has it.
     pub quality: Quality,
     /// Those that are.
     pub changes: Changes,
 }
 
 impl Dial {
-    /// Refuses a value that is out of range or between two that make sense.
+    /// A setting as a number.
     ///
     /// # Errors
-    /// If it is.
-    pub fn check(&self, value: f64) -> Result<(), DialError> {
+    /// If it is out of range, between two numbers that make sense, or no name that the dial takes.
+    pub fn number(&self, setting: &Setting) -> Result<f64, DialError> {
+        let named = |names: &[String], name: &String| names.iter().position(|known| known == name);
+        let found = match (&self.values, setting) {
+            (Values::Named(names), Setting::Name(name)) => named(names, name).map(|at| at as f64),
+            (Values::Named(_), Setting::Number(_)) | (_, Setting::Name(_)) => None,
+            (_, Setting::Number(value)) => Some(*value).filter(|value| self.takes(*value)),
+        };
+        let (name, value) = (self.name.clone(), setting.clone());
+        found.ok_or_else(|| DialError::Value { name, value, wanted: self.wanted() })
+    }
+
+    /// A number as it is set.
+    pub fn setting(&self, number: f64) -> Setting {
+        match &self.values {
+            Values::Named(names) => names.get(number as usize).cloned().map_or(number.into(), Setting::Name),
+            _ => number.into(),
+        }
+    }
+
+    fn takes(&self, value: f64) -> bool {
         let [least, most] = self.range;
         let is_whole = match self.values {
             Values::Real => true,
             Values::Whole(of) => (value / f64::from(of)).fract() == 0.0,
-            Values::Switch => value == 0.0 || value == 1.0,
+            Values::Switch | Values::Named(_) => value.fract() == 0.0,
         };
-        if (least..=most).contains(&value) && is_whole {
-            return Ok(());
-        }
-        Err(DialError::Value { name: self.name.clone(), value, wanted: self.wanted() })
+        (least..=most).contains(&value) && is_whole
     }
 
     /// What it takes, in words.
     pub fn wanted(&self) -> String {
         let [least, most] = self.range;
-        match self.values {
+        match &self.values {
             Values::Real => format!("within {least} to {most}"),
             Values::Whole(1) => format!("a whole number from {least} to {most}"),
             Values::Whole(of) => format!("a multiple of {of} from {least} to {most}"),
             Values::Switch => "0 or 1".to_owned(),
+            Values::Named(names) => format!("one of {}", names.join(", ")),
         }
     }
 
-    /// A value as the parameters' type has it.
-    fn json(&self, value: f64) -> Value {
-        match self.values {
-            Values::Real => value.into(),
-            Values::Whole(_) => (value as u64).into(),
-            Values::Switch => (value == 1.0).into(),
+    /// A number as the parameters' type has it.
+    fn json(&self, number: f64) -> Value {
+        match &self.values {
+            Values::Real => number.into(),
+            Values::Whole(_) => (number as u64).into(),
+            Values::Switch => (number == 1.0).into(),
+            Values::Named(names) => names[number as usize].clone().into(),
         }
     }
 }
@@ -185,7 +239,7 @@ impl Display for Changes {
     }
 }
 
-/// Numbers and switches by name; parts are tables, `slices.steps = 12`.
+/// Numbers, switches and names; parts are tables, `slices.steps = 12`.
 impl<'de> Deserialize<'de> for Changes {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Tables;
@@ -208,19 +262,19 @@ impl<'de> Deserialize<'de> for Changes {
     }
 }
 
-/// Adds a number under its name, or a table's under theirs.
-fn flatten(name: &str, value: &Value, changes: &mut BTreeMap<String, f64>) -> Result<(), String> {
+/// Adds a setting under its name, or a table's under theirs.
+fn flatten(name: &str, value: &Value, changes: &mut BTreeMap<String, Setting>) -> Result<(), String> {
     match value {
         Value::Object(table) => {
             table.iter().try_for_each(|(part, value)| flatten(&format!("{name}.{part}"), value, changes))
         }
-        Value::Bool(on) => {
-            changes.insert(name.to_owned(), f64::from(u8::from(*on)));
-            Ok(())
-        }
         _ => {
-            let number = value.as_f64().ok_or_else(|| format!("`{name}` is {value}, which is no number"))?;
-            changes.insert(name.to_owned(), number);
+            let number = value.as_f64().or(value.as_bool().map(|on| f64::from(u8::from(on))));
+            let setting =
+                number.map(Setting::Number).or(value.as_str().map(|it| Setting::Name(it.to_owned())));
+            let setting =
+                setting.ok_or_else(|| format!("`{name}` is {value}, which is no number or name"))?;
+            changes.insert(name.to_owned(), setting);
             Ok(())
         }
     }
@@ -249,9 +303,9 @@ impl Tuning {
             let dial = dials.iter().find(|dial| dial.name == *name);
             let known = || dials.iter().map(|dial| dial.name.as_str()).collect::<Vec<_>>().join(", ");
             let dial = dial.ok_or_else(|| DialError::Unknown { name: name.clone(), known: known() })?;
-            dial.check(*to)?;
+            let to = dial.number(to)?;
             if let Some(place) = value.pointer_mut(&format!("/{}", name.replace('.', "/"))) {
-                *place = dial.json(*to);
+                *place = dial.json(to);
             }
         }
         serde_json::from_value(value).map_err(unfit)
@@ -280,9 +334,19 @@ fn collect(prefix: &str, schema: &Value, usual: &Value, dials: &mut Vec<Dial>) {
     }
 }
 
-/// A field's dial, if it is a switch or a number with a range.
+/// A field's dial, if it is a switch, an enumeration or a number with a range.
 fn dial(name: String, schema: &Value, usual: &Value) -> Option<Dial> {
     let text = |key: &str| schema[key].as_str().unwrap_or_default().replace('\n', " ");
+    if let Some(variants) = schema["oneOf"].as_array() {
+        let names: Vec<String> = variants
+            .iter()
+            .map(|variant| Some(variant["const"].as_str()?.to_owned()))
+            .collect::<Option<_>>()?;
+        let usual = names.iter().position(|known| usual.as_str() == Some(known))? as f64;
+        let range = [0.0, (names.len() - 1) as f64];
+        let (text, unit) = (text("description"), text("unit"));
+        return Some(Dial { name, text, unit, range, values: Values::Named(names), usual });
+    }
     let (range, values, usual) = match schema["type"].as_str()? {
         "boolean" => ([0.0, 1.0], Values::Switch, f64::from(u8::from(usual.as_bool()?))),
         kind @ ("integer" | "number") => {
@@ -304,7 +368,8 @@ fn shortest(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::{fxaa, gtao, ray_march, volume_shell};
+    use crate::lpv::Scheme;
+    use crate::methods::{fxaa, gtao, lpv, ray_march, volume_shell};
 
     fn changed(changes: &str) -> Tuning {
         let changes = serde_json::from_str(changes).expect("numbers by name");
@@ -320,9 +385,9 @@ mod tests {
             ["blur.radius", "blur.sharpness", "slices.slices", "slices.steps", "slices.thickness"]
         );
         let radius = &dials[0];
-        assert_eq!((radius.values, radius.usual, radius.unit.as_str()), (Values::Whole(1), 4.0, "pixels"));
+        assert_eq!((&radius.values, radius.usual, radius.unit.as_str()), (&Values::Whole(1), 4.0, "pixels"));
         assert!(radius.text.starts_with("Pixels on either side"), "{}", radius.text);
-        assert_eq!((dials[4].values, dials[4].usual), (Values::Real, 0.3));
+        assert_eq!((&dials[4].values, dials[4].usual), (&Values::Real, 0.3));
     }
 
     #[test]
@@ -339,11 +404,23 @@ mod tests {
     }
 
     #[test]
+    fn text_is_a_number_a_switch_or_a_name() {
+        for (text, number) in [("0.5", 0.5), ("-3", -3.0), ("true", 1.0), ("false", 0.0)] {
+            assert_eq!(Setting::from(text), Setting::Number(number), "{text}");
+        }
+        assert_eq!(Setting::from("two-bands"), Setting::Name("two-bands".to_owned()));
+        let changes = Changes([("jitter".to_owned(), "false".into())].into());
+        let still: ray_march::Parameters =
+            Tuning { quality: Quality::Low, changes }.parameters().expect("a switch");
+        assert!(!still.jitter && ray_march::Parameters::of(Quality::Low).jitter);
+    }
+
+    #[test]
     fn without_changes_all_qualities_are_as_they_are_bit_for_bit() {
         for quality in Quality::ALL {
             // A change to what it is anyway goes the long way, by text and back.
             let steps = f64::from(volume_shell::Parameters::of(quality).steps);
-            let changes = Changes([("steps".to_owned(), steps)].into());
+            let changes = Changes([("steps".to_owned(), steps.into())].into());
             let parameters: volume_shell::Parameters =
                 Tuning { quality, changes }.parameters().expect("parameters");
             assert_eq!(parameters, volume_shell::Parameters::of(quality));
@@ -362,7 +439,27 @@ mod tests {
         assert!(refused(r#"{ "blur.radius": 1.5 }"#).contains("1.5 is not a whole number from 0 to"));
         assert!(refused(r#"{ "blur.radius": -1 }"#).contains("`blur.radius`: -1 is not"));
         assert!(refused(r#"{ "slices.thickness": 1e9 }"#).contains("is not within"));
-        let error = serde_json::from_str::<Changes>(r#"{ "a": { "b": "much" } }"#).expect_err("no number");
-        assert!(error.to_string().contains("`a.b` is \"much\", which is no number"), "{error}");
+        let error = serde_json::from_str::<Changes>(r#"{ "a": { "b": [1] } }"#).expect_err("no number");
+        assert!(error.to_string().contains("`a.b` is [1], which is no number or name"), "{error}");
+        assert!(refused(r#"{ "blur.radius": "much" }"#).contains("much is not a whole number"));
+    }
+
+    #[test]
+    fn one_of_several_ways_is_chosen_by_its_name() {
+        let dials = dials::<lpv::Parameters>(Quality::Low);
+        let factors = dials.iter().find(|dial| dial.name == "scheme.factors").expect("a choice");
+        let names = ["placed", "exponential", "linear"].map(str::to_owned);
+        assert_eq!((&factors.values, factors.usual), (&Values::Named(names.to_vec()), 0.0));
+        assert!(factors.text.starts_with("How collisions with the medium"), "{}", factors.text);
+        let papers = r#"{ "scheme": { "factors": "linear", "lobes": "two-bands", "lookup": "within" } }"#;
+        let parameters: lpv::Parameters = changed(papers).parameters().expect("the paper's scheme");
+        assert_eq!(
+            parameters,
+            lpv::Parameters { scheme: Scheme::PAPER, ..lpv::Parameters::of(Quality::Low) }
+        );
+        let refused =
+            |changes: &str| changed(changes).parameters::<lpv::Parameters>().expect_err(changes).to_string();
+        assert!(refused(r#"{ "scheme.factors": "cubic" }"#).ends_with("one of placed, exponential, linear"));
+        assert!(refused(r#"{ "scheme.factors": 1 }"#).contains("1 is not one of"));
     }
 }

@@ -21,12 +21,13 @@ pub fn constants(world: &World) -> [(&'static str, u32); 2] {
     [("LIGHTS", world.gpu_lights.count as u32), ("MEDIUM", world.medium.kind)]
 }
 
-/// Lights with their maps, from binding 2 to 6, and the medium, 11 and 12.
+/// Lights, by their `records`, with their maps, from binding 2 to 6, and the medium, 11 and 12.
 pub fn bindings<'a>(
     world: &'a World,
+    records: &'a wgpu::Buffer,
     sampler: &'a wgpu::Sampler,
 ) -> impl Iterator<Item = (u32, wgpu::BindingResource<'a>)> {
-    let Lights { records, map_views, pictures, .. } = &world.gpu_lights;
+    let Lights { map_views, pictures, .. } = &world.gpu_lights;
     let MediumOnGpu { record, densities, .. } = &world.medium;
     let lights = [records, map_views, pictures].map(|buffer| buffer.as_entire_binding());
     let maps =

@@ -20,6 +20,9 @@ use std::collections::BTreeMap;
 pub struct Lights {
     /// `[lights]` records.
     pub records: wgpu::Buffer,
+    /// The same, but that lamps which a glowing scene has switched off send nothing: for light that truth has at one moment. What
+    /// surfaces keep is of all lamps at other times, too.
+    pub shining: wgpu::Buffer,
     /// Texels of the pictures that lights project, a word each.
     pub pictures: wgpu::Buffer,
     /// From where the maps look.
@@ -50,6 +53,7 @@ impl Lights {
         records.resize(count.max(1), bytemuck::Zeroable::zeroed());
         Ok(Self {
             records: gpu::storage(device, "frame.lights", &records)?,
+            shining: gpu::storage(device, "frame.shining", &records)?,
             pictures: gpu::storage(device, "frame.pictures", &pictures)?,
             map_views: gpu::storage(device, "frame.map_views", &no_views)?,
             count,
@@ -57,9 +61,15 @@ impl Lights {
         })
     }
 
-    /// Says where the lights are now.
-    pub fn set(&self, queue: &wgpu::Queue, lights: &[Light]) {
-        queue.write_buffer(&self.records, 0, bytemuck::cast_slice(&records(lights, &self.belongings)));
+    /// Says where the lights are now, and which of them shine.
+    pub fn set(&self, queue: &wgpu::Queue, lights: &[Light], on: &[bool]) {
+        let mut records = records(lights, &self.belongings);
+        queue.write_buffer(&self.records, 0, bytemuck::cast_slice(&records));
+        for (record, _) in records.iter_mut().zip(on).filter(|(_, on)| !**on) {
+            let [.., first_map] = record.power;
+            record.power = [0.0, 0.0, 0.0, first_map];
+        }
+        queue.write_buffer(&self.shining, 0, bytemuck::cast_slice(&records));
     }
 }
 

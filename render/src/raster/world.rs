@@ -23,6 +23,8 @@ pub struct World {
     scene: Scene,
     rigs: Vec<Rig>,
     lights: Vec<Light>,
+    /// Which of them shine.
+    on: Vec<bool>,
     /// The box around all that is seen of it at any moment.
     pub bounds: Bounds,
     /// Vertices as they are posed.
@@ -73,6 +75,7 @@ impl World {
             scene: scene.clone(),
             rigs: rigs.clone(),
             lights: scene.lights.clone(),
+            on: vec![true; scene.lights.len()],
             bounds: animated.reach(),
             notes: notes(&textures, shadow_size.map(|size| (&map_plan, size))),
             geometry,
@@ -117,10 +120,11 @@ impl World {
             posing.set(queue, &self.rigs, time, shutter);
         }
         self.glow.set(queue, time);
-        let were = self.lights.clone();
+        let (lights, on) = (self.lights.clone(), self.scene.shining(time));
         self.rigs.iter().for_each(|rig| rig.light(&mut self.lights, time));
-        if self.lights != were {
-            self.gpu_lights.set(queue, &self.lights);
+        if self.lights != lights || self.on != on {
+            self.on = on;
+            self.gpu_lights.set(queue, &self.lights, &self.on);
         }
         let seen = Seen { camera: *camera, aspect, bounds: self.bounds };
         let views = self.map_plan.views(&self.lights, seen);
@@ -143,7 +147,7 @@ impl World {
         assert_eq!(kinds(lights), kinds(&self.lights), "lights keep their kinds");
         if lights != self.lights {
             self.lights = lights.to_vec();
-            self.gpu_lights.set(queue, lights);
+            self.gpu_lights.set(queue, lights, &self.on);
         }
     }
 
@@ -208,6 +212,11 @@ impl World {
     /// Whether any of its surface emits light.
     pub fn emits(&self) -> bool {
         self.scene.emits()
+    }
+
+    /// Whether any of its surface keeps light.
+    pub fn keeps_light(&self) -> bool {
+        self.scene.keeps_light()
     }
 
     /// Its surface in about so many parts, beside triangles that are smaller than one.

@@ -116,8 +116,13 @@ impl Glow {
 
     /// Whether a lamp shines at the moment that a still shows.
     pub fn shines(&self, light: usize) -> bool {
+        self.shines_at(light, self.moment)
+    }
+
+    /// Whether a lamp shines at a moment, seconds.
+    pub fn shines_at(&self, light: usize, moment: f32) -> bool {
         let on = &self.schedules[self.schedule_of(light)].on;
-        on.iter().any(|[on, off]| (*on..*off).contains(&self.moment))
+        on.iter().any(|[on, off]| (*on..*off).contains(&moment))
     }
 
     /// The share of each state that is excited before the first piece of [`Self::past`].

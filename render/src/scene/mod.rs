@@ -211,6 +211,23 @@ impl Scene {
         self.meshes.iter().any(|mesh| self.material(mesh.material).emission.max_element() > 0.0)
     }
 
+    /// Whether any of its surface keeps light.
+    pub fn keeps_light(&self) -> bool {
+        self.glow.as_deref().is_some_and(|glow| !glow.surfaces.is_empty())
+    }
+
+    /// Of which lamps light is there at a moment, seconds: all, but for those that a glowing scene has switched off.
+    pub fn shining(&self, moment: f32) -> Vec<bool> {
+        let shines = |light| self.glow.as_deref().is_none_or(|glow| glow.shines_at(light, moment));
+        (0..self.lights.len()).map(shines).collect()
+    }
+
+    /// The lamps that shine at the moment that it shows.
+    pub fn shining_lights(&self) -> impl Iterator<Item = &Light> {
+        let shines = |light| self.glow.as_deref().is_none_or(|glow| glow.shines(light));
+        self.lights.iter().enumerate().filter(move |(light, _)| shines(*light)).map(|(_, light)| light)
+    }
+
     /// Takes out triangles without an area, which have no normal, and meshes that lose all of theirs.
     fn drop_degenerate_triangles(&mut self) {
         for mesh in &mut self.meshes {

@@ -66,7 +66,7 @@ pub fn in_watts(device: &wgpu::Device, world: &World, image: &wgpu::Buffer) -> R
 }
 
 /// The powers of two of what surfels give back that make a W/m²/sr, and 128 more, by the brightest that a surface can be.
-fn unit(glow: &Glow) -> (&'static str, u32) {
+pub fn unit(glow: &Glow) -> (&'static str, u32) {
     let full = glow.surfaces.iter().map(|(_, paint)| paint.emission(&[1.0; MOST_STATES]).max_element());
     let brightest = full.fold(0.0, f32::max);
     // Of nothing, and of what is no number, any unit will do.

@@ -40,6 +40,11 @@ pub fn ending(
     (lit == Some(Lit::Kept)).then(|| kept::in_watts(device, world, image)).transpose()
 }
 
+/// The constant that says in which unit surfels send what they kept.
+pub fn kept_unit(world: &World) -> (&'static str, u32) {
+    kept::unit(world.glow.glow())
+}
+
 /// The passes that write what a cloud's surfels send, `[surfels, 2]` u32.
 ///
 /// # Errors
@@ -62,10 +67,10 @@ pub fn steps(
         Lit::Received => (&wgsl::SURFELS_RECEIVED, vec![count]),
     };
     let pass = Pass::new(device, shader.name, &shader.specialised(&constants))?;
-    let Lights { records, map_views, pictures, .. } = &world.gpu_lights;
+    let Lights { shining, map_views, pictures, .. } = &world.gpu_lights;
     let Cloud { patches, starts, totals, surfels, .. } = cloud;
     let sampler = shadow_sampler(device);
-    let buffers = [view, patches, starts, totals, surfels, records, map_views, pictures];
+    let buffers = [view, patches, starts, totals, surfels, shining, map_views, pictures];
     let mut resources: Vec<_> = buffers.map(|buffer| buffer.as_entire_binding()).into();
     resources.extend([
         wgpu::BindingResource::TextureView(&world.shadows.maps),

@@ -211,17 +211,24 @@ pub fn laid(scene: &TracedScene, parameters: &Parameters, view: &View, light: Op
     }
 }
 
+/// Radiance that each of a scene's patches gives back of what it kept at its middle.
+pub fn given_back(scene: &TracedScene, patches: &[Patch]) -> Vec<Vec3> {
+    let (afterglow, origins) = (Afterglow::new(scene), patches::origins(scene.scene()));
+    let kept = |(patch, [mesh, triangle]): (&Patch, [usize; 2])| {
+        let middle = patch.weights().into_iter().sum::<Vec3>() / 3.0;
+        afterglow.emission_at(mesh, triangle, middle.to_array())
+    };
+    patches.par_iter().zip(origins).map(kept).collect()
+}
+
 /// Disks that send what their patches kept at their middles.
 fn giving_back(scene: &TracedScene, disks: Vec<Disk>, patches: &[Patch]) -> Vec<Disk> {
-    let (afterglow, origins) = (Afterglow::new(scene), patches::origins(scene.scene()));
+    let given = given_back(scene, patches);
     let kept = |disk: Disk| {
-        let index = disk.patch as usize;
-        let middle = patches[index].weights().into_iter().sum::<Vec3>() / 3.0;
-        let [mesh, triangle] = origins[index];
-        let front = afterglow.emission_at(mesh, triangle, middle.to_array());
+        let front = given[disk.patch as usize];
         Disk { sent: [front, if disk.open { front } else { Vec3::ZERO }], ..disk }
     };
-    disks.into_par_iter().map(kept).collect()
+    disks.into_iter().map(kept).collect()
 }
 
 /// Disks that send light of a scene's lamps, with exact shadows.
@@ -236,7 +243,7 @@ pub fn lit(scene: &TracedScene, disks: Vec<Disk>, camera: &Camera, lit: Lit) -> 
     let light = |disk: Disk| {
         let (point, normal) = (camera.position + camera.rotation * disk.place, camera.rotation * disk.normal);
         let mut received = [Vec3::ZERO; 2];
-        for light in &scene.scene().lights {
+        for light in scene.scene().shining_lights() {
             let Arrival { direction, distance, irradiance } = Arrival::new(scene.scene(), light, point);
             let cosine = normal.dot(direction);
             let passed = match &medium {

@@ -11,9 +11,14 @@ table! {
                 "lpv_grid", "lpv_send"];
     /// Light that surfels emit.
     LPV_SHINE: "lpv.shine", file "methods/lpv/shine", constants [HEIGHT = 8], uniforms [LightGrid, FrameView],
-        shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_order", "lpv_grid", "lpv_send"];
+        shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_order", "lpv_grid", "lpv_send",
+                "lpv_emits"];
+    /// Light that surfels give back of what they kept.
+    LPV_SHINE_KEPT: "lpv.shine_kept", file "methods/lpv/shine", constants [HEIGHT = 8, UNIT = 128],
+        uniforms [LightGrid, FrameView],
+        shared ["view", "packing", "surfel", "surfel_record", "lpv_grid", "lpv_send", "lpv_gives_back"];
     /// Light that surfels reflect of it.
-    LPV_REFLECT: "lpv.reflect", file "methods/lpv/reflect", constants [HEIGHT = 8, LOOKUP = 0],
+    LPV_REFLECT: "lpv.reflect", file "methods/lpv/reflect", constants [HEIGHT = 8, LOOKUP = 0, NESTED = 1],
         uniforms [LightGrid, FrameView],
         shared ["random", "view", "packing", "surfel", "surfel_record", "surfel_patch_record", "surfel_order",
                 "lpv_grid", "lpv_irradiance", "lpv_send"];
@@ -24,9 +29,11 @@ table! {
     LPV_MEDIA: "lpv.media", file "methods/lpv/media", constants [MEDIUM = 2, FACTORS = 0, LOBES = 0, SIMILAR = 1],
         uniforms [LightGrid, MediumRecord],
         shared ["lpv_grid", "lpv_lattice", "lpv_lobe", "lpv_flight", "medium_span", "medium", "lpv_medium", "lpv_part"];
-    /// Light that surfaces reflect.
-    LPV_FRESH: "lpv.fresh", file "methods/lpv/fresh", constants [UNSCATTERED = 2, SCATTERED = 1, LOBES = 0, FIRST = 1],
-        uniforms [LightGrid], shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_fixed", "lpv_lobe"];
+    /// Light that surfaces send.
+    LPV_FRESH: "lpv.fresh", file "methods/lpv/fresh",
+        constants [UNSCATTERED = 2, SCATTERED = 1, STEADY = 1, FACTORS = 0, LOBES = 0, FIRST = 1, SIMILAR = 1],
+        uniforms [LightGrid, MediumRecord],
+        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_fixed", "lpv_lobe", "lpv_flight", "lpv_medium"];
     /// Light of the lamps that the medium in cells scatters.
     LPV_BEGIN: "lpv.begin", file "methods/lpv/begin",
         constants [LIGHTS = 1, MEDIUM = 2, GREY = 0, UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0, SIMILAR = 1],
@@ -43,7 +50,8 @@ table! {
                 "lpv_reflectance", "lpv_part"];
     /// One iteration.
     LPV_PROPAGATE: "lpv.propagate", file "methods/lpv/propagate",
-        constants [UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0, BORDERS = 1, FIRST = 1, NESTED = 1, SIMILAR = 1],
+        constants [UNSCATTERED = 2, SCATTERED = 1, STEADY = 1, SHOWS = 1, FACTORS = 0, LOBES = 0, BORDERS = 1, FIRST = 1,
+                   NESTED = 1, SIMILAR = 1],
         uniforms [LightGrid, MediumRecord, Iteration, Propagation],
         shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "lpv_medium",
                 "lpv_reflectance"];
@@ -51,7 +59,8 @@ table! {
     LPV_NEST: "lpv.nest", file "methods/lpv/nest", constants [], uniforms [LightGrid, FrameView], shared [];
     /// Light that a coarser grid hands to it.
     LPV_BORDER: "lpv.border", file "methods/lpv/border",
-        constants [UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0, SIMILAR = 1], uniforms [LightGrid, MediumRecord],
+        constants [UNSCATTERED = 2, SCATTERED = 1, STEADY = 1, FACTORS = 0, LOBES = 0, SIMILAR = 1],
+        uniforms [LightGrid, MediumRecord],
         shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "lpv_medium"];
     /// Surfaces lit by the grid.
     LPV_LIT: "lpv.lit", file "methods/lpv/lit", constants [LOOKUP = 0, NESTED = 1, FINER = 1],

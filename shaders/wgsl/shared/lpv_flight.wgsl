@@ -47,6 +47,19 @@ fn track(passes: vec3f, extinction: vec3f, whole: f32) -> vec3f {
     return select(vec3f(whole), (1.0 - passes) / max(extinction, vec3f(CLEAR)), extinction > vec3f(CLEAR));
 }
 
+// That of half a way to a neighbour; where all collisions are in the cell that light leaves, so is all of the way.
+fn half_track(passes: vec3f, extinction: vec3f, kind: u32) -> vec3f {
+    if FACTORS != PLACED {
+        return vec3f(0.0);
+    }
+    return track(passes, extinction, 0.5 * DISTANCES[kind]);
+}
+
+// Of light that comes in from a neighbour of a kind what passes to the middle.
+fn entering(within: vec3f, extinction: vec3f, kind: u32) -> vec3f {
+    return select(vec3f(1.0), exp(-(extinction - within) * DISTANCES[kind]), FACTORS == PLACED);
+}
+
 // What half a space of a medium reflects of diffuse light (Hapke 1981).
 fn half_space(albedo: vec3f) -> vec3f {
     let gamma = sqrt(max(1.0 - albedo, vec3f(0.0)));

@@ -5,12 +5,13 @@ use crate::plot::{Line, Plot};
 use deepshade_render::lpv::Scheme;
 use deepshade_render::lpv::bands::{Bands, Ringing, ringing};
 use deepshade_render::lpv::flight::Factors;
-use deepshade_render::lpv::studies::{energy_loss, flux_by_direction, moment_ratio, over_monopole};
+use deepshade_render::lpv::studies::{Flights, energy_loss, flux_by_direction, moment_ratio, over_monopole};
 
-/// Mean free paths, cells, and half of the cells of a grid that is large enough for each; the last takes as long as all
-/// others together.
-const PATHS: [(f32, i32); 4] = [(0.5, 12), (1.0, 14), (2.0, 18), (4.0, 22)];
+/// Mean free paths, cells, and half of the cells of the cube that is looked at.
+const PATHS: [(f32, i32); 4] = [(0.5, 12), (1.0, 14), (2.0, 18), (4.0, 20)];
 const ALBEDOS: [f32; 2] = [0.5, 0.9];
+/// Mean free paths, and half of the cells of a cube in which light is looked at that has gone three of them and farther.
+const FAR: [(f32, i32); 4] = [(0.5, 14), (1.0, 18), (2.0, 24), (4.0, 30)];
 /// Half of the cells of a grid in which light goes without a medium.
 const HALF: i32 = 15;
 /// How collisions are counted, and what figures of it begin with.
@@ -25,11 +26,30 @@ struct Moment {
     ratio: f64,
 }
 
+/// Fluence over a monopole's where it is farthest from 1, by our scheme.
+struct Monopole {
+    path: f32,
+    albedo: f32,
+    ratio: f64,
+}
+
+impl Monopole {
+    fn new(albedo: f32, (path, half): (f32, i32)) -> Self {
+        let ratios = over_monopole(Scheme::OURS, path, albedo, half).into_iter().map(|(_, ratio)| ratio);
+        let farther = |a: f64, b: f64| if (b - 1.0).abs() > (a - 1.0).abs() { b } else { a };
+        Self { path, albedo, ratio: ratios.fold(1.0, farther) }
+    }
+
+    fn error(&self) -> f64 {
+        (self.ratio - 1.0).abs()
+    }
+}
+
 /// All that is measured.
 pub struct Studies {
     energy_loss: f64,
     moments: Vec<Moment>,
-    monopole_error: f64,
+    monopoles: Vec<Monopole>,
     /// Flux and fluence along an axis, across an edge and across a corner, with our lobes and the paper's.
     directions: [(&'static str, [[f64; 2]; 3]); 2],
     /// Of two and of three bands by themselves.
@@ -37,27 +57,23 @@ pub struct Studies {
 }
 
 impl Studies {
-    /// Measures, also where a mean free path is long if `full`.
-    pub fn new(full: bool) -> Self {
-        let paths = if full { &PATHS[..] } else { &PATHS[..3] };
-        let moment = |scheme: (Scheme, _), albedo, (path, half)| {
-            let ratio = moment_ratio(scheme.0, path, albedo, half);
-            Moment { scheme, path, albedo, ratio }
+    /// Measures.
+    pub fn new() -> Self {
+        let flights = ALBEDOS.map(|albedo| (albedo, Flights::new(f64::from(albedo))));
+        let moment = |scheme: (Scheme, _), (albedo, flights): &(f32, Flights), (path, half)| {
+            let ratio = moment_ratio(scheme.0, path, flights, half);
+            Moment { scheme, path, albedo: *albedo, ratio }
         };
-        let of = |scheme| {
-            ALBEDOS
-                .into_iter()
-                .flat_map(move |albedo| paths.iter().map(move |path| moment(scheme, albedo, *path)))
-        };
-        let error = |(_, ratio): (f64, f64)| (ratio - 1.0).abs();
+        let of =
+            |scheme| flights.iter().flat_map(move |flights| PATHS.map(|path| moment(scheme, flights, path)));
+        let far = |albedo| FAR.map(|path| Monopole::new(albedo, path));
         let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-        let monopole: Vec<f64> = over_monopole(Scheme::OURS, 1.0, 0.9, 18).into_iter().map(error).collect();
         Self {
             energy_loss: largest(
                 &[0.0, 0.3, 2.0, 40.0].map(|extinction| energy_loss(Scheme::OURS, extinction)),
             ),
             moments: SCHEMES.into_iter().flat_map(of).collect(),
-            monopole_error: largest(&monopole),
+            monopoles: ALBEDOS.into_iter().flat_map(far).collect(),
             directions: [("", Scheme::OURS), ("paper_", Scheme::PAPER)]
                 .map(|(name, scheme)| (name, flux_by_direction(scheme, HALF))),
             ringing: [Bands::Two, Bands::Three].map(|bands| ringing(bands, HALF)),
@@ -67,7 +83,11 @@ impl Studies {
     /// Sets its figures.
     pub fn set(&self, figures: &mut Figures) {
         figures.set("energy_loss_iteration", self.energy_loss);
-        figures.set("monopole_error", self.monopole_error);
+        figures.set("monopole_error", self.monopole(1.0, 0.9).map_or(f64::NAN, Monopole::error));
+        for monopole in &self.monopoles {
+            let Monopole { path, albedo, .. } = monopole;
+            figures.set(&format!("monopole_error_{path}_{albedo}"), monopole.error());
+        }
         for (scheme, directions) in &self.directions {
             for (name, [flux, fluence]) in ["axis", "edge", "corner"].into_iter().zip(directions) {
                 figures.set(&format!("flux_{scheme}{name}"), *flux);
@@ -84,6 +104,10 @@ impl Studies {
         }
     }
 
+    fn monopole(&self, path: f32, albedo: f32) -> Option<&Monopole> {
+        self.monopoles.iter().find(|of| (of.path, of.albedo) == (path, albedo))
+    }
+
     /// Ratios against mean free paths.
     pub fn plot(&self) -> Plot {
         let line = |of: &[Moment]| {
@@ -91,11 +115,16 @@ impl Studies {
             Line::dotted(format!("{}, albedo {}", of[0].scheme.0.factors.name(), of[0].albedo), points)
         };
         let alike = |a: &Moment, b: &Moment| (a.scheme, a.albedo) == (b.scheme, b.albedo);
-        let lines = self.moments.chunk_by(alike).map(line);
+        let far = |of: &[Monopole]| {
+            let points = of.iter().map(|monopole| (f64::from(monopole.path), monopole.ratio)).collect();
+            Line::dotted(format!("fluence far away, albedo {}", of[0].albedo), points)
+        };
+        let far = self.monopoles.chunk_by(|a, b| a.albedo == b.albedo).map(far);
+        let lines = self.moments.chunk_by(alike).map(line).chain(far);
         Plot {
             x: "mean free path, cells",
             is_logarithmic: true,
-            y: "over that in an infinite medium",
+            y: "over what theory has",
             lines: lines.collect(),
             level: Some(("right", 1.0)),
         }
@@ -104,25 +133,27 @@ impl Studies {
     /// Rows of a table.
     pub fn rows(&self) -> Vec<Vec<String>> {
         let row = |moment: &Moment| {
-            let Moment { scheme: (scheme, _), path, albedo, ratio } = moment;
+            let Moment { scheme: (scheme, name), path, albedo, ratio } = moment;
+            let far = self.monopole(*path, *albedo).filter(|_| name.is_empty());
             vec![
                 scheme.factors.name().to_owned(),
                 path.to_string(),
                 albedo.to_string(),
                 format!("{ratio:.3}"),
+                far.map_or(String::new(), |far| format!("{:.3}", far.ratio)),
             ]
         };
-        let head = ["collisions", "mean free path", "albedo", "squared distance"].map(str::to_owned).to_vec();
+        let head = ["collisions", "mean free path", "albedo", "squared distance", "fluence far away"];
+        let head = head.map(str::to_owned).to_vec();
         let [(_, [axis, _, corner]), _] = &self.directions;
         let others = [
             ("energy lost", self.energy_loss),
-            ("off a monopole", self.monopole_error),
             ("flux along axes over corners", axis[0] / corner[0]),
             ("less than nothing in two bands", self.ringing[0].negative),
             ("in three", self.ringing[1].negative),
         ];
         let other = |(name, value): (&str, f64)| {
-            vec![name.to_owned(), String::new(), String::new(), format!("{value:.2e}")]
+            vec![name.to_owned(), String::new(), String::new(), format!("{value:.2e}"), String::new()]
         };
         std::iter::once(head).chain(self.moments.iter().map(row)).chain(others.map(other)).collect()
     }

@@ -1,18 +1,23 @@
 //! A scene in fog with a lamp, what light propagation volumes make of it and what is right.
 
+use super::reflective::Texels;
 use crate::arguments::Size;
 use anyhow::Result;
 use deepshade_dataset::vary::Lamp;
 use deepshade_dataset::views::sample_view;
 use deepshade_render::bvh::TracedScene;
-use deepshade_render::methods::lpv::Parameters;
+use deepshade_render::lpv::LightGrid;
+use deepshade_render::methods::Quality;
+use deepshade_render::methods::gpu_epipolar::{self, GpuEpipolar};
 use deepshade_render::methods::lpv::in_medium::{Indirect, IndirectScattering, Multiple, MultipleScattering};
 use deepshade_render::methods::lpv::passes::Pixel;
+use deepshade_render::methods::lpv::{LightVolume, Parameters};
 use deepshade_render::path::{self, Part, Sampling, Shot};
 use deepshade_render::raster::frame::{Frame, Settings, Stage as FrameStage};
 use deepshade_render::scene::{Camera, Density, Light, Look, Material, Medium, SceneSource};
 use deepshade_render::screen::{Inputs, Plan, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
+use deepshade_shaders::wgsl;
 use deepshade_shaders::{Attribute, Effect, Planes};
 use glam::Vec3;
 
@@ -82,11 +87,79 @@ impl<'a> Subject<'a> {
         self.image(&self.planned(&method)?)
     }
 
+    /// Light that the medium scatters once, by the epipolar method of `fog-direct`.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn single(&self) -> Result<Planes, GpuError> {
+        let parameters = gpu_epipolar::Parameters::of(Quality::High);
+        self.image(&self.planned(&GpuEpipolar::new(self.gpu, parameters)?)?)
+    }
+
     /// Path-traced truth of so many samples a pixel.
     pub fn truth(&self, effect: Effect, part: Part, samples: u32) -> Planes {
         let View { height, width, camera, radius, .. } = self.view;
         let shot = Shot { part, ..Shot::new(&self.scene, &camera, [height, width], radius) };
         path::render(effect, &shot, Sampling::one(samples, 1)).mean
+    }
+
+    /// Of which pixels the lamp lights the surface.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn lit(&self) -> Result<Vec<bool>, GpuError> {
+        let Gpu { device, queue, .. } = self.gpu;
+        let light: Vec<f32> = gpu::read(device, queue, self.frame.gbuffer().buffer(Attribute::Light))?;
+        let pixels = self.view.height * self.view.width;
+        Ok((0..pixels).map(|at| (0..3).any(|c| light[at + c * pixels] > 0.0)).collect())
+    }
+
+    /// The grid around the scene.
+    pub fn grid(&self, parameters: Parameters) -> LightGrid {
+        parameters.grids(self.frame.world().bounds, self.view.camera.position)[0]
+    }
+
+    /// The passes of indirect light without a medium.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn clear(&self, parameters: Parameters) -> Result<Plan, GpuError> {
+        self.planned(&LightVolume::new(self.gpu, parameters)?)
+    }
+
+    /// What surfels have put into each cell, red, watts, once a plan of [`Self::clear`] has run; `face` is the area of a cell's.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn sent_by_surfels(&self, plan: &Plan, face: f64) -> Result<Vec<f64>, GpuError> {
+        let Gpu { device, queue, .. } = self.gpu;
+        gpu::submit(device, queue, "bench.lpv", |encoder| plan.encode(encoder))?;
+        let inject = plan.steps().iter().find(|step| step.step.pass.is_of(wgsl::LPV_INJECT.name));
+        let sums = inject.and_then(|step| step.writes.first()).expect("light is injected");
+        let sums: Vec<[[u32; 2]; 12]> = gpu::read(device, queue, sums)?;
+        // 64 bits of which 40 are behind the point, over the area of a cell's face; the fourth is red's energy.
+        let value = |[low, high]: [u32; 2]| (f64::from(high) + f64::from(low) * 2f64.powi(-32)) / 256.0;
+        Ok(sums.iter().map(|of_cell| face * value(of_cell[3])).collect())
+    }
+
+    /// What the lamp's reflective shadow map of so many texels along an edge holds, and what drawing it takes, milliseconds.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn reflective(&self, size: usize, runs: usize) -> Result<(Texels, f64), GpuError> {
+        let Gpu { device, queue, .. } = self.gpu;
+        let map = self.frame.reflective_map(self.gpu, 0, size)?;
+        let (mut all, mut milliseconds) = (Vec::new(), 0.0);
+        for view in self.frame.world().light_views(0, size) {
+            map.set(queue, &view);
+            let draw = |encoder: &mut wgpu::CommandEncoder| self.frame.encode_reflective(&map, encoder);
+            milliseconds += gpu::time(device, queue, "bench.reflective", 0, runs, draw)?.milliseconds;
+            let texels: Vec<f32> = gpu::read(device, queue, &map.texels)?;
+            let plane = |c: usize, at: usize| texels[c * size * size + at];
+            let vector = |c: usize, at: usize| Vec3::new(plane(c, at), plane(c + 1, at), plane(c + 2, at));
+            all.extend((0..size * size).map(|at| (vector(0, at), vector(3, at), plane(6, at))));
+        }
+        Ok((all, milliseconds))
     }
 
     fn planned(&self, method: &impl ScreenMethod) -> Result<Plan, GpuError> {

@@ -3,6 +3,7 @@
 use crate::view::state::{Arrangement, Map};
 use anyhow::{Context as _, Result, bail};
 use deepshade_render::methods::Quality;
+use deepshade_render::methods::dials::Setting;
 use deepshade_shaders::{Attribute, Effect};
 use glam::{Vec2, Vec3};
 use std::path::PathBuf;
@@ -17,7 +18,7 @@ pub enum Step {
     Methods(Vec<String>),
     Quality(Quality),
     /// A method's parameter and its value.
-    Set(String, String, f64),
+    Set(String, String, Setting),
     /// Metres.
     Radius(f32),
     /// Seconds.
@@ -105,8 +106,7 @@ pub fn step(line: &str) -> Result<Step> {
             let [method, name, value] = rest.split_whitespace().collect::<Vec<_>>()[..] else {
                 bail!("it takes a method, a parameter and a value");
             };
-            let value = value.parse().with_context(|| format!("`{value}` is no number"))?;
-            Step::Set(method.to_owned(), name.to_owned(), value)
+            Step::Set(method.to_owned(), name.to_owned(), value.into())
         }
         "radius" => Step::Radius(one()?),
         "time" => Step::Time(one()?),

@@ -3,6 +3,7 @@
 use super::*;
 use crate::lpv::flight::reflectance;
 use crate::lpv::lattice::{DISTANCES, SHARES, mean, neighbours};
+use crate::lpv::studies::Xorshift;
 use glam::IVec2;
 
 /// Extinctions from nothing to a hundred thousand mean free paths in a cell.
@@ -68,13 +69,8 @@ fn energy_is_kept_between_cells_of_all_densities() {
 /// What half a space of isotropic scattering reflects of diffuse light, by a walk: photons that enter by Lambert's
 /// cosine go on by exponential flights, and count by the albedo to the number of their collisions where they leave.
 fn walked(albedo: f64) -> f64 {
-    let mut state = 0x2545_f491_4f6c_dd1du64;
-    let mut random = || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 11) as f64 / (1u64 << 53) as f64
-    };
+    let mut numbers = Xorshift::new(1);
+    let mut random = || numbers.number();
     let photons = 20_000;
     let mut reflected = 0.0;
     for _ in 0..photons {

@@ -90,7 +90,11 @@ impl Technique for Parameters {
             let lamp = gpu::uniform(device, "fog-march.lamp", &uniforms::OfLamp { number })?;
             let own = [(0, settings), (1, view), (7, valid), (8, position), (9, output), (13, &lamp)];
             let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
-            let resources = own.into_iter().chain(single_scattering::bindings(world, &sampler));
+            let resources = own.into_iter().chain(single_scattering::bindings(
+                world,
+                &world.gpu_lights.records,
+                &sampler,
+            ));
             let pass = pass.bind_at(device, resources)?;
             let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
             Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![output.clone()] })

@@ -55,7 +55,8 @@ impl Passes {
         let sampler = shadow_sampler(device);
         let own = [(0, settings), (1, view), (7, &scattered)]
             .map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
-        let resources = own.into_iter().chain(single_scattering::bindings(world, &sampler));
+        let resources =
+            own.into_iter().chain(single_scattering::bindings(world, &world.gpu_lights.records, &sampler));
         let scatter = pass(&wgsl::FROXEL_SCATTER, &[lights, medium])?.bind_at(device, resources)?;
         let [x, y, _] = gpu::groups(rows, columns, TILE);
         let scatter = Step { pass: scatter, workgroups: [x, y, slices].into() };

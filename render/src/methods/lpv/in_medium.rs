@@ -56,7 +56,7 @@ impl From<Multiple> for InMedium {
 
 impl From<Indirect> for InMedium {
     fn from(Indirect(parameters, pixel): Indirect) -> Self {
-        Self { parameters, light: Shown::Reflected, pixel }
+        Self { parameters, light: Shown::Reflected { by_surfaces: pixel.surface }, pixel }
     }
 }
 

@@ -2,16 +2,17 @@
 
 use super::Parameters;
 use super::passes::{Filled, surfel_settings};
+use super::room::EMITTED;
 use crate::bvh::TracedScene;
 use crate::lpv::LightGrid;
 use crate::lpv::injection::{self, sent_from, single_scattering, volume};
 use crate::lpv::lobe::irradiance;
-use crate::lpv::propagation::{Field, Kinds, Light, Shown, Volume};
+use crate::lpv::propagation::{Field, Light, Shown, Volume};
 use crate::lpv::scheme::Lookup;
 use crate::raster::geometry::draws_of;
 use crate::screen::View;
 use crate::surfels::reference::{self as surfels, Disk};
-use crate::surfels::{Patch, patches};
+use crate::surfels::{Emission, Patch, patches};
 use glam::{IVec3, Mat3, Vec3, Vec4Swizzles};
 use std::f32::consts::PI;
 
@@ -37,13 +38,15 @@ struct Source<'a> {
     scene: &'a TracedScene,
     patches: Vec<Patch>,
     disks: Vec<Disk>,
+    /// Radiance of each patch by itself, if any has some.
+    shines: Option<Vec<Vec3>>,
     view: &'a View,
     parameters: Parameters,
     filled: Filled,
     reach: f32,
 }
 
-/// A volume, and the same of light that surfaces emit, if any do.
+/// A volume, and the same of light that surfaces send by themselves, if any do.
 struct Level {
     light: LitVolume,
     emission: Option<LitVolume>,
@@ -55,7 +58,8 @@ impl LitVolumes {
         let grids = parameters.grids(scene.scene().bounds(), view.camera.position);
         let patches = patches::of_scene(scene.scene());
         let disks = disks(scene, &patches, grids[grids.len() - 1].cell, view, filled);
-        let source = Source { scene, patches, disks, view, parameters, filled, reach };
+        let shines = shines(scene, &patches, filled);
+        let source = Source { scene, patches, disks, shines, view, parameters, filled, reach };
         let mut levels: Vec<Level> = Vec::new();
         for grid in &grids {
             let level = source.level(*grid, levels.last());
@@ -82,11 +86,10 @@ impl Source<'_> {
         let (volume, mut reflected) = volume((grid, scheme), (medium, kinds.scattered), surfels, camera);
         let mut scattered = if kinds.scattered { single_scattering(&grid, self.scene) } else { Vec::new() };
         let mut emission = None;
-        if self.filled != Filled::Kept && scene.emits() {
-            let emissions = patches::emissions(scene, &draws_of(scene));
-            let shines = |patch: usize, _, _| PI * emissions[patch].radiance();
+        if let Some(shines) = &self.shines {
+            let shines = |patch: usize, _, _| PI * shines[patch];
             let light = sent_from(&grid, &self.disks, camera, shines);
-            let field = Field::new(scheme, Kinds { unscattered: 1, scattered: false }, &light, &[]);
+            let field = Field::new(&volume, EMITTED, &light, &[]);
             let outside = outside.and_then(|outside| outside.emission.as_ref());
             let emitted = self.handed_on(&volume, field, outside, f32::MAX);
             let colour = |patch: usize| self.patches[patch].colour();
@@ -96,7 +99,7 @@ impl Source<'_> {
             add(&mut scattered, &injection::scattered(&grid, medium, &emitted.shown.by_medium));
             emission = Some(emitted);
         }
-        let field = Field::new(scheme, kinds, &reflected, &scattered);
+        let field = Field::new(&volume, kinds, &reflected, &scattered);
         let outside = outside.map(|outside| &outside.light);
         Level { light: self.handed_on(&volume, field, outside, self.reach), emission }
     }
@@ -130,10 +133,16 @@ impl LitVolume {
         )
     }
 
+    /// Cells at each end of an axis that are not looked at: what a coarser volume hands over in them is not all of their light.
+    fn unseen(&self) -> i32 {
+        i32::from(self.is_nested)
+    }
+
     /// The eight cells around a point, with their trilinear weights.
     fn taps(&self, point: Vec3) -> impl Iterator<Item = (IVec3, f32)> + '_ {
         let size = self.grid.size;
-        let at = (self.grid.in_cells(point) - 0.5).clamp(Vec3::ZERO, size.as_vec3() - 1.0);
+        let unseen = Vec3::splat(self.unseen() as f32);
+        let at = (self.grid.in_cells(point) - 0.5).clamp(unseen, size.as_vec3() - 1.0 - unseen);
         let low = at.floor().min((size.as_vec3() - 2.0).max(Vec3::ZERO));
         (0..8).map(move |i| {
             let corner = IVec3::new(i & 1, i >> 1 & 1, i >> 2);
@@ -149,10 +158,11 @@ impl LitVolume {
     }
 
     /// Irradiance on one side of a surface.
-    fn irradiance(&self, point: Vec3, normal: Vec3) -> Vec3 {
+    pub fn irradiance(&self, point: Vec3, normal: Vec3) -> Vec3 {
         let cell = self.grid.cell;
         if self.lookup == Lookup::Within {
-            let at = self.grid.in_cells(point).floor().as_ivec3().clamp(IVec3::ZERO, self.grid.size - 1);
+            let (unseen, at) = (IVec3::splat(self.unseen()), self.grid.in_cells(point).floor().as_ivec3());
+            let at = at.clamp(unseen, self.grid.size - 1 - unseen);
             return self.irradiance_of_cell(at, normal);
         }
         let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
@@ -188,6 +198,18 @@ impl LitVolume {
 /// Adds light to that of the same cells, if they have any.
 fn add(light: &mut [Light], more: &[Light]) {
     light.iter_mut().zip(more).for_each(|(light, more)| (0..3).for_each(|c| light[c] += more[c]));
+}
+
+/// Radiance that patches emit and, in a medium, give back of what they kept.
+fn shines(scene: &TracedScene, patches: &[Patch], filled: Filled) -> Option<Vec<Vec3>> {
+    let [emits, gives_back] = filled.shines([scene.scene().emits(), scene.scene().keeps_light()]);
+    let emissions = emits.then(|| patches::emissions(scene.scene(), &draws_of(scene.scene())));
+    let emitted = emissions.map(|all| all.into_iter().map(Emission::radiance).collect::<Vec<_>>());
+    let given = gives_back.then(|| surfels::given_back(scene, patches));
+    match (emitted, given) {
+        (Some(emitted), Some(given)) => Some(emitted.iter().zip(given).map(|(a, b)| *a + b).collect()),
+        (emitted, given) => emitted.or(given),
+    }
 }
 
 /// The surfels of a scene, as many as cells of such an edge want, with their light.

@@ -40,8 +40,11 @@ pub enum Filled {
 /// What of the light in a medium is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
-    /// Light that one surface has reflected and that met no medium yet.
-    Reflected,
+    /// Light that one surface has reflected and that met no medium yet, by the medium, or also by surfaces.
+    Reflected {
+        /// Whether by surfaces, too.
+        by_surfaces: bool,
+    },
     /// By the medium light that several surfaces have reflected, and by the medium and by surfaces light that was
     /// scattered.
     Multiple,
@@ -51,16 +54,28 @@ impl Filled {
     /// The kinds of light that are kept apart for it.
     pub const fn kinds(self) -> Kinds {
         match self {
-            Self::Clear | Self::Kept | Self::Medium(Shown::Reflected) => {
-                Kinds { unscattered: 1, scattered: false }
+            Self::Medium(Shown::Multiple) => Kinds { unscattered: 2, scattered: true, is_steady: false },
+            Self::Medium(Shown::Reflected { by_surfaces: false }) => {
+                Kinds { unscattered: 1, scattered: false, is_steady: true }
             }
-            Self::Medium(Shown::Multiple) => Kinds { unscattered: 2, scattered: true },
+            Self::Clear | Self::Kept | Self::Medium(Shown::Reflected { by_surfaces: true }) => {
+                Kinds { unscattered: 1, scattered: false, is_steady: false }
+            }
         }
     }
 
     /// Whether there is the scene's medium.
     pub const fn has_medium(self) -> bool {
         matches!(self, Self::Medium(_))
+    }
+
+    /// Whether surfaces that emit, and surfaces that give back what they kept, shine into it as lamps do, where there are any.
+    pub const fn shines(self, [emits, gives_back]: [bool; 2]) -> [bool; 2] {
+        match self {
+            Self::Clear => [emits, false],
+            Self::Kept => [false; 2],
+            Self::Medium(_) => [emits, gives_back],
+        }
     }
 
     /// What surfels send into it.
@@ -134,7 +149,7 @@ impl Passes {
         let frame = Frame { world, view: &uniforms[VIEW], reach: &uniforms[REACH] };
         let grids = parameters.grids(world.bounds, world.bounds.centre());
         let finest = grids[grids.len() - 1].cell;
-        let surfels = Surfels::new(device, frame, finest, filled.lit())?;
+        let surfels = Surfels::new(device, frame, finest, filled)?;
         let mut steps = self.surfel_steps(device, frame, &surfels)?;
         let mut levels: Vec<Level> = Vec::new();
         for (number, grid) in grids.iter().enumerate() {
@@ -195,13 +210,13 @@ impl Passes {
         }
         let iterations = parameters.iterations;
         let mut emission = None;
-        if filled != Filled::Kept && frame.world.emits() {
+        if surfels.emissions.is_some() || surfels.kept.is_some() {
             let outside = outside.and_then(|outside| outside.emission.as_ref());
             let (shown, emitted) = self.emission(device, frame, surfels, &room, (outside, iterations))?;
             steps.extend(emitted);
             emission = Some(shown);
         }
-        steps.push(room.fresh_step(device)?);
+        steps.push(room.fresh_step(device, frame.world)?);
         if room.kinds.scattered {
             steps.push(room.begin_step(device, frame.world, emission.as_ref().map(|light| &light.shown))?);
         }
@@ -217,11 +232,14 @@ impl Passes {
         &self,
         device: &wgpu::Device,
         Frame { world, view, .. }: Frame<'_>,
-        Surfels { cloud, sent, settings, lit }: &Surfels,
+        Surfels { cloud, sent, settings, lit, kept, .. }: &Surfels,
     ) -> Result<Vec<MethodStep>, GpuError> {
         let of_surfels = cloud::Uniforms { settings, view };
         let mut steps = self.surfels.surfel_steps(device, world, cloud, of_surfels)?;
         steps.extend(light::steps(device, world, *lit, cloud, [view, sent])?);
+        if let Some(kept) = kept {
+            steps.extend(light::steps(device, world, Lit::Kept, cloud, [view, kept])?);
+        }
         Ok(steps)
     }
 
@@ -245,8 +263,8 @@ impl Passes {
         ])
     }
 
-    /// Light that surfaces emit, on its way until they reflect it or the medium scatters it: what they reflect is added to
-    /// the volume's.
+    /// Light that surfaces emit or give back, on its way until they reflect it or the medium scatters it: what they reflect
+    /// is added to the volume's.
     fn emission(
         &self,
         device: &wgpu::Device,
@@ -257,23 +275,32 @@ impl Passes {
     ) -> Result<(VolumeOnGpu, Vec<MethodStep>), GpuError> {
         let Surfels { cloud, .. } = surfels;
         let emitted = room.of_emission(device)?;
-        let shine = Pass::new(device, wgsl::LPV_SHINE.name, &wgsl::LPV_SHINE.source())?;
-        let reflects = wgsl::LPV_REFLECT.specialised(&[room.scheme.lookup_constant()]);
+        let nested = ("NESTED", u32::from(outside.is_some()));
+        let reflects = wgsl::LPV_REFLECT.specialised(&[room.scheme.lookup_constant(), nested]);
         let reflects = Pass::new(device, wgsl::LPV_REFLECT.name, &reflects)?;
-        let emissions = gpu::storage(device, "lpv.emissions", &world.emissions())?;
-        let read = |of_patches| {
-            let read = [&room.record, view, &cloud.totals, &cloud.surfels, of_patches];
-            (0..).zip(read).chain([(7, &cloud.starts)])
-        };
-        let shining: Vec<_> = read(&emissions).collect();
-        let reflecting: Vec<_> = read(&cloud.patches).chain([(6, &emitted.shown)]).collect();
+        let read = |of_surfels| (0..).zip([&room.record, view, &cloud.totals, &cloud.surfels, of_surfels]);
+        let starts = (7, &cloud.starts);
+        let reflecting: Vec<_> = read(&cloud.patches).chain([(6, &emitted.shown), starts]).collect();
         // However far it came: a radius is of what surfaces reflect.
         let reach = gpu::uniform(device, "lpv.reach", &uniforms::Propagation { reach: f32::MAX })?;
-        let mut steps = vec![
-            MethodStep::bind(device, &self.clear, emitted.words(), &[], &[&emitted.sums, &emitted.cubes])?,
-            MethodStep::bind_at(device, &shine, surfels.groups(), &shining, &[(5, &emitted.sums)])?,
-            emitted.fresh_step(device)?,
-        ];
+        let mut steps = vec![MethodStep::bind(
+            device,
+            &self.clear,
+            emitted.words(),
+            &[],
+            &[&emitted.sums, &emitted.cubes],
+        )?];
+        let emits = wgsl::LPV_SHINE.source();
+        let gives_back = wgsl::LPV_SHINE_KEPT.specialised(&[light::kept_unit(world)]);
+        let emissions = surfels.emissions.as_ref().map(|it| (wgsl::LPV_SHINE.name, emits, it, Some(starts)));
+        let kept = surfels.kept.as_ref().map(|it| (wgsl::LPV_SHINE_KEPT.name, gives_back, it, None));
+        for (name, source, radiances, starts) in [emissions, kept].into_iter().flatten() {
+            let pass = Pass::new(device, name, &source)?;
+            let shining: Vec<_> = read(radiances).chain(starts).collect();
+            let written = [(5, &emitted.sums)];
+            steps.push(MethodStep::bind_at(device, &pass, surfels.groups(), &shining, &written)?);
+        }
+        steps.push(emitted.fresh_step(device, world)?);
         if let Some(outside) = outside {
             steps.push(emitted.border_step(device, world, outside)?);
         }
@@ -292,7 +319,7 @@ struct Frame<'a> {
     reach: &'a wgpu::Buffer,
 }
 
-/// One of the volumes, and light in it that surfaces emit, if any do.
+/// One of the volumes, and light in it that surfaces send by themselves, if any do.
 struct Level {
     light: VolumeOnGpu,
     emission: Option<VolumeOnGpu>,
@@ -304,14 +331,23 @@ struct Surfels {
     sent: wgpu::Buffer,
     settings: wgpu::Buffer,
     lit: Lit,
+    /// Radiance that patches emit, if any do.
+    emissions: Option<wgpu::Buffer>,
+    /// What surfels give back, as `sent`, if any do and it is light like others.
+    kept: Option<wgpu::Buffer>,
 }
 
 impl Surfels {
-    fn new(device: &wgpu::Device, frame: Frame<'_>, cell: f32, lit: Lit) -> Result<Self, GpuError> {
-        let settings = gpu::uniform(device, "lpv.surfels", &surfel_settings(cell, frame.world.bounds))?;
-        let cloud = Cloud::new(device, frame.world, Some(lit))?;
+    fn new(device: &wgpu::Device, frame: Frame<'_>, cell: f32, filled: Filled) -> Result<Self, GpuError> {
+        let (world, lit) = (frame.world, filled.lit());
+        let settings = gpu::uniform(device, "lpv.surfels", &surfel_settings(cell, world.bounds))?;
+        let cloud = Cloud::new(device, world, Some(lit))?;
         let sent = cloud.sent.clone().expect("they are lit");
-        Ok(Self { cloud, sent, settings, lit })
+        let [emits, gives_back] = filled.shines([world.emits(), world.keeps_light()]);
+        let emissions = || gpu::storage(device, "lpv.emissions", &world.emissions());
+        let kept = || gpu::empty::<u8>(device, "lpv.kept", sent.size() as usize);
+        let (emissions, kept) = (emits.then(emissions).transpose()?, gives_back.then(kept).transpose()?);
+        Ok(Self { cloud, sent, settings, lit, emissions, kept })
     }
 
     /// Workgroups of passes over them.

@@ -169,3 +169,62 @@ fn march(volume: &LitVolume, medium: &Medium, steps: u32, (pixel, reach): (UVec2
     }
     sum * medium.scattering
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An image of pixels whose surfaces are so far away, of which the marched ones have what `light` says of their place.
+    fn marched(
+        scale: u32,
+        size: UVec2,
+        distance: impl Fn(UVec2) -> f32,
+        light: impl Fn(UVec2) -> f32,
+    ) -> Marched {
+        let pixels = |size: UVec2| (0..size.x * size.y).map(move |i| UVec2::new(i % size.x, i / size.x));
+        let small = (size + scale - 1) / scale;
+        Marched {
+            scale,
+            size: small,
+            scattered: pixels(small).map(|at| Vec3::splat(light(at * scale))).collect(),
+            distances: pixels(size).map(distance).collect(),
+            width: size.x as usize,
+        }
+    }
+
+    #[test]
+    fn what_is_linear_before_one_surface_is_what_it_was() {
+        let (size, plane) = (UVec2::new(13, 9), |at: UVec2| 2.0 + 0.3 * at.x as f32 - 0.1 * at.y as f32);
+        for scale in [1, 2, 3, 4] {
+            let image = marched(scale, size, |_| 5.0, plane);
+            // Up to the last pixel that was marched.
+            let last = (image.size - 1) * scale;
+            for at in (0..=last.x).flat_map(|x| (0..=last.y).map(move |y| UVec2::new(x, y))) {
+                let is = image.before(at).x;
+                assert!((is - plane(at)).abs() < 1e-5, "scale {scale}, {at}: {is}");
+            }
+        }
+    }
+
+    #[test]
+    fn light_before_one_surface_does_not_spread_to_another() {
+        let size = UVec2::new(24, 16);
+        // A post before a wall; its edges are between pixels that are marched.
+        let distance = |at: UVec2| if (9..15).contains(&at.x) { 1.0 } else { 8.0 };
+        let lerped = |scale: u32, at: UVec2| {
+            let (low, part) = (at.x / scale * scale, (at.x % scale) as f32 / scale as f32);
+            let next = distance(UVec2::new((low + scale).min((size.x - 1) / scale * scale), at.y));
+            distance(UVec2::new(low, at.y)) * (1.0 - part) + next * part
+        };
+        for scale in [2, 3, 4] {
+            let image = marched(scale, size, distance, distance);
+            let (mut worst, mut worst_without) = (0.0f32, 0.0f32);
+            for at in (0..size.x).flat_map(|x| (0..size.y).map(move |y| UVec2::new(x, y))) {
+                let is = image.before(at).x;
+                worst = worst.max((is - distance(at)).abs() / distance(at));
+                worst_without = worst_without.max((lerped(scale, at) - distance(at)).abs() / distance(at));
+            }
+            assert!(worst < 0.02 && worst_without > 1.0, "scale {scale}: {worst}, without {worst_without}");
+        }
+    }
+}

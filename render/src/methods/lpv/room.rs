@@ -33,6 +33,8 @@ pub struct Room {
     /// `[kinds, 3, cells, 4]` f32, before and after an iteration; if there is scattered light also `[cells, 4]`, what is
     /// sent out again.
     states: [wgpu::Buffer; 2],
+    /// `[3, cells, 4]` f32: what each iteration adds to steady light.
+    source: wgpu::Buffer,
     /// As [`VolumeOnGpu`] has it.
     pub shown: wgpu::Buffer,
     /// Workgroups of passes over cells.
@@ -79,6 +81,7 @@ impl Room {
             links: gpu::empty::<[u32; 4]>(device, "lpv.links", cells)?,
             media: gpu::empty::<[[f32; 4]; 3]>(device, "lpv.media", cells)?,
             states: [state()?, state()?],
+            source: source(device, kinds, cells)?,
             shown: gpu::empty::<[f32; 4]>(device, "lpv.shown", 3 * planes * cells)?,
             groups: surfels::groups(cells).into(),
             kinds,
@@ -99,7 +102,8 @@ impl Room {
             sums: gpu::empty::<u32>(device, "lpv.emitted_sums", LIGHT_WORDS * self.cells)?,
             cubes: gpu::empty::<u32>(device, "lpv.no_cubes", CUBE_WORDS)?,
             shown: gpu::empty::<[f32; 4]>(device, "lpv.emitted", 3 * self.cells)?,
-            kinds: Kinds { unscattered: 1, scattered: false },
+            source: source(device, EMITTED, self.cells)?,
+            kinds: EMITTED,
             ..self.clone()
         })
     }
@@ -121,6 +125,11 @@ impl Room {
         [("UNSCATTERED", self.kinds.unscattered as u32), scattered(self.kinds)]
     }
 
+    /// Whether light is steady, as the passes have it.
+    fn steady(&self) -> (&'static str, u32) {
+        ("STEADY", u32::from(self.kinds.is_steady))
+    }
+
     /// Whether the medium is thinned, as the passes have it.
     fn similar(&self) -> (&'static str, u32) {
         ("SIMILAR", u32::from(self.is_similar))
@@ -131,17 +140,17 @@ impl Room {
         ("FIRST", u32::from(keeps_first(self.kinds, self.nesting)))
     }
 
-    /// Light that surfaces reflect, before the first iteration.
+    /// Light that surfaces send, before the first iteration.
     ///
     /// # Errors
     /// If the device refuses it.
-    pub fn fresh_step(&self, device: &wgpu::Device) -> Result<MethodStep, GpuError> {
-        let [_, lobes] = self.scheme.constants();
-        let first = self.first();
-        let shader = wgsl::LPV_FRESH.specialised(&[&self.constants()[..], &[lobes, first]].concat());
-        let pass = Pass::new(device, wgsl::LPV_FRESH.name, &shader)?;
-        let writes = [&self.states[0], &self.shown];
-        MethodStep::bind(device, &pass, self.groups.clone(), &[&self.record, &self.sums], &writes)
+    pub fn fresh_step(&self, device: &wgpu::Device, world: &World) -> Result<MethodStep, GpuError> {
+        let own = [self.first(), self.similar(), self.steady()];
+        let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
+        let pass = Pass::new(device, wgsl::LPV_FRESH.name, &wgsl::LPV_FRESH.specialised(&constants))?;
+        let reads = [(0, &self.record), (1, &self.sums), (5, &world.medium.record), (6, &self.media)];
+        let writes = [(3, &self.shown), (4, &self.source), (2, &self.states[0])];
+        MethodStep::bind_at(device, &pass, self.groups.clone(), &reads, &writes)
     }
 
     /// What the medium does in cells.
@@ -180,7 +189,8 @@ impl Room {
         let own = [(0, &self.record), (1, &self.links), (7, &self.states[0]), (8, &self.media)];
         let own = own.into_iter().chain(emission.map(|emitted| (9, emitted)));
         let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
-        let bound = pass.bind_at(device, own.chain(single_scattering::bindings(world, &sampler)))?;
+        let lamps = single_scattering::bindings(world, &world.gpu_lights.shining, &sampler);
+        let bound = pass.bind_at(device, own.chain(lamps))?;
         let step = Step { pass: bound, workgroups: self.groups.clone() };
         Ok(MethodStep { step, writes: vec![self.states[0].clone()] })
     }
@@ -195,10 +205,11 @@ impl Room {
         world: &World,
         outside: &VolumeOnGpu,
     ) -> Result<MethodStep, GpuError> {
-        let constants = [&self.constants()[..], &self.scheme.constants(), &[self.similar()]].concat();
+        let own = [self.similar(), self.steady()];
+        let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
         let pass = Pass::new(device, wgsl::LPV_BORDER.name, &wgsl::LPV_BORDER.specialised(&constants))?;
         let reads = [&self.record, &outside.record, &world.medium.record, &self.media, &outside.shown];
-        MethodStep::bind(device, &pass, self.groups.clone(), &reads, &[&self.states[0]])
+        MethodStep::bind(device, &pass, self.groups.clone(), &reads, &[&self.states[0], &self.source])
     }
 
     /// So many iterations; they end where light has gone as far as `reach` says.
@@ -217,21 +228,37 @@ impl Room {
             && self.scheme.factors == Factors::Placed
             && world.medium.kind != MediumOnGpu::EVERYWHERE;
         let nested = ("NESTED", u32::from(self.nesting.is_nested));
-        let own = [("BORDERS", u32::from(borders)), self.first(), nested, self.similar()];
+        let borders = ("BORDERS", u32::from(borders));
+        let own = [borders, self.first(), nested, self.similar(), self.steady()];
         let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
-        let shader = wgsl::LPV_PROPAGATE.specialised(&constants);
-        let pass = Pass::new(device, wgsl::LPV_PROPAGATE.name, &shader)?;
+        let compiled = |shows: bool| {
+            let constants = [&constants[..], &[("SHOWS", u32::from(shows))]].concat();
+            Pass::new(device, wgsl::LPV_PROPAGATE.name, &wgsl::LPV_PROPAGATE.specialised(&constants))
+        };
+        let showing = compiled(true)?;
+        // Of steady light the last iteration alone is shown.
+        let hidden = self.kinds.is_steady.then(|| compiled(false)).transpose()?;
         let step = |iteration: usize| {
+            let pass = hidden.as_ref().filter(|_| iteration + 1 < iterations).unwrap_or(&showing);
             let number = uniforms::Iteration { number: iteration as u32 };
             let number = gpu::uniform(device, "lpv.iteration", &number)?;
             let [from, to] = [iteration % 2, 1 - iteration % 2].map(|i| &self.states[i]);
             let reads = [&self.record, &world.medium.record, &self.links, &self.media, from];
-            let reads: Vec<_> = (0..).zip(reads).chain([(7, &number), (8, reach)]).collect();
+            let others = [(7, &number), (8, reach), (9, &self.source)];
+            let reads: Vec<_> = (0..).zip(reads).chain(others).collect();
             let writes = [(5, to), (6, &self.shown)];
-            MethodStep::bind_at(device, &pass, self.groups.clone(), &reads, &writes)
+            MethodStep::bind_at(device, pass, self.groups.clone(), &reads, &writes)
         };
         (0..iterations).map(step).collect()
     }
+}
+
+/// Light that surfaces emit, until something turns it.
+pub const EMITTED: Kinds = Kinds { unscattered: 1, scattered: false, is_steady: false };
+
+/// Room for what each iteration adds, which only steady light needs.
+fn source(device: &wgpu::Device, kinds: Kinds, cells: usize) -> Result<wgpu::Buffer, GpuError> {
+    gpu::empty::<[f32; 4]>(device, "lpv.source", if kinds.is_steady { 3 * cells } else { 1 })
 }
 
 /// Whether there is scattered light, as the passes have it.

@@ -1,7 +1,9 @@
 //! The passes against their plain version, and what must hold of images.
 
 mod motion;
+mod outside;
 mod room;
+mod scales;
 
 use super::in_medium::{Indirect, IndirectScattering, Multiple, MultipleScattering};
 use super::passes::{Filled, Pixel, Shown};
@@ -17,7 +19,7 @@ use crate::method::{Frame, Method, Repeats};
 use crate::methods::proving::Tolerance;
 use crate::methods::proving::beyond::{corner, foggy, prove_twin};
 use crate::scene::{Camera, Density, Medium, Scene};
-use crate::screen::{self, GpuGBuffer, Plan, ScreenMethod};
+use crate::screen::{self, GpuGBuffer, PlainInputs, Plan, ScreenMethod};
 use deepshade_shaders::GBuffer;
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::wgsl::{self, Shader};
@@ -61,11 +63,18 @@ fn a_medium_is_lit_as_the_plain_version_has_it() {
     }
 }
 
-/// A plan of multiple scattering that has run twice, and its image, which is the same both times.
-fn run_twice(gpu: &Gpu, (scene, view, gbuffer): &Seen, parameters: Parameters) -> Plan {
-    let method = MultipleScattering::new(gpu, Multiple(parameters)).expect("valid shaders");
-    let there =
-        GpuGBuffer::upload(&gpu.device, gbuffer, ScreenMethod::attributes(&method)).expect("attributes");
+/// A plan of such light in a medium that has run twice, and its image, which is the same both times.
+fn run_twice(gpu: &Gpu, (scene, view, gbuffer): &Seen, light: Shown, parameters: Parameters) -> Plan {
+    let method: Box<dyn ScreenMethod> = match light {
+        Shown::Multiple => {
+            Box::new(MultipleScattering::new(gpu, Multiple(parameters)).expect("valid shaders"))
+        }
+        Shown::Reflected { by_surfaces } => {
+            let pixel = Pixel { medium: true, surface: by_surfaces };
+            Box::new(IndirectScattering::new(gpu, Indirect(parameters, pixel)).expect("valid shaders"))
+        }
+    };
+    let there = GpuGBuffer::upload(&gpu.device, gbuffer, method.attributes()).expect("attributes");
     let world = screen::world(gpu, scene.scene(), view).expect("room");
     let inputs = Inputs { gbuffer: &there, environment: None, world: Some(&world) };
     let plan = Plan::new(&method, &inputs, view).expect("room");
@@ -88,31 +97,49 @@ fn light_of(planes: &[[f32; 4]], cells: usize) -> Vec<Light> {
     (0..cells).map(|cell| [0, 1, 2].map(|colour| Vec4::from(planes[colour * cells + cell]))).collect()
 }
 
+/// Light of all three colours that surfels have put into each cell, watts.
+fn sent(gpu: &Gpu, plan: &Plan, grid: &LightGrid) -> Vec<Light> {
+    let inject = plan.steps().iter().find(|step| step.step.pass.is_of(wgsl::LPV_INJECT.name));
+    let sums = inject.and_then(|step| step.writes.first()).expect("light is injected");
+    let sums: Vec<[[[u32; 2]; 4]; 3]> = gpu::read(&gpu.device, &gpu.queue, sums).expect("sums");
+    // 64 bits of which 40 are behind the point, over the area of a cell's face.
+    let face = f64::from(grid.cell * grid.cell);
+    let value = |[low, high]: [u32; 2]| {
+        (face * (f64::from(high as i32) + f64::from(low) * 2f64.powi(-32)) / 256.0) as f32
+    };
+    sums.iter().map(|of_cell| of_cell.map(|moments| Vec4::from(moments.map(value)))).collect()
+}
+
 /// How far what the passes show of a frame is from what the plain version makes of the same start, over the grid's maximum.
-fn furthest_off(gpu: &Gpu, frame: &Seen, parameters: Parameters) -> f32 {
+fn furthest_off(gpu: &Gpu, frame: &Seen, light: Shown, parameters: Parameters) -> f32 {
     let (scene, scheme) = (frame.0.scene(), parameters.scheme);
     let grid = LightGrid::around(scene.bounds(), parameters.cells);
     let cells = grid.cells();
-    let start = run_twice(gpu, frame, Parameters { iterations: 0, ..parameters });
-    let state: Vec<[f32; 4]> = written(gpu, &start, &wgsl::LPV_BEGIN);
+    let kinds = Filled::Medium(light).kinds();
+    let start = run_twice(gpu, frame, light, Parameters { iterations: 0, ..parameters });
     let links: Vec<[u32; 4]> = written(gpu, &start, &wgsl::LPV_LINKS);
     let byte = |cell: usize, i: usize| (links[cell][i / 4] >> (8 * (i % 4)) & 255) as f32 / 255.0;
     let volume = Volume {
         grid,
-        flights: flights(&grid, scene.medium.as_deref(), scheme.factors, true),
+        flights: flights(&grid, scene.medium.as_deref(), scheme.factors, kinds.scattered),
         passing: (0..cells).map(|cell| std::array::from_fn(|link| byte(cell, link))).collect(),
         reflectances: (0..cells).map(|cell| [13, 14, 15].map(|i| byte(cell, i))).collect(),
         scheme,
     };
-    let kinds = Filled::Medium(Shown::Multiple).kinds();
-    let lobes = (0..kinds.count()).map(|kind| light_of(&state[3 * kind * cells..], cells)).collect();
-    let mut field = Field::of_lobes(scheme, kinds, lobes);
+    let mut field = if kinds.scattered {
+        let state: Vec<[f32; 4]> = written(gpu, &start, &wgsl::LPV_BEGIN);
+        let lobes = (0..kinds.count()).map(|kind| light_of(&state[3 * kind * cells..], cells));
+        Field::of_lobes(scheme, kinds, lobes.collect())
+    } else {
+        Field::new(&volume, kinds, &sent(gpu, &start, &grid), &[])
+    };
     assert!(field.energy() > 1.0 && volume.passing.iter().flatten().any(|passes| *passes < 0.5));
     field.iterate(&volume, parameters.iterations);
-    let shown = written(gpu, &run_twice(gpu, frame, parameters), &wgsl::LPV_PROPAGATE);
-    let of = |plane: usize| light_of(&shown[3 * plane * cells..], cells);
+    let shown: Vec<[f32; 4]> = written(gpu, &run_twice(gpu, frame, light, parameters), &wgsl::LPV_PROPAGATE);
     let (mut largest, mut worst) = (0.0f32, 0.0f32);
-    for (is, wanted) in [(of(0), field.shown.by_medium), (of(1), field.shown.by_surfaces)] {
+    // Where nothing was scattered surfaces show no other light than the medium.
+    let planes = shown.chunks(3 * cells).map(|plane| light_of(plane, cells));
+    for (is, wanted) in planes.zip([field.shown.by_medium, field.shown.by_surfaces]) {
         for (is, wanted) in is.into_iter().flatten().zip(wanted.into_iter().flatten()) {
             largest = largest.max(wanted.w);
             worst = worst.max((is - wanted).abs().max_element());
@@ -126,8 +153,10 @@ fn furthest_off(gpu: &Gpu, frame: &Seen, parameters: Parameters) -> f32 {
 fn each_cell_has_what_the_plain_version_makes_of_the_same_start() {
     let gpu = gpu();
     for frame in foggy().into_iter().map(with_colours) {
-        let off = furthest_off(&gpu, &frame, FEW);
-        assert!(off < 1e-5, "{off}");
+        for light in [Shown::Multiple, Shown::Reflected { by_surfaces: false }] {
+            let off = furthest_off(&gpu, &frame, light, FEW);
+            assert!(off < 1e-5, "{light:?}: {off}");
+        }
     }
 }
 
@@ -135,8 +164,10 @@ fn each_cell_has_what_the_plain_version_makes_of_the_same_start() {
 fn so_it_has_with_other_factors_and_in_the_papers_scheme() {
     let (gpu, frame) = (gpu(), with_colours(foggy().remove(1)));
     for scheme in [Scheme { factors: Factors::Exponential, ..Scheme::OURS }, Scheme::PAPER] {
-        let off = furthest_off(&gpu, &frame, Parameters { scheme, ..FEW });
-        assert!(off < 5e-5, "{scheme:?}: {off}");
+        for light in [Shown::Multiple, Shown::Reflected { by_surfaces: false }] {
+            let off = furthest_off(&gpu, &frame, light, Parameters { scheme, ..FEW });
+            assert!(off < 1e-5, "{scheme:?}, {light:?}: {off}");
+        }
     }
 }
 
@@ -176,11 +207,16 @@ fn extremes_make_no_negative_light() {
         (medium(0.1, 0.3), camera, Parameters { cells: 1, ..few }, 1e-3, 10.0),
     ] {
         let (scene, view, gbuffer) = changed(&frame, medium, camera);
-        let method = MultipleScattering::new(&gpu, Multiple(parameters)).expect("valid shaders");
         let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius: view.radius, seed: 1 };
-        let image = Method::shade(&method, &frame, Repeats::ONCE).expect("an image").image;
-        assert!(image.data().iter().all(|value| value.is_finite() && *value >= 0.0));
-        let largest = image.data().iter().copied().fold(0.0, f32::max);
-        assert!((least..=most).contains(&largest), "{largest} is not from {least} to {most}");
+        let multiple = MultipleScattering::new(&gpu, Multiple(parameters)).expect("valid shaders");
+        let indirect = IndirectScattering::new(&gpu, parameters.into()).expect("valid shaders");
+        // What surfaces send into one cell may all leave it.
+        let of_indirect = if parameters.cells == 1 { 0.0 } else { least };
+        for (method, least) in [(&multiple as &dyn Method, least), (&indirect, of_indirect)] {
+            let image = method.shade(&frame, Repeats::ONCE).expect("an image").image;
+            assert!(image.data().iter().all(|value| value.is_finite() && *value >= 0.0));
+            let largest = image.data().iter().copied().fold(0.0, f32::max);
+            assert!((least..=most).contains(&largest), "{largest} is not from {least} to {most}");
+        }
     }
 }

@@ -73,7 +73,8 @@ impl Technique for Direct {
         let sampler = shadow_sampler(device);
         let own = [(0, volume), (1, view), (7, &map.rays), (8, &map.samples), (9, output)];
         let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
-        let resources = own.into_iter().chain(single_scattering::bindings(world, &sampler));
+        let resources =
+            own.into_iter().chain(single_scattering::bindings(world, &world.gpu_lights.records, &sampler));
         let pass = pass.bind_at(device, resources)?;
         let scatter = MethodStep { step: Step { pass, workgroups }, writes: vec![output.clone()] };
         Ok(vec![march, scatter])

@@ -10,6 +10,8 @@
 @group(0) @binding(4) var<storage, read> shown: array<vec4f>;
 // [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]: what is sent out again
 @group(0) @binding(5) var<storage, read_write> state: array<vec4f>;
+// [3, cells]: flux and energy of steady light
+@group(0) @binding(6) var<storage, read_write> source: array<vec4f>;
 
 // The shortest way, cells: of light that is hardly there.
 const LEAST_WAY = 1e-6;
@@ -71,12 +73,15 @@ fn enter(@builtin(global_invocation_id) id: vec3u) {
     var again = vec3f(0.0);
     for (var light = 0u; light < KINDS; light++) {
         for (var c = 0u; c < 3u; c++) {
-            var made = vec4f(0.0);
+            var arrived = vec4f(0.0);
             if inside {
                 let handed = of_kind(light, c * u32(outside.size.w) + around) * area;
                 let sets_out = select(0.0, media[3u * id.x + 1u][c], light == UNSCATTERED);
-                let arrived = handed / way_of(handed, own[c], extinction[c], sets_out);
-                made = lobe(arrived.xyz, arrived.w);
+                arrived = handed / way_of(handed, own[c], extinction[c], sets_out);
+            }
+            let made = lobe(arrived.xyz, arrived.w);
+            if STEADY == 1u {
+                source[lobe_index(light, c, id.x)] = arrived;
             }
             state[lobe_index(light, c, id.x)] = made;
             if SCATTERED == 1u {

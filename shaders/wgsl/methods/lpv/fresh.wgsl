@@ -1,4 +1,5 @@
-// Light that surfaces reflect, before the first iteration; nothing is shown yet.
+// Light that surfaces send, before the first iteration; nothing is shown yet. Where it is STEADY each iteration adds it anew, and
+// of what lies half a way from the middle of its cell only what passes so far sets out from there; it is shown on the way.
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 // [cells, 3, 4, 2]: flux and energy of each colour, as lpv_send.wgsl has them
@@ -7,6 +8,24 @@
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 // [1 + SCATTERED + FIRST, 3, cells]
 @group(0) @binding(3) var<storage, read_write> shown: array<vec4f>;
+// [3, cells]: flux and energy of steady light
+@group(0) @binding(4) var<storage, read_write> source: array<vec4f>;
+@group(0) @binding(5) var<uniform> medium: MediumRecord;
+// [cells, 3]: as media.wgsl writes it; all 0 where there is no medium
+@group(0) @binding(6) var<storage, read> media: array<vec4f>;
+
+// Of light that is sent, what passes to the middle of its cell and the length of its way there.
+fn first_half(sent: vec4f, cell: u32, colour: u32) -> vec2f {
+    let own = media[3u * cell];
+    let extinction = reduced_extinction() * own.w * grid.low.w;
+    let energies = by_kind(lobe(sent.xyz, sent.w)) / max(sent.w, 1e-37);
+    var sums = vec2f(0.0);
+    for (var kind = 0u; kind < 3u; kind++) {
+        let enters = entering(own.rgb, extinction, kind);
+        sums += energies[kind] * vec2f(enters[colour], half_track(enters, extinction, kind)[colour]);
+    }
+    return sums;
+}
 
 @compute @workgroup_size(64)
 fn begin(@builtin(global_invocation_id) id: vec3u) {
@@ -17,12 +36,20 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
         let first = 12u * id.x + 4u * c;
         let face = grid.low.w * grid.low.w;
         let flux = face * vec3f(fixed_sum(first), fixed_sum(first + 1u), fixed_sum(first + 2u));
-        state[lobe_index(0u, c, id.x)] = lobe(flux, face * fixed_sum(first + 3u));
+        var sent = vec4f(flux, face * fixed_sum(first + 3u));
+        var on_the_way = vec4f(0.0);
+        if STEADY == 1u {
+            let half = first_half(sent, id.x, c);
+            on_the_way = sent * half.y;
+            sent *= half.x;
+            source[lobe_index(0u, c, id.x)] = sent;
+        }
+        state[lobe_index(0u, c, id.x)] = lobe(sent.xyz, sent.w);
         for (var light = 1u; light < UNSCATTERED; light++) {
             state[lobe_index(light, c, id.x)] = vec4f(0.0);
         }
         for (var plane = 0u; plane <= SCATTERED + FIRST; plane++) {
-            shown[lobe_index(plane, c, id.x)] = vec4f(0.0);
+            shown[lobe_index(plane, c, id.x)] = on_the_way;
         }
     }
 }

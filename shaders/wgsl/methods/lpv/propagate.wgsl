@@ -15,18 +15,13 @@
 @group(0) @binding(6) var<storage, read_write> shown: array<vec4f>;
 @group(0) @binding(7) var<uniform> iteration: Iteration;
 @group(0) @binding(8) var<uniform> propagation: Propagation;
+// [3, cells]: flux and energy that each iteration adds to light that is STEADY
+@group(0) @binding(9) var<storage, read> source: array<vec4f>;
 
 // Mean cosine of light that a matte surface sends.
 const MATTE = 2.0 / 3.0;
-// That of half a way to a neighbour; where all collisions are in the cell that light leaves, so is all of the way.
-fn half_track(passes: vec3f, extinction: vec3f, kind: u32) -> vec3f {
-    if FACTORS != PLACED {
-        return vec3f(0.0);
-    }
-    return track(passes, extinction, 0.5 * DISTANCES[kind]);
-}
 
-// That of light that sets out from the cell.
+// Mean length of the way in the cell of light that sets out from it.
 fn track_out(within: vec3f, extinction: vec3f) -> vec3f {
     if FACTORS != PLACED {
         return track(mean_leaving(within), extinction, dot(COUNTS * SHARES, DISTANCES));
@@ -36,11 +31,6 @@ fn track_out(within: vec3f, extinction: vec3f) -> vec3f {
         sum += COUNTS[kind] * SHARES[kind] * half_track(leaving(within, kind), extinction, kind);
     }
     return sum;
-}
-
-// Of light that comes in from a neighbour of a kind what passes to the middle.
-fn entering(within: vec3f, extinction: vec3f, kind: u32) -> vec3f {
-    return select(vec3f(1.0), exp(-(extinction - within) * DISTANCES[kind]), FACTORS == PLACED);
 }
 
 fn passing(link: u32, cell: u32) -> f32 {
@@ -225,11 +215,15 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
     var again = vec3f(0.0);
     for (var light = 0u; light < KINDS; light++) {
         for (var c = 0u; c < 3u; c++) {
-            var made = lobe(arrived[light].flux[c], arrived[light].energy[c]);
+            var all = vec4f(arrived[light].flux[c], arrived[light].energy[c]);
             if NESTED == 1u && is_border(at) {
                 // What goes on from here is the coarser grid's.
-                made = vec4f(0.0);
+                all = vec4f(0.0);
             }
+            if STEADY == 1u {
+                all += source[lobe_index(light, c, cell)];
+            }
+            let made = lobe(all.xyz, all.w);
             next[lobe_index(light, c, cell)] = made;
             if SCATTERED == 1u {
                 again[c] += colliding(made, own.rgb, c);
@@ -239,9 +233,12 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
     if SCATTERED == 1u {
         next[again_index(cell)] = vec4f(again * media[3u * cell + 1u].rgb, 0.0);
     }
-    for (var plane = 0u; plane <= SCATTERED + FIRST; plane++) {
-        for (var c = 0u; c < 3u; c++) {
-            shown[(3u * plane + c) * cells + cell] += vec4f(seen[plane].flux[c], seen[plane].energy[c]);
+    // Of steady light the last iteration shows all.
+    if SHOWS == 1u {
+        for (var plane = 0u; plane <= SCATTERED + FIRST; plane++) {
+            for (var c = 0u; c < 3u; c++) {
+                shown[(3u * plane + c) * cells + cell] += vec4f(seen[plane].flux[c], seen[plane].energy[c]);
+            }
         }
     }
 }

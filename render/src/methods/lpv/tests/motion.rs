@@ -75,7 +75,7 @@ fn nothing_is_left_of_another_frame() {
     };
     let others: Vec<Light> = lights.iter().map(brighter).collect();
     let image = |lights: &[Light]| -> Vec<f32> {
-        world.gpu_lights.set(&gpu.queue, lights);
+        world.gpu_lights.set(&gpu.queue, lights, &[true; 3]);
         gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
         gpu::read(&gpu.device, &gpu.queue, plan.output()).expect("an image")
     };
