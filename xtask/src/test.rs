@@ -61,10 +61,7 @@ const STEPS: [Step; 6] = [
         "the program without training",
         &["clippy", "--release", "--locked", "--no-default-features", "--", "-D", "warnings"],
     ),
-    (
-        "tests",
-        &["test", "--release", "--locked", "--workspace", "--no-fail-fast", "--features", FEATURES],
-    ),
+    ("tests", &["test", "--release", "--locked", "--workspace", "--no-fail-fast", "--features", FEATURES]),
 ];
 
 /// What the last step has built besides, and its arguments: networks in another program.
@@ -84,7 +81,8 @@ pub fn run() -> Result<()> {
     }
     let (example, args) = EXAMPLE;
     println!("\n=== example {example} {}", args.join(" "));
-    let program = target().join("release/examples").join(format!("{example}{}", std::env::consts::EXE_SUFFIX));
+    let program =
+        target().join("release/examples").join(format!("{example}{}", std::env::consts::EXE_SUFFIX));
     times.push((example, passed(example, &mut command(&program.display().to_string(), &args))?));
     print_summary(&times);
     // Tests on real data pass without them, since not everybody has them.
