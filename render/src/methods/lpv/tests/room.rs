@@ -204,17 +204,18 @@ fn a_finer_grid_knows_light_beside_its_border() {
     let scene = TracedScene::new(room(false)).expect("triangles");
     let volumes = LitVolumes::new(&scene, parameters, &view, Filled::Clear, 20.0);
     let [coarse, fine] = [0, 1].map(|i: usize| &volumes.0[i]);
-    // On the floor, all around the finer grid: in its outermost cells but one.
-    let cell = 2.0 / 24.0;
-    let around = (0..40).flat_map(|i| {
-        let along = (i as f32 / 39.0 - 0.5) * 0.8;
-        let at = 0.5 + cell * 0.25;
-        [Vec3::new(along, -1.0, at), Vec3::new(at, -1.0, along), Vec3::new(along, -1.0, -at)]
-    });
-    let points: Vec<Vec3> = around.collect();
-    let of = |volume: &LitVolume| points.iter().map(|at| volume.irradiance(*at, Vec3::Y).x).sum::<f32>();
-    let ratio = of(fine) / of(coarse);
-    assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+    // On the floor, along a square so far from the middle; the finer grid ends at 0.58.
+    let ratio = |at: f32| {
+        let around = (0..40).flat_map(|i| {
+            let along = (i as f32 / 39.0 - 0.5) * 1.6 * at;
+            [Vec3::new(along, -1.0, at), Vec3::new(at, -1.0, along), Vec3::new(along, -1.0, -at)]
+        });
+        let points: Vec<Vec3> = around.collect();
+        let of = |volume: &LitVolume| points.iter().map(|at| volume.irradiance(*at, Vec3::Y).x).sum::<f32>();
+        of(fine) / of(coarse)
+    };
+    let [inside, beside] = [0.3, 0.52].map(ratio);
+    assert!((beside / inside - 1.0).abs() < 0.1 && (inside - 1.0).abs() < 0.2, "{beside} {inside}");
 }
 
 /// A room with a lamp in fog with a preferred direction of scattering: what is scattered nearly ahead is scattered all the same.
@@ -227,7 +228,7 @@ fn fog_in_a_room_is_about_as_bright_as_truth_has_it_whichever_way_it_scatters() 
         let indirect = over_truth(&Indirect::from(parameters), Effect::FogIndirect, scene.clone(), 1024);
         [indirect, over_truth(&Multiple::from(parameters), Effect::FogMultiple, scene, 1024)]
     });
-    assert!(ratios.iter().all(|[indirect, _]| (0.7..1.3).contains(indirect)), "{ratios:?}");
+    assert!(ratios.iter().all(|[indirect, _]| (1.0..1.4).contains(indirect)), "{ratios:?}");
     assert!(ratios.iter().all(|[_, multiple]| (0.7..1.3).contains(multiple)), "{ratios:?}");
     let [less, even, more] = ratios.map(|[indirect, _]| indirect);
     assert!((less / even - 1.0).abs() < 0.15 && (more / even - 1.0).abs() < 0.15, "{ratios:?}");
