@@ -104,7 +104,7 @@ fn a_sequence_is_a_picture_a_frame_and_reprojection_calms_it() {
 fn every_effect_has_a_method_that_runs_live() {
     let case = Case::new();
     let figures = case.figures("bench frame --scene room:1 --sizes 48x32 --frames 2 --quality low");
-    for pass in PASSES.into_iter().chain(["rate-equation", "lpv", "gpu-epipolar"]) {
+    for pass in PASSES.into_iter().chain(["rate-equation", "lpv", "volume-shell"]) {
         let ms = number(&figures, &format!("ms_{}", pass.replace('-', "_")));
         assert!(ms > 0.0, "{pass}");
     }
