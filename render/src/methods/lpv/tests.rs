@@ -166,7 +166,8 @@ fn so_it_has_with_other_factors_and_in_the_papers_scheme() {
     for scheme in [Scheme { factors: Factors::Exponential, ..Scheme::OURS }, Scheme::PAPER] {
         for light in [Shown::Multiple, Shown::Reflected { by_surfaces: false }] {
             let off = furthest_off(&gpu, &frame, light, Parameters { scheme, ..FEW });
-            assert!(off < 1e-5, "{scheme:?}, {light:?}: {off}");
+            // A processor's exponential is not quite a GPU's.
+            assert!(off < 2e-5, "{scheme:?}, {light:?}: {off}");
         }
     }
 }
