@@ -27,7 +27,7 @@ mod unix {
         let Ok(mut signals) = Signals::new([SIGINT, SIGTERM]) else { return };
         std::thread::spawn(move || {
             if let Some(signal) = signals.forever().next() {
-                say(b"interrupted: what is finished is kept, and the same command goes on\n");
+                say(b"interrupted: what is finished is kept, and of long jobs the same command goes on; pictures begin anew\n");
                 exit(BY_SIGNAL + signal);
             }
         });

@@ -89,7 +89,10 @@ impl Live {
         let mut attributes: Vec<Attribute> = read.chain(network).chain(wanted.attributes).collect();
         attributes.sort_unstable();
         attributes.dedup();
-        let settings = Settings { height, width, attributes, shadow_size: SHADOW_SIZE };
+        let asks_for_light = wanted.methods.iter().any(|method| method.looks_beyond())
+            || attributes.iter().any(|of| matches!(of, Attribute::Light | Attribute::DiffuseLight));
+        let shadow_size = asks_for_light.then_some(SHADOW_SIZE);
+        let settings = Settings { height, width, attributes, shadow_size };
         let frame = Frame::new(gpu, animated, &settings)?;
         frame.world().notes.iter().for_each(|line| note!("{line}"));
         let view = View { height, width, camera: *camera, radius: wanted.radius, seed: 0 };
@@ -375,5 +378,40 @@ impl Shading {
             timestamp_writes: stamps.map(Stamps::of_compute),
         });
         plan.encode_in(&mut pass);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::methods;
+    use deepshade_render::methods::Quality;
+    use deepshade_render::scene::SceneSource;
+    use glam::Vec3;
+
+    /// Shadow maps of a frame that a method alone looks at, which does not ask for direct light.
+    fn shadow_maps(effect: Effect, method: &str) -> usize {
+        let gpu = Gpu::new().expect("an adapter");
+        let source: SceneSource = "room:1".parse().expect("a scene");
+        let animated = AnimatedScene::load(&source, 0.0).expect("a scene");
+        let method = methods::open_screen(effect, method, &gpu, Quality::Low).expect("a method");
+        let wanted = Wanted {
+            size: [16, 24],
+            methods: vec![method],
+            learned: None,
+            attributes: vec![Attribute::Valid],
+            temporal: false,
+            radius: 1.0,
+            shutter: 0.0,
+        };
+        let camera = Camera::look_at(Vec3::new(1.0, 1.5, 1.0), Vec3::new(0.0, 1.0, 0.0));
+        Live::new(&gpu, &animated, &camera, wanted).expect("a frame").frame.world().maps_to_draw()
+    }
+
+    #[test]
+    fn lamps_cast_shadows_for_whoever_asks_for_their_light() {
+        assert!(shadow_maps(Effect::Phosphor, "glassner") > 0);
+        assert!(shadow_maps(Effect::Gi, "surfel") > 0);
+        assert_eq!(shadow_maps(Effect::Ao, "gtao"), 0);
     }
 }

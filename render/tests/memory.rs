@@ -25,7 +25,7 @@ fn drawing_again_and_again_takes_no_more_memory() {
     let bounds = animated.scene.bounds();
     let camera = Camera::look_at(bounds.centre() + bounds.size() * Vec3::new(0.3, 0.4, 0.5), bounds.centre());
     let attributes = vec![Attribute::Light, Attribute::Normal, Attribute::Valid];
-    let settings = Settings { height: 32, width: 48, attributes, shadow_size: 256 };
+    let settings = Settings { height: 32, width: 48, attributes, shadow_size: Some(256) };
     let mut frame = Frame::new(&gpu, &animated, &settings).expect("a frame");
     let mut frames = |count: usize| {
         for _ in 0..count {

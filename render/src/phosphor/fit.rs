@@ -98,11 +98,13 @@ impl Fit {
         let prediction = Prediction::new(measurement, states);
         let start = start::start(&prediction)?;
         let bounded = best(&prediction, start.unknowns(true))?;
-        let free = best(&prediction, prediction.unpacked(&bounded.values).unknowns(false))?;
+        let found = prediction.unpacked(&bounded.values).unknowns(false);
+        let values: Vec<f64> = found.iter().map(|unknown| unknown.start).collect();
+        let free = best(&prediction.free(), found)?;
         Ok(Self {
-            material: material(name, &prediction, &bounded.values),
-            estimates: interval::estimates(&prediction, &bounded.values, &free),
-            values: prediction.explained(&bounded.values),
+            material: material(name, &prediction, &values),
+            estimates: interval::estimates(&prediction, &values, &free),
+            values: prediction.explained(&values),
         })
     }
 

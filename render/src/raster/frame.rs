@@ -26,8 +26,8 @@ pub struct Settings {
     pub width: usize,
     /// What the g-buffer holds.
     pub attributes: Vec<Attribute>,
-    /// Edge of shadow maps, texels; smaller where there are many lights.
-    pub shadow_size: usize,
+    /// Edge of shadow maps, texels, smaller where there are many lights; without, lamps shine through everything.
+    pub shadow_size: Option<usize>,
 }
 
 /// A scene on the GPU, and all passes that make its g-buffer.
@@ -59,7 +59,7 @@ impl Frame {
         let light = if lit { &[Attribute::Light, Attribute::DiffuseLight][..] } else { &[] };
         let gbuffer = GpuGBuffer::empty(device, height, width, &[&held[..], light].concat())?;
 
-        let world = World::new(gpu, animated, lit.then_some(shadow_size))?;
+        let world = World::new(gpu, animated, shadow_size)?;
         let surface = SurfacePass::new(device, &animated.scene.materials, &world.textures)?;
         let image = surface.image(device, height, width)?;
         let attributes = attributes::steps(device, &image, &world.materials, &gbuffer)?;

@@ -39,8 +39,12 @@ fn read(gpu: &Gpu, frame: &Frame) -> GBuffer {
 }
 
 fn rasterised(gpu: &Gpu, scene: &Scene, camera: &Camera) -> GBuffer {
-    let settings =
-        Settings { height: HEIGHT, width: WIDTH, attributes: Attribute::ALL.to_vec(), shadow_size: 1024 };
+    let settings = Settings {
+        height: HEIGHT,
+        width: WIDTH,
+        attributes: Attribute::ALL.to_vec(),
+        shadow_size: Some(1024),
+    };
     let mut frame = Frame::new(gpu, &scene.clone().into(), &settings).expect("a frame");
     frame.set(&gpu.queue, 0.0, 0.0, camera);
     run(gpu, &frame);
@@ -170,7 +174,8 @@ fn lamp_in_a_box(light: Light) -> AnimatedScene {
 fn flux(light: Light, size: usize) -> (Vec3, usize) {
     let gpu = Gpu::new().expect("an adapter");
     let animated = lamp_in_a_box(light);
-    let settings = Settings { height: 8, width: 8, attributes: vec![Attribute::Valid], shadow_size: 256 };
+    let settings =
+        Settings { height: 8, width: 8, attributes: vec![Attribute::Valid], shadow_size: Some(256) };
     let mut frame = Frame::new(&gpu, &animated, &settings).expect("a frame");
     let camera = Camera::look_at(Vec3::ZERO, Vec3::X);
     frame.set(&gpu.queue, 0.0, 0.0, &camera);

@@ -75,7 +75,7 @@ fn json_that_lies_is_named() {
             "view outside its buffer",
             r#""byteOffset":0,"byteLength":36"#,
             r#""byteOffset":32,"byteLength":36"#,
-            "buffer view 0",
+            "bufferViews[0]: 36 bytes from 32 on",
         ),
         (
             "view that overflows",
@@ -353,7 +353,18 @@ fn faults_of_what_is_not_shown_are_named() {
             "",
             "bufferViews[1]: 33 bytes from 4 on, in the 36",
         ),
-        ("", r#",{"buffer":0,"byteLength":4,"byteStride":256}"#, "", "bufferViews[1].byteStride: 256"),
+        (
+            "",
+            r#",{"buffer":0,"byteLength":4,"byteStride":256}"#,
+            "",
+            "bufferViews[1].byteStride: Invalid value",
+        ),
+        (
+            "",
+            r#",{"buffer":0,"byteLength":4,"byteStride":8}"#,
+            "",
+            "bufferViews[1].byteStride: 8 in a view of 4 bytes",
+        ),
         (r#","images":[{}]"#, "", "", "images[0]: neither"),
         (r#","extensionsUsed":["A","B","A"]"#, "", "", "extensionsUsed: A is listed twice"),
         (

@@ -119,7 +119,7 @@ fn kept_light_moves_and_bends_with_its_surface() {
     let method = RateEquation::new(&gpu, TEXELS).expect("valid shaders");
     let mut attributes = vec![Attribute::Light, Attribute::DiffuseLight];
     attributes.extend(ScreenMethod::attributes(&method));
-    let settings = Settings { height: SIZE, width: SIZE, attributes, shadow_size: 2048 };
+    let settings = Settings { height: SIZE, width: SIZE, attributes, shadow_size: Some(2048) };
     let mut frame = Frame::new(&gpu, &animated, &settings).expect("a frame");
     let view = View { height: SIZE, width: SIZE, camera: camera(), radius: 1.0, seed: 0 };
     let inputs = Inputs { gbuffer: frame.gbuffer(), environment: None, world: Some(frame.world()) };
@@ -260,7 +260,7 @@ fn kept_light_survives_poses_in_which_triangles_have_no_area() {
 
     let glowing = AnimatedScene { scene: now, rigs: animated.rigs };
     let attributes = ScreenMethod::attributes(&method).to_vec();
-    let settings = Settings { height: SIZE, width: SIZE, attributes, shadow_size: 1024 };
+    let settings = Settings { height: SIZE, width: SIZE, attributes, shadow_size: Some(1024) };
     let mut frame = Frame::new(&gpu, &glowing, &settings).expect("a frame");
     // Texels of the plate are for its size later: its diagonal of 1.41 m over a 120th of that of the scene, 5.7 m.
     let tiles = Tiles::new(&glowing, &frame.world().geometry.draws, TEXELS.texels);
@@ -279,6 +279,13 @@ fn kept_light_survives_poses_in_which_triangles_have_no_area() {
         .expect("a frame");
     }
     let image: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, plan.output()).expect("an image");
+    for (name, data) in [("frames", &image[..]), ("still", still.data()), ("truth", truth.data())] {
+        std::fs::write(
+            format!("/tmp/glow-{name}.f32"),
+            data.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>(),
+        )
+        .unwrap();
+    }
     // Of a frame, a 48th of a second.
     let [of_floor, of_plate] = all(&image, 12.0);
     assert!(of_floor < 0.06 && of_plate < 0.2, "{of_floor} {of_plate}");

@@ -25,7 +25,8 @@ fn distances_loaded_at(gpu: &Gpu, path: &Path, loaded: f32, times: &[f32], place
         hall.add(animated, place);
         hall
     };
-    let settings = Settings { height: 4, width: 4, attributes: vec![Attribute::Valid], shadow_size: 256 };
+    let settings =
+        Settings { height: 4, width: 4, attributes: vec![Attribute::Valid], shadow_size: Some(256) };
     let mut frame = Frame::new(gpu, &animated, &settings).expect("a frame");
     let camera = Camera::look_at(Vec3::ONE, Vec3::ZERO);
     let mut worst = [0.0f32; 5];

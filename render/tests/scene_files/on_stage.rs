@@ -71,7 +71,7 @@ fn lights_and_what_throws_shadows_move_with_their_nodes() {
         write(folder.path(), "stage.gltf", stage(light));
         let animated = AnimatedScene::load(&SceneSource::File(path.clone()), 0.0).expect("a file");
         let attributes = vec![Attribute::Light, Attribute::DiffuseLight];
-        let settings = Settings { height: SIZE, width: SIZE, attributes, shadow_size: 1024 };
+        let settings = Settings { height: SIZE, width: SIZE, attributes, shadow_size: Some(1024) };
         let mut frame = Frame::new(&gpu, &animated, &settings).expect("a frame");
         for time in [0.0, 0.5, 1.0] {
             frame.set(&gpu.queue, time, 0.0, &camera());

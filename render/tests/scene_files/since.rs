@@ -48,7 +48,7 @@ fn surfaces_moved_as_projections_of_both_frames_say() {
     let second = Camera::look_at(Vec3::new(-0.1, 0.5, 4.6), Vec3::new(0.2, 0.1, 0.0));
     for camera in [first, second] {
         let attributes = vec![Attribute::Valid];
-        let settings = Settings { height: HEIGHT, width: WIDTH, attributes, shadow_size: 256 };
+        let settings = Settings { height: HEIGHT, width: WIDTH, attributes, shadow_size: Some(256) };
         let mut frame = Frame::new(&gpu, &animated, &settings).expect("a frame");
         let since = Since::new(&gpu.device, &frame).expect("a pass");
         for (time, camera) in [(0.0, first), (1.0, camera)] {

@@ -38,13 +38,13 @@ table! {
         uniforms [PaintState, GlowTile], shared ["glow_tile"];
     /// The same as an integral over the past.
     PHOSPHOR_GLASSNER: "phosphor.glassner", file "methods/phosphor/glassner",
-        constants [LIGHTS = 1, SCHEDULES = 1, PIECES = 1, STATES = 1, PAINT_STATES = 1, SAMPLES_AT_ONCE = 1],
+        constants [LIGHTS = 1, SCHEDULES = 1, PIECES = 1, STATES = 1, PAINT_STATES = 1],
         uniforms [GlowSamples, GlowStretch, PaintState, GlowTile, FrameView, LightRecord],
         shared ["random", "bounded", "view", "lights", "shadow", "light_clear", "glow_tile", "glow_corners", "glow_place",
                 "glow_time"];
     /// The same where the medium dims the lamps' light.
     PHOSPHOR_GLASSNER_DIMMED: "phosphor.glassner_dimmed", file "methods/phosphor/glassner",
-        constants [LIGHTS = 1, SCHEDULES = 1, PIECES = 1, STATES = 1, PAINT_STATES = 1, SAMPLES_AT_ONCE = 1, MEDIUM = 2, GREY = 0],
+        constants [LIGHTS = 1, SCHEDULES = 1, PIECES = 1, STATES = 1, PAINT_STATES = 1, MEDIUM = 2, GREY = 0],
         uniforms [GlowSamples, GlowStretch, PaintState, GlowTile, FrameView, LightRecord, MediumRecord],
         shared ["random", "bounded", "view", "lights", "shadow", "medium_span", "medium", "colours", "light_dimmed",
                 "glow_tile", "glow_corners", "glow_place", "glow_time"];

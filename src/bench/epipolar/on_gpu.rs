@@ -151,7 +151,7 @@ impl<'a> Stand<'a> {
         let (scene, camera) = setting(kind, view, setup.size)?;
         let [height, width] = setup.size;
         let attributes = vec![Attribute::Position, Attribute::Valid];
-        let settings = Settings { height, width, attributes, shadow_size: setup.shadow_size };
+        let settings = Settings { height, width, attributes, shadow_size: Some(setup.shadow_size) };
         let mut frame = Frame::new(gpu, &scene.into(), &settings)?;
         frame.set(&gpu.queue, 0.0, 0.0, &camera);
         gpu::submit(&gpu.device, &gpu.queue, "bench.epipolar", |encoder| {

@@ -52,7 +52,7 @@ impl<'a> Subject<'a> {
     pub fn new(gpu: &'a Gpu, source: &SceneSource, Size { width, height }: Size) -> Result<Self> {
         let (scene, camera) = foggy(&source.trace(0.0)?, [height, width])?;
         let attributes = ATTRIBUTES.to_vec();
-        let settings = Settings { height, width, attributes, shadow_size: SHADOW_SIZE };
+        let settings = Settings { height, width, attributes, shadow_size: Some(SHADOW_SIZE) };
         let mut frame = Frame::new(gpu, &scene.scene().clone().into(), &settings)?;
         frame.set(&gpu.queue, 0.0, 0.0, &camera);
         gpu::submit(&gpu.device, &gpu.queue, "bench.lpv", |encoder| {

@@ -45,7 +45,7 @@ impl<'a> Subject<'a> {
             Attribute::Diffuse,
             Attribute::Valid,
         ];
-        let settings = Settings { height, width, attributes, shadow_size: SHADOW_SIZE };
+        let settings = Settings { height, width, attributes, shadow_size: Some(SHADOW_SIZE) };
         let frame = Frame::new(gpu, &scene.clone().into(), &settings)?;
         let scene = TracedScene::new(scene)?;
         let view = View { height, width, camera, radius: scene.diagonal(), seed: 0 };

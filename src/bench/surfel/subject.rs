@@ -67,7 +67,7 @@ impl<'a> Subject<'a> {
         attributes.extend([Attribute::Light, Attribute::Position, Attribute::Normal, Attribute::Valid]);
         attributes.sort_unstable();
         attributes.dedup();
-        let settings = Settings { height, width, attributes, shadow_size: SHADOW_SIZE };
+        let settings = Settings { height, width, attributes, shadow_size: Some(SHADOW_SIZE) };
         let mut frame = Frame::new(gpu, &staged.animated, &settings)?;
         frame.set(&gpu.queue, 0.0, 0.0, &staged.camera);
         gpu::submit(&gpu.device, &gpu.queue, "bench.surfel", |encoder| {

@@ -46,7 +46,7 @@ impl<'a> Subject<'a> {
         let (scene, camera) = cloud_box()?;
         let scene = TracedScene::new(scene)?;
         let attributes = vec![Attribute::Position, Attribute::Normal, Attribute::Light, Attribute::Valid];
-        let settings = Settings { height, width, attributes, shadow_size: SHADOW_SIZE };
+        let settings = Settings { height, width, attributes, shadow_size: Some(SHADOW_SIZE) };
         let mut frame = Frame::new(gpu, &scene.scene().clone().into(), &settings)?;
         frame.set(&gpu.queue, 0.0, 0.0, &camera);
         gpu::submit(&gpu.device, &gpu.queue, "bench.volume-shell", |encoder| {

@@ -167,7 +167,6 @@ impl Finding {
         let glow = &world.glow;
         let at_once = glow.samples_at_once(world.scene().medium.is_some());
         let (shader, constants) = world.dimmed([&wgsl::PHOSPHOR_GLASSNER, &wgsl::PHOSPHOR_GLASSNER_DIMMED]);
-        let constants = [&constants[..], &[("SAMPLES_AT_ONCE", at_once)]].concat();
         let pass = Pass::new(device, shader.name, &shader.specialised(&constants))?;
         let sampler = shadow_sampler(device);
         let own = [settings, &glow.paints, &self.tiles, &world.geometry.posed, &self.found, &glow.past];
@@ -176,7 +175,8 @@ impl Finding {
         resources.extend((11..).zip(world.dimming()));
         resources.push((13, image.as_entire_binding()));
         let step = |first: u32| {
-            let stretch = GlowStretch { since, until, adds: u32::from(adds || first > 0), first };
+            let (adds, count) = (u32::from(adds || first > 0), at_once.min(samples - first));
+            let stretch = GlowStretch { since, until, adds, first, count };
             let stretch = gpu::uniform(device, "phosphor.stretch", &stretch)?;
             let stretch = [(14, stretch.as_entire_binding())];
             let pass = pass.bind_at(device, resources.iter().cloned().chain(stretch))?;

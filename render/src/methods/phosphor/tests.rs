@@ -123,6 +123,17 @@ fn moments_of_the_past_are_those_of_the_plain_version() {
     prove_twin(&method, &room(), Tolerance { usual: 2e-3, worst: 0.06 });
 }
 
+#[test]
+fn so_are_moments_of_light_through_fog() {
+    let (scene, view, gbuffer) = room();
+    let fog =
+        Medium::new(Vec3::splat(0.05), Vec3::new(0.3, 0.2, 0.1), 0.0, Density::Everywhere).expect("a medium");
+    let look = Look { medium: Some(Arc::new(fog)), ..scene.scene().look() };
+    let foggy = scene.with_look(look).expect("a look");
+    let method = Glassner::new(&gpu(), Moments { samples: 9 }).expect("valid shaders");
+    prove_twin(&method, &(foggy, view, gbuffer), Tolerance { usual: 2e-3, worst: 0.06 });
+}
+
 /// A floor under a lamp, with a board between them that was elsewhere in each of three stretches of the past.
 fn moving() -> (TracedScene, View, GBuffer) {
     let corners = [(-0.4, 0.4), (0.4, 0.4), (0.4, -0.4), (-0.4, -0.4)];

@@ -10,6 +10,9 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// How often an interval is to hold the true value.
 pub const CONFIDENCE: f64 = 0.95;
 
+/// A rate that may be so many times as fast, or as slow, is not known.
+const UNKNOWN: f64 = 1e6;
+
 /// What a fit estimates of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Parameter {
@@ -42,7 +45,7 @@ pub fn estimates(prediction: &Prediction, bounded: &[f64], free: &Minimum) -> Ve
     let reach = student.inverse_cdf(0.5 + 0.5 * CONFIDENCE) * (free.cost() / freedom).sqrt();
     // Times infinity it is infinite, however exact the fit is.
     let reach = reach.max(f64::MIN_POSITIVE);
-    let (held, loose) = (prediction.unpacked(bounded), prediction.unpacked(&free.values));
+    let (held, loose) = (prediction.unpacked(bounded), prediction.free().unpacked(&free.values));
     let layout =
         Layout { states: prediction.states, bands: held.total.len(), excited: held.excitation[0].len() };
     let mut estimates = Vec::new();
@@ -57,7 +60,8 @@ pub fn estimates(prediction: &Prediction, bounded: &[f64], free: &Minimum) -> Ve
         // The solver knows the deviation of the rate's logarithm.
         let factor = (reach * deviation(&free.covariance, &layout.unit(state, 1.0))).exp();
         let rate = loose.decays[state];
-        add(Parameter::Decay, held.decays[state], [rate / factor, rate * factor]);
+        let interval = if factor < UNKNOWN { [rate / factor, rate * factor] } else { [0.0, f64::INFINITY] };
+        add(Parameter::Decay, held.decays[state], interval);
         for band in 0..layout.excited {
             let slope = layout.unit(layout.excitation(state, band), 1.0);
             let interval = about(loose.excitation[state][band], slope);

@@ -37,6 +37,7 @@ pub struct Prediction<'a> {
     pub measurement: &'a Measurement,
     pub states: usize,
     excited: usize,
+    is_bounded: bool,
 }
 
 impl Unknowns {
@@ -71,8 +72,14 @@ fn largest(values: &[f64]) -> f64 {
 }
 
 impl<'a> Prediction<'a> {
+    /// Of unknowns within their bounds.
     pub fn new(measurement: &'a Measurement, states: usize) -> Self {
-        Self { measurement, states, excited: measurement.excited_bands() }
+        Self { measurement, states, excited: measurement.excited_bands(), is_bounded: true }
+    }
+
+    /// The same of any unknowns.
+    pub const fn free(self) -> Self {
+        Self { is_bounded: false, ..self }
     }
 
     /// How many values were measured.
@@ -87,10 +94,14 @@ impl<'a> Prediction<'a> {
         let (rates, rest) = values.split_at(self.states);
         let (others, rest) = rest.split_at(self.states - 1);
         let (total, excitation) = rest.split_at(self.measurement.bands.count());
-        let first = 1.0 - others.iter().sum::<f64>();
+        // Each of them is bounded by itself; together they are all of the light at most.
+        let sum: f64 = others.iter().sum();
+        let scale = if self.is_bounded { sum.max(1.0).recip() } else { 1.0 };
+        let first = 1.0 - scale * sum;
+        let first = if self.is_bounded { first.max(0.0) } else { first };
         Unknowns {
             decays: rates.iter().map(|rate| rate.exp()).collect(),
-            parts: std::iter::once(first).chain(others.iter().copied()).collect(),
+            parts: std::iter::once(first).chain(others.iter().map(|part| scale * part)).collect(),
             total: total.to_vec(),
             excitation: (0..self.states)
                 .map(|state| excitation[state * self.excited..][..self.excited].to_vec())

@@ -42,6 +42,18 @@ fn without_noise_materials_are_found_again() {
     }
 }
 
+/// More states than there are get some share of the light, and none less than nothing.
+#[test]
+fn states_too_many_send_no_negative_light() {
+    for (name, seed) in [("orange", 1), ("blue", 1), ("red", 2)] {
+        let measurement = Laboratory::thesis().measure(&preset(name), seed).expect("a measurement");
+        let fit = Fit::new(name, &measurement, 3).expect("a fit");
+        let emission = || fit.material.states.iter().flat_map(|state| &state.emission);
+        assert!(emission().all(|value| *value >= 0.0), "{name}: {:?}", fit.material);
+        assert!(fit.estimates.iter().all(|of| of.value >= 0.0 && of.interval[0] <= of.interval[1]), "{name}");
+    }
+}
+
 #[test]
 fn what_cannot_be_measured_is_refused_by_name() {
     let said = |change: fn(&mut Material)| {

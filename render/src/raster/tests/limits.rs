@@ -21,7 +21,7 @@ fn settings(height: usize, width: usize) -> Settings {
         height,
         width,
         attributes: vec![Attribute::Light, Attribute::Diffuse, Attribute::Valid],
-        shadow_size: 512,
+        shadow_size: Some(512),
     }
 }
 

@@ -65,6 +65,8 @@ uniforms! {
         adds: u32,
         /// The first of the samples that are drawn.
         first: u32,
+        /// How many are drawn.
+        count: u32,
     }
 
     /// The cells of a medium that keeps light.

@@ -75,8 +75,8 @@ fn look_back(@builtin(global_invocation_id) id: vec3u) {
         let tile = tiles[u32(at.x) - 1u];
         let place = place_of(tile_vertices(tile), vec3f(1.0 - at.y - at.z, at.yz));
         let past = whole_past();
-        // Of all samples those of this dispatch.
-        let samples = bounded(min(settings.samples - stretch.first, SAMPLES_AT_ONCE), id.xy);
+        // Of all samples those of this dispatch. A constant bound would have lavapipe unroll the loop, and crash.
+        let samples = bounded(stretch.count, id.xy);
         for (var s = 0u; s < STATES; s++) {
             let state = paints[tile.paint * STATES + s];
             let decay = state.rates.w;
