@@ -120,6 +120,8 @@ impl Task {
         for place in &self.places {
             ensure!(place.at.is_finite(), "a place at {}", place.at);
             ensure!(!place.keys.is_empty(), "the place at {} has no keys", place.at);
+            let wanted = place.keys.iter().flat_map(|key| &key.colour);
+            ensure!(wanted.into_iter().any(|value| *value != 0.0), "at {}: all keys are black", place.at);
             for (index, key) in place.keys.iter().enumerate() {
                 let count = key.colour.len();
                 ensure!(
@@ -223,6 +225,7 @@ mod tests {
             ("frames = 200", "frames = 1", "`frames` is 1"),
             ("fps", "states = 3\nfps", "`states` is 3"),
             ("fps", "fsp", "fsp"),
+            ("[0.1, 0.2, 0.1]", "[0, 0, 0]", "all keys are black"),
             ("[0.1, 0.2, 0.1]", "[0.1]", "a colour of 1 values"),
             ("[0.1, 0.2, 0.1]", "[0.1, nan, 0.1]", "second 6: the colour [0.1, NaN, 0.1], not finite"),
             ("[0.1, 0.2, 0.1]", "[0.1, -0.2, 0.1]", "at least 0"),
