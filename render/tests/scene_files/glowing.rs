@@ -279,13 +279,6 @@ fn kept_light_survives_poses_in_which_triangles_have_no_area() {
         .expect("a frame");
     }
     let image: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, plan.output()).expect("an image");
-    for (name, data) in [("frames", &image[..]), ("still", still.data()), ("truth", truth.data())] {
-        std::fs::write(
-            format!("/tmp/glow-{name}.f32"),
-            data.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>(),
-        )
-        .unwrap();
-    }
     // Of a frame, a 48th of a second.
     let [of_floor, of_plate] = all(&image, 12.0);
     assert!(of_floor < 0.06 && of_plate < 0.2, "{of_floor} {of_plate}");
