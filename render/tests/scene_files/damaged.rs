@@ -81,7 +81,7 @@ fn json_that_lies_is_named() {
             "view that overflows",
             r#""byteOffset":0,"byteLength":36"#,
             r#""byteOffset":18446744073709551615,"byteLength":36"#,
-            "buffer view 0",
+            "bufferViews[0]: 36 bytes from 18446744073709551615 on",
         ),
         (
             "truncated buffer",

@@ -214,8 +214,9 @@ fn a_finer_grid_knows_light_beside_its_border() {
         let of = |volume: &LitVolume| points.iter().map(|at| volume.irradiance(*at, Vec3::Y).x).sum::<f32>();
         of(fine) / of(coarse)
     };
+    // Smaller cells find more light in the middle of a floor; beside the border they have what larger ones hand over.
     let [inside, beside] = [0.3, 0.52].map(ratio);
-    assert!((beside / inside - 1.0).abs() < 0.1 && (inside - 1.0).abs() < 0.2, "{beside} {inside}");
+    assert!((1.0..1.4).contains(&inside) && (1.0..inside).contains(&beside), "{beside} {inside}");
 }
 
 /// A room with a lamp in fog with a preferred direction of scattering: what is scattered nearly ahead is scattered all the same.
