@@ -30,8 +30,9 @@ fn received(light: LightRecord, place: Place) -> vec3f {
     let arrived = arrival(light, place.position);
     let facing = dot(place.geometric, arrived.direction);
     let geometric = select(-place.geometric, place.geometric, facing >= 0.0);
-    let cosine = dot(place.normal, arrived.direction) * select(-1.0, 1.0, facing >= 0.0);
-    if cosine <= 0.0 || all(place.geometric == vec3f(0.0)) || all(arrived.irradiance == vec3f(0.0)) {
+    let side = select(select(-1.0, 1.0, facing >= 0.0), 0.0, all(place.geometric == vec3f(0.0)));
+    let cosine = dot(place.normal, arrived.direction) * side;
+    if cosine <= 0.0 || all(arrived.irradiance == vec3f(0.0)) {
         return vec3f(0.0);
     }
     let shown = lit_share(light, place.position, geometric, arrived.direction);

@@ -75,7 +75,7 @@ fn look_back(@builtin(global_invocation_id) id: vec3u) {
         let tile = tiles[u32(at.x) - 1u];
         let place = place_of(tile_vertices(tile), vec3f(1.0 - at.y - at.z, at.yz));
         let past = whole_past();
-        // Of all samples those of this dispatch. A constant bound would have lavapipe unroll the loop, and crash.
+        // Of all samples those of this dispatch.
         let samples = bounded(stretch.count, id.xy);
         for (var s = 0u; s < STATES; s++) {
             let state = paints[tile.paint * STATES + s];
@@ -87,7 +87,8 @@ fn look_back(@builtin(global_invocation_id) id: vec3u) {
             let within = progress(exponent(decay, past));
             var charges = 0.0;
             for (var i = 0u; i < samples; i++) {
-                let number = random(id.xy, settings.seed, (stretch.first + i) * STATES + s);
+                // The loop's own number comes first, since lavapipe crashes where conditions begin with uniforms.
+                let number = random(id.xy, settings.seed, (i + stretch.first) * STATES + s);
                 let ago = exponent_of(number * within) / decay;
                 if ago >= stretch.since && ago < stretch.until {
                     charges += charge_of(state, irradiance_in(piece_at(ago), place));
