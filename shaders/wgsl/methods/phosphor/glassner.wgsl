@@ -87,7 +87,6 @@ fn look_back(@builtin(global_invocation_id) id: vec3u) {
             let within = progress(exponent(decay, past));
             var charges = 0.0;
             for (var i = 0u; i < samples; i++) {
-                // The loop's own number comes first, since lavapipe crashes where conditions begin with uniforms.
                 let number = random(id.xy, settings.seed, (i + stretch.first) * STATES + s);
                 let ago = exponent_of(number * within) / decay;
                 if ago >= stretch.since && ago < stretch.until {
