@@ -13,6 +13,7 @@ mod prediction;
 mod recovery;
 mod simulated;
 mod start;
+mod warning;
 
 pub use files::FilesError;
 pub use interval::{CONFIDENCE, Estimate, Parameter};
@@ -21,6 +22,7 @@ pub use photographs::PhotographsError;
 pub use prediction::Part;
 pub use recovery::spectrum;
 pub use simulated::Laboratory;
+pub use warning::Warning;
 
 use super::least_squares::{Minimum, SolverError, minimum};
 use super::material::{Material, State};
@@ -36,8 +38,14 @@ pub struct Fit {
     pub material: Material,
     /// Its parameters with their intervals.
     pub estimates: Vec<Estimate>,
-    /// Each measured value with what the material explains of it.
+    /// Each measured value with what the material explains of it; three a photograph.
     pub values: Vec<Explained>,
+    /// Bands, from 0 on, of which no photograph says how their light excites it. Its rates have 0 for them, or nothing.
+    pub unmeasured: Vec<usize>,
+    /// Whether somebody stated the noise of all values. Else it is taken for a hundredth of the brightest.
+    pub noise_is_known: bool,
+    /// Reasons to doubt it.
+    pub warnings: Vec<Warning>,
 }
 
 /// A measured value beside what a fit says.
@@ -45,6 +53,8 @@ pub struct Fit {
 pub struct Explained {
     /// Which measurement it is of.
     pub part: Part,
+    /// Of which filter or band it is, from 0 on; 0 of the decay.
+    pub place: usize,
     /// When it was taken: seconds in the dark for decay and spectrum, seconds of light for excitation.
     pub seconds: f64,
     /// Red, green or blue, from 0 on.
@@ -79,6 +89,17 @@ pub enum FitError {
     /// No light was measured.
     #[error("the decay is dark: no light was measured")]
     Dark,
+    /// Light that grows in the dark.
+    #[error(
+        "the decay grows, from {first:.3e} in the first third of its photographs to {last:.3e} in the last: is `time_s` the time since \
+         the light went off, and are exposures right?"
+    )]
+    Grows {
+        /// The mean radiance at first, of all channels together.
+        first: f64,
+        /// The same at last.
+        last: f64,
+    },
     /// The solver failed.
     #[error(transparent)]
     Solver(#[from] SolverError),
@@ -89,7 +110,7 @@ impl Fit {
     ///
     /// # Errors
     /// If the number of states is not from 1 to 3, the measurement makes no sense or is too little for so many
-    /// unknowns, or no light was measured.
+    /// unknowns, no light was measured, or it grows in the dark.
     pub fn new(name: &str, measurement: &Measurement, states: usize) -> Result<Self, FitError> {
         if !(1..=MAX_STATES).contains(&states) {
             return Err(FitError::States(states));
@@ -101,17 +122,36 @@ impl Fit {
         let found = prediction.unpacked(&bounded.values).unknowns(false);
         let values: Vec<f64> = found.iter().map(|unknown| unknown.start).collect();
         let free = best(&prediction.free(), found)?;
-        Ok(Self {
+        let mut fit = Self {
             material: material(name, &prediction, &values),
             estimates: interval::estimates(&prediction, &values, &free),
             values: prediction.explained(&values),
-        })
+            unmeasured: measurement.unmeasured_bands(),
+            noise_is_known: measurement.noise_is_known,
+            warnings: Vec::new(),
+        };
+        fit.warnings = warning::warnings(&fit, measurement);
+        Ok(fit)
     }
 
     /// The root mean square of residual over noise: 1 where the material explains all but the noise.
     pub fn residual_over_noise(&self) -> f64 {
         let square = |value: &Explained| ((value.fitted - value.measured) / value.noise).powi(2);
         (self.values.iter().map(square).sum::<f64>() / self.values.len() as f64).sqrt()
+    }
+
+    /// The share of the decay's variance, about each channel's mean, that it explains (R squared): 1 at most, 0 where nothing changes.
+    pub fn explained(&self) -> f64 {
+        let of_channel = |channel: usize| {
+            let is_its = move |value: &&Explained| value.part == Part::Decay && value.channel == channel;
+            let values: Vec<&Explained> = self.values.iter().filter(is_its).collect();
+            let mean = values.iter().map(|value| value.measured).sum::<f64>() / values.len() as f64;
+            let squares =
+                |off: &dyn Fn(&Explained) -> f64| values.iter().map(|value| off(value).powi(2)).sum::<f64>();
+            [squares(&|value| value.measured - value.fitted), squares(&|value| value.measured - mean)]
+        };
+        let sums = (0..3).map(of_channel).fold([0.0, 0.0], |a: [f64; 2], b| [a[0] + b[0], a[1] + b[1]]);
+        if sums[1] > 0.0 { 1.0 - sums[0] / sums[1] } else { 0.0 }
     }
 }
 
@@ -131,7 +171,31 @@ fn material(name: &str, prediction: &Prediction, values: &[f64]) -> Material {
     };
     let mut states: Vec<State> = (0..unknowns.decays.len()).map(state).collect();
     states.sort_by(|a, b| b.decay.total_cmp(&a.decay));
-    Material { name: name.into(), bands: prediction.measurement.bands, doubt: None, states }
+    Material {
+        name: name.into(),
+        bands: prediction.measurement.bands,
+        doubt: doubt(prediction.measurement),
+        states,
+    }
+}
+
+/// What a material says of bands beside those whose light was seen to excite it.
+fn doubt(measurement: &Measurement) -> Option<String> {
+    let unmeasured = measurement.unmeasured_bands();
+    let some = !unmeasured.is_empty() && unmeasured.len() < measurement.bands.count();
+    some.then(|| {
+        format!("excitation by {} was not measured and is taken for none", listed_bands(&unmeasured))
+    })
+}
+
+/// Bands in words, from 1 on: `bands 2, 4 to 8`.
+pub fn listed_bands(bands: &[usize]) -> String {
+    let runs = bands.chunk_by(|a, b| a + 1 == *b).map(|run| match run {
+        [first, .., last] => format!("{} to {}", first + 1, last + 1),
+        run => (run[0] + 1).to_string(),
+    });
+    let runs = runs.collect::<Vec<_>>().join(", ");
+    format!("{} {runs}", if bands.len() == 1 { "band" } else { "bands" })
 }
 
 #[cfg(test)]

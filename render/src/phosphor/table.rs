@@ -102,7 +102,7 @@ impl Table {
     /// Reads a table. Blanks around names and numbers do not count; lines that start with `#` are left out.
     ///
     /// # Errors
-    /// If it cannot be read, two columns have one name, a row is longer or shorter than the first line, a cell is no finite number, or
+    /// If it cannot be read, columns are not separated by commas, two have one name, a row is longer or shorter than the first line, a cell is no finite number, or
     /// there is no row.
     pub fn read(path: &Path) -> Result<Self, TableError> {
         let text =
@@ -113,6 +113,12 @@ impl Table {
         let mut reader = reader.from_reader(text.as_bytes());
         let names: Vec<String> = reader.headers().map_err(fails)?.iter().map(Into::into).collect();
         let mut table = Self { path: path.into(), names, rows: Vec::new(), files: Vec::new() };
+        if let Some(name) = table.names.iter().find(|name| name.contains([';', '\t'])) {
+            let fault = format!(
+                "begins with {name:?}: columns are separated by commas, not by semicolons or tabs, and decimals begin with a point"
+            );
+            return Err(table.says(fault));
+        }
         if let Some(name) = table.twice() {
             return Err(table.says(format!("has two columns {name}")));
         }
@@ -282,6 +288,10 @@ mod tests {
         );
         assert!(fault("time_s,red\nnan,1\n").contains(":2: time_s"));
         assert!(fault("time_s,red\n").ends_with("has no row of numbers"));
+        assert!(fault("time_s;red\n0;0,5\n").contains(
+            "decay.csv begins with \"time_s;red\": columns are separated by commas, not by semicolons"
+        ));
+        assert!(fault("time_s\tred\n0\t1\n").contains("or tabs"));
         assert!(fault("red,time_s,red\n1,0,1\n").ends_with("has two columns red"));
         assert!(fault("time_s,red\n0,1\r1,2\n2,3\n").contains("a carriage return alone"));
         assert_eq!(read("red\r\n1\r\n2\r\n").expect("a table").column("red").expect("red"), [1.0, 2.0]);

@@ -5,6 +5,7 @@
 //! `blue_noise`. `excitation.csv` has the same columns, `band` (from 1 on) and `light_s`, how long light of that band
 //! was on. In place of `iso` and `f_number` there may be `gain`, what a radiance of 1 gives a pixel. In place of the colours there may
 //! be a column `file`, of photographs ([`photographs`](super::photographs)). Other columns are refused by name.
+//! Noise that is not stated is taken for a hundredth of the brightest value, and then nobody can say how well a fit explains it.
 //! `spectrum.csv` has the same columns and `filter` (from 1 on), a column of `filters.csv`. `camera.csv` has
 //! the sensor and `light.csv` the lamp, as curves.
 
@@ -56,16 +57,17 @@ impl Measurement {
         let bands = if spectral { Bands::Eight } else { Bands::Rgb };
         let filters =
             if spectral { Curves::read(&folder.join("filters.csv"))?.bands(Axis::EIGHT) } else { vec![] };
-        let photographs = Photographs::new(folder)?;
-        let decay = shots(&Table::read(&folder.join("decay.csv"))?, true, &[], &photographs)?;
+        let mut source = Source { photographs: Photographs::new(folder)?, noise_is_known: true };
+        let decay = source.shots(&Table::read(&folder.join("decay.csv"))?, true, &[])?;
         Ok(Self {
             bands,
             sensor: sensor(folder, bands)?,
-            spectrum: if spectral { filtered(folder, filters.len(), &photographs)? } else { vec![] },
+            spectrum: if spectral { filtered(folder, filters.len(), &mut source)? } else { vec![] },
             filters,
             light: light(folder, bands)?,
             decay,
-            excitation: excitation(folder, bands, &photographs)?,
+            excitation: excitation(folder, bands, &mut source)?,
+            noise_is_known: source.noise_is_known,
         })
     }
 }
@@ -125,7 +127,8 @@ fn curves(curves: &Curves, name: impl Fn(usize) -> String) -> String {
 const OF_ALL: [&str; 2] = ["time_s", "exposure_s"];
 const SETTINGS: [&str; 2] = ["iso", "f_number"];
 const GAIN: &str = "gain";
-const COLOURS: [&str; 6] = ["red", "green", "blue", "red_noise", "green_noise", "blue_noise"];
+const COLOURS: [&str; 3] = ["red", "green", "blue"];
+const NOISES: [&str; 3] = ["red_noise", "green_noise", "blue_noise"];
 
 /// Whether a table has no column that means nothing beside its others, of which `own` are those of its kind.
 fn check_columns(table: &Table, own: &[&str]) -> Result<(), TableError> {
@@ -136,11 +139,11 @@ fn check_columns(table: &Table, own: &[&str]) -> Result<(), TableError> {
         known.extend(SETTINGS);
         "a table of files of photographs"
     } else if has_gain {
-        known.extend(COLOURS);
+        known.extend(COLOURS.into_iter().chain(NOISES));
         known.push(GAIN);
         "a table of colours under a gain"
     } else {
-        known.extend(COLOURS);
+        known.extend(COLOURS.into_iter().chain(NOISES));
         known.extend(SETTINGS);
         known.push(GAIN);
         "a table of colours"
@@ -148,33 +151,41 @@ fn check_columns(table: &Table, own: &[&str]) -> Result<(), TableError> {
     table.has_only(&known, what)
 }
 
-/// The photographs of a table, whose times ascend if they are of one decay; `own` are the other columns of a table of its kind.
-fn shots(
-    table: &Table,
-    ascending: bool,
-    own: &[&str],
-    photographs: &Photographs,
-) -> Result<Vec<Shot>, FilesError> {
-    check_columns(table, own)?;
-    let delays = if ascending { table.ascending("time_s")? } else { table.not_negative("time_s")? };
-    let seconds = table.positive_or("exposure_s", 1.0)?;
-    if let Some(files) = table.files() {
+/// What is known of a folder while its tables are read.
+struct Source {
+    photographs: Photographs,
+    /// Of all tables so far.
+    noise_is_known: bool,
+}
+
+impl Source {
+    /// The photographs of a table, whose times ascend if they are of one decay; `own` are the other columns of a table of its kind.
+    fn shots(&mut self, table: &Table, ascending: bool, own: &[&str]) -> Result<Vec<Shot>, FilesError> {
+        check_columns(table, own)?;
+        let delays = if ascending { table.ascending("time_s")? } else { table.not_negative("time_s")? };
+        let seconds = table.positive_or("exposure_s", 1.0)?;
+        let Some(files) = table.files() else {
+            self.noise_is_known &= NOISES.iter().all(|noise| table.names().iter().any(|name| name == noise));
+            return Ok(of_colours(table, &delays, &seconds)?);
+        };
         let (iso, f_number) = (table.positive_or("iso", 100.0)?, table.positive_or("f_number", 1.0)?);
         let shot = |(i, file): (usize, &String)| {
             let settings = [seconds[i], iso[i], f_number[i]];
-            photographs.shot(file, delays[i], settings).map_err(FilesError::from)
+            self.photographs.shot(file, delays[i], settings).map_err(FilesError::from)
         };
-        return files.iter().enumerate().map(shot).collect();
+        files.iter().enumerate().map(shot).collect()
     }
-    let channels = ["red", "green", "blue"].map(|name| table.column(name));
-    let [red, green, blue] = channels;
+}
+
+/// The photographs of a table that has their colours.
+fn of_colours(table: &Table, delays: &[f64], seconds: &[f64]) -> Result<Vec<Shot>, TableError> {
+    let [red, green, blue] = COLOURS.map(|name| table.column(name));
     let value = [red?, green?, blue?];
     let brightest = value.iter().flatten().fold(0.0f64, |largest, value| largest.max(value.abs()));
     let unstated = UNSTATED_NOISE * if brightest > 0.0 { brightest } else { 1.0 };
-    let [red, green, blue] =
-        ["red_noise", "green_noise", "blue_noise"].map(|name| table.positive_or(name, unstated));
+    let [red, green, blue] = NOISES.map(|name| table.positive_or(name, unstated));
     let noise = [red?, green?, blue?];
-    let gains = gains(table, &seconds)?;
+    let gains = gains(table, seconds)?;
     let shot = |i: usize| Shot {
         delay: delays[i],
         exposure: Exposure { seconds: seconds[i], gain: gains[i] },
@@ -213,17 +224,17 @@ fn light(folder: &Path, bands: Bands) -> Result<Vec<f64>, TableError> {
     Ok(of_length_one(power))
 }
 
-fn filtered(folder: &Path, filters: usize, photographs: &Photographs) -> Result<Vec<Filtered>, FilesError> {
+fn filtered(folder: &Path, filters: usize, source: &mut Source) -> Result<Vec<Filtered>, FilesError> {
     let table = Table::read(&folder.join("spectrum.csv"))?;
     let places = indices("spectrum.csv", "filter", &table, filters)?;
     Ok(places
         .into_iter()
-        .zip(shots(&table, false, &["filter"], photographs)?)
+        .zip(source.shots(&table, false, &["filter"])?)
         .map(|(filter, shot)| Filtered { filter, shot })
         .collect())
 }
 
-fn excitation(folder: &Path, bands: Bands, photographs: &Photographs) -> Result<Vec<Charged>, FilesError> {
+fn excitation(folder: &Path, bands: Bands, source: &mut Source) -> Result<Vec<Charged>, FilesError> {
     let path = folder.join("excitation.csv");
     if !path.exists() {
         return Ok(vec![]);
@@ -231,7 +242,7 @@ fn excitation(folder: &Path, bands: Bands, photographs: &Photographs) -> Result<
     let table = Table::read(&path)?;
     let places = indices("excitation.csv", "band", &table, bands.count())?;
     let seconds = table.not_negative("light_s")?;
-    let shots = shots(&table, false, &["band", "light_s"], photographs)?;
+    let shots = source.shots(&table, false, &["band", "light_s"])?;
     let charged = |((band, seconds), shot)| Charged { band, seconds, shot };
     Ok(places.into_iter().zip(seconds).zip(shots).map(charged).collect())
 }

@@ -62,7 +62,7 @@ pub fn estimates(prediction: &Prediction, bounded: &[f64], free: &Minimum) -> Ve
         let rate = loose.decays[state];
         let interval = if factor < UNKNOWN { [rate / factor, rate * factor] } else { [0.0, f64::INFINITY] };
         add(Parameter::Decay, held.decays[state], interval);
-        for band in 0..layout.excited {
+        for band in (0..layout.excited).filter(|band| prediction.measurement.excites(*band)) {
             let slope = layout.unit(layout.excitation(state, band), 1.0);
             let interval = about(loose.excitation[state][band], slope);
             add(Parameter::Excitation(band), held.excitation[state][band], interval);

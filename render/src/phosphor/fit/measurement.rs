@@ -5,6 +5,9 @@ use super::FitError;
 
 /// A step of a photograph with 16 bits.
 const STEP: f64 = 1.0 / 65_535.0;
+/// Light that grows by so many standard errors, and by this share of it, is no decay: cameras and lamps drift by less.
+const GROWN: f64 = 5.0;
+const GROWN_SHARE: f64 = 0.05;
 
 /// How a photograph was exposed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,8 +75,10 @@ pub struct Measurement {
     pub decay: Vec<Shot>,
     /// The same decay through filters, which tells the spectrum. Not needed in RGB.
     pub spectrum: Vec<Filtered>,
-    /// Excitation, of the bands from the first on; none if it was not measured.
+    /// Excitation; none if it was not measured.
     pub excitation: Vec<Charged>,
+    /// Whether the noise of all photographs is known, not taken for something.
+    pub noise_is_known: bool,
 }
 
 /// Why a photograph says nothing.
@@ -173,7 +178,17 @@ pub fn relative_gain(reference: &[f64], other: &[f64]) -> Option<(f64, f64)> {
 }
 
 impl Measurement {
-    /// How many of the first bands excitation was measured of.
+    /// Whether excitation was measured of a band.
+    pub(super) fn excites(&self, band: usize) -> bool {
+        self.excitation.iter().any(|charged| charged.band == band)
+    }
+
+    /// The bands that excitation was not measured of.
+    pub(super) fn unmeasured_bands(&self) -> Vec<usize> {
+        (0..self.bands.count()).filter(|band| !self.excites(*band)).collect()
+    }
+
+    /// Up to which band excitation was measured, not necessarily of all.
     pub fn excited_bands(&self) -> usize {
         self.excitation.iter().map(|charged| charged.band + 1).max().unwrap_or(0)
     }
@@ -188,11 +203,23 @@ impl Measurement {
         if self.bands != Bands::Rgb {
             enough("spectrum", self.spectrum.len(), self.bands.count().div_ceil(3))?;
         }
-        for band in 0..self.excited_bands() {
+        for band in (0..self.excited_bands()).filter(|band| self.excites(*band)) {
             let count = self.excitation.iter().filter(|charged| charged.band == band).count();
             enough("excitation by a band", count, states + 1)?;
         }
-        Ok(())
+        self.check_decay()
+    }
+
+    /// Whether light does not grow in the dark by more than noise, and some per cent, leave open.
+    fn check_decay(&self) -> Result<(), FitError> {
+        let third = self.decay.len() / 3;
+        let sum = |shots: &[Shot], of: fn(&Shot) -> f64| shots.iter().map(of).sum::<f64>() / third as f64;
+        let (begin, end) = (&self.decay[..third], &self.decay[self.decay.len() - third..]);
+        let [first, last] = [begin, end].map(|shots| sum(shots, |shot| shot.radiance().iter().sum()));
+        let variance = |shot: &Shot| shot.radiance_noise().iter().map(|noise| noise * noise).sum();
+        let noise = ((sum(begin, variance) + sum(end, variance)) / third as f64).sqrt();
+        let grows = last - first > (GROWN * noise).max(GROWN_SHARE * first);
+        if grows { Err(FitError::Grows { first, last }) } else { Ok(()) }
     }
 
     fn check_form(&self) -> Result<(), FitError> {

@@ -1,10 +1,11 @@
 //! Photographs of a measurement, and how strongly each setting of the camera really exposes (thesis, section 8.4.1).
 //!
-//! Photographs are linear RGB: EXR files, or PNG files of 16 bits whose values are taken as they are, without a transfer curve. Where
-//! a folder has `mask.png`, its bright pixels are those of the material. `calibration.csv` lists photographs of one thing in steady
-//! light under different settings: `file`, `exposure_s`, `iso`, `f_number`. What cameras do is not quite what their dials say; with
-//! that list gains are those that were measured, without it those of the dials. Shutters are taken to keep their times: what
-//! photographs of one ISO and f-number say, under whatever times, is averaged, and refused where they say different things.
+//! Photographs are linear RGB: EXR files, or PNG files of 16 bits whose values are taken as they are, without a transfer curve; those
+//! whose values are 8 bits made wider are refused. Where a folder has `mask.png`, its bright pixels are those of the material.
+//! `calibration.csv` lists photographs of one thing in steady light under different settings: `file`, `exposure_s`, `iso`,
+//! `f_number`. What cameras do is not quite what their dials say; with that list gains are those that were measured, without it all
+//! photographs must have one ISO and f-number. Shutters are taken to keep their times: what photographs of one ISO and f-number say,
+//! under whatever times, is averaged, and refused where they say different things.
 
 use super::measurement::{Exposure, PhotographError, Shot, relative_gain};
 use crate::exr_file::{self, ExrError};
@@ -12,6 +13,8 @@ use crate::phosphor::table::{Table, TableError};
 use image::DynamicImage;
 use std::path::{Path, PathBuf};
 
+/// The list of photographs that tells what settings do.
+const CALIBRATION: &str = "calibration.csv";
 /// Side of the patches, in pixels, whose means are compared.
 const PATCH: usize = 8;
 /// A channel at this share of what a file of 16 bits holds is full.
@@ -69,7 +72,8 @@ struct Photograph {
 pub struct Photographs {
     folder: PathBuf,
     mask: Option<(PathBuf, usize, usize, Vec<bool>)>,
-    /// ISO, f-number, and how many times as strongly they expose as they say.
+    is_calibrated: bool,
+    /// ISO, f-number, and how many times as strongly they expose as they say; without a calibration that of the first photograph.
     settings: Vec<([f64; 2], f64)>,
 }
 
@@ -79,15 +83,17 @@ impl Photographs {
     /// # Errors
     /// If its mask or its calibration cannot be read or makes no sense.
     pub fn new(folder: &Path) -> Result<Self, PhotographsError> {
-        let mut photographs = Self { folder: folder.into(), mask: None, settings: Vec::new() };
+        let mut photographs =
+            Self { folder: folder.into(), mask: None, is_calibrated: false, settings: Vec::new() };
         let mask = folder.join("mask.png");
         if mask.exists() {
             let Photograph { path, height, width, pixels } = Photograph::of_any_depth(&mask)?;
             let bright = pixels.iter().map(|pixel| pixel.iter().sum::<f64>() > 1.5).collect();
             photographs.mask = Some((path, height, width, bright));
         }
-        let calibration = folder.join("calibration.csv");
+        let calibration = folder.join(CALIBRATION);
         if calibration.exists() {
+            photographs.is_calibrated = true;
             photographs.settings = photographs.calibrated(&Table::read(&calibration)?)?;
         }
         Ok(photographs)
@@ -96,28 +102,41 @@ impl Photographs {
     /// A photograph as its mean pixel, `delay` seconds after light.
     ///
     /// # Errors
-    /// If the file cannot be read, is full or not as large as the mask, or its settings were not calibrated where others were.
+    /// If the file cannot be read, is full or not as large as the mask, or its settings were not calibrated and others were, or are
+    /// those of photographs before.
     pub fn shot(
-        &self,
+        &mut self,
         file: &str,
         delay: f64,
         [seconds, iso, f_number]: [f64; 3],
     ) -> Result<Shot, PhotographsError> {
         let photograph = Photograph::read(&self.folder.join(file))?;
         let mut exposure = Exposure::of_camera(seconds, iso, f_number);
-        let is_it = |of: &&([f64; 2], f64)| same(of.0, [iso, f_number]);
-        match self.settings.iter().find(is_it) {
-            Some((_, factor)) => exposure.gain *= factor,
-            None if self.settings.is_empty() => {}
-            None => {
-                let what =
-                    format!("ISO {iso} at f/{f_number} is not in calibration.csv, as other settings are");
-                return Err(PhotographsError::Sense { path: photograph.path, what });
-            }
+        if self.settings.is_empty() {
+            self.settings.push(([iso, f_number], 1.0));
         }
+        let Some((_, factor)) = self.settings.iter().find(|of| same(of.0, [iso, f_number])) else {
+            let what = self.unknown([iso, f_number]);
+            return Err(PhotographsError::Sense { path: photograph.path, what });
+        };
+        exposure.gain *= factor;
         let seen = self.seen(&photograph)?;
         Shot::of_pixels(delay, exposure, &photograph.pixels, &seen)
             .map_err(|source| PhotographsError::Nothing { path: photograph.path, source })
+    }
+
+    /// What is wrong with a photograph whose settings are not among those that are known.
+    fn unknown(&self, [iso, f_number]: [f64; 2]) -> String {
+        if self.is_calibrated {
+            return format!("ISO {iso} at f/{f_number} is not in {CALIBRATION}, as other settings are");
+        }
+        let [first_iso, first_f_number] = self.settings[0].0;
+        format!(
+            "is of ISO {iso} at f/{f_number}, others are of ISO {first_iso} at f/{first_f_number}, and what cameras do is not what their \
+             dials say: write {}, a table (file, exposure_s, iso, f_number) of photographs of one thing in steady light, one at least \
+             under each of these settings",
+            self.folder.join(CALIBRATION).display()
+        )
     }
 
     /// Which pixels of a photograph count.
@@ -140,6 +159,21 @@ impl Photographs {
         Ok(seen)
     }
 
+    /// What is compared of a photograph of a calibration.
+    fn patches(&self, photograph: &Photograph) -> Result<Vec<f64>, PhotographsError> {
+        let seen = self.seen(photograph)?;
+        let patches = photograph.patches(&seen);
+        if patches.is_empty() {
+            let what = format!(
+                "mask.png leaves {} pixels, in which there is none of the squares of {PATCH}x{PATCH} from the upper left on that \
+                 {CALIBRATION} compares: make it larger",
+                seen.iter().filter(|seen| **seen).count()
+            );
+            return Err(PhotographsError::Sense { path: photograph.path.clone(), what });
+        }
+        Ok(patches)
+    }
+
     /// How strongly the settings of a list expose, relative to what they say, that of the first being right.
     fn calibrated(&self, table: &Table) -> Result<Vec<([f64; 2], f64)>, PhotographsError> {
         table.has_only(&["file", "exposure_s", "iso", "f_number"], "a calibration")?;
@@ -152,14 +186,13 @@ impl Photographs {
         let mut said: Vec<([f64; 2], Vec<f64>)> = Vec::new();
         for (index, file) in files.iter().enumerate() {
             let photograph = Photograph::read(&self.folder.join(file))?;
-            let patches = photograph.patches(&self.seen(&photograph)?);
+            let patches = self.patches(&photograph)?;
             let says = Exposure::of_camera(seconds[index], iso[index], f_number[index]).gain;
             let (reference, its) = first.get_or_insert_with(|| (patches.clone(), says));
             let wrong = |what: String| PhotographsError::Sense { path: photograph.path.clone(), what };
-            let (gain, _) =
-                relative_gain(reference, &patches).filter(|(gain, _)| *gain > 0.0).ok_or_else(|| {
-                    wrong("shows nothing to compare with the first of calibration.csv".to_owned())
-                })?;
+            let (gain, _) = relative_gain(reference, &patches)
+                .filter(|(gain, _)| *gain > 0.0)
+                .ok_or_else(|| wrong(format!("shows nothing to compare with the first of {CALIBRATION}")))?;
             let (setting, factor) = ([iso[index], f_number[index]], gain / (says / *its));
             let known = said.iter_mut().find(|(other, _)| same(*other, setting));
             let Some((_, factors)) = known else {
@@ -170,7 +203,7 @@ impl Photographs {
                 let [iso, f_number] = setting;
                 let off = 100.0 * (factor / other - 1.0);
                 let what = format!(
-                    "exposes {off:+.0} % beside another of calibration.csv at ISO {iso} and f/{f_number}"
+                    "exposes {off:+.0} % beside another of {CALIBRATION} at ISO {iso} and f/{f_number}"
                 );
                 return Err(wrong(format!("{what}: the light was not steady, or the shutter keeps no time")));
             }
@@ -180,6 +213,13 @@ impl Photographs {
         let right = said.first().map_or(1.0, |(_, factors)| mean(factors));
         Ok(said.iter().map(|(setting, factors)| (*setting, mean(factors) / right)).collect())
     }
+}
+
+/// Whether all values of 16 bits are such as 8 bits give, by either way of making them wider. What is black or full says nothing.
+fn is_widened(image: &DynamicImage) -> bool {
+    let values = image.to_rgb16();
+    let are_multiples = |step: u16| values.iter().all(|value| value % step == 0);
+    values.iter().any(|value| *value != 0 && *value != u16::MAX) && [256, 257].into_iter().any(are_multiples)
 }
 
 fn same(a: [f64; 2], b: [f64; 2]) -> bool {
@@ -196,10 +236,12 @@ impl Photograph {
             return Ok(Self { path: path.into(), height: image.height(), width: image.width(), pixels });
         }
         let image = Self::opened(path)?;
-        if image.color().bytes_per_pixel() < 2 * image.color().channel_count() {
-            let what =
-                "has 8 bits a colour, which are not linear; EXR files and PNG files of 16 bits are read"
-                    .to_owned();
+        let narrow = image.color().bytes_per_pixel() < 2 * image.color().channel_count();
+        if narrow || is_widened(&image) {
+            let what = format!(
+                "has 8 bits a colour{}, which are not linear; EXR files and PNG files of 16 bits are read",
+                if narrow { "" } else { " written as 16" }
+            );
             return Err(PhotographsError::Sense { path: path.into(), what });
         }
         Ok(Self::of_image(path, &image))
@@ -242,135 +284,4 @@ impl Photograph {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::super::noise::Noise;
-    use super::super::{Fit, Measurement};
-    use super::*;
-    use image::{ImageBuffer, Rgb};
-
-    const DECAY: f64 = 0.03;
-    /// What ISO 200 really does over what it says.
-    const REALLY: f64 = 1.08;
-
-    /// Writes a photograph of 40x24 pixels whose left half is of this radiance; the right half is lit by something else.
-    fn photograph(path: &Path, radiance: f64, iso: f64, noise: &mut Noise) {
-        let gain = iso / 100.0 * if iso > 100.0 { REALLY } else { 1.0 };
-        let image = ImageBuffer::from_fn(40, 24, |x, y| {
-            let shade = if x < 20 { radiance * (1.0 + 0.5 * f64::from(y % 8) / 8.0) / 1.22 } else { 0.011 };
-            let colour = [1.0, 0.8, 0.5].map(|part| part * shade * gain + 2e-4 * noise.normal());
-            Rgb(colour.map(|value| (65535.0 * value).clamp(0.0, 65535.0) as u16))
-        });
-        image.save(path).expect("written");
-    }
-
-    /// A folder of a decay that ISO 100 shows at first and ISO 200 at last.
-    fn folder(calibration: bool) -> tempfile::TempDir {
-        let folder = tempfile::tempdir().expect("a folder");
-        let (mut noise, mut decay) = (Noise::new(2), "file,time_s,iso\n".to_owned());
-        for index in 0..16u32 {
-            let (time, iso) = (f64::from(index) * 5.0, if index < 8 { 100.0 } else { 200.0 });
-            let name = format!("{index}.png");
-            photograph(&folder.path().join(&name), 0.4 * (-DECAY * time).exp(), iso, &mut noise);
-            decay += &format!("{name},{time},{iso}\n");
-        }
-        std::fs::write(folder.path().join("decay.csv"), decay).expect("written");
-        let mask = ImageBuffer::from_fn(40, 24, |x, _| Rgb([if x < 20 { 255u8 } else { 0 }; 3]));
-        mask.save(folder.path().join("mask.png")).expect("written");
-        if calibration {
-            for iso in [100.0, 200.0] {
-                photograph(&folder.path().join(format!("steady-{iso}.png")), 0.2, iso, &mut noise);
-            }
-            let list = "file,iso\nsteady-100.png,100\nsteady-200.png,200\n";
-            std::fs::write(folder.path().join("calibration.csv"), list).expect("written");
-        }
-        folder
-    }
-
-    fn decay(folder: &Path) -> f64 {
-        let measurement = Measurement::read(folder).expect("a measurement");
-        Fit::new("test", &measurement, 1).expect("a fit").material.states[0].decay
-    }
-
-    #[test]
-    fn what_settings_really_do_is_measured() {
-        let [calibrated, blind] = [true, false].map(|calibration| decay(folder(calibration).path()));
-        assert!((calibrated / DECAY - 1.0).abs() < 0.005, "{calibrated}");
-        assert!((blind / DECAY - 1.0).abs() > 0.02, "as the dials say: {blind}");
-    }
-
-    /// All photographs of a setting count, whatever their exposure times: noise is averaged, and a shutter that is off by 2 % one way
-    /// and 2 % the other is right on average.
-    #[test]
-    fn photographs_of_a_setting_are_taken_together() {
-        let folder = folder(false);
-        let mut noise = Noise::new(7);
-        let mut list = "file,exposure_s,iso\n".to_owned();
-        for (name, seconds, really, iso) in
-            [("a", 1.0, 1.0, 100.0), ("b", 0.5, 0.51, 200.0), ("c", 0.25, 0.245, 200.0)]
-        {
-            let name = format!("steady-{name}.png");
-            photograph(&folder.path().join(&name), 0.2 * really, iso, &mut noise);
-            list += &format!("{name},{seconds},{iso}\n");
-        }
-        std::fs::write(folder.path().join("calibration.csv"), list).expect("written");
-        let photographs = Photographs::new(folder.path()).expect("a calibration");
-        let settings: Vec<[f64; 2]> = photographs.settings.iter().map(|(setting, _)| *setting).collect();
-        assert_eq!(settings, [[100.0, 1.0], [200.0, 1.0]]);
-        assert_eq!(photographs.settings[0].1, 1.0);
-        let factor = photographs.settings[1].1;
-        assert!((factor / REALLY - 1.0).abs() < 2e-3, "{factor}");
-    }
-
-    #[test]
-    fn what_cannot_be_used_is_said_by_name() {
-        let good = folder(true);
-        let said = |name: &str, change: &dyn Fn(&Path)| {
-            let folder = folder(true);
-            change(&folder.path().join(name));
-            let mut error: &dyn std::error::Error = &Measurement::read(folder.path()).expect_err("refused");
-            let mut said = error.to_string();
-            while let Some(source) = error.source() {
-                said = format!("{said}: {source}");
-                error = source;
-            }
-            said
-        };
-        assert!(Measurement::read(good.path()).is_ok());
-        let whole = |size: [u32; 2]| {
-            move |path: &Path| {
-                ImageBuffer::from_pixel(size[0], size[1], Rgb([u16::MAX; 3])).save(path).expect("written");
-            }
-        };
-        assert!(said("3.png", &whole([40, 24])).contains("3.png: a pixel is full"));
-        assert!(said("3.png", &whole([4, 4])).contains("4x4 pixels"));
-        assert!(said("3.png", &|path| std::fs::write(path, "no image").expect("written")).contains("3.png"));
-        let black =
-            |path: &Path| ImageBuffer::from_pixel(40, 24, Rgb([0u16; 3])).save(path).expect("written");
-        assert!(said("mask.png", &black).contains("shows nothing to compare"));
-        let coarse =
-            |path: &Path| ImageBuffer::from_pixel(40, 24, Rgb([9u8; 3])).save(path).expect("written");
-        assert!(said("3.png", &coarse).contains("3.png: has 8 bits a colour"));
-        assert!(said("steady-100.png", &black).contains("shows nothing to compare"));
-        let written = |text: &'static str| move |path: &Path| std::fs::write(path, text).expect("written");
-        let beside = "file,time_s,iso,red\n0.png,0,100,0.4\n";
-        assert!(said("decay.csv", &written(beside)).contains("has a column red, which means nothing"));
-        let beside = "file,time_s,gain\n0.png,0,1\n";
-        assert!(said("decay.csv", &written(beside)).contains("has a column gain, which means nothing"));
-        let beside = "time_s,gain,iso,red,green,blue\n0,1,100,0.4,0.4,0.4\n";
-        assert!(said("decay.csv", &written(beside)).contains("has a column iso, which means nothing"));
-        let misspelt = "file,exposure,iso\nsteady-100.png,1,100\nsteady-200.png,1,200\n";
-        assert!(
-            said("calibration.csv", &written(misspelt))
-                .contains("has a column exposure, which means nothing")
-        );
-        let unsteady =
-            "file,exposure_s,iso\nsteady-100.png,1,100\nsteady-200.png,1,200\nsteady-200.png,2,200\n";
-        assert!(
-            said("calibration.csv", &written(unsteady)).contains(
-                "steady-200.png: exposes -50 % beside another of calibration.csv at ISO 200 and f/1"
-            )
-        );
-        let other = |path: &Path| std::fs::write(path, "file,iso\nsteady-100.png,100\n").expect("written");
-        assert!(said("calibration.csv", &other).contains("ISO 200 at f/1 is not in calibration.csv"));
-    }
-}
+mod tests;

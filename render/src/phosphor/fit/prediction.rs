@@ -112,7 +112,7 @@ impl<'a> Prediction<'a> {
     /// Predicted less measured over noise, of each value.
     pub fn residuals(&self, values: &[f64], residuals: &mut [f64]) {
         let mut index = 0;
-        self.visit(values, |_, _, shot, fitted| {
+        self.visit(values, |_, shot, fitted| {
             let (measured, noise) = (shot.radiance(), shot.radiance_noise());
             for channel in 0..3 {
                 residuals[index] = (fitted[channel] - measured[channel]) / noise[channel];
@@ -124,10 +124,11 @@ impl<'a> Prediction<'a> {
     /// Each measured value beside what is predicted.
     pub fn explained(&self, values: &[f64]) -> Vec<Explained> {
         let mut explained = Vec::with_capacity(self.count());
-        self.visit(values, |part, seconds, shot, fitted| {
+        self.visit(values, |(part, place, seconds), shot, fitted| {
             let (measured, noise) = (shot.radiance(), shot.radiance_noise());
             explained.extend((0..3).map(|channel| Explained {
                 part,
+                place,
                 seconds,
                 channel,
                 measured: measured[channel],
@@ -138,8 +139,8 @@ impl<'a> Prediction<'a> {
         explained
     }
 
-    /// Goes through all photographs with what they should show.
-    fn visit(&self, values: &[f64], mut visit: impl FnMut(Part, f64, &Shot, [f64; 3])) {
+    /// Goes through all photographs, each with its part, its filter or band and its seconds, and what it should show.
+    fn visit(&self, values: &[f64], mut visit: impl FnMut((Part, usize, f64), &Shot, [f64; 3])) {
         let unknowns = self.unpacked(values);
         let ones = vec![1.0; unknowns.total.len()];
         let seen = self.seen(&unknowns.total, &ones);
@@ -148,11 +149,12 @@ impl<'a> Prediction<'a> {
             unknowns.decays.iter().zip(&unknowns.parts).map(|(k, part)| part * shot.decayed(*k)).sum()
         };
         for shot in &measurement.decay {
-            visit(Part::Decay, shot.delay, shot, scaled(seen, decayed(shot)));
+            visit((Part::Decay, 0, shot.delay), shot, scaled(seen, decayed(shot)));
         }
         for filtered in &measurement.spectrum {
             let seen = self.seen(&unknowns.total, &measurement.filters[filtered.filter]);
-            visit(Part::Spectrum, filtered.shot.delay, &filtered.shot, scaled(seen, decayed(&filtered.shot)));
+            let of = (Part::Spectrum, filtered.filter, filtered.shot.delay);
+            visit(of, &filtered.shot, scaled(seen, decayed(&filtered.shot)));
         }
         for charged in &measurement.excitation {
             let charge =
@@ -163,12 +165,8 @@ impl<'a> Prediction<'a> {
             let light = |state: usize| {
                 share(state) * unknowns.parts[state] * charged.shot.decayed(unknowns.decays[state])
             };
-            visit(
-                Part::Excitation,
-                charged.seconds,
-                &charged.shot,
-                scaled(seen, (0..self.states).map(light).sum()),
-            );
+            let of = (Part::Excitation, charged.band, charged.seconds);
+            visit(of, &charged.shot, scaled(seen, (0..self.states).map(light).sum()));
         }
     }
 

@@ -84,6 +84,7 @@ impl Laboratory {
             decay: Vec::new(),
             spectrum: Vec::new(),
             excitation: Vec::new(),
+            noise_is_known: true,
         };
         let full = vec![1.0; material.states.len()];
         let open_to = vec![1.0; axis.count];

@@ -91,6 +91,45 @@ fn delays_that_are_left_out_are_found_out() {
     assert!(rate(&blind) < 0.97 * rate(&measurement), "{} {}", rate(&blind), rate(&measurement));
 }
 
+/// Light that nobody had to measure with excites nothing, and the material says so; the others are known as well as before.
+#[test]
+fn bands_without_light_are_left_out_by_name() {
+    let mut measurement = quiet().measure(&preset("blue"), 1).expect("a measurement");
+    measurement.excitation.retain(|charged| charged.band != 1);
+    let fit = Fit::new("blue", &measurement, 1).expect("a fit");
+    let rates = &fit.material.states[0].excitation;
+    near(rates[0], 0.0170, 1e-3, "band 1");
+    near(rates[2], 0.0040, 1e-3, "band 3");
+    assert_eq!((rates[1], &fit.unmeasured[..]), (0.0, &[1, 3, 4, 5, 6, 7][..]));
+    let doubt = fit.material.doubt.as_deref();
+    assert_eq!(doubt, Some("excitation by bands 2, 4 to 8 was not measured and is taken for none"));
+    let bands = fit.estimates.iter().map(|estimate| estimate.parameter);
+    let excited = bands.filter(|parameter| matches!(parameter, Parameter::Excitation(_)));
+    assert_eq!(excited.collect::<Vec<_>>(), [Parameter::Excitation(0), Parameter::Excitation(2)]);
+    let file = MaterialFile { materials: vec![fit.material], fragments: vec![] };
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("fitted.toml");
+    std::fs::write(&path, file.text()).expect("written");
+    assert_eq!(MaterialFile::read(&path).expect("read"), file);
+    assert_eq!(listed_bands(&[7]), "band 8");
+}
+
+/// Noise that nobody stated is known to be no noise.
+#[test]
+fn noise_is_known_where_all_tables_state_it() {
+    let laboratory = Laboratory::thesis();
+    let measurement = laboratory.measure(&preset("pink"), 7).expect("a measurement");
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in laboratory.files(&measurement) {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    }
+    let is_known = || Measurement::read(folder.path()).expect("read").noise_is_known;
+    assert!(is_known());
+    let excitation = "band,light_s,time_s,red,green,blue,red_noise\n1,1,0.1,0.1,0.1,0.1,0.01\n";
+    std::fs::write(folder.path().join("excitation.csv"), excitation).expect("written");
+    assert!(!is_known());
+}
+
 #[test]
 fn two_excited_states_are_told_apart() {
     let mut material = stickers();
@@ -222,8 +261,22 @@ fn what_cannot_be_fitted_is_said() {
         FitError::TooFew { what: "decay", count: 2, least: 3 }
     ));
     assert!(matches!(fault(&|m| m.spectrum.clear()), FitError::TooFew { what: "spectrum", .. }));
-    assert!(matches!(fault(&|m| m.excitation.retain(|c| c.band != 1)), FitError::TooFew { .. }));
+    let once = |m: &mut Measurement| m.excitation.retain(|c| c.band != 1 || c.seconds == 1.0);
+    assert!(matches!(fault(&once), FitError::TooFew { count: 1, least: 2, .. }));
     assert_eq!(fault(&|m| m.decay.iter_mut().for_each(|shot| shot.value = [0.0; 3])), FitError::Dark);
+    let bright = |radiance: fn(f64) -> f64| {
+        move |m: &mut Measurement| {
+            for (index, shot) in m.decay.iter_mut().enumerate() {
+                shot.value = [radiance(index as f64) * shot.exposure.gain; 3];
+            }
+        }
+    };
+    assert!(
+        matches!(fault(&bright(|index| 1.0 + index)), FitError::Grows { first, last } if last > 3.0 * first)
+    );
+    let mut steady = measurement.clone();
+    bright(|index| 1.0 + 0.001 * index)(&mut steady);
+    assert!(!matches!(Fit::new("x", &steady, 1), Err(FitError::Grows { .. })), "cameras drift");
     let senseless =
         |change: &dyn Fn(&mut Measurement)| assert!(matches!(fault(change), FitError::Measurement(_)));
     senseless(&|m| m.decay[3].value[1] = f64::NAN);
