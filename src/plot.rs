@@ -132,14 +132,18 @@ impl Plot {
             let colour = of_its_own.unwrap_or(COLOURS[names % COLOURS.len()]);
             names += 1;
             let dot = if matches!(line.style, Style::Dots | Style::Points) { 4 } else { 0 };
-            let drawn = if line.style == Style::Points {
-                chart.draw_series(points.into_iter().map(|at| Circle::new(at, dot, colour.filled())))?
+            // The legend shows what is drawn, since dots and a curve of one colour may stand for two things.
+            if line.style == Style::Points {
+                chart
+                    .draw_series(points.into_iter().map(|at| Circle::new(at, dot, colour.filled())))?
+                    .label(&line.name)
+                    .legend(move |(x, y)| Circle::new((x + 9, y), dot, colour.filled()));
             } else {
-                chart.draw_series(LineSeries::new(points, colour.stroke_width(2)).point_size(dot))?
-            };
-            drawn
-                .label(&line.name)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+                chart
+                    .draw_series(LineSeries::new(points, colour.stroke_width(2)).point_size(dot))?
+                    .label(&line.name)
+                    .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+            }
         }
         if let Some((name, value)) = self.level {
             let grey = BLACK.mix(0.7).stroke_width(2);
@@ -202,6 +206,12 @@ mod tests {
             plot(lines).svg("Samples").expect("a picture").contains("more")
         });
         assert!(dots && !companion, "the legend leaves companions out");
+        let [marks, lines] = [Style::Points, Style::Curve].map(|style| {
+            let line =
+                Line { name: "wanted".into(), points: vec![(1.0, 0.5), (2.0, 0.7)], style, colour: None };
+            plot(vec![line]).svg("Samples").expect("a picture").matches("<circle").count()
+        });
+        assert_eq!((marks, lines), (3, 0), "two dots and one of the legend");
         assert!(plot(vec![]).svg("Nothing").is_err());
     }
 

@@ -1,34 +1,28 @@
 //! `deepshade phosphor fit`: a material from measurements of it.
 
+mod plots;
 mod report;
+mod rows;
+
+pub(super) use rows::parameter_name;
 
 use super::self_test;
 use crate::figures::{Figures, write_atomically};
-use crate::plot::{CHANNELS, Line, Plot};
 use crate::table;
 use anyhow::{Context, Result};
-use deepshade_render::phosphor::fit::{Estimate, Explained, Fit, Measurement, Parameter, Part};
+use deepshade_render::phosphor::fit::{Estimate, Fit, Measurement, Part};
 use deepshade_render::phosphor::material::file::MaterialFile;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Fits a material to measurements, or tests such fits on simulated ones.
 ///
-/// A folder of measurements holds `decay.csv` with a row a photograph after the light went off (`time_s`, `red`, `green`, `blue`;
-/// `exposure_s` and `gain`, or `iso` and `f_number`, where they differ; `red_noise` and so on where they are known). With
-/// `spectrum.csv` (the same through filters, `filter` being a column of `filters.csv`) and `camera.csv` the material is described in
-/// eight bands, else in the camera's colours; `excitation.csv` has photographs after light of one `band` for `light_s` seconds,
-/// `light.csv` the lamp. `simulate` writes such a folder.
+/// A fit that may not mean what it says is warned of, here and in the report: where more is left than noise (residual over noise
+/// above 3, or R^2 of the decay below 0.9 where noise is not stated), or photographs cannot tell a state. A decay that grows is refused.
 #[derive(clap::Args)]
-#[command(after_help = "Examples:\n  \
-    deepshade phosphor fit measured --states 2 --out paint.toml --plot paint.svg --report paint.html\n  \
-    deepshade phosphor fit --self-test --json self-test.json\n\n\
-    Of the self test's figures, coverage is the share of 95 % intervals that hold the true value, of the material for which it is \
-    farthest from 0.95, coverage_least that of the parameter of which fewest do; residual_over_noise what all fits of a material \
-    leave together, and worst_residual_over_noise what one of them does, the largest over materials; median_ratio_nc2_nc1 and last_ratio_nc2_nc1 what \
-    two states leave of the error of one, in the median over materials, at all photographs and at the last.")]
+#[command(after_help = EXAMPLE)]
 pub struct Args {
-    /// Folder of measurements.
+    /// Folder of measurements: tables (CSV), and photographs that they list; see below.
     #[arg(required_unless_present = "self_test", conflicts_with = "self_test")]
     folder: Option<PathBuf>,
     /// States of the material.
@@ -57,6 +51,44 @@ pub struct Args {
     json: Option<PathBuf>,
 }
 
+/// What `--help` ends with.
+const EXAMPLE: &str = "The folder of measurements. Columns are separated by commas and named in the first line; lines that begin with # are left out.
+
+  decay.csv         a row a photograph after the light went off:
+                      time_s             seconds from light off to the open shutter, ascending
+                      red, green, blue   the mean of the material's pixels, linear
+                      exposure_s, and iso and f_number, or gain (what a radiance of 1 gives a pixel): where they differ; else 1 s,
+                                         ISO 100, f/1
+                      red_noise, green_noise, blue_noise   standard errors, where they are known; else a hundredth of the brightest
+                      file               in place of colours, noise and gain: a photograph, linear EXR or PNG of 16 bits
+  spectrum.csv      the same through filters: also filter, the column of filters.csv, from 1 on. With it the material is described
+                    in eight bands from 400 to 700 nm, else in the camera's colours. Needs filters.csv and camera.csv
+  filters.csv       wavelength_nm, and a column a filter: what it lets through
+  camera.csv        wavelength_nm, red, green, blue: what each channel sees
+  excitation.csv    the columns of decay.csv after light on what had been dark: also band, from 1 on, and light_s, how long it shone
+  light.csv         wavelength_nm and the lamp's power; a halogen lamp where it is missing
+  mask.png          bright where photographs show the material; as large as they are
+  calibration.csv   file, exposure_s, iso, f_number: photographs of one thing in steady light, some under each setting. Needed where
+                    photographs of the tables have several ISO or f-numbers
+
+A decay as colours, and one as photographs with their calibration:
+
+  time_s,exposure_s,red,green,blue          file,time_s,exposure_s,iso        file,exposure_s,iso
+  0.1,1,0.412,0.301,0.154                   0001.png,0.1,1,100                grey-100.png,0.5,100
+  5.1,1,0.347,0.254,0.129                   0002.png,5.1,1,100                grey-400.png,0.125,400
+  10.1,1,0.293,0.214,0.110                  0003.png,10.1,1,400
+
+`simulate` writes such a folder.
+
+Examples:
+  deepshade phosphor fit measured --states 2 --out paint.toml --plot paint.svg --report paint.html
+  deepshade phosphor fit --self-test --json self-test.json
+
+Of the self test's figures, coverage is the share of 95 % intervals that hold the true value, of the material for which it is \
+farthest from 0.95, coverage_least that of the parameter of which fewest do; residual_over_noise what all fits of a material \
+leave together, and worst_residual_over_noise what one of them does, the largest over materials; median_ratio_nc2_nc1 and \
+last_ratio_nc2_nc1 what two states leave of the error of one, in the median over materials, at all photographs and at the last.";
+
 /// Fits, writes and prints.
 ///
 /// # Errors
@@ -69,50 +101,43 @@ pub fn run(args: &Args) -> Result<()> {
         Fit::new(&name, &measurement, args.states.into()).with_context(|| folder.display().to_string())?;
     let mut figures = Figures::new("phosphor fit");
     figures.set("residual_over_noise", fit.residual_over_noise());
+    figures.set("r_squared", fit.explained());
     figures.set("states", f64::from(args.states));
     figures.detail("material", json!(fit.material));
     figures.detail("estimates", fit.estimates.iter().map(estimate_detail).collect());
+    let unmeasured = fit.unmeasured.iter().map(|band| json!(band + 1));
+    figures.detail("excitation_not_measured", unmeasured.collect());
+    figures.detail("warnings", fit.warnings.iter().map(|warning| json!(warning.to_string())).collect());
     figures.write(args.json.as_deref())?;
     if let Some(path) = &args.out {
         let file = MaterialFile { materials: vec![fit.material.clone()], fragments: vec![] };
         write_atomically(path, file.text().as_bytes())?;
     }
     if let Some(path) = &args.plot {
-        write_atomically(path, residuals(&fit, Part::Decay).svg(&name)?.as_bytes())?;
+        write_atomically(path, plots::residuals(&fit, Part::Decay).svg(&name)?.as_bytes())?;
     }
     if let Some(path) = &args.report {
         write_atomically(path, report::page(&fit)?.as_bytes())?;
     }
-    let mut rows = vec![["state", "parameter", "value", "95 % interval"].map(str::to_owned).to_vec()];
-    rows.extend(fit.estimates.iter().map(estimate_row));
-    say!("{}", table::aligned(&rows))?;
-    say!(
-        "residual over noise {:.3}: 1 where the material explains all but the noise",
-        fit.residual_over_noise()
-    )
+    for warning in &fit.warnings {
+        note!("warning: {warning}");
+    }
+    say!("{}", table::aligned(&rows::table(&fit)))?;
+    say!("{}", how_well(&fit))
+}
+
+/// How well a fit explains what was measured.
+fn how_well(fit: &Fit) -> String {
+    if fit.noise_is_known {
+        let left = fit.residual_over_noise();
+        return format!("residual over noise {left:.3}: 1 where the material explains all but the noise");
+    }
+    let explained = fit.explained();
+    format!("R^2 of the decay {explained:.4}: 1 where the material explains all; noise was not stated")
 }
 
 fn folder_name(folder: &Path) -> String {
     folder.file_name().map_or_else(|| "fitted".to_owned(), |name| name.to_string_lossy().into_owned())
-}
-
-pub(super) fn parameter_name(parameter: Parameter) -> String {
-    match parameter {
-        Parameter::Decay => "decay, 1/s".to_owned(),
-        Parameter::Excitation(band) => format!("excitation, band {}", band + 1),
-        Parameter::Emission(band) => format!("emission, band {}", band + 1),
-    }
-}
-
-fn estimate_row(estimate: &Estimate) -> Vec<String> {
-    let [low, high] = estimate.interval;
-    let interval = if high.is_finite() { format!("{low:.5} to {high:.5}") } else { "not known".to_owned() };
-    vec![
-        (estimate.state + 1).to_string(),
-        parameter_name(estimate.parameter),
-        format!("{:.5}", estimate.value),
-        interval,
-    ]
 }
 
 fn estimate_detail(estimate: &Estimate) -> serde_json::Value {
@@ -120,21 +145,4 @@ fn estimate_detail(estimate: &Estimate) -> serde_json::Value {
         "state": estimate.state + 1, "parameter": parameter_name(estimate.parameter), "value": estimate.value,
         "interval": estimate.interval,
     })
-}
-
-/// What is left of a part of the measurements, over its noise, against time.
-fn residuals(fit: &Fit, part: Part) -> Plot {
-    let of_channel = |channel: usize| {
-        let its = |value: &&Explained| value.part == part && value.channel == channel;
-        let point = |value: &Explained| (value.seconds, (value.measured - value.fitted) / value.noise);
-        fit.values.iter().filter(its).map(point).collect::<Vec<_>>()
-    };
-    let line = |((name, colour), channel)| Line::dotted(name, of_channel(channel)).coloured(colour);
-    Plot {
-        x: if part == Part::Excitation { "time of light, s" } else { "time in the dark, s" },
-        is_logarithmic: false,
-        y: "measured less fitted, standard errors",
-        lines: CHANNELS.into_iter().zip(0..).map(line).collect(),
-        level: Some(("0", 0.0)),
-    }
 }

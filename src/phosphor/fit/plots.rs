@@ -1,0 +1,122 @@
+//! What was measured beside what a fit explains of it, as plots.
+
+use crate::plot::{CHANNELS, Line, Plot, Style};
+use deepshade_render::phosphor::fit::{Explained, Fit, Part};
+use deepshade_render::phosphor::spectrum::{Axis, Bands};
+
+/// The photographs of a part, each as its values in the channels.
+pub fn photographs(fit: &Fit, part: Part) -> impl Iterator<Item = &[Explained]> {
+    fit.values.chunks_exact(CHANNELS.len()).filter(move |photograph| photograph[0].part == part)
+}
+
+/// What was measured of the decay, as dots, and what the material explains of it.
+pub fn explained(fit: &Fit) -> Plot {
+    let of_channel = |(channel, (name, colour)): (usize, (&str, [u8; 3]))| {
+        let points = |of: fn(&Explained) -> f64| {
+            let decay = photographs(fit, Part::Decay).map(|photograph| &photograph[channel]);
+            decay.map(|value| (value.seconds, of(value))).collect::<Vec<_>>()
+        };
+        let line = |name: String, points, style| Line { name, points, style, colour: Some(colour) };
+        [
+            line(format!("{name}, measured"), points(|value| value.measured), Style::Points),
+            line(format!("{name}, fitted"), points(|value| value.fitted), Style::Curve),
+        ]
+    };
+    let lines = CHANNELS.into_iter().enumerate().flat_map(of_channel).collect();
+    Plot { x: "time in the dark, s", is_logarithmic: false, y: "radiance", lines, level: None }
+}
+
+/// What is left of a part of the measurements, over its noise; without lines where there is none of it. Of the decay and of
+/// photographs through filters each channel is shown, of excitation the sum of channels for each band.
+pub fn residuals(fit: &Fit, part: Part) -> Plot {
+    let (x, lines) = match part {
+        Part::Decay => ("time in the dark, s", of_channels(fit, part, Style::Dots, |value| value.seconds)),
+        Part::Spectrum => {
+            let number = |value: &Explained| (value.place + 1) as f64;
+            ("filter, counted as the columns of filters.csv", of_channels(fit, part, Style::Points, number))
+        }
+        Part::Excitation => ("time of light, s", of_bands(fit)),
+    };
+    Plot {
+        x,
+        is_logarithmic: false,
+        y: "measured less fitted, standard errors",
+        lines: lines.into_iter().filter(|line| !line.points.is_empty()).collect(),
+        level: Some(("0", 0.0)),
+    }
+}
+
+/// A line a channel, against what a value has for `x`.
+fn of_channels(fit: &Fit, part: Part, style: Style, x: fn(&Explained) -> f64) -> Vec<Line> {
+    let line = |(channel, (name, colour)): (usize, (&str, [u8; 3]))| {
+        let values = photographs(fit, part).map(|photograph| &photograph[channel..=channel]);
+        let points = values.map(|value| (x(&value[0]), left(value))).collect();
+        Line { style, ..Line::dotted(name, points).coloured(colour) }
+    };
+    CHANNELS.into_iter().enumerate().map(line).collect()
+}
+
+/// A line a band of light, against how long it shone.
+fn of_bands(fit: &Fit) -> Vec<Line> {
+    let line = |band: usize| {
+        let its = photographs(fit, Part::Excitation).filter(|photograph| photograph[0].place == band);
+        let mut points: Vec<_> = its.map(|photograph| (photograph[0].seconds, left(photograph))).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Line::dotted(light_of(fit.material.bands, band), points)
+    };
+    (0..fit.material.bands.count()).map(line).collect()
+}
+
+/// What is left of the sum of values, over its noise.
+fn left(values: &[Explained]) -> f64 {
+    let off: f64 = values.iter().map(|value| value.measured - value.fitted).sum();
+    off / values.iter().map(|value| value.noise * value.noise).sum::<f64>().sqrt()
+}
+
+/// What light of a band is called.
+fn light_of(bands: Bands, band: usize) -> String {
+    match bands {
+        Bands::Rgb => CHANNELS[band].0.to_owned(),
+        Bands::Eight => format!("{:.0} nm", Axis::EIGHT.centres()[band]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use deepshade_render::phosphor::fit::Laboratory;
+    use deepshade_render::phosphor::material::file::MaterialFile;
+
+    fn fit() -> Fit {
+        let presets = MaterialFile::presets();
+        let measurement = Laboratory::thesis().measure(presets.named("pink").expect("a preset"), 1);
+        Fit::new("pink", &measurement.expect("a measurement"), 1).expect("a fit")
+    }
+
+    #[test]
+    fn filters_lie_side_by_side() {
+        let plot = residuals(&fit(), Part::Spectrum);
+        assert_eq!(plot.lines.len(), 3);
+        for line in plot.lines {
+            let places: Vec<f64> = line.points.iter().map(|point| point.0).collect();
+            assert_eq!(places, (1..=31).map(f64::from).collect::<Vec<_>>());
+            assert_eq!(line.style, Style::Points, "filters have nothing between them");
+        }
+    }
+
+    #[test]
+    fn every_band_of_light_has_a_line_of_its_own() {
+        let mut fit = fit();
+        fit.values.reverse();
+        let plot = residuals(&fit, Part::Excitation);
+        let names: Vec<&str> = plot.lines.iter().map(|line| line.name.as_str()).collect();
+        assert_eq!(names, ["419 nm", "456 nm", "494 nm"]);
+        for line in &plot.lines {
+            assert!(line.points.len() == 11 && line.points.is_sorted_by(|a, b| a.0 < b.0), "{line:?}");
+            assert!(line.points.iter().all(|point| point.1.abs() < 6.0), "{line:?}");
+        }
+        fit.values.retain(|value| value.part == Part::Decay);
+        assert!(residuals(&fit, Part::Excitation).lines.is_empty());
+        assert_eq!(residuals(&fit, Part::Decay).lines.len(), 3);
+    }
+}
