@@ -24,6 +24,11 @@ pub fn reach(text: &str) -> Result<f32, String> {
     if text == "inf" { Ok(f32::INFINITY) } else { positive(text) }
 }
 
+/// Reads a name, which cannot be empty.
+pub fn name(text: &str) -> Result<String, String> {
+    if text.trim().is_empty() { Err("a name has a letter at least".to_owned()) } else { Ok(text.to_owned()) }
+}
+
 /// What reads a number of a range.
 pub fn within(range: RangeInclusive<f32>) -> impl Fn(&str) -> Result<f32, String> + Clone {
     move |text| {
@@ -147,6 +152,12 @@ mod tests {
         assert!(check_pixels(4096, 8192).is_ok());
         let error = check_pixels(8192, 8192).expect_err("too many").to_string();
         assert!(error.contains("8192 x 8192"), "{error}");
+    }
+
+    #[test]
+    fn names_are_not_empty() {
+        assert_eq!(name("my paint"), Ok("my paint".to_owned()));
+        assert!(name("").is_err() && name(" \t").is_err());
     }
 
     #[test]

@@ -23,7 +23,7 @@ use deepshade_render::exr_file::{self, Layer, Metadata};
 use deepshade_render::metrics::{exposed, exposure, ssim};
 use deepshade_render::path::estimate::SCRAMBLINGS;
 use deepshade_render::path::{Estimate, Footprint, Part, Shot, Truth};
-use deepshade_render::scene::{Lens, SceneSource};
+use deepshade_render::scene::{Camera, Lens, SceneSource};
 use deepshade_render::scotopic::Scotopic;
 use deepshade_shaders::{Effect, Planes};
 use picture::Exposure;
@@ -44,6 +44,8 @@ use std::time::Instant;
     deepshade render --scene still-life:1 --view 2 --effect dof --error 0.02 --out blurred.png\n  \
     deepshade render --scene hall.gltf --effect path --medium smoke.vol --extinction 2\n  \
     deepshade render --scene hall.gltf --effect fog-direct --medium clouds.toml --extinction 2 --time 1.5\n  \
+    deepshade render --scene room:7 --effect phosphor --time 5 --spp 16 --scotopic\n  \
+    deepshade render --scene hall.gltf --effect phosphor --phosphor glow.toml --time 8\n  \
     deepshade render --animate --scene hall.gltf --put fox.gltf@-5,0,0,0.01,60 --eye -9,1.6,0 \
     --look-at 0,1.2,0 --effect ao --method hbao --temporal --frames 50 --out sequence"
 )]
@@ -82,7 +84,8 @@ pub struct Args {
     /// Radiance that becomes 1 in the PNG; by default as the picture's brightness wants it.
     #[arg(long, value_parser = positive)]
     white: Option<f32>,
-    /// Shows the PNG as eyes in the dark see it: bluish, blurred, noisy; by how much, from 0 (day) to 1 (night).
+    /// Shows the PNG as eyes in the dark see it: bluish, blurred, noisy; by how much, from 0 (day) to 1 (night). The blur is of
+    /// visual angle: pictures of few rows, of which a pixel is coarser, have none.
     #[arg(long, num_args = 0..=1, default_missing_value = "1", value_parser = crate::arguments::within(0.0..=1.0))]
     scotopic: Option<f32>,
     /// Chooses sampled views, added lights and samples.
@@ -99,8 +102,9 @@ pub struct Args {
 
 impl Args {
     /// The eyes that are asked for, of a frame of a sequence.
-    fn eyes(&self, frame: u32) -> Option<Scotopic> {
-        self.scotopic.map(|share| Scotopic::slight(share, self.height, self.seed.wrapping_add(frame)))
+    fn eyes(&self, camera: &Camera, frame: u32) -> Option<Scotopic> {
+        let seed = self.seed.wrapping_add(frame);
+        self.scotopic.map(|share| Scotopic::slight(share, camera, self.height, seed))
     }
 }
 
@@ -151,7 +155,7 @@ pub fn run(args: &Args) -> Result<()> {
 
     let tone = Exposure::new(args.effect, &estimate.mean, args.white);
     let provenance = provenance(args, part, &view, &completed, radius, estimate.samples);
-    write_png(&png, &tone.picture(&estimate.mean, args.eyes(0).as_ref()))?;
+    write_png(&png, &tone.picture(&estimate.mean, args.eyes(shot.camera, 0).as_ref()))?;
     write_exr(&exr, args.effect, &estimate, &provenance)?;
     let exposure = exposure(args.effect, &estimate.mean);
     let noise = estimate.noise_relmse(exposure).unwrap_or(f64::NAN);
@@ -218,7 +222,7 @@ fn refined(args: &Args, shot: &Shot<'_>, png: &Path) -> Result<Truth> {
         write_png(
             png,
             &Exposure::new(args.effect, &estimate.mean, args.white)
-                .picture(&estimate.mean, args.eyes(0).as_ref()),
+                .picture(&estimate.mean, args.eyes(shot.camera, 0).as_ref()),
         )
     })?;
     bar.finish_and_clear();

@@ -4,7 +4,7 @@ use crate::figures::Figures;
 use anyhow::Result;
 use deepshade_render::scene::SceneSource;
 use deepshade_render::scene::procedural::{Family, Split};
-use deepshade_render::scene::summary::SceneSummary;
+use deepshade_render::scene::summary::{MaterialSummary, SceneSummary};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -36,7 +36,10 @@ pub fn run(args: &Args) -> Result<()> {
             figures.set("triangles", summary.triangles as f64);
             figures.set("meshes", summary.meshes as f64);
             figures.set("diagonal", f64::from(summary.bounds.diagonal()));
+            figures.set("materials", summary.materials.len() as f64);
             figures.detail("scene", json!(source.to_string()));
+            let material = |it: &MaterialSummary| json!({ "name": it.name, "triangles": it.triangles });
+            figures.detail("materials", summary.materials.iter().map(material).collect());
             summary.to_string()
         }
         _ => {

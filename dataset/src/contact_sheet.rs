@@ -238,12 +238,8 @@ impl Sheet {
     }
 
     fn text(&mut self, left: usize, top: usize, text: &str) {
-        for (index, character) in text.chars().enumerate() {
-            for (y, row) in font::rows(character).into_iter().enumerate() {
-                for x in (0..5).filter(|x| row >> (4 - x) & 1 == 1) {
-                    self.pixels[(top + y) * self.width + left + index * font::ADVANCE + x] = INK;
-                }
-            }
+        for [x, y] in font::pixels(text) {
+            self.pixels[(top + y) * self.width + left + x] = INK;
         }
     }
 }

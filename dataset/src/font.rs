@@ -3,9 +3,20 @@
 /// Width of a character with the gap after it.
 pub const ADVANCE: usize = 6;
 
+/// The pixels of a text in small letters, each its column and its row from the top left corner.
+pub fn pixels(text: &str) -> impl Iterator<Item = [usize; 2]> {
+    text.chars().enumerate().flat_map(|(index, character)| {
+        let row = move |(y, row): (usize, u8)| {
+            let inked = (0..5).filter(move |x| row >> (4 - x) & 1 == 1);
+            inked.map(move |x| [index * ADVANCE + x, y])
+        };
+        rows(character).into_iter().enumerate().flat_map(row)
+    })
+}
+
 /// The rows of a character from the top, each five bits with the leftmost pixel highest. Unknown characters are
 /// blank.
-pub const fn rows(character: char) -> [u8; 7] {
+const fn rows(character: char) -> [u8; 7] {
     match character {
         'a' => [0, 0, 0b01110, 0b00001, 0b01111, 0b10001, 0b01111],
         'b' => [0b10000, 0b10000, 0b11110, 0b10001, 0b10001, 0b10001, 0b11110],

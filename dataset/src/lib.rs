@@ -8,7 +8,7 @@ pub mod augment;
 pub mod capture;
 pub mod contact_sheet;
 pub mod error;
-mod font;
+pub mod font;
 pub mod generate;
 pub mod holder;
 pub mod identity;

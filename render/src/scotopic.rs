@@ -1,7 +1,12 @@
 //! How a picture looks to eyes in the dark, where rods see and cones do not: bluish without other colours, blurred but for
 //! strong edges, and noisy. After Thompson, Shirley and Ferwerda 2002, "A Spatial Post-Processing Algorithm for Images of Night
 //! Scenes", which the thesis' pictures of phosphorescence have been through (section 8.5); how much of each is up to the viewer.
+//!
+//! The blur is one of visual angle: what eyes at the camera lose at night. Pictures so small that a pixel is coarser than that have
+//! nothing to lose (at 80 rows of 50 degrees the standard deviation is a sixth of a pixel). The blue is that of a bluish grey, at the
+//! chromaticity (0.30, 0.30); how blue it is does not depend on how bright.
 
+use crate::scene::Camera;
 use deepshade_shaders::Planes;
 use deepshade_shaders::colour::luminance;
 use deepshade_shaders::random::random;
@@ -10,6 +15,10 @@ use glam::{Mat3, Vec3};
 /// The colour of what rods alone see (Krawczyk, Myszkowski and Seidel 2005, "Perceptual Effects in Real-Time Tone Mapping",
 /// equation 7).
 const NIGHT: Vec3 = Vec3::new(1.05, 0.97, 1.27);
+
+/// Standard deviation of the blur, radians: of a grating of 3 cycles a degree, the finest that eyes see at 0.001 cd/m² (Larson,
+/// Rushmeier and Piatko 1997, their fit of what Shlaer measured in 1937), it leaves a tenth of the contrast.
+const ACUITY: f32 = 0.002;
 
 /// How much wider the second blur is, of whose difference from the first edges are made.
 const WIDER: f32 = 1.6;
@@ -38,9 +47,9 @@ pub struct Scotopic {
 }
 
 impl Scotopic {
-    /// Slight amounts, as the thesis has them, in a picture of so many rows.
-    pub fn slight(share: f32, height: usize, seed: u32) -> Self {
-        Self { share, blur: height as f32 / 512.0, noise: 0.012, seed }
+    /// Slight amounts, as the thesis has them, in a camera's picture of so many rows.
+    pub fn slight(share: f32, camera: &Camera, height: usize, seed: u32) -> Self {
+        Self { share, blur: ACUITY * camera.focal_length(height), noise: 0.012, seed }
     }
 
     /// A picture, `[3, height, width]` linear values on a screen, as eyes in the dark see it.
@@ -106,6 +115,7 @@ fn blurred(plane: &Planes, deviation: f32) -> Planes {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f32::consts::TAU;
 
     fn even(colour: Vec3) -> Planes {
         Planes::from_fn(3, 12, 16, |c, _, _| colour[c])
@@ -113,6 +123,24 @@ mod tests {
 
     fn night(share: f32, noise: f32) -> Scotopic {
         Scotopic { share, blur: 1.5, noise, seed: 5 }
+    }
+
+    /// Of a grating of 3 cycles a degree a tenth is left, however many pixels the picture has and however much it shows.
+    #[test]
+    fn the_blur_is_of_visual_angle() {
+        let blur = |degrees: f32, height: usize| {
+            let vertical_fov = degrees.to_radians();
+            let camera = Camera { vertical_fov, ..Camera::look_at(Vec3::Z, Vec3::ZERO) };
+            let pixels_of_a_degree = camera.focal_length(height) * 1f32.to_radians();
+            (Scotopic::slight(1.0, &camera, height, 0).blur, pixels_of_a_degree)
+        };
+        for (degrees, height) in [(50.0, 512), (50.0, 2048), (10.0, 300)] {
+            let (deviation, pixels) = blur(degrees, height);
+            let period = pixels / 3.0;
+            let grating = Planes::from_fn(1, 1, 4001, |_, _, x| (TAU * (x as f32 - 2000.0) / period).cos());
+            let left = blurred(&grating, deviation).at(0, 0, 2000);
+            assert!((left - 0.1).abs() < 0.02, "{degrees} degrees, {height} rows: {left}");
+        }
     }
 
     #[test]

@@ -3,11 +3,12 @@
 mod light;
 mod pictures;
 mod spread;
+mod strip;
 mod task;
 
 use crate::figures::{Figures, write_atomically};
 use crate::table;
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use deepshade_render::phosphor::design::{Design, Key, Place, thesis_grid};
 use deepshade_render::phosphor::material::Material;
 use deepshade_render::phosphor::material::file::MaterialFile;
@@ -26,7 +27,7 @@ use task::Task;
 /// Light is that of lamps with shadows; what moves is where it is in each frame. Places on the same material are met together, by
 /// one material; other materials that are like it, in place and colour, may get one like it. The folder --out gets `glow.toml`,
 /// which `render --effect phosphor --phosphor` takes, its `materials.toml`, a plot for each place of what is wanted and what is
-/// reached, and a strip of pictures of the moments that were asked for.
+/// reached, and a strip of pictures of the moments that were asked for, labelled by moment and places.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub struct Args {
@@ -78,7 +79,7 @@ places, keys and bands, design_residual_grid what the thesis' grid leaves (one s
 
 /// A material of the scene with what was found for it.
 pub struct Designed {
-    /// Number and name in the scene.
+    /// Number in the scene, and what files call it.
     pub material: usize,
     pub name: String,
     /// Its places, by their numbers in the task.
@@ -104,6 +105,7 @@ pub fn run(args: &Args) -> Result<()> {
     let size = [args.height.into(), usize::from(args.height) * 3 / 2];
     let camera = task.view.of(&first, size, 0)?.camera;
     let found = designs(&task, &stage, camera.position).with_context(|| args.file.display().to_string())?;
+    found.iter().for_each(Designed::warn);
     let paints = spread::paints(&found, first.scene(), task.reach())?;
     let mut figures = Figures::new("phosphor design");
     figures.set("ms_design", found.iter().map(|found| found.milliseconds).sum());
@@ -112,7 +114,7 @@ pub fn run(args: &Args) -> Result<()> {
     figures.set("wanted", found.iter().map(Designed::wanted).sum());
     let of_material = |found: &Designed| {
         json!({ "material": found.name, "ms": found.milliseconds, "residual": found.design.residual, "grid": found.grid,
-            "wanted": found.wanted(), "states": found.design.material.states })
+            "wanted": found.wanted(), "states": found.design.material.states, "at_bounds": found.design.at_bounds() })
     };
     figures.detail("designs", found.iter().map(of_material).collect());
     std::fs::create_dir_all(&args.out).with_context(|| args.out.display().to_string())?;
@@ -134,7 +136,7 @@ pub fn run(args: &Args) -> Result<()> {
     let file = args.out.join("glow.toml");
     write_atomically(&file, glow.text().as_bytes())?;
     pictures::plots(&task, &found, &args.out)?;
-    pictures::strip(&task, (&stage, &camera), &found, &file, size)?;
+    strip::write(&task, (&stage, &camera), &found, &file, size)?;
     say!("{}", table::aligned(&rows(&found)))?;
     say!("{}", file.display())
 }
@@ -148,19 +150,13 @@ fn designs(task: &Task, stage: &Stage, eye: Vec3) -> Result<Vec<Designed>> {
     let mut materials: Vec<usize> = spots.iter().map(|spot| spot.material).collect();
     materials.sort_unstable();
     materials.dedup();
-    let name_of = |material: &usize| &first.scene().materials[*material].name;
-    if let Some(twice) = materials
-        .iter()
-        .find(|one| first.scene().materials.iter().filter(|other| other.name == *name_of(one)).count() > 1)
-    {
-        bail!("several materials are called `{}`, and a design is of one: rename them", name_of(twice));
-    }
+    let names = first.scene().material_names();
     let of_material = |material: usize| {
         let numbers: Vec<usize> =
             (0..spots.len()).filter(|index| spots[*index].material == material).collect();
         let places = numbers.iter().map(|index| place(task, *index, [&excites[*index], &reflected[*index]]));
         let places = places.collect::<Result<Vec<Place>>>()?;
-        let name = first.scene().materials[material].name.clone();
+        let name = names[material].clone();
         let start = Instant::now();
         let design = Design::new(&format!("{name}, designed"), &places, task.states)?;
         let milliseconds = 1e3 * start.elapsed().as_secs_f64();
@@ -206,10 +202,25 @@ impl Designed {
         let keys = self.places.iter().flat_map(|place| &place.keys);
         keys.flat_map(|key| &key.radiance).map(|value| value * value).sum()
     }
+
+    /// Says which rates ended at a bound of the search.
+    fn warn(&self) {
+        for rate in self.design.at_bounds() {
+            note!("{}: {rate}, a bound of the search: what is wanted may ask for more", self.name);
+        }
+    }
 }
 
 fn rows(found: &[Designed]) -> Vec<Vec<String>> {
-    let head = ["material", "places", "half lives, s", "off, of what is wanted", "the thesis' grid", "ms"];
+    let head = [
+        "material",
+        "places",
+        "half lives, s",
+        "off, of what is wanted",
+        "the thesis' grid",
+        "ms",
+        "at bounds",
+    ];
     let row = |found: &Designed| {
         let share = |left: f64| format!("{:.2} %", 100.0 * (left / found.wanted()).sqrt());
         let half = |decay: f64| format!("{:.1}", std::f64::consts::LN_2 / decay);
@@ -221,6 +232,7 @@ fn rows(found: &[Designed]) -> Vec<Vec<String>> {
             share(found.design.residual),
             share(found.grid),
             format!("{:.1}", found.milliseconds),
+            found.design.at_bounds().join("; "),
         ]
     };
     std::iter::once(head.map(str::to_owned).to_vec()).chain(found.iter().map(row)).collect()

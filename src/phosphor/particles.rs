@@ -30,7 +30,7 @@ pub struct Args {
     #[arg(long, default_value_t = 0.02)]
     radius: f32,
     /// Name of their material, for files that say what keeps light (`--phosphor`).
-    #[arg(long, default_value = "particles")]
+    #[arg(long, default_value = "particles", value_parser = crate::arguments::name)]
     material: String,
     /// The glTF file, binary (.glb).
     #[arg(long)]

@@ -200,7 +200,7 @@ fn write_sequence(
         if frame % every == 0 {
             write_png(
                 &folder.join(format!("{frame:05}.png")),
-                &white.picture(&image, args.eyes(frame).as_ref()),
+                &white.picture(&image, args.eyes(&staged.camera(frame), frame).as_ref()),
             )?;
         }
         if shown.attribute.is_none() {

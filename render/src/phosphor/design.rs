@@ -142,6 +142,15 @@ impl Design {
         let material = Material { name: name.into(), bands: problem.bands, doubt: None, states };
         Ok(Self { material, residual: fitted.cost })
     }
+
+    /// The rates that ended at a bound of the search, in words: better ones may lie beyond.
+    pub fn at_bounds(&self) -> Vec<String> {
+        let of_state = |(number, state): (usize, &State)| {
+            let rates = refinement::at_bounds(state).into_iter();
+            rates.map(move |rate| format!("state {number}: {rate}"))
+        };
+        (1..).zip(&self.material.states).flat_map(of_state).collect()
+    }
 }
 
 /// Whether a material can be designed for some places.

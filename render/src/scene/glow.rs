@@ -2,7 +2,7 @@
 
 pub mod file;
 
-use super::Scene;
+use super::{Material, Scene};
 use crate::phosphor::material::file::MaterialFile;
 use crate::phosphor::paint::Paint;
 use glam::Vec3;
@@ -20,7 +20,8 @@ const FINE: usize = 4096;
 /// What of a scene keeps light, and the moment at which it is seen. Lamps are the scene's lights without an extent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Glow {
-    /// Paints, each with the name of the material that has it; the one without a name is of all others.
+    /// Paints, each with the name of the material that has it: [its own](Scene::material_names), or that of several, which means all
+    /// of these that are not named themselves; the one without a name is of all others.
     pub surfaces: Vec<(Option<String>, Paint)>,
     /// The paint of what fills the space between surfaces: one that nothing is seen through looks like a surface of it.
     pub medium: Option<Paint>,
@@ -86,13 +87,6 @@ impl Glow {
         scene.glow.as_deref().unwrap_or(&AFTERGLOW)
     }
 
-    /// The paint of a material, by its name: its place in `surfaces`.
-    pub fn paint_of(&self, material: &str) -> Option<usize> {
-        let named =
-            |wanted: Option<&str>| self.surfaces.iter().position(|(name, _)| name.as_deref() == wanted);
-        named(Some(material)).or_else(|| named(None))
-    }
-
     /// States of the paint that has most; 1 where there is no paint.
     pub fn most_states(&self) -> usize {
         self.paints().map(|paint| paint.states.len()).max().unwrap_or(1)
@@ -103,9 +97,14 @@ impl Glow {
         self.surfaces.iter().map(|(_, paint)| paint).chain(&self.medium)
     }
 
-    /// The paint of each of a scene's materials.
+    /// The paint of each of a scene's materials: its place in `surfaces`.
     pub fn paints_of(&self, scene: &Scene) -> Vec<Option<usize>> {
-        scene.materials.iter().map(|material| self.paint_of(&material.name)).collect()
+        let named =
+            |wanted: Option<&str>| self.surfaces.iter().position(|(name, _)| name.as_deref() == wanted);
+        let paint = |(material, own): (&Material, String)| {
+            named(Some(&own)).or_else(|| named(Some(&material.name))).or_else(|| named(None))
+        };
+        scene.materials.iter().zip(scene.material_names()).map(paint).collect()
     }
 
     /// Which schedule a lamp follows.
@@ -315,9 +314,14 @@ pub(crate) mod tests {
     #[test]
     fn materials_have_the_paint_of_their_name_or_of_all_others() {
         let mut glow = glow(&[1.0], &[], 0.0);
-        glow.surfaces.insert(0, (Some("wall".to_owned()), paint(&[2.0])));
-        assert_eq!([glow.paint_of("wall"), glow.paint_of("floor")], [Some(0), Some(1)]);
+        let materials = ["wall", "paint", "floor", "paint", "paint"];
+        let materials = materials.map(|name| Material::matte(name, Vec3::ONE)).to_vec();
+        let scene = Scene { materials, ..Scene::default() };
+        for name in ["paint", "wall", "paint#2"] {
+            glow.surfaces.insert(0, (Some(name.to_owned()), paint(&[2.0])));
+        }
+        assert_eq!(glow.paints_of(&scene), [1, 2, 3, 0, 2].map(Some));
         glow.surfaces.pop();
-        assert_eq!(glow.paint_of("floor"), None);
+        assert_eq!(glow.paints_of(&scene)[2], None);
     }
 }

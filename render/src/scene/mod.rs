@@ -14,6 +14,7 @@ pub mod material;
 pub mod medium;
 pub mod mesh;
 mod mesh_list;
+mod naming;
 pub mod obj;
 pub mod particles;
 pub mod procedural;

@@ -16,7 +16,7 @@ pub struct SceneSummary {
     /// Meshes, one for every placed part of an object.
     pub meshes: usize,
     /// Materials.
-    pub materials: usize,
+    pub materials: Vec<MaterialSummary>,
     /// Textures.
     pub textures: usize,
     /// Point, spot and directional lights.
@@ -34,12 +34,49 @@ impl SceneSummary {
             name: scene.name.clone(),
             triangles: scene.triangle_count(),
             meshes: scene.meshes.len(),
-            materials: scene.materials.len(),
+            materials: materials(scene),
             textures: scene.textures.len(),
             lights: scene.lights.clone(),
             cameras: scene.cameras.iter().map(|(name, _)| name.clone()).collect(),
             bounds: scene.bounds(),
         }
+    }
+}
+
+/// A material of a scene, and what is of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MaterialSummary {
+    /// What files call it: [`Scene::material_names`].
+    pub name: String,
+    /// Triangles with an area.
+    pub triangles: usize,
+    /// The box around them, metres.
+    pub bounds: Bounds,
+}
+
+fn materials(scene: &Scene) -> Vec<MaterialSummary> {
+    let unused = |name| MaterialSummary { name, triangles: 0, bounds: Bounds::EMPTY };
+    let mut materials: Vec<MaterialSummary> = scene.material_names().into_iter().map(unused).collect();
+    for mesh in &scene.meshes {
+        let its = &mut materials[mesh.material.0 as usize];
+        its.triangles += mesh.triangles.len();
+        its.bounds = its.bounds.union(mesh.bounds());
+    }
+    materials
+}
+
+impl fmt::Display for MaterialSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, triangles, bounds } = self;
+        if *triangles == 0 {
+            return write!(f, "{name}, not used");
+        }
+        let middle = bounds.centre();
+        write!(
+            f,
+            "{name}, {triangles} triangles around ({:.3}, {:.3}, {:.3}) m",
+            middle.x, middle.y, middle.z
+        )
     }
 }
 
@@ -49,7 +86,10 @@ impl fmt::Display for SceneSummary {
         writeln!(f, "scene      {}", self.name)?;
         writeln!(f, "triangles  {}", self.triangles)?;
         writeln!(f, "meshes     {}", self.meshes)?;
-        writeln!(f, "materials  {}", self.materials)?;
+        writeln!(f, "materials  {}", self.materials.len())?;
+        for material in &self.materials {
+            writeln!(f, "           {material}")?;
+        }
         writeln!(f, "textures   {}", self.textures)?;
         writeln!(f, "lights     {}", self.lights.len())?;
         for light in self.lights.iter().take(LISTED) {
@@ -74,7 +114,7 @@ impl fmt::Display for SceneSummary {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Camera, Mesh};
+    use crate::scene::{Camera, Material, Mesh};
     use glam::Vec3;
 
     #[test]
@@ -88,12 +128,16 @@ mod tests {
             meshes: vec![mesh].into(),
             cameras: cameras.to_vec(),
             lights: vec![lamp; LISTED + 2],
+            materials: vec![Material::matte("paint", Vec3::ONE); 2],
             ..Scene::default()
         };
         let text = SceneSummary::of(&scene).to_string();
         for line in [
             "scene      corner",
             "triangles  1",
+            "materials  2",
+            "           paint#1, 1 triangles around (1.500, 2.000, 0.000) m",
+            "           paint#2, not used",
             "lights     10",
             "           point at [0.000, 1.000, 0.000] m, [1.000, 1.000, 1.000] W/sr",
             "           and 2 more",

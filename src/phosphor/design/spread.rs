@@ -10,7 +10,7 @@ use glam::Vec3;
 /// Materials less alike than this to all that were designed keep no light.
 const ALIKE: f64 = 0.367_879_441; // 1/e
 
-/// The paints of a scene's materials, by their names: those that were designed, and of materials like them.
+/// The paints of a scene's materials, by what files call them: those that were designed, and of materials like them.
 ///
 /// # Errors
 /// If designs have no mean, which those of one task have.
@@ -19,15 +19,15 @@ pub fn paints(found: &[Designed], scene: &Scene, reach: Option<Reach>) -> Result
     let mut paints: Vec<(String, Material)> = own.collect();
     let Some(reach) = reach else { return Ok(paints) };
     let edits: Vec<Edit> = found.iter().flat_map(|found| edits(found, scene)).collect();
-    for (index, material) in scene.materials.iter().enumerate() {
+    for (index, (material, name)) in scene.materials.iter().zip(scene.material_names()).enumerate() {
         let Some(place) = middle(scene, index) else { continue };
-        if paints.iter().any(|(name, _)| *name == material.name) {
+        if found.iter().any(|found| found.material == index) {
             continue;
         }
         let spread = reach.propagate(&edits, feature(place, material.base_colour.truncate()))?;
         if spread.affinity >= ALIKE {
-            let name = format!("{}, like others", material.name);
-            paints.push((material.name.clone(), Material { name, ..spread.material }));
+            let paint = Material { name: format!("{name}, like others"), ..spread.material };
+            paints.push((name, paint));
         }
     }
     Ok(paints)

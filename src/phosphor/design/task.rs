@@ -108,6 +108,7 @@ impl Task {
     }
 
     fn check(&self) -> Result<()> {
+        self.check_lamps()?;
         let Self { states, frames, fps, .. } = self;
         ensure!((1..=MAX_STATES).contains(states), "`states` is {states}: 1 or {MAX_STATES} can be designed");
         ensure!((2..=MOST_FRAMES).contains(frames), "`frames` is {frames}, not 2 to {MOST_FRAMES}");
@@ -153,6 +154,10 @@ impl Task {
                 }
             }
         }
+        Ok(())
+    }
+
+    fn check_lamps(&self) -> Result<()> {
         self.schedules()?;
         let mut switched = self.lamps.iter().filter_map(|lamps| lamps.on.first());
         if let Some([from, _]) = switched.find(|[from, _]| *from < 0.0) {
@@ -249,6 +254,9 @@ mod tests {
             let error = parsed(&GOOD.replace(from, to)).expect_err("refused");
             assert!(format!("{error:#}").contains(expected), "{to}: {error:#}");
         }
+        let bare = &GOOD[..GOOD.find("[[place]]").expect("places")];
+        let said = parsed(&format!("place = []\n{}", bare.replace("[[0.0, 5.0]]", "[[5.0, 0.0]]")));
+        assert!(said.expect_err("refused").to_string().contains("not from one moment"), "lamps come first");
         let spread = format!("{GOOD}[spread]\ndistance = 0\ncolour = 1\n");
         assert!(parsed(&spread).expect_err("refused").to_string().contains("above 0"));
     }

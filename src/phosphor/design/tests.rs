@@ -118,6 +118,37 @@ fn places_that_cannot_be_are_refused() {
     assert!(said(&dark).contains("no light of lamps"));
 }
 
+/// Two sheets beside each other, of materials that have one name.
+const TWINS: &str = r#"{"asset":{"version":"2.0"},"extensionsUsed":["KHR_lights_punctual"],
+    "extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":5}]}},
+    "scenes":[{"nodes":[0,1,2]}],
+    "nodes":[{"mesh":0},{"mesh":1,"translation":[5,0,0]},
+        {"translation":[2,3,0],"extensions":{"KHR_lights_punctual":{"light":0}}}],
+    "materials":[{"name":"paper"},{"name":"paper"}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]},
+        {"primitives":[{"attributes":{"POSITION":0},"material":1}]}],
+    "buffers":[{"uri":"sheet.bin","byteLength":36}],
+    "bufferViews":[{"buffer":0,"byteLength":36}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[-2,0,-2],"max":[2,0,2]}]}"#;
+
+#[test]
+fn of_materials_of_one_name_the_one_of_the_place_is_designed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let corners = [-2.0f32, 0.0, -2.0, 0.0, 0.0, 2.0, 2.0, 0.0, -2.0];
+    std::fs::write(path("sheet.bin"), corners.map(f32::to_le_bytes).as_flattened()).expect("written");
+    std::fs::write(path("twins.gltf"), TWINS).expect("written");
+    let text = "scene = 'twins.gltf'\nframes = 20\nfps = 10\n[[place]]\nat = [5.1, 0, 0]\n\
+        keys = [{ time = 1.5, colour = [0.01, 0.02, 0.03] }]\n[view]\neye = [2, 4, 3]\nlook_at = [2.5, 0, 0]\n";
+    std::fs::write(path("wanted.toml"), text).expect("written");
+    let args = Args { file: path("wanted.toml"), out: path("designed"), height: 32, json: None };
+    run(&args).expect("a design");
+    let scene = stage(&Task::read(&args.file).expect("a task")).at(0.0).expect("a scene");
+    let glow = Glow::read(&args.out.join("glow.toml"), 1.5).expect("a sound file");
+    assert_eq!(glow.surfaces[0].0.as_deref(), Some("paper#2"));
+    assert_eq!(glow.paints_of(scene.scene())[..2], [None, Some(0)]);
+}
+
 /// A square on the floor, seen from above, under a lamp that goes round it within 4 seconds: from above to below and back.
 const AROUND: &str = r#"{"asset":{"version":"2.0"},"extensionsUsed":["KHR_lights_punctual"],
     "extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":5}]}},
@@ -189,7 +220,11 @@ fn plots_have_the_numbers_of_their_places() {
     pictures::plots(&task, &found, folder.path()).expect("plots");
     for (number, material) in [(1, first), (2, second)] {
         let svg = std::fs::read_to_string(folder.path().join(format!("place-{number}.svg"))).expect("a plot");
-        let name = &scene.scene().materials[material].name;
-        assert!(svg.contains(&format!("reached: {name}")), "place {number} is on {name}");
+        let (at, name) = (task.places[number - 1].at, &scene.scene().material_names()[material]);
+        let title = format!("Place {number} at {at}, {name}: wanted (dots) and reached");
+        assert!(svg.contains(&title), "{title}: {svg}");
     }
+    let moments = strip::moments(&found);
+    assert_eq!(moments.keys().copied().collect::<Vec<_>>(), TIMES.map(|time| (time * 10.0) as usize));
+    assert!(moments.values().all(|places| places == &[1, 2]), "{moments:?}");
 }

@@ -109,10 +109,11 @@ impl Technique for Parameters {
 fn shaded(scene: &TracedScene, view: &View, parameters: Parameters) -> Vec<f32> {
     let (afterglow, glow) = (Afterglow::new(scene), Glow::of(scene.scene()));
     let states = glow.most_states() as u32;
+    let paints = glow.paints_of(scene.scene());
     image(view, |at| {
         let found = found(scene, view, at)?;
         let mesh = &scene.scene().meshes[found.mesh as usize];
-        let paint = glow.paint_of(&scene.scene().material(mesh.material).name)?;
+        let paint = paints[mesh.material.0 as usize]?;
         let Vec2 { x, y } = found.place;
         let past = afterglow.history(found.mesh as usize, found.triangle as usize, [1.0 - x - y, x, y]);
         let of_state = |(index, state): (usize, &PaintState)| {

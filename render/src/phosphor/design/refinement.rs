@@ -3,6 +3,7 @@
 //! out what vanishes where the fit is good: those of the responses, less what re-radiation functions make up for. Steps are
 //! those of Levenberg and Marquardt, within bounds.
 
+use super::super::material::State;
 use super::Rates;
 use super::problem::Problem;
 use super::response::{Fitted, amounts, dot, fitted, off, slopes};
@@ -179,6 +180,16 @@ fn unknowns(rates: &Rates) -> impl Iterator<Item = Unknown> {
     let decay = Unknown { start: rates.decay.ln(), bounds: DECAY.map(f64::ln), scale: 1.0 };
     let excitation = |rate: &f64| Unknown { start: *rate, bounds: EXCITATION, scale: rate.max(0.01) };
     std::iter::once(decay).chain(rates.excitation.iter().map(excitation).collect::<Vec<_>>())
+}
+
+/// The rates of a state that ended at a bound, in words. Below an excitation of 0 there is nothing.
+pub fn at_bounds(state: &State) -> Vec<String> {
+    let is = |rate: f64, bound: f64| (rate / bound - 1.0).abs() < 1e-9;
+    let decays = DECAY.into_iter().filter(|bound| is(state.decay, *bound));
+    let most = EXCITATION[1];
+    let bands = (1..).zip(&state.excitation).filter(|(_, rate)| is(**rate, most));
+    let bands = bands.map(|(band, _): (usize, _)| format!("excitation by band {band} is {most} per second"));
+    decays.map(|bound| format!("decay is {bound} per second")).chain(bands).collect()
 }
 
 impl Unknown {

@@ -174,6 +174,29 @@ fn residuals_are_never_above_those_of_the_thesis() {
     }
 }
 
+/// Light that is gone at once wants a decay beyond all that are looked for; what was found again above does not.
+#[test]
+fn what_ends_at_a_bound_of_the_search_is_said() {
+    let key = |frame, radiance| Key { frame, radiance: vec![radiance; 3] };
+    let place = Place {
+        bands: Bands::Rgb,
+        dt: 0.25,
+        irradiance: (0..12).map(|frame| vec![f64::from(u8::from(frame < 10)); 3]).collect(),
+        reflected: vec![],
+        keys: vec![key(10, 1.0), key(11, 0.0)],
+    };
+    let found = Design::new("found", &[place], 1).expect("a design");
+    assert_eq!(found.at_bounds(), ["state 1: decay is 10 per second"], "{found:?}");
+    let hidden = one();
+    let within = Design { material: hidden.clone(), residual: 0.0 };
+    assert!(within.at_bounds().is_empty());
+    let states = vec![hidden.states[0].clone(), state(1e-5, &[0.0, 100.0, 3.0], &[1.0; 3])];
+    let slow = Design { material: material(Bands::Rgb, states), residual: 0.0 };
+    let expected =
+        ["state 2: decay is 0.00001 per second", "state 2: excitation by band 2 is 100 per second"];
+    assert_eq!(slow.at_bounds(), expected);
+}
+
 #[test]
 fn a_single_key_is_met() {
     let found = Design::new("found", &[place(&one(), &[100])], 2).expect("a design");

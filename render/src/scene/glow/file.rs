@@ -73,7 +73,7 @@ pub struct GlowFile {
 
 /// How surfaces are at first.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "`start` is \"dark\", \"lit\" or a share from 0 to 1")]
 pub enum WrittenStart {
     /// By a word.
     Named(NamedStart),
@@ -95,7 +95,7 @@ pub enum NamedStart {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WrittenSurface {
-    /// A material of the scene; all that no other names where it is left out.
+    /// A material of the scene, or the name that several have: [`Scene::material_names`]; all that no other names where it is left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
     /// A preset or one of the own materials.
@@ -142,12 +142,13 @@ impl Glow {
     /// # Errors
     /// If not; what it lacks is named, in words.
     pub fn check(&self, scene: &Scene) -> Result<(), String> {
-        for (name, _) in &self.surfaces {
-            if let Some(name) = name.as_ref().filter(|name| !has(scene, name)) {
-                let known: Vec<&str> =
-                    scene.materials.iter().map(|material| material.name.as_str()).collect();
-                return Err(format!("the scene has no material `{name}`; there are {}", known.join(", ")));
-            }
+        let names = scene.material_names();
+        let has = |name: &String| {
+            names.contains(name) || scene.materials.iter().any(|material| material.name == *name)
+        };
+        let mut wanted = self.surfaces.iter().filter_map(|(name, _)| name.as_ref());
+        if let Some(name) = wanted.find(|name| !has(name)) {
+            return Err(format!("the scene has no material `{name}`; there are {}", names.join(", ")));
         }
         let boxed = |medium: &Arc<Medium>| !matches!(medium.density, Density::Everywhere);
         if self.medium.is_some() && !scene.medium.as_ref().is_some_and(boxed) {
@@ -161,10 +162,6 @@ impl Glow {
     }
 }
 
-fn has(scene: &Scene, name: &str) -> bool {
-    scene.materials.iter().any(|material| material.name == name)
-}
-
 impl GlowFile {
     /// Its text, which [`Glow::read`] understands.
     pub fn text(&self) -> String {
@@ -175,6 +172,7 @@ impl GlowFile {
         if !moment.is_finite() {
             return Err(format!("{moment} s is no moment"));
         }
+        let schedules = schedules(self.lamps)?;
         let start = match self.start {
             WrittenStart::Named(NamedStart::Dark) => Start::Share(0.0),
             WrittenStart::Named(NamedStart::Lit) => Start::LitForLong,
@@ -196,7 +194,7 @@ impl GlowFile {
             }
             surfaces.push((material, found(&paint)?));
         }
-        Ok(Glow { surfaces, medium, schedules: schedules(self.lamps)?, start, moment })
+        Ok(Glow { surfaces, medium, schedules, start, moment })
     }
 }
 
@@ -284,6 +282,12 @@ mod tests {
         assert_eq!(glow.check(&scene), Ok(()));
         scene.materials[0].name = "floor".to_owned();
         assert!(glow.check(&scene).expect_err("none").contains("no material `wall`; there are floor"));
+        scene.materials = vec![Look::matte("wall", Vec3::ONE); 2];
+        assert_eq!(glow.check(&scene), Ok(()), "several are called so");
+        let second = read(&GOOD.replace("'wall'", "'wall#2'")).expect("a sound file");
+        assert_eq!(second.check(&scene), Ok(()));
+        scene.materials.pop();
+        assert!(second.check(&scene).expect_err("one").contains("no material `wall#2`; there are wall"));
     }
 
     #[test]
@@ -300,6 +304,7 @@ mod tests {
         for (from, to, expected) in [
             ("'lit'", "1.5", "`start` is 1.5"),
             ("'lit'", "nan", "`start` is NaN"),
+            ("'lit'", "'bright'", "`start` is \"dark\", \"lit\" or a share from 0 to 1"),
             ("'orange'", "'orang'", "there is no paint `orang`; there are mine, blue"),
             ("'orange'", "'stickers'", "stickers was never measured"),
             ("material = 'wall'\n", "", "everything else has two paints"),
@@ -315,6 +320,8 @@ mod tests {
         let twice = format!("{GOOD}[[lamps]]\nlights = [1, 0]\non = []\n");
         assert!(read(&twice).expect_err("twice").to_string().contains("light 0 is named twice"));
         assert!(read("surface = []").expect_err("nothing").to_string().contains("no surface glows"));
+        let lamps = read("[[lamps]]\non = [[2.0, 1.0]]").expect_err("no order");
+        assert!(lamps.to_string().contains("not from one moment to a later one"), "{lamps}");
         let decaying = read("start = 0.5\n[[surface]]\npaint = 'stickers'").expect("it decays");
         assert!(decaying.surfaces[0].1.states[0].emission.max_element() > 0.1);
     }
