@@ -29,7 +29,7 @@ pub struct Args {
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3))]
     states: u8,
     /// What the material is called; by default as the folder.
-    #[arg(long, conflicts_with = "self_test")]
+    #[arg(long, conflicts_with = "self_test", value_parser = crate::arguments::name)]
     name: Option<String>,
     /// Writes the material here as TOML.
     #[arg(long, conflicts_with = "self_test")]
