@@ -54,7 +54,8 @@ use subject::Subject;
     and an albedo of A; moment_ratio_FACTORS_L_A by other factors; monopole_error_L_A how far fluence is from a monopole's \
     beyond three mean free paths, monopole_error of 1 cell and 0.9; flux_DIRECTION the flux of a point source without a medium \
     along an axis, across an edge and across a corner over what it is where all directions are alike; ringing_N_bands the share \
-    of light that is negative in N spherical harmonic bands by themselves. flicker_WHAT is how far images are from the mean of \
+    of light that is negative in N spherical harmonic bands, axis_over_diagonal_N_bands the flux along an axis over that across a \
+    corner in them. flicker_WHAT is how far images are from the mean of \
     those before and after as something moves, over their mean; leak_LOOKUP the light seen behind a wall thinner than a cell \
     over that before it.")]
 pub struct Args {

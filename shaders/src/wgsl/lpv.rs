@@ -33,19 +33,19 @@ table! {
     LPV_FRESH: "lpv.fresh", file "methods/lpv/fresh",
         constants [UNSCATTERED = 2, SCATTERED = 1, STEADY = 1, FACTORS = 0, LOBES = 0, FIRST = 1, SIMILAR = 1],
         uniforms [LightGrid, MediumRecord],
-        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_fixed", "lpv_lobe", "lpv_flight", "lpv_medium"];
+        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_fixed", "lpv_lobe", "lpv_second", "lpv_flight", "lpv_medium"];
     /// Light of the lamps that the medium in cells scatters.
     LPV_BEGIN: "lpv.begin", file "methods/lpv/begin",
         constants [LIGHTS = 1, MEDIUM = 2, GREY = 0, UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0, SIMILAR = 1],
         uniforms [LightGrid, FrameView, LightRecord, MediumRecord],
-        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "view", "lights", "shadow",
+        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_second", "lpv_flight", "view", "lights", "shadow",
                 "medium_span", "medium", "colours", "light_dimmed", "lpv_medium", "lpv_lamps_only",
                 "lpv_reflectance", "lpv_part"];
     /// Light of the lamps and of surfaces that the medium in cells scatters.
     LPV_BEGIN_EMITTED: "lpv.begin_emitted", file "methods/lpv/begin",
         constants [LIGHTS = 1, MEDIUM = 2, GREY = 0, UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0, SIMILAR = 1],
         uniforms [LightGrid, FrameView, LightRecord, MediumRecord],
-        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "view", "lights", "shadow",
+        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_second", "lpv_flight", "view", "lights", "shadow",
                 "medium_span", "medium", "colours", "light_dimmed", "lpv_medium", "lpv_emitted",
                 "lpv_reflectance", "lpv_part"];
     /// One iteration.
@@ -53,7 +53,7 @@ table! {
         constants [UNSCATTERED = 2, SCATTERED = 1, STEADY = 1, SHOWS = 1, FACTORS = 0, LOBES = 0, BORDERS = 1, FIRST = 1,
                    NESTED = 1, SIMILAR = 1],
         uniforms [LightGrid, MediumRecord, Iteration, Propagation],
-        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "lpv_medium",
+        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_second", "lpv_flight", "lpv_medium",
                 "lpv_reflectance"];
     /// Where a finer grid lies.
     LPV_NEST: "lpv.nest", file "methods/lpv/nest", constants [], uniforms [LightGrid, FrameView], shared [];
@@ -61,7 +61,7 @@ table! {
     LPV_BORDER: "lpv.border", file "methods/lpv/border",
         constants [UNSCATTERED = 2, SCATTERED = 1, STEADY = 1, FACTORS = 0, LOBES = 0, SIMILAR = 1],
         uniforms [LightGrid, MediumRecord],
-        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "lpv_medium"];
+        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_second", "lpv_flight", "lpv_medium"];
     /// Surfaces lit by the grid.
     LPV_LIT: "lpv.lit", file "methods/lpv/lit", constants [LOOKUP = 0, NESTED = 1, FINER = 1],
         uniforms [LightGrid, FrameView],

@@ -33,7 +33,7 @@
 //! too much of hundreds of mean free paths.
 //!
 //! [`Scheme::PAPER`] is equation (3) as Billeter et al. have it, with linear extinction, two bands and surfaces lit by the
-//! cell that they are in, to be compared with.
+//! cell that they are in, to be compared with. Three bands are there, too ([`crate::lpv::lobe::Lobes`]).
 
 pub mod in_medium;
 mod lit_volume;
