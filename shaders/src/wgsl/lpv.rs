@@ -17,6 +17,11 @@ table! {
     LPV_SHINE_KEPT: "lpv.shine_kept", file "methods/lpv/shine", constants [HEIGHT = 8, UNIT = 128],
         uniforms [LightGrid, FrameView],
         shared ["view", "packing", "surfel", "surfel_record", "lpv_grid", "lpv_send", "lpv_gives_back"];
+    /// Light that a medium gives back of what it kept.
+    LPV_SHINE_MEDIUM: "lpv.shine_medium", file "methods/lpv/shine_medium",
+        constants [STATES = 1, PAINT_STATES = 1, PAINT = 0, MEDIUM = 2],
+        uniforms [LightGrid, PaintState, GlowCells, MediumRecord],
+        shared ["lpv_grid", "lpv_send", "medium_span", "medium", "lpv_part", "glow_cells"];
     /// Light that surfels reflect of it.
     LPV_REFLECT: "lpv.reflect", file "methods/lpv/reflect", constants [HEIGHT = 8, LOOKUP = 0, NESTED = 1],
         uniforms [LightGrid, FrameView],

@@ -1,5 +1,6 @@
 //! The passes against their plain version, and what must hold of images.
 
+mod kept;
 mod motion;
 mod outside;
 mod room;
