@@ -344,10 +344,11 @@ impl Field {
         if kinds.scattered {
             sums.show(kinds, kinds.unscattered, Vec4::W * (again[cell][colour] * here.track_again));
         }
+        let is_dark = |cell: usize| self.lobes.iter().all(|lobes| lobes[cell][colour] == Moments::NONE);
+        let own_is_dark = is_dark(cell);
         for (link, neighbour) in neighbours().enumerate() {
             let Some(from) = grid.index(at - neighbour.offset) else { continue };
-            let is_dark = |cell: usize| self.lobes.iter().all(|lobes| lobes[cell][colour] == Moments::NONE);
-            if is_dark(from) && is_dark(cell) {
+            if own_is_dark && is_dark(from) {
                 continue;
             }
             let passes =
