@@ -45,7 +45,8 @@ use subject::Subject;
     is that of `gpu-epipolar`, but in relmse_lpv_traced_single and relmse_paper_traced_single, where it is path traced; \
     relmse_multiple that of multiple scattering alone, relmse_multiple_CELLS_ITERATIONS of grids of many sizes, \
     relmse_multiple_nested of a grid of 32 cells with a finer one around the camera, relmse_multiple_one_grid of one that takes \
-    as long; relmse_black of nothing. flip_NAME and brightness_NAME are beside each, brightness_lit_NAME and \
+    as long, relmse_multiple_two_bands and relmse_multiple_three_bands of other lobes in the grid of relmse_multiple_32_32; \
+    relmse_black of nothing. flip_NAME and brightness_NAME are beside each, brightness_lit_NAME and \
     brightness_dark_NAME where the lamp lights what is seen and where it does not, over truth's; of several scenes all are means \
     over those in which such a region is seen. injection_error_WAY is the share of surfaces' light that surfels, or a reflective \
     shadow map of so many texels along an edge, put into other cells than one of 1536 does. energy_loss_iteration is the largest \
@@ -54,7 +55,8 @@ use subject::Subject;
     and an albedo of A; moment_ratio_FACTORS_L_A by other factors; monopole_error_L_A how far fluence is from a monopole's \
     beyond three mean free paths, monopole_error of 1 cell and 0.9; flux_DIRECTION the flux of a point source without a medium \
     along an axis, across an edge and across a corner over what it is where all directions are alike; ringing_N_bands the share \
-    of light that is negative in N spherical harmonic bands by themselves. flicker_WHAT is how far images are from the mean of \
+    of light that is negative in N spherical harmonic bands, axis_over_diagonal_N_bands the flux along an axis over that across a \
+    corner in them. flicker_WHAT is how far images are from the mean of \
     those before and after as something moves, over their mean; leak_LOOKUP the light seen behind a wall thinner than a cell \
     over that before it.")]
 pub struct Args {

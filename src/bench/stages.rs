@@ -39,7 +39,7 @@ pub enum Stage {
 }
 
 /// Which shader belongs to which stage.
-static SHADERS: [(Stage, &Shader); 63] = [
+static SHADERS: [(Stage, &Shader); 65] = [
     (Stage::Surfels, &wgsl::SURFELS_VERTICES),
     (Stage::Surfels, &wgsl::SURFELS_MEASURE),
     (Stage::Surfels, &wgsl::SURFELS_SUM),
@@ -53,6 +53,7 @@ static SHADERS: [(Stage, &Shader); 63] = [
     (Stage::Light, &wgsl::SURFELS_KEEP),
     (Stage::Light, &wgsl::SURFELS_KEEP_DIMMED),
     (Stage::Light, &wgsl::SURFELS_GIVE_BACK),
+    (Stage::Light, &wgsl::PHOSPHOR_CELLS),
     (Stage::Intervals, &wgsl::VOLUME_SHELL_INTERVALS),
     (Stage::Intervals, &wgsl::VOLUME_SHELL_PAPER_INTERVALS),
     (Stage::Tree, &wgsl::SURFELS_LEAVES),
@@ -94,6 +95,7 @@ static SHADERS: [(Stage, &Shader); 63] = [
     (Stage::Inject, &wgsl::LPV_BORDER),
     (Stage::Inject, &wgsl::LPV_SHINE),
     (Stage::Inject, &wgsl::LPV_SHINE_KEPT),
+    (Stage::Inject, &wgsl::LPV_SHINE_MEDIUM),
     (Stage::Inject, &wgsl::LPV_REFLECT),
     (Stage::Blockers, &wgsl::LPV_LINKS),
     (Stage::Medium, &wgsl::LPV_MEDIA),

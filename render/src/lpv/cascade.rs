@@ -15,8 +15,8 @@ use glam::Vec4;
 impl Flight {
     /// Fluence of light of a cell, such as to make it so bright in all iterations, over the energy that arrives there: as
     /// if as much went through the cells beside it. Of scattered light, or else of light that met no medium.
-    fn way_of(&self, lobes: Lobes, moments: Vec4, is_scattered: bool) -> f32 {
-        let energies = lobes.by_class(lobes.of(moments)).map(|energy| energy / moments.w.max(1e-37));
+    fn way_of(&self, lobes: Lobes, light: Vec4, is_scattered: bool) -> f32 {
+        let energies = lobes.by_class(&lobes.begins(light)).map(|energy| energy / light.w.max(1e-37));
         let along = |of: &dyn Fn(usize) -> f32| {
             (0..energies.len()).map(|class| energies[class] * of(class)).sum::<f32>()
         };
@@ -36,8 +36,12 @@ pub fn at_border(outside: (&LightGrid, &Shown), volume: &Volume, cell: usize, ki
         let Some(around) = around else { return Light::default() };
         let light = shown.of_kind(kinds, kind, around);
         std::array::from_fn(|colour| {
-            let (moments, flight) = (light[colour] * area, &volume.flights[cell][colour]);
-            moments / flight.way_of(volume.scheme.lobes, moments, kinds.is_scattered(kind)).max(LEAST)
+            let (light, flight) = (light[colour] * area, &volume.flights[cell][colour]);
+            // Bands may show less than nothing.
+            if light.w <= 0.0 {
+                return Vec4::ZERO;
+            }
+            light / flight.way_of(volume.scheme.lobes, light, kinds.is_scattered(kind)).max(LEAST)
         })
     };
     (0..kinds.count()).map(of_kind).collect()

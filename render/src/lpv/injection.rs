@@ -149,6 +149,18 @@ pub fn single_scattering(grid: &LightGrid, scene: &TracedScene) -> Vec<Light> {
     (0..grid.cells()).into_par_iter().map(of_cell).collect()
 }
 
+/// Light that the medium in each cell sends by itself, alike in all directions: `sent` is the radiance that it would have at a point
+/// where nothing is seen through it. What scatters light sends none of its own.
+pub fn sent_by_medium(grid: &LightGrid, medium: &Medium, sent: impl Fn(Vec3) -> Vec3 + Sync) -> Vec<Light> {
+    let of_cell = |index: usize| {
+        let part = CellPart::of(grid, grid.at(index), &medium.density);
+        let all: Vec3 = part.points().map(|point| medium.density.inside(point) * sent(point)).sum();
+        let power = all * medium.absorption * (0.5 * PI * part.share * grid.cell.powi(3));
+        [0, 1, 2].map(|c| Vec4::W * power[c])
+    };
+    (0..grid.cells()).into_par_iter().map(of_cell).collect()
+}
+
 /// What the medium in each cell scatters of light whose flux and energy times lengths of ways, watts times cells, are
 /// known; a grid's medium scatters alike in all directions.
 pub fn scattered(grid: &LightGrid, medium: Option<&Medium>, ways: &[Light]) -> Vec<Light> {

@@ -6,7 +6,6 @@
 //! spread over directions as a [`lobe`], through what [`blockers`] leave open, and lets the medium on the way scatter
 //! it, as a [`flight`] says.
 
-pub mod bands;
 pub mod blockers;
 pub mod cascade;
 pub mod flight;
@@ -14,6 +13,7 @@ pub mod grid;
 pub mod injection;
 pub mod lattice;
 pub mod lobe;
+pub mod moments;
 pub mod propagation;
 pub mod scheme;
 pub mod studies;
@@ -23,5 +23,6 @@ mod tests;
 pub use blockers::Blockers;
 pub use flight::Flight;
 pub use grid::LightGrid;
+pub use moments::Moments;
 pub use propagation::{Light, Volume};
 pub use scheme::Scheme;

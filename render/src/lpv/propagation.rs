@@ -10,13 +10,15 @@
 
 use super::cascade::at_border;
 use super::lattice::{CLASSES, LINKS, SHARES, neighbours};
-use super::lobe::MATTE;
-use super::{Flight, LightGrid, Scheme};
-use glam::{Vec3, Vec4};
+use super::{Flight, LightGrid, Moments, Scheme};
+use glam::Vec4;
 use rayon::prelude::*;
 
 /// Light of three colours in a cell, of each its flux and, last, its energy, watts.
 pub type Light = [Vec4; 3];
+
+/// What a cell keeps of light of three colours.
+pub type Kept = [Moments; 3];
 
 /// Most kinds of light.
 const MOST_KINDS: usize = 3;
@@ -73,7 +75,7 @@ impl Steady {
         let of_cell = |cell: usize, shares: &dyn Fn(&Flight) -> [f32; CLASSES]| -> Light {
             std::array::from_fn(|colour| {
                 let sent = sent[cell][colour];
-                let energies = volume.scheme.lobes.by_class(volume.scheme.lobes.of(sent));
+                let energies = volume.scheme.lobes.by_class(&volume.scheme.lobes.begins(sent));
                 let shares = shares(&volume.flights[cell][colour]);
                 let sum: f32 = energies.iter().zip(shares).map(|(energy, share)| energy * share).sum();
                 sent * (sum / sent.w.max(1e-37))
@@ -121,7 +123,7 @@ pub struct Field {
     kinds: Kinds,
     scheme: Scheme,
     /// Of each kind, lobes of each cell.
-    lobes: Vec<Vec<Light>>,
+    lobes: Vec<Vec<Kept>>,
     /// Whether the first kind is as surfaces sent it.
     is_fresh: bool,
     /// Whether cells at the border take what arrives.
@@ -131,10 +133,10 @@ pub struct Field {
     pub shown: Shown,
 }
 
-/// What arrives in a cell of one colour: flux and energy of each kind, and as it is shown.
+/// What arrives in a cell of one colour: moments of each kind, and flux and energy as they are shown.
 #[derive(Clone, Copy)]
 struct Arriving {
-    kinds: [Vec4; MOST_KINDS],
+    kinds: [Moments; MOST_KINDS],
     by_medium: Vec4,
     by_surfaces: Vec4,
     first: Vec4,
@@ -163,7 +165,7 @@ impl Kinds {
 
 impl Arriving {
     const NONE: Self = Self {
-        kinds: [Vec4::ZERO; MOST_KINDS],
+        kinds: [Moments::NONE; MOST_KINDS],
         by_medium: Vec4::ZERO,
         by_surfaces: Vec4::ZERO,
         first: Vec4::ZERO,
@@ -194,20 +196,20 @@ impl Field {
             0 => sent,
             _ => &none,
         };
-        let lobes = |kind: usize| light(kind).iter().map(|of| of.map(|of| scheme.lobes.of(of))).collect();
+        let lobes = |kind: usize| light(kind).iter().map(|of| of.map(|of| scheme.lobes.begins(of))).collect();
         let lobes = (0..kinds.count()).map(lobes).collect();
         Self { steady, ..Self::of_lobes(scheme, kinds, lobes) }
     }
 
     /// Light that is all of the last kind.
     pub fn scattered(scheme: Scheme, light: &[Light]) -> Self {
-        let lobes = light.iter().map(|of| of.map(|of| scheme.lobes.of(of))).collect();
+        let lobes = light.iter().map(|of| of.map(|of| scheme.lobes.begins(of))).collect();
         let kinds = Kinds { unscattered: 0, scattered: true, is_steady: false };
         Self::of_lobes(scheme, kinds, vec![lobes])
     }
 
     /// Of lobes of each kind, `[kinds, cells]`, which are not empty.
-    pub fn of_lobes(scheme: Scheme, kinds: Kinds, lobes: Vec<Vec<Light>>) -> Self {
+    pub fn of_lobes(scheme: Scheme, kinds: Kinds, lobes: Vec<Vec<Kept>>) -> Self {
         let cells = lobes[0].len();
         let shown = Shown::none(cells);
         Self { kinds, scheme, lobes, is_fresh: true, is_nested: false, steady: None, shown }
@@ -223,7 +225,7 @@ impl Field {
                 steady.source[cell] = light[0];
             }
             for (lobes, light) in self.lobes.iter_mut().zip(light) {
-                lobes[cell] = light.map(|of| self.scheme.lobes.of(of));
+                lobes[cell] = light.map(|of| self.scheme.lobes.begins(of));
             }
         }
         self
@@ -232,7 +234,23 @@ impl Field {
     /// Energy of all light on its way, of all colours, watts.
     pub fn energy(&self) -> f64 {
         let all = self.lobes.iter().flatten().flatten();
-        all.map(|kept| f64::from(self.scheme.lobes.moments(*kept).w)).sum()
+        all.map(|kept| f64::from(self.scheme.lobes.light(kept).w)).sum()
+    }
+
+    /// What cells would hand on to others where nothing blocks or collides, watts: of it what is less than nothing, and all, both
+    /// without a sign.
+    pub fn handed_on(&self, grid: &LightGrid) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for (cell, kept) in self.lobes.iter().flat_map(|lobes| lobes.iter().enumerate()) {
+            for neighbour in neighbours().filter(|n| grid.index(grid.at(cell) + n.offset).is_some()) {
+                for kept in kept.iter().filter(|kept| **kept != Moments::NONE) {
+                    let energy = SHARES[neighbour.class] * self.scheme.lobes.towards(kept, &neighbour);
+                    sums[0] += f64::from((-energy).max(0.0));
+                    sums[1] += f64::from(energy.abs());
+                }
+            }
+        }
+        sums
     }
 
     /// Whether a cell is one of those that a coarser volume lights.
@@ -247,8 +265,8 @@ impl Field {
         }
         let of = |colour: usize| {
             let flight = &volume.flights[cell][colour];
-            let collides = |(kind, lobes): (usize, &Vec<Light>)| -> f32 {
-                let energies = self.scheme.lobes.by_class(lobes[cell][colour]);
+            let collides = |(kind, lobes): (usize, &Vec<Kept>)| -> f32 {
+                let energies = self.scheme.lobes.by_class(&lobes[cell][colour]);
                 let all: f32 =
                     (0..CLASSES).map(|class| energies[class] * (1.0 - flight.streams[class])).sum();
                 let is_sent = self.is_fresh && !self.kinds.is_scattered(kind);
@@ -284,7 +302,7 @@ impl Field {
         }
         if self.is_nested {
             for cell in (0..cells).filter(|cell| volume.grid.depth(volume.grid.at(*cell)) == 0) {
-                self.lobes.iter_mut().for_each(|lobes| lobes[cell] = Light::default());
+                self.lobes.iter_mut().for_each(|lobes| lobes[cell] = Kept::default());
             }
         }
         for (cell, arrived) in arrived.iter().enumerate() {
@@ -297,12 +315,13 @@ impl Field {
     }
 
     /// Lobes of steady light, and what is shown of it, by what has arrived.
-    fn steadied(&self, volume: &Volume, steady: &Steady, arrived: &[[Arriving; 3]]) -> (Vec<Light>, Shown) {
+    fn steadied(&self, volume: &Volume, steady: &Steady, arrived: &[[Arriving; 3]]) -> (Vec<Kept>, Shown) {
         let lobes = |cell: usize| {
             // What arrives at the border of a finer volume is the coarser one's.
             let on = if self.is_at_border(volume, cell) { 0.0 } else { 1.0 };
-            let light = |colour: usize| steady.source[cell][colour] + on * arrived[cell][colour].kinds[0];
-            [0, 1, 2].map(|colour| self.scheme.lobes.of(light(colour)))
+            let own = |colour: usize| self.scheme.lobes.moments_of(steady.source[cell][colour]);
+            let all = |colour: usize| own(colour) + arrived[cell][colour].kinds[0] * on;
+            [0, 1, 2].map(|colour| self.scheme.lobes.of(all(colour)))
         };
         let shown = |cell: usize| -> Light {
             std::array::from_fn(|colour| steady.halfway[cell][colour] + arrived[cell][colour].by_medium)
@@ -320,18 +339,16 @@ impl Field {
         let (here, at) = (&flights[cell][colour], grid.at(cell));
         let mut sums = Arriving::NONE;
         for kind in 0..kinds.count() {
-            sums.show(kinds, kind, scheme.moments(self.lobes[kind][cell][colour]) * here.track_out);
+            sums.show(kinds, kind, scheme.light(&self.lobes[kind][cell][colour]) * here.track_out);
         }
         if kinds.scattered {
             sums.show(kinds, kinds.unscattered, Vec4::W * (again[cell][colour] * here.track_again));
         }
+        let is_dark = |cell: usize| self.lobes.iter().all(|lobes| lobes[cell][colour] == Moments::NONE);
+        let own_is_dark = is_dark(cell);
         for (link, neighbour) in neighbours().enumerate() {
             let Some(from) = grid.index(at - neighbour.offset) else { continue };
-            if self
-                .lobes
-                .iter()
-                .all(|lobes| lobes[from][colour] == Vec4::ZERO && lobes[cell][colour] == Vec4::ZERO)
-            {
+            if own_is_dark && is_dark(from) {
                 continue;
             }
             let passes =
@@ -340,48 +357,47 @@ impl Field {
             let goes_in = here.lets_in(flight, class);
             let scatters = here.albedo * (goes_in - here.enters[class]).max(0.0);
             let share = SHARES[class] * passes;
-            let along = |direction: Vec3, energy: f32| (direction * energy).extend(energy);
-            let kept = neighbour.direction * scheme.kept_direction(class);
+            let gone = scheme.gone(&neighbour);
             let mut all = 0.0;
             for kind in 0..kinds.count() {
                 let mut sent = share
                     * flight.streams[class]
-                    * scheme.towards(self.lobes[kind][from][colour], &neighbour);
+                    * scheme.towards(&self.lobes[kind][from][colour], &neighbour);
                 if kinds.is_scattered(kind) {
                     sent += share * flight.scatters[class] * again[from][colour];
                 }
-                sums.kinds[kind] += along(kept, sent * here.enters[class]);
-                sums.show(kinds, kind, along(kept, sent * here.tracks_in[class]));
+                sums.kinds[kind] += gone * (sent * here.enters[class]);
+                sums.show(kinds, kind, gone.light * (sent * here.tracks_in[class]));
                 all += sent;
             }
             if kinds.scattered {
-                sums.kinds[kinds.unscattered].w += all * scatters;
+                sums.kinds[kinds.unscattered].light.w += all * scatters;
             }
             // What the cell itself sends there and surfaces on the way reflect comes back half a way later.
             let returns = SHARES[class] * (1.0 - passes) * reflectances[cell][colour];
-            let (out, matte) = (here.streams[class], MATTE * neighbour.direction);
+            let (out, matte) = (here.streams[class], scheme.matte(neighbour.direction));
             let opposite = neighbour.opposite();
             let (mut all, mut sets_out) = (0.0, 0.0);
             for kind in 0..kinds.count() {
-                let mut sent = out * scheme.towards(self.lobes[kind][cell][colour], &opposite);
+                let mut sent = out * scheme.towards(&self.lobes[kind][cell][colour], &opposite);
                 if kinds.is_scattered(kind) {
                     sent += here.scatters[class] * again[cell][colour];
                 }
                 sets_out += sent;
                 let Some(into) = kinds.reflected(kind) else { continue };
                 sent *= returns;
-                sums.kinds[into] += along(matte, sent * out);
-                sums.show(kinds, into, along(matte, sent * here.tracks_back[class]));
+                sums.kinds[into] += matte * (sent * out);
+                sums.show(kinds, into, matte.light * (sent * here.tracks_back[class]));
                 all += sent;
             }
             if kinds.scattered {
                 let scattered = kinds.unscattered;
-                sums.kinds[scattered].w += all * here.albedo * (1.0 - out);
+                sums.kinds[scattered].light.w += all * here.albedo * (1.0 - out);
                 // What a denser medium there turns back comes as if from there.
                 let turned = share * sets_out * flight.turns * (1.0 - flight.lets_in(here, class));
-                sums.kinds[scattered] += along(kept, turned * here.enters[class]);
-                sums.kinds[scattered].w += turned * here.albedo * (1.0 - here.enters[class]);
-                sums.show(kinds, scattered, along(kept, turned * here.tracks_in[class]));
+                sums.kinds[scattered] += gone * (turned * here.enters[class]);
+                sums.kinds[scattered].light.w += turned * here.albedo * (1.0 - here.enters[class]);
+                sums.show(kinds, scattered, gone.light * (turned * here.tracks_in[class]));
             }
         }
         sums

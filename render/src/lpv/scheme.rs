@@ -25,7 +25,7 @@ pub struct Scheme {
     /// Billeter et al. 2012 have it, a linear factor.
     pub factors: Factors,
     /// How light in a cell is spread over directions: as the square of a function of two bands, or, as Billeter et al. 2012 have
-    /// it, in two bands, which may be negative.
+    /// it, in two bands, which may be negative, or in three, which they left for the ringing.
     pub lobes: Lobes,
     /// Which cells light a surface: those before it, or, as Billeter et al. 2012 have it, the one that it is within.
     pub lookup: Lookup,

@@ -1,6 +1,7 @@
 //! What propagation does in a medium that is the same everywhere, beside what is known of it.
 
 use super::lattice::LINKS;
+use super::lobe::Lobes;
 use super::propagation::{Field, Light, Volume};
 use super::{Flight, LightGrid, Scheme};
 use glam::{DVec3, IVec3, Vec3, Vec4, Vec4Swizzles};
@@ -194,12 +195,39 @@ pub fn over_monopole(scheme: Scheme, path: f32, albedo: f32, half: i32) -> Vec<(
 /// where light goes alike everywhere. Fluence, which is the flux where light goes straight, is after it.
 pub fn flux_by_direction(scheme: Scheme, half: i32) -> [[f64; 2]; 3] {
     let (volume, field) = around_a_point(scheme, [0.0, 0.0], half, 3 * half as usize);
+    by_direction(&volume.grid, &field, half)
+}
+
+fn by_direction(grid: &LightGrid, field: &Field, half: i32) -> [[f64; 2]; 3] {
     let r = f64::from(half) * 0.6;
     [IVec3::X, IVec3::new(1, 1, 0), IVec3::ONE].map(|way| {
         let offset = (way.as_dvec3().normalize() * r).round().as_ivec3();
-        let shown =
-            volume.grid.index(half + offset).map_or(Vec4::ZERO, |index| field.shown.by_medium[index][0]);
+        let shown = grid.index(half + offset).map_or(Vec4::ZERO, |index| field.shown.by_medium[index][0]);
         let spread = 4.0 * std::f64::consts::PI * offset.as_dvec3().length_squared();
         [shown.xyz().length(), shown.w].map(|of| spread * f64::from(of))
     })
+}
+
+/// What light of a point has come to without a medium.
+#[derive(Clone, Copy, Debug)]
+pub struct Ringing {
+    /// Of all light that was handed on, the share that is less than nothing.
+    pub negative: f64,
+    /// Flux as [`flux_by_direction`] has it.
+    pub flux: [f64; 3],
+}
+
+/// How lobes ring in a grid of `2 half + 1` cells to a side: bands are negative where light is directed.
+pub fn ringing(lobes: Lobes, half: i32) -> Ringing {
+    let scheme = Scheme { lobes, ..Scheme::OURS };
+    let (volume, mut field) = around_a_point(scheme, [0.0, 0.0], half, 0);
+    let (mut negative, mut all) = (0.0, 0.0);
+    for _ in 0..3 * half {
+        let handed = field.handed_on(&volume.grid);
+        negative += handed[0];
+        all += handed[1];
+        field.step(&volume);
+    }
+    let flux = by_direction(&volume.grid, &field, half).map(|[flux, _]| flux);
+    Ringing { negative: negative / all, flux }
 }

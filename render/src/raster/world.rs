@@ -209,16 +209,6 @@ impl World {
         patches::paints(&self.scene, &self.geometry.draws)
     }
 
-    /// Whether any of its surface emits light.
-    pub fn emits(&self) -> bool {
-        self.scene.emits()
-    }
-
-    /// Whether any of its surface keeps light.
-    pub fn keeps_light(&self) -> bool {
-        self.scene.keeps_light()
-    }
-
     /// Its surface in about so many parts, beside triangles that are smaller than one.
     pub fn cut(&self, parts: f32) -> Vec<Patch> {
         patches::cut(&self.scene, &self.geometry.draws, parts)

@@ -217,6 +217,11 @@ impl Scene {
         self.glow.as_deref().is_some_and(|glow| !glow.surfaces.is_empty())
     }
 
+    /// Whether its medium keeps light.
+    pub fn medium_keeps_light(&self) -> bool {
+        self.medium.is_some() && self.glow.as_deref().is_some_and(|glow| glow.medium.is_some())
+    }
+
     /// Of which lamps light is there at a moment, seconds: all, but for those that a glowing scene has switched off.
     pub fn shining(&self, moment: f32) -> Vec<bool> {
         let shines = |light| self.glow.as_deref().is_none_or(|glow| glow.shines_at(light, moment));

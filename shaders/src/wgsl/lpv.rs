@@ -17,6 +17,11 @@ table! {
     LPV_SHINE_KEPT: "lpv.shine_kept", file "methods/lpv/shine", constants [HEIGHT = 8, UNIT = 128],
         uniforms [LightGrid, FrameView],
         shared ["view", "packing", "surfel", "surfel_record", "lpv_grid", "lpv_send", "lpv_gives_back"];
+    /// Light that a medium gives back of what it kept.
+    LPV_SHINE_MEDIUM: "lpv.shine_medium", file "methods/lpv/shine_medium",
+        constants [STATES = 1, PAINT_STATES = 1, PAINT = 0, MEDIUM = 2],
+        uniforms [LightGrid, PaintState, GlowCells, MediumRecord],
+        shared ["lpv_grid", "lpv_send", "medium_span", "medium", "lpv_part", "glow_cells"];
     /// Light that surfels reflect of it.
     LPV_REFLECT: "lpv.reflect", file "methods/lpv/reflect", constants [HEIGHT = 8, LOOKUP = 0, NESTED = 1],
         uniforms [LightGrid, FrameView],
@@ -33,19 +38,19 @@ table! {
     LPV_FRESH: "lpv.fresh", file "methods/lpv/fresh",
         constants [UNSCATTERED = 2, SCATTERED = 1, STEADY = 1, FACTORS = 0, LOBES = 0, FIRST = 1, SIMILAR = 1],
         uniforms [LightGrid, MediumRecord],
-        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_fixed", "lpv_lobe", "lpv_flight", "lpv_medium"];
+        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_fixed", "lpv_lobe", "lpv_second", "lpv_flight", "lpv_medium"];
     /// Light of the lamps that the medium in cells scatters.
     LPV_BEGIN: "lpv.begin", file "methods/lpv/begin",
         constants [LIGHTS = 1, MEDIUM = 2, GREY = 0, UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0, SIMILAR = 1],
         uniforms [LightGrid, FrameView, LightRecord, MediumRecord],
-        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "view", "lights", "shadow",
+        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_second", "lpv_flight", "view", "lights", "shadow",
                 "medium_span", "medium", "colours", "light_dimmed", "lpv_medium", "lpv_lamps_only",
                 "lpv_reflectance", "lpv_part"];
     /// Light of the lamps and of surfaces that the medium in cells scatters.
     LPV_BEGIN_EMITTED: "lpv.begin_emitted", file "methods/lpv/begin",
         constants [LIGHTS = 1, MEDIUM = 2, GREY = 0, UNSCATTERED = 2, SCATTERED = 1, FACTORS = 0, LOBES = 0, SIMILAR = 1],
         uniforms [LightGrid, FrameView, LightRecord, MediumRecord],
-        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "view", "lights", "shadow",
+        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_second", "lpv_flight", "view", "lights", "shadow",
                 "medium_span", "medium", "colours", "light_dimmed", "lpv_medium", "lpv_emitted",
                 "lpv_reflectance", "lpv_part"];
     /// One iteration.
@@ -53,7 +58,7 @@ table! {
         constants [UNSCATTERED = 2, SCATTERED = 1, STEADY = 1, SHOWS = 1, FACTORS = 0, LOBES = 0, BORDERS = 1, FIRST = 1,
                    NESTED = 1, SIMILAR = 1],
         uniforms [LightGrid, MediumRecord, Iteration, Propagation],
-        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "lpv_medium",
+        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_second", "lpv_flight", "lpv_medium",
                 "lpv_reflectance"];
     /// Where a finer grid lies.
     LPV_NEST: "lpv.nest", file "methods/lpv/nest", constants [], uniforms [LightGrid, FrameView], shared [];
@@ -61,7 +66,7 @@ table! {
     LPV_BORDER: "lpv.border", file "methods/lpv/border",
         constants [UNSCATTERED = 2, SCATTERED = 1, STEADY = 1, FACTORS = 0, LOBES = 0, SIMILAR = 1],
         uniforms [LightGrid, MediumRecord],
-        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_flight", "lpv_medium"];
+        shared ["lpv_grid", "lpv_kinds", "lpv_lattice", "lpv_lobe", "lpv_second", "lpv_flight", "lpv_medium"];
     /// Surfaces lit by the grid.
     LPV_LIT: "lpv.lit", file "methods/lpv/lit", constants [LOOKUP = 0, NESTED = 1, FINER = 1],
         uniforms [LightGrid, FrameView],

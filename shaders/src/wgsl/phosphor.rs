@@ -32,7 +32,7 @@ table! {
     PHOSPHOR_SHINE: "phosphor.shine", file "methods/phosphor/shine",
         constants [STATES = 1, PAINT_STATES = 1, PAINT = 0, MEDIUM = 2],
         uniforms [PaintState, GlowCells, FrameView, MediumRecord],
-        shared ["surface_distance", "view", "medium_span", "medium", "mean_decay"];
+        shared ["surface_distance", "view", "medium_span", "medium", "mean_decay", "glow_cells"];
     /// What states give back at each pixel.
     PHOSPHOR_SHOW: "phosphor.show", file "methods/phosphor/show", constants [STATES = 1, PAINT_STATES = 1],
         uniforms [PaintState, GlowTile], shared ["glow_tile"];

@@ -4,6 +4,7 @@ use super::scores::Row;
 use super::subject::Subject;
 use anyhow::{Result, ensure};
 use deepshade_render::lpv::Scheme;
+use deepshade_render::lpv::lobe::Lobes;
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::lpv::Parameters;
 use deepshade_render::methods::lpv::passes::Pixel;
@@ -17,6 +18,10 @@ const ITERATIONS: [usize; 7] = [1, 2, 4, 8, 16, 32, 64];
 
 /// Two grids, and one that takes as long: names, cells along the scene, of which there are as many iterations, and grids.
 const NESTED: [(&str, usize, usize); 2] = [("nested", 32, 2), ("one_grid", 38, 1)];
+
+/// Other lobes, in a grid of [`BANDS_CELLS`] along the scene and as many iterations.
+const BANDS: [(&str, Lobes); 2] = [("two_bands", Lobes::TwoBands), ("three_bands", Lobes::ThreeBands)];
+const BANDS_CELLS: usize = 32;
 
 /// What is shown of a scene.
 pub struct Alternatives {
@@ -97,6 +102,12 @@ impl Alternatives {
         }
         for (name, cells, cascades) in NESTED {
             let image = subject.multiple(Parameters { cells, cascades, iterations: cells, ..parameters })?;
+            score(&format!("multiple_{name}"), &image);
+        }
+        for (name, lobes) in BANDS {
+            let scheme = Scheme { lobes, ..Scheme::OURS };
+            let (cells, iterations) = (BANDS_CELLS, BANDS_CELLS);
+            let image = subject.multiple(Parameters { cells, iterations, scheme, ..parameters })?;
             score(&format!("multiple_{name}"), &image);
         }
         Ok(Self { truth: all, images, rows })

@@ -3,9 +3,11 @@
 use crate::figures::Figures;
 use crate::plot::{Line, Plot};
 use deepshade_render::lpv::Scheme;
-use deepshade_render::lpv::bands::{Bands, Ringing, ringing};
 use deepshade_render::lpv::flight::Factors;
-use deepshade_render::lpv::studies::{Flights, energy_loss, flux_by_direction, moment_ratio, over_monopole};
+use deepshade_render::lpv::lobe::Lobes;
+use deepshade_render::lpv::studies::{
+    Flights, Ringing, energy_loss, flux_by_direction, moment_ratio, over_monopole, ringing,
+};
 
 /// Mean free paths, cells, and half of the cells of the cube that is looked at.
 const PATHS: [(f32, i32); 4] = [(0.5, 12), (1.0, 14), (2.0, 18), (4.0, 20)];
@@ -52,7 +54,7 @@ pub struct Studies {
     monopoles: Vec<Monopole>,
     /// Flux and fluence along an axis, across an edge and across a corner, with our lobes and the paper's.
     directions: [(&'static str, [[f64; 2]; 3]); 2],
-    /// Of two and of three bands by themselves.
+    /// Of two and of three bands.
     ringing: [Ringing; 2],
 }
 
@@ -76,7 +78,7 @@ impl Studies {
             monopoles: ALBEDOS.into_iter().flat_map(far).collect(),
             directions: [("", Scheme::OURS), ("paper_", Scheme::PAPER)]
                 .map(|(name, scheme)| (name, flux_by_direction(scheme, HALF))),
-            ringing: [Bands::Two, Bands::Three].map(|bands| ringing(bands, HALF)),
+            ringing: [Lobes::TwoBands, Lobes::ThreeBands].map(|lobes| ringing(lobes, HALF)),
         }
     }
 
@@ -145,12 +147,14 @@ impl Studies {
         };
         let head = ["collisions", "mean free path", "albedo", "squared distance", "fluence far away"];
         let head = head.map(str::to_owned).to_vec();
-        let [(_, [axis, _, corner]), _] = &self.directions;
+        let ([(_, [axis, _, corner]), _], [two, three]) = (&self.directions, &self.ringing);
         let others = [
             ("energy lost", self.energy_loss),
             ("flux along axes over corners", axis[0] / corner[0]),
-            ("less than nothing in two bands", self.ringing[0].negative),
-            ("in three", self.ringing[1].negative),
+            ("in two bands", two.flux[0] / two.flux[2]),
+            ("in three", three.flux[0] / three.flux[2]),
+            ("less than nothing in two bands", two.negative),
+            ("in three", three.negative),
         ];
         let other = |(name, value): (&str, f64)| {
             vec![name.to_owned(), String::new(), String::new(), format!("{value:.2e}"), String::new()]

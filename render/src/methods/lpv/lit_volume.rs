@@ -5,10 +5,12 @@ use super::passes::{Filled, surfel_settings};
 use super::room::EMITTED;
 use crate::bvh::TracedScene;
 use crate::lpv::LightGrid;
-use crate::lpv::injection::{self, sent_from, single_scattering, volume};
+use crate::lpv::injection::{self, sent_by_medium, sent_from, single_scattering, volume};
 use crate::lpv::lobe::irradiance;
 use crate::lpv::propagation::{Field, Light, Shown, Volume};
 use crate::lpv::scheme::Lookup;
+use crate::methods::phosphor::cells::PlainCells;
+use crate::path::phosphor::Afterglow;
 use crate::raster::geometry::draws_of;
 use crate::screen::View;
 use crate::surfels::reference::{self as surfels, Disk};
@@ -40,6 +42,8 @@ struct Source<'a> {
     disks: Vec<Disk>,
     /// Radiance of each patch by itself, if any has some.
     shines: Option<Vec<Vec3>>,
+    /// The cells of a medium that gives back light, if it does.
+    cells: Option<PlainCells<'a>>,
     view: &'a View,
     parameters: Parameters,
     filled: Filled,
@@ -59,7 +63,8 @@ impl LitVolumes {
         let patches = patches::of_scene(scene.scene());
         let disks = disks(scene, &patches, grids[grids.len() - 1].cell, view, filled);
         let shines = shines(scene, &patches, filled);
-        let source = Source { scene, patches, disks, shines, view, parameters, filled, reach };
+        let cells = cells(scene, grids[grids.len() - 1].cell, filled);
+        let source = Source { scene, patches, disks, shines, cells, view, parameters, filled, reach };
         let mut levels: Vec<Level> = Vec::new();
         for grid in &grids {
             let level = source.level(*grid, levels.last());
@@ -86,9 +91,7 @@ impl Source<'_> {
         let (volume, mut reflected) = volume((grid, scheme), (medium, kinds.scattered), surfels, camera);
         let mut scattered = if kinds.scattered { single_scattering(&grid, self.scene) } else { Vec::new() };
         let mut emission = None;
-        if let Some(shines) = &self.shines {
-            let shines = |patch: usize, _, _| PI * shines[patch];
-            let light = sent_from(&grid, &self.disks, camera, shines);
+        if let Some(light) = self.sent_by_itself(&grid) {
             let field = Field::new(&volume, EMITTED, &light, &[]);
             let outside = outside.and_then(|outside| outside.emission.as_ref());
             let emitted = self.handed_on(&volume, field, outside, f32::MAX);
@@ -102,6 +105,23 @@ impl Source<'_> {
         let field = Field::new(&volume, kinds, &reflected, &scattered);
         let outside = outside.map(|outside| &outside.light);
         Level { light: self.handed_on(&volume, field, outside, self.reach), emission }
+    }
+
+    /// Light that surfaces and the medium send by themselves, if any do.
+    fn sent_by_itself(&self, grid: &LightGrid) -> Option<Vec<Light>> {
+        let of_surfaces = self
+            .shines
+            .as_ref()
+            .map(|shines| sent_from(grid, &self.disks, &self.view.camera, |patch, _, _| PI * shines[patch]));
+        let of_medium = self.cells.as_ref();
+        let of_medium = of_medium.map(|cells| sent_by_medium(grid, cells.medium, |point| cells.sent(point)));
+        match (of_surfaces, of_medium) {
+            (Some(mut light), Some(more)) => {
+                add(&mut light, &more);
+                Some(light)
+            }
+            (of_surfaces, of_medium) => of_surfaces.or(of_medium),
+        }
     }
 
     /// Light after all iterations, but for those beyond a reach.
@@ -202,7 +222,7 @@ fn add(light: &mut [Light], more: &[Light]) {
 
 /// Radiance that patches emit and, in a medium, give back of what they kept.
 fn shines(scene: &TracedScene, patches: &[Patch], filled: Filled) -> Option<Vec<Vec3>> {
-    let [emits, gives_back] = filled.shines([scene.scene().emits(), scene.scene().keeps_light()]);
+    let [emits, gives_back, _] = filled.shines(scene.scene());
     let emissions = emits.then(|| patches::emissions(scene.scene(), &draws_of(scene.scene())));
     let emitted = emissions.map(|all| all.into_iter().map(Emission::radiance).collect::<Vec<_>>());
     let given = gives_back.then(|| surfels::given_back(scene, patches));
@@ -210,6 +230,12 @@ fn shines(scene: &TracedScene, patches: &[Patch], filled: Filled) -> Option<Vec<
         (Some(emitted), Some(given)) => Some(emitted.iter().zip(given).map(|(a, b)| *a + b).collect()),
         (emitted, given) => emitted.or(given),
     }
+}
+
+/// The cells, of such an edge, of a medium that gives back light that it kept.
+fn cells(scene: &TracedScene, edge: f32, filled: Filled) -> Option<PlainCells<'_>> {
+    let [.., gives_back] = filled.shines(scene.scene());
+    gives_back.then(|| PlainCells::new(scene, &Afterglow::new(scene), edge)).flatten()
 }
 
 /// The surfels of a scene, as many as cells of such an edge want, with their light.

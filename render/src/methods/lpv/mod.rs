@@ -16,7 +16,7 @@
 //! 0.70 of the flux that goes there where all directions are alike goes along axes, 1.17 across edges and 1.41 across
 //! corners; in a medium scattering evens that out.
 //!
-//! Light that surfaces emit, and in a medium that which they kept and give back, goes through a volume of its own until surfels
+//! Light that surfaces emit, and in a medium that which they and it kept and give back, goes through a volume of its own until surfels
 //! reflect it or the medium scatters it, which is then handed on as that of the lamps is; where nothing shines by itself there
 //! is no such volume. Around the camera there may be a finer
 //! grid ([`crate::lpv::cascade`]).
@@ -27,19 +27,20 @@
 //! surfaces send back light that comes to them, in the mean colour of those around a cell and the way that it came. Light
 //! outside the grid, which ends a cell beyond the scene, is lost. A medium with a preferred direction of scattering is
 //! replaced by a thinner one without, but for the last scattering towards the eye, where scattered light is followed; where light
-//! is wanted that met no medium (`fog-indirect`), all of it is there. Light that a medium itself kept does not light it.
+//! is wanted that met no medium (`fog-indirect`), all of it is there.
 //! A medium of many mean free paths in a cell reflects light of other cells as it should ([`crate::lpv::flight`]), but for a
 //! thousandth of it that an iteration may add; what lamps and surfaces send into it is still far
 //! too much of hundreds of mean free paths.
 //!
 //! [`Scheme::PAPER`] is equation (3) as Billeter et al. have it, with linear extinction, two bands and surfaces lit by the
-//! cell that they are in, to be compared with.
+//! cell that they are in, to be compared with. Three bands are there, too ([`crate::lpv::lobe::Lobes`]).
 
 pub mod in_medium;
 mod lit_volume;
 pub mod passes;
 pub mod reference;
 mod room;
+mod shining;
 pub mod shown;
 #[cfg(test)]
 mod tests;

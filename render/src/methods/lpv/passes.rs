@@ -2,11 +2,12 @@
 
 use super::Parameters;
 use super::room::{self, Nesting, Room};
+use super::shining::Shining;
 use super::shown::VolumeOnGpu;
 use crate::lpv::propagation::Kinds;
 use crate::raster::World;
 use crate::raster::view::perspective;
-use crate::scene::Bounds;
+use crate::scene::{Bounds, Scene};
 use crate::screen::{Inputs, MethodStep, View, Workgroups};
 use crate::surfels::cloud::{self, SURFEL_GROUPS};
 use crate::surfels::light;
@@ -69,12 +70,13 @@ impl Filled {
         matches!(self, Self::Medium(_))
     }
 
-    /// Whether surfaces that emit, and surfaces that give back what they kept, shine into it as lamps do, where there are any.
-    pub const fn shines(self, [emits, gives_back]: [bool; 2]) -> [bool; 2] {
+    /// Whether surfaces of a scene that emit, surfaces that give back what they kept, and a medium that does shine into it as
+    /// lamps do.
+    pub fn shines(self, scene: &Scene) -> [bool; 3] {
         match self {
-            Self::Clear => [emits, false],
-            Self::Kept => [false; 2],
-            Self::Medium(_) => [emits, gives_back],
+            Self::Clear => [scene.emits(), false, false],
+            Self::Kept => [false; 3],
+            Self::Medium(_) => [scene.emits(), scene.keeps_light(), scene.medium_keeps_light()],
         }
     }
 
@@ -210,7 +212,7 @@ impl Passes {
         }
         let iterations = parameters.iterations;
         let mut emission = None;
-        if surfels.emissions.is_some() || surfels.kept.is_some() {
+        if surfels.shining.is_any() {
             let outside = outside.and_then(|outside| outside.emission.as_ref());
             let (shown, emitted) = self.emission(device, frame, surfels, &room, (outside, iterations))?;
             steps.extend(emitted);
@@ -232,14 +234,12 @@ impl Passes {
         &self,
         device: &wgpu::Device,
         Frame { world, view, .. }: Frame<'_>,
-        Surfels { cloud, sent, settings, lit, kept, .. }: &Surfels,
+        Surfels { cloud, sent, settings, lit, shining }: &Surfels,
     ) -> Result<Vec<MethodStep>, GpuError> {
         let of_surfels = cloud::Uniforms { settings, view };
         let mut steps = self.surfels.surfel_steps(device, world, cloud, of_surfels)?;
         steps.extend(light::steps(device, world, *lit, cloud, [view, sent])?);
-        if let Some(kept) = kept {
-            steps.extend(light::steps(device, world, Lit::Kept, cloud, [view, kept])?);
-        }
+        steps.extend(shining.keeping_steps(device, world, (cloud, view))?);
         Ok(steps)
     }
 
@@ -263,7 +263,7 @@ impl Passes {
         ])
     }
 
-    /// Light that surfaces emit or give back, on its way until they reflect it or the medium scatters it: what they reflect
+    /// Light that a scene sends by itself, on its way until surfaces reflect it or the medium scatters it: what they reflect
     /// is added to the volume's.
     fn emission(
         &self,
@@ -273,14 +273,14 @@ impl Passes {
         room: &Room,
         (outside, iterations): (Option<&VolumeOnGpu>, usize),
     ) -> Result<(VolumeOnGpu, Vec<MethodStep>), GpuError> {
-        let Surfels { cloud, .. } = surfels;
+        let Surfels { cloud, shining, .. } = surfels;
         let emitted = room.of_emission(device)?;
         let nested = ("NESTED", u32::from(outside.is_some()));
         let reflects = wgsl::LPV_REFLECT.specialised(&[room.scheme.lookup_constant(), nested]);
         let reflects = Pass::new(device, wgsl::LPV_REFLECT.name, &reflects)?;
-        let read = |of_surfels| (0..).zip([&room.record, view, &cloud.totals, &cloud.surfels, of_surfels]);
-        let starts = (7, &cloud.starts);
-        let reflecting: Vec<_> = read(&cloud.patches).chain([(6, &emitted.shown), starts]).collect();
+        let reads = [&room.record, view, &cloud.totals, &cloud.surfels, &cloud.patches];
+        let others = [(6, &emitted.shown), (7, &cloud.starts)];
+        let reflecting: Vec<_> = (0..).zip(reads).chain(others).collect();
         // However far it came: a radius is of what surfaces reflect.
         let reach = gpu::uniform(device, "lpv.reach", &uniforms::Propagation { reach: f32::MAX })?;
         let mut steps = vec![MethodStep::bind(
@@ -290,16 +290,7 @@ impl Passes {
             &[],
             &[&emitted.sums, &emitted.cubes],
         )?];
-        let emits = wgsl::LPV_SHINE.source();
-        let gives_back = wgsl::LPV_SHINE_KEPT.specialised(&[light::kept_unit(world)]);
-        let emissions = surfels.emissions.as_ref().map(|it| (wgsl::LPV_SHINE.name, emits, it, Some(starts)));
-        let kept = surfels.kept.as_ref().map(|it| (wgsl::LPV_SHINE_KEPT.name, gives_back, it, None));
-        for (name, source, radiances, starts) in [emissions, kept].into_iter().flatten() {
-            let pass = Pass::new(device, name, &source)?;
-            let shining: Vec<_> = read(radiances).chain(starts).collect();
-            let written = [(5, &emitted.sums)];
-            steps.push(MethodStep::bind_at(device, &pass, surfels.groups(), &shining, &written)?);
-        }
+        steps.extend(shining.sending_steps(device, world, (cloud, view), &emitted)?);
         steps.push(emitted.fresh_step(device, world)?);
         if let Some(outside) = outside {
             steps.push(emitted.border_step(device, world, outside)?);
@@ -319,22 +310,19 @@ struct Frame<'a> {
     reach: &'a wgpu::Buffer,
 }
 
-/// One of the volumes, and light in it that surfaces send by themselves, if any do.
+/// One of the volumes, and light in it that a scene sends by itself, if it does.
 struct Level {
     light: VolumeOnGpu,
     emission: Option<VolumeOnGpu>,
 }
 
-/// The surfels of a frame.
+/// The surfels of a frame, and what shines by itself.
 struct Surfels {
     cloud: Cloud,
     sent: wgpu::Buffer,
     settings: wgpu::Buffer,
     lit: Lit,
-    /// Radiance that patches emit, if any do.
-    emissions: Option<wgpu::Buffer>,
-    /// What surfels give back, as `sent`, if any do and it is light like others.
-    kept: Option<wgpu::Buffer>,
+    shining: Shining,
 }
 
 impl Surfels {
@@ -343,11 +331,8 @@ impl Surfels {
         let settings = gpu::uniform(device, "lpv.surfels", &surfel_settings(cell, world.bounds))?;
         let cloud = Cloud::new(device, world, Some(lit))?;
         let sent = cloud.sent.clone().expect("they are lit");
-        let [emits, gives_back] = filled.shines([world.emits(), world.keeps_light()]);
-        let emissions = || gpu::storage(device, "lpv.emissions", &world.emissions());
-        let kept = || gpu::empty::<u8>(device, "lpv.kept", sent.size() as usize);
-        let (emissions, kept) = (emits.then(emissions).transpose()?, gives_back.then(kept).transpose()?);
-        Ok(Self { cloud, sent, settings, lit, emissions, kept })
+        let shining = Shining::new(device, world, (filled, cell), sent.size())?;
+        Ok(Self { cloud, sent, settings, lit, shining })
     }
 
     /// Workgroups of passes over them.

@@ -2,6 +2,8 @@
 
 use super::shown::VolumeOnGpu;
 use crate::lpv::flight::Factors;
+use crate::lpv::lobe::Lobes;
+use crate::lpv::moments::SECONDS;
 use crate::lpv::propagation::Kinds;
 use crate::lpv::{LightGrid, Scheme, flight};
 use crate::methods::single_scattering;
@@ -31,7 +33,7 @@ pub struct Room {
     /// `[cells, 3, 4]` f32.
     pub media: wgpu::Buffer,
     /// `[kinds, 3, cells, 4]` f32, before and after an iteration; if there is scattered light also `[cells, 4]`, what is
-    /// sent out again.
+    /// sent out again; of three bands also `[kinds, 5, cells, 4]`, second moments.
     states: [wgpu::Buffer; 2],
     /// `[3, cells, 4]` f32: what each iteration adds to steady light.
     source: wgpu::Buffer,
@@ -73,7 +75,8 @@ impl Room {
         let cubes = (grid.size + 1).as_usizevec3().element_product();
         let scattered = usize::from(kinds.scattered);
         let planes = 1 + scattered + usize::from(keeps_first(kinds, nesting));
-        let state = || gpu::empty::<[f32; 4]>(device, "lpv.state", (3 * kinds.count() + scattered) * cells);
+        let kept = kept_planes(scheme.lobes) * kinds.count() + scattered;
+        let state = || gpu::empty::<[f32; 4]>(device, "lpv.state", kept * cells);
         Ok(Self {
             record,
             sums: gpu::empty::<u32>(device, "lpv.sums", LIGHT_WORDS * cells)?,
@@ -255,6 +258,14 @@ impl Room {
 
 /// Light that surfaces emit, until something turns it.
 pub const EMITTED: Kinds = Kinds { unscattered: 1, scattered: false, is_steady: false };
+
+/// Planes of what cells keep of a kind of light: one of each colour and, of three bands, those of second moments.
+const fn kept_planes(lobes: Lobes) -> usize {
+    match lobes {
+        Lobes::Squared | Lobes::TwoBands => 3,
+        Lobes::ThreeBands => 3 + SECONDS,
+    }
+}
 
 /// Room for what each iteration adds, which only steady light needs.
 fn source(device: &wgpu::Device, kinds: Kinds, cells: usize) -> Result<wgpu::Buffer, GpuError> {

@@ -21,23 +21,27 @@ const TEXELS: f32 = 4.0;
 /// Cells along an axis, at most.
 const MOST: f32 = 96.0;
 
+/// The length of a cell where `texels` lie along a scene's diagonal, metres.
+pub fn edge(scene: &Scene, texels: u32) -> f32 {
+    TEXELS * scene.bounds().diagonal() / texels as f32
+}
+
 /// A grid of cells over a box.
 #[derive(Clone, Copy, Debug)]
-pub struct Lattice {
+struct Lattice {
     bounds: Bounds,
     size: UVec3,
 }
 
 impl Lattice {
-    /// That of a scene's medium, with cells as large as `texels` along the scene's diagonal ask for; none where there is no medium.
-    pub fn of(scene: &Scene, texels: u32) -> Option<Self> {
+    /// That of a scene's medium, with cells of about such an edge, metres; none where there is no medium.
+    fn of(scene: &Scene, edge: f32) -> Option<Self> {
         let bounds = match &scene.medium.as_deref()?.density {
             Density::Everywhere => scene.bounds(),
             Density::Within(bounds) => *bounds,
             Density::Grid(grid) => grid.bounds(),
         };
-        let cell = TEXELS * scene.bounds().diagonal() / texels as f32;
-        let size = (bounds.size() / cell).ceil().clamp(Vec3::splat(2.0), Vec3::splat(MOST)).as_uvec3();
+        let size = (bounds.size() / edge).ceil().clamp(Vec3::splat(2.0), Vec3::splat(MOST)).as_uvec3();
         Some(Self { bounds, size })
     }
 
@@ -80,17 +84,19 @@ impl Lattice {
 #[derive(Debug)]
 pub struct Cells {
     lattice: Lattice,
-    record: wgpu::Buffer,
-    states: wgpu::Buffer,
+    /// [`GlowCells`].
+    pub record: wgpu::Buffer,
+    /// `[2, cells, states]` f32: shares, and what rounding has left of their changes.
+    pub states: wgpu::Buffer,
 }
 
 impl Cells {
-    /// Those of a world with a medium; none of another.
+    /// Those of a world with a medium, of about such an edge, metres; none of another.
     ///
     /// # Errors
     /// If the device has no room.
-    pub fn new(device: &wgpu::Device, world: &World, texels: u32) -> Result<Option<Self>, GpuError> {
-        let Some(lattice) = Lattice::of(world.scene(), texels) else { return Ok(None) };
+    pub fn new(device: &wgpu::Device, world: &World, edge: f32) -> Result<Option<Self>, GpuError> {
+        let Some(lattice) = Lattice::of(world.scene(), edge) else { return Ok(None) };
         let numbers = 2 * lattice.count() * world.glow.states();
         Ok(Some(Self {
             lattice,
@@ -124,6 +130,13 @@ impl Cells {
         glow.moving_on(device, shader, euler, &resources, (self.lattice.count(), &self.states))
     }
 
+    /// The constants of passes that look up what they send.
+    pub fn constants(world: &World) -> [(&'static str, u32); 4] {
+        let glow = &world.glow;
+        let states = ("STATES", glow.states() as u32);
+        [states, glow.paint_states(), paint(glow.glow()), ("MEDIUM", world.medium.kind)]
+    }
+
     /// The pass that shows them in an image of surfaces.
     ///
     /// # Errors
@@ -136,8 +149,7 @@ impl Cells {
         [view, image]: [&wgpu::Buffer; 2],
     ) -> Result<MethodStep, GpuError> {
         let glow = &world.glow;
-        let own = [("STATES", glow.states() as u32), glow.paint_states(), paint(glow.glow())];
-        let source = wgsl::PHOSPHOR_SHINE.specialised(&[&own[..], &[("MEDIUM", world.medium.kind)]].concat());
+        let source = wgsl::PHOSPHOR_SHINE.specialised(&Self::constants(world));
         let pass = Pass::new(device, wgsl::PHOSPHOR_SHINE.name, &source)?;
         let [valid, position] = [Attribute::Valid, Attribute::Position].map(|a| gbuffer.buffer(a));
         let buffers =
@@ -157,16 +169,17 @@ fn paint(glow: &Glow) -> (&'static str, u32) {
 
 /// The plain version: what a ray brings through cells whose shares are closed forms.
 pub struct PlainCells<'a> {
-    medium: &'a Medium,
+    /// The medium.
+    pub medium: &'a Medium,
     paint: Option<&'a Paint>,
     lattice: Lattice,
     shares: Vec<[f32; MOST_STATES]>,
 }
 
 impl<'a> PlainCells<'a> {
-    /// Those of a scene; none where it has no medium.
-    pub fn new(scene: &'a TracedScene, afterglow: &Afterglow<'_>, texels: u32) -> Option<Self> {
-        let lattice = Lattice::of(scene.scene(), texels)?;
+    /// Those of a scene, of about such an edge, metres; none where it has no medium.
+    pub fn new(scene: &'a TracedScene, afterglow: &Afterglow<'_>, edge: f32) -> Option<Self> {
+        let lattice = Lattice::of(scene.scene(), edge)?;
         let medium = scene.scene().medium.as_deref()?;
         let paint = Glow::of(scene.scene()).medium.as_ref();
         let share = |cell: usize| {
@@ -176,12 +189,15 @@ impl<'a> PlainCells<'a> {
         Some(Self { medium, paint, lattice, shares })
     }
 
+    /// What the cells around a point send.
+    pub fn sent(&self, point: Vec3) -> Vec3 {
+        let Some(paint) = self.paint else { return Vec3::ZERO };
+        let around = self.lattice.around(point);
+        around.map(|(cell, weight)| weight * paint.emission(&self.shares[cell])).sum()
+    }
+
     /// What is seen along a ray with a surface at its end.
     pub fn seen(&self, ray: (Vec3, Vec3, f32), surface: Vec3) -> Vec3 {
-        let sent = |point: Vec3, paint: &Paint| {
-            let around = self.lattice.around(point);
-            around.map(|(cell, weight)| weight * paint.emission(&self.shares[cell])).sum()
-        };
-        seen_through((self.medium, self.paint), ray, surface, sent)
+        seen_through((self.medium, self.paint), ray, surface, |point, _| self.sent(point))
     }
 }

@@ -20,7 +20,7 @@
 //! Limits. Lamps without an extent excite, as they are at a frame's end; light by detours does not. Texels are as many as
 //! the mesh's area asks for, where it is largest of some poses of an animation, and slivers have more.
 
-mod cells;
+pub mod cells;
 pub mod glassner;
 pub mod passes;
 pub mod reference;
@@ -33,7 +33,7 @@ use crate::raster::view::perspective;
 use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
 use crate::surfels::frame;
 use bytemuck::bytes_of;
-use cells::Cells;
+use cells::{Cells, edge};
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 use passes::Finding;
@@ -102,7 +102,7 @@ impl Technique for Parameters {
         let finding = Finding::new(device, world, inputs.gbuffer, self.texels)?;
         let mut steps = finding.steps(device, world, inputs.gbuffer, &uniforms[0])?;
         let states = finding.states(device, world)?;
-        let cells = Cells::new(device, world, self.texels)?;
+        let cells = Cells::new(device, world, edge(world.scene(), self.texels))?;
         let kept = cells.as_ref().filter(|_| world.glow.glow().medium.is_some());
         for pose in world.poses() {
             steps.extend(finding.keeping(&states, self.euler).steps(device, pose)?);

@@ -1,7 +1,7 @@
 //! The plain version: the same texels by rays and closed forms.
 
 use super::Parameters;
-use super::cells::PlainCells;
+use super::cells::{PlainCells, edge};
 use super::tile::{Tiles, texel_weights, texels_around};
 use crate::bvh::{Hit, TracedScene};
 use crate::methods::picture::every_pixel;
@@ -21,7 +21,7 @@ pub fn shade(scene: &TracedScene, view: &View, parameters: Parameters) -> Writte
     let tiles = Tiles::new(&scene.scene().clone().into(), &draws_of(scene.scene()), parameters.texels);
     let afterglow = Afterglow::new(scene).by(Steps::of(parameters.euler));
     let shares = shares(&afterglow, &tiles);
-    let cells = PlainCells::new(scene, &afterglow, parameters.texels);
+    let cells = PlainCells::new(scene, &afterglow, edge(scene.scene(), parameters.texels));
     let glow = Glow::of(scene.scene());
     let room = glow.most_states();
     let states = shares.iter().flat_map(|shares| shares[..room].iter().copied()).collect();

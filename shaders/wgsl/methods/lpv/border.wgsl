@@ -8,7 +8,8 @@
 @group(0) @binding(3) var<storage, read> media: array<vec4f>;
 // [2 SCATTERED + 1, 3, cells] of the coarser grid: as the medium and as surfaces show it, and the first kind
 @group(0) @binding(4) var<storage, read> shown: array<vec4f>;
-// [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]: what is sent out again
+// [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]: what is sent out again; then, of three bands, [kinds, 5,
+// cells]: second moments
 @group(0) @binding(5) var<storage, read_write> state: array<vec4f>;
 // [3, cells]: flux and energy of steady light
 @group(0) @binding(6) var<storage, read_write> source: array<vec4f>;
@@ -72,13 +73,17 @@ fn enter(@builtin(global_invocation_id) id: vec3u) {
     let area = grid.low.w * grid.low.w / (outside.low.w * outside.low.w);
     var again = vec3f(0.0);
     for (var light = 0u; light < KINDS; light++) {
+        var all: mat3x4f;
         for (var c = 0u; c < 3u; c++) {
             var arrived = vec4f(0.0);
             if inside {
                 let handed = of_kind(light, c * u32(outside.size.w) + around) * area;
                 let sets_out = select(0.0, media[3u * id.x + 1u][c], light == UNSCATTERED);
-                arrived = handed / way_of(handed, own[c], extinction[c], sets_out);
+                // Bands may show less than nothing.
+                let is_light = handed.w > 0.0;
+                arrived = select(vec4f(0.0), handed / way_of(handed, own[c], extinction[c], sets_out), is_light);
             }
+            all[c] = arrived;
             let made = lobe(arrived.xyz, arrived.w);
             if STEADY == 1u {
                 source[lobe_index(light, c, id.x)] = arrived;
@@ -86,6 +91,12 @@ fn enter(@builtin(global_invocation_id) id: vec3u) {
             state[lobe_index(light, c, id.x)] = made;
             if SCATTERED == 1u {
                 again[c] += colliding(made, own.rgb, c);
+            }
+        }
+        if LOBES == THREE_BANDS {
+            var second = second_begun(all);
+            for (var i = 0u; i < SECONDS; i++) {
+                state[second_index(light, i, id.x)] = vec4f(second[i], 0.0);
             }
         }
     }

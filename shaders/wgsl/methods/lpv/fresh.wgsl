@@ -4,7 +4,7 @@
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 // [cells, 3, 4, 2]: flux and energy of each colour, as lpv_send.wgsl has them
 @group(0) @binding(1) var<storage, read> sums: array<u32>;
-// [kinds, 3, cells]: lobes
+// [kinds, 3, cells]: lobes; then what begin.wgsl writes; then [kinds, 5, cells]: second moments, of three bands alone
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 // [1 + SCATTERED + FIRST, 3, cells]
 @group(0) @binding(3) var<storage, read_write> shown: array<vec4f>;
@@ -32,6 +32,7 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= cell_count() {
         return;
     }
+    var all: mat3x4f;
     for (var c = 0u; c < 3u; c++) {
         let first = 12u * id.x + 4u * c;
         let face = grid.low.w * grid.low.w;
@@ -44,12 +45,22 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
             sent *= half.x;
             source[lobe_index(0u, c, id.x)] = sent;
         }
+        all[c] = sent;
         state[lobe_index(0u, c, id.x)] = lobe(sent.xyz, sent.w);
         for (var light = 1u; light < UNSCATTERED; light++) {
             state[lobe_index(light, c, id.x)] = vec4f(0.0);
         }
         for (var plane = 0u; plane <= SCATTERED + FIRST; plane++) {
             shown[lobe_index(plane, c, id.x)] = on_the_way;
+        }
+    }
+    if LOBES == THREE_BANDS {
+        var second = second_begun(all);
+        for (var i = 0u; i < SECONDS; i++) {
+            state[second_index(0u, i, id.x)] = vec4f(second[i], 0.0);
+            for (var light = 1u; light < UNSCATTERED; light++) {
+                state[second_index(light, i, id.x)] = vec4f(0.0);
+            }
         }
     }
 }

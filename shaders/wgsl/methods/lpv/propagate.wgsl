@@ -7,7 +7,7 @@
 @group(0) @binding(2) var<storage, read> links: array<vec4u>;
 // [cells, 3]: as media.wgsl writes it
 @group(0) @binding(3) var<storage, read> media: array<vec4f>;
-// [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]
+// [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]; then, of three bands, [kinds, 5, cells]: second moments
 @group(0) @binding(4) var<storage, read> state: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> next: array<vec4f>;
 // [1 + SCATTERED + FIRST, 3, cells]: flux and energy times lengths of ways, watts times cells, as the medium and as
@@ -17,9 +17,6 @@
 @group(0) @binding(8) var<uniform> propagation: Propagation;
 // [3, cells]: flux and energy that each iteration adds to light that is STEADY
 @group(0) @binding(9) var<storage, read> source: array<vec4f>;
-
-// Mean cosine of light that a matte surface sends.
-const MATTE = 2.0 / 3.0;
 
 // Mean length of the way in the cell of light that sets out from it.
 fn track_out(within: vec3f, extinction: vec3f) -> vec3f {
@@ -45,12 +42,27 @@ fn lobes(light: u32, cell: u32) -> mat3x4f {
     );
 }
 
-fn sent(light: mat3x4f, direction: vec3f, kind: u32) -> vec3f {
-    return vec3f(
-        towards(light[0], direction, kind),
-        towards(light[1], direction, kind),
-        towards(light[2], direction, kind),
+fn second_of(light: u32, cell: u32) -> Second {
+    return Second(
+        state[second_index(light, 0u, cell)].rgb,
+        state[second_index(light, 1u, cell)].rgb,
+        state[second_index(light, 2u, cell)].rgb,
+        state[second_index(light, 3u, cell)].rgb,
+        state[second_index(light, 4u, cell)].rgb,
     );
+}
+
+// What a cell sends of a kind of light, whose lobes are at hand.
+fn sent(own: mat3x4f, light: u32, cell: u32, direction: vec3f, kind: u32) -> vec3f {
+    let energy = vec3f(
+        towards(own[0], direction, kind),
+        towards(own[1], direction, kind),
+        towards(own[2], direction, kind),
+    );
+    if LOBES == THREE_BANDS {
+        return energy + third_band(second_of(light, cell), direction, kind);
+    }
+    return energy;
 }
 
 // Flux and energy of the three colours.
@@ -76,6 +88,26 @@ fn is_first(light: u32) -> bool {
     return FIRST == 1u && light == 0u;
 }
 
+// Keeps what has arrived, as lobes are kept.
+fn keep_second(light: u32, at: vec3i, arrived: Second) {
+    let cell = cell_index(at);
+    var all = arrived;
+    if NESTED == 1u && is_border(at) {
+        all = Second();
+    }
+    var sent = Second();
+    if STEADY == 1u {
+        sent = second_begun(mat3x4f(
+            source[lobe_index(light, 0u, cell)],
+            source[lobe_index(light, 1u, cell)],
+            source[lobe_index(light, 2u, cell)],
+        ));
+    }
+    for (var i = 0u; i < SECONDS; i++) {
+        next[second_index(light, i, cell)] = vec4f(all[i] + sent[i], 0.0);
+    }
+}
+
 @compute @workgroup_size(64)
 fn propagate(@builtin(global_invocation_id) id: vec3u) {
     let cell = id.x;
@@ -96,6 +128,7 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
     let out = track_out(own.rgb, extinction) * on;
     var own_lobes: array<mat3x4f, KINDS>;
     var arrived: array<Sums, KINDS>;
+    var second: array<Second, KINDS>;
     var seen: array<Sums, 3>;
     for (var light = 0u; light < KINDS; light++) {
         own_lobes[light] = lobes(light, cell);
@@ -160,11 +193,14 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
         let way = half_track(enters[kind], extinction, kind);
         var collides = vec3f(0.0);
         for (var light = 0u; light < KINDS; light++) {
-            var energy = streams * sent(lobes(light, source), direction, kind);
+            var energy = streams * sent(lobes(light, source), light, source, direction, kind);
             if light == UNSCATTERED {
                 energy += share * leaving_again(within, kind) * state[again_index(source)].rgb;
             }
             arrived[light] = added(arrived[light], energy * enters[kind], kept);
+            if LOBES == THREE_BANDS {
+                second[light] = with_light(second[light], energy * enters[kind], direction, kept_second(kind));
+            }
             collides += energy;
             if is_first(light) {
                 seen[2] = added(seen[2], energy * way, kept);
@@ -185,7 +221,7 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
             collides = vec3f(0.0);
             var sets_out = vec3f(0.0);
             for (var light = 0u; light < KINDS; light++) {
-                var energy = leaves * sent(own_lobes[light], -direction, kind);
+                var energy = leaves * sent(own_lobes[light], light, cell, -direction, kind);
                 if light == UNSCATTERED {
                     energy += leaving_again(own.rgb, kind) * own_again;
                 }
@@ -193,6 +229,9 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
                 energy *= returns;
                 let becomes = select(light, light + 1u, light + 1u < UNSCATTERED);
                 arrived[becomes] = added(arrived[becomes], energy * leaves, MATTE * direction);
+                if LOBES == THREE_BANDS {
+                    second[becomes] = with_light(second[becomes], energy * leaves, direction, MATTE_SECOND);
+                }
                 collides += energy;
                 if is_shown_by_medium(becomes) {
                     seen[0] = added(seen[0], energy * back, MATTE * direction);
@@ -206,6 +245,10 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
                 // What a denser medium there turns back comes as if from there.
                 let turned = share * sets_out * turns * (1.0 - goes_out);
                 arrived[KINDS - 1u] = added(arrived[KINDS - 1u], turned * enters[kind], kept);
+                if LOBES == THREE_BANDS {
+                    second[KINDS - 1u] =
+                        with_light(second[KINDS - 1u], turned * enters[kind], direction, kept_second(kind));
+                }
                 arrived[KINDS - 1u].energy += turned * albedo * (1.0 - enters[kind]);
                 seen[0] = added(seen[0], turned * way, kept);
                 seen[1] = added(seen[1], turned * way, kept);
@@ -214,6 +257,9 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
     }
     var again = vec3f(0.0);
     for (var light = 0u; light < KINDS; light++) {
+        if LOBES == THREE_BANDS {
+            keep_second(light, at, second[light]);
+        }
         for (var c = 0u; c < 3u; c++) {
             var all = vec4f(arrived[light].flux[c], arrived[light].energy[c]);
             if NESTED == 1u && is_border(at) {

@@ -2,7 +2,7 @@
 // theirs that goes through a cell's middle, dimmed on its way, whatever its direction.
 
 @group(0) @binding(0) var<uniform> paints: array<PaintState, PAINT_STATES>;
-@group(0) @binding(1) var<uniform> grid: GlowCells;
+@group(0) @binding(1) var<uniform> lattice: GlowCells;
 @group(0) @binding(2) var<storage, read> time: array<f32>;
 @group(0) @binding(3) var<storage, read> lights: array<LightRecord>;
 @group(0) @binding(4) var<storage, read> map_views: array<FrameView>;
@@ -15,12 +15,12 @@
 @compute @workgroup_size(64)
 fn step_cells(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let cell = id.x + id.y * groups.x * 64u;
-    let size = vec3u(grid.cells.xyz);
+    let size = vec3u(lattice.cells.xyz);
     if cell >= size.x * size.y * size.z {
         return;
     }
     let at_cell = vec3f(vec3u(cell % size.x, cell / size.x % size.y, cell / (size.x * size.y)));
-    let point = grid.low.xyz + (at_cell + 0.5) / grid.cells.xyz * (grid.high.xyz - grid.low.xyz);
+    let point = lattice.low.xyz + (at_cell + 0.5) / lattice.cells.xyz * (lattice.high.xyz - lattice.low.xyz);
     var irradiance: array<vec3f, SCHEDULES>;
     for (var i = 0u; i < LIGHTS; i++) {
         let arrived = arrival(lights[i], point);

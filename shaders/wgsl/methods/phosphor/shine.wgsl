@@ -2,7 +2,7 @@
 // cloud that nothing is seen through looks like a surface of its paint.
 
 @group(0) @binding(0) var<uniform> paints: array<PaintState, PAINT_STATES>;
-@group(0) @binding(1) var<uniform> grid: GlowCells;
+@group(0) @binding(1) var<uniform> lattice: GlowCells;
 @group(0) @binding(2) var<uniform> view: FrameView;
 @group(0) @binding(3) var<uniform> medium: MediumRecord;
 @group(0) @binding(4) var<storage, read> valid_plane: array<f32>;
@@ -15,27 +15,6 @@
 
 // Pieces of a way through the medium.
 const STEPS = 64u;
-
-// What the cells around a point send, trilinear between their middles.
-fn sent_at(point: vec3f) -> vec3f {
-    let at = (point - grid.low.xyz) / (grid.high.xyz - grid.low.xyz) * grid.cells.xyz - 0.5;
-    let within = clamp(at, vec3f(0.0), grid.cells.xyz - 1.0);
-    let low = vec3u(within);
-    let part = within - vec3f(low);
-    let size = vec3u(grid.cells.xyz);
-    var sent = vec3f(0.0);
-    for (var i = 0u; i < 8u; i++) {
-        let corner = vec3u(i & 1u, (i >> 1u) & 1u, i >> 2u);
-        let weights = select(1.0 - part, part, corner == vec3u(1u));
-        let cell = min(low + corner, size - 1u);
-        let first = ((cell.z * size.y + cell.y) * size.x + cell.x) * STATES;
-        for (var s = 0u; s < STATES; s++) {
-            let weight = weights.x * weights.y * weights.z * states[first + s];
-            sent += weight * paints[PAINT * STATES + s].emission.rgb;
-        }
-    }
-    return sent;
-}
 
 @compute @workgroup_size(TILE, TILE)
 fn shine(@builtin(global_invocation_id) id: vec3u) {

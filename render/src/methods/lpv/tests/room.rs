@@ -91,13 +91,13 @@ fn shining(is_wall: bool, medium: Option<Medium>) -> Scene {
 }
 
 /// Fog of a mean free path of two metres.
-fn fog() -> Medium {
+pub fn fog() -> Medium {
     let bounds = Bounds { min: Vec3::splat(-1.0), max: Vec3::splat(1.0) };
     Medium::new(Vec3::splat(0.05), Vec3::splat(0.45), 0.0, Density::Within(bounds)).expect("fog")
 }
 
 /// Brightness over truth's of an effect.
-fn over_truth(technique: &impl Technique, effect: Effect, scene: Scene, samples: u32) -> f32 {
+pub fn over_truth(technique: &impl Technique, effect: Effect, scene: Scene, samples: u32) -> f32 {
     let camera = Camera::look_at(Vec3::new(-0.9, 0.4, 0.9), Vec3::new(0.3, -0.3, -0.5));
     let image = shaded(technique, scene.clone(), camera);
     let scene = TracedScene::new(scene).expect("triangles");
@@ -141,7 +141,7 @@ fn surfaces_that_shine_are_as_the_plain_version_has_it() {
 }
 
 /// The room with a wall that gives back light that it kept, and no lamp.
-fn glowing(medium: Option<Medium>) -> Scene {
+pub fn glowing(medium: Option<Medium>) -> Scene {
     let mut scene = shining(true, medium);
     scene.materials[1] = Material { name: "glows".to_owned(), ..Material::default() };
     let mut full = glow(&[1.0], &[], 0.0);

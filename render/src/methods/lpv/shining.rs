@@ -1,0 +1,118 @@
+//! Light that a scene sends by itself: what surfaces emit, and what they and a medium give back of what they kept.
+
+use super::passes::Filled;
+use super::room::Room;
+use crate::methods::phosphor::cells::Cells;
+use crate::raster::World;
+use crate::screen::{MethodStep, Step, Workgroups};
+use crate::surfels::cloud::SURFEL_GROUPS;
+use crate::surfels::{Cloud, Lit, light};
+use deepshade_shaders::gpu::{self, GpuError, Pass};
+use deepshade_shaders::wgsl;
+
+/// What of it there is.
+pub struct Shining {
+    /// Radiance that patches emit, if any do.
+    emissions: Option<wgpu::Buffer>,
+    /// What surfels give back, as they send light of lamps, if any do and it is light like others.
+    kept: Option<wgpu::Buffer>,
+    /// What a medium keeps, if it does.
+    cells: Option<Cells>,
+}
+
+impl Shining {
+    /// That of a frame whose surfels write as many bytes of what they `send`; a medium has cells of about such an edge.
+    ///
+    /// # Errors
+    /// If the device has no room.
+    pub fn new(
+        device: &wgpu::Device,
+        world: &World,
+        (filled, edge): (Filled, f32),
+        sends: u64,
+    ) -> Result<Self, GpuError> {
+        let [emits, gives_back, medium_gives_back] = filled.shines(world.scene());
+        let emissions = || gpu::storage(device, "lpv.emissions", &world.emissions());
+        let kept = || gpu::empty::<u8>(device, "lpv.kept", sends as usize);
+        let cells = || Cells::new(device, world, edge);
+        Ok(Self {
+            emissions: emits.then(emissions).transpose()?,
+            kept: gives_back.then(kept).transpose()?,
+            cells: medium_gives_back.then(cells).transpose()?.flatten(),
+        })
+    }
+
+    /// Whether there is any.
+    pub const fn is_any(&self) -> bool {
+        self.emissions.is_some() || self.kept.is_some() || self.cells.is_some()
+    }
+
+    /// The passes that move what is kept on by the time since the frame before.
+    ///
+    /// # Errors
+    /// If the device refuses them.
+    pub fn keeping_steps(
+        &self,
+        device: &wgpu::Device,
+        world: &World,
+        (cloud, view): (&Cloud, &wgpu::Buffer),
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let mut steps = Vec::new();
+        if let Some(kept) = &self.kept {
+            steps.extend(light::steps(device, world, Lit::Kept, cloud, [view, kept])?);
+        }
+        if let Some(cells) = &self.cells {
+            for pose in world.poses() {
+                steps.extend(cells.steps(device, pose, 0)?);
+            }
+        }
+        Ok(steps)
+    }
+
+    /// The passes that add it to a volume's sums.
+    ///
+    /// # Errors
+    /// If the device refuses them.
+    pub fn sending_steps(
+        &self,
+        device: &wgpu::Device,
+        world: &World,
+        (cloud, view): (&Cloud, &wgpu::Buffer),
+        room: &Room,
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let emits = wgsl::LPV_SHINE.source();
+        let gives_back = wgsl::LPV_SHINE_KEPT.specialised(&[light::kept_unit(world)]);
+        let starts = Some((7, &cloud.starts));
+        let emissions = self.emissions.as_ref().map(|it| (wgsl::LPV_SHINE.name, emits, it, starts));
+        let kept = self.kept.as_ref().map(|it| (wgsl::LPV_SHINE_KEPT.name, gives_back, it, None));
+        let mut steps = Vec::new();
+        for (name, source, radiances, starts) in [emissions, kept].into_iter().flatten() {
+            let pass = Pass::new(device, name, &source)?;
+            let read = [&room.record, view, &cloud.totals, &cloud.surfels, radiances];
+            let read: Vec<_> = (0..).zip(read).chain(starts).collect();
+            let groups = Workgroups::Counted(cloud.totals.clone(), SURFEL_GROUPS);
+            steps.push(MethodStep::bind_at(device, &pass, groups, &read, &[(5, &room.sums)])?);
+        }
+        if let Some(cells) = &self.cells {
+            steps.push(medium_step(device, world, cells, room)?);
+        }
+        Ok(steps)
+    }
+}
+
+/// The pass that adds what a medium gives back.
+fn medium_step(
+    device: &wgpu::Device,
+    world: &World,
+    cells: &Cells,
+    room: &Room,
+) -> Result<MethodStep, GpuError> {
+    let source = wgsl::LPV_SHINE_MEDIUM.specialised(&Cells::constants(world));
+    let pass = Pass::new(device, wgsl::LPV_SHINE_MEDIUM.name, &source)?;
+    let (paints, medium) = (&world.glow.paints, &world.medium.record);
+    let buffers = [&room.record, paints, &cells.record, medium, &cells.states, &room.sums];
+    let mut resources: Vec<_> = buffers.map(|buffer| buffer.as_entire_binding()).into();
+    resources.push(wgpu::BindingResource::TextureView(&world.medium.densities));
+    let step = Step { pass: pass.bind(device, &resources)?, workgroups: room.groups.clone() };
+    Ok(MethodStep { step, writes: vec![room.sums.clone()] })
+}

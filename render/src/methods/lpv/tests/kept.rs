@@ -1,0 +1,61 @@
+//! Light that a medium kept.
+
+use super::room::{fog, glowing, over_truth};
+use super::*;
+use crate::lpv::injection::sent_by_medium;
+use crate::methods::proving::view;
+use crate::scene::Bounds;
+use crate::scene::glow::tests::paint;
+use std::f32::consts::PI;
+
+/// A room without a lamp, in fog that is full of light, with a wall that is, too, or not.
+fn in_glowing_fog(has_wall: bool) -> Scene {
+    let scene = glowing(Some(fog()));
+    let mut full = (**scene.glow.as_ref().expect("a paint")).clone();
+    full.medium = Some(paint(&[0.7, 0.3]));
+    if !has_wall {
+        full.surfaces.clear();
+    }
+    Scene { glow: Some(full.into()), ..scene }
+}
+
+#[test]
+fn a_medium_sends_what_its_volume_has_alike_in_all_directions() {
+    let bounds = Bounds { min: Vec3::new(-1.0, 0.0, -1.0), max: Vec3::ONE };
+    let absorption = Vec3::new(0.1, 0.2, 0.3);
+    let medium = Medium::new(absorption, Vec3::splat(0.5), 0.3, Density::Within(bounds)).expect("a medium");
+    let grid = LightGrid::around(Bounds { min: Vec3::splat(-1.3), max: Vec3::splat(1.4) }, 11);
+    let light = sent_by_medium(&grid, &medium, |at| Vec3::splat(2.0 + at.x));
+    let sum = light.iter().fold([Vec4::ZERO; 3], |sum, of| [0, 1, 2].map(|c| sum[c] + of[c]));
+    for c in 0..3 {
+        // Of radiance 2 on average, and of four cubic metres.
+        let expected = 4.0 * PI * absorption[c] * 2.0 * 4.0;
+        assert!((sum[c] - expected * Vec4::W).abs().max_element() < 1e-4 * expected, "{sum:?}");
+    }
+}
+
+#[test]
+fn fog_that_gives_back_light_fills_a_room_about_as_truth_has_it() {
+    let parameters = Parameters { cells: 16, iterations: 64, ..FEW };
+    let scene = || in_glowing_fog(false);
+    let indirect = over_truth(&Indirect::from(parameters), Effect::FogIndirect, scene(), 1024);
+    let multiple = over_truth(&Multiple::from(parameters), Effect::FogMultiple, scene(), 1024);
+    assert!([indirect, multiple].iter().all(|ratio| (0.6..1.6).contains(ratio)), "{indirect} {multiple}");
+}
+
+#[test]
+fn fog_that_gives_back_light_is_as_the_plain_version_has_it() {
+    let gpu = gpu();
+    let camera = Camera::look_at(Vec3::new(-0.9, 0.4, 0.9), Vec3::new(0.3, -0.3, -0.5));
+    let view = View { camera, radius: 20.0, ..view(30, 40, 1.0) };
+    for (has_wall, cascades) in [(false, 1), (true, 1), (true, 2)] {
+        let scene = TracedScene::new(in_glowing_fog(has_wall)).expect("triangles");
+        let gbuffer = gbuffer::render(&scene, &camera, 30, 40, &[Attribute::Valid]);
+        let frame = with_colours((scene, view, gbuffer));
+        let parameters = Parameters { cascades, ..FEW };
+        let indirect = IndirectScattering::new(&gpu, parameters.into()).expect("valid shaders");
+        prove_twin(&indirect, &frame, OF_MEDIUM);
+        let multiple = MultipleScattering::new(&gpu, Multiple(parameters)).expect("valid shaders");
+        prove_twin(&multiple, &frame, OF_MEDIUM);
+    }
+}
