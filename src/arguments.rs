@@ -26,7 +26,7 @@ pub fn reach(text: &str) -> Result<f32, String> {
 
 /// Reads a name, which cannot be empty.
 pub fn name(text: &str) -> Result<String, String> {
-    if text.trim().is_empty() { Err("a name has a letter at least".to_owned()) } else { Ok(text.to_owned()) }
+    if text.trim().is_empty() { Err("is empty".to_owned()) } else { Ok(text.to_owned()) }
 }
 
 /// What reads a number of a range.

@@ -100,9 +100,8 @@ fn by_rods(colour: Vec3) -> f32 {
 /// A plane, blurred by a Gaussian of a standard deviation in pixels; edges go on beyond the image.
 fn blurred(plane: &Planes, deviation: f32) -> Planes {
     let (height, width) = (plane.height(), plane.width());
-    let reach = (3.0 * deviation).ceil() as i64;
-    let weight = |at: i64| if deviation > 0.0 { (-0.5 * (at as f32 / deviation).powi(2)).exp() } else { 1.0 };
-    let weights: Vec<f32> = (-reach..=reach).map(weight).collect();
+    let weights = weights(deviation, height.max(width));
+    let reach = (weights.len() / 2) as i64;
     let total: f32 = weights.iter().sum();
     let mean = |value: &dyn Fn(usize) -> f32, at: usize, count: usize| {
         let near = |offset: usize| (at as i64 + offset as i64 - reach).clamp(0, count as i64 - 1) as usize;
@@ -110,6 +109,14 @@ fn blurred(plane: &Planes, deviation: f32) -> Planes {
     };
     let across = Planes::from_fn(1, height, width, |_, y, x| mean(&|x| plane.at(0, y, x), x, width));
     Planes::from_fn(1, height, width, |_, y, x| mean(&|y| across.at(0, y, x), y, height))
+}
+
+/// Weights of a Gaussian, from as far on one side as on the other: to where nothing is left of it, or by `farthest` pixels at most,
+/// beyond which an image has nothing.
+fn weights(deviation: f32, farthest: usize) -> Vec<f32> {
+    let reach = ((3.0 * deviation).ceil() as i64).min(farthest as i64);
+    let weight = |at: i64| if deviation > 0.0 { (-0.5 * (at as f32 / deviation).powi(2)).exp() } else { 1.0 };
+    (-reach..=reach).map(weight).collect()
 }
 
 #[cfg(test)]
@@ -141,6 +148,17 @@ mod tests {
             let left = blurred(&grating, deviation).at(0, 0, 2000);
             assert!((left - 0.1).abs() < 0.02, "{degrees} degrees, {height} rows: {left}");
         }
+    }
+
+    /// However little a picture shows, weights are no more than it has pixels to either side.
+    #[test]
+    fn no_weight_is_beyond_the_image() {
+        assert_eq!(
+            [0.0, 1.5, 1e6, f32::INFINITY].map(|deviation| weights(deviation, 16).len()),
+            [1, 11, 33, 33]
+        );
+        let blurred = blurred(&Planes::from_fn(1, 12, 16, |_, _, x| f32::from(u8::from(x > 7))), 1e6);
+        assert!((blurred.at(0, 6, 7) - 0.5).abs() < 0.05, "{}", blurred.at(0, 6, 7));
     }
 
     #[test]

@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 
 /// Fits a material to measurements, or tests such fits on simulated ones.
 ///
-/// A fit that may not mean what it says is warned of, here and in the report: where more is left than noise (residual over noise
-/// above 3, or R^2 of the decay below 0.9 where noise is not stated), or photographs cannot tell a state. A decay that grows is refused.
+/// A fit that may not mean what it says is warned of, here and in the report: where far more is left than noise, or little of the decay
+/// is explained (R^2) where noise is not stated, or photographs cannot tell a state. A decay that grows is refused.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub struct Args {

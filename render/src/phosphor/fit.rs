@@ -31,6 +31,9 @@ use prediction::{Prediction, Unknowns};
 /// The most states that are fitted.
 pub const MAX_STATES: usize = 3;
 
+/// What varies by this share of its squares, or less, does not vary: the rest is rounding.
+const STEADY: f64 = 1e-20;
+
 /// A material that explains measurements.
 #[derive(Clone, Debug)]
 pub struct Fit {
@@ -42,7 +45,7 @@ pub struct Fit {
     pub values: Vec<Explained>,
     /// Bands, from 0 on, of which no photograph says how their light excites it. Its rates have 0 for them, or nothing.
     pub unmeasured: Vec<usize>,
-    /// Whether somebody stated the noise of all values. Else it is taken for a hundredth of the brightest.
+    /// Whether somebody stated the noise of all values. Else it is taken for something, and left over noise means nothing.
     pub noise_is_known: bool,
     /// Reasons to doubt it.
     pub warnings: Vec<Warning>,
@@ -148,10 +151,13 @@ impl Fit {
             let mean = values.iter().map(|value| value.measured).sum::<f64>() / values.len() as f64;
             let squares =
                 |off: &dyn Fn(&Explained) -> f64| values.iter().map(|value| off(value).powi(2)).sum::<f64>();
-            [squares(&|value| value.measured - value.fitted), squares(&|value| value.measured - mean)]
+            let left = squares(&|value| value.measured - value.fitted);
+            [left, squares(&|value| value.measured - mean), squares(&|value| value.measured)]
         };
-        let sums = (0..3).map(of_channel).fold([0.0, 0.0], |a: [f64; 2], b| [a[0] + b[0], a[1] + b[1]]);
-        if sums[1] > 0.0 { 1.0 - sums[0] / sums[1] } else { 0.0 }
+        let channels = [0, 1, 2].map(of_channel);
+        let [left, varying, all] =
+            [0, 1, 2].map(|sum: usize| channels.iter().map(|sums| sums[sum]).sum::<f64>());
+        if varying > STEADY * all { 1.0 - left / varying } else { 0.0 }
     }
 }
 

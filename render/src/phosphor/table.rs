@@ -115,7 +115,7 @@ impl Table {
         let mut table = Self { path: path.into(), names, rows: Vec::new(), files: Vec::new() };
         if let Some(name) = table.names.iter().find(|name| name.contains([';', '\t'])) {
             let fault = format!(
-                "begins with {name:?}: columns are separated by commas, not by semicolons or tabs, and decimals begin with a point"
+                "has {name:?} in its first line: columns are separated by commas, not by semicolons or tabs, and decimals by a point"
             );
             return Err(table.says(fault));
         }
@@ -288,8 +288,8 @@ mod tests {
         );
         assert!(fault("time_s,red\nnan,1\n").contains(":2: time_s"));
         assert!(fault("time_s,red\n").ends_with("has no row of numbers"));
-        assert!(fault("time_s;red\n0;0,5\n").contains(
-            "decay.csv begins with \"time_s;red\": columns are separated by commas, not by semicolons"
+        assert!(fault("time_s,red;green\n0,1;5\n").contains(
+            "decay.csv has \"red;green\" in its first line: columns are separated by commas, not by semicolons"
         ));
         assert!(fault("time_s\tred\n0\t1\n").contains("or tabs"));
         assert!(fault("red,time_s,red\n1,0,1\n").ends_with("has two columns red"));

@@ -3,7 +3,7 @@
 use super::{Bounds, Light, Scene};
 use std::fmt;
 
-/// Lights that are listed one by one.
+/// Materials and lights that are listed one by one.
 const LISTED: usize = 8;
 
 /// What a scene holds, in numbers; prints as one line a number.
@@ -72,11 +72,21 @@ impl fmt::Display for MaterialSummary {
             return write!(f, "{name}, not used");
         }
         let middle = bounds.centre();
+        let plural = if *triangles == 1 { "" } else { "s" };
         write!(
             f,
-            "{name}, {triangles} triangles around ({:.3}, {:.3}, {:.3}) m",
+            "{name}, {triangles} triangle{plural} around ({:.3}, {:.3}, {:.3}) m",
             middle.x, middle.y, middle.z
         )
+    }
+}
+
+/// The first of many, a line each, and how many more there are.
+fn list(f: &mut fmt::Formatter<'_>, all: &[impl fmt::Display]) -> fmt::Result {
+    all.iter().take(LISTED).try_for_each(|one| writeln!(f, "           {one}"))?;
+    match all.len().saturating_sub(LISTED) {
+        0 => Ok(()),
+        more => writeln!(f, "           and {more} more"),
     }
 }
 
@@ -87,17 +97,10 @@ impl fmt::Display for SceneSummary {
         writeln!(f, "triangles  {}", self.triangles)?;
         writeln!(f, "meshes     {}", self.meshes)?;
         writeln!(f, "materials  {}", self.materials.len())?;
-        for material in &self.materials {
-            writeln!(f, "           {material}")?;
-        }
+        list(f, &self.materials)?;
         writeln!(f, "textures   {}", self.textures)?;
         writeln!(f, "lights     {}", self.lights.len())?;
-        for light in self.lights.iter().take(LISTED) {
-            writeln!(f, "           {light}")?;
-        }
-        if let more @ 1.. = self.lights.len().saturating_sub(LISTED) {
-            writeln!(f, "           and {more} more")?;
-        }
+        list(f, &self.lights)?;
         match self.cameras.as_slice() {
             [] => writeln!(f, "cameras    0")?,
             names => writeln!(f, "cameras    {} ({})", names.len(), names.join(", "))?,
@@ -128,16 +131,17 @@ mod tests {
             meshes: vec![mesh].into(),
             cameras: cameras.to_vec(),
             lights: vec![lamp; LISTED + 2],
-            materials: vec![Material::matte("paint", Vec3::ONE); 2],
+            materials: vec![Material::matte("paint", Vec3::ONE); LISTED + 3],
             ..Scene::default()
         };
         let text = SceneSummary::of(&scene).to_string();
         for line in [
             "scene      corner",
             "triangles  1",
-            "materials  2",
-            "           paint#1, 1 triangles around (1.500, 2.000, 0.000) m",
-            "           paint#2, not used",
+            "materials  11",
+            "           paint#1, 1 triangle around (1.500, 2.000, 0.000) m",
+            "           paint#8, not used",
+            "           and 3 more",
             "lights     10",
             "           point at [0.000, 1.000, 0.000] m, [1.000, 1.000, 1.000] W/sr",
             "           and 2 more",
@@ -146,5 +150,6 @@ mod tests {
         ] {
             assert!(text.lines().any(|found| found == line), "{line} in\n{text}");
         }
+        assert!(!text.contains("paint#9"), "{text}");
     }
 }

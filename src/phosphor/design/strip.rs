@@ -17,6 +17,8 @@ use std::sync::Arc;
 /// Pictures of a strip, at most, and samples of a pixel.
 const PICTURES: usize = 8;
 const SAMPLES: u32 = 4;
+/// Places that a label names, at most.
+const LISTED: usize = 6;
 /// Height of a line of text and what is left free around one, pixels.
 const LINE: usize = 13;
 const GAP: usize = 3;
@@ -63,9 +65,13 @@ pub fn moments(found: &[Designed]) -> BTreeMap<usize, Vec<usize>> {
 }
 
 fn label(seconds: f32, places: &[usize]) -> String {
-    let numbers: Vec<String> = places.iter().map(usize::to_string).collect();
-    let places = if numbers.len() == 1 { "place" } else { "places" };
-    format!("{seconds} s: {places} {}", numbers.join(", "))
+    let seconds = (1000.0 * seconds).round() / 1000.0;
+    let numbers = places.iter().take(LISTED).map(usize::to_string).collect::<Vec<_>>().join(", ");
+    let noun = if places.len() == 1 { "place" } else { "places" };
+    match places.len().saturating_sub(LISTED) {
+        0 => format!("{seconds} s: {noun} {numbers}"),
+        more => format!("{seconds} s: {noun} {numbers} and {more} more"),
+    }
 }
 
 /// Pictures of one size, each above its label.
@@ -97,6 +103,13 @@ fn picture((stage, camera): (&Stage, &Camera), glow: &Path, moment: f32, size: [
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn labels_are_short() {
+        assert_eq!(label(1.0 / 3.0, &[1, 2, 3, 4, 5, 6]), "0.333 s: places 1, 2, 3, 4, 5, 6");
+        let many: Vec<usize> = (1..=57).collect();
+        assert_eq!(label(2.0, &many), "2 s: places 1, 2, 3, 4, 5, 6 and 51 more");
+    }
 
     #[test]
     fn each_picture_has_its_label_below_it() {

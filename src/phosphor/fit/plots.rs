@@ -4,6 +4,18 @@ use crate::plot::{CHANNELS, Line, Plot, Style};
 use deepshade_render::phosphor::fit::{Explained, Fit, Part};
 use deepshade_render::phosphor::spectrum::{Axis, Bands};
 
+/// Colours of eight bands of light, from violet to red, no two alike.
+const SPECTRUM: [[u8; 3]; 8] = [
+    [112, 48, 160],
+    [0, 70, 190],
+    [86, 180, 233],
+    [0, 158, 115],
+    [130, 190, 30],
+    [230, 159, 0],
+    [213, 94, 0],
+    [150, 20, 30],
+];
+
 /// The photographs of a part, each as its values in the channels.
 pub fn photographs(fit: &Fit, part: Part) -> impl Iterator<Item = &[Explained]> {
     fit.values.chunks_exact(CHANNELS.len()).filter(move |photograph| photograph[0].part == part)
@@ -27,20 +39,30 @@ pub fn explained(fit: &Fit) -> Plot {
 }
 
 /// What is left of a part of the measurements, over its noise; without lines where there is none of it. Of the decay and of
-/// photographs through filters each channel is shown, of excitation the sum of channels for each band.
+/// photographs through filters each channel is shown, of excitation for each band the channel of which most is left.
 pub fn residuals(fit: &Fit, part: Part) -> Plot {
-    let (x, lines) = match part {
-        Part::Decay => ("time in the dark, s", of_channels(fit, part, Style::Dots, |value| value.seconds)),
+    let each = "measured less fitted, standard errors";
+    let (x, y, lines) = match part {
+        Part::Decay => {
+            ("time in the dark, s", each, of_channels(fit, part, Style::Dots, |value| value.seconds))
+        }
         Part::Spectrum => {
             let number = |value: &Explained| (value.place + 1) as f64;
-            ("filter, counted as the columns of filters.csv", of_channels(fit, part, Style::Points, number))
+            (
+                "filter, counted as the columns of filters.csv",
+                each,
+                of_channels(fit, part, Style::Points, number),
+            )
         }
-        Part::Excitation => ("time of light, s", of_bands(fit)),
+        Part::Excitation => {
+            let farthest = "measured less fitted, standard errors, of the channel farthest off";
+            ("time of light, s", farthest, of_bands(fit))
+        }
     };
     Plot {
         x,
         is_logarithmic: false,
-        y: "measured less fitted, standard errors",
+        y,
         lines: lines.into_iter().filter(|line| !line.points.is_empty()).collect(),
         level: Some(("0", 0.0)),
     }
@@ -49,8 +71,8 @@ pub fn residuals(fit: &Fit, part: Part) -> Plot {
 /// A line a channel, against what a value has for `x`.
 fn of_channels(fit: &Fit, part: Part, style: Style, x: fn(&Explained) -> f64) -> Vec<Line> {
     let line = |(channel, (name, colour)): (usize, (&str, [u8; 3]))| {
-        let values = photographs(fit, part).map(|photograph| &photograph[channel..=channel]);
-        let points = values.map(|value| (x(&value[0]), left(value))).collect();
+        let values = photographs(fit, part).map(|photograph| &photograph[channel]);
+        let points = values.map(|value| (x(value), left(value))).collect();
         Line { style, ..Line::dotted(name, points).coloured(colour) }
     };
     CHANNELS.into_iter().enumerate().map(line).collect()
@@ -60,24 +82,31 @@ fn of_channels(fit: &Fit, part: Part, style: Style, x: fn(&Explained) -> f64) ->
 fn of_bands(fit: &Fit) -> Vec<Line> {
     let line = |band: usize| {
         let its = photographs(fit, Part::Excitation).filter(|photograph| photograph[0].place == band);
-        let mut points: Vec<_> = its.map(|photograph| (photograph[0].seconds, left(photograph))).collect();
+        let mut points: Vec<_> =
+            its.map(|photograph| (photograph[0].seconds, farthest(photograph))).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Line::dotted(light_of(fit.material.bands, band), points)
+        let (name, colour) = light_of(fit.material.bands, band);
+        Line::dotted(name, points).coloured(colour)
     };
     (0..fit.material.bands.count()).map(line).collect()
 }
 
-/// What is left of the sum of values, over its noise.
-fn left(values: &[Explained]) -> f64 {
-    let off: f64 = values.iter().map(|value| value.measured - value.fitted).sum();
-    off / values.iter().map(|value| value.noise * value.noise).sum::<f64>().sqrt()
+/// What is left of a value, over its noise.
+fn left(value: &Explained) -> f64 {
+    (value.measured - value.fitted) / value.noise
 }
 
-/// What light of a band is called.
-fn light_of(bands: Bands, band: usize) -> String {
+/// What is left, over its noise, of the value of which most is.
+fn farthest(values: &[Explained]) -> f64 {
+    let farther = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+    values.iter().map(left).fold(0.0, farther)
+}
+
+/// What light of a band is called, and its colour.
+fn light_of(bands: Bands, band: usize) -> (String, [u8; 3]) {
     match bands {
-        Bands::Rgb => CHANNELS[band].0.to_owned(),
-        Bands::Eight => format!("{:.0} nm", Axis::EIGHT.centres()[band]),
+        Bands::Rgb => (CHANNELS[band].0.to_owned(), CHANNELS[band].1),
+        Bands::Eight => (format!("{:.0} nm", Axis::EIGHT.centres()[band]), SPECTRUM[band]),
     }
 }
 
@@ -118,5 +147,30 @@ mod tests {
         fit.values.retain(|value| value.part == Part::Decay);
         assert!(residuals(&fit, Part::Excitation).lines.is_empty());
         assert_eq!(residuals(&fit, Part::Decay).lines.len(), 3);
+    }
+
+    #[test]
+    fn bands_have_the_colours_of_their_light() {
+        let mut fit = fit();
+        let lines = residuals(&fit, Part::Excitation).lines;
+        let colours: Vec<_> = lines.iter().map(|line| line.colour).collect();
+        assert_eq!(colours, SPECTRUM[..3].iter().copied().map(Some).collect::<Vec<_>>());
+        assert!((0..8).all(|band| !SPECTRUM[..band].contains(&SPECTRUM[band])), "no two alike");
+        fit.material.bands = Bands::Rgb;
+        let lines = residuals(&fit, Part::Excitation).lines;
+        let named: Vec<_> = lines.iter().map(|line| (line.name.as_str(), line.colour)).collect();
+        assert_eq!(named, CHANNELS.map(|(name, colour)| (name, Some(colour))));
+    }
+
+    /// One channel too bright and another too dark are two errors, not none.
+    #[test]
+    fn channels_do_not_make_up_for_each_other() {
+        let mut fit = fit();
+        for (index, value) in fit.values.iter_mut().enumerate() {
+            value.measured = value.fitted + [4.0, 0.0, -5.0][index % 3] * value.noise;
+        }
+        let plot = residuals(&fit, Part::Excitation);
+        let mut points = plot.lines.iter().flat_map(|line| &line.points);
+        assert!(points.all(|point| (point.1 + 5.0).abs() < 1e-6), "{:?}", plot.lines);
     }
 }

@@ -4,7 +4,7 @@ use deepshade_render::phosphor::fit::{Estimate, Fit, Parameter, listed_bands};
 use std::f64::consts::LN_2;
 
 /// How many digits of a number count.
-const DIGITS: i32 = 5;
+const DIGITS: usize = 5;
 
 /// State, parameter, value and interval of each parameter, below their names.
 pub fn table(fit: &Fit) -> Vec<Vec<String>> {
@@ -36,13 +36,13 @@ pub fn significant(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
-    let magnitude = value.abs().log10().floor();
-    if (-4.0..6.0).contains(&magnitude) {
-        let decimals = (DIGITS - 1 - magnitude as i32).max(0) as usize;
-        return format!("{value:.decimals$}");
+    let decimals = DIGITS - 1;
+    let rounded = format!("{value:.decimals$e}");
+    // Rounding may give a number a digit more.
+    match rounded.split_once('e').and_then(|(_, power)| power.parse::<i32>().ok()) {
+        Some(power @ -4..6) => format!("{value:.*}", (decimals as i32 - power).max(0) as usize),
+        _ => rounded,
     }
-    let decimals = DIGITS as usize - 1;
-    format!("{value:.decimals$e}")
 }
 
 fn row(state: usize, parameter: String, value: String, interval: String) -> Vec<String> {
@@ -82,6 +82,7 @@ mod tests {
             [0.0, 0.0123456, 1.0, 123.456, 123_456.7].map(significant),
             ["0", "0.012346", "1.0000", "123.46", "123457"]
         );
+        assert_eq!([9.99999, 99_999.9, 999_999.9].map(significant), ["10.000", "100000", "1.0000e6"]);
         assert_eq!(
             [1.23456e-7, 0.000_123_456, 9.87654e8, -2.5e-9].map(significant),
             ["1.2346e-7", "0.00012346", "9.8765e8", "-2.5000e-9"]

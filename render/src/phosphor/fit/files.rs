@@ -5,7 +5,8 @@
 //! `blue_noise`. `excitation.csv` has the same columns, `band` (from 1 on) and `light_s`, how long light of that band
 //! was on. In place of `iso` and `f_number` there may be `gain`, what a radiance of 1 gives a pixel. In place of the colours there may
 //! be a column `file`, of photographs ([`photographs`](super::photographs)). Other columns are refused by name.
-//! Noise that is not stated is taken for a hundredth of the brightest value, and then nobody can say how well a fit explains it.
+//! Noise that is not stated is taken for a hundredth of the brightest value, that of photographs in files for what their pixels scatter,
+//! which leaves out what all pixels share; then nobody can say how well a fit explains it.
 //! `spectrum.csv` has the same columns and `filter` (from 1 on), a column of `filters.csv`. `camera.csv` has
 //! the sensor and `light.csv` the lamp, as curves.
 
@@ -168,6 +169,8 @@ impl Source {
             self.noise_is_known &= NOISES.iter().all(|noise| table.names().iter().any(|name| name == noise));
             return Ok(of_colours(table, &delays, &seconds)?);
         };
+        // That of pixels weighs photographs; how exposures and light vary from one to the next is not in it.
+        self.noise_is_known = false;
         let (iso, f_number) = (table.positive_or("iso", 100.0)?, table.positive_or("f_number", 1.0)?);
         let shot = |(i, file): (usize, &String)| {
             let settings = [seconds[i], iso[i], f_number[i]];

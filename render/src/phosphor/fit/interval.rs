@@ -40,7 +40,11 @@ pub struct Estimate {
 /// Estimates of a material's parameters, states from the fastest to the slowest, from the solver's unknowns within
 /// their bounds and from those without.
 pub fn estimates(prediction: &Prediction, bounded: &[f64], free: &Minimum) -> Vec<Estimate> {
-    let freedom = (prediction.count() - free.values.len()).max(1) as f64;
+    let unmeasured =
+        (0..prediction.measurement.excited_bands()).filter(|band| !prediction.measurement.excites(*band));
+    // Nothing was fitted to what no measurement depends on.
+    let fitted = free.values.len() - prediction.states * unmeasured.count();
+    let freedom = (prediction.count() - fitted).max(1) as f64;
     let student = StudentsT::new(0.0, 1.0, freedom).expect("one degree of freedom at least");
     let reach = student.inverse_cdf(0.5 + 0.5 * CONFIDENCE) * (free.cost() / freedom).sqrt();
     // Times infinity it is infinite, however exact the fit is.

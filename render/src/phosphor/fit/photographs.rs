@@ -215,11 +215,14 @@ impl Photographs {
     }
 }
 
-/// Whether all values of 16 bits are such as 8 bits give, by either way of making them wider. What is black or full says nothing.
+/// Whether all values of 16 bits are such as 8 bits give, by either way of making them wider. What is black or full says nothing, nor
+/// does one value alone, which may be such by chance.
 fn is_widened(image: &DynamicImage) -> bool {
     let values = image.to_rgb16();
     let are_multiples = |step: u16| values.iter().all(|value| value % step == 0);
-    values.iter().any(|value| *value != 0 && *value != u16::MAX) && [256, 257].into_iter().any(are_multiples)
+    let mut telling = values.iter().filter(|value| !matches!(**value, 0 | u16::MAX));
+    let first = telling.next();
+    telling.any(|value| Some(value) != first) && [256, 257].into_iter().any(are_multiples)
 }
 
 fn same(a: [f64; 2], b: [f64; 2]) -> bool {

@@ -27,7 +27,8 @@ pub struct Unknowns {
     pub parts: Vec<f64>,
     /// The light at the start of the decay, one value a band.
     pub total: Vec<f64>,
-    /// Excitation rates, a list a state with one value a measured band, per second.
+    /// Excitation rates, a list a state with one value a band up to the last measured one, per second; 0 of those before it that
+    /// were not.
     pub excitation: Vec<Vec<f64>>,
 }
 

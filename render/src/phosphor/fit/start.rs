@@ -58,15 +58,10 @@ fn decays(shots: &[Shot], states: usize) -> Result<(Vec<f64>, Vec<f64>), FitErro
     if amounts.iter().sum::<f64>() > 0.0 { Ok((rates, amounts)) } else { Err(FitError::Dark) }
 }
 
-/// The slowest and the fastest rate that photographs can tell: hardly any decay by the last, and nearly all between two of them.
-pub fn told(shots: &[Shot]) -> [f64; 2] {
-    let last = shots.iter().map(|shot| shot.delay + shot.exposure.seconds).fold(0.0, f64::max);
-    [0.03 / last, 4.0 * shots.len() as f64 / last]
-}
-
-/// Rates that photographs can tell apart.
+/// Rates that photographs can tell apart: from hardly any decay by the last to nearly all between two of them.
 fn rates(shots: &[Shot]) -> Vec<f64> {
-    let [slowest, fastest] = told(shots);
+    let last = shots.iter().map(|shot| shot.delay + shot.exposure.seconds).fold(0.0, f64::max);
+    let (slowest, fastest) = (0.03 / last, 4.0 * shots.len() as f64 / last);
     (0..RATES).map(|i| fastest * (slowest / fastest).powf(i as f64 / (RATES - 1) as f64)).collect()
 }
 

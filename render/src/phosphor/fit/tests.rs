@@ -114,6 +114,41 @@ fn bands_without_light_are_left_out_by_name() {
     assert_eq!(listed_bands(&[7]), "band 8");
 }
 
+/// Bands before the one that was measured make nothing less certain.
+#[test]
+fn bands_without_light_widen_no_interval() {
+    let mut first = Laboratory::thesis().measure(&preset("blue"), 1).expect("a measurement");
+    first.excitation.retain(|charged| charged.band == 0);
+    let mut last = first.clone();
+    last.light[7] = first.light[0];
+    last.excitation.iter_mut().for_each(|charged| charged.band = 7);
+    let [first, last] = [first, last].map(|measurement| {
+        let [low, high] = Fit::new("blue", &measurement, 1).expect("a fit").estimates[0].interval;
+        (high / low).ln()
+    });
+    assert!((last / first - 1.0).abs() < 5e-3, "{last}, not {first}");
+}
+
+/// What scatters does not grow, whatever its noise is taken for; what grows by more than it scatters does.
+#[test]
+fn noise_that_is_taken_for_something_refuses_no_decay() {
+    let measurement = Laboratory::thesis().measure(&preset("blue"), 1).expect("a measurement");
+    let grows = |noise_is_known: bool, radiances: &[f64]| {
+        let mut measurement = Measurement { noise_is_known, ..measurement.clone() };
+        measurement.decay.truncate(radiances.len());
+        for (shot, radiance) in measurement.decay.iter_mut().zip(radiances) {
+            shot.value = [radiance * shot.exposure.gain; 3];
+            shot.noise = [0.01 * shot.exposure.gain; 3];
+        }
+        matches!(measurement.check(1), Err(FitError::Grows { .. }))
+    };
+    assert!(!grows(false, &[1.3, 0.8, 1.0, 1.0, 1.4, 1.2]), "flat");
+    assert!(!grows(false, &[0.2, -0.3, 0.0, 0.1, 0.4, -0.1]), "dark");
+    assert!(grows(false, &[1.0, 1.1, 1.5, 1.9, 2.4, 2.6]));
+    let few = [1.0, 1.1, 1.3, 1.4];
+    assert!(grows(true, &few) && !grows(false, &few), "one photograph a third");
+}
+
 /// Noise that nobody stated is known to be no noise.
 #[test]
 fn noise_is_known_where_all_tables_state_it() {

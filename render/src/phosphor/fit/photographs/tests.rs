@@ -56,6 +56,14 @@ fn what_settings_really_do_is_measured() {
     assert!((blind / DECAY - 1.0).abs() > 0.02, "as the dials say: {blind}");
 }
 
+/// What pixels scatter is no noise that somebody stated: more than that is always left of what cameras and lamps do.
+#[test]
+fn pixels_do_not_state_the_noise() {
+    let measurement = Measurement::read(folder(true).path()).expect("a measurement");
+    assert!(!measurement.noise_is_known);
+    assert_eq!(Fit::new("test", &measurement, 1).expect("a fit").warnings, []);
+}
+
 /// A PNG file of 8 bits that was saved as one of 16 is no more linear than it was.
 #[test]
 fn widened_bits_are_found_out() {
@@ -66,6 +74,7 @@ fn widened_bits_are_found_out() {
     assert!(!image(&|x| 16 * x as u16 + 16), "12 bits");
     assert!(!image(&|x| 257 * x as u16 + u16::from(x == 7)));
     assert!(!image(&|_| 0), "black");
+    assert!(!image(&|x| if x < 8 { 257 * 40 } else { 0 }), "of one value nobody can tell");
 }
 
 /// All photographs of a setting count, whatever their exposure times: noise is averaged, and a shutter that is off by 2 % one way
