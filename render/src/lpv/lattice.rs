@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 pub const CLASSES: usize = 3;
 
 /// How many neighbours there are of each kind.
-const COUNTS: [f32; CLASSES] = [6.0, 12.0, 8.0];
+pub const COUNTS: [f32; CLASSES] = [6.0, 12.0, 8.0];
 
 /// Share of all directions that one of each kind stands for.
 pub const SHARES: [f32; CLASSES] = [1.0 / 21.0, 4.0 / 105.0, 9.0 / 280.0];

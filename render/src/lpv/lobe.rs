@@ -5,7 +5,7 @@
 //! to which it is scaled; its flux they give exactly up to half of the energy, as long as the function is nowhere below
 //! 0, and to 4 % beyond.
 
-use super::lattice::{CLASSES, Neighbour, SHARES, neighbours};
+use super::lattice::{CLASSES, COUNTS, Neighbour, SHARES, neighbours};
 use super::moments::{MATTE_SECOND, Moments};
 use glam::{Vec3, Vec4, Vec4Swizzles};
 
@@ -35,12 +35,12 @@ pub enum Lobes {
 
 impl Lobes {
     /// What is kept of light of a flux and, last, an energy, which begins in a cell.
-    pub fn begins(self, light: Vec4) -> Moments {
+    pub(crate) fn begins(self, light: Vec4) -> Moments {
         self.of(self.moments_of(light))
     }
 
     /// The moments of light of a flux and, last, an energy.
-    pub fn moments_of(self, light: Vec4) -> Moments {
+    pub(crate) fn moments_of(self, light: Vec4) -> Moments {
         match self {
             Self::Squared | Self::TwoBands => light.into(),
             Self::ThreeBands => Moments::as_of_matte(light),
@@ -48,7 +48,7 @@ impl Lobes {
     }
 
     /// What is kept of light of such moments.
-    pub fn of(self, moments: Moments) -> Moments {
+    pub(crate) fn of(self, moments: Moments) -> Moments {
         match self {
             Self::Squared => lobe(moments.light).into(),
             Self::TwoBands | Self::ThreeBands => moments,
@@ -56,15 +56,18 @@ impl Lobes {
     }
 
     /// Flux and, last, energy of what is kept.
-    pub fn light(self, kept: &Moments) -> Vec4 {
+    pub(crate) fn light(self, kept: &Moments) -> Vec4 {
         match self {
             Self::Squared => moments(kept.light),
             Self::TwoBands | Self::ThreeBands => kept.light,
         }
     }
 
-    /// Energy towards all neighbours of each kind together.
-    pub fn by_class(self, kept: &Moments) -> [f32; CLASSES] {
+    /// Energy towards all neighbours of each kind together, in the sum over which bands but the first are nothing.
+    pub(crate) fn by_class(self, kept: &Moments) -> [f32; CLASSES] {
+        if self != Self::Squared {
+            return std::array::from_fn(|class| COUNTS[class] * SHARES[class] * kept.light.w);
+        }
         let mut sums = [0.0; CLASSES];
         if *kept != Moments::NONE {
             neighbours().for_each(|n| sums[n.class] += SHARES[n.class] * self.towards(kept, &n));
@@ -73,7 +76,7 @@ impl Lobes {
     }
 
     /// Energy towards a neighbour, over its share of all directions.
-    pub fn towards(self, kept: &Moments, neighbour: &Neighbour) -> f32 {
+    pub(crate) fn towards(self, kept: &Moments, neighbour: &Neighbour) -> f32 {
         let way = neighbour.direction;
         let [first, second] = self.means(neighbour.class);
         let two = || kept.light.w + 3.0 * first * kept.light.xyz().dot(way);
@@ -85,13 +88,13 @@ impl Lobes {
     }
 
     /// Light of an energy of 1 that has gone to a neighbour.
-    pub fn gone(self, neighbour: &Neighbour) -> Moments {
+    pub(crate) fn gone(self, neighbour: &Neighbour) -> Moments {
         let [first, second] = self.means(neighbour.class);
         Moments::about(neighbour.direction, first, second)
     }
 
     /// Light of an energy of 1 that a matte surface sends.
-    pub fn matte(self, normal: Vec3) -> Moments {
+    pub(crate) fn matte(self, normal: Vec3) -> Moments {
         let second = if self == Self::ThreeBands { MATTE_SECOND } else { 0.0 };
         Moments::about(normal, MATTE, second)
     }
@@ -233,6 +236,10 @@ mod tests {
             let kept = lobes.begins(light);
             let sent = |n: Neighbour| SHARES[n.class] * lobes.towards(&kept, &n);
             assert!((neighbours().map(sent).sum::<f32>() - 3.0).abs() < 1e-5);
+            for (class, energy) in lobes.by_class(&kept).into_iter().enumerate() {
+                let sum: f32 = neighbours().filter(|n| n.class == class).map(sent).sum();
+                assert!((sum - energy).abs() < 1e-5, "{lobes:?}, {class}: {sum} for {energy}");
+            }
             assert!(neighbours().map(sent).fold(0.0, f32::min) < -0.1 * SHARES[0]);
         }
         assert!(lobe(light).w >= 0.0);

@@ -13,7 +13,7 @@ pub mod grid;
 pub mod injection;
 pub mod lattice;
 pub mod lobe;
-pub mod moments;
+pub(crate) mod moments;
 pub mod propagation;
 pub mod scheme;
 pub mod studies;
@@ -23,6 +23,7 @@ mod tests;
 pub use blockers::Blockers;
 pub use flight::Flight;
 pub use grid::LightGrid;
-pub use moments::Moments;
 pub use propagation::{Light, Volume};
 pub use scheme::Scheme;
+
+pub(crate) use moments::Moments;

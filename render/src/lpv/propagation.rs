@@ -18,7 +18,7 @@ use rayon::prelude::*;
 pub type Light = [Vec4; 3];
 
 /// What a cell keeps of light of three colours.
-pub type Kept = [Moments; 3];
+pub(crate) type Kept = [Moments; 3];
 
 /// Most kinds of light.
 const MOST_KINDS: usize = 3;
@@ -209,7 +209,7 @@ impl Field {
     }
 
     /// Of lobes of each kind, `[kinds, cells]`, which are not empty.
-    pub fn of_lobes(scheme: Scheme, kinds: Kinds, lobes: Vec<Vec<Kept>>) -> Self {
+    pub(crate) fn of_lobes(scheme: Scheme, kinds: Kinds, lobes: Vec<Vec<Kept>>) -> Self {
         let cells = lobes[0].len();
         let shown = Shown::none(cells);
         Self { kinds, scheme, lobes, is_fresh: true, is_nested: false, steady: None, shown }

@@ -6,8 +6,7 @@ const THREE_BANDS = 2u;
 // Length of the mean direction at which a lobe ends at a right angle.
 const MOST_DIRECTED = 0.75;
 
-// Energy towards a neighbour of a kind, over its share of all directions; what a third band adds to it (lpv_second.wgsl) is
-// nothing in the sum over all neighbours of a kind.
+// Energy towards a neighbour of a kind, over its share of all directions; a third band adds to it (lpv_second.wgsl).
 fn towards(lobe: vec4f, direction: vec3f, kind: u32) -> f32 {
     if LOBES != SQUARED {
         return lobe.w + 3.0 * kept_direction(kind) * dot(lobe.xyz, direction);
@@ -29,8 +28,11 @@ fn kept_second(kind: u32) -> f32 {
     return (1.0 - SHARES[kind]) * (1.0 - 2.0 * SHARES[kind]);
 }
 
-// Energy towards all neighbours of each kind together.
+// Energy towards all neighbours of each kind together, in the sum over which bands but the first are nothing.
 fn by_kind(lobe: vec4f) -> vec3f {
+    if LOBES != SQUARED {
+        return COUNTS * SHARES * lobe.w;
+    }
     var sums = vec3f(0.0);
     for (var number = 0u; number < 27u; number++) {
         if number != LINKS {

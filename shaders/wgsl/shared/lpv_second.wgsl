@@ -1,5 +1,5 @@
 // Second moments of light, which three bands alone have (LOBES): render/src/lpv/moments.rs. In a state they come last, [kinds,
-// 5, cells], of red, green and blue in one.
+// 5, cells], of red, green and blue in one. Passes bind `state`.
 
 const SECONDS = 5u;
 // Mean cosine, and mean of Legendre's second polynomial, of light that a matte surface sends.
@@ -13,7 +13,17 @@ fn second_index(light: u32, number: u32, cell: u32) -> u32 {
     return again_index(cell) + (SCATTERED + SECONDS * light + number) * cell_count();
 }
 
-// The same with light of an energy, about a direction, of a mean of Legendre's second polynomial.
+// Keeps those of a kind of light in a cell.
+fn keep_second(light: u32, cell: u32, second: Second) {
+    if LOBES != THREE_BANDS {
+        return;
+    }
+    for (var i = 0u; i < SECONDS; i++) {
+        state[second_index(light, i, cell)] = vec4f(second[i], 0.0);
+    }
+}
+
+// Second moments with light of an energy, about a direction, of a mean of Legendre's second polynomial.
 fn with_light(second: Second, energy: vec3f, direction: vec3f, mean: f32) -> Second {
     let of_energy = mean * energy;
     let squares = direction * direction - 1.0 / 3.0;

@@ -151,10 +151,10 @@ impl Studies {
         let others = [
             ("energy lost", self.energy_loss),
             ("flux along axes over corners", axis[0] / corner[0]),
-            ("in two bands", two.flux[0] / two.flux[2]),
-            ("in three", three.flux[0] / three.flux[2]),
+            ("flux along axes over corners in two bands", two.flux[0] / two.flux[2]),
+            ("flux along axes over corners in three bands", three.flux[0] / three.flux[2]),
             ("less than nothing in two bands", two.negative),
-            ("in three", three.negative),
+            ("less than nothing in three bands", three.negative),
         ];
         let other = |(name, value): (&str, f64)| {
             vec![name.to_owned(), String::new(), String::new(), format!("{value:.2e}"), String::new()]

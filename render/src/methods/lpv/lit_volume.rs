@@ -1,7 +1,7 @@
 //! Volumes in plain Rust, filled with a scene's light, which has been handed on, and what it is at a point.
 
 use super::Parameters;
-use super::passes::{Filled, surfel_settings};
+use super::passes::{Filled, Shines, surfel_settings};
 use super::room::EMITTED;
 use crate::bvh::TracedScene;
 use crate::lpv::LightGrid;
@@ -50,7 +50,7 @@ struct Source<'a> {
     reach: f32,
 }
 
-/// A volume, and the same of light that surfaces send by themselves, if any do.
+/// A volume, and the same of light that the scene sends by itself, if it does.
 struct Level {
     light: LitVolume,
     emission: Option<LitVolume>,
@@ -222,7 +222,7 @@ fn add(light: &mut [Light], more: &[Light]) {
 
 /// Radiance that patches emit and, in a medium, give back of what they kept.
 fn shines(scene: &TracedScene, patches: &[Patch], filled: Filled) -> Option<Vec<Vec3>> {
-    let [emits, gives_back, _] = filled.shines(scene.scene());
+    let Shines { emits, gives_back, .. } = filled.shines(scene.scene());
     let emissions = emits.then(|| patches::emissions(scene.scene(), &draws_of(scene.scene())));
     let emitted = emissions.map(|all| all.into_iter().map(Emission::radiance).collect::<Vec<_>>());
     let given = gives_back.then(|| surfels::given_back(scene, patches));
@@ -234,7 +234,7 @@ fn shines(scene: &TracedScene, patches: &[Patch], filled: Filled) -> Option<Vec<
 
 /// The cells, of such an edge, of a medium that gives back light that it kept.
 fn cells(scene: &TracedScene, edge: f32, filled: Filled) -> Option<PlainCells<'_>> {
-    let [.., gives_back] = filled.shines(scene.scene());
+    let gives_back = filled.shines(scene.scene()).medium_gives_back;
     gives_back.then(|| PlainCells::new(scene, &Afterglow::new(scene), edge)).flatten()
 }
 

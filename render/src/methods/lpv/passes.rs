@@ -38,6 +38,17 @@ pub enum Filled {
     Medium(Shown),
 }
 
+/// What of a scene shines by itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shines {
+    /// Whether surfaces emit.
+    pub emits: bool,
+    /// Whether surfaces give back light that they kept.
+    pub gives_back: bool,
+    /// Whether the medium does.
+    pub medium_gives_back: bool,
+}
+
 /// What of the light in a medium is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
@@ -70,13 +81,16 @@ impl Filled {
         matches!(self, Self::Medium(_))
     }
 
-    /// Whether surfaces of a scene that emit, surfaces that give back what they kept, and a medium that does shine into it as
-    /// lamps do.
-    pub fn shines(self, scene: &Scene) -> [bool; 3] {
+    /// What of a scene shines into it by itself, as lamps do.
+    pub fn shines(self, scene: &Scene) -> Shines {
         match self {
-            Self::Clear => [scene.emits(), false, false],
-            Self::Kept => [false; 3],
-            Self::Medium(_) => [scene.emits(), scene.keeps_light(), scene.medium_keeps_light()],
+            Self::Clear => Shines { emits: scene.emits(), ..Shines::default() },
+            Self::Kept => Shines::default(),
+            Self::Medium(_) => Shines {
+                emits: scene.emits(),
+                gives_back: scene.keeps_light(),
+                medium_gives_back: scene.medium_keeps_light(),
+            },
         }
     }
 

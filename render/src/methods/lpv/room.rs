@@ -95,8 +95,8 @@ impl Room {
         })
     }
 
-    /// That of light which surfaces emit: blockers and medium are the same, and so is the room for light on its way, which
-    /// is there before what surfaces reflect.
+    /// That of light which a scene sends by itself: blockers and medium are the same, and so is the room for light on its
+    /// way, which is there before what surfaces reflect.
     ///
     /// # Errors
     /// If the device has no room.
@@ -174,7 +174,7 @@ impl Room {
         Ok(MethodStep { step, writes: vec![self.media.clone()] })
     }
 
-    /// What the medium scatters of the lamps' light, and of what surfaces emit.
+    /// What the medium scatters of the lamps' light, and of what the scene sends by itself.
     ///
     /// # Errors
     /// If the device refuses it.
@@ -256,7 +256,7 @@ impl Room {
     }
 }
 
-/// Light that surfaces emit, until something turns it.
+/// Light that a scene sends by itself, until something turns it.
 pub const EMITTED: Kinds = Kinds { unscattered: 1, scattered: false, is_steady: false };
 
 /// Planes of what cells keep of a kind of light: one of each colour and, of three bands, those of second moments.

@@ -1,6 +1,6 @@
 //! Light that a scene sends by itself: what surfaces emit, and what they and a medium give back of what they kept.
 
-use super::passes::Filled;
+use super::passes::{Filled, Shines};
 use super::room::Room;
 use crate::methods::phosphor::cells::Cells;
 use crate::raster::World;
@@ -31,7 +31,7 @@ impl Shining {
         (filled, edge): (Filled, f32),
         sends: u64,
     ) -> Result<Self, GpuError> {
-        let [emits, gives_back, medium_gives_back] = filled.shines(world.scene());
+        let Shines { emits, gives_back, medium_gives_back } = filled.shines(world.scene());
         let emissions = || gpu::storage(device, "lpv.emissions", &world.emissions());
         let kept = || gpu::empty::<u8>(device, "lpv.kept", sends as usize);
         let cells = || Cells::new(device, world, edge);

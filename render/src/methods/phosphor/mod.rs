@@ -20,7 +20,7 @@
 //! Limits. Lamps without an extent excite, as they are at a frame's end; light by detours does not. Texels are as many as
 //! the mesh's area asks for, where it is largest of some poses of an animation, and slivers have more.
 
-pub mod cells;
+pub(crate) mod cells;
 pub mod glassner;
 pub mod passes;
 pub mod reference;

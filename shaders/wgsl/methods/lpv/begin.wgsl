@@ -77,10 +77,5 @@ fn scatter(@builtin(global_invocation_id) id: vec3u) {
         }
     }
     state[again_index(id.x)] = vec4f(again * media[3u * id.x + 1u].rgb, 0.0);
-    if LOBES == THREE_BANDS {
-        var second = second_begun(sent);
-        for (var i = 0u; i < SECONDS; i++) {
-            state[second_index(UNSCATTERED, i, id.x)] = vec4f(second[i], 0.0);
-        }
-    }
+    keep_second(UNSCATTERED, id.x, second_begun(sent));
 }

@@ -93,12 +93,7 @@ fn enter(@builtin(global_invocation_id) id: vec3u) {
                 again[c] += colliding(made, own.rgb, c);
             }
         }
-        if LOBES == THREE_BANDS {
-            var second = second_begun(all);
-            for (var i = 0u; i < SECONDS; i++) {
-                state[second_index(light, i, id.x)] = vec4f(second[i], 0.0);
-            }
-        }
+        keep_second(light, id.x, second_begun(all));
     }
     if SCATTERED == 1u {
         state[again_index(id.x)] = vec4f(again * media[3u * id.x + 1u].rgb, 0.0);

@@ -54,13 +54,8 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
             shown[lobe_index(plane, c, id.x)] = on_the_way;
         }
     }
-    if LOBES == THREE_BANDS {
-        var second = second_begun(all);
-        for (var i = 0u; i < SECONDS; i++) {
-            state[second_index(0u, i, id.x)] = vec4f(second[i], 0.0);
-            for (var light = 1u; light < UNSCATTERED; light++) {
-                state[second_index(light, i, id.x)] = vec4f(0.0);
-            }
-        }
+    keep_second(0u, id.x, second_begun(all));
+    for (var light = 1u; light < UNSCATTERED; light++) {
+        keep_second(light, id.x, Second());
     }
 }

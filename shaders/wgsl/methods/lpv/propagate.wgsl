@@ -8,8 +8,8 @@
 // [cells, 3]: as media.wgsl writes it
 @group(0) @binding(3) var<storage, read> media: array<vec4f>;
 // [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]; then, of three bands, [kinds, 5, cells]: second moments
-@group(0) @binding(4) var<storage, read> state: array<vec4f>;
-@group(0) @binding(5) var<storage, read_write> next: array<vec4f>;
+@group(0) @binding(4) var<storage, read> before: array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> state: array<vec4f>;
 // [1 + SCATTERED + FIRST, 3, cells]: flux and energy times lengths of ways, watts times cells, as the medium and as
 // surfaces show it, and the first kind, which a finer grid is lit by
 @group(0) @binding(6) var<storage, read_write> shown: array<vec4f>;
@@ -36,31 +36,34 @@ fn passing(link: u32, cell: u32) -> f32 {
 
 fn lobes(light: u32, cell: u32) -> mat3x4f {
     return mat3x4f(
-        state[lobe_index(light, 0u, cell)],
-        state[lobe_index(light, 1u, cell)],
-        state[lobe_index(light, 2u, cell)],
+        before[lobe_index(light, 0u, cell)],
+        before[lobe_index(light, 1u, cell)],
+        before[lobe_index(light, 2u, cell)],
     );
 }
 
 fn second_of(light: u32, cell: u32) -> Second {
+    if LOBES != THREE_BANDS {
+        return Second();
+    }
     return Second(
-        state[second_index(light, 0u, cell)].rgb,
-        state[second_index(light, 1u, cell)].rgb,
-        state[second_index(light, 2u, cell)].rgb,
-        state[second_index(light, 3u, cell)].rgb,
-        state[second_index(light, 4u, cell)].rgb,
+        before[second_index(light, 0u, cell)].rgb,
+        before[second_index(light, 1u, cell)].rgb,
+        before[second_index(light, 2u, cell)].rgb,
+        before[second_index(light, 3u, cell)].rgb,
+        before[second_index(light, 4u, cell)].rgb,
     );
 }
 
-// What a cell sends of a kind of light, whose lobes are at hand.
-fn sent(own: mat3x4f, light: u32, cell: u32, direction: vec3f, kind: u32) -> vec3f {
+// What a cell sends of light of such lobes and second moments.
+fn sent(own: mat3x4f, second: Second, direction: vec3f, kind: u32) -> vec3f {
     let energy = vec3f(
         towards(own[0], direction, kind),
         towards(own[1], direction, kind),
         towards(own[2], direction, kind),
     );
     if LOBES == THREE_BANDS {
-        return energy + third_band(second_of(light, cell), direction, kind);
+        return energy + third_band(second, direction, kind);
     }
     return energy;
 }
@@ -88,24 +91,24 @@ fn is_first(light: u32) -> bool {
     return FIRST == 1u && light == 0u;
 }
 
-// Keeps what has arrived, as lobes are kept.
-fn keep_second(light: u32, at: vec3i, arrived: Second) {
+// What a cell has of what has arrived, as of lobes.
+fn second_after(light: u32, at: vec3i, arrived: Second) -> Second {
     let cell = cell_index(at);
     var all = arrived;
     if NESTED == 1u && is_border(at) {
         all = Second();
     }
-    var sent = Second();
     if STEADY == 1u {
-        sent = second_begun(mat3x4f(
+        let sent = second_begun(mat3x4f(
             source[lobe_index(light, 0u, cell)],
             source[lobe_index(light, 1u, cell)],
             source[lobe_index(light, 2u, cell)],
         ));
+        for (var i = 0u; i < SECONDS; i++) {
+            all[i] += sent[i];
+        }
     }
-    for (var i = 0u; i < SECONDS; i++) {
-        next[second_index(light, i, cell)] = vec4f(all[i] + sent[i], 0.0);
-    }
+    return all;
 }
 
 @compute @workgroup_size(64)
@@ -127,11 +130,13 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
     }
     let out = track_out(own.rgb, extinction) * on;
     var own_lobes: array<mat3x4f, KINDS>;
+    var own_second: array<Second, KINDS>;
     var arrived: array<Sums, KINDS>;
     var second: array<Second, KINDS>;
     var seen: array<Sums, 3>;
     for (var light = 0u; light < KINDS; light++) {
         own_lobes[light] = lobes(light, cell);
+        own_second[light] = second_of(light, cell);
         if is_shown_by_medium(light) || is_first(light) {
             for (var c = 0u; c < 3u; c++) {
                 let leaves = moments(own_lobes[light][c]) * out[c];
@@ -152,7 +157,7 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
     }
     var own_again = vec3f(0.0);
     if SCATTERED == 1u {
-        own_again = state[again_index(cell)].rgb;
+        own_again = before[again_index(cell)].rgb;
         if FACTORS == PLACED {
             seen[0].energy += own_again * out;
             seen[1].energy += own_again * out;
@@ -193,9 +198,9 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
         let way = half_track(enters[kind], extinction, kind);
         var collides = vec3f(0.0);
         for (var light = 0u; light < KINDS; light++) {
-            var energy = streams * sent(lobes(light, source), light, source, direction, kind);
+            var energy = streams * sent(lobes(light, source), second_of(light, source), direction, kind);
             if light == UNSCATTERED {
-                energy += share * leaving_again(within, kind) * state[again_index(source)].rgb;
+                energy += share * leaving_again(within, kind) * before[again_index(source)].rgb;
             }
             arrived[light] = added(arrived[light], energy * enters[kind], kept);
             if LOBES == THREE_BANDS {
@@ -221,7 +226,7 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
             collides = vec3f(0.0);
             var sets_out = vec3f(0.0);
             for (var light = 0u; light < KINDS; light++) {
-                var energy = leaves * sent(own_lobes[light], light, cell, -direction, kind);
+                var energy = leaves * sent(own_lobes[light], own_second[light], -direction, kind);
                 if light == UNSCATTERED {
                     energy += leaving_again(own.rgb, kind) * own_again;
                 }
@@ -257,9 +262,7 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
     }
     var again = vec3f(0.0);
     for (var light = 0u; light < KINDS; light++) {
-        if LOBES == THREE_BANDS {
-            keep_second(light, at, second[light]);
-        }
+        keep_second(light, cell, second_after(light, at, second[light]));
         for (var c = 0u; c < 3u; c++) {
             var all = vec4f(arrived[light].flux[c], arrived[light].energy[c]);
             if NESTED == 1u && is_border(at) {
@@ -270,14 +273,14 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
                 all += source[lobe_index(light, c, cell)];
             }
             let made = lobe(all.xyz, all.w);
-            next[lobe_index(light, c, cell)] = made;
+            state[lobe_index(light, c, cell)] = made;
             if SCATTERED == 1u {
                 again[c] += colliding(made, own.rgb, c);
             }
         }
     }
     if SCATTERED == 1u {
-        next[again_index(cell)] = vec4f(again * media[3u * cell + 1u].rgb, 0.0);
+        state[again_index(cell)] = vec4f(again * media[3u * cell + 1u].rgb, 0.0);
     }
     // Of steady light the last iteration shows all.
     if SHOWS == 1u {
