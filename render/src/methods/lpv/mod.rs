@@ -7,8 +7,8 @@
 //! What surfaces reflect, and what blocks light, is injected from surfels in place of reflective shadow maps: of all
 //! lamps alike and also where no lamp or camera looks. Single scattering is looked for at eight points of each cell, by
 //! the lamps' shadow maps. Sums over surfels are in fixed point, so that the same frame gives the same bits. Nothing is
-//! kept from frame to frame. Light is kept apart by what it met, so that each effect of fog shows its own paths: once
-//! reflected, reflected again, scattered.
+//! taken on from frame to frame but light that surfaces and a medium keep. Light is kept apart by what it met, so that
+//! each effect of fog shows its own paths: once reflected, reflected again, scattered.
 //!
 //! Why it: it costs cells times iterations, whatever the scene and the image, and it is the only method of
 //! `fog-multiple`. Why not: light that a cell cannot tell apart it mixes, so that shadows of indirect light are as
@@ -16,12 +16,12 @@
 //! 0.70 of the flux that goes there where all directions are alike goes along axes, 1.17 across edges and 1.41 across
 //! corners; in a medium scattering evens that out.
 //!
-//! Light that surfaces emit, and in a medium that which they and it kept and give back, goes through a volume of its own until surfels
-//! reflect it or the medium scatters it, which is then handed on as that of the lamps is; where nothing shines by itself there
-//! is no such volume. Around the camera there may be a finer
-//! grid ([`crate::lpv::cascade`]).
+//! Light that surfaces emit, and in a medium that which they and it kept and give back, goes through a volume of its own
+//! until surfels reflect it or the medium scatters it, which is then handed on as that of the lamps is; where nothing
+//! shines by itself there is no such volume. Around the camera there may be a finer grid ([`crate::lpv::cascade`]).
 //!
-//! Light that surfaces kept is that of `phosphor-gi`: surfels give it back as they reflect that of lamps for `gi`.
+//! Light that surfaces kept is all that `phosphor-gi` has: surfels give it back as they reflect that of lamps for `gi`. To
+//! `fog-indirect` and `fog-multiple` it comes beside other light, as does what the medium kept.
 //!
 //! Limits. Light of lamps and of surfaces that emit, not of an environment. In a medium,
 //! surfaces send back light that comes to them, in the mean colour of those around a cell and the way that it came. Light
@@ -30,7 +30,9 @@
 //! is wanted that met no medium (`fog-indirect`), all of it is there.
 //! A medium of many mean free paths in a cell reflects light of other cells as it should ([`crate::lpv::flight`]), but for a
 //! thousandth of it that an iteration may add; what lamps and surfaces send into it is still far
-//! too much of hundreds of mean free paths.
+//! too much of hundreds of mean free paths. Of what a dense medium gives back too little comes out: light of a whole cell begins
+//! in its middle. Out of half a space comes, of the true flux, 0.91 with a quarter of a mean free path in a cell, 0.88 with a
+//! half, 0.79 with one, 0.58 with two, 0.33 with four and 0.17 with eight.
 //!
 //! [`Scheme::PAPER`] is equation (3) as Billeter et al. have it, with linear extinction, two bands and surfaces lit by the
 //! cell that they are in, to be compared with. Three bands are there, too ([`crate::lpv::lobe::Lobes`]).

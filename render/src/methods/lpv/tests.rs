@@ -27,6 +27,7 @@ use deepshade_shaders::GBuffer;
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::wgsl::{self, Shader};
 use glam::{Vec3, Vec4};
+use room::{fog, from_a_corner, shining};
 
 const FEW: Parameters =
     Parameters { cells: 14, cascades: 1, iterations: 9, steps: 12, scale: 2, scheme: Scheme::OURS };
@@ -192,11 +193,13 @@ fn so_it_has_with_other_factors_in_three_bands_and_in_the_papers_scheme() {
 
 #[test]
 fn light_in_three_bands_is_as_the_plain_version_has_it() {
-    let (gpu, parameters) = (gpu(), Parameters { scheme: THREE_BANDS, ..FEW });
+    let (gpu, parameters) = (gpu(), Parameters { cascades: 2, scheme: THREE_BANDS, ..FEW });
     let lit = LightVolume::new(&gpu, parameters).expect("valid shaders");
     prove_twin(&lit, &with_colours(corner()), TOLERANCE);
     let multiple = MultipleScattering::new(&gpu, Multiple(parameters)).expect("valid shaders");
     prove_twin(&multiple, &with_colours(foggy().remove(1)), OF_MEDIUM);
+    let indirect = IndirectScattering::new(&gpu, parameters.into()).expect("valid shaders");
+    prove_twin(&indirect, &from_a_corner(shining(true, Some(fog()))), OF_MEDIUM);
 }
 
 #[test]

@@ -1,11 +1,11 @@
 //! Light that a medium kept.
 
-use super::room::{fog, glowing, over_truth};
+use super::room::{fog, from_a_corner, glowing, over_truth, shining};
 use super::*;
 use crate::lpv::injection::sent_by_medium;
-use crate::methods::proving::view;
-use crate::scene::Bounds;
-use crate::scene::glow::tests::paint;
+use crate::scene::glow::tests::{glow, paint};
+use crate::scene::medium::Weather;
+use crate::scene::{Bounds, Glow};
 use std::f32::consts::PI;
 
 /// A room without a lamp, in fog that is full of light, with a wall that is, too, or not.
@@ -17,6 +17,17 @@ fn in_glowing_fog(has_wall: bool) -> Scene {
         full.surfaces.clear();
     }
     Scene { glow: Some(full.into()), ..scene }
+}
+
+/// A room in smoke that glows more where a lamp was nearer, which has gone out.
+fn in_smoke_after_a_lamp() -> Scene {
+    let bounds = Bounds { min: Vec3::splat(-1.0), max: Vec3::ONE };
+    let density = Density::Grid(Weather::smoke(3, 1.5, 0.9).grid(bounds, 12, 0.0).expect("smoke"));
+    let (absorption, scattering) = (Vec3::new(0.5, 0.35, 0.2), Vec3::new(0.5, 0.6, 0.7));
+    let smoke = Medium::new(absorption, scattering, 0.0, density).expect("a medium");
+    let kept =
+        Glow { surfaces: Vec::new(), medium: Some(paint(&[0.7, 0.3])), ..glow(&[], &[[0.5, 2.0]], 2.0) };
+    Scene { glow: Some(kept.into()), ..shining(false, Some(smoke)) }
 }
 
 #[test]
@@ -46,13 +57,9 @@ fn fog_that_gives_back_light_fills_a_room_about_as_truth_has_it() {
 #[test]
 fn fog_that_gives_back_light_is_as_the_plain_version_has_it() {
     let gpu = gpu();
-    let camera = Camera::look_at(Vec3::new(-0.9, 0.4, 0.9), Vec3::new(0.3, -0.3, -0.5));
-    let view = View { camera, radius: 20.0, ..view(30, 40, 1.0) };
-    for (has_wall, cascades) in [(false, 1), (true, 1), (true, 2)] {
-        let scene = TracedScene::new(in_glowing_fog(has_wall)).expect("triangles");
-        let gbuffer = gbuffer::render(&scene, &camera, 30, 40, &[Attribute::Valid]);
-        let frame = with_colours((scene, view, gbuffer));
-        let parameters = Parameters { cascades, ..FEW };
+    for (scene, cascades) in [(in_smoke_after_a_lamp(), 1), (in_glowing_fog(true), 2)] {
+        let frame = from_a_corner(scene);
+        let parameters = Parameters { cells: 10, cascades, ..FEW };
         let indirect = IndirectScattering::new(&gpu, parameters.into()).expect("valid shaders");
         prove_twin(&indirect, &frame, OF_MEDIUM);
         let multiple = MultipleScattering::new(&gpu, Multiple(parameters)).expect("valid shaders");

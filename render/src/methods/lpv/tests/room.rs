@@ -18,6 +18,15 @@ pub fn shaded(technique: &impl Technique, scene: Scene, camera: Camera) -> Vec<f
     technique.reference(&inputs, &view).expect("attributes").remove(0)
 }
 
+/// A scene as it is seen from a corner of the room.
+pub fn from_a_corner(scene: Scene) -> Seen {
+    let scene = TracedScene::new(scene).expect("triangles");
+    let camera = Camera::look_at(Vec3::new(-0.9, 0.4, 0.9), Vec3::new(0.3, -0.3, -0.5));
+    let view = View { camera, radius: 20.0, ..view(30, 40, 1.0) };
+    let gbuffer = gbuffer::render(&scene, &camera, 30, 40, <Multiple as Technique>::ATTRIBUTES);
+    (scene, view, gbuffer)
+}
+
 pub fn mean(image: &[f32]) -> f32 {
     image.iter().sum::<f32>() / image.len() as f32
 }
@@ -78,7 +87,7 @@ fn little_light_goes_through_a_wall_thinner_than_a_cell() {
 }
 
 /// The room with a wall that shines in place of the lamp, or with the lamp, with fog or without.
-fn shining(is_wall: bool, medium: Option<Medium>) -> Scene {
+pub fn shining(is_wall: bool, medium: Option<Medium>) -> Scene {
     let mut scene = Scene { medium: medium.map(Into::into), ..room(false) };
     if is_wall {
         scene.lights.clear();
@@ -117,16 +126,9 @@ fn a_wall_that_shines_lights_a_corner_about_as_truth_has_it() {
 fn surfaces_that_shine_are_as_the_plain_version_has_it() {
     let gpu = gpu();
     let pixel = Pixel { medium: true, surface: false };
-    let frame = |scene: Scene| {
-        let scene = TracedScene::new(scene).expect("triangles");
-        let camera = Camera::look_at(Vec3::new(-0.9, 0.4, 0.9), Vec3::new(0.3, -0.3, -0.5));
-        let view = View { camera, radius: 20.0, ..view(30, 40, 1.0) };
-        let gbuffer = gbuffer::render(&scene, &camera, 30, 40, &[Attribute::Valid]);
-        with_colours((scene, view, gbuffer))
-    };
     let lit = LightVolume::new(&gpu, FEW).expect("valid shaders");
-    prove_twin(&lit, &frame(shining(true, None)), TOLERANCE);
-    let foggy = frame(shining(true, Some(fog())));
+    prove_twin(&lit, &from_a_corner(shining(true, None)), TOLERANCE);
+    let foggy = from_a_corner(shining(true, Some(fog())));
     prove_twin(
         &IndirectScattering::new(&gpu, Indirect(FEW, pixel)).expect("valid shaders"),
         &foggy,
@@ -134,7 +136,7 @@ fn surfaces_that_shine_are_as_the_plain_version_has_it() {
     );
     let multiple = MultipleScattering::new(&gpu, Multiple(FEW)).expect("valid shaders");
     prove_twin(&multiple, &foggy, OF_MEDIUM);
-    prove_twin(&multiple, &frame(glowing(Some(fog()))), OF_MEDIUM);
+    prove_twin(&multiple, &from_a_corner(glowing(Some(fog()))), OF_MEDIUM);
     let nested = Multiple(Parameters { cascades: 2, ..FEW });
     let nested = MultipleScattering::new(&gpu, nested).expect("valid shaders");
     prove_twin(&nested, &foggy, OF_MEDIUM);
@@ -260,11 +262,7 @@ fn lamps_that_are_switched_off_light_nothing() {
         assert!(off == dark && mean(&on) > mean(&off) + 1e-3, "{} {}", mean(&on), mean(&off));
     }
     let gpu = gpu();
-    let view = View { camera, radius: 20.0, ..view(30, 40, 1.0) };
-    for scene in [off, on] {
-        let scene = TracedScene::new(scene).expect("triangles");
-        let gbuffer = gbuffer::render(&scene, &camera, 30, 40, &[Attribute::Valid]);
-        let frame = with_colours((scene, view, gbuffer));
+    for frame in [off, on].map(from_a_corner) {
         let indirect = IndirectScattering::new(&gpu, FEW.into()).expect("valid shaders");
         prove_twin(&indirect, &frame, OF_MEDIUM);
         let multiple = MultipleScattering::new(&gpu, Multiple(FEW)).expect("valid shaders");
