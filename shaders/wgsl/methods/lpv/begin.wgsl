@@ -1,6 +1,7 @@
 // Light of the lamps that the medium in each cell scatters: single scattering, which goes on from there but is not
 // shown itself; of the lamps the mean of eight points of what of each cell lies in the medium; where the phase function
-// has a mean cosine, light goes on along it. So it is with light that surfaces emit, which a grid has brought there.
+// has a mean cosine, light goes on along it. So it is with light that the scene sends by itself, which a grid has
+// brought there.
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 // [cells, 4]: as links.wgsl writes it
