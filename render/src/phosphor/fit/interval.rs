@@ -40,10 +40,10 @@ pub struct Estimate {
 /// Estimates of a material's parameters, states from the fastest to the slowest, from the solver's unknowns within
 /// their bounds and from those without.
 pub fn estimates(prediction: &Prediction, bounded: &[f64], free: &Minimum) -> Vec<Estimate> {
-    let unmeasured =
-        (0..prediction.measurement.excited_bands()).filter(|band| !prediction.measurement.excites(*band));
+    let measured = prediction.measurement.measured_bands();
     // Nothing was fitted to what no measurement depends on.
-    let fitted = free.values.len() - prediction.states * unmeasured.count();
+    let unmeasured = prediction.measurement.excited_bands() - measured.len();
+    let fitted = free.values.len() - prediction.states * unmeasured;
     let freedom = (prediction.count() - fitted).max(1) as f64;
     let student = StudentsT::new(0.0, 1.0, freedom).expect("one degree of freedom at least");
     let reach = student.inverse_cdf(0.5 + 0.5 * CONFIDENCE) * (free.cost() / freedom).sqrt();
@@ -66,7 +66,7 @@ pub fn estimates(prediction: &Prediction, bounded: &[f64], free: &Minimum) -> Ve
         let rate = loose.decays[state];
         let interval = if factor < UNKNOWN { [rate / factor, rate * factor] } else { [0.0, f64::INFINITY] };
         add(Parameter::Decay, held.decays[state], interval);
-        for band in (0..layout.excited).filter(|band| prediction.measurement.excites(*band)) {
+        for &band in &measured {
             let slope = layout.unit(layout.excitation(state, band), 1.0);
             let interval = about(loose.excitation[state][band], slope);
             add(Parameter::Excitation(band), held.excitation[state][band], interval);

@@ -190,14 +190,18 @@ fn brightness(shots: &[Shot]) -> (f64, f64) {
 }
 
 impl Measurement {
-    /// Whether excitation was measured of a band.
-    pub(super) fn excites(&self, band: usize) -> bool {
-        self.excitation.iter().any(|charged| charged.band == band)
+    /// The bands that excitation was measured of, ascending.
+    pub(super) fn measured_bands(&self) -> Vec<usize> {
+        (0..self.excited_bands()).filter(|band| self.excites(*band)).collect()
     }
 
-    /// The bands that excitation was not measured of.
+    /// The bands that excitation was not measured of, ascending.
     pub(super) fn unmeasured_bands(&self) -> Vec<usize> {
         (0..self.bands.count()).filter(|band| !self.excites(*band)).collect()
+    }
+
+    fn excites(&self, band: usize) -> bool {
+        self.excitation.iter().any(|charged| charged.band == band)
     }
 
     /// Up to which band excitation was measured, not necessarily of all.
@@ -215,7 +219,7 @@ impl Measurement {
         if self.bands != Bands::Rgb {
             enough("spectrum", self.spectrum.len(), self.bands.count().div_ceil(3))?;
         }
-        for band in (0..self.excited_bands()).filter(|band| self.excites(*band)) {
+        for band in self.measured_bands() {
             let count = self.excitation.iter().filter(|charged| charged.band == band).count();
             enough("excitation by a band", count, states + 1)?;
         }

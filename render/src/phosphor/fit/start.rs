@@ -79,9 +79,7 @@ fn sets(values: &[f64], count: usize) -> Vec<Vec<f64>> {
 
 /// Gives all states the excitation rate, band by band, that explains the measurement best.
 fn charge(prediction: &Prediction, unknowns: &mut Unknowns) {
-    for band in
-        (0..prediction.measurement.excited_bands()).filter(|band| prediction.measurement.excites(*band))
-    {
+    for band in prediction.measurement.measured_bands() {
         let rate = |power: i32| LEAST_CHARGE * 2.0f64.powi(power) / prediction.measurement.light[band];
         let with = |rate: f64, unknowns: &Unknowns| {
             let mut changed = unknowns.clone();

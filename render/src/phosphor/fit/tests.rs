@@ -19,6 +19,29 @@ fn quiet() -> Laboratory {
     Laboratory { pixels: 1e14, ..Laboratory::thesis() }
 }
 
+/// What a camera alone measures of the decay.
+pub(super) fn in_rgb(spectral: &Measurement) -> Measurement {
+    let unit = |channel: usize| (0..3).map(|band| f64::from(u8::from(band == channel))).collect();
+    Measurement {
+        bands: Bands::Rgb,
+        sensor: [unit(0), unit(1), unit(2)],
+        filters: vec![],
+        light: vec![1.0; 3],
+        spectrum: vec![],
+        excitation: vec![],
+        ..spectral.clone()
+    }
+}
+
+/// A folder with the files of a measurement.
+fn written(laboratory: &Laboratory, measurement: &Measurement) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in laboratory.files(measurement) {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    }
+    folder
+}
+
 fn near(found: f64, expected: f64, relative: f64, what: &str) {
     assert!((found - expected).abs() <= relative * expected.abs() + 1e-5, "{what}: {found}, not {expected}");
 }
@@ -154,10 +177,7 @@ fn noise_that_is_taken_for_something_refuses_no_decay() {
 fn noise_is_known_where_all_tables_state_it() {
     let laboratory = Laboratory::thesis();
     let measurement = laboratory.measure(&preset("pink"), 7).expect("a measurement");
-    let folder = tempfile::tempdir().expect("a folder");
-    for (name, text) in laboratory.files(&measurement) {
-        std::fs::write(folder.path().join(name), text).expect("written");
-    }
+    let folder = written(&laboratory, &measurement);
     let is_known = || Measurement::read(folder.path()).expect("read").noise_is_known;
     assert!(is_known());
     let excitation = "band,light_s,time_s,red,green,blue,red_noise\n1,1,0.1,0.1,0.1,0.1,0.01\n";
@@ -198,16 +218,7 @@ fn three_states_explain_three() {
 #[test]
 fn photographs_without_filters_give_rgb() {
     let spectral = quiet().measure(&preset("blue"), 1).expect("a measurement");
-    let unit = |channel: usize| (0..3).map(|band| f64::from(u8::from(band == channel))).collect();
-    let measurement = Measurement {
-        bands: Bands::Rgb,
-        sensor: [unit(0), unit(1), unit(2)],
-        filters: vec![],
-        light: vec![1.0; 3],
-        spectrum: vec![],
-        excitation: vec![],
-        ..spectral.clone()
-    };
+    let measurement = in_rgb(&spectral);
     let state = &Fit::new("blue", &measurement, 1).expect("a fit").material.states[0];
     near(state.decay, 0.032, 1e-4, "decay");
     let preset = preset("blue");
@@ -241,10 +252,7 @@ fn spectra_are_recovered_as_finely_as_filters_allow() {
 fn measurements_written_and_read_are_the_same() {
     let laboratory = Laboratory::thesis();
     let measurement = laboratory.measure(&preset("pink"), 7).expect("a measurement");
-    let folder = tempfile::tempdir().expect("a folder");
-    for (name, text) in laboratory.files(&measurement) {
-        std::fs::write(folder.path().join(name), text).expect("written");
-    }
+    let folder = written(&laboratory, &measurement);
     assert_eq!(Measurement::read(folder.path()).expect("read"), measurement);
     let decay = folder.path().join("decay.csv");
     std::fs::write(&decay, "time_s,red,green,blue\n0,1,1,1\n5,1,,1\n").expect("written");
@@ -264,10 +272,7 @@ fn lamps_are_written_and_read() {
     for lamp in Light::ALL {
         let laboratory = Laboratory { lamp, ..quiet() };
         let measurement = laboratory.measure(&preset("blue"), 3).expect("a measurement");
-        let folder = tempfile::tempdir().expect("a folder");
-        for (name, text) in laboratory.files(&measurement) {
-            std::fs::write(folder.path().join(name), text).expect("written");
-        }
+        let folder = written(&laboratory, &measurement);
         assert_eq!(folder.path().join("light.csv").exists(), lamp != Light::Halogen);
         let read = Measurement::read(folder.path()).expect("read");
         let off = read.light.iter().zip(&measurement.light).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);

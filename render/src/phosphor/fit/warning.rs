@@ -84,8 +84,8 @@ fn told(shots: &[Shot]) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::super::super::material::file::MaterialFile;
-    use super::super::super::spectrum::Bands;
     use super::super::Laboratory;
+    use super::super::tests::in_rgb;
     use super::*;
 
     fn measured() -> Measurement {
@@ -93,19 +93,9 @@ mod tests {
         Laboratory::thesis().measure(presets.named("blue").expect("a preset"), 1).expect("a measurement")
     }
 
-    /// What a camera alone measures of the decay, without noise that anybody stated.
-    fn in_rgb() -> Measurement {
-        let unit = |channel: usize| (0..3).map(|band| f64::from(u8::from(band == channel))).collect();
-        Measurement {
-            bands: Bands::Rgb,
-            sensor: [unit(0), unit(1), unit(2)],
-            filters: vec![],
-            light: vec![1.0; 3],
-            spectrum: vec![],
-            excitation: vec![],
-            noise_is_known: false,
-            ..measured()
-        }
+    /// Colours without noise that anybody stated.
+    fn colours() -> Measurement {
+        Measurement { noise_is_known: false, ..in_rgb(&measured()) }
     }
 
     #[test]
@@ -113,7 +103,7 @@ mod tests {
         let fitted = |measurement: &Measurement| Fit::new("x", measurement, 1).expect("a fit").warnings;
         let mut measurement = measured();
         assert_eq!(fitted(&measurement), []);
-        assert_eq!(fitted(&in_rgb()), []);
+        assert_eq!(fitted(&colours()), []);
         let decay = measurement.decay.iter_mut();
         let filtered = measurement.spectrum.iter_mut().map(|filtered| &mut filtered.shot);
         let charged = measurement.excitation.iter_mut().map(|charged| &mut charged.shot);
@@ -126,7 +116,7 @@ mod tests {
     /// What goes up and down for ever is no decay, even where nobody knows the noise.
     #[test]
     fn a_curve_that_explains_nothing_is_found_out() {
-        let mut measurement = in_rgb();
+        let mut measurement = colours();
         for (index, shot) in measurement.decay.iter_mut().enumerate() {
             let radiance = if index % 2 == 0 { 1.0 } else { 0.8 };
             shot.value = [radiance * shot.exposure.gain; 3];
@@ -148,7 +138,7 @@ mod tests {
     /// Rounding is no change that anybody could explain.
     #[test]
     fn nothing_is_explained_of_a_steady_light() {
-        let mut fit = Fit::new("x", &in_rgb(), 1).expect("a fit");
+        let mut fit = Fit::new("x", &colours(), 1).expect("a fit");
         for (index, value) in fit.values.iter_mut().enumerate() {
             (value.measured, value.fitted) = (0.1 + 1e-15 * (index % 2) as f64, 0.09);
         }
