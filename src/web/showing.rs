@@ -23,6 +23,8 @@ use std::sync::Arc;
 
 /// Chooses random numbers of all that is shown.
 const SEED: u32 = 0;
+/// As the window begins: what is looked at shall move.
+const QUALITY: Quality = Quality::Medium;
 
 /// What is to be shown.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -92,7 +94,7 @@ impl Showing {
     pub fn new(gpu: &Gpu, wish: &Wish, model: Option<&Model>) -> Result<Self> {
         let staged = wish.stage()?;
         let screen: Vec<&String> = wish.methods.iter().filter(|name| *name != LEARNED).collect();
-        let open = |name: &&String| methods::open_screen(wish.effect, name, gpu, Quality::High);
+        let open = |name: &&String| methods::open_screen(wish.effect, name, gpu, QUALITY);
         let opened = screen.iter().map(open).collect::<Result<Vec<_>>>()?;
         let learned = wish.methods.iter().any(|name| name == LEARNED).then(|| -> Result<Learned> {
             let model = model.context("no model is given")?;

@@ -37,7 +37,8 @@ pub fn compile() -> Result<PathBuf> {
     build
         .env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS", FLAGS)
         .env("CARGO_PROFILE_RELEASE_DEBUG", "false")
-        .env("CARGO_PROFILE_RELEASE_STRIP", "true");
+        // What features the module has is written in a section that wasm-bindgen wants to see.
+        .env("CARGO_PROFILE_RELEASE_STRIP", "debuginfo");
     if !has_target()? {
         debian(&mut build)?;
     }
@@ -92,7 +93,7 @@ pub fn bindgen() -> Result<PathBuf> {
     let program = folder.join("bin").join(format!("wasm-bindgen{}", std::env::consts::EXE_SUFFIX));
     if !program.is_file() {
         let into = folder.display().to_string();
-        let words = ["install", "wasm-bindgen-cli", "--version", &version, "--root", &into];
+        let words = ["install", "wasm-bindgen-cli", "--locked", "--version", &version, "--root", &into];
         command::run(&mut cargo(&words))?;
     }
     Ok(program)
