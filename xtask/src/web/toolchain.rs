@@ -93,7 +93,7 @@ pub fn bindgen() -> Result<PathBuf> {
     let program = folder.join("bin").join(format!("wasm-bindgen{}", std::env::consts::EXE_SUFFIX));
     if !program.is_file() {
         let into = folder.display().to_string();
-        // Not with its lock file, which names a version of another package that was withdrawn.
+        // Not with its lock file: a package that it names may have been withdrawn since.
         let words = ["install", "wasm-bindgen-cli", "--version", &version, "--root", &into];
         command::run(&mut cargo(&words))?;
     }
