@@ -131,7 +131,7 @@ fn comparison(moment: &Moment) -> Result<Comparison> {
     };
     let viewpoint = views::Viewpoint::looking(camera.position, camera.position - camera.rotation.z_axis);
     let run = run.with_options(
-        &args.additions,
+        &args.additions.heard_by(show.effect),
         &views::Args::one(viewpoint, args.seed),
         samples::Args::new(Some(*samples), None),
         exposure_time::Args::new((time != 0.0).then_some(time), None),

@@ -50,7 +50,7 @@ impl Subject {
             size: [args.height, args.width],
             props: &args.props,
             viewpoint,
-            additions: &args.additions,
+            additions: &args.additions.heard_by(effect),
             seed: args.seed,
         };
         let staged = stage::Args::default().stage(&seen)?;
@@ -153,6 +153,22 @@ mod tests {
         let dim = point.brighter(0.5);
         assert!(fit(&[point, sun], &[dim, sun]));
         assert!(!fit(&[point], &[point, sun]) && !fit(&[sun], &[point]));
+    }
+
+    #[test]
+    fn what_one_effect_listens_to_does_not_keep_others_from_being_shown() {
+        let options = "--effect fog-direct --extinction 0.2 --aperture 0.01 --mean-free-path 0.01";
+        let args = args(&format!("--scene still-life:1 --height 16 --width 16 {options}"));
+        let source = "still-life:1".parse().expect("a scene");
+        for effect in [Effect::FogDirect, Effect::Ao, Effect::Sss, Effect::Dof] {
+            let subject = Subject::load(&args, &source, effect);
+            let subject = subject.unwrap_or_else(|error| panic!("{effect}: {error:#}"));
+            let scene = &subject.animated.scene;
+            assert_eq!(scene.medium.is_some(), effect == Effect::FogDirect, "{effect}");
+            let looks_through = matches!(effect, Effect::FogDirect | Effect::Dof);
+            let lens = subject.pilot.camera.lens.map(|lens| lens.radius);
+            assert_eq!(lens, looks_through.then_some(0.01), "{effect}");
+        }
     }
 
     /// A lamp that goes from (0, 2, 0) to (3, 2, 0) within a second, above a triangle that stays.
