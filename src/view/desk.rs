@@ -53,13 +53,13 @@ pub struct Desk {
     pub clerk: Option<mpsc::Sender<Errand>>,
     /// What came of all that.
     pub news: mpsc::Receiver<News>,
-    /// Threads that go home soon when they are told to.
+    /// Threads that go home soon when they are told to, or may not be left alone.
     threads: Vec<JoinHandle<()>>,
-    /// The one that makes frames, which may be at one for minutes.
-    slow: Option<JoinHandle<()>>,
+    /// Those that may be at something for minutes which nobody wants any more: a frame, the hierarchy of a large scene.
+    slow: Vec<JoinHandle<()>>,
 }
 
-/// For how long the window's end waits for a frame that nobody wants any more.
+/// For how long the window's end waits for what nobody wants any more.
 const PATIENCE: Duration = Duration::from_millis(500);
 
 /// Tells the window something and wakes it.
@@ -95,17 +95,17 @@ impl Desk {
             clerk: Some(clerk),
             news,
             threads: Vec::new(),
-            slow: None,
+            slow: Vec::new(),
         };
-        desk.slow = Some({
+        desk.slow.push({
             let (args, orders, teller) = (Arc::clone(args), Arc::clone(&desk.studio), teller.clone());
             spawn("studio", move || studio::run(&args, &orders, &|news| teller.tell(news)))?
         });
-        desk.threads.push({
+        desk.slow.push({
             let (orders, teller) = (Arc::clone(&desk.truth), teller.clone());
             spawn("truth", move || truth::run(&orders, &|news| teller.tell(news)))?
         });
-        desk.threads.push({
+        desk.slow.push({
             let (orders, teller) = (Arc::clone(&desk.judge), teller.clone());
             spawn("judge", move || judge::run(&orders, &|news| teller.tell(news)))?
         });
@@ -124,7 +124,7 @@ fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> Result<JoinHandle<
 }
 
 impl Drop for Desk {
-    /// Errands are run to their end, so that no file is missing. A frame that takes longer ends with the program.
+    /// Errands are run to their end, so that no file is missing. What is slow and takes longer ends with the program.
     fn drop(&mut self) {
         self.studio.close();
         self.truth.close();
@@ -136,13 +136,45 @@ impl Drop for Desk {
             // A thread that panicked has told its own story.
             let _ = thread.join();
         }
-        let Some(slow) = self.slow.take() else { return };
-        let closed = Instant::now();
-        while !slow.is_finished() && closed.elapsed() < PATIENCE {
-            thread::sleep(Duration::from_millis(5));
+        leave(std::mem::take(&mut self.slow), PATIENCE);
+    }
+}
+
+/// Waits for threads, but for no longer than a time.
+fn leave(mut threads: Vec<JoinHandle<()>>, patience: Duration) {
+    let closed = Instant::now();
+    while !threads.is_empty() && closed.elapsed() < patience {
+        for thread in threads.extract_if(.., |thread| thread.is_finished()) {
+            let _ = thread.join();
         }
-        if slow.is_finished() {
-            let _ = slow.join();
-        }
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    #[test]
+    fn who_is_slow_is_left_and_who_is_not_is_waited_for() {
+        let done = Arc::new(AtomicBool::new(false));
+        let (never, wakes) = mpsc::channel::<()>();
+        let slow = thread::spawn(move || {
+            let _ = wakes.recv();
+        });
+        let quick = thread::spawn({
+            let done = Arc::clone(&done);
+            move || {
+                thread::sleep(Duration::from_millis(50));
+                done.store(true, Ordering::Relaxed);
+            }
+        });
+        let began = Instant::now();
+        leave(vec![slow, quick], Duration::from_secs(1));
+        assert!(done.load(Ordering::Relaxed) && began.elapsed() < Duration::from_secs(60));
+        drop(never);
+        leave(vec![thread::spawn(|| {})], Duration::from_secs(600));
+        assert!(began.elapsed() < Duration::from_secs(60), "nobody is left to be waited for");
     }
 }

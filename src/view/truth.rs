@@ -97,9 +97,9 @@ struct Kept {
     seed: u32,
 }
 
-/// Views of which truth is kept.
+/// Views of which truth is kept, where there is room.
 const KEPT: usize = 32;
-/// Bytes of all that truth goes on from.
+/// Bytes of all that is kept: images, and what they go on from.
 const ROOM: usize = 256 << 20;
 /// The most samples of each scrambling in a pass: what is under way is lost when hands move.
 const PASS: u32 = 16;
@@ -126,15 +126,18 @@ pub fn run(orders: &Mailbox<Order>, tell: &(dyn Fn(News) + Sync)) {
             Err(error) => tell(News::Refused(format!("truth: {error:#}"))),
         }
         known.extend(kept);
-        make_room(&mut known);
+        make_room(&mut known, ROOM);
     }
 }
 
-/// Forgets the oldest truth where there is more than is kept, and what the oldest goes on from where that takes too much.
-fn make_room(known: &mut Vec<Kept>) {
-    let surplus = known.len().saturating_sub(KEPT);
-    known.drain(..surplus);
-    let mut room = ROOM;
+/// Forgets the oldest truth where there is more than is kept or fits into so many bytes, and before that what the oldest goes on from.
+/// The newest image stays, since it is being looked at.
+fn make_room(known: &mut Vec<Kept>, room: usize) {
+    let images = |known: &[Kept]| known.iter().map(|kept| kept.truth.image.size()).sum::<usize>();
+    while known.len() > KEPT || (known.len() > 1 && images(known) > room) {
+        known.remove(0);
+    }
+    let mut room = room.saturating_sub(images(known));
     for kept in known.iter_mut().rev() {
         let size = kept.taken.as_ref().map_or(0, Taken::size);
         match room.checked_sub(size) {
