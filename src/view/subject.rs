@@ -161,8 +161,7 @@ mod tests {
         let args = args(&format!("--scene still-life:1 --height 16 --width 16 {options}"));
         let source = "still-life:1".parse().expect("a scene");
         for effect in [Effect::FogDirect, Effect::Ao, Effect::Sss, Effect::Dof] {
-            let subject = Subject::load(&args, &source, effect);
-            let subject = subject.unwrap_or_else(|error| panic!("{effect}: {error:#}"));
+            let subject = Subject::load(&args, &source, effect).expect(effect.name());
             let scene = &subject.animated.scene;
             assert_eq!(scene.medium.is_some(), effect == Effect::FogDirect, "{effect}");
             let looks_through = matches!(effect, Effect::FogDirect | Effect::Dof);

@@ -78,7 +78,8 @@ fn what_is_kept_fits_into_its_room_and_the_newest_stays() {
     // A value and a colour, four bytes each.
     assert_eq!(image.size(), 12 * 16 * 8);
     let kept = |seed: u32| {
-        let truth = Truth { sight: sight.clone(), image: image.clone(), samples: 8, noise: 0.1, seconds: 1.0 };
+        let truth =
+            Truth { sight: sight.clone(), image: image.clone(), samples: 8, noise: 0.1, seconds: 1.0 };
         Kept { truth, taken: Some(refinement.taken()), seed }
     };
     let (own, taken) = (image.size(), refinement.taken().size());
