@@ -21,6 +21,7 @@ mod parameters;
 mod pictures;
 mod saved;
 mod script;
+mod stamp;
 mod state;
 mod studio;
 mod subject;

@@ -31,6 +31,8 @@ use std::sync::Arc;
 pub struct Show {
     /// The scene.
     pub source: SceneSource,
+    /// How often hands have opened a scene: its files are read anew each time.
+    pub scenes_opened: u32,
     /// What is computed.
     pub effect: Effect,
     /// By which methods, in the order in which they are shown.
@@ -49,6 +51,8 @@ pub struct Show {
     pub inspected: Option<Attribute>,
     /// Folder of the trained network; by default the usual one of the effect.
     pub model: Option<PathBuf>,
+    /// How often hands have opened a network, as of scenes.
+    pub models_opened: u32,
     /// Its weights, where a training run makes new ones; by default those in the folder.
     pub trained: Option<Trained>,
 }
@@ -134,7 +138,8 @@ pub fn run(args: &Args, orders: &Mailbox<Order>, tell: &dyn Fn(News)) {
 #[derive(Default)]
 struct Studio {
     gpu: Option<Gpu>,
-    subject: Option<Arc<Subject>>,
+    /// The scene, and how often one had been opened when it was read.
+    subject: Option<(u32, Arc<Subject>)>,
     set: Option<Set>,
     passes: Vec<Pass>,
 }
@@ -182,18 +187,18 @@ impl Studio {
         Ok(Picture { subject, camera, lights, radius, exposure, images, inspected, passes, order })
     }
 
-    /// The scene, read anew where another one is wanted or another effect of it.
+    /// The scene, read anew where another one is wanted, another effect of it, or the same as its files are now.
     fn subject(&mut self, args: &Args, show: &Show, tell: &dyn Fn(News)) -> Result<Arc<Subject>> {
-        if let Some(subject) = &self.subject
-            && subject.source == show.source
-            && subject.effect == show.effect
+        if let Some((opened, subject)) = &self.subject
+            && (&subject.source, subject.effect, *opened) == (&show.source, show.effect, show.scenes_opened)
         {
             return Ok(Arc::clone(subject));
         }
         self.set = None;
         let subject = Arc::new(Subject::load(args, &show.source, show.effect)?);
         tell(News::Subject(Arc::clone(&subject)));
-        Ok(Arc::clone(self.subject.insert(subject)))
+        self.subject = Some((show.scenes_opened, Arc::clone(&subject)));
+        Ok(subject)
     }
 
     fn gpu(&mut self) -> Result<Gpu> {

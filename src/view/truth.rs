@@ -23,6 +23,8 @@ pub struct Sight {
     pub source: SceneSource,
     /// What is computed of it.
     pub effect: Effect,
+    /// What tells the scene from what its files made at another time.
+    pub contents: String,
     /// The scene, as long as the window shows it: truth that is kept keeps no scenes.
     pub subject: Weak<Subject>,
     /// From where it is seen.
@@ -38,9 +40,9 @@ pub struct Sight {
 }
 
 impl PartialEq for Sight {
-    /// A scene that was read again is the same one.
+    /// A scene that was read again is the same one where its files are.
     fn eq(&self, other: &Self) -> bool {
-        (&self.source, self.effect) == (&other.source, other.effect)
+        (&self.source, self.effect, &self.contents) == (&other.source, other.effect, &other.contents)
             && (self.camera, self.time, &self.lights, self.radius, self.size)
                 == (other.camera, other.time, &other.lights, other.radius, other.size)
     }

@@ -209,12 +209,12 @@ impl Window {
 impl eframe::App for Window {
     fn logic(&mut self, context: &Context, _: &mut eframe::Frame) {
         self.hear(context);
+        #[cfg(feature = "train")]
+        self.follow();
         self.follow_script(context);
         self.fade(context);
         self.play(context);
         self.go_on_recording();
-        #[cfg(feature = "train")]
-        self.follow();
         self.order_picture();
         self.order_truth();
         self.order_verdict();

@@ -10,6 +10,7 @@ fn sight(subject: &Arc<Subject>) -> Sight {
     Sight {
         source: subject.source.clone(),
         effect: subject.effect,
+        contents: subject.contents.clone(),
         subject: Arc::downgrade(subject),
         camera: subject.pilot.camera,
         time: 0.0,

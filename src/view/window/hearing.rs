@@ -22,7 +22,7 @@ impl Window {
                 }
                 News::Judged(verdict) => self.take_verdict(context, verdict),
                 #[cfg(feature = "train")]
-                News::Training(training) => self.learn(training),
+                News::Training(training) => self.training = Some(training),
                 News::Errand(done) => self.take_errand(context, done),
                 News::NoPicture(what) => self.give_up(what),
                 News::Refused(what) => self.refuse(what),

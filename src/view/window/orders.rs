@@ -31,7 +31,8 @@ impl Window {
     /// Whether what is wanted now looks upon something else than an order: truth does not hear of methods and brightness.
     fn looks_elsewhere(&self, other: &Order) -> bool {
         let order = self.order(other.number);
-        let place = |show: &Show| (show.source.clone(), show.effect, show.radius, show.size);
+        let place =
+            |show: &Show| (show.source.clone(), show.scenes_opened, show.effect, show.radius, show.size);
         (place(&order.show), order.camera, order.time, &order.lights)
             != (place(&other.show), other.camera, other.time, &other.lights)
     }
@@ -54,6 +55,7 @@ impl Window {
         Some(Sight {
             source: picture.subject.source.clone(),
             effect: picture.subject.effect,
+            contents: picture.subject.contents.clone(),
             subject: Arc::downgrade(&picture.subject),
             camera: picture.camera,
             time: picture.order.time,

@@ -15,22 +15,18 @@ impl Window {
         self.training_of_model()?.checkpoint.as_ref().map(|(progress, _)| progress.step)
     }
 
-    /// Has the folder of the network followed, which may be a run's.
+    /// Has the folder of the network followed, which may be a run's, and shows what its newest weights make; but for a film, which
+    /// shows one thing.
     pub(super) fn follow(&mut self) {
+        let newest = self.training_of_model().and_then(|training| training.checkpoint.as_ref());
+        if let Some((_, trained)) = newest.filter(|_| self.recording.is_none()) {
+            self.state.take_weights(trained.clone());
+        }
         let model = &self.state.show.model;
         if self.followed == *model {
             return;
         }
         self.desk.follower.put(model.clone());
         self.followed.clone_from(model);
-    }
-
-    /// Takes what a run has come to.
-    pub(super) fn learn(&mut self, training: Training) {
-        self.training = Some(training);
-        let checkpoint = self.training_of_model().and_then(|training| training.checkpoint.as_ref());
-        if let Some((_, trained)) = checkpoint {
-            self.state.show.trained = Some(trained.clone());
-        }
     }
 }
