@@ -3,7 +3,9 @@
 use super::Args;
 use super::clerk::{self, Done, Errand};
 use super::judge::{self, Verdict};
+use super::layers::{self, Choice};
 use super::mailbox::Mailbox;
+use super::pictures::Developed;
 use super::studio::{self, Picture};
 use super::subject::Subject;
 #[cfg(feature = "train")]
@@ -27,6 +29,8 @@ pub enum News {
     Truth(Truth),
     /// Images were judged.
     Judged(Verdict),
+    /// Layers of an EXR file were developed as they were chosen, or why they could not be.
+    Layers(Choice, Result<Vec<Developed>, String>),
     /// A training run has come on.
     #[cfg(feature = "train")]
     Training(Training),
@@ -46,6 +50,8 @@ pub struct Desk {
     pub truth: Arc<Mailbox<truth::Order>>,
     /// Images to be judged.
     pub judge: Arc<Mailbox<judge::Case>>,
+    /// Layers of an EXR file to be developed.
+    pub darkroom: Arc<Mailbox<Choice>>,
     /// The folder of the training run that is followed, if any.
     #[cfg(feature = "train")]
     pub follower: Arc<Mailbox<Option<PathBuf>>>,
@@ -90,6 +96,7 @@ impl Desk {
             studio: Arc::default(),
             truth: Arc::default(),
             judge: Arc::default(),
+            darkroom: Arc::default(),
             #[cfg(feature = "train")]
             follower: Arc::default(),
             clerk: Some(clerk),
@@ -108,6 +115,10 @@ impl Desk {
         desk.slow.push({
             let (orders, teller) = (Arc::clone(&desk.judge), teller.clone());
             spawn("judge", move || judge::run(&orders, &|news| teller.tell(news)))?
+        });
+        desk.slow.push({
+            let (orders, teller) = (Arc::clone(&desk.darkroom), teller.clone());
+            spawn("darkroom", move || layers::run(&orders, &|news| teller.tell(news)))?
         });
         #[cfg(feature = "train")]
         desk.threads.push({
@@ -129,6 +140,7 @@ impl Drop for Desk {
         self.studio.close();
         self.truth.close();
         self.judge.close();
+        self.darkroom.close();
         #[cfg(feature = "train")]
         self.follower.close();
         self.clerk = None;

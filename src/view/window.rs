@@ -67,8 +67,10 @@ pub struct Window {
     pub layers: Vec<String>,
     /// Pictures of these.
     pub developed: Vec<Developed>,
-    /// The choice of layers that was developed last.
+    /// The choice of layers that was ordered last.
     pub developing: Option<Choice>,
+    /// Whether it is still to come.
+    pub develops: bool,
     /// The film that is being recorded.
     pub recording: Option<Recording>,
     /// Errands that are not run yet.
@@ -124,6 +126,7 @@ impl Window {
             layers: Vec::new(),
             developed: Vec::new(),
             developing: None,
+            develops: false,
             recording: None,
             errands: 0,
             desk,
