@@ -26,6 +26,8 @@ mod state;
 mod studio;
 mod subject;
 #[cfg(feature = "train")]
+mod trainer;
+#[cfg(feature = "train")]
 mod training;
 mod truth;
 mod window;

@@ -204,6 +204,61 @@ fn a_training_run_is_followed_from_before_its_first_checkpoint_on() {
     assert!(again.status.success(), "{}", String::from_utf8_lossy(&again.stderr));
 }
 
+#[cfg(feature = "train")]
+#[test]
+fn a_run_that_begins_after_the_window_is_followed_and_found_again_by_its_effect() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    // Nobody names `learned`: it comes with the first weights, and again with the effect.
+    let script = "truth off\nwait picture\nsave before\nwait checkpoint 10\nsave first\n\
+        effect aa\nwait picture\neffect ao\nwait checkpoint 10\nsave second\nquit\n";
+    let screen = Screen::new();
+    let mut command = screen.command(folder.path(), "--model run", script);
+    let window = command.stderr(Stdio::piped()).spawn().expect("starts");
+    wait_for(&path("before/compare.toml"));
+    let run = Run::begin(path("run"));
+    run.come_to(10);
+    let output = window.wait_with_output().expect("ends");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !said.contains("panicked"), "{said}");
+    assert!(!path("before/learned.exr").exists());
+    for name in ["first", "second"] {
+        assert!(path(name).join("learned.exr").is_file(), "{name}");
+        let text = std::fs::read_to_string(path(name).join("compare.toml")).expect("written");
+        assert!(text.contains("model = \"../run\""), "{text}");
+    }
+}
+
+#[cfg(feature = "train")]
+#[test]
+fn the_window_begins_trainings_follows_them_and_stops_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = Path::new(env!("CARGO_MANIFEST_DIR")).join("dataset/recipes/ao-tiny.toml");
+    let deepshade = |line: &str| {
+        let words = line.split_whitespace();
+        let output = Command::new(PROGRAM).args(words).current_dir(folder.path()).output().expect("starts");
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+    };
+    deepshade(&format!("dataset generate {} --out data", recipe.display()));
+    let options = "--batch 2 --crop 64 --validate-every 2 --validation-pairs 2";
+    let script = format!(
+        "truth off\nwait picture\ntrain nowhere run\nwait refusal\ntrain data run --steps 4 {options}\n\
+         wait checkpoint 4\nsave kept\nscreenshot trained.png\nstop\ntrain data run --stepz 1\nwait refusal\n\
+         train data long --steps 1000000 {options}\nwait checkpoint 2\nstop\n\
+         train data last --steps 1000000 {options}\nwait checkpoint 2\nquit\n"
+    );
+    let output = Screen::new().view(folder.path(), "--effect gi", &script);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !said.contains("panicked"), "{said}");
+    assert!(figures(folder.path())["refusals"].as_f64().expect("counted") >= 2.0);
+    assert!(folder.path().join("kept/learned.exr").is_file());
+    assert!(colours(&folder.path().join("trained.png")).len() > 40);
+    // Nobody is at it any more, stopped by hand or by the window's end: it goes on, from where it was.
+    for run in ["long", "last"] {
+        deepshade(&format!("train --dataset data --out {run} --steps 1000000 --minutes 0.01 {options}"));
+    }
+}
+
 /// A file in which a tile goes over another one within half a second.
 fn write_moving_tile(folder: &Path) {
     let corners: [[f32; 3]; 6] =

@@ -9,9 +9,13 @@ use super::pictures::Developed;
 use super::studio::{self, Picture};
 use super::subject::Subject;
 #[cfg(feature = "train")]
+use super::trainer::{Trainer, Wish};
+#[cfg(feature = "train")]
 use super::training::{self, Training};
 use super::truth::{self, Truth};
 use anyhow::Result;
+#[cfg(feature = "train")]
+use deepshade_shaders::Effect;
 use eframe::egui::Context;
 #[cfg(feature = "train")]
 use std::path::PathBuf;
@@ -34,6 +38,12 @@ pub enum News {
     /// A training run has come on.
     #[cfg(feature = "train")]
     Training(Training),
+    /// A training of an effect has begun, in the folder of its run.
+    #[cfg(feature = "train")]
+    TrainingBegan(Effect, PathBuf),
+    /// And ended: what is to be said, or why it failed.
+    #[cfg(feature = "train")]
+    TrainingEnded(Result<String, String>),
     /// The picture that is ordered cannot be made.
     NoPicture(String),
     /// An errand was run, or why it could not be.
@@ -59,6 +69,9 @@ pub struct Desk {
     pub clerk: Option<mpsc::Sender<Errand>>,
     /// What came of all that.
     pub news: mpsc::Receiver<News>,
+    /// Who tells of trainings that the window begins.
+    #[cfg(feature = "train")]
+    teller: Teller,
     /// Threads that go home soon when they are told to, or may not be left alone.
     threads: Vec<JoinHandle<()>>,
     /// Those that may be at something for minutes which nobody wants any more: a frame, the hierarchy of a large scene.
@@ -101,6 +114,8 @@ impl Desk {
             follower: Arc::default(),
             clerk: Some(clerk),
             news,
+            #[cfg(feature = "train")]
+            teller: teller.clone(),
             threads: Vec::new(),
             slow: Vec::new(),
         };
@@ -130,6 +145,18 @@ impl Desk {
     }
 }
 
+#[cfg(feature = "train")]
+impl Desk {
+    /// Begins a training.
+    ///
+    /// # Errors
+    /// As [`Trainer::begin`].
+    pub fn train(&self, wish: &Wish) -> Result<Trainer> {
+        let teller = self.teller.clone();
+        Trainer::begin(wish, move |news| teller.tell(news))
+    }
+}
+
 fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> Result<JoinHandle<()>> {
     Ok(thread::Builder::new().name(name.to_owned()).spawn(work)?)
 }
@@ -153,7 +180,7 @@ impl Drop for Desk {
 }
 
 /// Waits for threads, but for no longer than a time.
-fn leave(mut threads: Vec<JoinHandle<()>>, patience: Duration) {
+pub fn leave(mut threads: Vec<JoinHandle<()>>, patience: Duration) {
     let closed = Instant::now();
     while !threads.is_empty() && closed.elapsed() < patience {
         for thread in threads.extract_if(.., |thread| thread.is_finished()) {

@@ -22,6 +22,8 @@ use super::state::{Map, State};
 use super::studio::{Order, Picture};
 use super::subject::Subject;
 #[cfg(feature = "train")]
+use super::trainer::{Trainer, Wish};
+#[cfg(feature = "train")]
 use super::training::Training;
 use super::truth::{self, Truth};
 use crate::render::picture::Exposure;
@@ -94,6 +96,12 @@ pub struct Window {
     /// When the animation was advanced last.
     played: Option<Instant>,
     exposure: Option<Exposure>,
+    /// What hands want to be trained.
+    #[cfg(feature = "train")]
+    pub wish: Wish,
+    /// The training that they have begun, while it runs.
+    #[cfg(feature = "train")]
+    pub trainer: Option<Trainer>,
     /// What is known of a training run.
     #[cfg(feature = "train")]
     training: Option<Training>,
@@ -141,6 +149,10 @@ impl Window {
             judged: None,
             played: None,
             exposure: None,
+            #[cfg(feature = "train")]
+            wish: Wish::default(),
+            #[cfg(feature = "train")]
+            trainer: None,
             #[cfg(feature = "train")]
             training: None,
             #[cfg(feature = "train")]

@@ -24,6 +24,10 @@ impl Window {
                 News::Layers(choice, developed) => self.take_layers(context, &choice, developed),
                 #[cfg(feature = "train")]
                 News::Training(training) => self.training = Some(training),
+                #[cfg(feature = "train")]
+                News::TrainingBegan(effect, folder) => self.training_began(effect, &folder),
+                #[cfg(feature = "train")]
+                News::TrainingEnded(how) => self.training_ended(how),
                 News::Errand(done) => self.take_errand(done),
                 News::NoPicture(what) => self.give_up(what),
                 News::Refused(what) => self.refuse(what),
