@@ -118,6 +118,41 @@ fn a_window_shows_methods_beside_truth_and_survives_what_is_done_to_it() {
     assert!(figures["seconds_to_first_picture"].as_f64().expect("measured") > 0.0);
 }
 
+#[test]
+fn a_file_that_was_written_anew_is_read_anew_and_has_truth_of_its_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let floor = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 4 3\nf 1 3 2\n";
+    let wall = "v -2 2 -2\nv 2 2 -2\nf 1 2 6 5\n";
+    std::fs::write(path("corner.obj"), format!("{floor}{wall}")).expect("written");
+    let script = "wait truth 8\nsave one\nwait 3\nopen corner.obj\nwait truth 8\nsave two\n\
+        open still-life:1\nwait picture\nopen corner.obj\nwait truth 8\nsave three\nquit\n";
+    let options = "--scene corner.obj --eye 0,1.5,3 --look-at 0,0.3,-1 --radius 1 --methods hbao";
+    let screen = Screen::new();
+    let window =
+        screen.command(folder.path(), options, script).stderr(Stdio::piped()).spawn().expect("starts");
+    wait_for(&path("one/compare.toml"));
+    std::fs::write(path("corner.obj"), floor).expect("written");
+    let output = window.wait_with_output().expect("ends");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !said.contains("panicked"), "{said}");
+    let image = |name: &str| image::open(path(name)).expect("a picture").to_luma8();
+    for method in ["truth", "hbao"] {
+        let [one, two, three] = ["one", "two", "three"].map(|name| image(&format!("{name}/{method}.png")));
+        let off = |a: &image::GrayImage, b: &image::GrayImage| {
+            let pairs = a.pixels().zip(b.pixels());
+            pairs.map(|(a, b)| f64::from(a.0[0].abs_diff(b.0[0]))).sum::<f64>() / a.pixels().len() as f64
+        };
+        // Where the wall was, and the shade before it.
+        assert!(
+            off(&one, &two) > 2.0 + 4.0 * off(&two, &three),
+            "{method}: {} {}",
+            off(&one, &two),
+            off(&two, &three)
+        );
+    }
+}
+
 /// A training run, as another program writes it.
 #[cfg(feature = "train")]
 struct Run {
@@ -165,7 +200,6 @@ impl Run {
 }
 
 /// Waits for a file that the window writes.
-#[cfg(feature = "train")]
 fn wait_for(file: &Path) {
     let began = Instant::now();
     while !file.exists() {

@@ -14,7 +14,9 @@ fn moment(line: &str, turn: f32) -> Moment {
     let show = State::new(&args).expect("methods").show;
     let subject = Arc::new(Subject::load(&args, &show.source, show.effect).expect("a scene"));
     let mut pilot = subject.pilot;
-    pilot.orbit(Vec2::new(turn, 0.0));
+    if turn != 0.0 {
+        pilot.orbit(Vec2::new(turn, 0.0));
+    }
     let camera = pilot.camera;
     let values = Planes::filled(show.effect.channels(), 16, 16, 0.5);
     let image = Developed::new("image", values, crate::render::picture::Exposure::Plain);
