@@ -54,8 +54,9 @@ pub const REPEATS: Repeats = Repeats { warm_up: 2, timed: 11 };
     deepshade compare --scene sponza.gltf --put fox.gltf@-5,0,0,0.01,60 --eye -9,1.6,0 --look-at 0,1.2,0 --out report\n  \
     deepshade compare --scene room:7 --scene stairs:7 --effect ao,gi --quality low,high --out report\n  \
     deepshade compare --config comparison.toml --out report\n\n\
-    Every run writes compare.toml into its folder: what --config takes, with every default stated. Images that are there \
-    from an earlier run, made by the same program from the same things, are not made again.\n\n\
+    Every run writes compare.toml into its folder: what --config takes, with the folders of networks and every default stated \
+    that is the same for all scenes and effects. The rest follows from each: its views, radius, light, lens, fog and shutter. \
+    Images that are there from an earlier run, made by the same program from the same things, are not made again.\n\n\
     A file for --config, of which all but the first line may be left out (more keys: the options' names with underscores):\n  \
     scenes = [\"room:7\", \"sponza.gltf\"]\n  \
     effects = [\"ao\", \"gi\"]\n  \

@@ -1,8 +1,8 @@
 //! `deepshade view`: a window on a scene in motion, methods side by side, and truth that refines behind them.
 //!
 //! Threads work for the window, most for their newest order alone: [`studio`] makes frames on a device of its own, [`truth`]
-//! refines truth while nobody moves, [`judge`] holds one against the other, `training` follows a training run, [`clerk`] reads and
-//! writes files. The window waits for none of them.
+//! refines truth while nobody moves, [`judge`] holds one against the other, `training` follows a training run, `trainer` waits for the
+//! end of one, [`layers`] develops those of an EXR file, [`clerk`] reads and writes files. The window waits for none of them.
 
 mod canvas;
 mod caught;
@@ -21,9 +21,12 @@ mod parameters;
 mod pictures;
 mod saved;
 mod script;
+mod stamp;
 mod state;
 mod studio;
 mod subject;
+#[cfg(feature = "train")]
+mod trainer;
 #[cfg(feature = "train")]
 mod training;
 mod truth;

@@ -64,6 +64,12 @@ impl Viewpoint {
         Self { eye: Some(eye), look_at: Some(target), ..Self::default() }
     }
 
+    /// One of the file's cameras.
+    #[cfg(feature = "view")]
+    pub fn named(camera: &str) -> Self {
+        Self { camera: Some(camera.to_owned()), ..Self::default() }
+    }
+
     /// A view sampled in the scene, by its number.
     pub fn sampled(view: usize) -> Self {
         Self { view: Some(view), ..Self::default() }

@@ -141,6 +141,30 @@ fn networks_and_runs_are_told_apart() {
 }
 
 #[test]
+fn a_network_that_nobody_named_is_found_again_from_elsewhere() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/ao");
+    std::fs::create_dir_all(path("models/ao")).expect("made");
+    let entries = std::fs::read_dir(&shipped).expect("a model").flatten();
+    for file in entries.filter(|entry| entry.path().is_file()) {
+        std::fs::copy(file.path(), path("models/ao").join(file.file_name())).expect("copied");
+    }
+    let line = "--scene room:1 --effect aa,ao --methods fxaa,learned --samples 8 --height 24 --width 32";
+    said(folder.path(), &format!("{line} --out report"));
+    let text = std::fs::read_to_string(path("report/compare.toml")).expect("a description");
+    assert!(text.contains("model = \"../models/ao\"") && text.contains("time = 0.0"), "{text}");
+    // Where no network of its own lies.
+    let elsewhere = path("elsewhere");
+    std::fs::create_dir(&elsewhere).expect("made");
+    said(&elsewhere, "--config ../report/compare.toml --out again");
+    assert!(elsewhere.join("again/frame-room-1-view-0-ao/learned.exr").is_file());
+    // A comparison of one effect of several names what it has for that one.
+    let more = said(&elsewhere, "--config ../report/compare.toml --effect ao --out again");
+    assert!(more.contains("1 of 1 frames are there"), "{more}");
+}
+
+#[test]
 fn a_method_takes_part_with_numbers_set_by_hand_beside_itself() {
     let folder = folder();
     let write = |parameters: &str| {

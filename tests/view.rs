@@ -118,6 +118,41 @@ fn a_window_shows_methods_beside_truth_and_survives_what_is_done_to_it() {
     assert!(figures["seconds_to_first_picture"].as_f64().expect("measured") > 0.0);
 }
 
+#[test]
+fn a_file_that_was_written_anew_is_read_anew_and_has_truth_of_its_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let floor = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 4 3\nf 1 3 2\n";
+    let wall = "v -2 2 -2\nv 2 2 -2\nf 1 2 6 5\n";
+    std::fs::write(path("corner.obj"), format!("{floor}{wall}")).expect("written");
+    let script = "wait truth 8\nsave one\nwait 3\nopen corner.obj\nwait truth 8\nsave two\n\
+        open still-life:1\nwait picture\nopen corner.obj\nwait truth 8\nsave three\nquit\n";
+    let options = "--scene corner.obj --eye 0,1.5,3 --look-at 0,0.3,-1 --radius 1 --methods hbao";
+    let screen = Screen::new();
+    let window =
+        screen.command(folder.path(), options, script).stderr(Stdio::piped()).spawn().expect("starts");
+    wait_for(&path("one/compare.toml"));
+    std::fs::write(path("corner.obj"), floor).expect("written");
+    let output = window.wait_with_output().expect("ends");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !said.contains("panicked"), "{said}");
+    let image = |name: &str| image::open(path(name)).expect("a picture").to_luma8();
+    for method in ["truth", "hbao"] {
+        let [one, two, three] = ["one", "two", "three"].map(|name| image(&format!("{name}/{method}.png")));
+        let off = |a: &image::GrayImage, b: &image::GrayImage| {
+            let pairs = a.pixels().zip(b.pixels());
+            pairs.map(|(a, b)| f64::from(a.0[0].abs_diff(b.0[0]))).sum::<f64>() / a.pixels().len() as f64
+        };
+        // Where the wall was, and the shade before it.
+        assert!(
+            off(&one, &two) > 1.0 + 4.0 * off(&two, &three),
+            "{method}: {} {}",
+            off(&one, &two),
+            off(&two, &three)
+        );
+    }
+}
+
 /// A training run, as another program writes it.
 #[cfg(feature = "train")]
 struct Run {
@@ -165,7 +200,6 @@ impl Run {
 }
 
 /// Waits for a file that the window writes.
-#[cfg(feature = "train")]
 fn wait_for(file: &Path) {
     let began = Instant::now();
     while !file.exists() {
@@ -202,6 +236,61 @@ fn a_training_run_is_followed_from_before_its_first_checkpoint_on() {
         .output()
         .expect("starts");
     assert!(again.status.success(), "{}", String::from_utf8_lossy(&again.stderr));
+}
+
+#[cfg(feature = "train")]
+#[test]
+fn a_run_that_begins_after_the_window_is_followed_and_found_again_by_its_effect() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    // Nobody names `learned`: it comes with the first weights, and again with the effect.
+    let script = "truth off\nwait picture\nsave before\nwait checkpoint 10\nsave first\n\
+        effect aa\nwait picture\neffect ao\nwait checkpoint 10\nsave second\nquit\n";
+    let screen = Screen::new();
+    let mut command = screen.command(folder.path(), "--model run", script);
+    let window = command.stderr(Stdio::piped()).spawn().expect("starts");
+    wait_for(&path("before/compare.toml"));
+    let run = Run::begin(path("run"));
+    run.come_to(10);
+    let output = window.wait_with_output().expect("ends");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !said.contains("panicked"), "{said}");
+    assert!(!path("before/learned.exr").exists());
+    for name in ["first", "second"] {
+        assert!(path(name).join("learned.exr").is_file(), "{name}");
+        let text = std::fs::read_to_string(path(name).join("compare.toml")).expect("written");
+        assert!(text.contains("model = \"../run\""), "{text}");
+    }
+}
+
+#[cfg(feature = "train")]
+#[test]
+fn the_window_begins_trainings_follows_them_and_stops_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = Path::new(env!("CARGO_MANIFEST_DIR")).join("dataset/recipes/ao-tiny.toml");
+    let deepshade = |line: &str| {
+        let words = line.split_whitespace();
+        let output = Command::new(PROGRAM).args(words).current_dir(folder.path()).output().expect("starts");
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+    };
+    deepshade(&format!("dataset generate {} --out data", recipe.display()));
+    let options = "--batch 2 --crop 64 --validate-every 2 --validation-pairs 2";
+    let script = format!(
+        "truth off\nwait picture\ntrain nowhere run\nwait refusal\ntrain data run --steps 4 {options}\n\
+         wait checkpoint 4\nsave kept\nscreenshot trained.png\nstop\ntrain data run --stepz 1\nwait refusal\n\
+         train data long --steps 1000000 {options}\nwait checkpoint 2\nstop\n\
+         train data last --steps 1000000 {options}\nwait checkpoint 2\nquit\n"
+    );
+    let output = Screen::new().view(folder.path(), "--effect gi", &script);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !said.contains("panicked"), "{said}");
+    assert!(figures(folder.path())["refusals"].as_f64().expect("counted") >= 2.0);
+    assert!(folder.path().join("kept/learned.exr").is_file());
+    assert!(colours(&folder.path().join("trained.png")).len() > 40);
+    // Nobody is at it any more, stopped by hand or by the window's end: it goes on, from where it was.
+    for run in ["long", "last"] {
+        deepshade(&format!("train --dataset data --out {run} --steps 1000000 --minutes 0.01 {options}"));
+    }
 }
 
 /// A file in which a tile goes over another one within half a second.

@@ -94,13 +94,29 @@ impl Contest {
         self.reaches.iter().find(|(of, _)| *of == effect).map(|(_, reach)| *reach)
     }
 
-    /// States those methods in their run that take part, so that it can be said again by name.
+    /// States those methods in their run that take part, so that it can be said again by name: networks with the folders that they were
+    /// found in, since from another folder others would be found.
     pub fn state(&self, run: &mut Run) {
         let takes_part = |choice: &MethodChoice| {
             choice.name == TRUTH || self.contestants.iter().any(|one| one.rival.method_name == choice.name)
         };
-        run.methods = Some(run.methods().iter().filter(|choice| takes_part(choice)).cloned().collect());
+        let methods = run.methods().iter().filter(|choice| takes_part(choice));
+        let methods = methods.flat_map(|choice| match (&choice.model, &run.model) {
+            (None, None) if choice.name == LEARNED => self.where_found(run, choice),
+            _ => vec![choice.clone()],
+        });
+        run.methods = Some(distinct(methods));
         run.model = run.model.take().filter(|_| run.learns());
+    }
+
+    /// A choice of networks that nobody names, network by network.
+    fn where_found(&self, run: &Run, choice: &MethodChoice) -> Vec<MethodChoice> {
+        let networks = run.effects().iter().filter_map(|effect| {
+            let folder = learned::usual_folder(*effect);
+            let takes_part = self.of(*effect).any(|one| one.network.as_ref() == Some(&folder));
+            takes_part.then(|| MethodChoice { model: Some(folder), ..choice.clone() })
+        });
+        networks.collect()
     }
 
     /// Leaves methods of an effect out that do not go through a medium that is a grid, or refuses them where they are asked

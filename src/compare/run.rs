@@ -142,6 +142,7 @@ impl Run {
             qualities: Some(vec![Quality::default()]),
             resolution: Some(RESOLUTION),
             seed: Some(0),
+            time: Some(0.0),
             ..Self::default()
         };
         Self { samples: Some(samples), ..self.over(&defaults) }

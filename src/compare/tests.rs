@@ -63,6 +63,7 @@ fn four_lines_are_enough_and_the_rest_has_defaults() {
     assert_eq!(whole.runs.len(), 1);
     assert_eq!((run.effects(), run.qualities()), (&[Effect::Ao][..], &[Quality::High][..]));
     assert_eq!((run.size(), run.samples, run.seed), ([512, 512], Some(512), Some(0)));
+    assert_eq!(run.time, Some(0.0));
     assert_eq!((&run.methods, &run.views, run.radius), (&None, &None, None));
 }
 

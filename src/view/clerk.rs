@@ -4,8 +4,7 @@
 use super::caught::caught;
 use super::desk::News;
 use super::film::{self, Still};
-use super::layers::{Choice, Opened};
-use super::pictures::Developed;
+use super::layers::Opened;
 use super::saved::{self, Moment};
 use anyhow::Result;
 use std::path::PathBuf;
@@ -17,8 +16,6 @@ pub enum Errand {
     Save(Box<Moment>, Option<PathBuf>),
     /// Reads an EXR file.
     Open(PathBuf),
-    /// Pictures of layers of one.
-    Develop(Opened, Choice),
     /// A frame of a film.
     Frame(Still, PathBuf),
     /// A video of the film's frames.
@@ -33,8 +30,6 @@ pub enum Done {
     Said(String),
     /// A file was read.
     Opened(Opened),
-    /// Layers were developed as they were chosen.
-    Developed(Choice, Vec<Developed>),
 }
 
 /// Runs errands until nobody can send any more.
@@ -49,7 +44,7 @@ impl Errand {
     const fn doing(&self) -> &'static str {
         match self {
             Self::Save(..) => "saving",
-            Self::Open(_) | Self::Develop(..) => "opening an EXR file",
+            Self::Open(_) => "opening an EXR file",
             Self::Frame(..) | Self::Film(_) => "recording",
         }
     }
@@ -62,7 +57,6 @@ impl Errand {
                 Done::Said(format!("saved in {}", folder.display()))
             }
             Self::Open(path) => Done::Opened(Opened::read(path)?),
-            Self::Develop(opened, choice) => Done::Developed(choice.clone(), opened.developed(choice)?),
             Self::Frame(still, path) => {
                 still.write(path)?;
                 Done::Quietly

@@ -1,5 +1,6 @@
 //! A training run beside the images: how far it is, and its loss over its steps.
 
+use super::trainer;
 use super::training::Training;
 use super::window::Window;
 use deepshade_train::metrics::Line;
@@ -18,8 +19,10 @@ const GREY: Color32 = Color32::from_gray(130);
 /// DSSIM of validation.
 const BLUE: Color32 = Color32::from_rgb(90, 170, 255);
 
-/// Shows the run whose weights the window follows, if it does.
-pub fn show(ui: &mut Ui, window: &Window) {
+/// Shows what can be trained, and the run whose weights the window follows, if it does.
+pub fn show(ui: &mut Ui, window: &mut Window) {
+    ui.separator();
+    trainer::show(ui, window);
     let Some(training) = window.training_of_model() else { return };
     ui.separator();
     ui.strong(format!("training {}", training.folder.display()));

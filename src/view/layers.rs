@@ -1,13 +1,16 @@
 //! An EXR file beside the methods: its layers as pictures.
 
-use super::clerk::Errand;
+use super::caught::caught;
+use super::desk::News;
+use super::mailbox::Mailbox;
 use super::pictures::Developed;
+use super::state::Map;
 use super::window::Window;
 use crate::render::picture::Exposure;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context as _, Result, ensure};
 use deepshade_render::exr_file::{self, ExrImage};
 use deepshade_shaders::{Attribute, Effect, Planes};
-use eframe::egui::Ui;
+use eframe::egui::{Context, Ui};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -24,9 +27,18 @@ pub struct Opened {
     image: Arc<ExrImage>,
 }
 
+impl PartialEq for Opened {
+    /// A file that was read at another time is another one.
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.image, &other.image)
+    }
+}
+
 /// Which layers are to be seen, and how they are exposed.
 #[derive(Clone, PartialEq)]
 pub struct Choice {
+    /// The file.
+    pub opened: Opened,
     /// Their names.
     pub layers: Vec<String>,
     /// As the methods' images are; by default as suits each.
@@ -54,26 +66,38 @@ impl Opened {
         let first = self.layers.iter().find(is_picture).or(self.layers.first());
         first.into_iter().cloned().collect()
     }
+}
 
-    /// Pictures of some layers.
+impl Choice {
+    /// Pictures of the layers.
     ///
     /// # Errors
-    /// If it does not have one.
-    pub fn developed(&self, choice: &Choice) -> Result<Vec<Developed>> {
+    /// If the file lacks one.
+    fn developed(&self) -> Result<Vec<Developed>> {
+        let Opened { name, image, .. } = &self.opened;
         let picture = |layer: &String| {
-            let values = self.image.layer(layer).with_context(|| format!("layer {layer}"))?;
-            let name = format!("{}: {layer}", self.name);
-            Ok(match exposure(layer, &values, choice) {
+            let values = image.layer(layer).with_context(|| format!("{name}: layer {layer}"))?;
+            let name = format!("{name}: {layer}");
+            Ok(match exposure(layer, &values, self.exposure, self.stops) {
                 Some(exposure) => Developed::new(&name, values, exposure),
                 None => Developed::stretched(&name, values),
             })
         };
-        choice.layers.iter().map(picture).collect()
+        self.layers.iter().map(picture).collect()
     }
 }
 
-/// How a layer is exposed; not at all where it is no picture but is stretched over its own range.
-fn exposure(layer: &str, values: &Planes, choice: &Choice) -> Option<Exposure> {
+/// Develops the newest choice until the mailbox is closed.
+pub fn run(orders: &Mailbox<Choice>, tell: &dyn Fn(News)) {
+    while let Some(choice) = orders.take() {
+        let developed = caught("layers of an EXR file", || choice.developed());
+        tell(News::Layers(choice, developed.map_err(|error| format!("{error:#}"))));
+    }
+}
+
+/// How a layer is exposed, as the methods' images are or as suits it, and so many stops brighter; not at all where it is no picture but
+/// is stretched over its own range.
+fn exposure(layer: &str, values: &Planes, of_methods: Option<Exposure>, stops: f32) -> Option<Exposure> {
     let highest = values.data().iter().copied().filter(|value| value.is_finite()).fold(0.0, f32::max);
     let is_lone = values.channels() == 1;
     if attribute(layer).is_some()
@@ -82,10 +106,10 @@ fn exposure(layer: &str, values: &Planes, choice: &Choice) -> Option<Exposure> {
     {
         return None;
     }
-    match choice.exposure {
+    match of_methods {
         Some(exposure @ Exposure::Tone { .. }) if !is_lone => Some(exposure),
-        _ if highest <= 1.0 => Some(Exposure::Plain.brighter(choice.stops)),
-        _ => Some(Exposure::new(Effect::Path, values, None).brighter(choice.stops)),
+        _ if highest <= 1.0 => Some(Exposure::Plain.brighter(stops)),
+        _ => Some(Exposure::new(Effect::Path, values, None).brighter(stops)),
     }
 }
 
@@ -139,7 +163,7 @@ impl Window {
 
     /// Looks at the methods alone again.
     pub fn close_layers(&mut self) {
-        (self.opened, self.developing) = (None, None);
+        (self.opened, self.developing, self.develops) = (None, None, false);
         self.layers.clear();
         self.put_away_layers();
     }
@@ -160,18 +184,42 @@ impl Window {
 
     /// Which layers are to be seen of the file that is open, and how.
     pub fn choice_of_layers(&self) -> Option<Choice> {
-        self.opened.as_ref()?;
+        let opened = self.opened.clone()?;
         let exposure = self.picture.as_ref().and_then(|picture| picture.exposure);
-        Some(Choice { layers: self.layers.clone(), exposure, stops: self.state.stops })
+        Some(Choice { opened, layers: self.layers.clone(), exposure, stops: self.state.stops })
     }
 
     /// Has the layers developed that are to be seen, where those that are seen are others or otherwise exposed.
     pub fn order_layers(&mut self) {
-        let (Some(choice), Some(opened)) = (self.choice_of_layers(), &self.opened) else { return };
-        if self.developing.as_ref() != Some(&choice) {
-            let errand = Errand::Develop(opened.clone(), choice.clone());
-            self.developing = Some(choice);
-            self.send(errand);
+        let Some(choice) = self.choice_of_layers().filter(|choice| self.developing.as_ref() != Some(choice))
+        else {
+            return;
+        };
+        self.order_development(choice.clone());
+        (self.developing, self.develops) = (Some(choice), true);
+    }
+
+    /// Takes pictures of layers. Hands may have chosen others meanwhile, or closed the file.
+    pub fn take_layers(
+        &mut self,
+        context: &Context,
+        choice: &Choice,
+        developed: Result<Vec<Developed>, String>,
+    ) {
+        let Some(wanted) = self.developing.as_ref().filter(|wanted| wanted.opened == choice.opened) else {
+            return;
+        };
+        self.develops &= wanted != choice;
+        if wanted.layers != choice.layers {
+            return;
+        }
+        match developed {
+            Ok(pictures) => {
+                self.put_away_layers();
+                pictures.iter().for_each(|it| self.show(context, &it.name, Map::Image, &it.picture));
+                self.developed = pictures;
+            }
+            Err(what) => self.refuse(what),
         }
     }
 }
@@ -183,16 +231,45 @@ mod tests {
     #[test]
     fn pictures_are_exposed_and_what_lies_beside_them_is_stretched() {
         let tone = Exposure::Tone { middle: 0.5, white: 4.0 };
-        let choice = |exposure| Choice { layers: Vec::new(), exposure, stops: 0.0 };
         let [dim, bright] = [0.5, 8.0].map(|value| Planes::filled(3, 2, 2, value));
-        assert_eq!(exposure("RGB", &bright, &choice(Some(tone))), Some(tone), "as the methods' images");
-        assert_eq!(exposure("RGB", &dim, &choice(Some(Exposure::Plain))), Some(Exposure::Plain));
-        assert!(matches!(exposure("RGB", &bright, &choice(None)), Some(Exposure::Tone { .. })));
-        assert_eq!(exposure("view.normal", &dim, &choice(Some(tone))), None);
-        assert_eq!(exposure("Z", &Planes::filled(1, 2, 2, 30.0), &choice(Some(tone))), None);
-        assert_eq!(
-            exposure("target.ao", &Planes::filled(1, 2, 2, 0.7), &choice(None)),
-            Some(Exposure::Plain)
-        );
+        assert_eq!(exposure("RGB", &bright, Some(tone), 0.0), Some(tone), "as the methods' images");
+        assert_eq!(exposure("RGB", &dim, Some(Exposure::Plain), 0.0), Some(Exposure::Plain));
+        assert!(matches!(exposure("RGB", &bright, None, 0.0), Some(Exposure::Tone { .. })));
+        assert_eq!(exposure("view.normal", &dim, Some(tone), 0.0), None);
+        assert_eq!(exposure("Z", &Planes::filled(1, 2, 2, 30.0), Some(tone), 0.0), None);
+        assert_eq!(exposure("target.ao", &Planes::filled(1, 2, 2, 0.7), None, 0.0), Some(Exposure::Plain));
+    }
+    #[test]
+    fn of_many_choices_the_newest_is_developed() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("layers.exr");
+        let values = Planes::filled(1, 2, 3, 0.25);
+        let layers = ["ao", "depth"].map(|name| exr_file::Layer::image(name, &values).in_full());
+        exr_file::write(&path, &layers, &exr_file::Metadata::default()).expect("written");
+        let opened = Opened::read(&path).expect("a file");
+        assert!(opened == opened.clone() && opened != Opened::read(&path).expect("a file"));
+        let choice = |layer: &str, stops| Choice {
+            opened: opened.clone(),
+            layers: vec![layer.to_owned()],
+            exposure: None,
+            stops,
+        };
+        let orders = Mailbox::default();
+        (0..100u8).for_each(|stops| orders.put(choice("ao", f32::from(stops) / 100.0)));
+        let told = std::cell::RefCell::new(Vec::new());
+        let tell = |news| {
+            if let News::Layers(choice, developed) = news {
+                told.borrow_mut().push((choice, developed.map(|pictures| pictures.len())));
+            }
+            // One that fails is told of, too, and is the last.
+            match told.borrow().len() {
+                1 => orders.put(choice("shadow", 0.0)),
+                _ => orders.close(),
+            }
+        };
+        run(&orders, &tell);
+        let told = told.into_inner();
+        assert!(told.len() == 2 && told[0].0 == choice("ao", 0.99) && told[0].1 == Ok(1));
+        assert!(told[1].1.as_ref().is_err_and(|what| what.contains("shadow")), "{:?}", told[1].1);
     }
 }

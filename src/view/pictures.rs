@@ -26,6 +26,17 @@ impl Developed {
         Self { name: name.to_owned(), values: Arc::new(values), picture }
     }
 
+    /// The same values under another exposure.
+    pub fn exposed(&self, exposure: Exposure) -> Self {
+        let picture = Arc::new(on_screen(&exposure.picture(&self.values, None)));
+        Self { picture, ..self.clone() }
+    }
+
+    /// Bytes that it takes.
+    pub fn size(&self) -> usize {
+        size_of_val(self.values.data()) + size_of_val(&self.picture.pixels[..])
+    }
+
     /// An attribute of the g-buffer.
     pub fn of_attribute(attribute: Attribute, values: Planes) -> Self {
         Self::stretched(attribute.name(), values)

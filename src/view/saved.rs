@@ -5,20 +5,26 @@ use super::pictures::Developed;
 use super::studio::{Picture, Show};
 use super::window::Window;
 use crate::compare::{Comparison, MethodChoice, Run};
+use crate::complete::{Additions, listeners};
 use crate::figures::write_atomically;
+use crate::methods::{LEARNED, TRUTH};
 use crate::report::images::write_png;
-use crate::{exposure_time, samples, views};
+use crate::views::{self, Viewpoint};
+use crate::{exposure_time, learned, samples};
 use anyhow::{Context, Result};
 use deepshade_dataset::Radius;
 use deepshade_dataset::recipe::Resolution;
 use deepshade_render::exr_file::{self, Layer, Metadata};
-use deepshade_render::scene::Camera;
+use deepshade_render::scene::{Camera, Lens};
+use glam::Vec3;
 use image::{Rgb, RgbImage};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The comparison's file.
 const COMPARISON: &str = "compare.toml";
+/// By how much axes of cameras differ that are the same but for rounding.
+const UPRIGHT: f32 = 1e-4;
 
 /// What a window shows at a moment, and how it came to be.
 pub struct Moment {
@@ -56,6 +62,8 @@ pub fn free_folder(name: &str) -> PathBuf {
 pub fn save(moment: &Moment, folder: &Path) -> Result<()> {
     let picture = &moment.picture;
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    // Before the images: what cannot be said again leaves none.
+    let text = format!("{}{}", head(picture, folder), comparison(moment)?.keys(folder)?);
     let facts: Metadata = [
         ("scene", picture.order.show.source.to_string()),
         ("effect", picture.order.show.effect.to_string()),
@@ -77,7 +85,6 @@ pub fn save(moment: &Moment, folder: &Path) -> Result<()> {
         });
         write_png(&folder.join(format!("{}.png", image.name)), &png)?;
     }
-    let text = format!("{}{}", head(picture, folder), comparison(moment)?.keys(folder)?);
     write_atomically(&folder.join(COMPARISON), text.as_bytes())
 }
 
@@ -91,18 +98,46 @@ fn head(picture: &Picture, folder: &Path) -> String {
     if picture.lights != picture.subject.animated.scene.lights {
         lines.push("Lights are where the scene has them, not where they were dragged to.".to_owned());
     }
-    let usual = Camera::look_at(glam::Vec3::ZERO, glam::Vec3::NEG_Z).vertical_fov;
     if picture.order.show.temporal {
         lines.push("Images were mixed with those of the frames before; here they are not.".to_owned());
     }
-    if picture.camera.vertical_fov != usual {
+    let again = view(picture).1;
+    if !again.rotation.abs_diff_eq(picture.camera.rotation, UPRIGHT) {
+        lines.push("The camera stands upright, and does not lean to a side as in the window.".to_owned());
+    }
+    if again.vertical_fov != picture.camera.vertical_fov {
         lines.push(format!(
             "The angle of view is {:.1} degrees, not the {:.1} of the window.",
-            usual.to_degrees(),
+            again.vertical_fov.to_degrees(),
             picture.camera.vertical_fov.to_degrees()
         ));
     }
+    let (first, added) = (picture.subject.pilot.camera, &picture.subject.added);
+    let has_moved = (first.position, first.rotation) != (picture.camera.position, picture.camera.rotation);
+    if has_moved && !added.is_empty() {
+        lines.push(
+            "What the scene lacked was added for the window's first view; a lamp is drawn for this one here:"
+                .to_owned(),
+        );
+        lines.extend(added.iter().map(|line| format!("  {line}")));
+    }
     lines.iter().map(|line| format!("# {line}\n")).collect()
+}
+
+/// How a comparison says from where the picture is seen, and the camera that it has then: one of the file's, if it is that, whose angle
+/// of view and inclination cannot be said otherwise.
+fn view(picture: &Picture) -> (Viewpoint, Camera) {
+    let camera = picture.camera;
+    let pinhole = |camera: &Camera| Camera { lens: None, ..*camera };
+    let cameras = &picture.subject.animated.scene.cameras;
+    let of_file = cameras.iter().find(|(_, own)| pinhole(own) == pinhole(&camera));
+    let is_told = |name: &String| cameras.iter().filter(|(other, _)| other == name).count() == 1;
+    if let Some((name, own)) = of_file.filter(|(name, _)| is_told(name)) {
+        return (Viewpoint::named(name), *own);
+    }
+    // So far away that rounding turns it by next to nothing, wherever the camera stands.
+    let target = camera.position - camera.rotation.z_axis * camera.position.length().max(1.0);
+    (Viewpoint::looking(camera.position, target), Camera::look_at(camera.position, target))
 }
 
 /// A method with what is set by hand.
@@ -110,31 +145,53 @@ fn choice(show: &Show, name: &str) -> MethodChoice {
     MethodChoice { parameters: show.tuning(name).changes, ..MethodChoice::named(name) }
 }
 
-/// The comparison that makes what is shown.
+/// The comparison that makes what is shown: with all that the window has chosen by its first view, which is another one here.
 fn comparison(moment: &Moment) -> Result<Comparison> {
     let Moment { picture, samples, args, .. } = moment;
-    let (show, time) = (&picture.order.show, picture.order.time);
-    let camera = picture.camera;
+    let show = &picture.order.show;
+    let effect = show.effect;
     let [height, width] = show.size;
     let put = args.props.all().to_vec();
+    let methods = show.methods.iter().map(|name| choice(show, name));
+    let network = || show.model.clone().unwrap_or_else(|| learned::usual_folder(effect));
     let run = Run {
         scenes: Some(vec![show.source.clone()]),
-        effects: Some(vec![show.effect]),
-        methods: (!show.methods.is_empty())
-            .then(|| show.methods.iter().map(|name| choice(show, name)).collect()),
+        effects: Some(vec![effect]),
+        methods: Some(methods.chain([MethodChoice::named(TRUTH)]).collect()),
         qualities: Some(vec![show.quality]),
-        model: show.model.clone(),
+        model: show.methods.contains(&LEARNED).then(network),
         put: (!put.is_empty()).then_some(put),
         resolution: Some(Resolution { height, width }),
-        radius: show.radius.map(Radius::Metres),
+        radius: listeners::RADIUS.contains(&effect).then_some(Radius::Metres(picture.radius)),
         ..Run::default()
     };
-    let viewpoint = views::Viewpoint::looking(camera.position, camera.position - camera.rotation.z_axis);
+    let shutter = listeners::SHUTTER.contains(&effect).then(|| args.shutter());
     let run = run.with_options(
-        &args.additions,
-        &views::Args::one(viewpoint, args.seed),
+        &additions(picture, args),
+        &views::Args::one(view(picture).0, args.seed),
         samples::Args::new(Some(*samples), None),
-        exposure_time::Args::new((time != 0.0).then_some(time), None),
+        exposure_time::Args::new(Some(picture.order.time), shutter),
     );
     Comparison::new(None, |_| run.clone())
 }
+
+/// What the command line gives the scene, with the lens and the mean free path that were added.
+fn additions(picture: &Picture, args: &Args) -> Additions {
+    let effect = picture.order.show.effect;
+    let mut additions = args.additions.heard_by(effect);
+    if let Some(Lens { radius, focus }) = picture.camera.lens.filter(|_| listeners::LENS.contains(&effect)) {
+        (additions.aperture, additions.focus) = (Some(radius), Some(focus));
+    }
+    // Where materials differ they are the scene's own.
+    let mut metres = picture.subject.animated.scene.materials.iter().map(|material| material.mean_free_path);
+    if let Some(first) = metres.next().filter(|_| listeners::MEAN_FREE_PATH.contains(&effect))
+        && first != Vec3::ZERO
+        && metres.all(|other| other == first)
+    {
+        additions.mean_free_path = Some(first);
+    }
+    additions
+}
+
+#[cfg(test)]
+mod tests;

@@ -146,6 +146,18 @@ impl Script {
                 let reached = window.trained_step().is_some_and(|trained| trained >= *step);
                 return Ok(reached && is_made(window)?);
             }
+            #[cfg(feature = "train")]
+            Step::Train(wish) => {
+                window.wish = wish.clone();
+                window.train();
+            }
+            #[cfg(feature = "train")]
+            Step::StopTraining => {
+                if let Some(trainer) = window.trainer.as_ref().filter(|_| first) {
+                    trainer.stop();
+                }
+                return Ok(window.trainer.is_none());
+            }
             Step::WaitRefusal => return Ok(window.message.is_some()),
             Step::Wait(seconds) => return Ok(since.as_secs_f32() >= *seconds),
             Step::Screenshot(path) => return self.screenshot(path, context, first),

@@ -2,6 +2,8 @@
 
 use super::Args;
 use super::studio::Show;
+#[cfg(feature = "train")]
+use super::studio::Trained;
 use crate::learned;
 use crate::live::pilot::Pilot;
 use crate::methods::{self, LEARNED, TRUTH};
@@ -9,8 +11,8 @@ use anyhow::Result;
 use deepshade_render::methods::dials::{Changes, Dial};
 use deepshade_render::scene::{Light, SceneSource};
 use deepshade_shaders::Effect;
-use std::collections::BTreeMap;
-use std::path::Path;
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// How images lie in the window.
@@ -103,6 +105,11 @@ pub struct State {
     pub samples: u32,
     /// Frames a second of films.
     pub film_rate: f32,
+    /// Folders of networks that hands have chosen, by what they compute.
+    networks: HashMap<Effect, PathBuf>,
+    /// Whether the method `learned` is to be shown as soon as there are weights.
+    #[cfg(feature = "train")]
+    awaits_network: bool,
     before: Option<Before>,
 }
 
@@ -119,6 +126,7 @@ impl State {
             known.iter().copied().filter(|name| wanted.contains(name) && *name != TRUTH).collect();
         let show = Show {
             source: args.scene.clone(),
+            scenes_opened: 0,
             effect: args.effect,
             methods: if wanted.is_empty() {
                 first_methods(args.model.as_deref(), args.effect)
@@ -132,8 +140,13 @@ impl State {
             temporal: false,
             inspected: None,
             model: args.model.clone(),
+            models_opened: 0,
             trained: None,
         };
+        #[cfg(feature = "train")]
+        let awaits_network = wanted.is_empty() && awaits_network(&show);
+        // One that is not there yet is taken for what the window begins with.
+        let of = |folder: &PathBuf| (learned::effect(folder).unwrap_or(args.effect), folder.clone());
         Ok(Self {
             args: Arc::new(args.clone()),
             show,
@@ -148,12 +161,20 @@ impl State {
             truth: true,
             samples: args.spp,
             film_rate: 25.0,
+            #[cfg(feature = "train")]
+            awaits_network,
+            networks: args.model.iter().map(of).collect(),
             before: None,
         })
     }
 
-    /// Shows another scene, of which nothing is known yet. The one that is left is kept where it `was_read`.
+    /// Shows another scene, of which nothing is known yet. The one that is left is kept where it `was_read`. The same one is read
+    /// anew, and seen as it was.
     pub fn open(&mut self, source: SceneSource, was_read: bool) {
+        self.show.scenes_opened += 1;
+        if source == self.show.source {
+            return;
+        }
         let left = std::mem::replace(&mut self.show.source, source);
         let (pilot, lights) = (self.pilot.take(), self.lights.take());
         if was_read {
@@ -173,15 +194,15 @@ impl State {
     /// Computes another effect, by its first methods.
     pub fn choose_effect(&mut self, effect: Effect) {
         // A network computes one effect.
-        if self.show.effect != effect {
-            let model = self.show.model.take();
-            self.show.model = model.filter(|folder| learned::effect(folder).is_ok_and(|made| made == effect));
-            self.show.trained = None;
-        }
+        (self.show.model, self.show.trained) = (self.networks.get(&effect).cloned(), None);
         self.show.effect = effect;
         self.show.radius = None;
         self.show.changes.clear();
         self.show.methods = first_methods(self.show.model.as_deref(), effect);
+        #[cfg(feature = "train")]
+        {
+            self.awaits_network = awaits_network(&self.show);
+        }
         self.stops = 0.0;
     }
 
@@ -190,10 +211,24 @@ impl State {
     /// # Errors
     /// If it is damaged.
     pub fn open_model(&mut self, folder: &Path) -> Result<()> {
-        let effect = learned::effect(folder)?;
-        (self.show.model, self.show.trained) = (Some(folder.to_owned()), None);
-        self.choose_effect(effect);
+        self.take_network(learned::effect(folder)?, folder);
         Ok(())
+    }
+
+    /// Shows what a network makes of an effect, once there is one in a folder.
+    pub fn take_network(&mut self, effect: Effect, folder: &Path) {
+        self.networks.insert(effect, folder.to_owned());
+        self.show.models_opened += 1;
+        self.choose_effect(effect);
+    }
+
+    /// Runs weights that a training run has come to; the first ones bring the method with them, where it was left out for want of any.
+    #[cfg(feature = "train")]
+    pub fn take_weights(&mut self, trained: Trained) {
+        self.show.trained = Some(trained);
+        if std::mem::take(&mut self.awaits_network) && !self.show.methods.contains(&LEARNED) {
+            self.toggle(LEARNED);
+        }
     }
 
     /// Sets a dial of a method by hand, or, where it is what the quality has anyway, no longer.
@@ -227,9 +262,18 @@ impl State {
     }
 }
 
+/// Whether a network is named and not there yet, as where its training is still to begin.
+#[cfg(feature = "train")]
+fn awaits_network(show: &Show) -> bool {
+    show.model.is_some() && !show.methods.contains(&LEARNED)
+}
+
 /// The first two methods of an effect; the trained network only where there is one.
 fn first_methods(model: Option<&Path>, effect: Effect) -> Vec<&'static str> {
     let folder = model.map_or_else(|| learned::usual_folder(effect), Path::to_owned);
     let there = |name: &&str| *name != TRUTH && (*name != LEARNED || learned::is_network(&folder));
     methods::names_of(effect).into_iter().filter(there).take(2).collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,6 +1,8 @@
 //! The thread that makes frames: a scene on the GPU and the methods that are wanted. It has a device of its own, so that
 //! the window stays awake while a frame takes its time, and outlives a device that is lost.
 
+mod picture;
+
 use super::Args;
 use super::caught::caught;
 use super::desk::News;
@@ -26,11 +28,15 @@ use std::fmt::{Display, Formatter};
 use std::path::PathBuf;
 use std::sync::Arc;
 
+pub use picture::{Order, Picture};
+
 /// What is made of every frame; where this changes, the scene goes to the GPU anew.
 #[derive(Clone, PartialEq)]
 pub struct Show {
     /// The scene.
     pub source: SceneSource,
+    /// How often hands have opened a scene: its files are read anew each time.
+    pub scenes_opened: u32,
     /// What is computed.
     pub effect: Effect,
     /// By which methods, in the order in which they are shown.
@@ -49,6 +55,8 @@ pub struct Show {
     pub inspected: Option<Attribute>,
     /// Folder of the trained network; by default the usual one of the effect.
     pub model: Option<PathBuf>,
+    /// How often hands have opened a network, as of scenes.
+    pub models_opened: u32,
     /// Its weights, where a training run makes new ones; by default those in the folder.
     pub trained: Option<Trained>,
 }
@@ -76,52 +84,17 @@ impl Show {
     }
 }
 
-/// A frame that is wanted.
-#[derive(Clone)]
-pub struct Order {
-    /// What is made of it.
-    pub show: Show,
-    /// From where it is seen; where nothing is said, from where the scene is seen first.
-    pub camera: Option<Camera>,
-    /// When, seconds.
-    pub time: f32,
-    /// Under which lights; where nothing is said, the scene's own.
-    pub lights: Option<Vec<Light>>,
-    /// How it is exposed; by default as suits the first image.
-    pub exposure: Option<Exposure>,
-    /// Chooses random numbers.
-    pub number: u32,
-}
-
-/// A frame that was made.
-pub struct Picture {
-    /// What was ordered.
-    pub order: Order,
-    /// Of what.
-    pub subject: Arc<Subject>,
-    /// From where it is seen.
-    pub camera: Camera,
-    /// Under which lights.
-    pub lights: Vec<Light>,
-    /// How far the effect reached, metres.
-    pub radius: f32,
-    /// How it was exposed, if there was anything to expose.
-    pub exposure: Option<Exposure>,
-    /// What each method made.
-    pub images: Vec<Developed>,
-    /// The attribute that is inspected.
-    pub inspected: Option<Developed>,
-    /// Milliseconds of passes, as far as they are known.
-    pub passes: Vec<Pass>,
-}
-
 /// Makes what is ordered until the mailbox is closed.
 pub fn run(args: &Args, orders: &Mailbox<Order>, tell: &dyn Fn(News)) {
     let mut studio = Studio::default();
     while let Some(order) = orders.take() {
         let doing = order.show.to_string();
         match caught(&doing, || studio.make(args, order, tell)) {
-            Ok(picture) => tell(News::Picture(Arc::new(picture))),
+            Ok(picture) => {
+                let picture = Arc::new(picture);
+                studio.made = Some(Arc::clone(&picture));
+                tell(News::Picture(picture));
+            }
             Err(error) => {
                 studio = Studio::default();
                 tell(News::NoPicture(format!("{error:#}")));
@@ -134,9 +107,12 @@ pub fn run(args: &Args, orders: &Mailbox<Order>, tell: &dyn Fn(News)) {
 #[derive(Default)]
 struct Studio {
     gpu: Option<Gpu>,
-    subject: Option<Arc<Subject>>,
+    /// The scene, and how often one had been opened when it was read.
+    subject: Option<(u32, Arc<Subject>)>,
     set: Option<Set>,
     passes: Vec<Pass>,
+    /// The picture that was made last.
+    made: Option<Arc<Picture>>,
 }
 
 /// A scene on the GPU with its methods.
@@ -151,6 +127,9 @@ struct Set {
 
 impl Studio {
     fn make(&mut self, args: &Args, order: Order, tell: &dyn Fn(News)) -> Result<Picture> {
+        if let Some(picture) = self.made.as_ref().and_then(|made| made.exposed(&order)) {
+            return Ok(picture);
+        }
         let show = &order.show;
         let subject = self.subject(args, show, tell)?;
         let camera = order.camera.unwrap_or(subject.pilot.camera);
@@ -169,8 +148,7 @@ impl Studio {
             self.passes = set.live.passes().into_iter().zip(times).collect();
         }
         let (images, of_processor) = set.images(&subject, &order, &camera, &lights)?;
-        let suits = || Some(Exposure::new(show.effect, &images.first()?.1, None));
-        let exposure = order.exposure.or_else(suits);
+        let exposure = order.exposed(images.first().map(|(_, first)| first));
         let developed = exposure.unwrap_or(Exposure::Plain);
         let images = images.into_iter().map(|(name, image)| Developed::new(name, image, developed)).collect();
         let inspected =
@@ -182,18 +160,18 @@ impl Studio {
         Ok(Picture { subject, camera, lights, radius, exposure, images, inspected, passes, order })
     }
 
-    /// The scene, read anew where another one is wanted or another effect of it.
+    /// The scene, read anew where another one is wanted, another effect of it, or the same as its files are now.
     fn subject(&mut self, args: &Args, show: &Show, tell: &dyn Fn(News)) -> Result<Arc<Subject>> {
-        if let Some(subject) = &self.subject
-            && subject.source == show.source
-            && subject.effect == show.effect
+        if let Some((opened, subject)) = &self.subject
+            && (&subject.source, subject.effect, *opened) == (&show.source, show.effect, show.scenes_opened)
         {
             return Ok(Arc::clone(subject));
         }
         self.set = None;
         let subject = Arc::new(Subject::load(args, &show.source, show.effect)?);
         tell(News::Subject(Arc::clone(&subject)));
-        Ok(Arc::clone(self.subject.insert(subject)))
+        self.subject = Some((show.scenes_opened, Arc::clone(&subject)));
+        Ok(subject)
     }
 
     fn gpu(&mut self) -> Result<Gpu> {

@@ -1,10 +1,13 @@
 //! What the window shows: a scene with all that an effect needs of it, for the GPU and for rays.
 
 use super::Args;
+use super::stamp::stamp;
+use crate::compare::Digest;
 use crate::live::pilot::Pilot;
 use crate::live::stage::{self, Seen};
 use crate::views::Viewpoint;
 use anyhow::Result;
+use deepshade_dataset::identity::scene_hash;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::past;
 use deepshade_render::scene::{AnimatedScene, Glow, Light, Scene, SceneSource};
@@ -24,6 +27,8 @@ pub struct Subject {
     pub pilot: Pilot,
     /// What was added to the scene, a sentence each.
     pub added: Vec<String>,
+    /// What tells it from what its files made at another time.
+    pub contents: String,
     /// Diagonal of the scene, metres.
     pub diagonal: f32,
     /// Which of its lights animations move.
@@ -50,7 +55,7 @@ impl Subject {
             size: [args.height, args.width],
             props: &args.props,
             viewpoint,
-            additions: &args.additions,
+            additions: &args.additions.heard_by(effect),
             seed: args.seed,
         };
         let staged = stage::Args::default().stage(&seen)?;
@@ -59,6 +64,7 @@ impl Subject {
             effect,
             pilot: Pilot::new(staged.camera, staged.distance()),
             added: staged.added,
+            contents: contents(args, &staged.animated),
             diagonal: staged.diagonal,
             rigged: rigged(&staged.animated),
             animated: staged.animated,
@@ -125,6 +131,18 @@ impl Subject {
     }
 }
 
+/// What tells a scene from every other. What the command line gives is told by the states of its files: an environment has more
+/// numbers than are quickly told.
+fn contents(args: &Args, animated: &AnimatedScene) -> String {
+    let AnimatedScene { scene, rigs } = animated;
+    let given = [&args.additions.environment, &args.additions.medium, &args.additions.phosphor];
+    let mut digest = Digest::default();
+    digest.say(&given.map(|path| path.as_deref().map(stamp)));
+    digest.say(&scene_hash(&Scene { environment: None, medium: None, ..scene.clone() }));
+    digest.say(rigs);
+    digest.finish()
+}
+
 /// Whether lights are as many, and of the same kinds.
 fn fit(some: &[Light], others: &[Light]) -> bool {
     let kinds = |lights: &[Light]| lights.iter().map(std::mem::discriminant).collect::<Vec<_>>();
@@ -153,6 +171,36 @@ mod tests {
         let dim = point.brighter(0.5);
         assert!(fit(&[point, sun], &[dim, sun]));
         assert!(!fit(&[point], &[point, sun]) && !fit(&[sun], &[point]));
+    }
+
+    #[test]
+    fn what_one_effect_listens_to_does_not_keep_others_from_being_shown() {
+        let options = "--effect fog-direct --extinction 0.2 --aperture 0.01 --mean-free-path 0.01";
+        let args = args(&format!("--scene still-life:1 --height 16 --width 16 {options}"));
+        let source = "still-life:1".parse().expect("a scene");
+        for effect in [Effect::FogDirect, Effect::Ao, Effect::Sss, Effect::Dof] {
+            let subject = Subject::load(&args, &source, effect).expect("a scene");
+            let scene = &subject.animated.scene;
+            assert_eq!(scene.medium.is_some(), effect == Effect::FogDirect, "{effect}");
+            let looks_through = matches!(effect, Effect::FogDirect | Effect::Dof);
+            let lens = subject.pilot.camera.lens.map(|lens| lens.radius);
+            assert_eq!(lens, looks_through.then_some(0.01), "{effect}");
+        }
+    }
+
+    #[test]
+    fn a_file_that_is_written_anew_is_another_scene_only_where_it_holds_another_one() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("floor.obj");
+        let source = SceneSource::File(file.clone());
+        let args = args(&format!("--scene {} --eye 0,4,3 --look-at 0,0,0", file.display()));
+        let contents = |height: f32| {
+            let text = format!("v -2 0 -2\nv 2 0 -2\nv 2 {height} 2\nf 1 3 2\n");
+            std::fs::write(&file, text).expect("written");
+            Subject::load(&args, &source, Effect::Ao).expect("a scene").contents
+        };
+        let [flat, raised, again] = [0.0, 1.0, 0.0].map(contents);
+        assert!(flat != raised && flat == again, "{flat} {raised} {again}");
     }
 
     /// A lamp that goes from (0, 2, 0) to (3, 2, 0) within a second, above a triangle that stays.

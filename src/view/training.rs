@@ -6,6 +6,7 @@
 use super::caught::caught;
 use super::desk::News;
 use super::mailbox::Mailbox;
+use super::stamp::{Stamp, stamp};
 use super::studio::Trained;
 use crate::learned::run::is_run;
 use anyhow::{Context, Result};
@@ -13,9 +14,9 @@ use deepshade_infer::Model;
 use deepshade_train::TrainConfig;
 use deepshade_train::checkpoint::{CHECKPOINT_FILE, Checkpoint, Progress};
 use deepshade_train::metrics::{self, Line, METRICS_FILE};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 /// How often the run's files are looked at.
 const EVERY: Duration = Duration::from_millis(400);
@@ -59,19 +60,16 @@ impl Training {
     }
 }
 
-/// Follows the run whose folder lies in the mailbox, if it is one, until that is closed.
+/// Follows the run whose folder lies in the mailbox, as soon as it is one, until that is closed.
 pub fn run(orders: &Mailbox<Option<PathBuf>>, tell: &dyn Fn(News)) {
     while let Some(order) = orders.take() {
-        let Some(folder) = order.filter(|folder| is_run(folder)) else { continue };
+        let Some(folder) = order else { continue };
         let mut follower = Follower { folder, seen: Seen::default(), checkpoint: None, told: None };
         while !orders.fills_within(EVERY) {
             follower.look(tell);
         }
     }
 }
-
-/// What tells one state of a file from another; nothing where there is none.
-type Stamp = Option<(SystemTime, u64)>;
 
 /// States of the files that were looked at last.
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
@@ -90,8 +88,11 @@ struct Follower {
 }
 
 impl Follower {
-    /// Reads what has changed, and tells of it.
+    /// Reads what has changed, and tells of it. A folder that is no run may become one.
     fn look(&mut self, tell: &dyn Fn(News)) {
+        if !is_run(&self.folder) {
+            return;
+        }
         let now = Seen {
             log: stamp(&self.folder.join(METRICS_FILE)),
             checkpoint: stamp(&self.folder.join(CHECKPOINT_FILE)),
@@ -135,11 +136,6 @@ impl Follower {
             checkpoint: self.checkpoint.clone(),
         })
     }
-}
-
-fn stamp(path: &Path) -> Stamp {
-    let data = std::fs::metadata(path).ok()?;
-    Some((data.modified().ok()?, data.len()))
 }
 
 #[cfg(test)]
@@ -188,6 +184,11 @@ mod tests {
                 _ => "something else".to_owned(),
             });
         };
+        let place = folder.path().to_owned();
+        let mut follower =
+            Follower { folder: place.clone(), seen: Seen::default(), checkpoint: None, told: None };
+        // It is no run yet.
+        follower.look(&tell);
         let (_, trained) = training(0, false).checkpoint.expect("some");
         let mut config = TrainConfig::new(trained.0.spec.clone(), "data".into());
         config.steps = 100;
@@ -196,9 +197,6 @@ mod tests {
         write("config.json", &serde_json::to_vec(&config).expect("plain"));
         let log = |line: &Line| serde_json::to_string(line).expect("plain") + "\n";
         write(METRICS_FILE, log(&line(20, 1.0)).as_bytes());
-        let folder = folder.path().to_owned();
-        let mut follower =
-            Follower { folder: folder.clone(), seen: Seen::default(), checkpoint: None, told: None };
         follower.look(&tell);
         follower.look(&tell);
         write(CHECKPOINT_FILE, b"no checkpoint");
@@ -208,7 +206,7 @@ mod tests {
         let progress = Progress { step: 60, ..training(0, false).checkpoint.expect("some").0 };
         let weights = trained.0.weights.clone();
         let checkpoint = Checkpoint { progress, weights, best: None, optimiser: Vec::new() };
-        checkpoint.save(&folder, &config.spec).expect("saves");
+        checkpoint.save(&place, &config.spec).expect("saves");
         follower.look(&tell);
         let told = told.into_inner().expect("no panic");
         assert!(

@@ -23,6 +23,8 @@ pub struct Sight {
     pub source: SceneSource,
     /// What is computed of it.
     pub effect: Effect,
+    /// What tells the scene from what its files made at another time.
+    pub contents: String,
     /// The scene, as long as the window shows it: truth that is kept keeps no scenes.
     pub subject: Weak<Subject>,
     /// From where it is seen.
@@ -38,9 +40,9 @@ pub struct Sight {
 }
 
 impl PartialEq for Sight {
-    /// A scene that was read again is the same one.
+    /// A scene that was read again is the same one where its files are.
     fn eq(&self, other: &Self) -> bool {
-        (&self.source, self.effect) == (&other.source, other.effect)
+        (&self.source, self.effect, &self.contents) == (&other.source, other.effect, &other.contents)
             && (self.camera, self.time, &self.lights, self.radius, self.size)
                 == (other.camera, other.time, &other.lights, other.radius, other.size)
     }
@@ -97,9 +99,9 @@ struct Kept {
     seed: u32,
 }
 
-/// Views of which truth is kept.
+/// Views of which truth is kept, where there is room.
 const KEPT: usize = 32;
-/// Bytes of all that truth goes on from.
+/// Bytes of all that is kept: images, and what they go on from.
 const ROOM: usize = 256 << 20;
 /// The most samples of each scrambling in a pass: what is under way is lost when hands move.
 const PASS: u32 = 16;
@@ -126,15 +128,18 @@ pub fn run(orders: &Mailbox<Order>, tell: &(dyn Fn(News) + Sync)) {
             Err(error) => tell(News::Refused(format!("truth: {error:#}"))),
         }
         known.extend(kept);
-        make_room(&mut known);
+        make_room(&mut known, ROOM);
     }
 }
 
-/// Forgets the oldest truth where there is more than is kept, and what the oldest goes on from where that takes too much.
-fn make_room(known: &mut Vec<Kept>) {
-    let surplus = known.len().saturating_sub(KEPT);
-    known.drain(..surplus);
-    let mut room = ROOM;
+/// Forgets the oldest truth where there is more than is kept or fits into so many bytes, and before that what the oldest goes on from.
+/// The newest image stays, since it is being looked at.
+fn make_room(known: &mut Vec<Kept>, room: usize) {
+    let images = |known: &[Kept]| known.iter().map(|kept| kept.truth.image.size()).sum::<usize>();
+    while known.len() > KEPT || (known.len() > 1 && images(known) > room) {
+        known.remove(0);
+    }
+    let mut room = room.saturating_sub(images(known));
     for kept in known.iter_mut().rev() {
         let size = kept.taken.as_ref().map_or(0, Taken::size);
         match room.checked_sub(size) {

@@ -22,6 +22,8 @@ use super::state::{Map, State};
 use super::studio::{Order, Picture};
 use super::subject::Subject;
 #[cfg(feature = "train")]
+use super::trainer::{Trainer, Wish};
+#[cfg(feature = "train")]
 use super::training::Training;
 use super::truth::{self, Truth};
 use crate::render::picture::Exposure;
@@ -67,8 +69,10 @@ pub struct Window {
     pub layers: Vec<String>,
     /// Pictures of these.
     pub developed: Vec<Developed>,
-    /// The choice of layers that was developed last.
+    /// The choice of layers that was ordered last.
     pub developing: Option<Choice>,
+    /// Whether it is still to come.
+    pub develops: bool,
     /// The film that is being recorded.
     pub recording: Option<Recording>,
     /// Errands that are not run yet.
@@ -92,6 +96,12 @@ pub struct Window {
     /// When the animation was advanced last.
     played: Option<Instant>,
     exposure: Option<Exposure>,
+    /// What hands want to be trained.
+    #[cfg(feature = "train")]
+    pub wish: Wish,
+    /// The training that they have begun, while it runs.
+    #[cfg(feature = "train")]
+    pub trainer: Option<Trainer>,
     /// What is known of a training run.
     #[cfg(feature = "train")]
     training: Option<Training>,
@@ -124,6 +134,7 @@ impl Window {
             layers: Vec::new(),
             developed: Vec::new(),
             developing: None,
+            develops: false,
             recording: None,
             errands: 0,
             desk,
@@ -138,6 +149,10 @@ impl Window {
             judged: None,
             played: None,
             exposure: None,
+            #[cfg(feature = "train")]
+            wish: Wish::default(),
+            #[cfg(feature = "train")]
+            trainer: None,
             #[cfg(feature = "train")]
             training: None,
             #[cfg(feature = "train")]
@@ -209,12 +224,12 @@ impl Window {
 impl eframe::App for Window {
     fn logic(&mut self, context: &Context, _: &mut eframe::Frame) {
         self.hear(context);
+        #[cfg(feature = "train")]
+        self.follow();
         self.follow_script(context);
         self.fade(context);
         self.play(context);
         self.go_on_recording();
-        #[cfg(feature = "train")]
-        self.follow();
         self.order_picture();
         self.order_truth();
         self.order_verdict();

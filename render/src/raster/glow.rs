@@ -60,6 +60,11 @@ impl GlowOnGpu {
         self.before = Some(moment);
     }
 
+    /// Has the next frame go through all of the past again, since what is known of it is no longer true.
+    pub const fn forget(&mut self) {
+        self.before = None;
+    }
+
     /// Says that the next frame goes from one moment to another only, from the first state of all on where it is the `first`.
     pub fn set_stretch(&mut self, queue: &wgpu::Queue, is_first: bool, [from, to]: [f32; 2], moment: f32) {
         let pieces = if is_first { self.glow.past(to) } else { self.glow.between(from, to) };

@@ -23,6 +23,8 @@ pub struct World {
     scene: Scene,
     rigs: Vec<Rig>,
     lights: Vec<Light>,
+    /// The lights as they were given last, before animations move them.
+    given: Vec<Light>,
     /// Which of them shine.
     on: Vec<bool>,
     /// The box around all that is seen of it at any moment.
@@ -75,6 +77,7 @@ impl World {
             scene: scene.clone(),
             rigs: rigs.clone(),
             lights: scene.lights.clone(),
+            given: scene.lights.clone(),
             on: vec![true; scene.lights.len()],
             bounds: animated.reach(),
             notes: notes(&textures, shadow_size.map(|size| (&map_plan, size))),
@@ -138,16 +141,19 @@ impl World {
         self.seen = Some(seen);
     }
 
-    /// Moves, turns, dims or brightens the lights; those that an animation moves go on as it says.
+    /// Moves, turns, dims or brightens the lights; those that an animation moves go on as it says. Light that surfaces keep is then
+    /// as if they had always been so.
     ///
     /// # Panics
     /// If they are not as many, and of the same kinds: their maps are laid out.
     pub fn set_lights(&mut self, queue: &wgpu::Queue, lights: &[Light]) {
         let kinds = |lights: &[Light]| lights.iter().map(std::mem::discriminant).collect::<Vec<_>>();
         assert_eq!(kinds(lights), kinds(&self.lights), "lights keep their kinds");
-        if lights != self.lights {
+        if lights != self.given {
+            self.given = lights.to_vec();
             self.lights = lights.to_vec();
             self.gpu_lights.set(queue, lights, &self.on);
+            self.glow.forget();
         }
     }
 

@@ -283,3 +283,47 @@ fn kept_light_survives_poses_in_which_triangles_have_no_area() {
     let [of_floor, of_plate] = all(&image, 12.0);
     assert!(of_floor < 0.06 && of_plate < 0.2, "{of_floor} {of_plate}");
 }
+
+/// While time stands still, a lamp that is dimmed has been as dim for all of the past, as truth has it; one that is given as it
+/// was before changes nothing of what is known of the past.
+#[test]
+fn kept_light_is_that_of_lamps_as_they_are_given() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    write(folder.path(), "growing.gltf", growing());
+    let source = SceneSource::File(folder.path().join("growing.gltf"));
+    let mut animated = AnimatedScene::load(&source, 0.0).expect("a file");
+    let intensity = Vec3::splat(20.0);
+    let lamp = Light::Point { position: 3.0 * Vec3::Y, intensity, range: f32::INFINITY };
+    let dim = lamp.brighter(0.2);
+    animated.scene.glow = Some(Arc::new(glow()));
+    let gpu = Gpu::new().expect("an adapter");
+    let method = RateEquation::new(&gpu, TEXELS).expect("valid shaders");
+    let camera = Camera::look_at(Vec3::new(0.0, 1.6, 3.0), Vec3::new(0.0, 0.4, 0.0));
+    let attributes = ScreenMethod::attributes(&method).to_vec();
+    let settings = Settings { height: SIZE, width: SIZE, attributes, shadow_size: Some(1024) };
+    let view = View { height: SIZE, width: SIZE, camera, radius: 1.0, seed: 0 };
+    // The last of frames, each under a lamp at a moment.
+    let last = |frames: &[(Light, f32)]| {
+        let mut scene = animated.clone();
+        scene.scene.lights[0] = frames[0].0;
+        let mut frame = Frame::new(&gpu, &scene, &settings).expect("a frame");
+        let inputs = Inputs { gbuffer: frame.gbuffer(), environment: None, world: Some(frame.world()) };
+        let plan = Plan::new(&method, &inputs, &view).expect("a plan");
+        for (lamp, moment) in frames {
+            frame.set_lights(&gpu.queue, &[*lamp]);
+            frame.set(&gpu.queue, *moment, 0.0, &camera);
+            gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| {
+                Stage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
+                plan.encode(encoder);
+            })
+            .expect("a frame");
+        }
+        gpu::read::<f32>(&gpu.device, &gpu.queue, plan.output()).expect("an image")
+    };
+    let (bright, dimmed) = (last(&[(lamp, 1.0)]), last(&[(dim, 1.0)]));
+    assert!(off(&bright, &dimmed) > 0.3, "{}", off(&bright, &dimmed));
+    assert_eq!(off(&last(&[(lamp, 1.0), (dim, 1.0)]), &dimmed), 0.0);
+    // What is given again is nothing new: of the plate's growth half a second ago the floor still knows.
+    let on = last(&[(lamp, 0.0), (lamp, 0.4), (lamp, 1.0)]);
+    assert!(off(&on, &bright) > 0.005, "{}", off(&on, &bright));
+}

@@ -1,6 +1,8 @@
 //! The steps of a script, and how a line says one.
 
 use crate::view::state::{Arrangement, Map};
+#[cfg(feature = "train")]
+use crate::view::trainer::Wish;
 use anyhow::{Context as _, Result, bail};
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::dials::Setting;
@@ -46,6 +48,12 @@ pub enum Step {
     /// Until the picture is made by a training run's weights of this step, or of a later one.
     #[cfg(feature = "train")]
     WaitCheckpoint(usize),
+    /// A dataset into the folder of a run.
+    #[cfg(feature = "train")]
+    Train(Wish),
+    /// The training that the window has begun, until it has ended.
+    #[cfg(feature = "train")]
+    StopTraining,
     /// Until something could not be done.
     WaitRefusal,
     /// Seconds.
@@ -132,6 +140,10 @@ pub fn step(line: &str) -> Result<Step> {
             ("truth", samples) => Step::WaitTruth(samples.trim().parse().context("wait truth SAMPLES")?),
             _ => Step::Wait(one()?),
         },
+        #[cfg(feature = "train")]
+        "train" => Step::Train(Wish::parse(rest)?),
+        #[cfg(feature = "train")]
+        "stop" => Step::StopTraining,
         "screenshot" => Step::Screenshot(crate::arguments::png_file(rest).map_err(anyhow::Error::msg)?),
         "save" => Step::Save(rest.into()),
         "layer" => Step::Layers(rest.split(',').map(|name| name.trim().to_owned()).collect()),

@@ -4,9 +4,7 @@ use super::Window;
 use crate::learned;
 use crate::view::clerk::{Done, Errand};
 use crate::view::saved::Moment;
-use crate::view::state::Map;
 use deepshade_render::scene::SceneSource;
-use eframe::egui::Context;
 use std::path::{Path, PathBuf};
 
 impl Window {
@@ -42,9 +40,9 @@ impl Window {
         }
     }
 
-    /// Whether all errands are run, and none is left to be sent.
+    /// Whether all errands are run, and all layers are seen as they are chosen.
     pub fn is_idle(&self) -> bool {
-        self.errands == 0 && self.choice_of_layers() == self.developing
+        self.errands == 0 && !self.develops && self.choice_of_layers() == self.developing
     }
 
     /// Has an errand run.
@@ -54,20 +52,12 @@ impl Window {
     }
 
     /// Takes what came of an errand.
-    pub(super) fn take_errand(&mut self, context: &Context, done: Result<Done, String>) {
+    pub(super) fn take_errand(&mut self, done: Result<Done, String>) {
         self.errands -= 1;
         match done {
             Ok(Done::Quietly) => {}
             Ok(Done::Said(note)) => self.say(note),
             Ok(Done::Opened(opened)) => self.take_opened(opened),
-            Ok(Done::Developed(choice, pictures)) => {
-                // Hands may have chosen others meanwhile, or closed the file.
-                if self.developing.as_ref() == Some(&choice) {
-                    self.put_away_layers();
-                    pictures.iter().for_each(|it| self.show(context, &it.name, Map::Image, &it.picture));
-                    self.developed = pictures;
-                }
-            }
             Err(what) => {
                 self.stop_recording();
                 self.refuse(what);

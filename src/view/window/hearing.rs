@@ -21,9 +21,14 @@ impl Window {
                     self.truth = Some(truth);
                 }
                 News::Judged(verdict) => self.take_verdict(context, verdict),
+                News::Layers(choice, developed) => self.take_layers(context, &choice, developed),
                 #[cfg(feature = "train")]
-                News::Training(training) => self.learn(training),
-                News::Errand(done) => self.take_errand(context, done),
+                News::Training(training) => self.training = Some(training),
+                #[cfg(feature = "train")]
+                News::TrainingBegan(effect, folder) => self.training_began(effect, &folder),
+                #[cfg(feature = "train")]
+                News::TrainingEnded(how) => self.training_ended(how),
+                News::Errand(done) => self.take_errand(done),
                 News::NoPicture(what) => self.give_up(what),
                 News::Refused(what) => self.refuse(what),
             }
@@ -58,7 +63,10 @@ impl Window {
 
     fn take(&mut self, context: &Context, picture: Arc<Picture>) {
         let Some(Ordered { since, outdated: false, .. }) = self.ordered.take() else { return };
-        self.rate = 1.0 / since.elapsed().as_secs_f32().max(1e-3);
+        let is_new = self.picture.as_ref().is_none_or(|before| before.order.number != picture.order.number);
+        if is_new {
+            self.rate = 1.0 / since.elapsed().as_secs_f32().max(1e-3);
+        }
         self.meet(&picture.subject);
         for image in picture.images.iter().chain(&picture.inspected) {
             self.show(context, &image.name, Map::Image, &image.picture);
@@ -73,7 +81,7 @@ impl Window {
         (self.made, self.refused) = (Some(made), None);
         let seconds = self.began.elapsed().as_secs_f64();
         let mut outcome = self.outcome();
-        outcome.pictures += 1;
+        outcome.pictures += u32::from(is_new);
         outcome.first_picture.get_or_insert(seconds);
         drop(outcome);
         self.picture = Some(picture);

@@ -2,6 +2,7 @@
 
 use super::{Ordered, STILL, Window};
 use crate::view::judge::Case;
+use crate::view::layers::Choice;
 use crate::view::studio::{Order, Show};
 use crate::view::truth::{self, Sight};
 use std::sync::Arc;
@@ -22,16 +23,22 @@ impl Window {
 
     /// Whether what is wanted now is something else than an order.
     pub(super) fn differs(&self, other: &Order) -> bool {
+        let exposure = self.order(other.number).exposure;
+        self.shows_else(other) || exposure.is_some_and(|exposure| Some(exposure) != other.exposure)
+    }
+
+    /// As [`Self::differs`], and not only in its exposure.
+    fn shows_else(&self, other: &Order) -> bool {
         let order = self.order(other.number);
         (&order.show, order.camera, order.time, &order.lights)
             != (&other.show, other.camera, other.time, &other.lights)
-            || order.exposure.is_some_and(|exposure| Some(exposure) != other.exposure)
     }
 
     /// Whether what is wanted now looks upon something else than an order: truth does not hear of methods and brightness.
     fn looks_elsewhere(&self, other: &Order) -> bool {
         let order = self.order(other.number);
-        let place = |show: &Show| (show.source.clone(), show.effect, show.radius, show.size);
+        let place =
+            |show: &Show| (show.source.clone(), show.scenes_opened, show.effect, show.radius, show.size);
         (place(&order.show), order.camera, order.time, &order.lights)
             != (place(&other.show), other.camera, other.time, &other.lights)
     }
@@ -43,7 +50,10 @@ impl Window {
         if self.ordered.is_some() || self.is_refused() || (is_made && !self.state.show.temporal) {
             return;
         }
-        let number = self.picture.as_ref().map_or(0, |picture| picture.order.number + 1);
+        let is_exposed_anew =
+            !self.state.show.temporal && self.made.as_ref().is_some_and(|made| !self.shows_else(made));
+        let number =
+            self.picture.as_ref().map_or(0, |picture| picture.order.number + u32::from(!is_exposed_anew));
         let order = self.order(number);
         self.desk.studio.put(order.clone());
         self.ordered = Some(Ordered { order, since: Instant::now(), outdated: false });
@@ -54,6 +64,7 @@ impl Window {
         Some(Sight {
             source: picture.subject.source.clone(),
             effect: picture.subject.effect,
+            contents: picture.subject.contents.clone(),
             subject: Arc::downgrade(&picture.subject),
             camera: picture.camera,
             time: picture.order.time,
@@ -79,6 +90,12 @@ impl Window {
         self.asked = Some(order);
     }
 
+    /// Has layers of an EXR file developed.
+    pub fn order_development(&self, choice: Choice) {
+        self.desk.darkroom.put(choice);
+    }
+
+    /// Has the methods' images judged, where truth is known better than when they were judged last.
     pub(super) fn order_verdict(&mut self) {
         let (Some(truth), Some(picture)) = (self.truth_of_picture(), &self.picture) else { return };
         let what = (picture.order.number, truth.samples);

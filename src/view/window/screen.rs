@@ -28,7 +28,7 @@ impl Window {
     }
 
     /// Shows a picture of an image from now on.
-    pub(super) fn show(&mut self, context: &Context, name: &str, map: Map, picture: &Arc<ColorImage>) {
+    pub fn show(&mut self, context: &Context, name: &str, map: Map, picture: &Arc<ColorImage>) {
         let options = TextureOptions { magnification: TextureFilter::Nearest, ..TextureOptions::LINEAR };
         match self.textures.get_mut(&(name.to_owned(), map)) {
             Some(texture) => texture.set(Arc::clone(picture), options),

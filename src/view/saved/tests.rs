@@ -1,0 +1,93 @@
+//! What is said of a moment, so that it can be made again.
+
+use super::*;
+use crate::view::state::State;
+use crate::view::studio::Order;
+use crate::view::subject::Subject;
+use crate::view::tests::args;
+use deepshade_shaders::Planes;
+use glam::Vec2;
+
+/// A moment of a window with a command line, after the camera went around by so many radians.
+fn moment(line: &str, turn: f32) -> Moment {
+    let args = args(&format!("--scene still-life:1 --height 16 --width 16 {line}"));
+    let show = State::new(&args).expect("methods").show;
+    let subject = Arc::new(Subject::load(&args, &show.source, show.effect).expect("a scene"));
+    let mut pilot = subject.pilot;
+    if turn != 0.0 {
+        pilot.orbit(Vec2::new(turn, 0.0));
+    }
+    let camera = pilot.camera;
+    let values = Planes::filled(show.effect.channels(), 16, 16, 0.5);
+    let image = Developed::new("image", values, crate::render::picture::Exposure::Plain);
+    let picture = Picture {
+        order: Order { show, camera: Some(camera), time: 0.25, lights: None, exposure: None, number: 0 },
+        camera,
+        lights: subject.lights(None),
+        radius: 0.5,
+        exposure: None,
+        images: vec![image],
+        inspected: None,
+        passes: Vec::new(),
+        subject,
+    };
+    Moment { picture: Arc::new(picture), truth: None, samples: 64, args: Arc::new(args) }
+}
+
+/// The keys of the file that a moment is saved with, and its head.
+fn saved(moment: &Moment) -> (toml::Table, String) {
+    let folder = tempfile::tempdir().expect("a folder");
+    save(moment, folder.path()).expect("saved");
+    let text = std::fs::read_to_string(folder.path().join(COMPARISON)).expect("written");
+    (text.parse().expect("TOML"), text)
+}
+
+#[test]
+fn what_the_first_view_decided_is_said_to_others() {
+    let number = |keys: &toml::Table, name: &str| keys[name].as_float().map(|value| value as f32);
+    for turn in [0.0, 1.0] {
+        let moment = moment("--effect dof", turn);
+        let (keys, head) = saved(&moment);
+        let lens = moment.picture.subject.pilot.camera.lens.expect("one that was added");
+        assert_eq!(number(&keys, "aperture"), Some(lens.radius));
+        assert_eq!(number(&keys, "focus"), Some(lens.focus));
+        assert_eq!(number(&keys, "time"), Some(0.25));
+        assert_eq!(head.contains("a lamp is drawn for this one"), turn != 0.0, "{head}");
+        assert!(keys.get("mean_free_path").is_none() && keys.get("radius").is_none());
+    }
+    let moment = moment("--effect sss --aperture 0.01", 1.0);
+    let (keys, _) = saved(&moment);
+    let metres = keys["mean_free_path"].as_array().expect("of three colours");
+    let metres: Vec<f32> = metres.iter().filter_map(|value| value.as_float()).map(|it| it as f32).collect();
+    let own = moment.picture.subject.animated.scene.materials[0].mean_free_path;
+    assert_eq!(metres, own.to_array());
+    assert!(keys.get("aperture").is_none(), "the effect does not listen to it");
+}
+
+#[test]
+fn whatever_is_shown_can_be_said_again() {
+    let names = |keys: &toml::Table| -> Vec<String> {
+        let name = |value: &toml::Value| value.as_str().map(str::to_owned);
+        keys["methods"].as_array().expect("a list").iter().filter_map(name).collect()
+    };
+    let (keys, _) = saved(&moment("--methods hbao --model models/ao --radius inf", 0.0));
+    assert_eq!(names(&keys), ["hbao", "truth"]);
+    assert!(keys.get("model").is_none(), "no network is shown");
+    assert_eq!(keys["radius"]["metres"].as_float(), Some(0.5));
+    let (keys, _) = saved(&moment("--methods truth", 0.0));
+    assert_eq!(names(&keys), ["truth"], "not all methods that there are");
+    let (keys, _) = saved(&moment("--methods learned", 0.0));
+    assert!(keys["model"].as_str().is_some_and(|folder| folder.ends_with("models/ao")), "{keys}");
+    let (keys, _) = saved(&moment("--effect motion-blur --methods truth", 0.0));
+    assert!(keys.get("shutter").is_some(), "{keys}");
+}
+
+#[test]
+fn what_cannot_be_said_leaves_no_images() {
+    let mut moment = moment("--methods hbao", 0.0);
+    Arc::get_mut(&mut moment.picture).expect("nobody else's").order.show.size = [4, 4];
+    let folder = tempfile::tempdir().expect("a folder");
+    let error = format!("{:#}", save(&moment, folder.path()).expect_err("too small to be compared"));
+    assert!(error.contains("resolution.height"), "{error}");
+    assert_eq!(std::fs::read_dir(folder.path()).expect("there").count(), 0);
+}

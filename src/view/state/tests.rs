@@ -1,0 +1,67 @@
+//! What hands have chosen stays chosen.
+
+use super::*;
+use crate::view::tests::args;
+
+#[test]
+fn a_network_stays_that_of_its_effect() {
+    let model = |state: &State| state.show.model.as_deref().map(Path::to_owned);
+    // It is not there yet.
+    let mut state = State::new(&args("--effect gi --model runs/none")).expect("methods");
+    let run = Some(PathBuf::from("runs/none"));
+    assert_eq!(model(&state), run);
+    state.choose_effect(Effect::Ao);
+    assert_eq!(model(&state), None);
+    state.choose_effect(Effect::Gi);
+    assert_eq!(model(&state), run);
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/ao");
+    let opened = state.show.models_opened;
+    state.open_model(&shipped).expect("a network");
+    assert_eq!((state.show.effect, model(&state)), (Effect::Ao, Some(shipped.clone())));
+    assert!(state.show.methods.contains(&LEARNED));
+    // As its files are now, which may be other ones.
+    let before = state.show.clone();
+    state.open_model(&shipped).expect("a network");
+    assert!(before != state.show && state.show.models_opened == opened + 2);
+    state.choose_effect(Effect::Gi);
+    assert_eq!(model(&state), run);
+    state.choose_effect(Effect::Ao);
+    assert_eq!(model(&state), Some(shipped));
+}
+
+#[test]
+fn a_scene_that_is_opened_again_is_read_anew_and_seen_from_the_same_place() {
+    let mut state = State::new(&args("--scene room:7")).expect("methods");
+    let camera = deepshade_render::scene::Camera::look_at(glam::Vec3::ONE, glam::Vec3::ZERO);
+    state.pilot = Some(Pilot::new(camera, 1.0));
+    state.time = 2.0;
+    let (pilot, before) = (state.pilot, state.show.clone());
+    state.open("room:7".parse().expect("a scene"), true);
+    assert!(state.show != before && (state.pilot, state.time) == (pilot, 2.0));
+    assert!(!state.go_back(), "there is none before it");
+    state.open("room:8".parse().expect("a scene"), true);
+    assert_eq!((state.pilot, state.time), (None, 0.0));
+    assert!(state.go_back() && state.show.source == before.source && state.pilot == pilot);
+    // As its files are then.
+    assert!(state.show.scenes_opened > before.scenes_opened);
+}
+
+#[cfg(feature = "train")]
+#[test]
+fn a_network_that_was_waited_for_is_shown_once_there_are_weights() {
+    use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, Weights};
+
+    let reach = Reach { radius: 0.25, diagonal_share: 0.1, height: 64 };
+    let spec = NetSpec { levels: 2, u0: 4, ..NetSpec::ao(ChannelOrder::Interleaved, reach) };
+    let trained = Trained(Arc::new(Model { weights: Weights::random(&spec, 1), spec }));
+    let mut state = State::new(&args("--model runs/none")).expect("methods");
+    assert!(!state.show.methods.contains(&LEARNED));
+    state.take_weights(trained.clone());
+    assert!(state.show.methods.contains(&LEARNED) && state.show.trained == Some(trained.clone()));
+    state.toggle(LEARNED);
+    state.take_weights(trained.clone());
+    assert!(!state.show.methods.contains(&LEARNED), "hands have put it away");
+    let mut named = State::new(&args("--model runs/none --methods hbao")).expect("methods");
+    named.take_weights(trained);
+    assert_eq!(named.show.methods, ["hbao"]);
+}

@@ -1,0 +1,121 @@
+//! A frame that is wanted, and one that was made.
+
+use super::{Pass, Show, Subject};
+use crate::render::picture::Exposure;
+use crate::view::pictures::Developed;
+use deepshade_render::scene::{Camera, Light};
+use deepshade_shaders::Planes;
+use std::sync::Arc;
+
+/// A frame that is wanted.
+#[derive(Clone)]
+pub struct Order {
+    /// What is made of it.
+    pub show: Show,
+    /// From where it is seen; where nothing is said, from where the scene is seen first.
+    pub camera: Option<Camera>,
+    /// When, seconds.
+    pub time: f32,
+    /// Under which lights; where nothing is said, the scene's own.
+    pub lights: Option<Vec<Light>>,
+    /// How it is exposed; by default as suits the first image.
+    pub exposure: Option<Exposure>,
+    /// Chooses random numbers. A picture of the same number is the same one, but for its exposure.
+    pub number: u32,
+}
+
+impl Order {
+    /// How it is exposed, for images of which this is the first.
+    pub fn exposed(&self, first: Option<&Planes>) -> Option<Exposure> {
+        self.exposure.or_else(|| Some(Exposure::new(self.show.effect, first?, None)))
+    }
+}
+
+/// A frame that was made.
+#[derive(Clone)]
+pub struct Picture {
+    /// What was ordered.
+    pub order: Order,
+    /// Of what.
+    pub subject: Arc<Subject>,
+    /// From where it is seen.
+    pub camera: Camera,
+    /// Under which lights.
+    pub lights: Vec<Light>,
+    /// How far the effect reached, metres.
+    pub radius: f32,
+    /// How it was exposed, if there was anything to expose.
+    pub exposure: Option<Exposure>,
+    /// What each method made.
+    pub images: Vec<Developed>,
+    /// The attribute that is inspected.
+    pub inspected: Option<Developed>,
+    /// Milliseconds of passes, as far as they are known.
+    pub passes: Vec<Pass>,
+}
+
+impl Picture {
+    /// The picture that is ordered, where it is this one in another exposure: its images are developed anew, none is made.
+    pub fn exposed(&self, order: &Order) -> Option<Self> {
+        let made = &self.order;
+        let is_this = (&order.show, order.number, order.time) == (&made.show, made.number, made.time)
+            && (order.camera, order.lights.as_ref()) == (Some(self.camera), Some(&self.lights));
+        let exposure = order.exposed(self.images.first().map(|image| &*image.values)).filter(|_| is_this)?;
+        let images = self.images.iter().map(|image| image.exposed(exposure)).collect();
+        Some(Self { order: order.clone(), exposure: Some(exposure), images, ..self.clone() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::state::State;
+    use crate::view::tests::args;
+
+    #[test]
+    fn another_exposure_makes_no_other_images() {
+        let args = args("--scene still-life:1 --height 16 --width 16 --effect gi --methods ssgi");
+        let show = State::new(&args).expect("methods").show;
+        let subject = Arc::new(Subject::load(&args, &show.source, show.effect).expect("a scene"));
+        let (camera, lights) = (subject.pilot.camera, subject.lights(None));
+        let exposure = Exposure::Tone { middle: 0.5, white: 1.0 };
+        let order = Order {
+            show,
+            camera: Some(camera),
+            time: 0.0,
+            lights: Some(lights.clone()),
+            exposure: Some(exposure),
+            number: 3,
+        };
+        let values = Planes::from_fn(3, 16, 16, |_, y, x| (y + x) as f32 / 32.0);
+        let picture = Picture {
+            order: order.clone(),
+            subject,
+            camera,
+            lights,
+            radius: 0.5,
+            exposure: Some(exposure),
+            images: vec![Developed::new("ssgi", values, exposure)],
+            inspected: None,
+            passes: Vec::new(),
+        };
+        let brighter = Order { exposure: Some(exposure.brighter(2.0)), ..order.clone() };
+        let exposed = picture.exposed(&brighter).expect("the same picture");
+        assert!(Arc::ptr_eq(&exposed.images[0].values, &picture.images[0].values));
+        assert_eq!(exposed.exposure, brighter.exposure);
+        let light = |picture: &Picture| {
+            picture.images[0].picture.pixels.iter().map(|it| u32::from(it.r())).sum::<u32>()
+        };
+        assert!(light(&exposed) > light(&picture) + 1000);
+        let suits = picture.exposed(&Order { exposure: None, ..order.clone() }).expect("the same picture");
+        assert_eq!(suits.exposure, Some(Exposure::new(order.show.effect, &picture.images[0].values, None)));
+        for other in [
+            Order { number: 4, ..brighter.clone() },
+            Order { time: 1.0, ..brighter.clone() },
+            Order { lights: Some(Vec::new()), ..brighter.clone() },
+            Order { show: Show { size: [8, 8], ..order.show.clone() }, ..brighter.clone() },
+        ] {
+            assert!(picture.exposed(&other).is_none());
+        }
+    }
+}

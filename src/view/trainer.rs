@@ -1,0 +1,249 @@
+//! A training that the window begins: `deepshade train` as a program of its own, so that neither waits for the other. The window
+//! follows its run as it follows any, and interrupts it when it is told to or ends itself; the same wish goes on from its newest
+//! checkpoint.
+
+use super::caught::caught;
+use super::desk::{News, leave};
+use super::window::Window;
+use anyhow::{Context as _, Result, bail, ensure};
+use deepshade_dataset::Manifest;
+use eframe::egui::{Button, TextEdit, Ui};
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+/// For how long an interrupted program may go on until nobody waits for it.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// What hands want to be trained.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Wish {
+    /// Folder of the dataset.
+    pub dataset: String,
+    /// Folder of the run; where nothing is said, below `runs`, called as the dataset is.
+    pub run: String,
+    /// What else `deepshade train` is told.
+    pub options: String,
+}
+
+impl Wish {
+    /// What a line of a script says: the dataset, the run, options.
+    ///
+    /// # Errors
+    /// If it says less.
+    pub fn parse(line: &str) -> Result<Self> {
+        let mut words = line.split_whitespace();
+        let (Some(dataset), Some(run)) = (words.next(), words.next()) else {
+            bail!("it takes a dataset and a folder for the run, and then options of `deepshade train`");
+        };
+        let options = words.collect::<Vec<_>>().join(" ");
+        Ok(Self { dataset: dataset.to_owned(), run: run.to_owned(), options })
+    }
+
+    /// The folder of the run.
+    fn folder(&self) -> PathBuf {
+        let dataset = Path::new(self.dataset.trim());
+        match self.run.trim() {
+            "" => Path::new("runs").join(dataset.file_name().unwrap_or_default()),
+            run => run.into(),
+        }
+    }
+}
+
+/// A training under way.
+pub struct Trainer {
+    /// The folder of its run.
+    pub folder: PathBuf,
+    running: Arc<Mutex<Running>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// What two threads know of the program.
+#[derive(Default)]
+struct Running {
+    /// It, from its beginning to its end.
+    child: Option<Child>,
+    /// Whether it was told to end.
+    stopped: bool,
+}
+
+impl Trainer {
+    /// Begins, and tells of that and of the end.
+    ///
+    /// # Errors
+    /// If nothing is wished for, or the system has no thread to give.
+    pub fn begin(wish: &Wish, tell: impl Fn(News) + Send + 'static) -> Result<Self> {
+        ensure!(!wish.dataset.trim().is_empty(), "which dataset? `deepshade dataset generate` makes one");
+        let (folder, running) = (wish.folder(), Arc::<Mutex<Running>>::default());
+        let thread = thread::Builder::new().name("trainer".to_owned()).spawn({
+            let (wish, folder, running) = (wish.clone(), folder.clone(), Arc::clone(&running));
+            move || {
+                let ended = caught("training", || train(&wish, &folder, &running, &tell));
+                tell(News::TrainingEnded(ended.map_err(|error| format!("training: {error:#}"))));
+            }
+        })?;
+        Ok(Self { folder, running, thread: Some(thread) })
+    }
+
+    /// Interrupts it, as Ctrl-C does.
+    pub fn stop(&self) {
+        let mut running = locked(&self.running);
+        running.stopped = true;
+        running.child.iter_mut().for_each(interrupt);
+    }
+}
+
+impl Drop for Trainer {
+    /// A window leaves nothing running that nobody sees.
+    fn drop(&mut self) {
+        self.stop();
+        leave(self.thread.take().into_iter().collect(), PATIENCE);
+    }
+}
+
+/// Runs the program to its end, and says how that came.
+fn train(wish: &Wish, folder: &Path, running: &Mutex<Running>, tell: &impl Fn(News)) -> Result<String> {
+    let dataset = Path::new(wish.dataset.trim());
+    let effect = Manifest::load(dataset)?.origin.recipe.effect;
+    let mut child = Command::new(std::env::current_exe().context("the program's own file")?)
+        .arg("train")
+        .arg("--dataset")
+        .arg(dataset)
+        .arg("--out")
+        .arg(folder)
+        .args(wish.options.split_whitespace())
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .context("`deepshade train` does not start")?;
+    let said = child.stderr.take();
+    {
+        let mut running = locked(running);
+        if running.stopped {
+            interrupt(&mut child);
+        }
+        running.child = Some(child);
+    }
+    tell(News::TrainingBegan(effect, folder.to_owned()));
+    let said = said.map(|said| last_words(BufReader::new(said))).unwrap_or_default();
+    // It says nothing more: it is at its end.
+    let (child, stopped) = {
+        let mut running = locked(running);
+        (running.child.take(), running.stopped)
+    };
+    let is_done = child.map(|mut child| child.wait()).transpose()?.is_some_and(|status| status.success());
+    let place = folder.display();
+    match (is_done, stopped) {
+        (true, _) => Ok(format!("{place} is trained")),
+        (false, true) => {
+            Ok(format!("training in {place} was stopped; it goes on from its newest checkpoint"))
+        }
+        (false, false) => bail!("{said}"),
+    }
+}
+
+/// Nothing is lost by it: whatever is written is whole at every moment.
+fn interrupt(child: &mut Child) {
+    #[cfg(unix)]
+    let _ =
+        rustix::process::kill_process(rustix::process::Pid::from_child(child), rustix::process::Signal::INT);
+    #[cfg(not(unix))]
+    let _ = child.kill();
+}
+
+/// Whoever panicked while it held the lock has left what is whole: it is moved in and out at once.
+fn locked(running: &Mutex<Running>) -> MutexGuard<'_, Running> {
+    running.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What a program says at its end: why it fails, else its last line. All of it is read, so that it never waits for its reader.
+fn last_words(said: impl BufRead) -> String {
+    /// Letters of a message that can be read in a window.
+    const LONGEST: usize = 600;
+    let mut words = String::new();
+    for line in said.split(b'\n').map_while(Result::ok) {
+        let line = String::from_utf8_lossy(&line);
+        match line.trim() {
+            "" => {}
+            line if words.starts_with("error: ") && words.len() < LONGEST => words += &format!(" {line}"),
+            line => line.clone_into(&mut words),
+        }
+    }
+    words.strip_prefix("error: ").map(str::to_owned).unwrap_or(words)
+}
+
+impl Window {
+    /// Begins the training that is wished for.
+    pub fn train(&mut self) {
+        if self.trainer.is_some() {
+            return self.refuse("a training is under way: stop it first".to_owned());
+        }
+        match self.begin_training() {
+            Ok(trainer) => self.trainer = Some(trainer),
+            Err(error) => self.refuse(format!("{error:#}")),
+        }
+    }
+}
+
+/// What hands can train, or stop.
+pub fn show(ui: &mut Ui, window: &mut Window) {
+    if let Some(trainer) = &window.trainer {
+        ui.horizontal(|ui| {
+            ui.label(format!("training {}", trainer.folder.display()));
+            let hint = "the same wish goes on from its newest checkpoint; the window's end stops it, too";
+            if ui.button("stop").on_hover_text(hint).clicked() {
+                trainer.stop();
+            }
+        });
+        return;
+    }
+    ui.collapsing("train a network", |ui| {
+        let usual = window.wish.folder().display().to_string();
+        let Wish { dataset, run, options } = &mut window.wish;
+        ui.add(TextEdit::singleline(dataset).hint_text("folder of a dataset"));
+        ui.add(TextEdit::singleline(run).hint_text(format!("folder of the run: {usual}")));
+        ui.add(TextEdit::singleline(options).hint_text("options, such as --steps 20000"));
+        if ui.add_enabled(!dataset.trim().is_empty(), Button::new("train")).clicked() {
+            window.train();
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wish_is_a_dataset_a_run_and_options() {
+        let wish = Wish::parse(" data/ao  runs/a --steps 20 --crop 64").expect("a wish");
+        assert_eq!((wish.dataset.as_str(), wish.options.as_str()), ("data/ao", "--steps 20 --crop 64"));
+        assert_eq!(wish.folder(), Path::new("runs/a"));
+        assert_eq!(Wish { run: " ".to_owned(), ..wish }.folder(), Path::new("runs/ao"));
+        assert!(Wish::parse("data/ao").is_err());
+        assert!(Trainer::begin(&Wish::default(), |_| {}).is_err());
+    }
+
+    #[test]
+    fn the_last_words_are_why_it_fails() {
+        let words = |said: &[u8]| last_words(said);
+        assert_eq!(words(b"step 1\nstep 2\n\n"), "step 2");
+        assert_eq!(words(b"step 1\nerror: no such option\n\n  --stepz\n"), "no such option --stepz");
+        assert_eq!(words(b"\xff\n"), "\u{fffd}");
+        assert_eq!(words(b""), "");
+    }
+
+    #[test]
+    fn what_is_no_dataset_is_told() {
+        let (sender, told) = std::sync::mpsc::channel();
+        let folder = tempfile::tempdir().expect("a folder");
+        let wish = Wish { dataset: folder.path().display().to_string(), ..Wish::default() };
+        let trainer = Trainer::begin(&wish, move |news| drop(sender.send(news))).expect("begins");
+        let ended = told.recv().expect("its end");
+        assert!(matches!(ended, News::TrainingEnded(Err(what)) if what.contains("manifest")));
+        drop(trainer);
+    }
+}
