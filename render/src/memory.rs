@@ -94,9 +94,9 @@ mod tests {
         let root = tempfile::tempdir().expect("a folder");
         let group = |name: &str, most: &str, taken: &str| {
             let folder = root.path().join(name);
-            std::fs::create_dir_all(&folder).expect("a folder");
+            fs::create_dir_all(&folder).expect("a folder");
             for (file, text) in [("memory.max", most), ("memory.current", taken)] {
-                std::fs::write(folder.join(file), format!("{text}\n")).expect("written");
+                fs::write(folder.join(file), format!("{text}\n")).expect("written");
             }
         };
         let left = |groups: &str| left_by_groups(root.path(), groups);
@@ -104,8 +104,7 @@ mod tests {
         group("jobs/task", "max", "500");
         group("jobs", "1000", "600");
         assert_eq!(left("4:cpu:/x\n0::/jobs/task\n"), Some(400), "that of the group above");
-        std::fs::write(root.path().join("jobs/memory.stat"), "anon 300\ninactive_file 250\n")
-            .expect("written");
+        fs::write(root.path().join("jobs/memory.stat"), "anon 300\ninactive_file 250\n").expect("written");
         assert_eq!(left("0::/jobs/task\n"), Some(650));
         group("jobs/task", "550", "500");
         assert_eq!(left("0::/jobs/task\n"), Some(50));

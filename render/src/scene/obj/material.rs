@@ -96,7 +96,7 @@ fn texture_path([folder, library]: [&Path; 2], material: &str, texture: &str) ->
         return Err(invalid(format!("texture options are not supported: `{texture}`")));
     }
     let below = library.strip_prefix(folder).ok().and_then(Path::parent).unwrap_or(Path::new(""));
-    let path = file::beside(folder, below, &texture.replace('\\', "/")).map_err(invalid)?;
+    let path = file::beside(folder, below, texture.replace('\\', "/")).map_err(invalid)?;
     Ok(path.to_string_lossy().into_owned())
 }
 
