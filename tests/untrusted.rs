@@ -9,7 +9,7 @@ mod readers;
 
 use cap::Cap;
 use rayon::prelude::*;
-use readers::{READERS, Reader};
+use readers::{MOST_BYTES, READERS, Reader};
 use std::alloc::System;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -18,10 +18,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Most bytes that reading a file of some kilobytes may take, as where libFuzzer runs.
-const MOST_BYTES: usize = 1 << 30;
-
-/// What is read here and there at once has so much each.
+/// Each of what is read at once may take what it may where libFuzzer runs.
 #[global_allocator]
 static MEMORY: Cap<System> = Cap::new(System, usize::MAX);
 

@@ -16,8 +16,8 @@ pub struct Job {
     line: String,
     /// What it makes.
     makes: Makes,
-    /// Kilobytes that are enough for a part of that.
-    pub few_kilobytes: u32,
+    /// Kilobytes of a disk that are enough for a part of that, where it is all that is in the folder.
+    pub few_kilobytes: Option<u32>,
     /// What it makes undisturbed.
     pub calm: Files,
     /// How long that takes.
@@ -200,7 +200,7 @@ fn filled(line: &str, out: &Path) -> Vec<String> {
 /// If one fails.
 pub fn all(program: &Program, folder: &Path) -> Result<Vec<Job>> {
     let path = |name: &str| folder.join(name).display().to_string();
-    let made = |name: &'static str, line: String, makes: Makes, few_kilobytes: u32| {
+    let made = |name: &'static str, line: String, makes: Makes, few_kilobytes: Option<u32>| {
         let out = folder.join(format!("calm-{name}"));
         let calm = Files::new();
         let mut job = Job { name, line, makes, few_kilobytes, calm, takes: Duration::ZERO };
@@ -213,21 +213,21 @@ pub fn all(program: &Program, folder: &Path) -> Result<Vec<Job>> {
         ensure!(!job.calm.is_empty(), "{name} makes nothing");
         Ok(job)
     };
-    let dataset = made("dataset", DATASET.to_owned(), Makes::Pairs, 150)?;
-    let farm = made("farm", "farm work OUT/jobs --shard 2".to_owned(), Makes::Shard, 80)?;
+    let dataset = made("dataset", DATASET.to_owned(), Makes::Pairs, Some(150))?;
+    let farm = made("farm", "farm work OUT/jobs --shard 2".to_owned(), Makes::Shard, None)?;
     let shards = [1, 2, 3].map(|shard| {
         let out = path(&format!("shard-{shard}"));
         let line = format!("{DATASET} --shard {shard}/3");
         program.run(&filled(&line, Path::new(&out))).map(|()| out)
     });
     let shards = shards.into_iter().collect::<Result<Vec<_>>>()?.join(" ");
-    let merge = made("merge", format!("dataset merge {shards} --out OUT"), Makes::Copies, 150)?;
+    let merge = made("merge", format!("dataset merge {shards} --out OUT"), Makes::Copies, Some(150))?;
     let data = path("calm-dataset");
     let train =
         format!("train --dataset {data} --out OUT --steps 600 --crop 32 --batch 2 --validate-every 50");
     // A checkpoint, and no second one beside it.
-    let train = made("train", train, Makes::Run, 1400)?;
+    let train = made("train", train, Makes::Run, Some(1400))?;
     let export = format!("export --run {} --out OUT", path("calm-train"));
-    let export = made("export", export, Makes::Model, 400)?;
+    let export = made("export", export, Makes::Model, Some(400))?;
     Ok(vec![dataset, farm, merge, train, export])
 }

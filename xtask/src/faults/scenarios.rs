@@ -20,12 +20,15 @@ const PATIENCE: Duration = Duration::from_mins(2);
 /// Something that happens, and the jobs to which it does.
 type Scenario = (&'static str, &'static [&'static str], fn(&Stage<'_>) -> Result<()>);
 
-/// Jobs that render, which take longest, and all that go on where they were after whatever happens.
+/// The one whose files are many and take their time.
 const PAIRS: &[&str] = &["dataset"];
+/// Jobs that keep a journal.
 const FARMED: &[&str] = &["dataset", "farm"];
+/// Jobs that go on where they were.
 const RESUMED: &[&str] = &["dataset", "farm", "train"];
-/// Jobs that write into a folder of theirs alone, over which another disk may lie.
+/// Jobs whose folder holds nothing but what they make, so that another disk may lie over it.
 const OWN_FOLDER: &[&str] = &["dataset", "merge", "train", "export"];
+/// All jobs.
 const ALL: &[&str] = &["dataset", "farm", "merge", "train", "export"];
 
 const SCENARIOS: [Scenario; 10] = [
@@ -63,7 +66,7 @@ pub fn run(program: &Program, jobs: &[Job], folder: &Path) -> Result<Vec<Outcome
             outcomes.push((name, outcome));
         }
     }
-    outcomes.push(("adapter lost in mid-frame".to_owned(), adapter::lost()));
+    outcomes.push(("adapter lost in mid-frame, by tests of deepshade-render".to_owned(), adapter::lost()));
     Ok(outcomes)
 }
 

@@ -15,7 +15,7 @@ const STEP_MEGABYTES: usize = 5;
 
 /// In a folder whose disk has room for a part of what is made; then it gets more.
 pub fn on_small_disk(stage: &Stage<'_>) -> Result<()> {
-    let few = stage.job.few_kilobytes;
+    let few = stage.job.few_kilobytes.context("there is more in its folder than what it makes")?;
     on_disk(stage, &format!("size={few}k"), "size=100m", "No space left")
 }
 
