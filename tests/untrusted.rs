@@ -1,14 +1,29 @@
 //! Everything that others may have written, read from the corpus that `cargo xtask fuzz` begins with, as it is and changed
 //! at random: nothing panics, hangs or asks for the whole memory. What libFuzzer has found lies in the corpus, too.
+//!
+//! An input that takes too long is told by a thread that watches, which ends the program; one that asks for more memory than there
+//! is here ends it at once. Either way the inputs that were being read lie in the folder for temporary files.
 
 #[path = "../fuzz/src/readers.rs"]
 mod readers;
 
+use cap::Cap;
 use rayon::prelude::*;
-use readers::{READERS, Reader};
+use readers::{MOST_BYTES, READERS, Reader};
+use std::alloc::System;
+use std::collections::BTreeMap;
+use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
+
+/// Each of what is read at once may take what it may where libFuzzer runs.
+#[global_allocator]
+static MEMORY: Cap<System> = Cap::new(System, usize::MAX);
+
+/// Since when each reader reads which input.
+static UNDER_WAY: Mutex<BTreeMap<&str, (Instant, String)>> = Mutex::new(BTreeMap::new());
 
 /// Changed inputs of each reader.
 const CHANGED: usize = 3000;
@@ -35,6 +50,9 @@ const NUMBERS: [&str; 12] = [
 
 #[test]
 fn nothing_that_others_may_have_written_breaks_a_reader() {
+    let at_once = rayon::current_num_threads().min(READERS.len());
+    MEMORY.set_limit(at_once * MOST_BYTES).expect("nothing has been read yet");
+    std::thread::spawn(watch);
     READERS.par_iter().for_each(|reader| {
         let corpus = corpus(reader);
         let folder = tempfile::tempdir().expect("a folder");
@@ -58,15 +76,38 @@ fn nothing_that_others_may_have_written_breaks_a_reader() {
 
 /// Reads an input, which must come to an end of its own, soon; whether it was accepted.
 fn read(reader: &Reader, folder: &Path, data: &[u8], what: &str) -> bool {
-    let begin = Instant::now();
+    let place = place(reader.name);
+    std::fs::write(&place, data).expect("a folder for temporary files");
+    under_way().insert(reader.name, (Instant::now(), what.to_owned()));
     let outcome = catch_unwind(AssertUnwindSafe(|| reader.read(folder, data)));
-    let place = || {
-        let place = std::env::temp_dir().join(format!("deepshade-{}-input", reader.name));
-        std::fs::write(&place, data).map_or_else(|error| error.to_string(), |()| place.display().to_string())
-    };
-    assert!(begin.elapsed() < PATIENCE, "{}, {what}: takes too long; {}", reader.name, place());
-    assert!(outcome.is_ok(), "{}, {what}: panics; {}", reader.name, place());
+    under_way().remove(reader.name);
+    assert!(outcome.is_ok(), "{}, {what}: panics; {}", reader.name, place.display());
+    std::fs::remove_file(&place).expect("as it was left");
     outcome.expect("it did not panic")
+}
+
+/// Ends the program where an input takes too long. Nothing else can end what does not end by itself.
+fn watch() {
+    loop {
+        std::thread::sleep(Duration::from_millis(200));
+        let under_way = under_way();
+        let stuck = under_way.iter().find(|(_, (begin, _))| begin.elapsed() > PATIENCE);
+        if let Some((name, (_, what))) = stuck {
+            let said = format!("{name}, {what}: takes too long; {}\n", place(name).display());
+            // Not as tests print, which is kept until the test has come to its end.
+            let _ = std::io::stderr().write_all(said.as_bytes());
+            std::process::abort();
+        }
+    }
+}
+
+fn under_way() -> MutexGuard<'static, BTreeMap<&'static str, (Instant, String)>> {
+    UNDER_WAY.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Where the input is that a reader reads.
+fn place(name: &str) -> PathBuf {
+    std::env::temp_dir().join(format!("deepshade-{name}-input-{}", std::process::id()))
 }
 
 /// The inputs that are kept, by name.

@@ -3,13 +3,10 @@
 mod readers;
 
 use cap::Cap;
-use readers::{READERS, Reader};
+use readers::{MOST_BYTES, READERS, Reader};
 use std::alloc::System;
 use std::path::PathBuf;
 use std::sync::OnceLock;
-
-/// Most bytes that reading a file of some kilobytes may take. What asks for more ends the process, which is a finding.
-const MOST_BYTES: usize = 1 << 30;
 
 #[global_allocator]
 static MEMORY: Cap<System> = Cap::new(System, MOST_BYTES);

@@ -19,6 +19,9 @@ use std::path::Path;
 /// Stands between the files of an input.
 pub const SEPARATOR: &[u8] = b"\n----\n";
 
+/// Most bytes that reading a file of some kilobytes may take. What asks for more ends the process, which is a finding.
+pub const MOST_BYTES: usize = 1 << 30;
+
 /// Hierarchies are built over scenes of at most so many triangles: more would take the time of thousands of inputs.
 const FEW_TRIANGLES: usize = 64;
 

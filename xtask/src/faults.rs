@@ -34,7 +34,7 @@ pub fn run(args: &[String]) -> Result<()> {
     let jobs = job::all(&program, &folder)?;
     let mut faults = Vec::new();
     let killed = kills::run(&program, &jobs, &folder, kills, seed, &mut faults)?;
-    let scenarios = scenarios::run(&program, &jobs[0], &folder)?;
+    let scenarios = scenarios::run(&program, &jobs, &folder)?;
     let survived = scenarios.iter().filter(|(_, outcome)| outcome.is_ok()).count();
     for (name, outcome) in &scenarios {
         match outcome {
@@ -50,7 +50,7 @@ pub fn run(args: &[String]) -> Result<()> {
         ("scenarios_survived".to_owned(), survived as f64),
     ];
     figures.extend(killed.by_job.iter().map(|(job, kills)| (format!("kills_{job}"), *kills as f64)));
-    let names = scenarios.iter().map(|(name, _)| (*name).to_owned()).collect();
+    let names = scenarios.into_iter().map(|(name, _)| name).collect();
     if let Some(path) = json {
         let details = [("scenarios", names), ("faults", faults.clone()), ("seed", vec![seed.to_string()])];
         write(&path, &to_json("faults", &figures, &details))?;

@@ -1,6 +1,6 @@
 //! Set-up and the commands that the README and CI call: `cargo xtask demo`, `cargo xtask test`,
 //! `cargo xtask prove`, `cargo xtask crosscheck`, `cargo xtask models`, `cargo xtask book`, `cargo xtask deny`,
-//! `cargo xtask faults`, `cargo xtask fuzz`, `cargo xtask package`, `cargo xtask soak`, `cargo xtask store`, `cargo xtask farm`,
+//! `cargo xtask targets`, `cargo xtask faults`, `cargo xtask fuzz`, `cargo xtask package`, `cargo xtask soak`, `cargo xtask store`, `cargo xtask farm`,
 //! `cargo xtask web`.
 //!
 //! Nothing but std and anyhow, but for what drives a browser (feature `browser`), so that it builds in seconds on a machine that has nothing else yet.
@@ -22,6 +22,7 @@ mod prove;
 mod python;
 mod soak;
 mod store;
+mod targets;
 mod test;
 mod vulkan;
 mod web;
@@ -48,10 +49,15 @@ Commands:
                Make every network in `models` from nothing: data, training, export, test set, evaluation, parity; hours.
                Given again it goes on. --work keeps data, runs and test sets, by default below the target folder
   book         Build the book in `book` with mdBook, as web pages below the target folder
-  deny         Check licences, banned crates and sources of all dependencies with cargo-deny
+  deny [--advisories]
+               Check licences, banned crates and sources of all dependencies with cargo-deny, and advisories of known faults
+               where their database can be fetched; with --advisories it is an error if it cannot
+  targets      Check that the program compiles for Windows and macOS, with targets that rustup brings or, where Debian's
+               compiler is new enough, with the standard library from Debian's source; nothing is linked
   faults [--kills N] [--seed S] [--json F]
-               Kill the program at random moments of every long job (60 times by default), fill its disk, stop it, limit
-               its memory, interrupt it, start it twice: what it makes must be what it makes undisturbed, byte for byte
+               Kill the program at random moments of every long job, a farm's tasks too (60 times by default), fill its disk,
+               stop it, limit its memory, interrupt it, start it twice, set its clock back, lose its graphics card: what it
+               makes must be what it makes undisturbed, byte for byte
   fuzz [--executions N] [--only TARGET]... [--json F]
                Read changed files of every kind that others may have written, by libFuzzer, which needs a C++ compiler:
                10,000,000 a target by default, which takes hours. Given again it goes on
@@ -98,7 +104,8 @@ fn run(args: &[String]) -> Result<()> {
         ("crosscheck", rest) => crosscheck::run(rest),
         ("models", rest) => models::run(rest),
         ("book", []) => book::run(),
-        ("deny", []) => deny::run(),
+        ("deny", rest) => deny::run(rest),
+        ("targets", []) => targets::run(),
         ("faults", rest) => faults::run(rest),
         ("package", rest) => package::run(rest),
         ("fuzz", rest) => fuzz::run(rest),

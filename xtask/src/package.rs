@@ -17,6 +17,8 @@ const TRIALS: [&str; 2] = [
     "cd /tmp && XDG_RUNTIME_DIR=/tmp deepshade compare --scene stairs:7 --effect ao --methods truth,hbao,learned \
      --width 64 --height 64 --samples 16 --out report && test -s report/index.html",
 ];
+/// What is packaged: the program that can do everything that needs nothing more of the system.
+const BUILD: [&str; 5] = ["build", "--release", "--locked", "--features", "store"];
 /// What programs need of the system, where no package says so.
 const LIBRARIES: &str = "libvulkan1 mesa-vulkan-drivers";
 
@@ -34,7 +36,7 @@ pub fn run(args: &[String]) -> Result<()> {
     if !succeeds(&mut cargo(&["deb", "--version"])) {
         bail!("cargo-deb is missing; install it with\n    cargo install cargo-deb --locked");
     }
-    let program = Program::build()?;
+    Program::build_by(&BUILD)?;
     let package = target().join("debian/deepshade.deb");
     let out = package.display().to_string();
     command::run(&mut cargo(&["deb", "--no-build", "--locked", "--output", &out]))?;
@@ -44,7 +46,7 @@ pub fn run(args: &[String]) -> Result<()> {
     if tried {
         for (name, way) in WAYS {
             let begin = Instant::now();
-            way(&program, &package).with_context(|| name.to_owned())?;
+            way(&package).with_context(|| name.to_owned())?;
             println!("{name}: works");
             figures.push((format!("{name}_works"), 1.0));
             figures.push((format!("{name}_seconds"), begin.elapsed().as_secs_f64()));
@@ -56,12 +58,12 @@ pub fn run(args: &[String]) -> Result<()> {
     Ok(())
 }
 
-type Way = (&'static str, fn(&Program, &Path) -> Result<()>);
+type Way = (&'static str, fn(&Path) -> Result<()>);
 
 /// Each leads to a program that works.
 const WAYS: [Way; 3] = [("package", by_package), ("cargo_install", by_cargo), ("container", by_container)];
 
-fn by_package(_: &Program, package: &Path) -> Result<()> {
+fn by_package(package: &Path) -> Result<()> {
     let root = Root::new("package")?;
     root.put(package, "tmp/deepshade.deb")?;
     root.run("apt-get update --quiet && apt-get install --yes --quiet /tmp/deepshade.deb")?;
@@ -70,7 +72,7 @@ fn by_package(_: &Program, package: &Path) -> Result<()> {
 }
 
 /// The program alone, with networks as the repository has them.
-fn by_cargo(_: &Program, _: &Path) -> Result<()> {
+fn by_cargo(_: &Path) -> Result<()> {
     let root = Root::new("cargo")?;
     let place = root.path("usr/local").display().to_string();
     let install = ["install", "--path", ".", "--locked", "--force", "--no-track", "--root", &place];
@@ -82,9 +84,10 @@ fn by_cargo(_: &Program, _: &Path) -> Result<()> {
     TRIALS.iter().try_for_each(|line| root.run(line))
 }
 
-/// The steps of the container file's second stage.
-fn by_container(program: &Program, _: &Path) -> Result<()> {
+/// The container file: what its first stage builds, and the steps of its second.
+fn by_container(_: &Path) -> Result<()> {
     let text = std::fs::read_to_string(command::root().join("Containerfile"))?;
+    let program = Program::build_by(&container::build(&text)?)?;
     let steps = container::last_stage(&text)?;
     ensure!(steps.len() > 3, "the container file has too few steps to be checked");
     let root = Root::new("container")?;
@@ -92,7 +95,7 @@ fn by_container(program: &Program, _: &Path) -> Result<()> {
         match step {
             container::Step::Run(line) => root.run(&line)?,
             container::Step::Copy(from, to) => {
-                root.put(&built(program, &from)?, to.trim_start_matches('/'))?
+                root.put(&built(&program, &from)?, to.trim_start_matches('/'))?
             }
         }
     }

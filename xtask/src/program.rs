@@ -20,7 +20,15 @@ impl Program {
     /// # Errors
     /// If it does not build.
     pub fn build() -> Result<Self> {
-        command::run(&mut cargo(&["build", "--release", "--locked"]))?;
+        Self::build_by(&["build", "--release", "--locked"])
+    }
+
+    /// Builds it by such arguments of cargo's.
+    ///
+    /// # Errors
+    /// If it does not build.
+    pub fn build_by<S: AsRef<OsStr>>(words: &[S]) -> Result<Self> {
+        command::run(&mut cargo(words))?;
         Ok(Self::built())
     }
 

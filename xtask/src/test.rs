@@ -152,5 +152,7 @@ fn print_summary(times: &[(&str, Duration)]) {
     }
     let total: Duration = times.iter().map(|(_, time)| *time).sum();
     println!("{:>6} s  total", total.as_secs());
-    println!("Not part of this: `cargo xtask deny` (licences; needs cargo-deny)");
+    println!(
+        "Not part of this: `cargo xtask deny` (licences, advisories; needs cargo-deny) and `cargo xtask targets` (Windows, macOS)"
+    );
 }

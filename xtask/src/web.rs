@@ -7,7 +7,7 @@
 #[cfg(feature = "browser")]
 mod browser;
 mod serve;
-mod toolchain;
+pub mod toolchain;
 
 use crate::command::{self, cargo, command, root, target};
 use crate::program::Program;

@@ -3,6 +3,7 @@
 pub mod animated;
 pub mod box_mapping;
 pub mod camera;
+mod decode;
 pub mod environment;
 mod file;
 mod finish;

@@ -1,10 +1,12 @@
 //! Textures: 8-bit texels, sampled bilinearly as linear values.
 
 use super::SceneError;
-use super::file::{decode, read};
+use super::decode::{Image, decode};
+use super::file::read;
 use deepshade_shaders::colour::{LINEAR_OF_SRGB, srgb_byte};
 use glam::{Vec2, Vec4};
 use std::path::Path;
+use std::sync::Arc;
 
 /// What the stored bytes mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,12 +28,12 @@ pub enum Wrap {
     Clamp,
 }
 
-/// An image that materials read, origin top left, `[height][width]` texels of four bytes.
+/// An image that materials read, origin top left, `[height][width]` texels of four bytes, which copies share.
 #[derive(Clone, Debug)]
 pub struct Texture {
     width: usize,
     height: usize,
-    texels: Vec<[u8; 4]>,
+    texels: Arc<[[u8; 4]]>,
     encoding: Encoding,
     wrap: [Wrap; 2],
 }
@@ -49,6 +51,12 @@ impl Texture {
         wrap: [Wrap; 2],
     ) -> Self {
         assert!(!texels.is_empty() && texels.len() == width * height, "{width} x {height} texels");
+        Self { width, height, texels: texels.into(), encoding, wrap }
+    }
+
+    /// An image, read in one of several ways; all share its texels.
+    pub(super) fn of(image: &Image, encoding: Encoding, wrap: [Wrap; 2]) -> Self {
+        let Image { width, height, texels } = image.clone();
         Self { width, height, texels, encoding, wrap }
     }
 
@@ -58,7 +66,7 @@ impl Texture {
     /// If the file is missing, damaged or no such image.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
         let image = decode(&read(path)?).map_err(|what| SceneError::invalid(path, what))?;
-        Ok(Self::new(image.width, image.height, image.texels, Encoding::Srgb, [Wrap::Repeat; 2]))
+        Ok(Self::of(&image, Encoding::Srgb, [Wrap::Repeat; 2]))
     }
 
     /// Texels in a row and in a column.

@@ -1,15 +1,8 @@
 //! Damaged and hostile glTF files: every one gives an error that names what is wrong, within seconds.
 
-use crate::{
-    build::{Builder, ONE_MESH, base64, load, load_bytes, png, triangle, write},
-    data::files,
-    real_data::data,
-};
+use crate::build::{Builder, ONE_MESH, base64, load, load_bytes, png, triangle, write};
 use deepshade_render::scene::{Scene, SceneError};
-use std::{
-    path::Path,
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
 /// Longest time that a small file may take.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -42,8 +35,8 @@ fn json_that_lies_is_named() {
         ("no index accessor", r#""indices":1"#, r#""indices":7"#, "indices: Index out of bounds"),
         (
             "float indices",
-            r#""componentType":5123"#,
-            r#""componentType":5126"#,
+            r#""componentType":5123,"count":3"#,
+            r#""componentType":5126,"count":1"#,
             "indices of mesh `corner`: accessor 1",
         ),
         (
@@ -63,7 +56,7 @@ fn json_that_lies_is_named() {
             "absurdly long",
             r#""count":3,"type":"VEC3""#,
             r#""count":18446744073709551615,"type":"VEC3""#,
-            "mesh `corner`",
+            "accessor 0 reaches past the end of buffer view 0",
         ),
         (
             "offset that overflows",
@@ -275,7 +268,7 @@ fn what_a_file_refers_to_is_named() {
     let with_buffer = |uri: &str| [&embedded[..begin], uri, &embedded[end..]].concat();
     assert!(try_with(&with_buffer("gone%20away.bin")).contains("gone away.bin"));
     for elsewhere in ["../a.bin", "%2e%2e/a.bin", "/etc/hostname"] {
-        assert!(try_with(&with_buffer(elsewhere)).contains("is not in the scene's folder"), "{elsewhere}");
+        assert!(try_with(&with_buffer(elsewhere)).contains("leads out of the folder"), "{elsewhere}");
     }
     assert!(try_with(&with_buffer("https://example.org/a.bin")).contains("example.org"));
     #[cfg(unix)]
@@ -310,25 +303,6 @@ fn what_a_file_refers_to_is_named() {
     absurd[16..24].copy_from_slice(&[0x7f, 0xff, 0xff, 0xff, 0x7f, 0xff, 0xff, 0xff]);
     write(folder.path(), "absurd.png", &absurd);
     assert!(try_with(&textured("absurd.png")).contains("absurd.png"));
-}
-
-#[test]
-fn malformed_files_are_refused_for_what_is_wrong() {
-    let Some(folder) = data() else { return };
-    let found = files(&folder.join("malformed/gltf"), &["gltf", "glb"]);
-    assert_eq!(found.len(), 40);
-    for path in found {
-        let name = path.file_name().expect("a file").to_string_lossy();
-        let said = check_quickly(&path, &path).expect("refused");
-        // What is wrong with these is in extensions that are not read; without them they are sound, and have no mesh.
-        let unread = [
-            "KHR_materials_variants__",
-            "KHR_mesh_quantization__",
-            "EXT_texture_webp__texture__invalid_image",
-        ];
-        let empty = unread.iter().any(|start| name.starts_with(start));
-        assert_eq!(said.contains("no triangle"), empty, "{name}: {said}");
-    }
 }
 
 /// Faults that the validator of the crate `gltf` does not know, each in a file that is sound without it.
@@ -366,6 +340,12 @@ fn faults_of_what_is_not_shown_are_named() {
             "bufferViews[1].byteStride: 8 in a view of 4 bytes",
         ),
         (r#","images":[{}]"#, "", "", "images[0]: neither"),
+        (
+            r#","images":[{"bufferView":1,"mimeType":"image/png"}]"#,
+            r#",{"buffer":0,"byteLength":36,"byteStride":12}"#,
+            "",
+            "images[0]: buffer view 1 has a stride",
+        ),
         (r#","extensionsUsed":["A","B","A"]"#, "", "", "extensionsUsed: A is listed twice"),
         (
             r#","cameras":[{"type":"orthographic","orthographic":{"xmag":0,"ymag":1,"znear":0,"zfar":1}}]"#,
@@ -390,45 +370,4 @@ fn faults_of_what_is_not_shown_are_named() {
         let error = load(&sound(more, views, extra), 0.0).expect_err(expected).to_string();
         assert!(error.contains(expected), "{error}: not {expected}");
     }
-}
-
-#[test]
-fn malformed_images_are_named() {
-    let Some(folder) = data() else { return };
-    let images = files(&folder.join("malformed/images"), &["bmp", "exr", "hdr", "png", "tga"]);
-    assert_eq!(images.len(), 28);
-    let scene = tempfile::tempdir().expect("a temporary folder");
-    for image in images {
-        let name = image.file_name().expect("a file").to_string_lossy().into_owned();
-        std::fs::copy(&image, scene.path().join(&name)).expect("a writable temporary folder");
-        let text = triangle().gltf(&format!(
-            r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"material":0}}]}}],
-            "materials":[{{"normalTexture":{{"index":0}}}}],
-            "textures":[{{"source":0}}],"images":[{{"uri":"{name}"}}]"#
-        ));
-        write(scene.path(), "test.gltf", text);
-        let error = check_quickly(&scene.path().join("test.gltf"), &image).expect("refused");
-        assert!(error.contains(&name), "{name}: {error}");
-    }
-}
-
-/// Loads a file, which must not take long, and must name itself in an error, if it gives one.
-fn check_quickly(path: &Path, shown: &Path) -> Option<String> {
-    let begin = Instant::now();
-    let error = Scene::load(path, 0.0).err();
-    assert!(begin.elapsed() < PATIENCE, "{}", shown.display());
-    let text = error.map(|error| match error {
-        SceneError::Empty { ref name } => {
-            assert_eq!(name.as_str(), path.file_stem().expect("a name"), "{}", shown.display());
-            error.to_string()
-        }
-        _ => {
-            let text = error.to_string();
-            let folder = path.parent().expect("a folder").to_string_lossy();
-            assert!(text.starts_with(&*folder), "{text}");
-            text
-        }
-    });
-    println!("{}: {}", shown.display(), text.as_deref().unwrap_or("loads"));
-    text
 }

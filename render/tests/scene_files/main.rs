@@ -7,6 +7,7 @@ mod data;
 mod environment;
 mod fuzz;
 mod glowing;
+mod malformed;
 mod moving;
 mod obj;
 mod on_gpu;

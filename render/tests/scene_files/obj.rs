@@ -100,12 +100,12 @@ fn emission_below_zero_is_refused_by_name() {
 fn what_is_missing_or_damaged_is_named() {
     let face = |more: &str| format!("{more}{SQUARE}f 1 2 3\n");
     let cases: [(&str, String, &str, &str); 17] = [
-        ("a library elsewhere", face("mtllib ../b.mtl\n"), "", "`../b.mtl` is not in the scene's folder"),
+        ("a library elsewhere", face("mtllib ../b.mtl\n"), "", "`../b.mtl` leads out of the folder"),
         (
             "a texture elsewhere",
             face("mtllib b.mtl\n"),
             "newmtl m\nmap_Kd /etc/hostname\n",
-            "`/etc/hostname` is not in the scene's folder",
+            "`/etc/hostname` leads out of the folder",
         ),
         ("a missing library", face("mtllib gone.mtl\n"), "", "gone.mtl"),
         ("a missing texture", face("mtllib b.mtl\n"), "newmtl m\nmap_Kd gone.png\n", "gone.png"),

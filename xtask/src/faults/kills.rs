@@ -1,13 +1,15 @@
 //! Killing jobs at random moments.
 
 use super::job::Job;
-use crate::program::Program;
-use anyhow::{Context, Result};
+use crate::program::{Program, message};
+use anyhow::{Context, Result, anyhow};
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::{Child, Stdio};
+use std::process::{Child, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
+/// After so many faults it is known that something is wrong.
+const MANY_FAULTS: usize = 20;
 /// A job is killed at most so often before it may come to its end.
 const IN_A_ROW: u64 = 6;
 
@@ -39,7 +41,7 @@ pub fn run(
     let mut random = Random(seed);
     let mut killed = Killed::default();
     let mut round = 0;
-    while killed.kills < kills {
+    while killed.kills < kills && faults.len() < MANY_FAULTS {
         let job = &jobs[round % jobs.len()];
         let out = folder.join(format!("killed-{round}"));
         let met = row(program, job, &out, &mut random, kills - killed.kills, &mut killed.bytes);
@@ -69,38 +71,59 @@ fn row(
     most: usize,
     bytes: &mut u64,
 ) -> Result<(usize, Result<()>)> {
+    job.prepare(program, out)?;
     let wanted = (1 + random.below(IN_A_ROW)) as usize;
     let mut met = 0;
     for _ in 0..wanted.min(most) {
         let moment = job.takes.mul_f64(random.share());
-        let mut child =
-            program.command(&job.words(out)).stdout(Stdio::null()).stderr(Stdio::null()).spawn()?;
-        if !killed_at(&mut child, moment)? {
-            break;
+        let child = job.command(program, out, &[]).stdout(Stdio::null()).stderr(Stdio::piped()).spawn()?;
+        match killed_at(child, moment)? {
+            Met::Done => break,
+            Met::Failed(why) => return Ok((met, Err(anyhow!("it failed before it was killed: {why}")))),
+            Met::AtWork => met += 1,
         }
-        met += 1;
         match job.so_far(out).and_then(|found| job.check_so_far(&found)) {
             Ok(compared) => *bytes += compared,
             Err(error) => return Ok((met, Err(error.context("right after a kill")))),
         }
     }
-    let outcome = program.run(&job.words(out)).and_then(|()| job.check_done(program, out));
+    let outcome = job.run(program, out).and_then(|()| job.check_done(program, out));
     let outcome = outcome.map(|compared| *bytes += compared);
     Ok((met, outcome))
 }
 
-/// Kills a job after a time; whether that met it under way.
-fn killed_at(child: &mut Child, moment: Duration) -> Result<bool> {
+/// How a kill met a job.
+enum Met {
+    /// Under way.
+    AtWork,
+    /// Not any more: it was done.
+    Done,
+    /// Not any more: it had failed, which is a fault whatever comes after it.
+    Failed(String),
+}
+
+/// Kills a job after a time.
+fn killed_at(mut child: Child, moment: Duration) -> Result<Met> {
     let start = Instant::now();
-    while start.elapsed() < moment {
-        if child.try_wait()?.is_some() {
-            return Ok(false);
-        }
+    while start.elapsed() < moment && child.try_wait()?.is_none() {
         std::thread::sleep(Duration::from_micros(200));
     }
     // One that has ended meanwhile has nothing to be killed.
     let _ = child.kill();
-    Ok(!child.wait()?.success())
+    let output = child.wait_with_output()?;
+    Ok(match output.status {
+        status if status.success() => Met::Done,
+        status if is_killed(status) => Met::AtWork,
+        status => Met::Failed(format!("{status}: {}", message(&output))),
+    })
+}
+
+/// Whether SIGKILL has ended a process; elsewhere than on Unix, which has no signals, whether it did not end well.
+fn is_killed(status: ExitStatus) -> bool {
+    #[cfg(unix)]
+    return std::os::unix::process::ExitStatusExt::signal(&status) == Some(9);
+    #[cfg(not(unix))]
+    return !status.success();
 }
 
 /// Random numbers (splitmix64), so that a seed gives the same moments again.

@@ -1,6 +1,6 @@
 //! The steps of a container file, as far as they change a file system.
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 
 /// A step.
 #[derive(Debug, PartialEq, Eq)]
@@ -33,6 +33,17 @@ pub fn last_stage(text: &str) -> Result<Vec<Step>> {
     Ok(steps)
 }
 
+/// The arguments of cargo by which the program is built there.
+///
+/// # Errors
+/// If no step builds it by cargo alone.
+pub fn build(text: &str) -> Result<Vec<String>> {
+    let mut lines = joined(text).into_iter();
+    let line = lines.find_map(|line| line.strip_prefix("RUN cargo ").map(str::to_owned));
+    let words = line.context("no step of the container file runs cargo")?;
+    Ok(words.split_whitespace().map(str::to_owned).collect())
+}
+
 /// Lines without comments, those that end with `\` joined with the next.
 fn joined(text: &str) -> Vec<String> {
     let mut lines = Vec::new();
@@ -57,5 +68,9 @@ mod tests {
         let expected = [Step::Run("one && two".to_owned()), Step::Copy("/src/x".to_owned(), "/y".to_owned())];
         assert_eq!(steps, expected);
         assert!(last_stage("FROM b\nVOLUME /x").is_err());
+        assert!(build(text).is_err());
+        let built =
+            build("FROM a AS build\nRUN cargo build \\\n  --features x\nFROM b").expect("a step of cargo's");
+        assert_eq!(built, ["build", "--features", "x"]);
     }
 }

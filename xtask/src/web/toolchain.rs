@@ -39,17 +39,20 @@ pub fn compile() -> Result<PathBuf> {
         .env("CARGO_PROFILE_RELEASE_DEBUG", "false")
         // What features the module has is written in a section that wasm-bindgen wants to see.
         .env("CARGO_PROFILE_RELEASE_STRIP", "debuginfo");
-    if !has_target()? {
+    if !has_target(TARGET)? {
         debian(&mut build)?;
     }
     command::run(&mut build)?;
     Ok(folder.join(TARGET).join("release").join("deepshade.wasm"))
 }
 
-/// Whether the toolchain has the target, or rustup can bring it.
-fn has_target() -> Result<bool> {
-    let there = library()?.join(TARGET).is_dir();
-    Ok(there || succeeds(&mut command("rustup", &["target", "add", TARGET])))
+/// Whether the toolchain has a target, or rustup can bring it.
+///
+/// # Errors
+/// If there is no toolchain.
+pub fn has_target(target: &str) -> Result<bool> {
+    let there = library()?.join(target).is_dir();
+    Ok(there || succeeds(&mut command("rustup", &["target", "add", target])))
 }
 
 /// Has a build use Debian's compiler, installed where that is allowed, with the standard library from source.

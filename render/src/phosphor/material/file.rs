@@ -86,7 +86,8 @@ impl MaterialFile {
         self.materials.iter().find(|material| material.name == name)
     }
 
-    fn parse(text: &str, path: &Path) -> Result<Self, FileError> {
+    /// The materials of a file's text; the path is for errors.
+    pub(crate) fn parse(text: &str, path: &Path) -> Result<Self, FileError> {
         let file: Self = toml::from_str(text)
             .map_err(|source| FileError::Form { path: path.into(), source: Box::new(source) })?;
         let materials = file.materials.into_iter().map(Material::checked).collect::<Result<_, _>>();

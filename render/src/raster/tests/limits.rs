@@ -3,6 +3,7 @@
 use super::*;
 use crate::scene::{Encoding, Mesh, Texture, TextureId, TextureSlot, Wrap};
 use glam::{Affine2, Vec2};
+use std::time::{Duration, Instant};
 
 /// A device of the fastest adapter with nothing but WebGPU's guaranteed limits.
 fn least() -> Gpu {
@@ -152,16 +153,57 @@ fn the_same_frame_has_the_same_bits() {
     assert!(a.data().iter().any(|value| *value != 0.0));
 }
 
-#[test]
-fn a_device_that_is_lost_is_an_error_and_no_panic() {
+/// A device with a frame to draw on it, of so many pixels an edge.
+fn drawn(edge: usize) -> (Gpu, Frame) {
     let gpu = least();
-    let mut frame = Frame::new(&gpu, &floor().into(), &settings(8, 8)).expect("a frame");
+    let mut frame = Frame::new(&gpu, &floor().into(), &settings(edge, edge)).expect("a frame");
     frame.set(&gpu.queue, 0.0, 0.0, &above());
-    gpu.device.destroy();
-    let submitted = gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| {
+    (gpu, frame)
+}
+
+/// Draws a frame and waits for it; `midway` is done when all of it is encoded, and `submitted` when the device has it.
+fn shown(
+    gpu: &Gpu,
+    frame: &Frame,
+    midway: impl FnOnce(),
+    submitted: impl FnOnce(),
+) -> Result<Vec<f32>, gpu::GpuError> {
+    gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| {
         Stage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
-    });
-    let read = gpu::read::<f32>(&gpu.device, &gpu.queue, frame.gbuffer().buffer(Attribute::Valid));
-    assert!(submitted.is_err() || read.is_err(), "a lost device makes no image");
-    assert!(Frame::new(&gpu, &floor().into(), &settings(8, 8)).is_err());
+        midway();
+    })?;
+    submitted();
+    gpu::read(&gpu.device, &gpu.queue, frame.gbuffer().buffer(Attribute::Valid))
+}
+
+/// `cargo xtask faults` runs these tests, too: an adapter cannot be taken away from outside of the program.
+#[test]
+fn a_device_that_is_lost_in_mid_frame_is_an_error_and_no_panic() {
+    let (gpu, frame) = drawn(64);
+    let whole = shown(&gpu, &frame, || (), || ()).expect("an image");
+    assert!(whole.contains(&1.0), "nothing is seen");
+    shown(&gpu, &frame, || gpu.device.destroy(), || ()).expect_err("lost with a frame that is encoded");
+    assert!(Frame::new(&gpu, &floor().into(), &settings(8, 8)).is_err(), "it is gone for good");
+    let (gpu, frame) = drawn(64);
+    shown(&gpu, &frame, || (), || gpu.device.destroy()).expect_err("lost with a frame that is submitted");
+}
+
+#[test]
+fn a_device_that_is_lost_while_frames_are_awaited_is_an_error_and_no_panic() {
+    const PATIENCE: Duration = Duration::from_mins(1);
+    for moment in [1, 5, 17, 50, 120].map(Duration::from_millis) {
+        // So large that nearly all of the time is spent waiting for frames.
+        let (gpu, frame) = drawn(384);
+        let device = gpu.device.clone();
+        let begin = Instant::now();
+        let loss = std::thread::spawn(move || {
+            std::thread::sleep(moment);
+            device.destroy();
+        });
+        while shown(&gpu, &frame, || (), || ()).is_ok() {
+            assert!(begin.elapsed() < PATIENCE, "frames come from a device that is lost");
+        }
+        assert!(begin.elapsed() >= moment, "an error before there was a reason");
+        loss.join().expect("no panic there either");
+    }
 }

@@ -5,7 +5,7 @@ use crate::phosphor::material::Material;
 use crate::phosphor::material::file::{FileError, MaterialFile};
 use crate::phosphor::paint::Paint;
 use crate::phosphor::spectrum::lights::Light;
-use crate::scene::{Density, Medium, Scene};
+use crate::scene::{Density, Medium, Scene, file};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -54,7 +54,7 @@ pub struct GlowFile {
     /// How it is at first.
     #[serde(default)]
     pub start: WrittenStart,
-    /// Own materials beside the presets, from here on.
+    /// Own materials beside the presets, in the file's folder or below.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub materials: Option<PathBuf>,
     /// The spectrum of all lamps, whose colours in the scene then say how bright they are and no more.
@@ -125,16 +125,19 @@ impl Glow {
     /// # Errors
     /// If the file, or one that it names, cannot be read or says what makes no sense.
     pub fn read(path: &Path, moment: f32) -> Result<Self, GlowError> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| GlowError::Read { path: path.into(), source })?;
+        let text = file::text(path).map_err(|source| GlowError::Read { path: path.into(), source })?;
         let written: GlowFile = toml::from_str(&text)
             .map_err(|source| GlowError::Form { path: path.into(), source: Box::new(source) })?;
-        let own = written.materials.as_ref().map(|own| {
-            let own = path.parent().unwrap_or(Path::new("")).join(own);
-            MaterialFile::read(&own).map_err(|source| GlowError::Materials { path: path.into(), source })
-        });
-        let own = own.transpose()?.map_or_else(Vec::new, |file| file.materials);
-        written.glow(&own, moment).map_err(|what| GlowError::Sense { path: path.into(), what })
+        let sense = |what| GlowError::Sense { path: path.into(), what };
+        let own = match &written.materials {
+            Some(name) => {
+                let folder = path.parent().unwrap_or(Path::new(""));
+                materials(&file::beside(folder, Path::new(""), name).map_err(sense)?)
+                    .map_err(|source| GlowError::Materials { path: path.into(), source })?
+            }
+            None => Vec::new(),
+        };
+        written.glow(&own, moment).map_err(sense)
     }
 
     /// Whether a scene has the materials and lamps that are named.
@@ -196,6 +199,12 @@ impl GlowFile {
         }
         Ok(Glow { surfaces, medium, schedules, start, moment })
     }
+}
+
+/// The materials of a file that anybody may have written.
+fn materials(path: &Path) -> Result<Vec<Material>, FileError> {
+    let text = file::text(path).map_err(|source| FileError::Read { path: path.into(), source })?;
+    Ok(MaterialFile::parse(&text, path)?.materials)
 }
 
 /// The paint of that name under lamps of such a spectrum, own ones first.
@@ -313,6 +322,9 @@ mod tests {
             ("[0, 1.5]", "[nan, 1.5]", "not from one moment to a later one"),
             ("paint = 'mine'", "pant = 'mine'", "pant"),
             ("own.toml", "none.toml", "none.toml"),
+            ("own.toml", "../own.toml", "`../own.toml` leads out of the folder"),
+            ("own.toml", "/dev/zero", "`/dev/zero` leads out of the folder"),
+            ("own.toml", ".", "is not a plain file"),
         ] {
             let said = said(from, to);
             assert!(said.contains(expected), "{to}: {said}");

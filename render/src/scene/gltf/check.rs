@@ -2,6 +2,7 @@
 //! of each check in parentheses). A file that breaks these was damaged or made wrongly, and is told so by name.
 
 use gltf::json::accessor::{ComponentType, Type};
+use gltf::json::buffer::View;
 use gltf::json::camera::Type as Projection;
 use gltf::json::validation::Checked;
 use gltf::json::{Index, Node, Root};
@@ -23,6 +24,8 @@ pub(super) fn chunks(bytes: &[u8]) -> Result<(), String> {
 pub(super) fn structure(root: &Root) -> Result<(), String> {
     extensions(root)?;
     views(root)?;
+    accessors(root)?;
+    indices(root)?;
     images(root)?;
     cameras(root)?;
     weights(root)?;
@@ -61,10 +64,62 @@ fn views(root: &Root) -> Result<(), String> {
     Ok(())
 }
 
-/// Every image has bytes (5.18).
+/// Accessors are within their views, and replace no more elements than they have (5.1, 5.2).
+fn accessors(root: &Root) -> Result<(), String> {
+    for (index, accessor) in root.accessors.iter().enumerate() {
+        let count = accessor.count.0;
+        if let Some(sparse) = accessor.sparse.as_ref().filter(|sparse| sparse.count.0 > count) {
+            return Err(format!("accessors[{index}].sparse: {} for {count} elements", sparse.count.0));
+        }
+        let (Some(view), Checked::Valid(component), Checked::Valid(kind)) =
+            (accessor.buffer_view, &accessor.component_type, &accessor.type_)
+        else {
+            continue;
+        };
+        let size = (kind.multiplicity() * component.0.size()) as u64;
+        let offset = accessor.byte_offset.map_or(0, |offset| offset.0);
+        let held = &root.buffer_views[view.value()];
+        let step = held.byte_stride.map_or(size, |stride| stride.0 as u64);
+        let last = count.checked_sub(1).map_or(Some(0), |steps| steps.checked_mul(step));
+        let end = last.and_then(|last| last.checked_add(size)?.checked_add(offset));
+        if count > 0 && end.is_none_or(|end| end > held.byte_length.0) {
+            return Err(format!("accessor {index} reaches past the end of buffer view {view}"));
+        }
+    }
+    Ok(())
+}
+
+/// Indices of triangles lie side by side (3.6.2.1).
+fn indices(root: &Root) -> Result<(), String> {
+    for (index, mesh) in root.meshes.iter().enumerate() {
+        for (part, primitive) in mesh.primitives.iter().enumerate() {
+            let accessor = primitive.indices.map(|indices| &root.accessors[indices.value()]);
+            packed(root, accessor.and_then(|accessor| accessor.buffer_view))
+                .map_err(|what| format!("meshes[{index}].primitives[{part}].indices: {what}"))?;
+        }
+    }
+    Ok(())
+}
+
+/// Every image has bytes, which lie side by side (5.18).
 fn images(root: &Root) -> Result<(), String> {
-    let empty = root.images.iter().position(|image| image.uri.is_none() && image.buffer_view.is_none());
-    empty.map_or(Ok(()), |index| Err(format!("images[{index}]: neither a URI nor a buffer view")))
+    for (index, image) in root.images.iter().enumerate() {
+        if image.uri.is_none() && image.buffer_view.is_none() {
+            return Err(format!("images[{index}]: neither a URI nor a buffer view"));
+        }
+        packed(root, image.buffer_view).map_err(|what| format!("images[{index}]: {what}"))?;
+    }
+    Ok(())
+}
+
+/// Whether a view has no steps, which only what vertices have may have.
+fn packed(root: &Root, view: Option<Index<View>>) -> Result<(), String> {
+    match view {
+        Some(view) if root.buffer_views[view.value()].byte_stride.is_some() => {
+            Err(format!("buffer view {view} has a stride"))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Cameras see something (5.13).

@@ -48,6 +48,10 @@ impl<'a> File<'a> {
     /// The bytes that a URI stands for: a data URI's own, or those of a file beside this one.
     pub fn resource(&self, uri: &str) -> Result<Vec<u8>, SceneError> {
         if uri.starts_with("data:") {
+            // What comes before the data would else be taken for them (RFC 2397).
+            if !uri.contains(',') {
+                return Err(self.invalid("a data URI is damaged: it has no comma"));
+            }
             let source = gltf::buffer::Source::Uri(uri);
             let data = gltf::buffer::Data::from_source(source, None);
             return data

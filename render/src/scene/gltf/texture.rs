@@ -3,13 +3,12 @@
 use super::{
     super::{
         SceneError, Texture, TextureId,
-        file::{self, Image},
+        decode::{self, Encoded, Image},
         texture::{Encoding, Wrap},
     },
     document::File,
 };
 use gltf::texture::WrappingMode;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -42,17 +41,14 @@ impl TextureList {
 
     /// Reads and decodes all of them, each image once.
     pub fn load(self, file: &File<'_>) -> Result<Vec<Arc<Texture>>, SceneError> {
-        let mut images: Vec<_> = self.0.iter().map(|wanted| wanted.image).collect();
-        images.sort_unstable();
-        images.dedup();
-        let images: BTreeMap<usize, Image> = images
-            .into_par_iter()
-            .map(|index| Ok((index, read_image(file, index)?)))
-            .collect::<Result<_, SceneError>>()?;
-        let texture = |wanted: Wanted| {
-            let Image { width, height, texels } = &images[&wanted.image];
-            Arc::new(Texture::new(*width, *height, texels.clone(), wanted.encoding, wanted.wrap))
-        };
+        let mut indices: Vec<_> = self.0.iter().map(|wanted| wanted.image).collect();
+        indices.sort_unstable();
+        indices.dedup();
+        let encoded = indices.iter().map(|index| encoded(file, *index)).collect::<Result<Vec<_>, _>>()?;
+        let images = decode::all(&encoded).map_err(|(place, what)| invalid(file, indices[place], &what))?;
+        let images: BTreeMap<usize, Image> = indices.into_iter().zip(images).collect();
+        let texture =
+            |Wanted { image, encoding, wrap }| Arc::new(Texture::of(&images[&image], encoding, wrap));
         Ok(self.0.into_iter().map(texture).collect())
     }
 }
@@ -65,19 +61,24 @@ fn wrap(mode: WrappingMode) -> Wrap {
     }
 }
 
-/// Reads an image from a file, a data URI or a buffer view.
-fn read_image(file: &File<'_>, index: usize) -> Result<Image, SceneError> {
+/// An image of a file, a data URI or a buffer view.
+fn encoded<'a>(file: &'a File<'_>, index: usize) -> Result<Encoded<'a>, SceneError> {
     let json = &file.document.as_json().images[index];
-    let in_file = json.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
-    let name = in_file.or(json.name.as_deref()).unwrap_or("embedded");
-    let error = |what: String| file.invalid(format!("image {index} `{name}` {what}"));
-    let decoded = match (&json.uri, json.buffer_view) {
-        (Some(uri), _) => file::decode(&file.resource(uri)?),
+    let encoded = match (&json.uri, json.buffer_view) {
+        (Some(uri), _) => Encoded::new(file.resource(uri)?),
         (None, Some(view)) => {
             let view = file.document.views().nth(view.value()).expect("buffer view indices are validated");
-            file.view(&view).and_then(file::decode)
+            file.view(&view).and_then(Encoded::new)
         }
         (None, None) => Err("has neither a URI nor a buffer view".to_owned()),
     };
-    decoded.map_err(error)
+    encoded.map_err(|what| invalid(file, index, &what))
+}
+
+/// An error about an image.
+fn invalid(file: &File<'_>, index: usize, what: &str) -> SceneError {
+    let json = &file.document.as_json().images[index];
+    let in_file = json.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
+    let name = in_file.or(json.name.as_deref()).unwrap_or("embedded");
+    file.invalid(format!("image {index} `{name}` {what}"))
 }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Array {
-    /// A NumPy array (.npy) or a file of raw numbers, little endian, beside the file that names it.
+    /// A NumPy array (.npy) or a file of raw numbers, little endian, in the folder of the file that names it or below.
     pub file: PathBuf,
     /// What each index of the array goes along, the slowest first.
     #[serde(default)]
@@ -65,17 +65,16 @@ pub struct Cells {
 }
 
 impl Array {
-    /// The densities in its file, which lies in a folder.
+    /// The densities in its file, which is at a path.
     ///
     /// # Errors
     /// If the file cannot be read, is damaged or of another size than is said, or something is said of an array that says
     /// it itself, or not said of raw numbers.
-    pub fn read(&self, folder: &Path) -> Result<Cells, MediumError> {
-        let path = folder.join(&self.file);
-        let bytes = bytes(&path)?;
+    pub fn read(&self, path: &Path) -> Result<Cells, MediumError> {
+        let bytes = bytes(path)?;
         let is_npy = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npy"));
         let read = if is_npy { self.of_npy(&bytes) } else { self.of_raw(&bytes) };
-        let mut cells = read.map_err(|what| MediumError::File { path, what })?;
+        let mut cells = read.map_err(|what| MediumError::File { path: path.to_owned(), what })?;
         cells.values.iter_mut().for_each(|value| *value *= self.scale);
         Ok(cells)
     }
@@ -212,8 +211,9 @@ mod tests {
     /// What is read of a file with these bytes.
     fn read(array: &Array, bytes: &[u8]) -> Result<Cells, String> {
         let folder = tempfile::tempdir().expect("a folder");
-        std::fs::write(folder.path().join(&array.file), bytes).expect("written");
-        array.read(folder.path()).map_err(|error| error.to_string())
+        let path = folder.path().join(&array.file);
+        std::fs::write(&path, bytes).expect("written");
+        array.read(&path).map_err(|error| error.to_string())
     }
 
     /// A NumPy array as version 1.0 of the format lays it out.
@@ -307,11 +307,11 @@ mod tests {
             let said = read(&array, &numbers[..length]).expect_err(expected);
             assert!(said.contains(expected), "{said}: not {expected}");
         }
-        let missing = array("none.npy").read(Path::new(".")).expect_err("no file").to_string();
+        let missing = array("none.npy").read(Path::new("none.npy")).expect_err("no file").to_string();
         assert!(missing.contains("none.npy: "), "{missing}");
         let folder = tempfile::tempdir().expect("a folder");
         std::fs::create_dir(folder.path().join("a.npy")).expect("a folder");
-        let said = array("a.npy").read(folder.path()).expect_err("a folder").to_string();
+        let said = array("a.npy").read(&folder.path().join("a.npy")).expect_err("a folder").to_string();
         assert!(said.contains("not a plain file"), "{said}");
     }
 }

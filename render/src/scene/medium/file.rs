@@ -10,11 +10,13 @@
 //! max = [1.0, 2.0, 1.0]
 //! ```
 //!
+//! Files that it names are in its folder or below.
+//!
 //! OpenVDB is not read: the one crate that reads it is no longer kept. Its own Python module makes an array of a grid.
 
 use super::array::{Array, Cells};
 use super::{DensityGrid, MediumError, Weather};
-use crate::scene::Bounds;
+use crate::scene::{Bounds, file};
 use glam::Vec3;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -77,7 +79,8 @@ impl DensityFile {
     /// Reads a volume or a description, and what it names.
     ///
     /// # Errors
-    /// If a file is missing, damaged, of another kind, or says what cannot be.
+    /// If a file is missing, damaged, of another kind, or says what cannot be, or a description names one that is not in its
+    /// folder.
     pub fn read(path: &Path) -> Result<Self, MediumError> {
         let ends = |ending: &str| path.extension().is_some_and(|end| end.eq_ignore_ascii_case(ending));
         if ends("vol") {
@@ -88,15 +91,15 @@ impl DensityFile {
         if !ends("toml") {
             return Err(invalid("is neither a volume (.vol) nor a description (.toml)".to_owned()));
         }
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| MediumError::Io { path: path.to_owned(), source })?;
+        let text = file::text(path).map_err(|source| MediumError::Io { path: path.to_owned(), source })?;
         let Description { array, volume, weather, bounds } =
             toml::from_str(&text).map_err(|error| invalid(error.to_string()))?;
         let folder = path.parent().unwrap_or(Path::new(""));
+        let beside = |name: &Path| file::beside(folder, Path::new(""), name).map_err(invalid);
         let source = match (array, volume, weather) {
-            (Some(array), None, None) => Source::Cells(array.read(folder)?),
+            (Some(array), None, None) => Source::Cells(array.read(&beside(&array.file)?)?),
             (None, Some(Volume { file }), None) => {
-                Source::Grid(DensityGrid::read_vol(&folder.join(file), None)?)
+                Source::Grid(DensityGrid::read_vol(&beside(&file)?, None)?)
             }
             (None, None, Some(DescribedWeather { cells, weather })) => Source::Weather { weather, cells },
             _ => return Err(invalid("needs one of [array], [volume] and [weather]".to_owned())),
@@ -203,6 +206,11 @@ mod tests {
             (&EIGHT.replace("scale", "scales"), "scales"),
             (&EIGHT.replace("u8", "u9"), "u9"),
             (&EIGHT.replace("eight.raw", "none.raw"), "none.raw: "),
+            (
+                &EIGHT.replace("eight.raw", "../eight.raw"),
+                "medium.toml: `../eight.raw` leads out of the folder",
+            ),
+            ("[volume]\nfile = \"/dev/zero\"\n", "medium.toml: `/dev/zero` leads out of the folder"),
             ("[box]\nmin = 1\nmax = 2\n", "medium.toml: "),
             ("[array", "medium.toml: "),
         ] {
@@ -221,5 +229,14 @@ mod tests {
                 .to_string()
                 .contains("smoke.vdb: is")
         );
+    }
+
+    #[test]
+    fn a_description_that_is_no_plain_file_is_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("medium.toml");
+        std::fs::create_dir(&path).expect("a folder");
+        let said = DensityFile::read(&path).expect_err("a folder").to_string();
+        assert!(said.contains("medium.toml: is not a plain file"), "{said}");
     }
 }

@@ -9,7 +9,8 @@
 use super::{
     super::{
         AlphaMode, Material, SceneError, Texture, TextureId, TextureSlot,
-        file::{self, Image},
+        decode::{self, Image},
+        file,
         texture::{Encoding, Wrap},
     },
     lines::check_colours,
@@ -18,6 +19,7 @@ use glam::{Affine2, Vec3};
 use std::sync::Arc;
 use std::{
     cell::RefCell,
+    collections::BTreeMap,
     path::{Path, PathBuf},
 };
 use tobj::LoadError;
@@ -94,7 +96,7 @@ fn texture_path([folder, library]: [&Path; 2], material: &str, texture: &str) ->
         return Err(invalid(format!("texture options are not supported: `{texture}`")));
     }
     let below = library.strip_prefix(folder).ok().and_then(Path::parent).unwrap_or(Path::new(""));
-    let path = file::beside(folder, below, &texture.replace('\\', "/")).map_err(invalid)?;
+    let path = file::beside(folder, below, texture.replace('\\', "/")).map_err(invalid)?;
     Ok(path.to_string_lossy().into_owned())
 }
 
@@ -124,11 +126,12 @@ pub(super) fn convert(
     Ok((converted, textures.read))
 }
 
-/// The textures of a scene, each read once.
+/// The textures of a scene, each made once, of images that are read once.
 #[derive(Default)]
 struct Textures<'a> {
     known: Vec<(Option<&'a str>, Option<&'a str>, Encoding)>,
     read: Vec<Arc<Texture>>,
+    images: BTreeMap<&'a str, Image>,
 }
 
 impl<'a> Textures<'a> {
@@ -145,11 +148,34 @@ impl<'a> Textures<'a> {
         }
         let index = self.known.iter().position(|known| *known == wanted).unwrap_or(self.known.len());
         if index == self.known.len() {
-            self.read.push(Arc::new(texture(colour, alpha, encoding)?));
+            let image = self.image(colour, alpha)?;
+            self.read.push(Arc::new(Texture::of(&image, encoding, [Wrap::Repeat; 2])));
             self.known.push(wanted);
         }
         let texture = TextureId(index as u32);
         Ok(Some(TextureSlot { texture, uv_set: 0, transform: Affine2::IDENTITY }))
+    }
+
+    /// One image's colours, white without one, with another as its alpha.
+    fn image(&mut self, colour: Option<&'a str>, alpha: Option<&'a str>) -> Result<Image, SceneError> {
+        let white = Image { width: 1, height: 1, texels: [[255; 4]].into() };
+        let colour = colour.map(|path| self.read_image(path)).transpose()?;
+        let Some(path) = alpha else { return Ok(colour.unwrap_or(white)) };
+        let alpha = self.read_image(path)?;
+        let [width, height] =
+            colour.as_ref().map_or([alpha.width, alpha.height], |colour| [colour.width, colour.height]);
+        decode::check(width, height).map_err(|what| SceneError::invalid(Path::new(path), what))?;
+        Ok(with_alpha(&colour.unwrap_or(white), &alpha, width, height))
+    }
+
+    fn read_image(&mut self, path: &'a str) -> Result<Image, SceneError> {
+        if let Some(image) = self.images.get(path) {
+            return Ok(image.clone());
+        }
+        let place = Path::new(path);
+        let image = decode::decode(&file::read(place)?).map_err(|what| SceneError::invalid(place, what))?;
+        self.images.insert(path, image.clone());
+        Ok(image)
     }
 }
 
@@ -187,25 +213,6 @@ fn roughness(material: &tobj::Material) -> f32 {
     (2.0 / (exponent.max(0.0) + 2.0)).powf(0.25)
 }
 
-/// The texture of one image's colours, white without one, with another as its alpha.
-fn texture(colour: Option<&str>, alpha: Option<&str>, encoding: Encoding) -> Result<Texture, SceneError> {
-    let white = Image { width: 1, height: 1, texels: vec![[255; 4]] };
-    let colour = colour.map(read_image).transpose()?;
-    let alpha = alpha.map(read_image).transpose()?;
-    let image = match (colour, alpha) {
-        (Some(colour), None) => colour,
-        (Some(colour), Some(alpha)) => with_alpha(&colour, &alpha, colour.width, colour.height),
-        (None, Some(alpha)) => with_alpha(&white, &alpha, alpha.width, alpha.height),
-        (None, None) => white,
-    };
-    Ok(Texture::new(image.width, image.height, image.texels, encoding, [Wrap::Repeat; 2]))
-}
-
-fn read_image(path: &str) -> Result<Image, SceneError> {
-    let path = Path::new(path);
-    file::decode(&file::read(path)?).map_err(|what| SceneError::invalid(path, what))
-}
-
 /// The colours of one image with the alpha of another, or its red where that is opaque throughout.
 fn with_alpha(colour: &Image, alpha: &Image, width: usize, height: usize) -> Image {
     let channel = if alpha.texels.iter().any(|texel| texel[3] < 255) { 3 } else { 0 };
@@ -237,10 +244,10 @@ mod tests {
 
     #[test]
     fn a_dissolve_map_becomes_alpha() {
-        let colour = Image { width: 1, height: 1, texels: vec![[1, 2, 3, 255]] };
-        let grey = Image { width: 2, height: 1, texels: vec![[10, 0, 0, 255], [20, 0, 0, 255]] };
-        assert_eq!(with_alpha(&colour, &grey, 2, 1).texels, [[1, 2, 3, 10], [1, 2, 3, 20]]);
-        let cut = Image { width: 2, height: 1, texels: vec![[10, 0, 0, 0], [20, 0, 0, 255]] };
-        assert_eq!(with_alpha(&colour, &cut, 2, 1).texels, [[1, 2, 3, 0], [1, 2, 3, 255]]);
+        let colour = Image { width: 1, height: 1, texels: [[1, 2, 3, 255]].into() };
+        let grey = Image { width: 2, height: 1, texels: [[10, 0, 0, 255], [20, 0, 0, 255]].into() };
+        assert_eq!(with_alpha(&colour, &grey, 2, 1).texels[..], [[1, 2, 3, 10], [1, 2, 3, 20]]);
+        let cut = Image { width: 2, height: 1, texels: [[10, 0, 0, 0], [20, 0, 0, 255]].into() };
+        assert_eq!(with_alpha(&colour, &cut, 2, 1).texels[..], [[1, 2, 3, 0], [1, 2, 3, 255]]);
     }
 }
