@@ -49,14 +49,11 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
     let held = match window.state.arrangement {
         Arrangement::Wipe => {
             let place = fitted(area, aspect);
-            let borders = if window.state.borders.len() + 1 == count {
-                window.state.borders.clone()
-            } else {
-                (1..count).map(|index| index as f32 / count as f32).collect()
-            };
-            wipe(ui, place, &borders, &shown);
+            let names: Vec<String> = shown.iter().map(|image| image.name.to_owned()).collect();
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            wipe(ui, place, &window.state.borders(&names), &shown);
             probe(ui, &response, place, &shown, None);
-            drag_border(ui, &response, place, window, count)
+            drag_border(ui, &response, place, window, &names)
                 || lights::handles(ui, &response, &[place], window)
         }
         Arrangement::Tiles => {
@@ -130,9 +127,9 @@ fn wipe(ui: &Ui, place: Rect, borders: &[f32], shown: &[Shown<'_>]) {
 }
 
 /// Moves the border under the pointer. Whether it has hold of one.
-fn drag_border(ui: &Ui, response: &Response, place: Rect, window: &mut Window, count: usize) -> bool {
+fn drag_border(ui: &Ui, response: &Response, place: Rect, window: &mut Window, names: &[&str]) -> bool {
     let held = ui.scope_id().with("border");
-    let borders = window.state.borders(count);
+    let borders = window.state.borders(names);
     let x = |share: f32| place.left() + share * place.width();
     let near = |at: Pos2| borders.iter().position(|border| (x(*border) - at.x).abs() < GRIP);
     if let Some(at) = response.hover_pos()
@@ -153,9 +150,7 @@ fn drag_border(ui: &Ui, response: &Response, place: Rect, window: &mut Window, c
     else {
         return false;
     };
-    let low = if index == 0 { 0.0 } else { borders[index - 1] };
-    let high = borders.get(index + 1).copied().unwrap_or(1.0);
-    borders[index] = ((at.x - place.left()) / place.width()).clamp(low, high);
+    window.state.put_border(names, index, (at.x - place.left()) / place.width());
     true
 }
 

@@ -176,9 +176,10 @@ impl Window {
         });
         let Some(picture) = made else { return };
         let shown = picture.images.iter().chain(&picture.inspected);
-        let pictures: Vec<Arc<ColorImage>> = shown.map(|image| Arc::clone(&image.picture)).collect();
+        let (names, pictures): (Vec<&str>, Vec<_>) =
+            shown.map(|image| (image.name.as_str(), Arc::clone(&image.picture))).unzip();
         let path = recording.folder.join(format!("{:05}.png", recording.frame));
-        let borders = self.state.borders(pictures.len()).clone();
+        let borders = self.state.borders(&names);
         self.send(Errand::Frame(Still { pictures, arrangement: self.state.arrangement, borders }, path));
         self.next_frame();
     }

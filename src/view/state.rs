@@ -95,8 +95,8 @@ pub struct State {
     pub arrangement: Arrangement,
     /// What is seen of them.
     pub map: Map,
-    /// Where images that lie over each other end, as shares of the width, from left to right.
-    pub borders: Vec<f32>,
+    /// Where hands have put the right ends of images that lie over each other, as shares of the width.
+    ends: BTreeMap<String, f32>,
     /// Whether truth is refined.
     pub truth: bool,
     /// Samples of a pixel at which truth rests.
@@ -144,7 +144,7 @@ impl State {
             stops: 0.0,
             arrangement: Arrangement::default(),
             map: Map::default(),
-            borders: Vec::new(),
+            ends: BTreeMap::new(),
             truth: true,
             samples: args.spp,
             film_rate: 25.0,
@@ -218,12 +218,22 @@ impl State {
         chosen.sort_by_key(|name| known.iter().position(|known| known == name));
     }
 
-    /// Where `count` images that lie over each other end: as hands have put it, or evenly where there are more or fewer of them.
-    pub fn borders(&mut self, count: usize) -> &mut Vec<f32> {
-        if self.borders.len() + 1 != count {
-            self.borders = (1..count).map(|index| index as f32 / count as f32).collect();
-        }
-        &mut self.borders
+    /// Where images that lie over each other end, but for the last one, as shares of the width: where hands have put it, as long as
+    /// they have put all of it, and in this order; else evenly. One that is not there for a while leaves its room to the others.
+    pub fn borders(&self, names: &[&str]) -> Vec<f32> {
+        let inner = &names[..names.len().saturating_sub(1)];
+        let put: Option<Vec<f32>> = inner.iter().map(|name| self.ends.get(*name).copied()).collect();
+        let evenly = || (1..names.len()).map(|index| index as f32 / names.len() as f32).collect();
+        put.filter(|put| put.is_sorted()).unwrap_or_else(evenly)
+    }
+
+    /// Moves one of these borders, between its neighbours; the others stay where they are seen.
+    pub fn put_border(&mut self, names: &[&str], index: usize, share: f32) {
+        let mut borders = self.borders(names);
+        let low = if index == 0 { 0.0 } else { borders[index - 1] };
+        let high = borders.get(index + 1).copied().unwrap_or(1.0);
+        borders[index] = share.clamp(low, high);
+        self.ends.extend(names.iter().map(|name| (*name).to_owned()).zip(borders));
     }
 }
 
@@ -232,4 +242,26 @@ fn first_methods(model: Option<&Path>, effect: Effect) -> Vec<&'static str> {
     let folder = model.map_or_else(|| learned::usual_folder(effect), Path::to_owned);
     let there = |name: &&str| *name != TRUTH && (*name != LEARNED || learned::is_network(&folder));
     methods::names_of(effect).into_iter().filter(there).take(2).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::tests::args;
+
+    #[test]
+    fn borders_stay_where_hands_have_put_them_while_truth_is_away() {
+        let mut state = State::new(&args("--effect ao")).expect("methods");
+        let (still, moving) = (["gtao", "hbao", "truth"], ["gtao", "hbao"]);
+        assert!(state.borders(&[]).is_empty());
+        assert_eq!(state.borders(&moving), [0.5f32]);
+        state.put_border(&still, 0, 0.2);
+        state.put_border(&still, 1, 0.1);
+        assert_eq!(state.borders(&still), [0.2f32, 0.2], "none goes past another");
+        state.put_border(&still, 1, 0.8);
+        assert_eq!(state.borders(&moving), [0.2f32]);
+        assert_eq!(state.borders(&still), [0.2f32, 0.8], "it comes back");
+        assert_eq!(state.borders(&["hbao", "gtao", "truth"]), [1.0f32 / 3.0, 2.0 / 3.0], "another order");
+        assert_eq!(state.borders(&["gtao", "ssao"]), [0.2f32], "the last one ends with the image");
+    }
 }
