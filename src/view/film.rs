@@ -132,15 +132,16 @@ impl Made {
 }
 
 impl Window {
-    /// Begins to record the animation into a folder, or into one that is free, so many frames a second.
+    /// Begins to record the animation into a folder, or into one that is free, so many frames a second; where time has no end, as
+    /// many seconds of it as hands have chosen.
     pub fn record(&mut self, folder: Option<PathBuf>, rate: f32) {
-        let span = self.subject.as_ref().and_then(|subject| subject.animated.span());
-        let Some([begin, end]) = span.filter(|[begin, end]| end > begin) else {
+        let Some([begin, end]) = self.timeline() else {
             return self.refuse("nothing is animated here that could be recorded".to_owned());
         };
-        let frames = ((end - begin) * rate).round();
+        let seconds = if end.is_finite() { end - begin } else { self.state.film_seconds };
+        let frames = (seconds * rate).round();
         if !(1.0..=FRAMES).contains(&frames) {
-            return self.refuse(format!("{rate} frames a second: {frames} frames of {} s", end - begin));
+            return self.refuse(format!("{rate} frames a second: {frames} frames of {seconds} s"));
         }
         self.state.playing = false;
         self.recording = Some(Recording {
@@ -209,9 +210,13 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
         }
         return;
     }
+    let is_endless = window.timeline().is_some_and(|[_, end]| end.is_infinite());
     ui.horizontal(|ui| {
-        let rate = &mut window.state.film_rate;
-        ui.add(DragValue::new(rate).range(1.0..=240.0).suffix(" frames/s"));
+        let state = &mut window.state;
+        ui.add(DragValue::new(&mut state.film_rate).range(1.0..=240.0).suffix(" frames/s"));
+        if is_endless {
+            ui.add(DragValue::new(&mut state.film_seconds).range(0.1..=3600.0).speed(0.1).suffix(" s"));
+        }
         let hint = "every frame of the animation as PNG, and a video where ffmpeg is installed";
         if ui.button("record").on_hover_text(hint).clicked() {
             let rate = window.state.film_rate;

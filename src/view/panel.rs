@@ -16,6 +16,9 @@ use eframe::egui::{
     Button, Color32, ComboBox, DragValue, Grid, Key, RichText, ScrollArea, Slider, SliderClamping, Ui,
 };
 
+/// How far the time line goes at least where time has no end, seconds.
+const WHILE: f32 = 10.0;
+
 /// Shows everything that can be chosen and everything that is known.
 pub fn show(ui: &mut Ui, window: &mut Window) {
     keys(ui, window);
@@ -92,14 +95,27 @@ fn scene(ui: &mut Ui, window: &mut Window) {
             window.save(None);
         }
     });
-    if let Some([begin, end]) = subject.animated.span() {
-        let state = &mut window.state;
-        ui.horizontal(|ui| {
-            ui.checkbox(&mut state.playing, "plays");
-            ui.add(Slider::new(&mut state.time, begin..=end).clamping(SliderClamping::Edits).suffix(" s"));
-        });
+    if let Some(span) = window.timeline() {
+        timeline(ui, &mut window.state, span);
         film::show(ui, window);
     }
+}
+
+/// The moment that is shown. Where time has no end, the slider goes as far as time has gone, or a good while on.
+fn timeline(ui: &mut Ui, state: &mut State, [begin, end]: [f32; 2]) {
+    let is_endless = end.is_infinite();
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut state.playing, "plays");
+        let last = if is_endless { state.time.max(begin + WHILE) } else { end };
+        let clamping = if is_endless { SliderClamping::Never } else { SliderClamping::Edits };
+        let slider = Slider::new(&mut state.time, begin..=last).clamping(clamping).suffix(" s");
+        if ui.add(slider).changed() {
+            state.time = state.time.max(begin);
+        }
+        if is_endless && ui.button("anew").on_hover_text("back to when time begins").clicked() {
+            state.time = begin;
+        }
+    });
 }
 
 fn effect(ui: &mut Ui, window: &mut Window) {

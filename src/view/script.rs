@@ -161,6 +161,7 @@ impl Script {
                 }
                 window.choose_layers(layers)?;
             }
+            Step::Length(seconds) => state.film_seconds = *seconds,
             Step::Record(folder, rate) => {
                 if first {
                     window.record(Some(folder.clone()), *rate);

@@ -103,6 +103,8 @@ pub struct State {
     pub samples: u32,
     /// Frames a second of films.
     pub film_rate: f32,
+    /// How long films are where time has no end, seconds.
+    pub film_seconds: f32,
     before: Option<Before>,
 }
 
@@ -148,6 +150,7 @@ impl State {
             truth: true,
             samples: args.spp,
             film_rate: 25.0,
+            film_seconds: 10.0,
             before: None,
         })
     }

@@ -55,6 +55,8 @@ pub enum Step {
     Save(PathBuf),
     /// Exactly these layers of the EXR file that was opened.
     Layers(Vec<String>),
+    /// Seconds of films where time has no end.
+    Length(f32),
     /// The animation into a folder, so many frames a second.
     Record(PathBuf, f32),
     /// Pictures while the camera goes around, for how many come in a second.
@@ -135,6 +137,7 @@ pub fn step(line: &str) -> Result<Step> {
         "screenshot" => Step::Screenshot(crate::arguments::png_file(rest).map_err(anyhow::Error::msg)?),
         "save" => Step::Save(rest.into()),
         "layer" => Step::Layers(rest.split(',').map(|name| name.trim().to_owned()).collect()),
+        "length" => Step::Length(one()?),
         "record" => {
             let (folder, rate) = rest.rsplit_once(char::is_whitespace).context("record FOLDER FPS")?;
             let rate = rate.parse().ok().filter(|rate: &f32| *rate > 0.0 && rate.is_finite());
