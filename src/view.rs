@@ -42,6 +42,8 @@ use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
 use desk::Desk;
 use eframe::egui::{self, ViewportBuilder};
+use eframe::egui_wgpu::WgpuConfiguration;
+use eframe::wgpu::CurrentSurfaceTexture;
 use outcome::Outcome;
 use script::Script;
 use std::path::PathBuf;
@@ -128,7 +130,7 @@ pub fn run(args: &Args) -> Result<()> {
     let script = args.script.as_deref().map(Script::read).transpose()?;
     let outcome = Arc::new(Mutex::new(Outcome::default()));
     let state = state::State::new(args)?;
-    let options = eframe::NativeOptions {
+    let mut options = eframe::NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title(format!("deepshade: {}", args.scene))
             .with_inner_size([1280.0, 800.0])
@@ -137,6 +139,7 @@ pub fn run(args: &Args) -> Result<()> {
         renderer: eframe::Renderer::Wgpu,
         ..Default::default()
     };
+    count_surfaces(&mut options.wgpu_options, &outcome);
     let made = {
         let (args, outcome) = (Arc::new(args.clone()), Arc::clone(&outcome));
         eframe::run_native(
@@ -164,6 +167,20 @@ pub fn run(args: &Args) -> Result<()> {
         Some(failure) => bail!("{failure}"),
         None => Ok(()),
     }
+}
+
+/// Counts how often there was no surface to paint on, whatever is done about it.
+fn count_surfaces(options: &mut WgpuConfiguration, outcome: &Arc<Mutex<Outcome>>) {
+    let (mend, outcome) = (Arc::clone(&options.on_surface_status), Arc::clone(outcome));
+    options.on_surface_status = Arc::new(move |status: &CurrentSurfaceTexture| {
+        let [outdated, lost] = &mut outcome.lock().unwrap_or_else(PoisonError::into_inner).surfaces;
+        match status {
+            CurrentSurfaceTexture::Outdated => *outdated += 1,
+            CurrentSurfaceTexture::Lost => *lost += 1,
+            _ => {}
+        }
+        mend(status)
+    });
 }
 
 /// Roboto's Latin letters (Google, Apache License 2.0), whose digits are all as wide.

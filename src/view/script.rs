@@ -1,10 +1,10 @@
 //! What hands would do, from a file: a line a step, `#` begins a comment.
 
+mod soak;
 mod steps;
 
 use super::state::State;
 use super::window::Window;
-use crate::figures::memory;
 use crate::live::pilot::Pilot;
 use crate::methods;
 use crate::report::images::write_png;
@@ -13,6 +13,7 @@ use deepshade_render::methods::dials::Setting;
 use eframe::egui::{ColorImage, Context, ScreenshotCallback, ViewportCommand, vec2};
 use glam::Vec2;
 use image::RgbImage;
+use soak::{Soak, Walk};
 use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -21,6 +22,8 @@ use steps::{Step, step};
 
 /// How long nothing may come of a step.
 const PATIENCE: Duration = Duration::from_secs(300);
+/// How long a window manager may take to put the window away. Where there is none, nobody does.
+const PUT_AWAY: Duration = Duration::from_secs(5);
 
 /// Steps, and how far they are done.
 pub struct Script {
@@ -33,8 +36,8 @@ pub struct Script {
     taken: Arc<Mutex<Option<Arc<ColorImage>>>>,
     /// Pictures that the step at the front has seen.
     seen: u32,
-    /// Megabytes after the first part of a soak.
-    memory: Option<f64>,
+    /// How far a long walk is.
+    soak: Option<Soak>,
 }
 
 /// How a script comes on.
@@ -64,7 +67,7 @@ impl Script {
             step(line).map(|step| (number, step)).with_context(|| format!("line {number}, `{line}`"))
         };
         let steps = lines.filter(|(_, line)| !line.is_empty()).map(read).collect::<Result<_>>()?;
-        Ok(Self { steps, began: None, progressed: None, taken: Arc::default(), seen: 0, memory: None })
+        Ok(Self { steps, began: None, progressed: None, taken: Arc::default(), seen: 0, soak: None })
     }
 
     /// Does the steps that can be done now.
@@ -76,7 +79,7 @@ impl Script {
                 Ok(true) => {
                     self.steps.pop_front();
                     (self.began, self.progressed) = (None, None);
-                    (self.seen, self.memory) = (0, None);
+                    (self.seen, self.soak) = (0, None);
                 }
                 Ok(false) if self.waits_in_vain(&step, began) => {
                     let said = window.message.clone().unwrap_or_default();
@@ -134,7 +137,19 @@ impl Script {
             Step::Resize(size) => {
                 context.send_viewport_cmd(ViewportCommand::InnerSize(vec2(size.x, size.y)));
             }
-            Step::Minimise(on) => context.send_viewport_cmd(ViewportCommand::Minimized(*on)),
+            Step::Minimise(on) => {
+                if first {
+                    context.send_viewport_cmd(ViewportCommand::Minimized(*on));
+                    return Ok(false);
+                }
+                let is_away = context.input(|input| input.viewport().minimized) == Some(true);
+                if is_away != *on && since < PUT_AWAY {
+                    return Ok(false);
+                }
+                if *on {
+                    window.measured("minimised", f64::from(u8::from(is_away)));
+                }
+            }
             Step::WaitPicture => return Ok(is_made(window)? && window.is_idle()),
             Step::WaitTruth(samples) => {
                 let enough = window.truth_of_picture().is_some_and(|truth| truth.samples >= *samples);
@@ -169,7 +184,14 @@ impl Script {
                 return self.recorded(window);
             }
             Step::Measure(pictures) => return self.measure(*pictures, window, since),
-            Step::Soak(seconds) => return self.soak(*seconds, window, since),
+            Step::Soak(seconds, effects) => {
+                let soak = self.soak.get_or_insert_with(|| Soak::begin(effects, window));
+                let walk = soak.go_on(*seconds, window)?;
+                if !matches!(walk, Walk::Waits) {
+                    self.progressed = Some(Instant::now());
+                }
+                return Ok(matches!(walk, Walk::Done));
+            }
             Step::Quit => context.send_viewport_cmd(ViewportCommand::Close),
         }
         Ok(true)
@@ -188,34 +210,10 @@ impl Script {
             window.measured(&name, f64::from(pictures) / since.as_secs_f64());
             return Ok(true);
         }
-        self.go_around(window)
-    }
-
-    /// By a degree, which is not the end of the step.
-    fn go_around(&mut self, window: &mut Window) -> Result<bool> {
         self.seen += 1;
         self.progressed = Some(Instant::now());
         steer(window, |pilot| pilot.orbit(Vec2::new(1f32.to_radians(), 0.0)))?;
         Ok(false)
-    }
-
-    /// Goes around, and stands still at every tenth picture until truth has begun. Whether the time is over; what memory grows
-    /// by is counted from a quarter of it on, when drivers have what they need.
-    fn soak(&mut self, seconds: f32, window: &mut Window, since: Duration) -> Result<bool> {
-        if self.memory.is_none() && since.as_secs_f32() > 0.25 * seconds {
-            self.memory = memory();
-        }
-        let truth_began = || !window.state.truth || window.truth_of_picture().is_some();
-        if !is_made(window)? || (self.seen.is_multiple_of(10) && !truth_began()) {
-            return Ok(false);
-        }
-        if since.as_secs_f32() >= seconds {
-            if let (Some(before), Some(after)) = (self.memory, memory()) {
-                window.measured("memory_growth_mb", after - before);
-            }
-            return Ok(true);
-        }
-        self.go_around(window)
     }
 
     /// Whether a film is written; each frame is a sign that something comes of it.

@@ -61,8 +61,9 @@ pub enum Step {
     Record(PathBuf, f32),
     /// Pictures while the camera goes around, for how many come in a second.
     Measure(u32),
-    /// Seconds for which the camera goes around while truth begins again and again, for what memory is lost.
-    Soak(f32),
+    /// Seconds for which effects, methods, sizes and views change while truth begins again and again, for what memory is lost;
+    /// which effects, if not the one that is shown alone.
+    Soak(f32, Vec<Effect>),
     Quit,
 }
 
@@ -144,7 +145,15 @@ pub fn step(line: &str) -> Result<Step> {
             Step::Record(folder.trim().into(), rate.context("record FOLDER FPS: above 0 frames a second")?)
         }
         "measure" => Step::Measure(one()?.clamp(1.0, 1e6) as u32),
-        "soak" => Step::Soak(one()?),
+        "soak" => {
+            let (seconds, effects) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
+            let seconds = seconds.parse().context("soak SECONDS EFFECT,EFFECT")?;
+            let names = effects.split(',').map(str::trim).filter(|name| !name.is_empty());
+            Step::Soak(
+                seconds,
+                names.map(|name| name.parse().map_err(anyhow::Error::msg)).collect::<Result<_>>()?,
+            )
+        }
         "quit" => Step::Quit,
         _ => bail!("there is no such step"),
     })
