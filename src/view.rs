@@ -13,12 +13,14 @@ mod desk;
 mod film;
 mod judge;
 mod layers;
+mod legend;
 mod lights;
 mod mailbox;
 mod outcome;
 mod panel;
 mod parameters;
 mod pictures;
+mod probe;
 mod saved;
 mod script;
 mod state;
@@ -28,6 +30,7 @@ mod subject;
 mod training;
 mod truth;
 mod window;
+mod zoom;
 
 use crate::arguments::{check_pixels, reach};
 use crate::complete::{Additions, listeners};
@@ -57,8 +60,10 @@ use window::Window;
     deepshade view --scene sponza.gltf --effect gi --methods ssgi,surfel\n  \
     deepshade view --scene hall.gltf --put fox.gltf@-5,0,0,0.01,60 --effect fog-direct --extinction 0.2\n  \
     deepshade view --model runs/ao --methods learned,hbao    # while `deepshade train` works on it\n\n\
-    Drag to go around, with the right button to look around, with the middle one to move; the wheel comes nearer; W, A, S, D, Q and \
-    E fly, with Shift faster. Space plays the animation, T turns truth on and off, M goes through image, difference and FLIP. A scene \
+    Drag to go around, with the right button to look around, with the middle one to move; the wheel comes nearer, \
+    with Ctrl it enlarges images, as + and - do; the middle button then moves them, and 0 shows all of them. W, A, S, D, Q and \
+    E fly, with Shift faster. Space plays the animation, T turns truth on and off, M goes through image, difference and FLIP, P keeps a picture of \
+    the window. A scene \
     file or the folder of a model or a training run dropped onto the window is opened, layers of an EXR file are shown beside the methods.")]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.

@@ -323,6 +323,40 @@ fn an_animation_is_recorded_at_its_own_times_with_and_without_a_program_for_vide
 }
 
 #[test]
+fn time_that_has_no_end_is_recorded_as_long_as_hands_choose() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let script = "truth off\nwait picture\nlength 0.2\nrecord film 10\nquit\n";
+    let options = "--effect phosphor --methods rate-equation";
+    let output = Screen::new().view(folder.path(), options, script);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !said.contains("panicked"), "{said}");
+    let frames = [0, 1, 2].map(|frame| folder.path().join(format!("film/{frame:05}.png")).is_file());
+    assert_eq!(frames, [true, true, false], "0.2 seconds at 10 frames a second");
+}
+
+#[test]
+fn a_method_is_held_against_another_one_and_seen_pixel_by_pixel() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let script = "truth off\nsee difference\nwait picture\nscreenshot unjudged.png\nagainst hbao\nwait verdict\nwait 0.1\n\
+        screenshot judged.png\nsee image\nwait 0.1\nscreenshot far.png\nzoom 16 0.5 0.5\nexpose\nwait picture\nwait 0.1\n\
+        screenshot near.png\nsave kept\nagainst surfel\n";
+    let output = Screen::new().view(folder.path(), "--methods gtao,hbao", script);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("method `surfel` is not shown") && !said.contains("panicked"), "{said}");
+    let [unjudged, judged, far] = ["unjudged.png", "judged.png", "far.png"].map(|name| coloured(&path(name)));
+    // A legend has colours, too.
+    assert!(unjudged < 0.01 && judged > 0.015 && far == 0.0, "{unjudged} {judged} {far}");
+    let [far, near] = ["far.png", "near.png"].map(|name| canvas(&path(name)));
+    assert_ne!(far, near);
+    // A pixel is as wide as 16 times 13 points: neighbours in a row are alike.
+    let alike = |canvas: &[[u8; 3]]| canvas.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    assert!(alike(&near) > alike(&far));
+    let layers = exr_file::read(&path("kept/gbuffer.exr")).expect("an EXR file").layers();
+    assert!(["normal", "depth"].iter().all(|name| layers.iter().any(|layer| layer == name)), "{layers:?}");
+}
+
+#[test]
 fn layers_of_a_file_are_seen_beside_methods_and_a_save_that_fails_is_told() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);

@@ -2,7 +2,7 @@
 //! ffmpeg is installed, as a video.
 
 use super::clerk::Errand;
-use super::saved::free_folder;
+use super::saved::free;
 use super::state::Arrangement;
 use super::studio::Show;
 use super::window::Window;
@@ -145,7 +145,7 @@ impl Window {
         }
         self.state.playing = false;
         self.recording = Some(Recording {
-            folder: folder.unwrap_or_else(|| free_folder("film")),
+            folder: folder.unwrap_or_else(|| free("film", "")),
             rate,
             begin,
             frame: 0,

@@ -1,6 +1,7 @@
 //! Lights under hands: their places and directions as numbers, and as handles on the images.
 
 use super::window::Window;
+use super::zoom::Place;
 use deepshade_render::scene::{Camera, Light};
 use eframe::egui::{
     Color32, DragValue, Id, PointerButton, Pos2, Rect, Response, Slider, SliderClamping, Stroke, Ui, pos2,
@@ -115,14 +116,15 @@ struct Held {
 
 /// Shows where lights are on the images at `places`, but for those that animations move, and moves the one that is dragged, as
 /// far away as it is. Whether one is.
-pub fn handles(ui: &Ui, response: &Response, places: &[Rect], window: &mut Window) -> bool {
+pub fn handles(ui: &Ui, response: &Response, places: &[Place], window: &mut Window) -> bool {
     let (Some(lights), Some(pilot)) = (&mut window.state.lights, window.state.pilot) else { return false };
     let Some(subject) = &window.subject else { return false };
     let camera = &pilot.camera;
     let mut seen = Vec::new();
     for (image, place) in places.iter().enumerate() {
         for (light, it) in lights.iter().enumerate().filter(|(light, _)| !subject.is_rigged(*light)) {
-            let spot = it.position().and_then(|position| on_screen(camera, position, *place));
+            let spot = it.position().and_then(|position| on_screen(camera, position, place.whole));
+            let spot = spot.filter(|spot| place.seen.contains(*spot));
             seen.extend(spot.map(|spot| (Held { image, light }, spot)));
         }
     }
@@ -148,7 +150,7 @@ pub fn handles(ui: &Ui, response: &Response, places: &[Rect], window: &mut Windo
         return false;
     };
     if let Some(position) = light.position() {
-        let position = dragged(camera, position, *place, pointer);
+        let position = dragged(camera, position, place.whole, pointer);
         *light = light.moved(|_| position, |direction| direction);
     }
     true

@@ -29,7 +29,7 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
         effect(ui, window);
         parameters::show(ui, &mut window.state);
         ui.separator();
-        look(ui, &mut window.state);
+        look(ui, window);
         layers::show(ui, window);
         ui.separator();
         truth(ui, window);
@@ -53,7 +53,11 @@ fn keys(ui: &Ui, window: &mut Window) {
     if ui.ctx().egui_wants_keyboard_input() {
         return;
     }
-    let [space, t, m] = ui.input(|input| [Key::Space, Key::T, Key::M].map(|key| input.key_pressed(key)));
+    let [space, t, m, p] =
+        ui.input(|input| [Key::Space, Key::T, Key::M, Key::P].map(|key| input.key_pressed(key)));
+    if p {
+        window.shoot(ui.ctx(), None);
+    }
     let state = &mut window.state;
     state.playing ^= space;
     state.truth ^= t;
@@ -93,6 +97,9 @@ fn scene(ui: &mut Ui, window: &mut Window) {
             .clicked()
         {
             window.save(None);
+        }
+        if ui.button("picture of the window").clicked() {
+            window.shoot(ui.ctx(), None);
         }
     });
     if let Some(span) = window.timeline() {
@@ -163,7 +170,8 @@ fn effect(ui: &mut Ui, window: &mut Window) {
     }
 }
 
-fn look(ui: &mut Ui, state: &mut State) {
+fn look(ui: &mut Ui, window: &mut Window) {
+    let state = &mut window.state;
     ui.horizontal(|ui| {
         for arrangement in Arrangement::ALL {
             ui.selectable_value(&mut state.arrangement, arrangement, arrangement.name());
@@ -173,12 +181,21 @@ fn look(ui: &mut Ui, state: &mut State) {
             ui.selectable_value(&mut state.map, map, map.name());
         }
     });
-    ui.add(
-        Slider::new(&mut state.stops, -6.0..=6.0)
-            .clamping(SliderClamping::Edits)
-            .suffix(" stops")
-            .text("brighter"),
+    ComboBox::from_label("is what others are held against").selected_text(state.reference()).show_ui(
+        ui,
+        |ui| {
+            ui.selectable_value(&mut state.against, None, TRUTH);
+            for method in &state.show.methods {
+                ui.selectable_value(&mut state.against, Some(*method), *method);
+            }
+        },
     );
+    let stops = Slider::new(&mut state.stops, -6.0..=6.0).clamping(SliderClamping::Edits);
+    ui.add(stops.suffix(" stops").text("brighter"));
+    if ui.button("expose anew").on_hover_text("as suits what is shown now").clicked() {
+        window.expose_anew();
+    }
+    let state = &mut window.state;
     let inspected = &mut state.show.inspected;
     let name = inspected.map_or("none", Attribute::name);
     ComboBox::from_label("of the g-buffer").selected_text(name).show_ui(ui, |ui| {
@@ -211,7 +228,7 @@ fn truth(ui: &mut Ui, window: &mut Window) {
 fn figures(ui: &mut Ui, window: &Window) {
     let Some(verdict) = window.verdict_of_picture() else { return };
     Grid::new("figures").striped(true).show(ui, |ui| {
-        for head in ["", "SSIM", "FLIP", "relMSE"] {
+        for head in [verdict.against, "SSIM", "FLIP", "relMSE"] {
             ui.strong(head);
         }
         ui.end_row();

@@ -5,18 +5,16 @@ mod steps;
 
 use super::state::State;
 use super::window::Window;
+use super::zoom::Zoom;
 use crate::live::pilot::Pilot;
-use crate::methods;
-use crate::report::images::write_png;
+use crate::methods::{self, TRUTH};
 use anyhow::{Context as _, Result, ensure};
 use deepshade_render::methods::dials::Setting;
-use eframe::egui::{ColorImage, Context, ScreenshotCallback, ViewportCommand, vec2};
+use eframe::egui::{Context, ViewportCommand, vec2};
 use glam::Vec2;
-use image::RgbImage;
 use soak::{Soak, Walk};
 use std::collections::VecDeque;
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use steps::{Step, step};
 
@@ -32,8 +30,6 @@ pub struct Script {
     began: Option<Instant>,
     /// When it came on last.
     progressed: Option<Instant>,
-    /// The picture that was taken of the window, once it is there.
-    taken: Arc<Mutex<Option<Arc<ColorImage>>>>,
     /// Pictures that the step at the front has seen.
     seen: u32,
     /// How far a long walk is.
@@ -67,7 +63,7 @@ impl Script {
             step(line).map(|step| (number, step)).with_context(|| format!("line {number}, `{line}`"))
         };
         let steps = lines.filter(|(_, line)| !line.is_empty()).map(read).collect::<Result<_>>()?;
-        Ok(Self { steps, began: None, progressed: None, taken: Arc::default(), seen: 0, soak: None })
+        Ok(Self { steps, began: None, progressed: None, seen: 0, soak: None })
     }
 
     /// Does the steps that can be done now.
@@ -129,6 +125,13 @@ impl Script {
             Step::Temporal(on) => state.show.temporal = *on,
             Step::Arrange(arrangement) => state.arrangement = *arrangement,
             Step::See(map) => state.map = *map,
+            Step::Against(name) => {
+                let shown = state.show.methods.iter().copied().find(|shown| shown == name);
+                ensure!(shown.is_some() || name == TRUTH, "method `{name}` is not shown");
+                state.against = shown;
+            }
+            Step::Zoom(factor, centre) => state.zoom = Zoom::new(*factor, *centre),
+            Step::Expose => window.expose_anew(),
             Step::Inspect(attribute) => state.show.inspected = Some(*attribute),
             Step::Orbit(degrees) => return steer(window, |pilot| pilot.orbit(degrees.map(f32::to_radians))),
             Step::Look(degrees) => return steer(window, |pilot| pilot.look(degrees.map(f32::to_radians))),
@@ -153,9 +156,12 @@ impl Script {
             Step::WaitPicture => return Ok(is_made(window)? && window.is_idle()),
             Step::WaitTruth(samples) => {
                 let enough = window.truth_of_picture().is_some_and(|truth| truth.samples >= *samples);
-                let judged = window.verdict_of_picture().is_some_and(|verdict| verdict.samples >= *samples);
+                // Against a method, which has no samples, nothing is judged by truth.
+                let samples = if window.state.reference() == TRUTH { *samples } else { 0 };
+                let judged = window.verdict_of_picture().is_some_and(|verdict| verdict.samples >= samples);
                 return Ok(is_made(window)? && enough && (judged || window.state.show.methods.is_empty()));
             }
+            Step::WaitVerdict => return Ok(is_made(window)? && window.verdict_of_picture().is_some()),
             #[cfg(feature = "train")]
             Step::WaitCheckpoint(step) => {
                 let reached = window.trained_step().is_some_and(|trained| trained >= *step);
@@ -163,7 +169,15 @@ impl Script {
             }
             Step::WaitRefusal => return Ok(window.message.is_some()),
             Step::Wait(seconds) => return Ok(since.as_secs_f32() >= *seconds),
-            Step::Screenshot(path) => return self.screenshot(path, context, first),
+            Step::Screenshot(path) => {
+                if first {
+                    window.shoot(context, Some(path.clone()));
+                }
+                let is_idle = window.is_idle();
+                let said = window.message.as_deref().unwrap_or("it was not written");
+                ensure!(!is_idle || path.is_file(), "{}: {said}", path.display());
+                return Ok(is_idle);
+            }
             Step::Save(folder) => {
                 if first {
                     window.save(Some(folder.clone()));
@@ -223,31 +237,6 @@ impl Script {
             (self.seen, self.progressed) = (frame, Some(Instant::now()));
         }
         Ok(is_made(window)? && window.recording.is_none() && window.is_idle())
-    }
-
-    /// Asks for a picture of the window, and writes it once it is there.
-    fn screenshot(&self, path: &Path, context: &Context, first: bool) -> Result<bool> {
-        if first {
-            let (taken, context) = (Arc::clone(&self.taken), context.clone());
-            let callback = ScreenshotCallback::new({
-                let context = context.clone();
-                move |image| {
-                    *taken.lock().unwrap_or_else(PoisonError::into_inner) = Some(image);
-                    context.request_repaint();
-                }
-            });
-            context.send_viewport_cmd(ViewportCommand::Screenshot(callback));
-            context.request_repaint();
-        }
-        let taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner).take();
-        let Some(image) = taken else { return Ok(false) };
-        let [width, height] = image.size.map(|side| side as u32);
-        let picture = RgbImage::from_fn(width, height, |x, y| {
-            let [red, green, blue, _] = image.pixels[(y * width + x) as usize].to_array();
-            image::Rgb([red, green, blue])
-        });
-        write_png(path, &picture)?;
-        Ok(true)
     }
 }
 

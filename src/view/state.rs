@@ -2,6 +2,7 @@
 
 use super::Args;
 use super::studio::Show;
+use super::zoom::Zoom;
 use crate::learned;
 use crate::live::pilot::Pilot;
 use crate::methods::{self, LEARNED, TRUTH};
@@ -93,8 +94,12 @@ pub struct State {
     pub stops: f32,
     /// How images lie in the window.
     pub arrangement: Arrangement,
+    /// How they are enlarged.
+    pub zoom: Zoom,
     /// What is seen of them.
     pub map: Map,
+    /// The method that the others are held against; by default truth.
+    pub against: Option<&'static str>,
     /// Where hands have put the right ends of images that lie over each other, as shares of the width.
     ends: BTreeMap<String, f32>,
     /// Whether truth is refined.
@@ -145,7 +150,9 @@ impl State {
             playing: false,
             stops: 0.0,
             arrangement: Arrangement::default(),
+            zoom: Zoom::default(),
             map: Map::default(),
+            against: None,
             ends: BTreeMap::new(),
             truth: true,
             samples: args.spp,
@@ -219,6 +226,11 @@ impl State {
         }
         let known = methods::names_of(self.show.effect);
         chosen.sort_by_key(|name| known.iter().position(|known| known == name));
+    }
+
+    /// What the images are held against: the method that hands have chosen as long as it is shown, else truth.
+    pub fn reference(&self) -> &'static str {
+        self.against.filter(|name| self.show.methods.contains(name)).unwrap_or(TRUTH)
     }
 
     /// Where images that lie over each other end, but for the last one, as shares of the width: where hands have put it, as long as

@@ -15,12 +15,13 @@ use crate::render::picture::Exposure;
 use anyhow::{Context, Result};
 use deepshade_dataset::truth;
 use deepshade_infer::Model;
+use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Method, Repeats};
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::dials::{Changes, Tuning};
 use deepshade_render::scene::{Camera, Light, SceneSource};
 use deepshade_shaders::gpu::Gpu;
-use deepshade_shaders::{Attribute, Effect, Planes};
+use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
 use std::collections::BTreeMap;
 use std::fmt::{Display, Formatter};
 use std::path::PathBuf;
@@ -113,6 +114,18 @@ pub struct Picture {
     pub inspected: Option<Developed>,
     /// Milliseconds of passes, as far as they are known.
     pub passes: Vec<Pass>,
+}
+
+impl Picture {
+    /// All attributes of what it shows, by a ray a pixel, whatever its methods read.
+    ///
+    /// # Errors
+    /// If there is no such moment.
+    pub fn gbuffer(&self) -> Result<GBuffer> {
+        let [height, width] = self.order.show.size;
+        let scene = self.subject.traced(self.order.time, &self.lights)?;
+        Ok(gbuffer::render(&scene, &self.camera, height, width, &Attribute::ALL))
+    }
 }
 
 /// Makes what is ordered until the mailbox is closed.

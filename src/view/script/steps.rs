@@ -28,6 +28,12 @@ pub enum Step {
     Temporal(bool),
     Arrange(Arrangement),
     See(Map),
+    /// The method that the others are held against, or truth.
+    Against(String),
+    /// How many times as large images are, and what of them is in the middle, as shares of their width and height.
+    Zoom(f32, Vec2),
+    /// As suits what is shown now.
+    Expose,
     Inspect(Attribute),
     /// Degrees to the right and up.
     Orbit(Vec2),
@@ -43,6 +49,8 @@ pub enum Step {
     WaitPicture,
     /// Until truth has so many samples and the verdict is there.
     WaitTruth(u32),
+    /// Until the picture's images are judged.
+    WaitVerdict,
     /// Until the picture is made by a training run's weights of this step, or of a later one.
     #[cfg(feature = "train")]
     WaitCheckpoint(usize),
@@ -118,6 +126,12 @@ pub fn step(line: &str) -> Result<Step> {
         "temporal" => Step::Temporal(on()?),
         "arrange" => Step::Arrange(Arrangement::ALL[named(&Arrangement::ALL.map(Arrangement::name))?]),
         "see" => Step::See(Map::ALL[named(&Map::ALL.map(Map::name))?]),
+        "zoom" => {
+            let [factor, x, y] = three()?.to_array();
+            Step::Zoom(factor, Vec2::new(x, y))
+        }
+        "expose" => Step::Expose,
+        "against" => Step::Against(rest.to_owned()),
         "inspect" => Step::Inspect(Attribute::ALL[named(&Attribute::ALL.map(Attribute::name))?]),
         "orbit" => Step::Orbit(two()?),
         "look" => Step::Look(two()?),
@@ -127,6 +141,7 @@ pub fn step(line: &str) -> Result<Step> {
         "minimise" => Step::Minimise(on()?),
         "wait" => match rest.split_once(' ').unwrap_or((rest, "")) {
             ("picture", "") => Step::WaitPicture,
+            ("verdict", "") => Step::WaitVerdict,
             ("refusal", "") => Step::WaitRefusal,
             #[cfg(feature = "train")]
             ("checkpoint", step) => {

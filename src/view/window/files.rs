@@ -6,8 +6,9 @@ use crate::view::clerk::{Done, Errand};
 use crate::view::saved::Moment;
 use crate::view::state::Map;
 use deepshade_render::scene::SceneSource;
-use eframe::egui::Context;
+use eframe::egui::{Context, ScreenshotCallback, ViewportCommand};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, PoisonError};
 
 impl Window {
     /// Opens what was dropped onto the window.
@@ -42,9 +43,30 @@ impl Window {
         }
     }
 
+    /// Has a picture of the whole window written, as soon as it is painted, into a file, or into one that is free.
+    pub fn shoot(&mut self, context: &Context, path: Option<PathBuf>) {
+        let (taken, waker) = (Arc::clone(&self.taken), context.clone());
+        let callback = ScreenshotCallback::new(move |image| {
+            taken.lock().unwrap_or_else(PoisonError::into_inner).push((image, path));
+            waker.request_repaint();
+        });
+        context.send_viewport_cmd(ViewportCommand::Screenshot(callback));
+        context.request_repaint();
+        self.shots += 1;
+    }
+
+    /// Has those written that are there.
+    pub(super) fn write_shots(&mut self) {
+        let taken = std::mem::take(&mut *self.taken.lock().unwrap_or_else(PoisonError::into_inner));
+        for (image, path) in taken {
+            self.shots -= 1;
+            self.send(Errand::Shot(image, path));
+        }
+    }
+
     /// Whether all errands are run, and none is left to be sent.
     pub fn is_idle(&self) -> bool {
-        self.errands == 0 && self.choice_of_layers() == self.developing
+        self.errands + self.shots == 0 && self.choice_of_layers() == self.developing
     }
 
     /// Has an errand run.
