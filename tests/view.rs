@@ -346,7 +346,7 @@ fn a_method_is_held_against_another_one_and_seen_pixel_by_pixel() {
     assert!(said.contains("method `surfel` is not shown") && !said.contains("panicked"), "{said}");
     let [unjudged, judged, far] = ["unjudged.png", "judged.png", "far.png"].map(|name| coloured(&path(name)));
     // A legend has colours, too.
-    assert!(unjudged < 0.01 && judged > 0.015 && far == 0.0, "{unjudged} {judged} {far}");
+    assert!(unjudged < 0.01 && judged > 0.015 && far < 0.01, "{unjudged} {judged} {far}");
     let [far, near] = ["far.png", "near.png"].map(|name| canvas(&path(name)));
     assert_ne!(far, near);
     // A pixel is as wide as 16 times 13 points: neighbours in a row are alike.
