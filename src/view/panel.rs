@@ -16,9 +16,6 @@ use eframe::egui::{
     Button, Color32, ComboBox, DragValue, Grid, Key, RichText, ScrollArea, Slider, SliderClamping, Ui,
 };
 
-/// How far the time line goes at least where time has no end, seconds.
-const WHILE: f32 = 10.0;
-
 /// Shows everything that can be chosen and everything that is known.
 pub fn show(ui: &mut Ui, window: &mut Window) {
     keys(ui, window);
@@ -98,7 +95,7 @@ fn scene(ui: &mut Ui, window: &mut Window) {
         {
             window.save(None);
         }
-        if ui.button("picture of the window").clicked() {
+        if ui.button("screenshot").on_hover_text("the whole window as PNG").clicked() {
             window.shoot(ui.ctx(), None);
         }
     });
@@ -108,18 +105,17 @@ fn scene(ui: &mut Ui, window: &mut Window) {
     }
 }
 
-/// The moment that is shown. Where time has no end, the slider goes as far as time has gone, or a good while on.
+/// The moment that is shown: on a line where time has an end, else as a number.
 fn timeline(ui: &mut Ui, state: &mut State, [begin, end]: [f32; 2]) {
-    let is_endless = end.is_infinite();
     ui.horizontal(|ui| {
         ui.checkbox(&mut state.playing, "plays");
-        let last = if is_endless { state.time.max(begin + WHILE) } else { end };
-        let clamping = if is_endless { SliderClamping::Never } else { SliderClamping::Edits };
-        let slider = Slider::new(&mut state.time, begin..=last).clamping(clamping).suffix(" s");
-        if ui.add(slider).changed() {
-            state.time = state.time.max(begin);
+        if end.is_finite() {
+            ui.add(Slider::new(&mut state.time, begin..=end).clamping(SliderClamping::Edits).suffix(" s"));
+            return;
         }
-        if is_endless && ui.button("anew").on_hover_text("back to when time begins").clicked() {
+        let moment = DragValue::new(&mut state.time).range(begin..=end).clamp_existing_to_range(false);
+        ui.add(moment.speed(0.02).suffix(" s"));
+        if ui.button("anew").on_hover_text("back to when time begins").clicked() {
             state.time = begin;
         }
     });
@@ -181,15 +177,12 @@ fn look(ui: &mut Ui, window: &mut Window) {
             ui.selectable_value(&mut state.map, map, map.name());
         }
     });
-    ComboBox::from_label("is what others are held against").selected_text(state.reference()).show_ui(
-        ui,
-        |ui| {
-            ui.selectable_value(&mut state.against, None, TRUTH);
-            for method in &state.show.methods {
-                ui.selectable_value(&mut state.against, Some(*method), *method);
-            }
-        },
-    );
+    ComboBox::from_label("is held against").selected_text(state.reference()).show_ui(ui, |ui| {
+        ui.selectable_value(&mut state.against, None, TRUTH);
+        for method in &state.show.methods {
+            ui.selectable_value(&mut state.against, Some(*method), *method);
+        }
+    });
     let stops = Slider::new(&mut state.stops, -6.0..=6.0).clamping(SliderClamping::Edits);
     ui.add(stops.suffix(" stops").text("brighter"));
     if ui.button("expose anew").on_hover_text("as suits what is shown now").clicked() {

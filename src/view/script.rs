@@ -303,6 +303,9 @@ mod tests {
             ("record film", "record FOLDER FPS"),
             ("record film 0", "above 0"),
             ("fly 1 2 x", "`x` is no number"),
+            ("zoom 2", "three numbers"),
+            ("soak long", "soak SECONDS"),
+            ("soak 9 ao,shadows", "shadows"),
         ] {
             let error = format!("{:#}", Script::parse(text).err().expect("an error"));
             assert!(error.contains(named), "{text}: {error}");
