@@ -13,12 +13,14 @@ mod desk;
 mod film;
 mod judge;
 mod layers;
+mod legend;
 mod lights;
 mod mailbox;
 mod outcome;
 mod panel;
 mod parameters;
 mod pictures;
+mod probe;
 mod saved;
 mod script;
 mod stamp;
@@ -31,6 +33,7 @@ mod trainer;
 mod training;
 mod truth;
 mod window;
+mod zoom;
 
 use crate::arguments::{check_pixels, reach};
 use crate::complete::{Additions, listeners};
@@ -45,6 +48,8 @@ use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
 use desk::Desk;
 use eframe::egui::{self, ViewportBuilder};
+use eframe::egui_wgpu::WgpuConfiguration;
+use eframe::wgpu::CurrentSurfaceTexture;
 use outcome::Outcome;
 use script::Script;
 use std::path::PathBuf;
@@ -58,8 +63,10 @@ use window::Window;
     deepshade view --scene sponza.gltf --effect gi --methods ssgi,surfel\n  \
     deepshade view --scene hall.gltf --put fox.gltf@-5,0,0,0.01,60 --effect fog-direct --extinction 0.2\n  \
     deepshade view --model runs/ao --methods learned,hbao    # while `deepshade train` works on it\n\n\
-    Drag to go around, with the right button to look around, with the middle one to move; the wheel comes nearer; W, A, S, D, Q and \
-    E fly, with Shift faster. Space plays the animation, T turns truth on and off, M goes through image, difference and FLIP. A scene \
+    Drag to go around, with the right button to look around, with the middle one to move; the wheel comes nearer, \
+    with Ctrl it enlarges images, as + and - do; the middle button then moves them, and 0 shows all of them. W, A, S, D, Q and \
+    E fly, with Shift faster. Space plays the animation, T turns truth on and off, M goes through image, difference and FLIP, P keeps a picture of \
+    the window. A scene \
     file or the folder of a model or a training run dropped onto the window is opened, layers of an EXR file are shown beside the methods.")]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
@@ -131,7 +138,7 @@ pub fn run(args: &Args) -> Result<()> {
     let script = args.script.as_deref().map(Script::read).transpose()?;
     let outcome = Arc::new(Mutex::new(Outcome::default()));
     let state = state::State::new(args)?;
-    let options = eframe::NativeOptions {
+    let mut options = eframe::NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title(format!("deepshade: {}", args.scene))
             .with_inner_size([1280.0, 800.0])
@@ -140,6 +147,7 @@ pub fn run(args: &Args) -> Result<()> {
         renderer: eframe::Renderer::Wgpu,
         ..Default::default()
     };
+    count_surfaces(&mut options.wgpu_options, &outcome);
     let made = {
         let (args, outcome) = (Arc::new(args.clone()), Arc::clone(&outcome));
         eframe::run_native(
@@ -167,6 +175,20 @@ pub fn run(args: &Args) -> Result<()> {
         Some(failure) => bail!("{failure}"),
         None => Ok(()),
     }
+}
+
+/// Counts how often there was no surface to paint on, whatever is done about it.
+fn count_surfaces(options: &mut WgpuConfiguration, outcome: &Arc<Mutex<Outcome>>) {
+    let (mend, outcome) = (Arc::clone(&options.on_surface_status), Arc::clone(outcome));
+    options.on_surface_status = Arc::new(move |status: &CurrentSurfaceTexture| {
+        let [outdated, lost] = &mut outcome.lock().unwrap_or_else(PoisonError::into_inner).surfaces;
+        match status {
+            CurrentSurfaceTexture::Outdated => *outdated += 1,
+            CurrentSurfaceTexture::Lost => *lost += 1,
+            _ => {}
+        }
+        mend(status)
+    });
 }
 
 /// Roboto's Latin letters (Google, Apache License 2.0), whose digits are all as wide.

@@ -4,6 +4,8 @@
 
 #[cfg(feature = "train")]
 use deepshade_infer::{ChannelOrder, NetSpec, Reach, Weights};
+use deepshade_render::exr_file;
+use deepshade_shaders::Planes;
 #[cfg(feature = "train")]
 use deepshade_train::TrainConfig;
 #[cfg(feature = "train")]
@@ -23,6 +25,8 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_deepshade");
 struct Screen {
     server: Child,
     number: String,
+    /// Who puts windows away.
+    manager: Option<Child>,
 }
 
 impl Screen {
@@ -36,7 +40,17 @@ impl Screen {
         let mut number = String::new();
         let out = server.stdout.take().expect("its standard output");
         BufReader::new(out).read_line(&mut number).expect("the number of its screen");
-        Self { server, number: number.trim().to_owned() }
+        Self { server, number: number.trim().to_owned(), manager: None }
+    }
+
+    /// One with a window manager.
+    fn managed(folder: &Path) -> Self {
+        let mut screen = Self::new();
+        let mut manager = Command::new("openbox");
+        manager.env("DISPLAY", format!(":{}", screen.number)).env("HOME", folder).current_dir(folder);
+        manager.stdout(Stdio::null()).stderr(Stdio::null());
+        screen.manager = Some(manager.spawn().expect("openbox, which `cargo xtask test` installs"));
+        screen
     }
 
     /// Runs `deepshade view` with a script in a folder.
@@ -62,8 +76,10 @@ impl Screen {
 
 impl Drop for Screen {
     fn drop(&mut self) {
-        let _ = self.server.kill();
-        let _ = self.server.wait();
+        for process in self.manager.iter_mut().chain([&mut self.server]) {
+            let _ = process.kill();
+            let _ = process.wait();
+        }
     }
 }
 
@@ -72,12 +88,34 @@ fn figures(folder: &Path) -> Value {
     serde_json::from_slice::<Value>(&bytes).expect("JSON")["figures"].clone()
 }
 
-/// Colours of the middle of a screenshot, right of the choices.
-fn colours(path: &Path) -> HashSet<[u8; 3]> {
+/// The middle of a screenshot, right of the choices.
+fn canvas(path: &Path) -> Vec<[u8; 3]> {
     let picture = image::open(path).expect("a screenshot").to_rgb8();
     let (width, height) = picture.dimensions();
     let canvas = picture.enumerate_pixels().filter(|(x, y, _)| *x > width / 3 && *y > height / 4);
     canvas.map(|(.., pixel)| pixel.0).collect()
+}
+
+/// Its colours.
+fn colours(path: &Path) -> HashSet<[u8; 3]> {
+    canvas(path).into_iter().collect()
+}
+
+/// The share of it that is no grey.
+fn coloured(path: &Path) -> f64 {
+    let canvas = canvas(path);
+    let range =
+        |pixel: &[u8; 3]| pixel.iter().max().zip(pixel.iter().min()).map_or(0, |(high, low)| high - low);
+    canvas.iter().filter(|pixel| range(pixel) > 24).count() as f64 / canvas.len() as f64
+}
+
+/// The mean of an image's values, and how far those of another one are from them on average: as they lie, and shifted by a pixel.
+fn apart(image: &Planes, other: &Planes) -> [f64; 3] {
+    let (image, other) = (image.data(), other.data());
+    let mean =
+        |values: &mut dyn Iterator<Item = f32>| values.map(f64::from).sum::<f64>() / image.len() as f64;
+    let apart = |by: usize| mean(&mut image[by..].iter().zip(other).map(|(a, b)| (a - b).abs()));
+    [mean(&mut image.iter().copied()), apart(0), apart(1)]
 }
 
 #[test]
@@ -87,21 +125,27 @@ fn a_window_shows_methods_beside_truth_and_survives_what_is_done_to_it() {
     // Nothing shines here: effects that need a lamp add one, others do not.
     let floor = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 4 3\nf 1 3 2\nv -2 2 -2\nv 2 2 -2\nf 1 2 6 5\n";
     std::fs::write(folder.path().join("dark.obj"), floor).expect("written");
-    let script = "orbit 5 0\nwait truth 8\nscreenshot wipe.png\nsee difference\narrange tiles\nwait 0.1\nscreenshot tiles.png\n\
+    let script = "orbit -5 0\nwait truth 8\nscreenshot wipe.png\nsee difference\narrange tiles\nwait 0.1\nscreenshot tiles.png\n\
+        see flip\nwait 0.1\nscreenshot flip.png\nsee image\n\
         orbit 20 -10\nfly 0 0.1 0\nwait truth 8\ntruth off\neffect gi\nmethods ssgi\nmeasure 2\n\
         effect path\nwait picture\neffect aa\nwait picture\ninspect normal\nwait picture\nscreenshot normal.png\nsave kept\n\
         size 37 23\nresize 333 217\nwait picture\nresize 1 1\nwait 0.2\nresize 900 700\nwait picture\n\
-        minimise on\nwait 0.2\nminimise off\nopen broken.glb\nwait refusal\nwait picture\n\
+        minimise on\norbit 10 0\nwait picture\nminimise off\nwait picture\nscreenshot back.png\nopen broken.glb\nwait refusal\nwait picture\n\
         effect ao\ntruth on\ntemporal on\nwait truth 8\ntemporal off\ntruth off\nopen missing\nwait refusal\n\
         open playground:1\nwait picture\nopen dark.obj\nwait picture\neffect gi\nwait picture\neffect ao\nwait picture\n\
         effect gi\nwait picture\nquit\n";
-    let output = Screen::new().view(folder.path(), "--methods gtao,hbao", script);
+    let output = Screen::managed(folder.path()).view(folder.path(), "--methods gtao,hbao", script);
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && !said.contains("panicked"), "{said}");
-    for name in ["wipe.png", "tiles.png", "normal.png"] {
+    for name in ["wipe.png", "tiles.png", "flip.png", "normal.png", "back.png"] {
         let found = colours(&folder.path().join(name)).len();
         assert!(found > 40, "{name}: {found} colours");
     }
+    // Ambient occlusion is grey, maps of what differs are not.
+    let [plain, difference, flip] =
+        ["wipe.png", "tiles.png", "flip.png"].map(|name| coloured(&folder.path().join(name)));
+    assert!(plain < 0.01 && difference > 0.05 && flip > 0.05, "{plain} {difference} {flip}");
+    assert_ne!(canvas(&folder.path().join("tiles.png")), canvas(&folder.path().join("flip.png")));
     for name in ["kept/fxaa.exr", "kept/fxaa.png", "kept/normal.exr"] {
         assert!(folder.path().join(name).is_file(), "{name}");
     }
@@ -112,7 +156,17 @@ fn a_window_shows_methods_beside_truth_and_survives_what_is_done_to_it() {
         .output()
         .expect("starts");
     assert!(again.status.success(), "{}", String::from_utf8_lossy(&again.stderr));
+    let read = |path: &Path, layer: &str| {
+        exr_file::read(path).expect("an EXR file").image(layer, 3).expect("its layer")
+    };
+    let frames = std::fs::read_dir(folder.path().join("again")).expect("a report");
+    let mut files = frames.filter_map(|entry| Some(entry.ok()?.path().join("fxaa-low.exr")));
+    let made = files.find(|file| file.is_file()).expect("the method's image");
+    let [mean, same, shifted] =
+        apart(&read(&folder.path().join("kept/fxaa.exr"), "fxaa"), &read(&made, "aa"));
+    assert!(same < 0.02 * mean && shifted > 0.08 * mean, "{mean} {same} {shifted}");
     let figures = figures(folder.path());
+    assert_eq!(figures["minimised"], 1.0, "the window manager puts it away");
     assert!(figures["fps_gi_ssgi"].as_f64().expect("measured") > 0.0);
     assert!(figures["refusals"].as_f64().expect("counted") >= 2.0);
     assert!(figures["seconds_to_first_picture"].as_f64().expect("measured") > 0.0);
@@ -355,6 +409,40 @@ fn an_animation_is_recorded_at_its_own_times_with_and_without_a_program_for_vide
         let video = std::fs::read(path("film/film.mp4")).expect("a video");
         assert_eq!(&video[4..8], b"ftyp");
     }
+}
+
+#[test]
+fn time_that_has_no_end_is_recorded_as_long_as_hands_choose() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let script = "truth off\nwait picture\nlength 0.2\nrecord film 10\nquit\n";
+    let options = "--effect phosphor --methods rate-equation";
+    let output = Screen::new().view(folder.path(), options, script);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !said.contains("panicked"), "{said}");
+    let frames = [0, 1, 2].map(|frame| folder.path().join(format!("film/{frame:05}.png")).is_file());
+    assert_eq!(frames, [true, true, false], "0.2 seconds at 10 frames a second");
+}
+
+#[test]
+fn a_method_is_held_against_another_one_and_seen_pixel_by_pixel() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let script = "truth off\nsee difference\nwait picture\nscreenshot unjudged.png\nagainst hbao\nwait verdict\nwait 0.1\n\
+        screenshot judged.png\nsee image\nwait 0.1\nscreenshot far.png\nzoom 16 0.5 0.5\nexpose\nwait picture\nwait 0.1\n\
+        screenshot near.png\nsave kept\nagainst surfel\n";
+    let output = Screen::new().view(folder.path(), "--methods gtao,hbao", script);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("method `surfel` is not shown") && !said.contains("panicked"), "{said}");
+    let [unjudged, judged, far] = ["unjudged.png", "judged.png", "far.png"].map(|name| coloured(&path(name)));
+    // A legend has colours, too.
+    assert!(unjudged < 0.01 && judged > 0.015 && far < 0.01, "{unjudged} {judged} {far}");
+    let [far, near] = ["far.png", "near.png"].map(|name| canvas(&path(name)));
+    assert_ne!(far, near);
+    // A pixel is as wide as 16 times 13 points: neighbours in a row are alike.
+    let alike = |canvas: &[[u8; 3]]| canvas.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    assert!(alike(&near) > alike(&far));
+    let layers = exr_file::read(&path("kept/gbuffer.exr")).expect("an EXR file").layers();
+    assert!(["normal", "depth"].iter().all(|name| layers.iter().any(|layer| layer == name)), "{layers:?}");
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use crate::figures::Figures;
 use crate::learned;
 use crate::methods::{self, LEARNED, SLOW, TRUTH};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail};
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
 use serde_json::Value;
@@ -17,7 +17,8 @@ use std::process::{Command, Stdio};
 #[command(after_help = "Examples:\n  deepshade bench view --json view.json\n  \
     xvfb-run -a deepshade bench view --effects ao,gi --minutes 10 --json view.json\n\n\
     In the JSON file seconds_to_first_picture is from the program's beginning, fps_EFFECT_METHOD pictures a second while the camera goes \
-    around, memory_growth_mb_10min what memory grew by in the minutes of --minutes, scaled to ten, panics how many threads died.")]
+    around, memory_growth_mb_10min what memory grew by in the minutes of --minutes, scaled to ten, minimised whether a window manager \
+    put the window away, surfaces_outdated and surfaces_lost how often there was none to paint on, panics how many threads died.")]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
     #[arg(long, default_value = "room:7")]
@@ -28,7 +29,8 @@ pub struct Args {
     /// Pictures of each method.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pictures: u32,
-    /// For how long memory is watched; 0 for not at all.
+    /// For how long all effects are gone through in rounds, two at least, while memory is watched from the second one on; 0 for not
+    /// at all.
     #[arg(long, default_value_t = 1.0, value_parser = crate::arguments::within(0.0..=600.0))]
     minutes: f32,
     /// Pictures of the window, one an effect, are written into this folder.
@@ -65,23 +67,34 @@ pub fn run(args: &Args) -> Result<()> {
         .context("the window")?;
     let said = String::from_utf8_lossy(&window.stderr);
     let panics = said.matches("panicked at").count();
-    ensure!(window.status.success(), "the window: {}", said.trim());
+    let mut figures = Figures::new("bench view");
+    figures.detail("scene", args.scene.to_string().into());
+    if !window.status.success() {
+        // A window that ends before its script counts, too, be it without a word.
+        figures.set("panics", panics.max(1) as f64);
+        figures.write(args.json.as_deref())?;
+        bail!("the window: {}", said.trim());
+    }
     let text = std::fs::read_to_string(&json).context("the window's figures")?;
     let measured: Value = serde_json::from_str(&text).context("the window's figures")?;
-    let mut figures = Figures::new("bench view");
-    for (name, value) in measured["figures"].as_object().into_iter().flatten() {
+    let measured = &measured["figures"];
+    for (name, value) in measured.as_object().into_iter().flatten() {
         let Some(value) = value.as_f64() else { continue };
-        match name.as_str() {
-            "memory_growth_mb" => {
-                figures.set("memory_growth_mb_10min", value * 10.0 / (0.75 * f64::from(args.minutes)));
+        match (name.as_str(), measured["soak_seconds"].as_f64()) {
+            ("memory_growth_mb", Some(seconds)) => {
+                figures.set("memory_growth_mb_10min", value * 600.0 / seconds);
             }
-            name => figures.set(name, value),
+            (name, _) => figures.set(name, value),
         }
-        say!("{name:<40} {value:>10.3}")?;
     }
     figures.set("panics", panics as f64);
-    figures.detail("scene", args.scene.to_string().into());
     figures.write(args.json.as_deref())?;
+    if measured["minimised"] == 0.0 {
+        note!("no window manager is there, which would put a window away: that is not tried");
+    }
+    for (name, value) in measured.as_object().into_iter().flatten() {
+        say!("{name:<40} {:>10.3}", value.as_f64().unwrap_or(f64::NAN))?;
+    }
     say!("{:<40} {panics:>10}", "panics")
 }
 
@@ -108,10 +121,11 @@ fn steps(args: &Args, broken: &Path, shots: Option<&Path>) -> String {
         add(format!("resize {size}\nwait 0.3\nwait picture"));
     }
     add("size 37 23\nwait picture\nsize 224 144\nwait picture".to_owned());
-    add("minimise on\nwait 0.5\nminimise off\nwait picture".to_owned());
+    add("minimise on\norbit 10 0\nwait picture\nminimise off\nwait picture".to_owned());
     add(format!("open {}\nwait refusal\nopen {}\nwait picture", broken.display(), args.scene));
     if args.minutes > 0.0 {
-        add(format!("truth on\nsoak {}", 60.0 * args.minutes));
+        let names: Vec<&str> = effects.iter().map(|effect| effect.name()).collect();
+        add(format!("truth on\nsoak {} {}", 60.0 * args.minutes, names.join(",")));
     }
     add("quit".to_owned());
     steps

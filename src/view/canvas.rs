@@ -1,12 +1,15 @@
 //! Where images are seen: over each other or beside each other, under hands that move the camera.
 
+use super::legend;
 use super::lights;
+use super::probe;
 use super::state::Arrangement;
 use super::window::Window;
+use super::zoom::{Place, Zoom};
 use deepshade_shaders::Planes;
 use eframe::egui::{
     self, Align2, Color32, CursorIcon, FontId, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui,
-    pos2, vec2,
+    vec2,
 };
 use glam::{Vec2, Vec3};
 
@@ -18,12 +21,27 @@ pub struct Shown<'a> {
     pub values: &'a Planes,
     /// What is seen of it.
     pub texture: egui::TextureId,
+    /// Whether a map of it is wanted that is not there yet, so that it is seen itself.
+    pub lacks_map: bool,
+}
+
+impl Shown<'_> {
+    /// What is said of it in its corner.
+    fn title(&self) -> String {
+        if self.lacks_map {
+            format!("{}: itself, until it is judged", self.name)
+        } else {
+            self.name.to_owned()
+        }
+    }
 }
 
 /// Radians that the camera turns while the pointer goes through a window's height.
 const TURN: f32 = 2.5;
 /// Share of the scene's diagonal that keys fly a second.
 const SPEED: f32 = 0.15;
+/// How much larger a key makes images.
+const STEP: f32 = 1.5;
 /// How near to a border the pointer takes hold of it, points.
 const GRIP: f32 = 6.0;
 
@@ -49,30 +67,32 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
     let held = match window.state.arrangement {
         Arrangement::Wipe => {
             let place = fitted(area, aspect);
-            let borders = if window.state.borders.len() + 1 == count {
-                window.state.borders.clone()
-            } else {
-                (1..count).map(|index| index as f32 / count as f32).collect()
-            };
-            wipe(ui, place, &borders, &shown);
-            probe(ui, &response, place, &shown, None);
-            drag_border(ui, &response, place, window, count)
+            let names: Vec<String> = shown.iter().map(|image| image.name.to_owned()).collect();
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            let place = window.state.zoom.place(place);
+            wipe(ui, place, &window.state.borders(&names), &shown);
+            probe::show(ui, &response, place, &shown, None);
+            enlarge(ui, &response, &[place], window)
+                || drag_border(ui, &response, place.seen, window, &names)
                 || lights::handles(ui, &response, &[place], window)
         }
         Arrangement::Tiles => {
-            let places = tiles(area, aspect, count);
+            let zoom = window.state.zoom;
+            let places: Vec<Place> =
+                tiles(area, aspect, count).into_iter().map(|place| zoom.place(place)).collect();
             for (place, image) in places.iter().zip(&shown) {
-                picture(ui, *place, *place, image);
-                label(ui, *place, image.name);
+                picture(ui, *place, place.seen, image);
+                label(ui, place.seen, &image.title());
             }
             let under =
-                response.hover_pos().and_then(|at| places.iter().position(|place| place.contains(at)));
+                response.hover_pos().and_then(|at| places.iter().position(|place| place.seen.contains(at)));
             if let Some(index) = under {
-                probe(ui, &response, places[index], &shown, Some(index));
+                probe::show(ui, &response, places[index], &shown, Some(index));
             }
-            lights::handles(ui, &response, &places, window)
+            enlarge(ui, &response, &places, window) || lights::handles(ui, &response, &places, window)
         }
     };
+    legend::show(ui, area, window.state.map, window.state.reference());
     if !held {
         steer(ui, &response, window);
     }
@@ -101,9 +121,8 @@ fn tiles(area: Rect, aspect: f32, count: usize) -> Vec<Rect> {
 }
 
 /// The part of an image at `place` that lies within `seen`.
-fn picture(ui: &Ui, place: Rect, seen: Rect, image: &Shown<'_>) {
-    let share = |at: Pos2| pos2((at.x - place.left()) / place.width(), (at.y - place.top()) / place.height());
-    let uv = Rect::from_min_max(share(seen.min), share(seen.max));
+fn picture(ui: &Ui, place: Place, seen: Rect, image: &Shown<'_>) {
+    let uv = Rect::from_min_max(place.share(seen.min), place.share(seen.max));
     ui.painter().image(image.texture, seen, uv, Color32::WHITE);
 }
 
@@ -115,24 +134,28 @@ fn label(ui: &Ui, place: Rect, name: &str) {
 }
 
 /// Images over each other, each from one border to the next.
-fn wipe(ui: &Ui, place: Rect, borders: &[f32], shown: &[Shown<'_>]) {
-    let x = |share: f32| place.left() + share * place.width();
+fn wipe(ui: &Ui, place: Place, borders: &[f32], shown: &[Shown<'_>]) {
+    let x = |share: f32| place.seen.left() + share * place.seen.width();
     let begins = std::iter::once(0.0).chain(borders.iter().copied());
     let ends = borders.iter().copied().chain(std::iter::once(1.0));
     for (image, (begin, end)) in shown.iter().zip(begins.zip(ends)) {
-        let seen = Rect::from_x_y_ranges(x(begin)..=x(end), place.y_range());
+        let seen = Rect::from_x_y_ranges(x(begin)..=x(end), place.seen.y_range());
         picture(ui, place, seen, image);
-        label(ui, seen, image.name);
+        label(ui, seen, &image.title());
     }
     for border in borders {
-        ui.painter().vline(x(*border), place.y_range(), Stroke::new(2.0, Color32::from_white_alpha(180)));
+        ui.painter().vline(
+            x(*border),
+            place.seen.y_range(),
+            Stroke::new(2.0, Color32::from_white_alpha(180)),
+        );
     }
 }
 
 /// Moves the border under the pointer. Whether it has hold of one.
-fn drag_border(ui: &Ui, response: &Response, place: Rect, window: &mut Window, count: usize) -> bool {
+fn drag_border(ui: &Ui, response: &Response, place: Rect, window: &mut Window, names: &[&str]) -> bool {
     let held = ui.scope_id().with("border");
-    let borders = window.state.borders(count);
+    let borders = window.state.borders(names);
     let x = |share: f32| place.left() + share * place.width();
     let near = |at: Pos2| borders.iter().position(|border| (x(*border) - at.x).abs() < GRIP);
     if let Some(at) = response.hover_pos()
@@ -153,42 +176,37 @@ fn drag_border(ui: &Ui, response: &Response, place: Rect, window: &mut Window, c
     else {
         return false;
     };
-    let low = if index == 0 { 0.0 } else { borders[index - 1] };
-    let high = borders.get(index + 1).copied().unwrap_or(1.0);
-    borders[index] = ((at.x - place.left()) / place.width()).clamp(low, high);
+    window.state.put_border(names, index, (at.x - place.left()) / place.width());
     true
 }
 
-/// Says the values of the pixel under the pointer: of all images, or of one.
-fn probe(ui: &Ui, response: &Response, place: Rect, shown: &[Shown<'_>], only: Option<usize>) {
-    let Some(at) = response.hover_pos().filter(|at| place.contains(*at)) else { return };
-    let share = (at - place.min) / place.size();
-    let mut lines = Vec::new();
-    for (index, image) in shown.iter().enumerate() {
-        if only.is_some_and(|only| only != index) {
-            continue;
-        }
-        let (height, width) = (image.values.height(), image.values.width());
-        let x = ((share.x * width as f32) as usize).min(width - 1);
-        let y = ((share.y * height as f32) as usize).min(height - 1);
-        if lines.is_empty() {
-            lines.push(format!("pixel {x}, {y}"));
-        }
-        lines.push(format!("{}  {}", image.name, values(image.values, y, x)));
+/// Enlarges images as wheel and keys say, and moves what is enlarged. Whether it is moved.
+fn enlarge(ui: &Ui, response: &Response, places: &[Place], window: &mut Window) -> bool {
+    let zoom = &mut window.state.zoom;
+    let pointer = response.hover_pos().or(response.interact_pointer_pos());
+    let under = pointer.and_then(|at| Some((at, *places.iter().find(|place| place.seen.contains(at))?)));
+    if let Some((at, place)) = under {
+        zoom.about(place, at, ui.input(|input| input.zoom_delta()));
     }
-    let text = lines.join("\n");
-    let font = FontId::monospace(12.0);
-    let galley = ui.painter().layout_no_wrap(text, font, Color32::WHITE);
-    let corner = place.left_bottom() + vec2(6.0, -6.0 - galley.size().y);
-    let back = Rect::from_min_size(corner, galley.size()).expand(4.0);
-    ui.painter().rect_filled(back, 3.0, Color32::from_black_alpha(170));
-    ui.painter().galley(corner, galley, Color32::WHITE);
-}
-
-/// A pixel's values as text.
-fn values(image: &Planes, y: usize, x: usize) -> String {
-    let values: Vec<String> = (0..image.channels()).map(|c| format!("{:.4}", image.at(c, y, x))).collect();
-    values.join("  ")
+    if let (Some(first), false) = (places.first(), ui.ctx().egui_wants_keyboard_input()) {
+        let (at, place) = under.unwrap_or((first.seen.center(), *first));
+        let [nearer, whole, further] = ui.input(|input| {
+            let bare = !input.modifiers.command && !input.modifiers.alt;
+            let pressed = |key| bare && input.key_pressed(key);
+            [pressed(Key::Plus) || pressed(Key::Equals), pressed(Key::Num0), pressed(Key::Minus)]
+        });
+        match (nearer, further, whole) {
+            (true, ..) => zoom.about(place, at, STEP),
+            (_, true, _) => zoom.about(place, at, STEP.recip()),
+            (.., true) => *zoom = Zoom::default(),
+            _ => {}
+        }
+    }
+    let moves = zoom.is_in() && response.dragged_by(PointerButton::Middle);
+    if let (true, Some(place)) = (moves, places.first()) {
+        zoom.pan(*place, response.drag_delta());
+    }
+    moves
 }
 
 /// Moves the camera as pointer, wheel and keys say.
@@ -231,6 +249,7 @@ fn steer(ui: &Ui, response: &Response, window: &mut Window) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use eframe::egui::pos2;
 
     #[test]
     fn tiles_do_not_overlap_and_keep_their_shape() {

@@ -5,15 +5,20 @@ use super::caught::caught;
 use super::desk::News;
 use super::film::{self, Still};
 use super::layers::Opened;
+use super::pictures::rgb;
 use super::saved::{self, Moment};
+use crate::report::images::write_png;
 use anyhow::Result;
+use eframe::egui::ColorImage;
 use std::path::PathBuf;
-use std::sync::mpsc;
+use std::sync::{Arc, mpsc};
 
 /// Something to be done with files. Every one is answered by one [`News::Errand`].
 pub enum Errand {
     /// What was shown at a moment into a folder, or into one that is free.
     Save(Box<Moment>, Option<PathBuf>),
+    /// A picture of the window into a file, or into one that is free.
+    Shot(Arc<ColorImage>, Option<PathBuf>),
     /// Reads an EXR file.
     Open(PathBuf),
     /// A frame of a film.
@@ -43,7 +48,7 @@ pub fn run(errands: mpsc::Receiver<Errand>, tell: &dyn Fn(News)) {
 impl Errand {
     const fn doing(&self) -> &'static str {
         match self {
-            Self::Save(..) => "saving",
+            Self::Save(..) | Self::Shot(..) => "saving",
             Self::Open(_) => "opening an EXR file",
             Self::Frame(..) | Self::Film(_) => "recording",
         }
@@ -52,9 +57,14 @@ impl Errand {
     fn run(&self) -> Result<Done> {
         Ok(match self {
             Self::Save(moment, folder) => {
-                let folder = folder.clone().unwrap_or_else(|| saved::free_folder("view"));
+                let folder = folder.clone().unwrap_or_else(|| saved::free("view", ""));
                 saved::save(moment, &folder)?;
                 Done::Said(format!("saved in {}", folder.display()))
+            }
+            Self::Shot(image, path) => {
+                let path = path.clone().unwrap_or_else(|| saved::free("window", ".png"));
+                write_png(&path, &rgb(image))?;
+                Done::Said(format!("the window is in {}", path.display()))
             }
             Self::Open(path) => Done::Opened(Opened::read(path)?),
             Self::Frame(still, path) => {

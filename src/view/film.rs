@@ -2,7 +2,7 @@
 //! ffmpeg is installed, as a video.
 
 use super::clerk::Errand;
-use super::saved::free_folder;
+use super::saved::free;
 use super::state::Arrangement;
 use super::studio::Show;
 use super::window::Window;
@@ -132,19 +132,20 @@ impl Made {
 }
 
 impl Window {
-    /// Begins to record the animation into a folder, or into one that is free, so many frames a second.
+    /// Begins to record the animation into a folder, or into one that is free, so many frames a second; where time has no end, as
+    /// many seconds of it as hands have chosen.
     pub fn record(&mut self, folder: Option<PathBuf>, rate: f32) {
-        let span = self.subject.as_ref().and_then(|subject| subject.animated.span());
-        let Some([begin, end]) = span.filter(|[begin, end]| end > begin) else {
+        let Some([begin, end]) = self.timeline() else {
             return self.refuse("nothing is animated here that could be recorded".to_owned());
         };
-        let frames = ((end - begin) * rate).round();
+        let seconds = if end.is_finite() { end - begin } else { self.state.film_seconds };
+        let frames = (seconds * rate).round();
         if !(1.0..=FRAMES).contains(&frames) {
-            return self.refuse(format!("{rate} frames a second: {frames} frames of {} s", end - begin));
+            return self.refuse(format!("{rate} frames a second: {frames} frames of {seconds} s"));
         }
         self.state.playing = false;
         self.recording = Some(Recording {
-            folder: folder.unwrap_or_else(|| free_folder("film")),
+            folder: folder.unwrap_or_else(|| free("film", "")),
             rate,
             begin,
             frame: 0,
@@ -176,9 +177,10 @@ impl Window {
         });
         let Some(picture) = made else { return };
         let shown = picture.images.iter().chain(&picture.inspected);
-        let pictures: Vec<Arc<ColorImage>> = shown.map(|image| Arc::clone(&image.picture)).collect();
+        let (names, pictures): (Vec<&str>, Vec<_>) =
+            shown.map(|image| (image.name.as_str(), Arc::clone(&image.picture))).unzip();
         let path = recording.folder.join(format!("{:05}.png", recording.frame));
-        let borders = self.state.borders(pictures.len()).clone();
+        let borders = self.state.borders(&names);
         self.send(Errand::Frame(Still { pictures, arrangement: self.state.arrangement, borders }, path));
         self.next_frame();
     }
@@ -208,9 +210,13 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
         }
         return;
     }
+    let is_endless = window.timeline().is_some_and(|[_, end]| end.is_infinite());
     ui.horizontal(|ui| {
-        let rate = &mut window.state.film_rate;
-        ui.add(DragValue::new(rate).range(1.0..=240.0).suffix(" frames/s"));
+        let state = &mut window.state;
+        ui.add(DragValue::new(&mut state.film_rate).range(1.0..=240.0).suffix(" frames/s"));
+        if is_endless {
+            ui.add(DragValue::new(&mut state.film_seconds).range(0.1..=3600.0).speed(0.1).suffix(" s"));
+        }
         let hint = "every frame of the animation as PNG, and a video where ffmpeg is installed";
         if ui.button("record").on_hover_text(hint).clicked() {
             let rate = window.state.film_rate;

@@ -1,4 +1,4 @@
-//! The thread that holds what methods made against truth: figures, and maps of where they differ.
+//! The thread that holds what methods made against truth, or against one of them: figures, and maps of where they differ.
 
 use super::caught::caught;
 use super::desk::News;
@@ -17,10 +17,12 @@ pub struct Case {
     pub sight: Sight,
     /// How they were made.
     pub show: Show,
-    /// Samples of truth.
+    /// What they are held against: truth or a method.
+    pub against: &'static str,
+    /// Samples of truth; 0 of a method.
     pub samples: u32,
-    /// What they are held against.
-    pub truth: Arc<Planes>,
+    /// The image that they are held against.
+    pub reference: Arc<Planes>,
     /// What methods made.
     pub images: Vec<Developed>,
 }
@@ -31,7 +33,9 @@ pub struct Verdict {
     pub sight: Sight,
     /// How the images were made.
     pub show: Show,
-    /// Samples of the truth that it was held against.
+    /// What they were held against.
+    pub against: &'static str,
+    /// Samples of the truth that they were held against.
     pub samples: u32,
     /// Of each image.
     pub judged: Vec<Judged>,
@@ -43,7 +47,7 @@ pub struct Judged {
     pub name: String,
     /// Its figures.
     pub scores: Scores,
-    /// How it differs from truth, and FLIP, in colours.
+    /// How it differs, and FLIP, in colours.
     pub maps: [Arc<ColorImage>; 2],
 }
 
@@ -60,13 +64,14 @@ pub fn run(cases: &Mailbox<Case>, tell: &dyn Fn(News)) {
 
 fn judge(case: Case) -> Verdict {
     let effect = case.sight.effect;
-    let scale = exposure(effect, &case.truth);
-    let truth = exposed(&case.truth, scale);
+    let scale = exposure(effect, &case.reference);
+    let reference = exposed(&case.reference, scale);
     let judged = case.images.iter().map(|image| Judged {
         name: image.name.clone(),
-        scores: Scores::new(&exposed(&image.values, scale), &truth),
-        maps: compared(&image.values, &case.truth, effect).map(Arc::new),
+        scores: Scores::new(&exposed(&image.values, scale), &reference),
+        maps: compared(&image.values, &case.reference, effect).map(Arc::new),
     });
     let judged = judged.collect();
-    Verdict { sight: case.sight, show: case.show, samples: case.samples, judged }
+    let Case { sight, show, against, samples, .. } = case;
+    Verdict { sight, show, against, samples, judged }
 }

@@ -1,6 +1,7 @@
 //! Lights under hands: their places and directions as numbers, and as handles on the images.
 
 use super::window::Window;
+use super::zoom::Place;
 use deepshade_render::scene::{Camera, Light};
 use eframe::egui::{
     Color32, DragValue, Id, PointerButton, Pos2, Rect, Response, Slider, SliderClamping, Stroke, Ui, pos2,
@@ -10,6 +11,8 @@ use std::ops::RangeInclusive;
 
 /// How near to a light's handle the pointer takes hold of it, points.
 const GRIP: f32 = 9.0;
+/// How far a sun's handle is from what the camera goes around, as a share of the camera's distance from that.
+const SUN: f32 = 0.3;
 /// How far hands turn lights up and down, degrees.
 const STEEPEST: f32 = 89.9;
 /// Lights with numbers beside the images.
@@ -111,23 +114,38 @@ const fn power(light: &Light) -> f32 {
 struct Held {
     image: usize,
     light: usize,
+    /// 1 where its handle was taken on this side of what the camera goes around, else -1.
+    side: f32,
 }
 
 /// Shows where lights are on the images at `places`, but for those that animations move, and moves the one that is dragged, as
-/// far away as it is. Whether one is.
-pub fn handles(ui: &Ui, response: &Response, places: &[Rect], window: &mut Window) -> bool {
+/// far away as it is. A sun's handle goes around what the camera does. Whether one is dragged.
+pub fn handles(ui: &Ui, response: &Response, places: &[Place], window: &mut Window) -> bool {
     let (Some(lights), Some(pilot)) = (&mut window.state.lights, window.state.pilot) else { return false };
     let Some(subject) = &window.subject else { return false };
     let camera = &pilot.camera;
+    let middle = pilot.pivot();
+    let reach = SUN * middle.distance(camera.position);
     let mut seen = Vec::new();
     for (image, place) in places.iter().enumerate() {
         for (light, it) in lights.iter().enumerate().filter(|(light, _)| !subject.is_rigged(*light)) {
-            let spot = it.position().and_then(|position| on_screen(camera, position, *place));
-            seen.extend(spot.map(|spot| (Held { image, light }, spot)));
+            let towards = it.direction().unwrap_or_default();
+            let point = it.position().unwrap_or(middle - towards * reach);
+            let spot = on_screen(camera, point, place.whole).filter(|spot| place.seen.contains(*spot));
+            let side = if towards.dot(camera.rotation.z_axis) > 0.0 { -1.0 } else { 1.0 };
+            seen.extend(spot.map(|spot| (Held { image, light, side }, spot)));
         }
     }
-    for (_, spot) in &seen {
-        ui.painter().circle(*spot, 4.0, Color32::from_rgb(255, 220, 120), Stroke::new(1.5, Color32::BLACK));
+    let fill = Color32::from_rgb(255, 220, 120);
+    for (held, spot) in &seen {
+        let place = places[held.image];
+        if lights[held.light].position().is_none()
+            && let Some(to) = on_screen(camera, middle, place.whole)
+        {
+            let painter = ui.painter().with_clip_rect(place.seen);
+            painter.arrow(*spot, 0.8 * (to - *spot), Stroke::new(1.5, fill));
+        }
+        ui.painter().circle(*spot, 4.0, fill, Stroke::new(1.5, Color32::BLACK));
     }
     let in_hand = Id::unique("light in hand");
     if response.drag_started_by(PointerButton::Primary) {
@@ -139,7 +157,8 @@ pub fn handles(ui: &Ui, response: &Response, places: &[Rect], window: &mut Windo
     if response.drag_stopped() {
         ui.data_mut(|data| data.insert_temp(in_hand, None::<Held>));
     }
-    let Some(Held { image, light }) = ui.data(|data| data.get_temp::<Option<Held>>(in_hand)).flatten() else {
+    let Some(Held { image, light, side }) = ui.data(|data| data.get_temp::<Option<Held>>(in_hand)).flatten()
+    else {
         return false;
     };
     let (Some(place), Some(light), Some(pointer)) =
@@ -147,11 +166,29 @@ pub fn handles(ui: &Ui, response: &Response, places: &[Rect], window: &mut Windo
     else {
         return false;
     };
-    if let Some(position) = light.position() {
-        let position = dragged(camera, position, *place, pointer);
-        *light = light.moved(|_| position, |direction| direction);
-    }
+    *light = match light.position() {
+        Some(position) => {
+            let position = dragged(camera, position, place.whole, pointer);
+            light.moved(|_| position, |direction| direction)
+        }
+        None => {
+            let drag = side * radians(camera, response.drag_delta(), place.whole);
+            light.moved(|place| place, |direction| turned(camera, direction, drag))
+        }
+    };
     true
+}
+
+/// By how much a sun turns whose handle, before the middle of an image at `place`, goes by points of the window.
+fn radians(camera: &Camera, points: eframe::egui::Vec2, place: Rect) -> Vec2 {
+    let radius = SUN * 0.5 * place.height() / (0.5 * camera.vertical_fov).tan();
+    Vec2::new(points.x, points.y) / radius.max(1.0)
+}
+
+/// The direction of a sun that is turned as a ball is whose near side a hand moves to the right and down, radians.
+fn turned(camera: &Camera, direction: Vec3, drag: Vec2) -> Vec3 {
+    let Mat3 { x_axis, y_axis, .. } = camera.rotation;
+    (Mat3::from_axis_angle(y_axis, drag.x) * Mat3::from_axis_angle(x_axis, drag.y) * direction).normalize()
 }
 
 /// Where a point is seen on an image at `place`; nowhere behind the camera and beside the image.
@@ -193,6 +230,21 @@ mod tests {
         let dark = light.brighter(0.0);
         assert_eq!(stops(&light.brighter(4.0), &light), Some(2.0));
         assert_eq!((stops(&light, &dark), stops(&dark, &dark)), (None, None));
+    }
+
+    #[test]
+    fn a_sun_follows_the_pointer_on_either_side() {
+        let camera = Camera::look_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO);
+        let place = Rect::from_min_size(pos2(0.0, 0.0), vec2(600.0, 400.0));
+        let handle = |direction: Vec3| on_screen(&camera, -1.5 * direction, place).expect("in the image");
+        for side in [1.0, -1.0] {
+            let direction = -side * camera.rotation.z_axis;
+            let before = handle(direction);
+            let drag = radians(&camera, vec2(6.0, 4.0), place);
+            let after = handle(turned(&camera, direction, side * drag));
+            let moved = after - before;
+            assert!(moved.x > 3.0 && moved.x < 10.0 && moved.y > 2.0 && moved.y < 7.0, "{side}: {moved:?}");
+        }
     }
 
     #[test]

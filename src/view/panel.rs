@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
         effect(ui, window);
         parameters::show(ui, &mut window.state);
         ui.separator();
-        look(ui, &mut window.state);
+        look(ui, window);
         layers::show(ui, window);
         ui.separator();
         truth(ui, window);
@@ -50,7 +50,11 @@ fn keys(ui: &Ui, window: &mut Window) {
     if ui.ctx().egui_wants_keyboard_input() {
         return;
     }
-    let [space, t, m] = ui.input(|input| [Key::Space, Key::T, Key::M].map(|key| input.key_pressed(key)));
+    let [space, t, m, p] =
+        ui.input(|input| [Key::Space, Key::T, Key::M, Key::P].map(|key| input.key_pressed(key)));
+    if p {
+        window.shoot(ui.ctx(), None);
+    }
     let state = &mut window.state;
     state.playing ^= space;
     state.truth ^= t;
@@ -91,15 +95,30 @@ fn scene(ui: &mut Ui, window: &mut Window) {
         {
             window.save(None);
         }
+        if ui.button("screenshot").on_hover_text("the whole window as PNG").clicked() {
+            window.shoot(ui.ctx(), None);
+        }
     });
-    if let Some([begin, end]) = subject.animated.span() {
-        let state = &mut window.state;
-        ui.horizontal(|ui| {
-            ui.checkbox(&mut state.playing, "plays");
-            ui.add(Slider::new(&mut state.time, begin..=end).clamping(SliderClamping::Edits).suffix(" s"));
-        });
+    if let Some(span) = window.timeline() {
+        timeline(ui, &mut window.state, span);
         film::show(ui, window);
     }
+}
+
+/// The moment that is shown: on a line where time has an end, else as a number.
+fn timeline(ui: &mut Ui, state: &mut State, [begin, end]: [f32; 2]) {
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut state.playing, "plays");
+        if end.is_finite() {
+            ui.add(Slider::new(&mut state.time, begin..=end).clamping(SliderClamping::Edits).suffix(" s"));
+            return;
+        }
+        let moment = DragValue::new(&mut state.time).range(begin..=end).clamp_existing_to_range(false);
+        ui.add(moment.speed(0.02).suffix(" s"));
+        if ui.button("anew").on_hover_text("back to when time begins").clicked() {
+            state.time = begin;
+        }
+    });
 }
 
 fn effect(ui: &mut Ui, window: &mut Window) {
@@ -147,7 +166,8 @@ fn effect(ui: &mut Ui, window: &mut Window) {
     }
 }
 
-fn look(ui: &mut Ui, state: &mut State) {
+fn look(ui: &mut Ui, window: &mut Window) {
+    let state = &mut window.state;
     ui.horizontal(|ui| {
         for arrangement in Arrangement::ALL {
             ui.selectable_value(&mut state.arrangement, arrangement, arrangement.name());
@@ -157,12 +177,18 @@ fn look(ui: &mut Ui, state: &mut State) {
             ui.selectable_value(&mut state.map, map, map.name());
         }
     });
-    ui.add(
-        Slider::new(&mut state.stops, -6.0..=6.0)
-            .clamping(SliderClamping::Edits)
-            .suffix(" stops")
-            .text("brighter"),
-    );
+    ComboBox::from_label("is held against").selected_text(state.reference()).show_ui(ui, |ui| {
+        ui.selectable_value(&mut state.against, None, TRUTH);
+        for method in &state.show.methods {
+            ui.selectable_value(&mut state.against, Some(*method), *method);
+        }
+    });
+    let stops = Slider::new(&mut state.stops, -6.0..=6.0).clamping(SliderClamping::Edits);
+    ui.add(stops.suffix(" stops").text("brighter"));
+    if ui.button("expose anew").on_hover_text("as suits what is shown now").clicked() {
+        window.expose_anew();
+    }
+    let state = &mut window.state;
     let inspected = &mut state.show.inspected;
     let name = inspected.map_or("none", Attribute::name);
     ComboBox::from_label("of the g-buffer").selected_text(name).show_ui(ui, |ui| {
@@ -195,7 +221,7 @@ fn truth(ui: &mut Ui, window: &mut Window) {
 fn figures(ui: &mut Ui, window: &Window) {
     let Some(verdict) = window.verdict_of_picture() else { return };
     Grid::new("figures").striped(true).show(ui, |ui| {
-        for head in ["", "SSIM", "FLIP", "relMSE"] {
+        for head in [verdict.against, "SSIM", "FLIP", "relMSE"] {
             ui.strong(head);
         }
         ui.end_row();

@@ -5,7 +5,7 @@ use crate::report::images::{difference, flip};
 use deepshade_render::metrics::exposed;
 use deepshade_shaders::{Attribute, Effect, Planes};
 use eframe::egui::ColorImage;
-use image::RgbImage;
+use image::{Rgb, RgbImage};
 use std::sync::Arc;
 
 /// Values with their picture, as they are handed from thread to thread.
@@ -63,6 +63,15 @@ pub fn compared(image: &Planes, truth: &Planes, effect: Effect) -> [ColorImage; 
     let scale = deepshade_render::metrics::exposure(effect, truth);
     let [image, truth] = [image, truth].map(|image| exposed(image, scale));
     [difference(&image, &truth), flip(&image, &truth)].map(|picture| on_screen(&picture))
+}
+
+/// What the window shows as a picture for files.
+pub fn rgb(image: &ColorImage) -> RgbImage {
+    let [width, height] = image.size;
+    RgbImage::from_fn(width as u32, height as u32, |x, y| {
+        let [red, green, blue, _] = image.pixels[y as usize * width + x as usize].to_array();
+        Rgb([red, green, blue])
+    })
 }
 
 fn on_screen(picture: &RgbImage) -> ColorImage {

@@ -1,7 +1,7 @@
-//! What the window shows, in a folder: every image as EXR and PNG, and a comparison that makes them without a window.
+//! What the window shows, in a folder: every image as EXR and PNG, the g-buffer, and a comparison that makes them without a window.
 
 use super::Args;
-use super::pictures::Developed;
+use super::pictures::{Developed, rgb};
 use super::studio::{Picture, Show};
 use super::window::Window;
 use crate::compare::{Comparison, MethodChoice, Run};
@@ -17,7 +17,6 @@ use deepshade_dataset::recipe::Resolution;
 use deepshade_render::exr_file::{self, Layer, Metadata};
 use deepshade_render::scene::{Camera, Lens};
 use glam::Vec3;
-use image::{Rgb, RgbImage};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -25,6 +24,8 @@ use std::sync::Arc;
 const COMPARISON: &str = "compare.toml";
 /// By how much axes of cameras differ that are the same but for rounding.
 const UPRIGHT: f32 = 1e-4;
+/// The g-buffer's file.
+const GBUFFER: &str = "gbuffer.exr";
 
 /// What a window shows at a moment, and how it came to be.
 pub struct Moment {
@@ -47,10 +48,10 @@ impl Moment {
     }
 }
 
-/// The first folder `view-1`, `view-2` and so on that is not there yet, or of another name.
-pub fn free_folder(name: &str) -> PathBuf {
+/// The first of `view-1`, `view-2` and so on that is not there yet, or of another name and ending.
+pub fn free(name: &str, ending: &str) -> PathBuf {
     (1u32..)
-        .map(|number| PathBuf::from(format!("{name}-{number}")))
+        .map(|number| PathBuf::from(format!("{name}-{number}{ending}")))
         .find(|path| !path.exists())
         .unwrap_or_default()
 }
@@ -77,14 +78,10 @@ pub fn save(moment: &Moment, folder: &Path) -> Result<()> {
     for image in picture.images.iter().chain(&moment.truth).chain(&picture.inspected) {
         let layer = Layer::image(&image.name, &image.values).in_full();
         exr_file::write(&folder.join(format!("{}.exr", image.name)), &[layer], &facts)?;
-        let [width, height] = image.picture.size.map(|side| side as u32);
-        let pixel = |x: u32, y: u32| image.picture.pixels[(y * width + x) as usize].to_array();
-        let png = RgbImage::from_fn(width, height, |x, y| {
-            let [red, green, blue, _] = pixel(x, y);
-            Rgb([red, green, blue])
-        });
-        write_png(&folder.join(format!("{}.png", image.name)), &png)?;
+        write_png(&folder.join(format!("{}.png", image.name)), &rgb(&image.picture))?;
     }
+    let gbuffer = picture.gbuffer()?;
+    exr_file::write(&folder.join(GBUFFER), &[Layer::gbuffer(&gbuffer)], &facts)?;
     write_atomically(&folder.join(COMPARISON), text.as_bytes())
 }
 

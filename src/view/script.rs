@@ -1,26 +1,27 @@
 //! What hands would do, from a file: a line a step, `#` begins a comment.
 
+mod soak;
 mod steps;
 
 use super::state::State;
 use super::window::Window;
-use crate::figures::memory;
+use super::zoom::Zoom;
 use crate::live::pilot::Pilot;
-use crate::methods;
-use crate::report::images::write_png;
+use crate::methods::{self, TRUTH};
 use anyhow::{Context as _, Result, ensure};
 use deepshade_render::methods::dials::Setting;
-use eframe::egui::{ColorImage, Context, ScreenshotCallback, ViewportCommand, vec2};
+use eframe::egui::{Context, ViewportCommand, vec2};
 use glam::Vec2;
-use image::RgbImage;
+use soak::{Soak, Walk};
 use std::collections::VecDeque;
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use steps::{Step, step};
 
 /// How long nothing may come of a step.
 const PATIENCE: Duration = Duration::from_secs(300);
+/// How long a window manager may take to put the window away. Where there is none, nobody does.
+const PUT_AWAY: Duration = Duration::from_secs(5);
 
 /// Steps, and how far they are done.
 pub struct Script {
@@ -29,12 +30,10 @@ pub struct Script {
     began: Option<Instant>,
     /// When it came on last.
     progressed: Option<Instant>,
-    /// The picture that was taken of the window, once it is there.
-    taken: Arc<Mutex<Option<Arc<ColorImage>>>>,
     /// Pictures that the step at the front has seen.
     seen: u32,
-    /// Megabytes after the first part of a soak.
-    memory: Option<f64>,
+    /// How far a long walk is.
+    soak: Option<Soak>,
 }
 
 /// How a script comes on.
@@ -64,7 +63,7 @@ impl Script {
             step(line).map(|step| (number, step)).with_context(|| format!("line {number}, `{line}`"))
         };
         let steps = lines.filter(|(_, line)| !line.is_empty()).map(read).collect::<Result<_>>()?;
-        Ok(Self { steps, began: None, progressed: None, taken: Arc::default(), seen: 0, memory: None })
+        Ok(Self { steps, began: None, progressed: None, seen: 0, soak: None })
     }
 
     /// Does the steps that can be done now.
@@ -76,7 +75,7 @@ impl Script {
                 Ok(true) => {
                     self.steps.pop_front();
                     (self.began, self.progressed) = (None, None);
-                    (self.seen, self.memory) = (0, None);
+                    (self.seen, self.soak) = (0, None);
                 }
                 Ok(false) if self.waits_in_vain(&step, began) => {
                     let said = window.message.clone().unwrap_or_default();
@@ -126,6 +125,13 @@ impl Script {
             Step::Temporal(on) => state.show.temporal = *on,
             Step::Arrange(arrangement) => state.arrangement = *arrangement,
             Step::See(map) => state.map = *map,
+            Step::Against(name) => {
+                let shown = state.show.methods.iter().copied().find(|shown| shown == name);
+                ensure!(shown.is_some() || name == TRUTH, "method `{name}` is not shown");
+                state.against = shown;
+            }
+            Step::Zoom(factor, centre) => state.zoom = Zoom::new(*factor, *centre),
+            Step::Expose => window.expose_anew(),
             Step::Inspect(attribute) => state.show.inspected = Some(*attribute),
             Step::Orbit(degrees) => return steer(window, |pilot| pilot.orbit(degrees.map(f32::to_radians))),
             Step::Look(degrees) => return steer(window, |pilot| pilot.look(degrees.map(f32::to_radians))),
@@ -134,13 +140,28 @@ impl Script {
             Step::Resize(size) => {
                 context.send_viewport_cmd(ViewportCommand::InnerSize(vec2(size.x, size.y)));
             }
-            Step::Minimise(on) => context.send_viewport_cmd(ViewportCommand::Minimized(*on)),
+            Step::Minimise(on) => {
+                if first {
+                    context.send_viewport_cmd(ViewportCommand::Minimized(*on));
+                    return Ok(false);
+                }
+                let is_away = context.input(|input| input.viewport().minimized) == Some(true);
+                if is_away != *on && since < PUT_AWAY {
+                    return Ok(false);
+                }
+                if *on {
+                    window.measured("minimised", f64::from(u8::from(is_away)));
+                }
+            }
             Step::WaitPicture => return Ok(is_made(window)? && window.is_idle()),
             Step::WaitTruth(samples) => {
                 let enough = window.truth_of_picture().is_some_and(|truth| truth.samples >= *samples);
-                let judged = window.verdict_of_picture().is_some_and(|verdict| verdict.samples >= *samples);
+                // Against a method, which has no samples, nothing is judged by truth.
+                let samples = if window.state.reference() == TRUTH { *samples } else { 0 };
+                let judged = window.verdict_of_picture().is_some_and(|verdict| verdict.samples >= samples);
                 return Ok(is_made(window)? && enough && (judged || window.state.show.methods.is_empty()));
             }
+            Step::WaitVerdict => return Ok(is_made(window)? && window.verdict_of_picture().is_some()),
             #[cfg(feature = "train")]
             Step::WaitCheckpoint(step) => {
                 let reached = window.trained_step().is_some_and(|trained| trained >= *step);
@@ -160,7 +181,15 @@ impl Script {
             }
             Step::WaitRefusal => return Ok(window.message.is_some()),
             Step::Wait(seconds) => return Ok(since.as_secs_f32() >= *seconds),
-            Step::Screenshot(path) => return self.screenshot(path, context, first),
+            Step::Screenshot(path) => {
+                if first {
+                    window.shoot(context, Some(path.clone()));
+                }
+                let is_idle = window.is_idle();
+                let said = window.message.as_deref().unwrap_or("it was not written");
+                ensure!(!is_idle || path.is_file(), "{}: {said}", path.display());
+                return Ok(is_idle);
+            }
             Step::Save(folder) => {
                 if first {
                     window.save(Some(folder.clone()));
@@ -173,6 +202,7 @@ impl Script {
                 }
                 window.choose_layers(layers)?;
             }
+            Step::Length(seconds) => state.film_seconds = *seconds,
             Step::Record(folder, rate) => {
                 if first {
                     window.record(Some(folder.clone()), *rate);
@@ -180,7 +210,14 @@ impl Script {
                 return self.recorded(window);
             }
             Step::Measure(pictures) => return self.measure(*pictures, window, since),
-            Step::Soak(seconds) => return self.soak(*seconds, window, since),
+            Step::Soak(seconds, effects) => {
+                let soak = self.soak.get_or_insert_with(|| Soak::begin(effects, window));
+                let walk = soak.go_on(*seconds, window)?;
+                if !matches!(walk, Walk::Waits) {
+                    self.progressed = Some(Instant::now());
+                }
+                return Ok(matches!(walk, Walk::Done));
+            }
             Step::Quit => context.send_viewport_cmd(ViewportCommand::Close),
         }
         Ok(true)
@@ -199,34 +236,10 @@ impl Script {
             window.measured(&name, f64::from(pictures) / since.as_secs_f64());
             return Ok(true);
         }
-        self.go_around(window)
-    }
-
-    /// By a degree, which is not the end of the step.
-    fn go_around(&mut self, window: &mut Window) -> Result<bool> {
         self.seen += 1;
         self.progressed = Some(Instant::now());
         steer(window, |pilot| pilot.orbit(Vec2::new(1f32.to_radians(), 0.0)))?;
         Ok(false)
-    }
-
-    /// Goes around, and stands still at every tenth picture until truth has begun. Whether the time is over; what memory grows
-    /// by is counted from a quarter of it on, when drivers have what they need.
-    fn soak(&mut self, seconds: f32, window: &mut Window, since: Duration) -> Result<bool> {
-        if self.memory.is_none() && since.as_secs_f32() > 0.25 * seconds {
-            self.memory = memory();
-        }
-        let truth_began = || !window.state.truth || window.truth_of_picture().is_some();
-        if !is_made(window)? || (self.seen.is_multiple_of(10) && !truth_began()) {
-            return Ok(false);
-        }
-        if since.as_secs_f32() >= seconds {
-            if let (Some(before), Some(after)) = (self.memory, memory()) {
-                window.measured("memory_growth_mb", after - before);
-            }
-            return Ok(true);
-        }
-        self.go_around(window)
     }
 
     /// Whether a film is written; each frame is a sign that something comes of it.
@@ -236,31 +249,6 @@ impl Script {
             (self.seen, self.progressed) = (frame, Some(Instant::now()));
         }
         Ok(is_made(window)? && window.recording.is_none() && window.is_idle())
-    }
-
-    /// Asks for a picture of the window, and writes it once it is there.
-    fn screenshot(&self, path: &Path, context: &Context, first: bool) -> Result<bool> {
-        if first {
-            let (taken, context) = (Arc::clone(&self.taken), context.clone());
-            let callback = ScreenshotCallback::new({
-                let context = context.clone();
-                move |image| {
-                    *taken.lock().unwrap_or_else(PoisonError::into_inner) = Some(image);
-                    context.request_repaint();
-                }
-            });
-            context.send_viewport_cmd(ViewportCommand::Screenshot(callback));
-            context.request_repaint();
-        }
-        let taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner).take();
-        let Some(image) = taken else { return Ok(false) };
-        let [width, height] = image.size.map(|side| side as u32);
-        let picture = RgbImage::from_fn(width, height, |x, y| {
-            let [red, green, blue, _] = image.pixels[(y * width + x) as usize].to_array();
-            image::Rgb([red, green, blue])
-        });
-        write_png(path, &picture)?;
-        Ok(true)
     }
 }
 
@@ -327,6 +315,9 @@ mod tests {
             ("record film", "record FOLDER FPS"),
             ("record film 0", "above 0"),
             ("fly 1 2 x", "`x` is no number"),
+            ("zoom 2", "three numbers"),
+            ("soak long", "soak SECONDS"),
+            ("soak 9 ao,shadows", "shadows"),
         ] {
             let error = format!("{:#}", Script::parse(text).err().expect("an error"));
             assert!(error.contains(named), "{text}: {error}");

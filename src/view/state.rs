@@ -4,6 +4,7 @@ use super::Args;
 use super::studio::Show;
 #[cfg(feature = "train")]
 use super::studio::Trained;
+use super::zoom::Zoom;
 use crate::learned;
 use crate::live::pilot::Pilot;
 use crate::methods::{self, LEARNED, TRUTH};
@@ -95,10 +96,14 @@ pub struct State {
     pub stops: f32,
     /// How images lie in the window.
     pub arrangement: Arrangement,
+    /// How they are enlarged.
+    pub zoom: Zoom,
     /// What is seen of them.
     pub map: Map,
-    /// Where images that lie over each other end, as shares of the width, from left to right.
-    pub borders: Vec<f32>,
+    /// The method that the others are held against; by default truth.
+    pub against: Option<&'static str>,
+    /// Where hands have put the right ends of images that lie over each other, as shares of the width.
+    ends: BTreeMap<String, f32>,
     /// Whether truth is refined.
     pub truth: bool,
     /// Samples of a pixel at which truth rests.
@@ -110,6 +115,8 @@ pub struct State {
     /// Whether the method `learned` is to be shown as soon as there are weights.
     #[cfg(feature = "train")]
     awaits_network: bool,
+    /// How long films are where time has no end, seconds.
+    pub film_seconds: f32,
     before: Option<Before>,
 }
 
@@ -156,14 +163,17 @@ impl State {
             playing: false,
             stops: 0.0,
             arrangement: Arrangement::default(),
+            zoom: Zoom::default(),
             map: Map::default(),
-            borders: Vec::new(),
+            against: None,
+            ends: BTreeMap::new(),
             truth: true,
             samples: args.spp,
             film_rate: 25.0,
             #[cfg(feature = "train")]
             awaits_network,
             networks: args.model.iter().map(of).collect(),
+            film_seconds: 10.0,
             before: None,
         })
     }
@@ -253,12 +263,27 @@ impl State {
         chosen.sort_by_key(|name| known.iter().position(|known| known == name));
     }
 
-    /// Where `count` images that lie over each other end: as hands have put it, or evenly where there are more or fewer of them.
-    pub fn borders(&mut self, count: usize) -> &mut Vec<f32> {
-        if self.borders.len() + 1 != count {
-            self.borders = (1..count).map(|index| index as f32 / count as f32).collect();
-        }
-        &mut self.borders
+    /// What the images are held against: the method that hands have chosen as long as it is shown, else truth.
+    pub fn reference(&self) -> &'static str {
+        self.against.filter(|name| self.show.methods.contains(name)).unwrap_or(TRUTH)
+    }
+
+    /// Where images that lie over each other end, but for the last one, as shares of the width: where hands have put it, as long as
+    /// they have put all of it, and in this order; else evenly. One that is not there for a while leaves its room to the others.
+    pub fn borders(&self, names: &[&str]) -> Vec<f32> {
+        let inner = &names[..names.len().saturating_sub(1)];
+        let put: Option<Vec<f32>> = inner.iter().map(|name| self.ends.get(*name).copied()).collect();
+        let evenly = || (1..names.len()).map(|index| index as f32 / names.len() as f32).collect();
+        put.filter(|put| put.is_sorted()).unwrap_or_else(evenly)
+    }
+
+    /// Moves one of these borders, between its neighbours; the others stay where they are seen.
+    pub fn put_border(&mut self, names: &[&str], index: usize, share: f32) {
+        let mut borders = self.borders(names);
+        let low = if index == 0 { 0.0 } else { borders[index - 1] };
+        let high = borders.get(index + 1).copied().unwrap_or(1.0);
+        borders[index] = share.clamp(low, high);
+        self.ends.extend(names.iter().map(|name| (*name).to_owned()).zip(borders));
     }
 }
 

@@ -84,14 +84,12 @@ impl Subject {
         self.rigged.get(light) == Some(&true)
     }
 
-    /// Whether time goes on by itself: something moves, or surfaces keep light.
-    pub fn goes_on(&self) -> bool {
-        self.moves_for() > 0.0 || self.animated.scene.glow.is_some()
-    }
-
-    /// For how long its animations last, seconds; 0 where nothing moves.
-    pub fn moves_for(&self) -> f32 {
-        self.animated.span().map_or(0.0, |[begin, end]| end - begin)
+    /// From when to when time goes on by itself, seconds: as long as something moves, without an end where surfaces keep light.
+    pub fn timeline(&self) -> Option<[f32; 2]> {
+        let moves = self.animated.span().filter(|[begin, end]| end > begin);
+        let Some(glow) = &self.animated.scene.glow else { return moves };
+        let begin = moves.map_or(f32::INFINITY, |[begin, _]| begin).min(glow.begin());
+        Some([begin, f32::INFINITY])
     }
 
     /// The scene at a moment, seconds, under these lights, but for those that animations move, ready for rays; with what it was like
@@ -226,7 +224,7 @@ mod tests {
         let args = args(&format!("--scene {} --effect gi --eye 0,4,3 --look-at 0,0,0", file.display()));
         let subject = Subject::load(&args, &source, Effect::Gi).expect("a scene");
         std::fs::remove_file(&file).expect("deleted");
-        assert!(subject.is_rigged(0) && subject.moves_for() == 1.0);
+        assert!(subject.is_rigged(0) && subject.timeline() == Some([0.0, 1.0]));
         let bright: Vec<Light> = subject.lights(None).iter().map(|light| light.brighter(2.0)).collect();
         for (time, x) in [(0.0, 0.0), (0.5, 1.5), (1.0, 3.0)] {
             let traced = subject.traced(time, &bright).expect("a moment");
@@ -252,6 +250,7 @@ mod tests {
         let arguments = "--effect phosphor --eye 0,4,3 --look-at 0,0,0 --phosphor";
         let args = args(&format!("--scene {} {arguments} {}", file.display(), glow.display()));
         let subject = Subject::load(&args, &source, Effect::Phosphor).expect("a scene");
+        assert!(subject.timeline().is_some_and(|[begin, end]| begin.is_finite() && end.is_infinite()));
         let bright: Vec<Light> = subject.lights(None).iter().map(|light| light.brighter(2.0)).collect();
         let traced = subject.traced(2.0, &bright).expect("a moment");
         let places = traced.past().iter().map(|(from, pose)| {

@@ -26,16 +26,19 @@ use super::trainer::{Trainer, Wish};
 #[cfg(feature = "train")]
 use super::training::Training;
 use super::truth::{self, Truth};
+use crate::methods::TRUTH;
 use crate::render::picture::Exposure;
-use eframe::egui::{self, CentralPanel, Context, Frame, Panel, TextureHandle};
+use eframe::egui::{self, CentralPanel, ColorImage, Context, Frame, Panel, TextureHandle};
 use std::collections::HashMap;
-#[cfg(feature = "train")]
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// For how long nobody must have moved before truth begins.
 const STILL: Duration = Duration::from_millis(250);
+
+/// A picture of the whole window, and the file that it is for, or one that is free.
+type Shot = (Arc<ColorImage>, Option<PathBuf>);
 
 /// An order that is being worked on.
 struct Ordered {
@@ -77,6 +80,10 @@ pub struct Window {
     pub recording: Option<Recording>,
     /// Errands that are not run yet.
     pub errands: usize,
+    /// Pictures of the window that are there, and where they are to be written.
+    taken: Arc<Mutex<Vec<Shot>>>,
+    /// How many are still to come.
+    shots: usize,
     desk: Desk,
     script: Option<Script>,
     outcome: Arc<Mutex<Outcome>>,
@@ -91,8 +98,8 @@ pub struct Window {
     /// The order that could not be made last.
     refused: Option<Order>,
     asked: Option<truth::Order>,
-    /// The picture's number and truth's samples that the judge has seen last.
-    judged: Option<(u32, u32)>,
+    /// The picture's number, what it was held against, and truth's samples that the judge has seen last.
+    judged: Option<(u32, &'static str, u32)>,
     /// When the animation was advanced last.
     played: Option<Instant>,
     exposure: Option<Exposure>,
@@ -137,6 +144,8 @@ impl Window {
             develops: false,
             recording: None,
             errands: 0,
+            taken: Arc::default(),
+            shots: 0,
             desk,
             script,
             outcome,
@@ -177,11 +186,25 @@ impl Window {
         self.truth.as_ref().filter(|truth| self.state.truth && truth.sight == sight)
     }
 
-    /// The verdict of the newest picture, beside the truth that is shown.
+    /// What the newest picture's images are held against, and of how many samples it is: truth as far as it is known, or the image
+    /// of a method, which has none.
+    pub fn reference(&self) -> Option<(&Developed, u32)> {
+        match self.state.reference() {
+            TRUTH => self.truth_of_picture().map(|truth| (&truth.image, truth.samples)),
+            method => {
+                let images = &self.picture.as_ref()?.images;
+                images.iter().find(|image| image.name == method).map(|image| (image, 0))
+            }
+        }
+    }
+
+    /// The verdict of the newest picture, beside what is shown of it.
     pub fn verdict_of_picture(&self) -> Option<&Verdict> {
         let (sight, show) = (self.sight()?, &self.picture.as_ref()?.order.show);
-        let suits = |verdict: &&Verdict| verdict.sight == sight && verdict.show == *show;
-        self.verdict.as_ref().filter(suits).filter(|_| self.truth_of_picture().is_some())
+        let against = self.state.reference();
+        let suits =
+            |verdict: &&Verdict| (&verdict.sight, &verdict.show, verdict.against) == (&sight, show, against);
+        self.verdict.as_ref().filter(suits).filter(|_| self.reference().is_some())
     }
 
     /// Keeps a figure that a script measured.
@@ -226,6 +249,7 @@ impl eframe::App for Window {
         self.hear(context);
         #[cfg(feature = "train")]
         self.follow();
+        self.write_shots();
         self.follow_script(context);
         self.fade(context);
         self.play(context);

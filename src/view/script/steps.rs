@@ -30,6 +30,12 @@ pub enum Step {
     Temporal(bool),
     Arrange(Arrangement),
     See(Map),
+    /// The method that the others are held against, or truth.
+    Against(String),
+    /// How many times as large images are, and what of them is in the middle, as shares of their width and height.
+    Zoom(f32, Vec2),
+    /// As suits what is shown now.
+    Expose,
     Inspect(Attribute),
     /// Degrees to the right and up.
     Orbit(Vec2),
@@ -45,6 +51,8 @@ pub enum Step {
     WaitPicture,
     /// Until truth has so many samples and the verdict is there.
     WaitTruth(u32),
+    /// Until the picture's images are judged.
+    WaitVerdict,
     /// Until the picture is made by a training run's weights of this step, or of a later one.
     #[cfg(feature = "train")]
     WaitCheckpoint(usize),
@@ -63,12 +71,15 @@ pub enum Step {
     Save(PathBuf),
     /// Exactly these layers of the EXR file that was opened.
     Layers(Vec<String>),
+    /// Seconds of films where time has no end.
+    Length(f32),
     /// The animation into a folder, so many frames a second.
     Record(PathBuf, f32),
     /// Pictures while the camera goes around, for how many come in a second.
     Measure(u32),
-    /// Seconds for which the camera goes around while truth begins again and again, for what memory is lost.
-    Soak(f32),
+    /// Seconds for which effects, methods, sizes and views change while truth begins again and again, for what memory is lost;
+    /// which effects, if not the one that is shown alone.
+    Soak(f32, Vec<Effect>),
     Quit,
 }
 
@@ -123,6 +134,12 @@ pub fn step(line: &str) -> Result<Step> {
         "temporal" => Step::Temporal(on()?),
         "arrange" => Step::Arrange(Arrangement::ALL[named(&Arrangement::ALL.map(Arrangement::name))?]),
         "see" => Step::See(Map::ALL[named(&Map::ALL.map(Map::name))?]),
+        "zoom" => {
+            let [factor, x, y] = three()?.to_array();
+            Step::Zoom(factor, Vec2::new(x, y))
+        }
+        "expose" => Step::Expose,
+        "against" => Step::Against(rest.to_owned()),
         "inspect" => Step::Inspect(Attribute::ALL[named(&Attribute::ALL.map(Attribute::name))?]),
         "orbit" => Step::Orbit(two()?),
         "look" => Step::Look(two()?),
@@ -132,6 +149,7 @@ pub fn step(line: &str) -> Result<Step> {
         "minimise" => Step::Minimise(on()?),
         "wait" => match rest.split_once(' ').unwrap_or((rest, "")) {
             ("picture", "") => Step::WaitPicture,
+            ("verdict", "") => Step::WaitVerdict,
             ("refusal", "") => Step::WaitRefusal,
             #[cfg(feature = "train")]
             ("checkpoint", step) => {
@@ -147,13 +165,22 @@ pub fn step(line: &str) -> Result<Step> {
         "screenshot" => Step::Screenshot(crate::arguments::png_file(rest).map_err(anyhow::Error::msg)?),
         "save" => Step::Save(rest.into()),
         "layer" => Step::Layers(rest.split(',').map(|name| name.trim().to_owned()).collect()),
+        "length" => Step::Length(one()?),
         "record" => {
             let (folder, rate) = rest.rsplit_once(char::is_whitespace).context("record FOLDER FPS")?;
             let rate = rate.parse().ok().filter(|rate: &f32| *rate > 0.0 && rate.is_finite());
             Step::Record(folder.trim().into(), rate.context("record FOLDER FPS: above 0 frames a second")?)
         }
         "measure" => Step::Measure(one()?.clamp(1.0, 1e6) as u32),
-        "soak" => Step::Soak(one()?),
+        "soak" => {
+            let (seconds, effects) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
+            let seconds = seconds.parse().context("soak SECONDS EFFECT,EFFECT")?;
+            let names = effects.split(',').map(str::trim).filter(|name| !name.is_empty());
+            Step::Soak(
+                seconds,
+                names.map(|name| name.parse().map_err(anyhow::Error::msg)).collect::<Result<_>>()?,
+            )
+        }
         "quit" => Step::Quit,
         _ => bail!("there is no such step"),
     })

@@ -65,3 +65,19 @@ fn a_network_that_was_waited_for_is_shown_once_there_are_weights() {
     named.take_weights(trained);
     assert_eq!(named.show.methods, ["hbao"]);
 }
+
+#[test]
+fn borders_stay_where_hands_have_put_them_while_truth_is_away() {
+    let mut state = State::new(&args("--effect ao")).expect("methods");
+    let (still, moving) = (["gtao", "hbao", "truth"], ["gtao", "hbao"]);
+    assert!(state.borders(&[]).is_empty());
+    assert_eq!(state.borders(&moving), [0.5f32]);
+    state.put_border(&still, 0, 0.2);
+    state.put_border(&still, 1, 0.1);
+    assert_eq!(state.borders(&still), [0.2f32, 0.2], "none goes past another");
+    state.put_border(&still, 1, 0.8);
+    assert_eq!(state.borders(&moving), [0.2f32]);
+    assert_eq!(state.borders(&still), [0.2f32, 0.8], "it comes back");
+    assert_eq!(state.borders(&["hbao", "gtao", "truth"]), [1.0f32 / 3.0, 2.0 / 3.0], "another order");
+    assert_eq!(state.borders(&["gtao", "ssao"]), [0.2f32], "the last one ends with the image");
+}

@@ -3,8 +3,10 @@
 use super::{Pass, Show, Subject};
 use crate::render::picture::Exposure;
 use crate::view::pictures::Developed;
+use anyhow::Result;
+use deepshade_render::gbuffer;
 use deepshade_render::scene::{Camera, Light};
-use deepshade_shaders::Planes;
+use deepshade_shaders::{Attribute, GBuffer, Planes};
 use std::sync::Arc;
 
 /// A frame that is wanted.
@@ -63,6 +65,16 @@ impl Picture {
         let exposure = order.exposed(self.images.first().map(|image| &*image.values)).filter(|_| is_this)?;
         let images = self.images.iter().map(|image| image.exposed(exposure)).collect();
         Some(Self { order: order.clone(), exposure: Some(exposure), images, ..self.clone() })
+    }
+
+    /// All attributes of what it shows, by a ray a pixel, whatever its methods read.
+    ///
+    /// # Errors
+    /// If there is no such moment.
+    pub fn gbuffer(&self) -> Result<GBuffer> {
+        let [height, width] = self.order.show.size;
+        let scene = self.subject.traced(self.order.time, &self.lights)?;
+        Ok(gbuffer::render(&scene, &self.camera, height, width, &Attribute::ALL))
     }
 }
 

@@ -5,7 +5,9 @@ use crate::learned;
 use crate::view::clerk::{Done, Errand};
 use crate::view::saved::Moment;
 use deepshade_render::scene::SceneSource;
+use eframe::egui::{Context, ScreenshotCallback, ViewportCommand};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, PoisonError};
 
 impl Window {
     /// Opens what was dropped onto the window.
@@ -40,9 +42,30 @@ impl Window {
         }
     }
 
-    /// Whether all errands are run, and all layers are seen as they are chosen.
+    /// Has a picture of the whole window written, as soon as it is painted, into a file, or into one that is free.
+    pub fn shoot(&mut self, context: &Context, path: Option<PathBuf>) {
+        let (taken, waker) = (Arc::clone(&self.taken), context.clone());
+        let callback = ScreenshotCallback::new(move |image| {
+            taken.lock().unwrap_or_else(PoisonError::into_inner).push((image, path));
+            waker.request_repaint();
+        });
+        context.send_viewport_cmd(ViewportCommand::Screenshot(callback));
+        context.request_repaint();
+        self.shots += 1;
+    }
+
+    /// Has those written that are there.
+    pub(super) fn write_shots(&mut self) {
+        let taken = std::mem::take(&mut *self.taken.lock().unwrap_or_else(PoisonError::into_inner));
+        for (image, path) in taken {
+            self.shots -= 1;
+            self.send(Errand::Shot(image, path));
+        }
+    }
+
+    /// Whether all errands are run, none is left to be sent, and all layers are seen as they are chosen.
     pub fn is_idle(&self) -> bool {
-        self.errands == 0 && !self.develops && self.choice_of_layers() == self.developing
+        self.errands + self.shots == 0 && !self.develops && self.choice_of_layers() == self.developing
     }
 
     /// Has an errand run.

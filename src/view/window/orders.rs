@@ -97,17 +97,24 @@ impl Window {
 
     /// Has the methods' images judged, where truth is known better than when they were judged last.
     pub(super) fn order_verdict(&mut self) {
-        let (Some(truth), Some(picture)) = (self.truth_of_picture(), &self.picture) else { return };
-        let what = (picture.order.number, truth.samples);
+        let (Some(sight), Some(picture), Some((reference, samples))) =
+            (self.sight(), &self.picture, self.reference())
+        else {
+            return;
+        };
+        let against = self.state.reference();
+        let what = (picture.order.number, against, samples);
         if self.judged == Some(what) || picture.images.is_empty() {
             return;
         }
+        let others = picture.images.iter().filter(|image| image.name != against);
         self.desk.judge.put(Case {
-            sight: truth.sight.clone(),
+            sight,
             show: picture.order.show.clone(),
-            samples: truth.samples,
-            truth: Arc::clone(&truth.image.values),
-            images: picture.images.clone(),
+            against,
+            samples,
+            reference: Arc::clone(&reference.values),
+            images: others.cloned().collect(),
         });
         self.judged = Some(what);
     }

@@ -1,6 +1,7 @@
 //! What is seen of the images: textures, and the order in which they lie.
 
 use super::Window;
+use crate::render::picture::Exposure;
 use crate::view::canvas::Shown;
 use crate::view::state::Map;
 use eframe::egui::{ColorImage, Context, TextureFilter, TextureOptions};
@@ -17,14 +18,27 @@ impl Window {
         let is_judged = |name: &str| {
             verdict.is_some_and(|verdict| verdict.judged.iter().any(|judged| judged.name == name))
         };
-        let seen = |name: &str| {
-            let map = self.textures.get(&(name.to_owned(), self.state.map)).filter(|_| is_judged(name));
-            map.or_else(|| self.textures.get(&(name.to_owned(), Map::Image)))
-        };
+        let (map, reference) = (self.state.map, self.state.reference());
+        let methods = &picture.order.show.methods;
         all.filter_map(|image| {
-            Some(Shown { name: &image.name, values: &image.values, texture: seen(&image.name)?.id() })
+            let name = image.name.as_str();
+            let texture = |map| self.textures.get(&(name.to_owned(), map));
+            let seen = texture(map).filter(|_| is_judged(name));
+            // What is no method's is no more than shown, and what others are held against, too.
+            let has_map = map != Map::Image && name != reference && methods.contains(&name);
+            let lacks_map = has_map && seen.is_none();
+            let texture = seen.or_else(|| texture(Map::Image))?.id();
+            Some(Shown { name, values: &image.values, texture, lacks_map })
         })
         .collect()
+    }
+
+    /// Exposes images as suits the first one now, however the first of all was exposed.
+    pub fn expose_anew(&mut self) {
+        let first = self.picture.as_ref().and_then(|picture| Some((picture, picture.images.first()?)));
+        self.exposure =
+            first.map(|(picture, image)| Exposure::new(picture.order.show.effect, &image.values, None));
+        self.state.stops = 0.0;
     }
 
     /// Shows a picture of an image from now on.

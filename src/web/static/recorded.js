@@ -4,8 +4,8 @@ import { choices, facts, figures, notes, part, passes, say, TRUTH, wipe } from "
 export async function begin(reason) {
   const list = await (await fetch("recorded/recorded.json")).json();
   say(
-    `${reason} Below is what the program computed beforehand, by the same code. Live it runs in current versions of ` +
-      "Chrome, Edge, Safari and Firefox on most computers and phones.",
+    `${reason} Below is what the program computed beforehand, by the same code. The live comparison needs WebGPU: a ` +
+      "browser that has it on this system, a graphics driver that it trusts, and a page sent by https or from this machine.",
   );
   part("page").hidden = false;
   part("wiped").classList.add("recorded");

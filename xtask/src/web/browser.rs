@@ -129,7 +129,7 @@ async fn judged(browser: &Browser, one: &Value, found: &mut Vec<(String, f64)>) 
     Ok(())
 }
 
-/// Moves the slider from one end to the other: what is seen must change.
+/// Moves the slider from one end to the other: the border must move, and what is seen of the picture itself must change.
 async fn slider(browser: &Browser, picture: By) -> Result<()> {
     let slider: WebElement = browser.find(By::Id("wipe")).await?;
     let mut seen = Vec::new();
@@ -137,7 +137,7 @@ async fn slider(browser: &Browser, picture: By) -> Result<()> {
         slider.send_keys(key).await?;
         tokio::time::sleep(Duration::from_millis(500)).await;
         let border = browser.border().await?;
-        seen.push((border, browser.find(picture.clone()).await?.screenshot_as_png().await?));
+        seen.push((border, browser.uncovered(picture.clone()).await?));
     }
     let [(low, left), (high, right)] = &seen[..] else { bail!("two ends") };
     ensure!(low + 50.0 < *high, "the border went from {low} % to {high} %");

@@ -123,6 +123,27 @@ impl Browser {
             .await
     }
 
+    /// What an element shows, without what lies over the images and moves with the border: that, its thumb and names.
+    ///
+    /// # Errors
+    /// If it is not there.
+    pub async fn uncovered(&self, place: By) -> Result<Vec<u8>> {
+        self.cover("hidden").await?;
+        let seen = self.find(place).await?.screenshot_as_png().await?;
+        self.cover("visible").await?;
+        Ok(seen)
+    }
+
+    /// Shows what lies over the images, or hides it.
+    async fn cover(&self, visibility: &str) -> Result<()> {
+        let covers = "#wiped .border, #wiped .tag, #wipe";
+        let script = format!(
+            "for (const cover of document.querySelectorAll('{covers}')) cover.style.visibility = '{visibility}'"
+        );
+        self.driver.execute(script, Vec::new()).await?;
+        Ok(())
+    }
+
     /// A figure of the table, such as `hbao.ms`.
     ///
     /// # Errors
