@@ -13,6 +13,7 @@ pub mod generate;
 pub mod holder;
 pub mod identity;
 mod journal;
+pub mod lock;
 pub mod manifest;
 pub mod origin;
 pub mod plan;
