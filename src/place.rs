@@ -5,9 +5,7 @@
 //! file, which stays as long as the [`Folder`] does; what is written to one is made in a folder there, which is nobody else's as long as
 //! the [`Work`] lives, and put into the store when it is whole (`store`).
 
-use anyhow::Result;
-#[cfg(not(feature = "store"))]
-use anyhow::bail;
+use anyhow::{Result, bail};
 #[cfg(feature = "train")]
 use deepshade_dataset::Dataset;
 use deepshade_dataset::{Out, ShardFiles};
@@ -196,6 +194,26 @@ impl fmt::Display for Place {
     }
 }
 
+/// What a store is measured with.
+#[derive(Clone, Copy, Debug)]
+pub struct Load {
+    /// Objects.
+    pub objects: u32,
+    /// Bytes of each.
+    pub bytes: usize,
+}
+
+/// What a store takes from one machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rates {
+    /// Bytes a second, written.
+    pub written: f64,
+    /// Bytes a second, read.
+    pub read: f64,
+    /// Requests a second that write next to nothing.
+    pub requests: f64,
+}
+
 /// Transfers under way at a time where they are what takes the time.
 pub const TRANSFERS: usize = 8;
 
@@ -257,6 +275,20 @@ impl Place {
             Self::Folder(folder) => Ok(Box::new(folder.clone())),
             #[cfg(feature = "store")]
             Self::Store(address) => Ok(Box::new(store::Shard::open(address)?)),
+            #[cfg(not(feature = "store"))]
+            Self::Store(address) => without_stores(address),
+        }
+    }
+
+    /// Measures the store of an address where nothing else is.
+    ///
+    /// # Errors
+    /// If it is a folder, or the store cannot be reached or refuses something.
+    pub fn measure(&self, load: Load) -> Result<Rates> {
+        match self {
+            Self::Folder(folder) => bail!("{} is a folder, no address of a store", folder.display()),
+            #[cfg(feature = "store")]
+            Self::Store(address) => store::measure(address, load),
             #[cfg(not(feature = "store"))]
             Self::Store(address) => without_stores(address),
         }

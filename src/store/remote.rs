@@ -150,6 +150,15 @@ impl Remote {
         }
     }
 
+    /// Deletes an object.
+    ///
+    /// # Errors
+    /// If the store cannot be reached or refuses it.
+    pub fn delete(&self, name: &str) -> Result<()> {
+        let path = self.path(name);
+        self.runtime.block_on(self.objects.delete(&path)).with_context(|| self.name(name))
+    }
+
     /// An object as people name it.
     pub fn name(&self, name: &str) -> String {
         format!("{}/{name}", self.address)
