@@ -3,7 +3,7 @@
 use crate::figures::Figures;
 use crate::learned::{self, Learned};
 use crate::methods::{self, LEARNED};
-use crate::place::Place;
+use crate::place::{self, Place};
 use anyhow::{Context, Result, bail};
 use deepshade_dataset::progress::in_words;
 use deepshade_dataset::target;
@@ -14,6 +14,7 @@ use deepshade_dataset::{
 use deepshade_render::method::{Frame, Method, MethodError, Repeats, Shaded};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, lists};
+use rayon::{ThreadPoolBuilder, prelude::*};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -195,12 +196,18 @@ pub fn made(recipe: &Recipe, place: &Place, shard: Option<Shard>) -> Result<Summ
     let method = target_method(recipe)?;
     let method = method.as_deref().map(|method| method as TargetMethod<'_>);
     let out = place.begin()?;
-    let summary = match shard {
-        Some(shard) => generate_shard(recipe, &out, method, shard)?,
-        None => generate_by(recipe, &out, method)?,
-    };
-    place.finish()?;
-    Ok(summary)
+    Ok(match shard {
+        Some(shard) => {
+            let summary = generate_shard(recipe, out.out(), method, shard)?;
+            out.deliver()?;
+            summary
+        }
+        None => {
+            let summary = generate_by(recipe, out.out(), method)?;
+            out.finish()?;
+            summary
+        }
+    })
 }
 
 fn generate_pairs(args: &Generate) -> Result<()> {
@@ -229,9 +236,16 @@ fn generate_pairs(args: &Generate) -> Result<()> {
 /// # Errors
 /// If one is missing, unfinished, damaged or of other data, or a place cannot be read or written.
 pub fn merge_places(shards: &[Place], out: &Place, json: Option<&Path>) -> Result<()> {
-    let folders = shards.iter().map(Place::read).collect::<Result<Vec<_>>>()?;
-    let pairs = merge(&folders, &out.begin()?)?;
-    out.finish()?;
+    // Pairs that are fetched wait for the line, not for the processor.
+    let at_once = if shards.iter().all(Place::is_folder) { 0 } else { place::TRANSFERS };
+    let pool = ThreadPoolBuilder::new().num_threads(at_once).build().context("threads")?;
+    let pairs = pool.install(|| -> Result<usize> {
+        let opened = shards.par_iter().map(Place::shard).collect::<Result<Vec<_>>>()?;
+        let work = out.begin()?;
+        let pairs = merge(&opened, work.out())?;
+        work.finish()?;
+        Ok(pairs)
+    })?;
     let mut figures = Figures::new("dataset merge");
     figures.set("pairs", pairs as f64);
     figures.set("shards", shards.len() as f64);
@@ -286,12 +300,10 @@ fn make_testset(args: &Testset) -> Result<()> {
     note!("{} will take about {} from nothing", args.out, in_words(expected));
     let start = Instant::now();
     let method = target_method(&recipe)?;
-    let set = TestSet::generate_by(
-        &recipe,
-        &args.out.begin()?,
-        method.as_deref().map(|method| method as TargetMethod<'_>),
-    )?;
-    args.out.finish()?;
+    let out = args.out.begin()?;
+    let set =
+        TestSet::generate_by(&recipe, out.out(), method.as_deref().map(|method| method as TargetMethod<'_>))?;
+    out.finish()?;
     let taken = start.elapsed();
     let hours = |duration: Duration| duration.as_secs_f64() / 3600.0;
     let mut figures = Figures::new("dataset testset");

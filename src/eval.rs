@@ -10,7 +10,7 @@ mod score;
 use crate::figures::Figures;
 use crate::learned;
 use crate::methods::{self, TRUTH};
-use crate::place::Place;
+use crate::place::{Folder, Place};
 use crate::statistics::Estimate;
 use crate::table;
 use anyhow::{Result, bail, ensure};
@@ -119,6 +119,8 @@ struct Contest {
     /// The network, if there is one, under the name that figures have for it.
     network: Option<(String, Model)>,
     set: TestSet,
+    /// Where frames are read from as they are wanted.
+    _kept: Vec<Folder>,
 }
 
 /// What an evaluation has come to.
@@ -187,7 +189,7 @@ fn target(set: &TestSet) -> &str {
 
 /// Runs the methods on the frames that the command line asks for.
 fn judge(contest: &Contest, args: &Args, gpu: &Gpu) -> Result<Judgement> {
-    let Contest { effect, network, set } = contest;
+    let Contest { effect, network, set, .. } = contest;
     let model = network.as_ref().map(|(_, model)| model);
     let tunings = tunings(&args.quality, &args.set);
     let mut rivals = rivals(*effect, &args.methods, &tunings, gpu, model)?;
@@ -214,10 +216,16 @@ fn contest(args: &Args) -> Result<Contest> {
     let optional = args.model.is_none() && args.effect.is_some() && !learned::is_network(&folder);
     let model = (!optional).then(|| learned::network(&folder, args.effect)).transpose()?;
     let effect = args.effect.or(model.as_ref().map(|model| model.spec.effect)).unwrap_or(Effect::Ao);
-    let testset_folder = args.testset.as_ref().map_or_else(|| Ok(folder.join("testset")), Place::read)?;
+    let beside = || Ok(Folder::of(&folder.join("testset")));
+    let testset_folder = args.testset.as_ref().map_or_else(beside, Place::read)?;
     let set = testset(&testset_folder, effect, args)?;
     let name = networks::figure_name(Path::new(&place.to_string()));
-    Ok(Contest { effect, network: model.map(|model| (name, model)), set })
+    Ok(Contest {
+        effect,
+        network: model.map(|model| (name, model)),
+        set,
+        _kept: vec![folder, testset_folder],
+    })
 }
 
 fn testset(folder: &Path, effect: Effect, args: &Args) -> Result<TestSet> {

@@ -62,8 +62,9 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let (name, model) = match (&args.run, &args.out, &args.model) {
         (Some(run), Some(out), _) => {
-            let model = exported(args, &run.read()?, &out.begin()?)?;
-            out.finish()?;
+            let work = out.begin()?;
+            let model = exported(args, &run.read()?, &work)?;
+            work.finish()?;
             (out, model)
         }
         (_, _, Some(model)) => (model, Model::load(&model.read()?)?),
@@ -84,12 +85,13 @@ pub fn run(args: &Args) -> Result<()> {
 /// The model of a training run, written to its folder.
 fn exported(args: &Args, run: &Path, out: &Path) -> Result<Model> {
     let config = TrainConfig::load(run)?;
-    let dataset =
-        args.dataset.as_ref().map(Place::read).transpose()?.unwrap_or_else(|| config.dataset.clone());
-    let manifest = Manifest::load(&dataset)
-        .context("the card names the training data; --dataset says where they are now")?;
+    let context = "the card names the training data; --dataset says where they are now";
+    // The manifest alone is asked for: from a store no pair is fetched.
+    let moved = args.dataset.as_ref().map(Place::pairs).transpose().context(context)?;
+    let dataset = moved.as_ref().map_or(config.dataset.as_path(), |(folder, _)| folder);
+    let manifest = Manifest::load(dataset).context(context)?;
     ensure!(
-        Manifest::file_hash(&dataset)? == config.data_hash,
+        Manifest::file_hash(dataset)? == config.data_hash,
         "{}: not the data that {} was trained on",
         dataset.display(),
         run.display()

@@ -2,19 +2,20 @@
 //! `gs://bucket/path`, `az://container/path`).
 //!
 //! Work is done in folders alone. What is read from an address is a copy in the user's cache folder, checked file by
-//! file; what is written to one is made in a folder there and put into the store when it is whole (`store`).
+//! file, which stays as long as the [`Folder`] does; what is written to one is made in a folder there, which is nobody else's as long as
+//! the [`Work`] lives, and put into the store when it is whole (`store`).
 
-use anyhow::Result;
-#[cfg(not(feature = "store"))]
-use anyhow::bail;
+use anyhow::{Result, bail};
 #[cfg(feature = "train")]
 use deepshade_dataset::Dataset;
+use deepshade_dataset::{Out, ShardFiles};
 #[cfg(feature = "train")]
 use deepshade_train::PairSource;
 use std::fmt;
-use std::path::PathBuf;
+use std::fs::File;
+use std::ops::Deref;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
-#[cfg(feature = "train")]
 use std::sync::Arc;
 
 #[cfg(feature = "store")]
@@ -27,6 +28,87 @@ pub enum Place {
     Folder(PathBuf),
     /// In an object store.
     Store(Address),
+}
+
+/// A folder with what is at a place. What was fetched stays there as long as this lives.
+#[derive(Clone, Debug)]
+pub struct Folder {
+    path: PathBuf,
+    /// Keeps others from deleting it.
+    _lock: Option<Arc<File>>,
+}
+
+impl Folder {
+    /// One that nobody deletes for room.
+    pub fn of(path: &Path) -> Self {
+        Self { path: path.to_owned(), _lock: None }
+    }
+
+    /// One that is kept by a lock.
+    #[cfg(feature = "store")]
+    pub fn kept(path: PathBuf, lock: File) -> Self {
+        Self { path, _lock: Some(Arc::new(lock)) }
+    }
+}
+
+impl Deref for Folder {
+    type Target = Path;
+
+    fn deref(&self) -> &Path {
+        &self.path
+    }
+}
+
+/// A folder to write into for a place.
+pub enum Work {
+    /// The place itself.
+    Folder(PathBuf),
+    /// For an address.
+    #[cfg(feature = "store")]
+    Store(Box<store::Work>, PathBuf),
+}
+
+impl Deref for Work {
+    type Target = Path;
+
+    fn deref(&self) -> &Path {
+        match self {
+            Self::Folder(folder) => folder,
+            #[cfg(feature = "store")]
+            Self::Store(_, folder) => folder,
+        }
+    }
+}
+
+impl Work {
+    /// It for makers of data, which state where scene files are if data stay in the folder.
+    pub fn out(&self) -> Out<'_> {
+        Out { folder: self, stays: matches!(self, Self::Folder(_)) }
+    }
+
+    /// Puts what was written where it belongs, all or, to whoever reads it, nothing.
+    ///
+    /// # Errors
+    /// If the store cannot be reached or refuses it, or somebody else has put something else there since [`Place::begin`].
+    pub fn finish(self) -> Result<()> {
+        match self {
+            Self::Folder(_) => Ok(()),
+            #[cfg(feature = "store")]
+            Self::Store(work, _) => work.finish(),
+        }
+    }
+
+    /// [`Self::finish`] of what nobody will go on with on this machine: what is in the store is not kept here.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn deliver(self) -> Result<()> {
+        match self {
+            Self::Folder(_) => Ok(()),
+            #[cfg(feature = "store")]
+            Self::Store(work, _) => work.deliver(),
+        }
+    }
 }
 
 /// A place in an object store. Credentials are never part of it: they come from the environment.
@@ -112,7 +194,35 @@ impl fmt::Display for Place {
     }
 }
 
+/// What a store is measured with.
+#[derive(Clone, Copy, Debug)]
+pub struct Load {
+    /// Objects.
+    pub objects: u32,
+    /// Bytes of each.
+    pub bytes: usize,
+}
+
+/// What a store takes from one machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rates {
+    /// Bytes a second, written.
+    pub written: f64,
+    /// Bytes a second, read.
+    pub read: f64,
+    /// Requests a second that write next to nothing.
+    pub requests: f64,
+}
+
+/// Transfers under way at a time where they are what takes the time.
+pub const TRANSFERS: usize = 8;
+
 impl Place {
+    /// Whether it is a folder of this machine.
+    pub const fn is_folder(&self) -> bool {
+        matches!(self, Self::Folder(_))
+    }
+
     /// A place in this one.
     #[must_use]
     pub fn join(&self, name: &str) -> Self {
@@ -128,9 +238,9 @@ impl Place {
     ///
     /// # Errors
     /// If the store cannot be reached, or holds nothing there or something damaged. A folder is not looked at.
-    pub fn read(&self) -> Result<PathBuf> {
+    pub fn read(&self) -> Result<Folder> {
         match self {
-            Self::Folder(folder) => Ok(folder.clone()),
+            Self::Folder(folder) => Ok(Folder::of(folder)),
             #[cfg(feature = "store")]
             Self::Store(address) => store::read(address),
             #[cfg(not(feature = "store"))]
@@ -143,9 +253,9 @@ impl Place {
     /// # Errors
     /// If the store cannot be reached, or there is no dataset.
     #[cfg(feature = "train")]
-    pub fn pairs(&self) -> Result<(PathBuf, Arc<dyn PairSource>)> {
+    pub fn pairs(&self) -> Result<(Folder, Arc<dyn PairSource>)> {
         match self {
-            Self::Folder(folder) => Ok((folder.clone(), Arc::new(Dataset::open(folder)?))),
+            Self::Folder(folder) => Ok((Folder::of(folder), Arc::new(Dataset::open(folder)?))),
             #[cfg(feature = "store")]
             Self::Store(address) => {
                 let stream = store::stream::Stream::open(address)?;
@@ -156,29 +266,61 @@ impl Place {
         }
     }
 
-    /// A folder to write into, with what is there already. [`Place::finish`] puts it where it belongs.
+    /// A shard of a dataset that is there. Of one in a store pairs are fetched as they are wanted.
     ///
     /// # Errors
-    /// If the store cannot be reached, or what it holds there is damaged.
-    pub fn begin(&self) -> Result<PathBuf> {
+    /// If the store cannot be reached, or there is nothing.
+    pub fn shard(&self) -> Result<Box<dyn ShardFiles + Send>> {
         match self {
-            Self::Folder(folder) => Ok(folder.clone()),
+            Self::Folder(folder) => Ok(Box::new(folder.clone())),
             #[cfg(feature = "store")]
-            Self::Store(address) => store::begin(address),
+            Self::Store(address) => Ok(Box::new(store::Shard::open(address)?)),
             #[cfg(not(feature = "store"))]
             Self::Store(address) => without_stores(address),
         }
     }
 
-    /// Puts what was written into the folder of [`Place::begin`] there, all or, to whoever reads it, nothing.
+    /// Measures the store of an address where nothing else is.
     ///
     /// # Errors
-    /// If the store cannot be reached or refuses it.
-    pub fn finish(&self) -> Result<()> {
+    /// If it is a folder, or the store cannot be reached or refuses something.
+    pub fn measure(&self, load: Load) -> Result<Rates> {
         match self {
-            Self::Folder(_) => Ok(()),
+            Self::Folder(folder) => bail!("{} is a folder, no address of a store", folder.display()),
             #[cfg(feature = "store")]
-            Self::Store(address) => store::finish(address),
+            Self::Store(address) => store::measure(address, load),
+            #[cfg(not(feature = "store"))]
+            Self::Store(address) => without_stores(address),
+        }
+    }
+
+    /// Whether a file is there, or whatever it may be that an address holds: there is nothing by halves.
+    ///
+    /// # Errors
+    /// If the store cannot be reached.
+    pub fn holds(&self, file: &str) -> Result<bool> {
+        match self {
+            Self::Folder(folder) => Ok(folder.join(file).is_file()),
+            #[cfg(feature = "store")]
+            Self::Store(address) => store::holds(address),
+            #[cfg(not(feature = "store"))]
+            Self::Store(address) => without_stores(address),
+        }
+    }
+
+    /// A folder to write into, with what is there already. [`Work::finish`] puts it where it belongs.
+    ///
+    /// # Errors
+    /// If the store cannot be reached, what it holds there is damaged, or another program of this machine is at work on it.
+    pub fn begin(&self) -> Result<Work> {
+        match self {
+            Self::Folder(folder) => Ok(Work::Folder(folder.clone())),
+            #[cfg(feature = "store")]
+            Self::Store(address) => {
+                let work = store::Work::begin(address)?;
+                let folder = work.folder();
+                Ok(Work::Store(Box::new(work), folder))
+            }
             #[cfg(not(feature = "store"))]
             Self::Store(address) => without_stores(address),
         }

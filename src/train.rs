@@ -201,10 +201,11 @@ fn defaults() -> TrainConfig {
 /// If the dataset or the run's folder cannot be used, a setting makes no sense, or training diverges.
 pub fn run(args: &Args) -> Result<()> {
     let (folder, pairs) = args.dataset.pairs()?;
-    let config = config(args, &folder)?;
+    let start = args.from.as_ref().map(Place::read).transpose()?;
+    let config = TrainConfig { start: start.as_deref().map(Path::to_owned), ..config(args, &folder)? };
     let out = args.out.begin()?;
     let Outcome { ending, progress, images_per_second } = deepshade_train::train_on(&config, pairs, &out)?;
-    args.out.finish()?;
+    out.finish()?;
     let what = match ending {
         Ending::Finished => "all steps are done",
         Ending::Stopped => "validation has stopped becoming better",
@@ -258,7 +259,6 @@ fn config(args: &Args, dataset: &Path) -> Result<TrainConfig> {
     Ok(TrainConfig {
         spec: last.of(base.spec)?,
         loss: args.loss.into(),
-        start: args.from.as_ref().map(Place::read).transpose()?,
         optimiser: args.rate.map_or(optimiser, |rate| optimiser.with_rate(rate)),
         batch: args.batch,
         devices: args.devices,

@@ -93,7 +93,8 @@ const ROUNDS: usize = 2;
 /// # Errors
 /// If the dataset is for another effect or has no validation views, or the GPU fails.
 pub fn run(args: &Args) -> Result<()> {
-    let dataset = Dataset::open(&args.dataset.read()?)?;
+    let folder = args.dataset.read()?;
+    let dataset = Dataset::open(&folder)?;
     let dataset = match &args.scenes {
         Some(scenes) => dataset.with_scenes(scenes),
         None => dataset,

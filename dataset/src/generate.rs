@@ -9,7 +9,7 @@ mod captured;
 
 use crate::journal::{Journal, checked};
 use crate::manifest::{MANIFEST, Manifest, PairRecord};
-use crate::origin::Origin;
+use crate::origin::{Origin, Out};
 use crate::plan::{Part, PlannedScene, PlannedView};
 use crate::shard::Shard;
 use crate::target::{self, TargetMethod};
@@ -55,30 +55,30 @@ pub fn generate(recipe: &Recipe, folder: &Path) -> Result<Summary, DatasetError>
 ///
 /// # Errors
 /// Those of [`generate`], and if the recipe aims at something else or the method fails.
-pub fn generate_by(
+pub fn generate_by<'a>(
     recipe: &Recipe,
-    folder: &Path,
+    out: impl Into<Out<'a>>,
     method: Option<TargetMethod<'_>>,
 ) -> Result<Summary, DatasetError> {
-    generate_part(recipe, folder, method, None)
+    generate_part(recipe, out.into(), method, None)
 }
 
 /// One part of what [`generate_by`] makes, in a folder of its own, for [`crate::merge`].
 ///
 /// # Errors
 /// Those of [`generate_by`], also if the folder holds another shard.
-pub fn generate_shard(
+pub fn generate_shard<'a>(
     recipe: &Recipe,
-    folder: &Path,
+    out: impl Into<Out<'a>>,
     method: Option<TargetMethod<'_>>,
     shard: Shard,
 ) -> Result<Summary, DatasetError> {
-    generate_part(recipe, folder, method, Some(shard))
+    generate_part(recipe, out.into(), method, Some(shard))
 }
 
 fn generate_part(
     recipe: &Recipe,
-    folder: &Path,
+    out: Out<'_>,
     method: Option<TargetMethod<'_>>,
     shard: Option<Shard>,
 ) -> Result<Summary, DatasetError> {
@@ -93,7 +93,8 @@ fn generate_part(
         }
     }
     let plan = recipe.plan()?;
-    let origin = Origin { shard, ..Origin::new(recipe, &plan, folder)? };
+    let folder = out.folder;
+    let origin = Origin { shard, ..Origin::new(recipe, &plan, out)? };
     let plan = match shard {
         Some(shard) => shard.of(plan),
         None => plan,

@@ -6,13 +6,14 @@
 
 use crate::DatasetError;
 use crate::holder::Holder;
+use crate::lock;
 use crate::origin::Origin;
 use crate::recipe::file_hash;
 use deepshade_shaders::atomic_file;
 use rayon::prelude::*;
 use serde::{Serialize, de::DeserializeOwned};
 use std::collections::HashMap;
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -59,13 +60,9 @@ impl Journal {
         }
         let path = folder.join(JOURNAL);
         let io = |source| DatasetError::io(&path, source);
-        let mut file = OpenOptions::new().read(true).append(true).create(true).open(&path).map_err(io)?;
-        file.try_lock().map_err(|error| match error {
-            TryLockError::WouldBlock => {
-                DatasetError::Busy { folder: folder.to_owned(), holder: Holder::of(folder) }
-            }
-            TryLockError::Error(source) => io(source),
-        })?;
+        let busy = || DatasetError::Busy { folder: folder.to_owned(), holder: Holder::of(folder) };
+        // Whoever finishes deletes the journal while it is locked.
+        let mut file = lock::alone(&path).map_err(io)?.ok_or_else(busy)?;
         delete_temporaries(folder)?;
         folders.iter().try_for_each(|folder| delete_temporaries(folder))?;
         let holder = Holder::sign(folder);

@@ -3,7 +3,6 @@
 
 use crate::journal::Entry;
 use crate::origin::{Origin, Versioned};
-use crate::recipe::file_hash;
 use crate::{DatasetError, Part, SceneRecord, Variation};
 use deepshade_render::scene::Camera;
 use deepshade_shaders::atomic_file;
@@ -70,18 +69,28 @@ impl Manifest {
     /// [`Manifest::load`] of a file of another name: the list of a shard.
     pub(crate) fn load_list(folder: &Path, name: &str) -> Result<Self, DatasetError> {
         let path = folder.join(name);
-        let mut manifest: Self = read_json(&path)?;
-        manifest.origin.opened(&path)?;
+        let bytes = std::fs::read(&path).map_err(|source| DatasetError::io(&path, source))?;
+        Self::parse(&bytes, &path)
+    }
+
+    /// [`Manifest::load`] of bytes that are at a path, or would be.
+    pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<Self, DatasetError> {
+        let mut manifest: Self = parse_json(bytes, path)?;
+        manifest.origin.opened(path)?;
         Ok(manifest)
     }
 
-    /// BLAKE3 hash, in hexadecimal, of the manifest's file in a dataset's folder. It tells the data from all others,
-    /// since the manifest holds the hash of every pair.
+    /// BLAKE3 hash, in hexadecimal, of the manifest in a dataset's folder, but for the way to scene files, which depends on
+    /// where the folder is. It tells the data from all others, since the manifest holds the hash of every pair. Where no way
+    /// is stated it is the hash of the file.
     ///
     /// # Errors
     /// If it cannot be read.
     pub fn file_hash(folder: &Path) -> Result<String, DatasetError> {
-        file_hash(&folder.join(MANIFEST))
+        let path = folder.join(MANIFEST);
+        let mut manifest: Self = read_json(&path)?;
+        manifest.origin.scenes = None;
+        Ok(blake3::hash(&json(&path, &manifest)?).to_hex().to_string())
     }
 
     /// Writes it into a dataset's folder.
@@ -100,17 +109,27 @@ impl Manifest {
 
 /// Reads a JSON file that states its [`Origin`], if it is of this version of the data.
 pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, DatasetError> {
-    let bytes = std::fs::read(path).map_err(|source| DatasetError::io(path, source))?;
+    parse_json(&std::fs::read(path).map_err(|source| DatasetError::io(path, source))?, path)
+}
+
+/// [`read_json`] of bytes that are at a path, or would be.
+fn parse_json<T: DeserializeOwned>(bytes: &[u8], path: &Path) -> Result<T, DatasetError> {
     let invalid = |error: serde_json::Error| DatasetError::invalid(path, error.to_string());
-    let Versioned { origin } = serde_json::from_slice(&bytes).map_err(invalid)?;
+    let Versioned { origin } = serde_json::from_slice(bytes).map_err(invalid)?;
     origin.unwrap_or_default().check_version(path)?;
-    serde_json::from_slice(&bytes).map_err(invalid)
+    serde_json::from_slice(bytes).map_err(invalid)
 }
 
 /// Writes a JSON file with line breaks.
 pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), DatasetError> {
+    let bytes = json(path, value)?;
+    atomic_file::write(path, &bytes).map_err(|source| DatasetError::io(path, source))
+}
+
+/// What a JSON file at a path holds.
+fn json(path: &Path, value: &impl Serialize) -> Result<Vec<u8>, DatasetError> {
     let mut bytes =
         serde_json::to_vec_pretty(value).map_err(|error| DatasetError::invalid(path, error.to_string()))?;
     bytes.push(b'\n');
-    atomic_file::write(path, &bytes).map_err(|source| DatasetError::io(path, source))
+    Ok(bytes)
 }

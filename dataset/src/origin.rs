@@ -30,7 +30,8 @@ pub struct Origin {
     /// BLAKE3 hash of the recipe's contents and of its files' contents, in hexadecimal. Comments, order of keys
     /// and the recipe's place do not matter.
     pub recipe_hash: String,
-    /// Of a recipe that names files: what these are relative to, itself relative to the data's folder where it can be.
+    /// Of a recipe that names files: what these are relative to, itself relative to the data's folder where it can be. Left out
+    /// of data that were made for another place; it is no part of what tells data from others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scenes: Option<PathBuf>,
     /// BLAKE3 hashes, in hexadecimal, of the files and folders that the recipe's table `vary` names.
@@ -43,6 +44,34 @@ pub struct Origin {
     pub recipe_file: String,
     /// The recipe itself.
     pub recipe: Recipe,
+}
+
+/// Where data are written to.
+#[derive(Clone, Copy, Debug)]
+pub struct Out<'a> {
+    /// The folder.
+    pub folder: &'a Path,
+    /// Whether they stay there. Data that are made to be brought elsewhere do not say where scene files are: from there the
+    /// way to them is another one.
+    pub stays: bool,
+}
+
+impl<'a, P: AsRef<Path> + ?Sized> From<&'a P> for Out<'a> {
+    /// A folder that data stay in.
+    fn from(folder: &'a P) -> Self {
+        Self { folder: folder.as_ref(), stays: true }
+    }
+}
+
+impl Out<'_> {
+    /// The way to a recipe's files, where data can say it and the files are here.
+    ///
+    /// # Errors
+    /// If the folder cannot be made.
+    pub(crate) fn way_to_scenes(self, recipe: &Recipe) -> Result<Option<PathBuf>, DatasetError> {
+        let says = self.stays && recipe.names_files();
+        says.then(|| relative(&recipe.folder, self.folder)).transpose()
+    }
 }
 
 /// As much of a file as every version has.
@@ -79,11 +108,15 @@ impl Version {
 }
 
 impl Origin {
-    /// What this program makes in a folder from a recipe with this plan.
+    /// What this program makes from a recipe with this plan.
     ///
     /// # Errors
     /// If the recipe's folder is gone, or a file that its table `vary` names cannot be read.
-    pub fn new(recipe: &Recipe, plan: &[PlannedScene], folder: &Path) -> Result<Self, DatasetError> {
+    pub fn new<'a>(
+        recipe: &Recipe,
+        plan: &[PlannedScene],
+        out: impl Into<Out<'a>>,
+    ) -> Result<Self, DatasetError> {
         let props = vary::hashes(recipe)?;
         let hashes = plan.iter().filter_map(|planned| planned.scene.blake3.as_deref());
         Ok(Self {
@@ -92,7 +125,7 @@ impl Origin {
             recipe_hash: recipe_hash(recipe, hashes.chain(props.values().map(String::as_str)))?,
             props,
             shard: None,
-            scenes: recipe.names_files().then(|| relative(&recipe.folder, folder)).transpose()?,
+            scenes: out.into().way_to_scenes(recipe)?,
             recipe_file: recipe.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             recipe: recipe.clone(),
         })

@@ -14,6 +14,7 @@ mod pytorch;
 mod rays;
 mod slope;
 mod stages;
+mod store;
 mod surfel;
 #[cfg(feature = "train")]
 mod train;
@@ -53,6 +54,8 @@ pub enum Verb {
     Dataset(dataset::Args),
     /// Training pairs an hour by several workers on this machine, and whether their bytes are those of one run.
     Farm(farm::Args),
+    /// Megabytes and requests a second that an object store takes from this machine.
+    Store(store::Args),
 }
 
 /// Measures and prints.
@@ -76,5 +79,6 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::View(args) => view::run(args),
         Verb::Dataset(args) => dataset::run(args),
         Verb::Farm(args) => farm::run(args),
+        Verb::Store(args) => store::run(args),
     }
 }

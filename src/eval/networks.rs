@@ -50,7 +50,8 @@ pub fn run(args: &Args) -> Result<()> {
         let effect = model.spec.effect;
         let set = testset(&set, effect, args)?;
         let (weights, target) = (model.spec.weight_count(), target(&set).to_owned());
-        let contest = Contest { effect, network: Some((figure_name(&folder), model)), set };
+        let contest =
+            Contest { effect, network: Some((figure_name(&folder), model)), set, _kept: Vec::new() };
         let judgement = judge(&contest, args, &gpu)?;
         rows.push(Row {
             published: published(&name),

@@ -1,5 +1,5 @@
 //! How long a farm takes and what holds it up, by a simulation of its tasks: a scheduler that starts one after the other, workers
-//! that render, a store that takes what they made. Its numbers are measured ([`super::cost`], `bench farm`).
+//! that render, a store that takes what they made. Its numbers are measured or said ([`super::cost`], `bench farm`).
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

@@ -1,11 +1,14 @@
 //! What a farm makes: written once, read by every task.
 
+use super::record::Record;
 use super::{Engine, kubernetes, ray, slurm};
 use crate::figures::{Figures, write_atomically};
-use crate::place::Place;
+use crate::place::{self, Place};
 use anyhow::{Context, Result, bail, ensure};
 use deepshade_dataset::{Recipe, Shard};
+use rayon::{ThreadPoolBuilder, prelude::*};
 use serde::{Deserialize, Serialize};
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// The plan's file in the folder of jobs.
@@ -45,13 +48,13 @@ pub struct Args {
     /// Threads of a task.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     cores: u32,
-    /// Minutes after which a task is taken for stuck, and tried again.
+    /// Minutes after which a task is taken for stuck, and tried again; with Slurm up to two minutes earlier.
     #[arg(long, default_value_t = 240, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     minutes: u32,
     /// How often a task is tried again.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(0..=100))]
     retries: u32,
-    /// The program on the machines that work; by default this one.
+    /// The program on the machines that work; by default this one, with Kubernetes `deepshade` as the image finds it.
     #[arg(long)]
     program: Option<PathBuf>,
     /// Image of the container that Kubernetes runs, which has the program and the recipe.
@@ -143,6 +146,25 @@ impl Plan {
         Ok(self.place()?.join(&format!("shard-{}-of-{}", shard.number(), shard.count())))
     }
 
+    /// Numbers of the shards that were made, by their records, and are where they belong.
+    ///
+    /// # Errors
+    /// If their place cannot be looked at.
+    pub fn there(&self, records: &HashMap<usize, Record>) -> Result<HashSet<usize>> {
+        let made = |shard: &Shard| records.get(&shard.number()).is_some_and(|record| record.made().is_some());
+        let made: Vec<Shard> = self.shards().filter(made).collect();
+        let is_there = |shard: &Shard| match self
+            .shard_place(*shard)
+            .and_then(|place| place.holds(&shard.file_name()))
+        {
+            Ok(holds) => holds.then_some(Ok(shard.number())),
+            Err(error) => Some(Err(error)),
+        };
+        // A store is asked once a shard, and takes its time.
+        let pool = ThreadPoolBuilder::new().num_threads(place::TRANSFERS).build().context("threads")?;
+        pool.install(|| made.par_iter().filter_map(is_there).collect())
+    }
+
     fn place(&self) -> Result<Place> {
         self.out.parse().map_err(anyhow::Error::msg)
     }
@@ -209,6 +231,8 @@ fn planned(args: &Args) -> Result<Plan> {
         retries: args.retries,
         program: match &args.program {
             Some(program) => program.clone(),
+            // Where this one is says nothing of an image.
+            None if args.engine == Engine::Kubernetes => PathBuf::from("deepshade"),
             None => std::env::current_exe().context("where this program is; --program says it")?,
         },
         image: args.image.clone(),

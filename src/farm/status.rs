@@ -28,7 +28,7 @@ pub struct Args {
 /// What all shards came to so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Progress {
-    /// Shards that are whole.
+    /// Shards that are whole, and where they belong.
     pub made: usize,
     /// Tries of all shards.
     pub tries: usize,
@@ -36,7 +36,7 @@ pub(super) struct Progress {
     pub pairs: usize,
     /// Their size, of shards that are whole.
     pub bytes: u64,
-    /// Time of all workers, of tries that came to an end.
+    /// Time of all workers; of tries that were killed, until they were last heard of.
     pub hours: f64,
     /// Pairs that were rendered in that time.
     pub rendered: usize,
@@ -44,6 +44,8 @@ pub(super) struct Progress {
     pub failed: Vec<(Shard, String)>,
     /// Shards whose last try has not come to an end.
     pub begun: Vec<Shard>,
+    /// Shards that were made and are not there any more.
+    pub gone: Vec<Shard>,
 }
 
 impl Progress {
@@ -53,8 +55,10 @@ impl Progress {
     /// If a record cannot be read.
     pub fn of(plan: &Plan, jobs: &Path) -> Result<Self> {
         let mut progress = Self::default();
+        let records = Record::all(jobs)?;
+        let there = plan.there(&records)?;
         for shard in plan.shards() {
-            let record = Record::load(jobs, shard)?;
+            let Some(record) = records.get(&shard.number()) else { continue };
             progress.tries += record.tries.len();
             progress.hours += record.seconds() / 3600.0;
             for one in &record.tries {
@@ -62,21 +66,17 @@ impl Progress {
                     progress.rendered += rendered;
                 }
             }
-            match record
-                .tries
-                .iter()
-                .find_map(|one| one.end.as_ref().filter(|end| matches!(end, End::Made { .. })))
-            {
-                Some(End::Made { pairs, bytes, .. }) => {
+            match record.made().filter(|_| there.contains(&shard.number())) {
+                Some((pairs, bytes)) => {
                     progress.made += 1;
                     progress.pairs += pairs;
                     progress.bytes += bytes;
                 }
-                _ => {
+                None => {
                     progress.pairs += half_made(plan, shard);
                     match record.error() {
                         Some(error) => progress.failed.push((shard, error.to_owned())),
-                        None if record.tries.is_empty() => {}
+                        None if record.made().is_some() => progress.gone.push(shard),
                         None => progress.begun.push(shard),
                     }
                 }
@@ -139,6 +139,9 @@ pub fn run(args: &Args) -> Result<()> {
     }
     for shard in &progress.begun {
         say!("shard {shard}: under way, or killed")?;
+    }
+    for shard in &progress.gone {
+        say!("shard {shard}: was made, and is not there any more")?;
     }
     for (shard, error) in &progress.failed {
         say!("shard {shard}: failed: {error}")?;

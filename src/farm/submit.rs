@@ -4,21 +4,30 @@ use super::plan::Plan;
 use super::record::Record;
 use super::{Engine, kubernetes, ray, slurm};
 use anyhow::{Context, Result, bail, ensure};
-use deepshade_dataset::Shard;
+use deepshade_dataset::holder::Holder;
+use deepshade_dataset::lock;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Hands the shards that are not made yet to the engine.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  deepshade farm submit /shared/jobs/ao\n\n\
-    Given again it submits what is still missing, also shards that failed. With Ray it waits for the end.")]
+    Given again it submits what is still missing, also shards that failed, but none that the engine has still to do. \
+    With Ray it waits for the end.")]
 pub struct Args {
     /// Folder of the jobs.
     jobs: PathBuf,
+    /// Shards that are to be made again though they are there, such as those that `merge` finds damaged: their numbers.
+    #[arg(long, value_delimiter = ',')]
+    again: Vec<usize>,
     /// Python with Ray.
     #[arg(long, default_value = "python3")]
     python: PathBuf,
 }
+
+/// The folder, in that of the jobs, of whoever submits.
+const SUBMITS: &str = "submit";
 
 /// Submits.
 ///
@@ -27,9 +36,22 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let plan = Plan::load(&args.jobs)?;
     let jobs = args.jobs.canonicalize().with_context(|| args.jobs.display().to_string())?;
-    let waiting = waiting(&plan, &jobs)?;
+    // What another one submits is not known to the engine as yet; with Ray it is the engine's until it ends.
+    let note = jobs.join(SUBMITS);
+    std::fs::create_dir_all(&note).with_context(|| note.display().to_string())?;
+    let lock = lock::alone(&note.join("lock")).with_context(|| note.display().to_string())?;
+    ensure!(lock.is_some(), "{}: {} submits it", jobs.display(), Holder::of(&note));
+    let _holder = Holder::sign(&note);
+    let mut waiting = waiting(&plan, &jobs, &args.again)?;
     if waiting.is_empty() {
         return say!("all {} shards are made; next: deepshade farm merge {}", plan.shards, jobs.display());
+    }
+    if plan.engine == Engine::Slurm {
+        let queued = slurm::queued(&jobs)?;
+        waiting.retain(|shard| !queued.contains(shard));
+        if waiting.is_empty() {
+            return say!("Slurm has still to do all shards that are missing");
+        }
     }
     match plan.engine {
         Engine::Slurm => {
@@ -60,13 +82,15 @@ pub fn run(args: &Args) -> Result<()> {
     }
 }
 
-/// Numbers of the shards that nobody has made.
-fn waiting(plan: &Plan, jobs: &Path) -> Result<Vec<usize>> {
-    let missing = |shard: Shard| match Record::load(jobs, shard) {
-        Ok(record) => (!record.made()).then_some(Ok(shard.number())),
-        Err(error) => Some(Err(error)),
-    };
-    plan.shards().filter_map(missing).collect()
+/// Numbers of the shards that are not there, or are to be made again.
+pub(super) fn waiting(plan: &Plan, jobs: &Path, again: &[usize]) -> Result<Vec<usize>> {
+    let known: HashSet<usize> = plan.shards().map(|shard| shard.number()).collect();
+    if let Some(unknown) = again.iter().find(|number| !known.contains(number)) {
+        bail!("--again {unknown}: there are {} shards", plan.shards);
+    }
+    let there = plan.there(&Record::all(jobs)?)?;
+    let numbers = plan.shards().map(|shard| shard.number());
+    Ok(numbers.filter(|number| again.contains(number) || !there.contains(number)).collect())
 }
 
 /// Numbers in rising order as Slurm writes them: `1-3,7`.
@@ -79,7 +103,11 @@ pub(super) fn ranges(numbers: &[usize]) -> String {
     written.collect::<Vec<_>>().join(",")
 }
 
-fn output(command: &mut Command) -> Result<String> {
+/// What a command of an engine says.
+///
+/// # Errors
+/// If it is not there, or fails.
+pub(super) fn output(command: &mut Command) -> Result<String> {
     let name = command.get_program().to_string_lossy().into_owned();
     let output = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output();
     let output = output.with_context(|| format!("cannot start {name}: is the engine installed here?"))?;

@@ -1,7 +1,7 @@
 use super::plan::Plan;
-use super::record::{End, Record, Try};
+use super::record::{End, Entry, Try};
 use super::status::Progress;
-use super::submit::ranges;
+use super::submit::{ranges, waiting};
 use super::{Engine, kubernetes, ray, slurm};
 use serde_json::Value;
 use std::io::Write;
@@ -34,7 +34,9 @@ fn slurms_script_is_one_that_bash_reads_with_paths_as_they_are() {
         "#SBATCH --cpus-per-task=4",
         "#SBATCH --time=90",
         "#SBATCH --output=\"/jobs/100 %%/logs/%a.log\"",
-        r#"'/opt/it'\''s/deepshade' farm work '/jobs/100 %' --shard "$SLURM_ARRAY_TASK_ID" && exit 0"#,
+        "#SBATCH --requeue",
+        "#SBATCH --signal=B:USR1@30",
+        r#"'/opt/it'\''s/deepshade' farm work '/jobs/100 %' --shard "$SLURM_ARRAY_TASK_ID" &"#,
         "if [ \"${SLURM_RESTART_COUNT:-0}\" -lt 3 ]; then",
     ] {
         assert!(script.lines().any(|found| found == line), "{line}\nnot in\n{script}");
@@ -46,6 +48,64 @@ fn slurms_script_is_one_that_bash_reads_with_paths_as_they_are() {
         "bash tells"
     );
     assert!(slurm::script(&plan(Engine::Slurm), Path::new("/a\n#SBATCH --uid=0")).is_err());
+}
+
+/// Runs a task's script with a program and a Slurm of a few lines of shell; gives its code and what it asked of Slurm.
+#[cfg(unix)]
+fn task(work: &str, restarts: u32, signal: bool) -> (Option<i32>, String) {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().expect("a folder");
+    let asked = folder.path().join("asked");
+    for (name, text) in [
+        ("work", format!("#!/bin/bash\ntouch '{}/started'\n{work}\n", folder.path().display())),
+        ("scontrol", format!("#!/bin/bash\necho \"$@\" > '{}'\n", asked.display())),
+    ] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("written");
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).expect("allowed");
+    }
+    let mut plan = plan(Engine::Slurm);
+    plan.program = folder.path().join("work");
+    let script = folder.path().join("slurm.sh");
+    std::fs::write(&script, slurm::script(&plan, folder.path()).expect("a script")).expect("written");
+    let path = format!("{}:{}", folder.path().display(), std::env::var("PATH").unwrap_or_default());
+    let mut bash = Command::new("bash");
+    bash.arg(&script).env("PATH", path).env("SLURM_ARRAY_JOB_ID", "12").env("SLURM_ARRAY_TASK_ID", "7");
+    let mut child = bash.env("SLURM_RESTART_COUNT", restarts.to_string()).spawn().expect("bash");
+    if signal {
+        while !folder.path().join("started").exists() {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        let told = Command::new("kill").args(["-USR1", &child.id().to_string()]).status();
+        assert!(told.expect("kill").success());
+    }
+    let code = child.wait().expect("ends").code();
+    (code, std::fs::read_to_string(asked).unwrap_or_default())
+}
+
+#[cfg(unix)]
+#[test]
+fn a_task_of_slurm_puts_itself_back_where_it_fails_or_its_time_is_up() {
+    let back = "requeue 12_7\n".to_owned();
+    assert_eq!(task("exit 0", 0, false), (Some(0), String::new()));
+    assert_eq!(task("exit 3", 0, false), (Some(3), back.clone()));
+    assert_eq!(task("exit 3", 2, false), (Some(3), back.clone()));
+    assert_eq!(task("exit 3", 3, false), (Some(3), String::new()), "its retries are used up");
+    // As the program does it, which ends its pair's tile first.
+    let stuck = "trap 'exit 143' TERM\nwhile true; do sleep 0.01; done";
+    assert_eq!(task(stuck, 0, true), (Some(143), back));
+    assert_eq!(task(stuck, 3, true), (Some(143), String::new()));
+}
+
+#[test]
+fn slurm_is_asked_for_tasks_of_the_same_script() {
+    let said = "3 /jobs/ao/slurm.sh\n12 /jobs/ao/slurm.sh\n4 /jobs/ao2/slurm.sh\nN/A /jobs/ao/slurm.sh\n7 (null)\n\n";
+    let mut shards: Vec<_> = slurm::shards_of(said, Path::new("/jobs/ao/slurm.sh")).into_iter().collect();
+    shards.sort_unstable();
+    assert_eq!(shards, [3, 12]);
+    assert!(
+        slurm::shards_of("5 /jobs/with space/slurm.sh", Path::new("/jobs/with space/slurm.sh")).contains(&5)
+    );
 }
 
 #[test]
@@ -61,8 +121,12 @@ fn kubernetes_job_has_one_index_a_shard_and_its_own_retries() {
     let spec = &job["spec"];
     assert_eq!((&spec["completionMode"], &spec["completions"]), (&"Indexed".into(), &12.into()));
     assert_eq!((&spec["backoffLimitPerIndex"], &spec["maxFailedIndexes"]), (&3.into(), &12.into()));
-    let container = &spec["template"]["spec"]["containers"][0];
+    let pod = &spec["template"]["spec"];
+    assert_eq!(pod["activeDeadlineSeconds"], 90 * 60);
+    let container = &pod["containers"][0];
     assert_eq!(container["image"], "registry/deepshade:1");
+    let secret = serde_json::json!([{ "secretRef": { "name": "deepshade", "optional": true } }]);
+    assert_eq!(container["envFrom"], secret, "without one that is not needed, too");
     // The shell gets what the index stands for.
     let words: Vec<&str> =
         container["command"].as_array().expect("words").iter().filter_map(Value::as_str).collect();
@@ -81,23 +145,42 @@ fn numbers_are_written_as_ranges() {
 }
 
 #[test]
-fn progress_is_what_records_say() {
-    let jobs = tempfile::tempdir().expect("a folder");
-    let plan = plan(Engine::Slurm);
+fn progress_is_what_records_say_of_what_is_there() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let jobs = folder.path().join("jobs");
+    let out = folder.path().join("out").display().to_string();
+    let mut plan = plan(Engine::Slurm);
+    plan.out = out;
     let shards: Vec<_> = plan.shards().collect();
-    let one = |end: Option<End>| Try { worker: "process 1".to_owned(), end };
-    let failed = || End::Failed { seconds: 1800.0, error: "no light".to_owned() };
-    let made = End::Made { seconds: 3600.0, rendered: 5, pairs: 8, bytes: 100 };
+    let failed = || End::Failed { error: "no light".to_owned() };
+    let made = || End::Made { rendered: 5, pairs: 8, bytes: 100 };
     for (shard, tries) in [
-        (shards[0], vec![one(Some(failed())), one(None), one(Some(made))]),
-        (shards[1], vec![one(Some(failed()))]),
-        (shards[2], vec![one(Some(failed())), one(None)]),
+        // Two tasks at once, of which the second finds the shard in use and fails later.
+        (0, vec![Some(failed()), None, Some(made()), Some(failed())]),
+        (1, vec![Some(failed())]),
+        (2, vec![Some(failed()), None]),
+        (3, vec![Some(made())]),
     ] {
-        Record { tries }.save(jobs.path(), shard).expect("saved");
+        for (number, end) in tries.into_iter().enumerate() {
+            let one = Try { worker: "process 1".to_owned(), began: number as f64, seconds: 900.0, end };
+            let path = jobs.join(format!("records/{}-{number}-x.json", shard + 1));
+            let text = serde_json::to_string(&one).expect("JSON");
+            crate::figures::write_atomically(&path, text.as_bytes()).expect("written");
+        }
     }
-    let progress = Progress::of(&plan, jobs.path()).expect("read");
-    assert_eq!((progress.made, progress.tries, progress.pairs, progress.rendered), (1, 6, 8, 5));
+    let list = folder.path().join("out/shard-1-of-12").join(shards[0].file_name());
+    crate::figures::write_atomically(&list, b"{}").expect("written");
+    let progress = Progress::of(&plan, &jobs).expect("read");
+    assert_eq!((progress.made, progress.tries, progress.pairs, progress.rendered), (1, 8, 8, 10));
     assert_eq!(progress.failed, [(shards[1], "no light".to_owned())]);
-    assert_eq!(progress.begun, [shards[2]]);
-    assert!((progress.hours - 2.5).abs() < 1e-9);
+    assert_eq!((&progress.begun[..], &progress.gone[..]), (&shards[2..3], &shards[3..4]));
+    assert!((progress.hours - 2.0).abs() < 1e-9, "killed ones count: {}", progress.hours);
+
+    // What was made and is gone is submitted, and what is there where it is asked for.
+    let rest: Vec<usize> = (2..=12).collect();
+    assert_eq!(waiting(&plan, &jobs, &[]).expect("read"), rest);
+    assert_eq!(waiting(&plan, &jobs, &[1]).expect("read").first(), Some(&1));
+    assert!(waiting(&plan, &jobs, &[13]).is_err());
+    drop(Entry::begin(&jobs, shards[4]).expect("begun"));
+    assert_eq!(Progress::of(&plan, &jobs).expect("read").begun, [shards[2], shards[4]]);
 }

@@ -1,11 +1,10 @@
 //! `deepshade farm work`: one shard, made by a task of the engine.
 
 use super::plan::Plan;
-use super::record::{End, Record, Try};
+use super::record::{End, Entry};
 use anyhow::{Context, Result, ensure};
-use deepshade_dataset::{Shard, Summary, holder};
+use deepshade_dataset::{Shard, Summary};
 use std::path::PathBuf;
-use std::time::Instant;
 
 /// Makes one shard of a farm; the engine's tasks call this.
 #[derive(clap::Args)]
@@ -27,22 +26,14 @@ pub fn run(args: &Args) -> Result<()> {
     end_with_parent();
     let plan = Plan::load(&args.jobs)?;
     let shard: Shard = format!("{}/{}", args.shard, plan.shards).parse().map_err(anyhow::Error::msg)?;
-    let mut record = Record::load(&args.jobs, shard)?;
-    record.tries.push(Try { worker: holder::this_process(), end: None });
-    record.save(&args.jobs, shard)?;
-    let start = Instant::now();
+    let entry = Entry::begin(&args.jobs, shard)?;
     let made = make(&plan, shard);
-    let seconds = start.elapsed().as_secs_f64();
-    let end = match &made {
+    let seconds = entry.end(match &made {
         Ok(Summary { pairs, rendered, bytes }) => {
-            End::Made { seconds, rendered: *rendered, pairs: *pairs, bytes: *bytes }
+            End::Made { rendered: *rendered, pairs: *pairs, bytes: *bytes }
         }
-        Err(error) => End::Failed { seconds, error: crate::message(error) },
-    };
-    if let Some(last) = record.tries.last_mut() {
-        last.end = Some(end);
-    }
-    record.save(&args.jobs, shard)?;
+        Err(error) => End::Failed { error: crate::message(error) },
+    })?;
     let summary = made.with_context(|| format!("shard {shard}"))?;
     say!(
         "shard {shard}: {} pairs, {} of them rendered now in {seconds:.0} s",

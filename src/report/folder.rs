@@ -6,8 +6,9 @@ use super::{PAGE, images};
 use crate::figures::write_atomically;
 use anyhow::{Context, Result, bail};
 use deepshade_dataset::holder::Holder;
+use deepshade_dataset::lock;
 use deepshade_shaders::atomic_file;
-use std::fs::{self, DirEntry, File, TryLockError};
+use std::fs::{self, DirEntry, File};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
@@ -43,14 +44,9 @@ impl Folder {
         check(path)?;
         let place = || path.display().to_string();
         fs::create_dir_all(path).with_context(place)?;
-        let lock = File::create(path.join(LOCK)).with_context(place)?;
-        match lock.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => {
-                bail!("{}: {} is writing a comparison there", place(), Holder::of(path))
-            }
-            Err(TryLockError::Error(error)) => return Err(error).with_context(place),
-        }
+        let Some(lock) = lock::alone(&path.join(LOCK)).with_context(place)? else {
+            bail!("{}: {} is writing a comparison there", place(), Holder::of(path))
+        };
         atomic_file::delete_temporaries(path).with_context(place)?;
         for name in [PAGE, MARKDOWN] {
             delete(&path.join(name)).with_context(place)?;

@@ -1,164 +1,281 @@
-//! Folders of the user's cache that stand for addresses.
+//! Folders of the user's cache that stand for addresses: copies of what was read, pairs of datasets that are trained on, and
+//! folders in which something is made for a store (`work`).
 //!
-//! What is read is kept by the hash of its list, so that it never changes under whoever reads it; the oldest goes where the
-//! cache would grow beyond its bound. What is written is made in a folder of its address's own.
+//! Each has a lock of its own, which goes with what is handed out: nothing that a program uses is deleted by another one. All
+//! together have a bound. Each claims so many bytes of it before it is filled; where a new claim would not fit, those go
+//! first that nobody has used for the longest time.
 
-use super::commit::{Commit, hash};
-use crate::place::Address;
-use anyhow::{Context, Result, ensure};
+use super::commit::Commit;
+use crate::place::Folder;
+use anyhow::{Context, Result, bail};
+use deepshade_dataset::lock;
 use etcetera::BaseStrategy;
 use std::fs::File;
+use std::io::{ErrorKind, Result as IoResult};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 /// Where the cache is, in place of the user's cache folder.
 const FOLDER: &str = "DEEPSHADE_CACHE";
-/// Most gigabytes of what was read.
+/// Most gigabytes of it.
 const BOUND: &str = "DEEPSHADE_CACHE_GB";
 const DEFAULT_BOUND: u64 = 50;
-/// Says, in the folder of a copy, that it is whole, and since when it was last asked for.
-const WHOLE: &str = "whole";
-/// The list's hash that an output goes on from, in the folder of its work.
-const BASE: &str = "base";
+/// Held by whoever uses what is beside it. It is never deleted, so that all lock the same file.
+const LOCK: &str = "lock";
+/// The kinds of folders.
+const KINDS: [&str; 3] = ["sources", "streams", "outputs"];
 
-/// The copy of a list's files: one that is there, or made by `fetch`.
-///
-/// # Errors
-/// If it does not fit into the cache or cannot be made.
-pub fn source(commit: &Commit, list_hash: &str, fetch: impl FnOnce(&Path) -> Result<()>) -> Result<PathBuf> {
-    let sources = root()?.join("sources");
-    let own = sources.join(list_hash);
-    let files = own.join("files");
-    std::fs::create_dir_all(&files).with_context(|| own.display().to_string())?;
-    let lock = File::create(own.join("lock")).with_context(|| own.display().to_string())?;
-    // Whoever else wants the same waits, and then finds it.
-    lock.lock().with_context(|| own.display().to_string())?;
-    let whole = own.join(WHOLE);
-    if !(whole.exists() && has_sizes(commit, &files)) {
-        make_room(&sources, &own, commit.bytes())?;
-        fetch(&files)?;
-    }
-    std::fs::write(&whole, commit.bytes().to_string()).with_context(|| whole.display().to_string())?;
-    Ok(files)
+/// A cache.
+#[derive(Clone, Debug)]
+pub struct Cache {
+    root: PathBuf,
+    /// Most bytes of all that may be deleted.
+    bound: u64,
 }
 
-/// The folder in which pairs of a list's dataset are kept while it is trained on: the first that no other program has. Its lock
-/// goes with what is returned.
-///
-/// # Errors
-/// If it cannot be made.
-#[cfg(feature = "train")]
-pub fn stream(list_hash: &str) -> Result<(PathBuf, File)> {
-    let streams = root()?.join("streams");
-    for number in 0.. {
-        let folder = streams.join(format!("{list_hash}-{number}"));
-        std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-        let lock = File::create(folder.join("lock")).with_context(|| folder.display().to_string())?;
-        if lock.try_lock().is_ok() {
-            return Ok((folder, lock));
+/// A folder of the cache with what belongs to it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Entry(PathBuf);
+
+/// What is had of the cache: nobody else deletes it or writes into it.
+pub type Lock = File;
+
+impl Entry {
+    /// Where the files are.
+    pub fn files(&self) -> PathBuf {
+        self.0.join("files")
+    }
+
+    /// A file of notes beside them.
+    pub fn note(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    /// Where both are.
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+
+    /// Takes it by a kind of lock, makes its folder, and notes that it is used.
+    fn taken(&self, lock: impl FnOnce(&Path) -> IoResult<Lock>) -> Result<Lock> {
+        let place = || self.0.display().to_string();
+        std::fs::create_dir_all(&self.0).with_context(place)?;
+        let lock = lock(&self.0.join(LOCK)).with_context(place)?;
+        std::fs::create_dir_all(self.files()).with_context(place)?;
+        // What has no time is the first to go, no more.
+        let _ = lock.set_modified(SystemTime::now());
+        Ok(lock)
+    }
+
+    /// Takes it for this program alone, without a use of it; `None` while another one has it.
+    fn idle(&self) -> Result<Option<Lock>> {
+        std::fs::create_dir_all(&self.0)
+            .and_then(|()| lock::alone(&self.0.join(LOCK)))
+            .with_context(|| self.0.display().to_string())
+    }
+
+    /// How many bytes it claims.
+    fn claim(&self) -> u64 {
+        let text = std::fs::read_to_string(self.note("bytes")).ok();
+        text.and_then(|text| text.parse().ok()).unwrap_or(0)
+    }
+
+    /// Claims nothing any more: it is not deleted for others.
+    ///
+    /// # Errors
+    /// If that cannot be noted.
+    pub fn unclaim(&self) -> Result<()> {
+        deleted(std::fs::remove_file(self.note("bytes"))).with_context(|| self.0.display().to_string())
+    }
+
+    /// Deletes the files, all at once to whoever looks for them. Whoever calls it holds the lock.
+    ///
+    /// # Errors
+    /// If that fails.
+    pub fn clear(&self) -> Result<()> {
+        let waste = self.note("waste");
+        let cleared = deleted(std::fs::remove_dir_all(&waste))
+            .and_then(|()| deleted(std::fs::rename(self.files(), &waste)))
+            .and_then(|()| deleted(std::fs::remove_dir_all(&waste)));
+        cleared.with_context(|| self.0.display().to_string())?;
+        self.unclaim()
+    }
+
+    /// When it was last used.
+    fn used(&self) -> SystemTime {
+        self.note(LOCK).metadata().and_then(|lock| lock.modified()).unwrap_or(SystemTime::UNIX_EPOCH)
+    }
+}
+
+/// What is gone already is deleted.
+fn deleted(result: IoResult<()>) -> IoResult<()> {
+    result.or_else(|error| if error.kind() == ErrorKind::NotFound { Ok(()) } else { Err(error) })
+}
+
+impl Cache {
+    /// The one that the environment names.
+    ///
+    /// # Errors
+    /// If it names none, or the user has no cache folder.
+    pub fn open() -> Result<Self> {
+        let folder = match std::env::var_os(FOLDER) {
+            Some(folder) => PathBuf::from(folder),
+            None => etcetera::choose_base_strategy()
+                .with_context(|| format!("no cache folder: {FOLDER} may name one"))?
+                .cache_dir()
+                .join("deepshade"),
+        };
+        let gigabytes = match std::env::var(BOUND) {
+            Ok(text) => {
+                text.parse().with_context(|| format!("{BOUND} is `{text}`, which is no whole number"))?
+            }
+            Err(_) => DEFAULT_BOUND,
+        };
+        Ok(Self::at(folder.join("store"), u64::saturating_mul(gigabytes, 1_000_000_000)))
+    }
+
+    /// One in a folder, of at most so many bytes.
+    pub const fn at(root: PathBuf, bound: u64) -> Self {
+        Self { root, bound }
+    }
+
+    /// The folder of something that is made, for this program alone; without a lock while another program has it.
+    ///
+    /// # Errors
+    /// If it cannot be made or locked.
+    pub fn output(&self, name: &str) -> Result<(Entry, Option<Lock>)> {
+        let own = self.entry("outputs", name);
+        let _guard = self.guard()?;
+        let lock = self.alone(&own)?;
+        Ok((own, lock))
+    }
+
+    fn alone(&self, entry: &Entry) -> Result<Option<Lock>> {
+        let Some(lock) = entry.idle()? else { return Ok(None) };
+        entry.taken(|_| Ok(lock)).map(Some)
+    }
+
+    /// As long as it is held nobody looks whether others are in use, which for a moment makes them so, and nobody counts on the
+    /// same room.
+    fn guard(&self) -> Result<Lock> {
+        let made = std::fs::create_dir_all(&self.root).and_then(|()| lock::waiting(&self.root.join(LOCK)));
+        made.with_context(|| self.root.display().to_string())
+    }
+
+    fn entry(&self, kind: &str, name: &str) -> Entry {
+        Entry(self.root.join(kind).join(name))
+    }
+
+    /// The copy of a list's files: one that is there, or made by `fetch`, which finds in the folder what was fetched before.
+    ///
+    /// # Errors
+    /// If it does not fit into the cache or cannot be made.
+    pub fn source(
+        &self,
+        commit: &Commit,
+        list_hash: &str,
+        fetch: impl Fn(&Path) -> Result<()>,
+    ) -> Result<Folder> {
+        let own = self.entry("sources", list_hash);
+        loop {
+            let lock = own.taken(lock::shared)?;
+            if has_sizes(commit, &own.files()) {
+                return Ok(Folder::kept(own.files(), lock));
+            }
+            drop(lock);
+            // Whoever else wants the same waits, and then finds it.
+            let _lock = own.taken(lock::waiting)?;
+            if !has_sizes(commit, &own.files()) {
+                let wanted = commit.bytes();
+                if !self.claim(&own, wanted)? {
+                    bail!(
+                        "{wanted} bytes are more than the cache may hold beside what is in use; {BOUND} says how many \
+                         gigabytes that is"
+                    );
+                }
+                fetch(&own.files())?;
+            }
         }
     }
-    unreachable!("one of so many folders is free")
+
+    /// The folder in which pairs of a list's dataset are kept while it is trained on: the first that no other program has; and
+    /// for how many bytes there is room. Half of what others leave is left to others.
+    ///
+    /// # Errors
+    /// If it cannot be made.
+    #[cfg(feature = "train")]
+    pub fn stream(&self, list_hash: &str, most: u64) -> Result<(Folder, u64)> {
+        let _guard = self.guard()?;
+        for number in 0.. {
+            let own = self.entry("streams", &format!("{list_hash}-{number}"));
+            let Some(lock) = self.alone(&own)? else { continue };
+            let room = most.min(self.bound.saturating_sub(self.in_use(&own)?) / 2);
+            let room = if self.claim_guarded(&own, room)? { room } else { 0 };
+            return Ok((Folder::kept(own.files(), lock), room));
+        }
+        unreachable!("one of so many folders is free")
+    }
+
+    /// Bytes that others claim and use.
+    #[cfg(feature = "train")]
+    fn in_use(&self, own: &Entry) -> Result<u64> {
+        let claimed = |entry: Entry| Ok(if entry.idle()?.is_some() { 0 } else { entry.claim() });
+        self.others(own)?.into_iter().map(claimed).sum()
+    }
+
+    /// Claims bytes for an entry whose lock is held, and deletes what nobody uses until they fit; whether they do.
+    ///
+    /// # Errors
+    /// If the cache cannot be read or written.
+    pub fn claim(&self, own: &Entry, wanted: u64) -> Result<bool> {
+        let _guard = self.guard()?;
+        self.claim_guarded(own, wanted)
+    }
+
+    fn claim_guarded(&self, own: &Entry, wanted: u64) -> Result<bool> {
+        let mut others = self.others(own)?;
+        others.sort_by_key(Entry::used);
+        let mut held: u64 = others.iter().map(Entry::claim).fold(0, u64::saturating_add);
+        for entry in others {
+            if wanted > self.bound || held.saturating_add(wanted) <= self.bound {
+                break;
+            }
+            let claim = entry.claim();
+            if let Some(_lock) = entry.idle()? {
+                entry.clear()?;
+                held = held.saturating_sub(claim);
+            }
+        }
+        if held.saturating_add(wanted) > self.bound {
+            return Ok(false);
+        }
+        let note = own.note("bytes");
+        std::fs::write(&note, wanted.to_string()).with_context(|| note.display().to_string())?;
+        Ok(true)
+    }
+
+    /// All others that claim something.
+    fn others(&self, own: &Entry) -> Result<Vec<Entry>> {
+        let mut entries = Vec::new();
+        for kind in KINDS {
+            let folder = self.root.join(kind);
+            let found = match std::fs::read_dir(&folder) {
+                Ok(found) => found,
+                Err(error) if error.kind() == ErrorKind::NotFound => continue,
+                Err(error) => return Err(error).with_context(|| folder.display().to_string()),
+            };
+            let found = found.flatten().map(|entry| Entry(entry.path()));
+            entries.extend(found.filter(|entry| entry != own && entry.claim() > 0));
+        }
+        Ok(entries)
+    }
 }
 
-/// Whether a copy still has all files in their sizes.
+/// Whether a copy has all files in their sizes: each was held against its hash when it was fetched, and written whole.
 fn has_sizes(commit: &Commit, files: &Path) -> bool {
     let size = |name: &str| files.join(name).metadata().map(|found| found.len()).ok();
     commit.files.iter().all(|file| size(&file.name) == Some(file.bytes))
 }
 
-/// Deletes copies, those first that nobody has asked for in a long time, until so many bytes fit.
-fn make_room(sources: &Path, own: &Path, wanted: u64) -> Result<()> {
-    let bound = bound()?;
-    ensure!(
-        wanted <= bound,
-        "{wanted} bytes are more than the cache may hold; {BOUND} says how many gigabytes that is"
-    );
-    let mut copies: Vec<(SystemTime, u64, PathBuf)> = std::fs::read_dir(sources)
-        .with_context(|| sources.display().to_string())?
-        .flatten()
-        .map(|entry| entry.path())
-        .filter(|path| path != own)
-        .filter_map(|path| {
-            let note = path.join(WHOLE);
-            let bytes = std::fs::read_to_string(&note).ok()?.parse().ok()?;
-            Some((note.metadata().ok()?.modified().ok()?, bytes, path))
-        })
-        .collect();
-    copies.sort();
-    let mut held: u64 = copies.iter().map(|(_, bytes, _)| bytes).sum();
-    for (_, bytes, path) in copies {
-        if held.saturating_add(wanted) <= bound {
-            break;
-        }
-        // The note first: what is half deleted is not taken for whole.
-        let deleted = std::fs::remove_file(path.join(WHOLE)).and_then(|()| std::fs::remove_dir_all(&path));
-        deleted.with_context(|| path.display().to_string())?;
-        held -= bytes;
-    }
-    Ok(())
-}
-
-/// Most bytes of what was read.
-///
-/// # Errors
-/// If the environment says no number.
-pub fn bound() -> Result<u64> {
-    let gigabytes = match std::env::var(BOUND) {
-        Ok(text) => text.parse().with_context(|| format!("{BOUND} is `{text}`, which is no whole number"))?,
-        Err(_) => DEFAULT_BOUND,
-    };
-    Ok(u64::saturating_mul(gigabytes, 1_000_000_000))
-}
-
-fn root() -> Result<PathBuf> {
-    let folder = match std::env::var_os(FOLDER) {
-        Some(folder) => PathBuf::from(folder),
-        None => etcetera::choose_base_strategy()
-            .with_context(|| format!("no cache folder: {FOLDER} may name one"))?
-            .cache_dir()
-            .join("deepshade"),
-    };
-    Ok(folder.join("store"))
-}
-
-/// The folder in which something for an address is made.
-pub struct Work {
-    /// Where files are written.
-    pub folder: PathBuf,
-    base: PathBuf,
-}
-
-impl Work {
-    /// # Errors
-    /// If it cannot be made.
-    pub fn of(address: &Address) -> Result<Self> {
-        let own = root()?.join("outputs").join(hash(address.to_string().as_bytes()));
-        let folder = own.join("files");
-        std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-        Ok(Self { folder, base: own.join(BASE) })
-    }
-
-    /// Whether what is in the folder came from, or went to, the store under that list.
-    pub fn goes_on_from(&self, list_hash: &str) -> bool {
-        std::fs::read_to_string(&self.base).is_ok_and(|base| base == list_hash)
-    }
-
-    /// Notes that the folder holds what is in the store under that list.
-    ///
-    /// # Errors
-    /// If that cannot be written.
-    pub fn note(&self, list_hash: &str) -> Result<()> {
-        std::fs::write(&self.base, list_hash).with_context(|| self.base.display().to_string())
-    }
-
-    /// Deletes what is in the folder: somebody else has finished it since.
-    ///
-    /// # Errors
-    /// If it cannot be deleted.
-    pub fn clear(&self) -> Result<()> {
-        let cleared =
-            std::fs::remove_dir_all(&self.folder).and_then(|()| std::fs::create_dir_all(&self.folder));
-        cleared.with_context(|| self.folder.display().to_string())
-    }
-}
+#[cfg(test)]
+mod tests;

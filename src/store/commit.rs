@@ -1,6 +1,6 @@
 //! The list of what is at an address: names, sizes and hashes of all files, written when all of them are there.
 
-use super::remote::Remote;
+use super::remote::{Remote, Version, Written};
 use anyhow::{Context, Result, bail, ensure};
 use deepshade_shaders::atomic_file::TEMPORARY_PREFIX;
 use rayon::prelude::*;
@@ -38,6 +38,15 @@ pub struct Stored {
     pub blake3: String,
 }
 
+/// What came of writing a list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Published {
+    /// It is there.
+    Done,
+    /// Somebody else's is there.
+    Other,
+}
+
 impl Stored {
     /// The object that holds it.
     pub fn object(&self) -> String {
@@ -46,14 +55,25 @@ impl Stored {
 }
 
 impl Commit {
-    /// The list at an address, with its own hash; `None` where there is none.
+    /// The list at an address, with its own hash and what tells its object from later ones; `None` where there is none.
     ///
     /// # Errors
     /// If the store cannot be reached, or what lies there is no such list.
-    pub fn at(remote: &Remote) -> Result<Option<(Self, String)>> {
-        let Some(bytes) = remote.get(NAME, LARGEST)? else { return Ok(None) };
+    pub fn at(remote: &Remote) -> Result<Option<(Self, String, Version)>> {
+        let Some((bytes, version)) = remote.get_versioned(NAME, LARGEST)? else { return Ok(None) };
         let commit = Self::parse(&bytes).with_context(|| remote.name(NAME))?;
-        Ok(Some((commit, hash(&bytes))))
+        Ok(Some((commit, hash(&bytes), version)))
+    }
+
+    /// [`Self::at`] where there has to be one.
+    ///
+    /// # Errors
+    /// As there, and if there is none.
+    pub fn whole(remote: &Remote) -> Result<(Self, String)> {
+        match Self::at(remote)? {
+            Some((commit, hash, _)) => Ok((commit, hash)),
+            None => bail!("nothing is there, or nothing finished: no `{NAME}`"),
+        }
     }
 
     /// Reads a list, which anybody may have written.
@@ -84,15 +104,45 @@ impl Commit {
         Ok(Self { version: VERSION, files })
     }
 
-    /// Writes the list, and gives its hash. All objects have to be there.
+    /// Writes the list, in place of an earlier one or of none. All objects have to be there.
     ///
     /// # Errors
     /// If the store cannot be reached or refuses it.
-    pub fn publish(&self, remote: &Remote) -> Result<String> {
-        let bytes = serde_json::to_vec_pretty(self).context("a list as JSON")?;
-        let hash = hash(&bytes);
-        remote.put(NAME, bytes)?;
-        Ok(hash)
+    pub fn publish(&self, remote: &Remote, earlier: Option<(&str, &Version)>) -> Result<Published> {
+        // Another that made the same is no other; neither is an answer that was lost, after which it is sent again.
+        let there = || Ok::<_, anyhow::Error>(Self::at(remote)?.map(|(_, hash, _)| hash));
+        let ours = self.hash()?;
+        Ok(match remote.replace(NAME, self.text()?, earlier.map(|(_, version)| version))? {
+            Written::Done => Published::Done,
+            Written::Other if there()?.as_ref() == Some(&ours) => Published::Done,
+            Written::Other => Published::Other,
+            Written::Unable => {
+                note!(
+                    "{}: this store has no conditional writes, so that whoever else writes there at this very moment is not \
+                     noticed",
+                    remote.name(NAME)
+                );
+                let there = there()?;
+                if there.as_ref() != Some(&ours) && there.as_deref() != earlier.map(|(hash, _)| hash) {
+                    return Ok(Published::Other);
+                }
+                remote.put(NAME, self.text()?)?;
+                Published::Done
+            }
+        })
+    }
+
+    /// The list as it is written.
+    fn text(&self) -> Result<Vec<u8>> {
+        serde_json::to_vec_pretty(self).context("a list as JSON")
+    }
+
+    /// Its own hash.
+    ///
+    /// # Errors
+    /// If it cannot be written down.
+    pub fn hash(&self) -> Result<String> {
+        Ok(hash(&self.text()?))
     }
 
     /// Bytes of all files.

@@ -1,13 +1,13 @@
 //! One address of an object store, object by object.
 
 use crate::place::{Address, Kind};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use object_store::aws::{AmazonS3Builder, Checksum};
 use object_store::azure::MicrosoftAzureBuilder;
 use object_store::gcp::GoogleCloudStorageBuilder;
 use object_store::path::Path;
-use object_store::{ClientOptions, Error, ObjectStore, ObjectStoreExt, RetryConfig};
-use std::sync::Arc;
+use object_store::{ClientOptions, Error, ObjectStore, ObjectStoreExt, PutMode, RetryConfig, UpdateVersion};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 use std::time::Duration;
 use tokio::runtime::{Builder, Runtime};
 
@@ -17,11 +17,33 @@ const PATIENCE: Duration = Duration::from_mins(3);
 /// The longest that one request may take: an object on a slow line.
 const SLOWEST: Duration = Duration::from_mins(5);
 
+/// What all transfers run on.
+static RUNTIME: LazyLock<std::io::Result<Runtime>> =
+    LazyLock::new(|| Builder::new_multi_thread().worker_threads(1).enable_all().build());
+
+/// A bucket's client.
+type Client = (Kind, String, Arc<dyn ObjectStore>);
+
 /// A store below an address.
 pub struct Remote {
-    runtime: Runtime,
+    runtime: &'static Runtime,
     objects: Arc<dyn ObjectStore>,
     address: Address,
+}
+
+/// What tells an object from those that take its place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Version(UpdateVersion);
+
+/// What came of a write that must not take the place of somebody else's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Written {
+    /// It is there.
+    Done,
+    /// Somebody else's is there, and stays.
+    Other,
+    /// The store cannot tell, and nothing was written.
+    Unable,
 }
 
 impl Remote {
@@ -30,7 +52,20 @@ impl Remote {
     /// # Errors
     /// If what the environment says of the store makes no sense.
     pub fn open(address: &Address) -> Result<Self> {
-        Self::on(client(address).with_context(|| address.to_string())?, address)
+        // One client a bucket: connections are used again, by however many addresses.
+        static CLIENTS: Mutex<Vec<Client>> = Mutex::new(Vec::new());
+        let mut clients = CLIENTS.lock().unwrap_or_else(PoisonError::into_inner);
+        let known =
+            clients.iter().find(|(kind, bucket, _)| (*kind, bucket) == (address.kind, &address.bucket));
+        let objects = match known {
+            Some((.., objects)) => Arc::clone(objects),
+            None => {
+                let objects = client(address).with_context(|| address.to_string())?;
+                clients.push((address.kind, address.bucket.clone(), Arc::clone(&objects)));
+                objects
+            }
+        };
+        Self::on(objects, address)
     }
 
     /// The objects of a store below an address.
@@ -38,8 +73,8 @@ impl Remote {
     /// # Errors
     /// If there are no threads for it.
     pub fn on(objects: Arc<dyn ObjectStore>, address: &Address) -> Result<Self> {
-        let runtime = Builder::new_multi_thread().worker_threads(1).enable_all().build();
-        Ok(Self { runtime: runtime.context("threads for transfers")?, objects, address: address.clone() })
+        let runtime = RUNTIME.as_ref().map_err(|error| anyhow!("threads for transfers: {error}"))?;
+        Ok(Self { runtime, objects, address: address.clone() })
     }
 
     /// Writes an object, whole or not at all.
@@ -52,19 +87,51 @@ impl Remote {
         self.runtime.block_on(put).map(drop).with_context(|| self.name(name))
     }
 
+    /// Writes an object in place of an earlier one, or of none, if that is what is there; whole or not at all.
+    ///
+    /// # Errors
+    /// If the store cannot be reached or refuses it.
+    pub fn replace(&self, name: &str, bytes: Vec<u8>, earlier: Option<&Version>) -> Result<Written> {
+        let mode = match earlier {
+            None => PutMode::Create,
+            Some(Version(UpdateVersion { e_tag: None, version: None })) => return Ok(Written::Unable),
+            Some(Version(version)) => PutMode::Update(version.clone()),
+        };
+        let path = self.path(name);
+        match self.runtime.block_on(self.objects.put_opts(&path, bytes.into(), mode.into())) {
+            Ok(_) => Ok(Written::Done),
+            Err(Error::AlreadyExists { .. } | Error::Precondition { .. }) => Ok(Written::Other),
+            Err(Error::NotImplemented { .. } | Error::NotSupported { .. }) => Ok(Written::Unable),
+            Err(error) => Err(error).with_context(|| self.name(name)),
+        }
+    }
+
     /// An object of at most so many bytes; `None` where there is none.
     ///
     /// # Errors
     /// If the store cannot be reached, or the object is larger.
     pub fn get(&self, name: &str, most: u64) -> Result<Option<Vec<u8>>> {
+        Ok(self.get_versioned(name, most)?.map(|(bytes, _)| bytes))
+    }
+
+    /// [`Self::get`], with what tells the object from later ones.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn get_versioned(&self, name: &str, most: u64) -> Result<Option<(Vec<u8>, Version)>> {
         let path = self.path(name);
         let read = async {
             let found = self.objects.get(&path).await?;
             // Before memory is taken for it.
-            if found.meta.size > most { Ok(Err(found.meta.size)) } else { found.bytes().await.map(Ok) }
+            if found.meta.size > most {
+                return Ok(Err(found.meta.size));
+            }
+            let (e_tag, version) = (found.meta.e_tag.clone(), found.meta.version.clone());
+            let bytes = found.bytes().await?;
+            Ok(Ok((bytes.into(), Version(UpdateVersion { e_tag, version }))))
         };
         match self.runtime.block_on(read) {
-            Ok(Ok(bytes)) => Ok(Some(bytes.into())),
+            Ok(Ok(found)) => Ok(Some(found)),
             Ok(Err(size)) => bail!("{} has {size} bytes, more than {most}", self.name(name)),
             Err(Error::NotFound { .. }) => Ok(None),
             Err(error) => Err(error).with_context(|| self.name(name)),
@@ -81,6 +148,15 @@ impl Remote {
             Err(Error::NotFound { .. }) => Ok(None),
             Err(error) => Err(error).with_context(|| self.name(name)),
         }
+    }
+
+    /// Deletes an object.
+    ///
+    /// # Errors
+    /// If the store cannot be reached or refuses it.
+    pub fn delete(&self, name: &str) -> Result<()> {
+        let path = self.path(name);
+        self.runtime.block_on(self.objects.delete(&path)).with_context(|| self.name(name))
     }
 
     /// An object as people name it.

@@ -4,18 +4,17 @@
 //! What was fetched stays in a folder of the cache until room is wanted, then the oldest goes. Every file is held against
 //! its hash, those of an earlier run at their first use.
 
-use super::cache;
-use super::commit::{self, Commit, Stored, hash};
+use super::cache::Cache;
+use super::commit::{Commit, Stored, hash};
 use super::remote::Remote;
 use super::transfer::fetched;
-use crate::place::Address;
+use crate::place::{Address, Folder};
 use anyhow::{Context, Result, bail};
 use deepshade_dataset::{Dataset, Manifest, Pair, manifest};
 use deepshade_shaders::{atomic_file, own_file};
 use deepshade_train::PairSource;
 use std::collections::{HashMap, VecDeque};
-use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A dataset of which the manifest is here, and of the pairs as many as there is room for.
@@ -27,8 +26,8 @@ pub struct Stream {
     /// Most bytes of pairs that nobody reads just now.
     room: u64,
     held: Mutex<Held>,
-    /// Keeps the folder from other programs.
-    _lock: Option<File>,
+    /// The cache's folder, if it is one.
+    kept: Folder,
 }
 
 /// Pairs that are here.
@@ -81,26 +80,23 @@ impl Stream {
     /// If the store cannot be reached, or holds no dataset there.
     pub fn open(address: &Address) -> Result<Self> {
         let remote = Remote::open(address)?;
-        let Some((list, list_hash)) = Commit::at(&remote)? else {
-            bail!("{address}: nothing is there, or nothing finished: no `{}`", commit::NAME);
-        };
-        let (folder, lock) = cache::stream(&list_hash)?;
-        let stream = Self::new(remote, list, &folder, cache::bound()?);
-        Ok(Self { _lock: Some(lock), ..stream.with_context(|| address.to_string())? })
+        let (list, list_hash) = Commit::whole(&remote).with_context(|| address.to_string())?;
+        let (folder, room) = Cache::open()?.stream(&list_hash, list.bytes())?;
+        Self::new(remote, list, folder, room).with_context(|| address.to_string())
     }
 
-    fn new(remote: Remote, list: Commit, folder: &Path, room: u64) -> Result<Self> {
+    fn new(remote: Remote, list: Commit, folder: Folder, room: u64) -> Result<Self> {
         let files: HashMap<_, _> = list.files.into_iter().map(|file| (file.name.clone(), file)).collect();
         let Some(manifest) = files.get(manifest::MANIFEST) else { bail!("it is no dataset") };
         make(&remote, manifest, &folder.join(&manifest.name))?;
-        let dataset = Dataset::open(folder)?;
+        let dataset = Dataset::open(&folder)?;
         let held = Mutex::new(Held::left(&files, &dataset));
-        Ok(Self { remote, files, dataset, room, held, _lock: None })
+        Ok(Self { remote, files, dataset, room, held, kept: folder })
     }
 
     /// Where its manifest is.
-    pub fn folder(&self) -> PathBuf {
-        self.dataset.folder().to_owned()
+    pub fn folder(&self) -> Folder {
+        self.kept.clone()
     }
 
     /// Makes a pair's file be here, and stay as long as it is read.

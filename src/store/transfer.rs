@@ -2,14 +2,12 @@
 
 use super::commit::{Commit, Stored, hash};
 use super::remote::Remote;
+use crate::place::TRANSFERS;
 use anyhow::{Context, Result, bail, ensure};
 use deepshade_dataset::progress;
 use deepshade_shaders::{atomic_file, own_file};
 use rayon::{ThreadPoolBuilder, prelude::*};
 use std::path::Path;
-
-/// Transfers under way at a time: they wait for the line, not for the processor.
-const AT_ONCE: usize = 8;
 
 /// Puts the files of a folder into a store, but for those that it has.
 ///
@@ -55,7 +53,7 @@ pub fn fetched(remote: &Remote, file: &Stored) -> Result<Vec<u8>> {
     };
     ensure!(
         hash(&bytes) == file.blake3,
-        "{object}, which holds `{}`, is damaged: delete that object, and put the data there anew",
+        "{object}, which holds `{}`, is damaged: delete that object and `commit.json` there, and make the data anew",
         file.name
     );
     Ok(bytes)
@@ -63,7 +61,7 @@ pub fn fetched(remote: &Remote, file: &Stored) -> Result<Vec<u8>> {
 
 fn each(commit: &Commit, what: &'static str, transfer: impl Fn(&Stored) -> Result<()> + Sync) -> Result<()> {
     let bar = progress::bar(what, commit.files.len(), 0);
-    let pool = ThreadPoolBuilder::new().num_threads(AT_ONCE).build().context("threads for transfers")?;
+    let pool = ThreadPoolBuilder::new().num_threads(TRANSFERS).build().context("threads for transfers")?;
     let done = pool.install(|| {
         commit.files.par_iter().try_for_each(|file| {
             transfer(file)?;

@@ -5,8 +5,9 @@ use crate::config::CONFIG_FILE;
 use crate::metrics::{CURVE_FILE, METRICS_FILE};
 use crate::{TrainConfig, TrainError};
 use deepshade_dataset::holder::Holder;
+use deepshade_dataset::lock;
 use deepshade_shaders::atomic_file;
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::File;
 use std::path::Path;
 
 /// Writes or replaces a file.
@@ -22,14 +23,9 @@ pub(crate) fn replace(path: &Path, bytes: &[u8]) -> Result<(), TrainError> {
 pub(crate) fn take(folder: &Path) -> Result<(File, Holder), TrainError> {
     std::fs::create_dir_all(folder).map_err(TrainError::io("create", folder))?;
     let path = folder.join(METRICS_FILE);
-    let file = OpenOptions::new().read(true).append(true).create(true).open(&path);
-    let file = file.map_err(TrainError::io("write", &path))?;
-    file.try_lock().map_err(|error| match error {
-        TryLockError::WouldBlock => {
-            TrainError::Busy { folder: folder.to_owned(), holder: Holder::of(folder) }
-        }
-        TryLockError::Error(source) => TrainError::io("lock", &path)(source),
-    })?;
+    let busy = || TrainError::Busy { folder: folder.to_owned(), holder: Holder::of(folder) };
+    // A run that is discarded is deleted while it is locked.
+    let file = lock::alone(&path).map_err(TrainError::io("lock", &path))?.ok_or_else(busy)?;
     atomic_file::delete_temporaries(folder).map_err(TrainError::io("clean", folder))?;
     Ok((file, Holder::sign(folder)))
 }

@@ -6,7 +6,7 @@ mod hunt;
 mod ray;
 mod slurm;
 
-use crate::figures::{json_argument, to_json, write};
+use crate::figures::{figure, json_argument, to_json, write};
 use crate::program::{Program, contents, work_folder};
 use anyhow::{Context, Result, bail, ensure};
 use std::path::Path;
@@ -29,6 +29,9 @@ trait Engine {
     /// Hands a folder of jobs to it by `farm submit`, whose success does not matter.
     fn submit(&mut self, program: &Program, jobs: &Path) -> Result<()>;
 
+    /// Whether a second `farm submit`, while the first is under way, hands over nothing a second time.
+    fn submitted_once(&mut self, program: &Program, jobs: &Path) -> Result<()>;
+
     /// Whether nothing is to be done any more.
     fn idle(&mut self) -> Result<bool>;
 
@@ -37,6 +40,11 @@ trait Engine {
 
     /// Takes a node away with all that runs there.
     fn lose_node(&mut self) -> Result<()>;
+
+    /// Seconds that the start of a task takes, if it is measured, with all nodes there.
+    fn launch(&mut self) -> Result<Option<f64>> {
+        Ok(None)
+    }
 }
 
 /// Runs both engines, or one.
@@ -84,6 +92,7 @@ fn tried(
     folder: &Path,
 ) -> Result<Vec<(String, f64)>> {
     let name = engine.name();
+    let launch = engine.launch()?;
     let begin = Instant::now();
     let place = |what: &str| folder.join(format!("{name}-{what}"));
     let text = |what: &str| place(what).display().to_string();
@@ -96,6 +105,7 @@ fn tried(
     program.run(&[&plan[..], &["--shards", &SHARDS.to_string()]].concat())?;
 
     engine.submit(program, &place("jobs"))?;
+    engine.submitted_once(program, &place("jobs"))?;
     let kills = disturbed(engine, &place("jobs"))?;
     let status = |file: &str| -> Result<String> {
         program.run(&["farm", "status", &jobs, "--json", &text(file)])?;
@@ -129,7 +139,8 @@ fn tried(
     println!(
         "{name}: {kills} workers killed, a node lost, shard {FAILING} named and mended; the bytes of one run"
     );
-    Ok(figures.map(|(figure, value)| (format!("{name}_{figure}"), value)).to_vec())
+    let figures = figures.into_iter().chain(launch.map(|seconds| ("launch_seconds", seconds)));
+    Ok(figures.map(|(figure, value)| (format!("{name}_{figure}"), value)).collect())
 }
 
 /// Kills workers now and then, takes a node away, and waits for the end; gives the number of kills.
@@ -166,12 +177,4 @@ fn wait(engine: &mut dyn Engine) -> Result<()> {
         std::thread::sleep(Duration::from_millis(500));
     }
     Ok(())
-}
-
-/// A figure of a JSON file of the program's.
-fn figure(json: &str, name: &str) -> Result<f64> {
-    let (_, rest) =
-        json.split_once(&format!("\"{name}\": ")).with_context(|| format!("no figure `{name}`"))?;
-    let number: String = rest.chars().take_while(|c| c.is_ascii_digit() || ".-e".contains(*c)).collect();
-    number.parse().with_context(|| format!("figure `{name}`"))
 }

@@ -48,6 +48,17 @@ fn quoted(text: &str) -> String {
     format!("\"{}\"", escaped.collect::<String>())
 }
 
+/// A figure of a JSON file of the program's.
+///
+/// # Errors
+/// If it has none of that name.
+pub fn figure(json: &str, name: &str) -> Result<f64> {
+    let (_, rest) =
+        json.split_once(&format!("\"{name}\": ")).with_context(|| format!("no figure `{name}`"))?;
+    let number: String = rest.chars().take_while(|c| c.is_ascii_digit() || ".-e".contains(*c)).collect();
+    number.parse().with_context(|| format!("figure `{name}`"))
+}
+
 /// The machine that figures are from, as the program says it.
 pub fn machine() -> String {
     let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();

@@ -67,10 +67,11 @@ Commands:
   soak [--minutes N] [--json F]
                Make a dataset, train and look through a window under Xvfb, all at once, for two hours by default, and watch
                whether memory or open files grow
-  store        Hold object stores against a server that speaks S3 on this machine, which is built with cargo
+  store [--json F]
+               Hold object stores against a server that speaks S3 on this machine, which is built with cargo, and measure it
   farm [--json F] [--only slurm|ray]
                Set up Slurm with several nodes, and Ray, on this machine, and make a dataset by each while workers are killed
-               and one shard always fails
+               and one shard always fails; measure how many tasks Slurm starts
   web [--out DIR] [--serve] [--test [--json F]]
                Build the web page as static files, by default below the target folder: the program as WebAssembly, the
                networks, and what is shown where a browser has no WebGPU. On Debian it installs a compiler for browsers
@@ -110,7 +111,7 @@ fn run(args: &[String]) -> Result<()> {
         ("package", rest) => package::run(rest),
         ("fuzz", rest) => fuzz::run(rest),
         ("soak", rest) => soak::run(rest),
-        ("store", []) => store::run(),
+        ("store", rest) => store::run(rest),
         ("farm", rest) => farm::run(rest),
         ("web", rest) => web::run(rest),
         ("help" | "-h" | "--help", []) => {

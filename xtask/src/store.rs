@@ -1,20 +1,19 @@
 //! `cargo xtask store`: datasets, runs and models in an object store, against a server on this machine that speaks S3
-//! (`s3s-fs`, by others), which keeps objects as files, so that they can be damaged and deleted.
+//! (`s3s-fs`, by others), which keeps objects as files, so that they can be damaged and deleted. What the server takes is measured,
+//! for `deepshade farm cost`.
 
-use crate::command::{self, cargo, command, target};
+mod server;
+
+use crate::command::{self, cargo, command, succeeds};
+use crate::figures::{figure, json_argument, to_json, write};
 use crate::program::{Program, contents, message, work_folder};
-use anyhow::{Context, Result, ensure};
-use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use anyhow::{Context, Result, bail, ensure};
+use server::{BUCKET, KEY, SECRET, Server};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant, SystemTime};
 
-/// The server's version.
-const SERVER: &str = "0.14.1";
-/// What the server asks for.
-const KEY: &str = "deepshade";
-const SECRET: &str = "not-a-secret";
-const BUCKET: &str = "bucket";
 const RECIPE: &str = "dataset/recipes/ao-tiny.toml";
 
 /// Sets up the server, builds the program with stores, and holds what it makes through them against what it makes in
@@ -22,8 +21,12 @@ const RECIPE: &str = "dataset/recipes/ao-tiny.toml";
 ///
 /// # Errors
 /// If the server or the program does not build, or something does not hold.
-pub fn run() -> Result<()> {
-    let server = server_program()?;
+pub fn run(args: &[String]) -> Result<()> {
+    let (json, rest) = json_argument(args)?;
+    if !rest.is_empty() {
+        bail!("do not understand `{}`: cargo xtask store [--json F]", rest.join(" "));
+    }
+    let server = server::program()?;
     command::run(&mut cargo(&["build", "--release", "--locked", "--features", "store"]))?;
     let program = Program::built();
     let folder = work_folder("store")?;
@@ -33,6 +36,12 @@ pub fn run() -> Result<()> {
         check(&bench).with_context(|| format!("{name}; {} is kept", folder.display()))?;
         println!("{name}: holds");
     }
+    let mut figures = rates(&bench)?;
+    figures.push(("checks".to_owned(), CHECKS.len() as f64));
+    if let Some(path) = json {
+        write(&path, &to_json("store", &figures, &[]))?;
+    }
+    figures.iter().for_each(|(name, value)| println!("{name}: {value}"));
     drop(bench);
     std::fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())
 }
@@ -40,11 +49,13 @@ pub fn run() -> Result<()> {
 type Check = (&'static str, fn(&Bench) -> Result<()>);
 
 /// In this order: each goes on from those before.
-const CHECKS: [Check; 7] = [
+const CHECKS: [Check; 9] = [
     ("shards made into the store are one dataset", shards),
     ("a network is trained from the store and into it", training),
     ("a cache is not asked for what it cannot vouch for", cache),
     ("a transfer that is killed is not seen and goes on", killed),
+    ("of two that write different things the second is told", contested),
+    ("a store without conditional writes is written to, and that is said", unconditional),
     ("damage in the store is named", damaged),
     ("what is not there is said to be", missing),
     ("credentials are the environment's and must be right", credentials),
@@ -81,12 +92,15 @@ impl Bench {
         Ok(())
     }
 
-    /// The command must fail and say that.
-    fn refused(&self, mut command: Command, said: &str) -> Result<()> {
+    /// The command must fail with that code and say all of that.
+    fn refused(&self, mut command: Command, code: i32, said: &[&str]) -> Result<()> {
         let output = command.output()?;
-        ensure!(output.status.code() == Some(1), "it ended with {}", output.status);
-        ensure!(message(&output).contains(said), "it does not say `{said}`: {}", message(&output));
-        ensure!(!String::from_utf8_lossy(&output.stderr).contains(SECRET), "it tells the secret");
+        let text = String::from_utf8_lossy(&output.stderr);
+        ensure!(output.status.code() == Some(code), "it ended with {}", output.status);
+        for said in said {
+            ensure!(text.contains(said), "it does not say `{said}`: {text}");
+        }
+        ensure!(!text.contains(SECRET), "it tells the secret");
         Ok(())
     }
 
@@ -116,7 +130,12 @@ fn shards(bench: &Bench) -> Result<()> {
     }
     let parts = "s3://bucket/ao/3 s3://bucket/ao/1 s3://bucket/ao/2";
     bench.run("machine-4", &format!("dataset merge {parts} --out s3://bucket/ao/all"))?;
-    bench.run("machine-5", &format!("dataset merge {parts} --out {}", bench.local("merged")))?;
+    // What is put together here is fetched pair by pair, whatever the cache may hold.
+    let merge = format!("dataset merge {parts} --out {}", bench.local("merged"));
+    let output = bench.command("machine-5", &merge).env("DEEPSHADE_CACHE_GB", "0").output()?;
+    ensure!(output.status.success(), "without a cache: {}", message(&output));
+    let made = contents(&bench.folder.join("machine-1"))?;
+    ensure!(!made.keys().any(|name| is_pair(name)), "a shard that is in the store is kept here");
     bench.run("machine-6", "dataset verify s3://bucket/ao/all")?;
     same(&whole, &bench.local("merged"))?;
     // A dataset that is there is not made again, on whatever machine.
@@ -142,11 +161,13 @@ fn training(bench: &Bench) -> Result<()> {
     let output = streamed.env("DEEPSHADE_CACHE_GB", "0").output()?;
     ensure!(output.status.success(), "streamed: {}", message(&output));
     let kept = contents(&bench.folder.join("machine-1/store/streams"))?;
-    let pairs = kept.keys().filter(|name| name.extension().is_some_and(|kind| kind == "exr")).count();
+    let pairs = kept.keys().filter(|name| is_pair(name)).count();
     ensure!(pairs == 0, "{pairs} pairs are left where there is no room");
     bench.run("machine-2", &train)?;
     let export = "export --run s3://bucket/run --dataset s3://bucket/ao/all --out s3://bucket/model";
-    bench.run("machine-3", export)?;
+    bench.run("exporter", export)?;
+    let fetched = contents(&bench.folder.join("exporter"))?;
+    ensure!(!fetched.keys().any(|name| is_pair(name)), "pairs are fetched where the manifest alone is read");
     let fetched = bench.local("fetched");
     bench.run("machine-4", &format!("export --model s3://bucket/model --wgsl {fetched}"))?;
     let local = bench.local("wgsl");
@@ -158,13 +179,12 @@ fn training(bench: &Bench) -> Result<()> {
 fn cache(bench: &Bench) -> Result<()> {
     bench.run("cut", "dataset verify s3://bucket/ao/all")?;
     let found = contents(&bench.folder.join("cut"))?;
-    let pair =
-        found.keys().find(|name| name.extension().is_some_and(|kind| kind == "exr")).context("a pair")?;
+    let pair = found.keys().find(|name| is_pair(name)).context("a pair")?;
     std::fs::write(bench.folder.join("cut").join(pair), b"cut off")?;
     bench.run("cut", "dataset verify s3://bucket/ao/all")?;
     let mut small = bench.command("small", "dataset verify s3://bucket/ao/all");
     small.env("DEEPSHADE_CACHE_GB", "0");
-    bench.refused(small, "more than the cache may hold")
+    bench.refused(small, 1, &["more than the cache may hold"])
 }
 
 fn killed(bench: &Bench) -> Result<()> {
@@ -172,16 +192,81 @@ fn killed(bench: &Bench) -> Result<()> {
     let mut child = bench.command("killed", &line).stderr(Stdio::null()).stdout(Stdio::null()).spawn()?;
     let begin = Instant::now();
     let objects = bench.objects("killed/objects");
-    // The server makes a file's folder with the first of them.
-    while !objects.exists() && begin.elapsed() < Duration::from_mins(2) && child.try_wait()?.is_none() {
+    while times(&objects)?.is_empty()
+        && begin.elapsed() < Duration::from_mins(2)
+        && child.try_wait()?.is_none()
+    {
         std::thread::sleep(Duration::from_micros(200));
     }
     let _ = child.kill();
     ensure!(!child.wait()?.success(), "it was done before it could be killed");
     ensure!(!bench.objects("killed/commit.json").exists(), "the list was not written last");
-    bench.refused(bench.command("other", "dataset verify s3://bucket/killed"), "nothing is there")?;
-    bench.run("another machine", &line)?;
+    bench.refused(bench.command("other", "dataset verify s3://bucket/killed"), 1, &["nothing is there"])?;
+    // What the server has begun to write it may write to its end.
+    std::thread::sleep(Duration::from_secs(1));
+    let before = times(&objects)?;
+    ensure!(!before.is_empty(), "nothing had been sent");
+    let json = bench.local("goes-on.json");
+    bench.run("killed", &format!("{line} --json {json}"))?;
+    let figures = std::fs::read_to_string(&json)?;
+    ensure!(figure(&figures, "rendered")? == 0.0, "it was rendered again: {figures}");
+    let after = times(&objects)?;
+    for (name, time) in &before {
+        ensure!(after.get(name) == Some(time), "{} was sent again", name.display());
+    }
     bench.run("other", "dataset verify s3://bucket/killed")
+}
+
+/// When the files of a folder were written.
+fn times(folder: &Path) -> Result<BTreeMap<PathBuf, SystemTime>> {
+    let names = contents(folder)?.into_keys();
+    names.map(|name| Ok((name.clone(), folder.join(name).metadata()?.modified()?))).collect()
+}
+
+/// One that has begun, and is held up until another has written there.
+fn contested(bench: &Bench) -> Result<()> {
+    let line = |shard| format!("dataset generate {RECIPE} --shard {shard}/3 --out s3://bucket/contested");
+    let mut slow = bench.command("slow", &line(1));
+    let mut child = slow.stdout(Stdio::null()).stderr(Stdio::piped()).spawn()?;
+    let begun = |name: &Path| name.file_name().is_some_and(|name| name == "unfinished.jsonl");
+    let begin = Instant::now();
+    while !contents(&bench.folder.join("slow"))?.keys().any(|name| begun(name)) {
+        ensure!(begin.elapsed() < Duration::from_mins(2) && child.try_wait()?.is_none(), "it does not begin");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let signal = |name: &str| succeeds(&mut command("kill", &[name, &child.id().to_string()]));
+    ensure!(signal("-STOP"), "it cannot be held up");
+    bench.refused(bench.command("slow", &line(1)), 1, &["is at work on it"])?;
+    bench.run("fast", &line(2))?;
+    ensure!(signal("-CONT"), "it cannot go on");
+    let output = child.wait_with_output()?;
+    let text = String::from_utf8_lossy(&output.stderr);
+    ensure!(output.status.code() == Some(1), "it ended with {}: {text}", output.status);
+    ensure!(text.contains("somebody else has put something else there"), "it is not told: {text}");
+    // Given again, it finds the other's, and its own is kept.
+    let other = ["what it had made lies in", "shard-2-of-3.json"];
+    bench.refused(bench.command("slow", &line(1)), 1, &other)?;
+    let kept = contents(&bench.folder.join("slow"))?;
+    ensure!(kept.keys().any(|name| name.display().to_string().contains("aside-1/pairs")), "its own is lost");
+    Ok(())
+}
+
+fn unconditional(bench: &Bench) -> Result<()> {
+    let line = format!("dataset generate {RECIPE} --shard 1/3 --out s3://bucket/plain");
+    let output = bench.command("plain", &line).env("AWS_CONDITIONAL_PUT", "disabled").output()?;
+    let text = String::from_utf8_lossy(&output.stderr);
+    ensure!(output.status.success() && text.contains("no conditional writes"), "{text}");
+    ensure!(bench.objects("plain/commit.json").exists(), "nothing was written");
+    Ok(())
+}
+
+/// What the server takes, by the program's own measurement.
+fn rates(bench: &Bench) -> Result<Vec<(String, f64)>> {
+    let json = bench.local("rates.json");
+    bench.run("unused", &format!("bench store s3://bucket/probe --json {json}"))?;
+    let text = std::fs::read_to_string(&json)?;
+    let names = ["megabytes_per_second_written", "megabytes_per_second_read", "requests_per_second"];
+    names.into_iter().map(|name| Ok((name.to_owned(), figure(&text, name)?))).collect()
 }
 
 fn damaged(bench: &Bench) -> Result<()> {
@@ -192,69 +277,27 @@ fn damaged(bench: &Bench) -> Result<()> {
     bytes[0] ^= 1;
     std::fs::write(&path, &bytes)?;
     let verify = || bench.command("fresh", "dataset verify s3://bucket/killed");
-    bench.refused(verify(), "is damaged: delete that object")?;
+    bench.refused(verify(), 1, &["is damaged: delete that object"])?;
     std::fs::remove_file(&path)?;
-    bench.refused(verify(), "is gone")?;
+    bench.refused(verify(), 1, &["is gone"])?;
     std::fs::write(&path, &sound)?;
     bench.run("fresh", "dataset verify s3://bucket/killed")
 }
 
 fn missing(bench: &Bench) -> Result<()> {
     let train = format!("train --dataset s3://bucket/nowhere --out {}", bench.local("never"));
-    bench.refused(bench.command("fresh", &train), "s3://bucket/nowhere: nothing is there")
+    bench.refused(bench.command("fresh", &train), 1, &["s3://bucket/nowhere: nothing is there"])
 }
 
 fn credentials(bench: &Bench) -> Result<()> {
     let mut wrong = bench.command("fresh", "dataset verify s3://bucket/ao/all");
     wrong.env("AWS_SECRET_ACCESS_KEY", "another");
-    let output = wrong.output()?;
-    ensure!(output.status.code() == Some(1), "it ended with {}", output.status);
-    let mut inside = bench.command("fresh", &format!("dataset verify s3://{KEY}:{SECRET}@bucket/ao"));
-    let output = inside.output()?;
-    ensure!(!output.status.success(), "credentials in an address are taken");
-    Ok(())
+    bench.refused(wrong, 1, &["s3://bucket/ao/all/commit.json", "SignatureDoesNotMatch"])?;
+    let inside = bench.command("fresh", &format!("dataset verify s3://{KEY}:password@bucket/ao"));
+    bench.refused(inside, 2, &["no credentials are in it"])
 }
 
-/// The server, which is built once.
-fn server_program() -> Result<PathBuf> {
-    let tools = target().join("tools");
-    let program = tools.join("bin").join(format!("s3s-fs{}", std::env::consts::EXE_SUFFIX));
-    if !program.exists() {
-        let root = tools.display().to_string();
-        let version = ["--version", SERVER, "--locked", "--features", "binary", "--root", &root];
-        command::run(&mut cargo(&[&["install", "s3s-fs"][..], &version].concat()))?;
-    }
-    Ok(program)
-}
-
-/// A server that runs as long as this lives.
-struct Server {
-    child: Child,
-    port: u16,
-    root: PathBuf,
-}
-
-impl Server {
-    fn start(program: &Path, root: &Path) -> Result<Self> {
-        std::fs::create_dir_all(root.join(BUCKET)).with_context(|| root.display().to_string())?;
-        let port = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?.port();
-        let number = port.to_string();
-        let options = ["--host", "127.0.0.1", "--port", &number, "--access-key", KEY, "--secret-key", SECRET];
-        let mut server = command(&program.display().to_string(), &options);
-        let child = server.arg(root).stdout(Stdio::null()).stderr(Stdio::null()).spawn()?;
-        let server = Self { child, port, root: root.to_owned() };
-        let begin = Instant::now();
-        while TcpStream::connect((Ipv4Addr::LOCALHOST, port)).is_err() {
-            ensure!(begin.elapsed() < Duration::from_secs(20), "the server does not answer");
-            std::thread::sleep(Duration::from_millis(20));
-        }
-        Ok(server)
-    }
-}
-
-impl Drop for Server {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
+/// Whether a file is a pair.
+fn is_pair(name: &Path) -> bool {
+    name.extension().is_some_and(|kind| kind == "exr")
 }

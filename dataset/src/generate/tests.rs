@@ -1,5 +1,6 @@
 use super::*;
 use crate::journal::JOURNAL;
+use crate::recipe::file_hash;
 use crate::shipped::{contents, shrunk};
 use crate::{Dataset, contact_sheet, data_version, verify};
 use deepshade_render::exr_file;
@@ -219,6 +220,15 @@ fn scene_files_are_found_again_from_the_data_and_a_change_of_any_is_noticed() {
     let origin = Origin::new(&recipe, &plan, &out).expect("an origin");
     assert_eq!(origin.scenes.as_deref(), Some(Path::new("../..")), "no path of this machine");
     Manifest { origin: origin.clone(), pairs: Vec::new() }.save(&out).expect("saved");
+    // Made for another place, they do not say where the files are, and are told as the same data.
+    let away = folder.path().join("away");
+    let unsaid = Origin::new(&recipe, &plan, Out { folder: &away, stays: false }).expect("an origin");
+    assert_eq!(unsaid, Origin { scenes: None, ..origin.clone() });
+    std::fs::create_dir(&away).expect("made");
+    Manifest { origin: unsaid, pairs: Vec::new() }.save(&away).expect("saved");
+    let hashes = [&out, &away].map(|folder| Manifest::file_hash(folder).expect("a hash"));
+    assert_eq!(hashes[0], hashes[1]);
+    assert_eq!(hashes[1], file_hash(&away.join(MANIFEST)).expect("a hash"), "of the file as it is");
 
     // Both move to another place, and the recipe's own file is gone.
     let moved = folder.path().join("moved");

@@ -1,8 +1,12 @@
+use super::merge::{merge, rehearse};
 use super::*;
 use crate::generate::tests::recipe;
+use crate::journal::JOURNAL;
+use crate::manifest::Manifest;
 use crate::shipped::contents;
 use crate::{Recipe, generate, generate_shard, verify};
 use proptest::prelude::*;
+use std::path::PathBuf;
 
 fn shard(text: &str) -> Shard {
     text.parse().expect("a shard")
@@ -32,7 +36,22 @@ fn shards_put_together_are_the_bytes_of_one_run() {
         assert!(contents(&merged) == contents(&whole), "{count} shards");
         assert!(verify(&merged).expect("a dataset").faults.is_empty());
         assert_eq!(merge(&parts, &merged).expect("nothing to do"), 4);
+        let some = folder.path().join(format!("some-{count}"));
+        assert!(rehearse(&parts[..1], &some).expect("copied") > 0 || count > 4);
+        assert!(verify(&some).is_err(), "it is no dataset");
     }
+}
+
+#[test]
+fn no_shards_way_to_scene_files_is_taken_for_the_wholes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let parts = shards(&recipe(folder.path(), 11), folder.path(), 2);
+    for (part, name) in parts.iter().zip(["shard-2-of-2.json", "shard-1-of-2.json"]) {
+        relist(part, name, |list| list.origin.scenes = Some("../nowhere".into()));
+    }
+    let merged = folder.path().join("merged");
+    merge(&parts, &merged).expect("merged");
+    assert_eq!(Manifest::load(&merged).expect("a manifest").origin.scenes, None);
 }
 
 #[test]

@@ -6,7 +6,7 @@ use super::{
 use crate::generate::by_scene;
 use crate::journal::{Journal, checked};
 use crate::manifest::write_json;
-use crate::origin::Origin;
+use crate::origin::{Origin, Out};
 use crate::plan::{PlannedScene, PlannedView, spread};
 use crate::random::mix;
 use crate::recipe::{Resolution, Tiles};
@@ -37,15 +37,17 @@ impl TestSet {
     ///
     /// # Errors
     /// Those of [`TestSet::generate`], and if the recipe aims at something else or the method fails.
-    pub fn generate_by(
+    pub fn generate_by<'a>(
         recipe: &Recipe,
-        folder: &Path,
+        out: impl Into<Out<'a>>,
         method: Option<TargetMethod<'_>>,
     ) -> Result<Self, DatasetError> {
         target::check(recipe, method)?;
         let tiles = tiles_of(recipe)?;
         let plan = recipe.plan()?;
-        let origin = Origin::new(recipe, &plan, folder)?;
+        let out = out.into();
+        let folder = out.folder;
+        let origin = Origin::new(recipe, &plan, out)?;
         let earlier = earlier_frames(folder, &origin)?;
         let (journal, mut entries) = Journal::open(folder, &["tiles", "whole"], LIST, &origin)?;
         entries.extend(earlier);

@@ -39,7 +39,7 @@ fn pairs_are_those_of_the_dataset_whatever_the_room() {
     let largest = list.files.iter().map(|file| file.bytes).max().expect("files");
     for room in [0, 3 * largest, u64::MAX] {
         let place = folder.path().join(format!("stream-{room}"));
-        let stream = Stream::new(remote(&store), list.clone(), &place, room).expect("a stream");
+        let stream = Stream::new(remote(&store), list.clone(), Folder::of(&place), room).expect("a stream");
         assert_eq!(stream.hash(), dataset.hash());
         assert_eq!((stream.training(), stream.validation()), (dataset.training(), dataset.validation()));
         std::thread::scope(|scope| {
@@ -63,7 +63,8 @@ fn damage_is_named_and_not_trained_on() {
     let folder = tempfile::tempdir().expect("a folder");
     let (dataset, list, store) = stored(folder.path());
     let place = folder.path().join("stream");
-    let stream = || Stream::new(remote(&store), list.clone(), &place, u64::MAX).expect("a stream");
+    let stream =
+        || Stream::new(remote(&store), list.clone(), Folder::of(&place), u64::MAX).expect("a stream");
     let first = dataset.pair(0).expect("a pair");
     assert!(stream().read(0) == Ok(first.clone()));
     // Here: it is fetched again.

@@ -3,12 +3,13 @@
 use super::Engine;
 use super::hunt;
 use crate::command::{self, command};
-use crate::program::Program;
+use crate::program::{Program, message};
 use crate::python;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use std::net::{Ipv4Addr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
+use std::time::Duration;
 
 /// The version that is tried.
 const RAY: &str = "ray==2.60.0";
@@ -74,6 +75,18 @@ impl Engine for Ray {
             program.command(&["farm", "submit", &jobs.display().to_string(), "--python", &python]);
         submit.env("RAY_ADDRESS", &self.address).stdout(Stdio::null()).stderr(Stdio::null());
         self.submission = Some(submit.spawn()?);
+        Ok(())
+    }
+
+    fn submitted_once(&mut self, program: &Program, jobs: &Path) -> Result<()> {
+        let submission = self.submission.as_mut().context("a submission")?;
+        // It has its lock before it starts Python, which takes a second.
+        while !jobs.join("submit/lock").exists() && submission.try_wait()?.is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        std::thread::sleep(Duration::from_millis(100));
+        let output = program.output(&["farm", "submit", &jobs.display().to_string()])?;
+        ensure!(message(&output).contains("submits it"), "submitted twice: {}", message(&output));
         Ok(())
     }
 

@@ -96,6 +96,27 @@ impl Engine for Slurm {
         command::run(submit.env("SLURM_CONF", self.path("slurm.conf")))
     }
 
+    fn submitted_once(&mut self, program: &Program, jobs: &Path) -> Result<()> {
+        let mut again = program.command(&["farm", "submit", &jobs.display().to_string()]);
+        let output = again.env("SLURM_CONF", self.path("slurm.conf")).output()?;
+        let said = String::from_utf8_lossy(&output.stdout);
+        ensure!(output.status.success() && said.contains("has still to do all"), "submitted twice: {said}");
+        Ok(())
+    }
+
+    /// Tasks that do nothing, as many as keep it busy for a while: what each takes is the scheduler's time.
+    fn launch(&mut self) -> Result<Option<f64>> {
+        const TASKS: u32 = 90;
+        let begin = Instant::now();
+        let array = format!("--array=1-{TASKS}");
+        command::run(&mut self.command("sbatch", &["--output=/dev/null", &array, "--wrap=true"]))?;
+        while !self.idle()? {
+            ensure!(begin.elapsed() < Duration::from_mins(5), "tasks that do nothing do not end");
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        Ok(Some(begin.elapsed().as_secs_f64() / f64::from(TASKS)))
+    }
+
     fn idle(&mut self) -> Result<bool> {
         let tasks = self.said("squeue", &["-h", "-r", "-o", "%i %r"])?;
         // What is put back waits for two minutes, whatever the configuration.
