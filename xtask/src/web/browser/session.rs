@@ -13,11 +13,10 @@ pub const WEBGPU: &[&str] = &[
     "--use-vulkan=swiftshader",
     "--use-webgpu-adapter=swiftshader",
 ];
-/// No window, no graphics card, and nothing asked of anybody elsewhere.
+/// No window, and nothing asked of anybody elsewhere. Of itself a browser takes no software adapter for WebGPU.
 const QUIET: &[&str] = &[
     "--headless",
     "--no-sandbox",
-    "--disable-gpu",
     "--disable-quic",
     "--no-first-run",
     "--disable-background-networking",
