@@ -6,6 +6,7 @@ use super::studio::{Picture, Show};
 use super::window::Window;
 use crate::compare::{Comparison, MethodChoice, Run};
 use crate::figures::write_atomically;
+use crate::place::Place;
 use crate::report::images::write_png;
 use crate::{exposure_time, samples, views};
 use anyhow::{Context, Result};
@@ -123,7 +124,7 @@ fn comparison(moment: &Moment) -> Result<Comparison> {
         methods: (!show.methods.is_empty())
             .then(|| show.methods.iter().map(|name| choice(show, name)).collect()),
         qualities: Some(vec![show.quality]),
-        model: show.model.clone(),
+        model: show.model.clone().map(Place::Folder),
         put: (!put.is_empty()).then_some(put),
         resolution: Some(Resolution { height, width }),
         radius: show.radius.map(Radius::Metres),

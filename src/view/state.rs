@@ -5,6 +5,7 @@ use super::studio::Show;
 use crate::learned;
 use crate::live::pilot::Pilot;
 use crate::methods::{self, LEARNED, TRUTH};
+use crate::place::{Folder, Place};
 use anyhow::Result;
 use deepshade_render::methods::dials::{Changes, Dial};
 use deepshade_render::scene::{Light, SceneSource};
@@ -104,34 +105,33 @@ pub struct State {
     /// Frames a second of films.
     pub film_rate: f32,
     before: Option<Before>,
+    /// Keeps a network that was fetched.
+    _model: Option<Folder>,
 }
 
 impl State {
     /// What the command line asks for.
     ///
     /// # Errors
-    /// If a method does not exist.
+    /// If a method does not exist, or a network cannot be fetched.
     pub fn new(args: &Args) -> Result<Self> {
         let known = methods::names_of(args.effect);
         let wanted: Vec<&str> = args.methods.iter().map(String::as_str).collect();
         methods::check(args.effect, &wanted)?;
         let chosen: Vec<&'static str> =
             known.iter().copied().filter(|name| wanted.contains(name) && *name != TRUTH).collect();
+        let model = args.model.as_ref().map(Place::read).transpose()?;
         let show = Show {
             source: args.scene.clone(),
             effect: args.effect,
-            methods: if wanted.is_empty() {
-                first_methods(args.model.as_deref(), args.effect)
-            } else {
-                chosen
-            },
+            methods: if wanted.is_empty() { first_methods(model.as_deref(), args.effect) } else { chosen },
             quality: args.quality,
             changes: BTreeMap::new(),
             radius: args.radius,
             size: [args.height, args.width],
             temporal: false,
             inspected: None,
-            model: args.model.clone(),
+            model: model.as_deref().map(Path::to_owned),
             trained: None,
         };
         Ok(Self {
@@ -149,6 +149,7 @@ impl State {
             samples: args.spp,
             film_rate: 25.0,
             before: None,
+            _model: model,
         })
     }
 
