@@ -23,6 +23,7 @@ use crate::arguments::positive;
 use crate::complete::{Additions, listeners};
 use crate::exposure_time;
 use crate::figures::{self, Figures};
+use crate::place::Place;
 use crate::props;
 use crate::report::Report;
 use crate::report::folder::{self, DESCRIPTION, Folder};
@@ -86,9 +87,9 @@ pub struct Args {
     /// Folder of the page and its images.
     #[arg(long)]
     out: PathBuf,
-    /// Folder of the network of `learned`; by default models/EFFECT.
+    /// Folder or address of the network of `learned`; by default models/EFFECT.
     #[arg(long)]
-    model: Option<PathBuf>,
+    model: Option<Place>,
     /// Rows of the images; 512 by default.
     #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(16..=8192))]
     height: Option<usize>,

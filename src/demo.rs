@@ -4,6 +4,7 @@
 use crate::compare::{self, Comparison, Contest, Digest, Head, MethodChoice, Run, Settings, Subject};
 use crate::figures::Figures;
 use crate::methods;
+use crate::place::Place;
 use crate::report::Report;
 use crate::report::folder::{self, DESCRIPTION, Folder};
 use crate::report::record::FrameRecord;
@@ -30,9 +31,9 @@ pub struct Args {
     /// Folder of everything that the demo makes.
     #[arg(long, default_value = "target/demo")]
     out: PathBuf,
-    /// Folder of the shipped network.
+    /// Folder or address of the network.
     #[arg(long, default_value = "models/ao")]
-    model: PathBuf,
+    model: Place,
     #[cfg(feature = "train")]
     /// The recipe that the short training's data are made from.
     #[arg(long, default_value = "dataset/recipes/ao-small.toml")]
@@ -68,11 +69,8 @@ pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     folder::check(&args.out)?;
     let gpu = Gpu::new()?;
-    let model = Model::load(&args.model)?;
-    note!(
-        "1. {} beside gtao, hbao and truth, on scenes of families it was not trained on",
-        args.model.display()
-    );
+    let model = Model::load(&args.model.read()?)?;
+    note!("1. {} beside gtao, hbao and truth, on scenes of families it was not trained on", args.model);
     let folder = Folder::open(&args.out)?;
     let report = compare_on_test_scenes(args, &gpu, &model, &folder)?;
     let page = report.write(&folder)?;

@@ -5,14 +5,19 @@
 //! file, which stays as long as the [`Folder`] does; what is written to one is made in a folder there, which is nobody else's as long as
 //! the [`Work`] lives, and put into the store when it is whole (`store`).
 
-use anyhow::{Result, bail};
+#[cfg(not(feature = "store"))]
+use anyhow::bail;
+use anyhow::{Context, Result, ensure};
 #[cfg(feature = "train")]
 use deepshade_dataset::Dataset;
 use deepshade_dataset::{Out, ShardFiles};
+use deepshade_shaders::atomic_file;
 #[cfg(feature = "train")]
 use deepshade_train::PairSource;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::fs::File;
+use std::io::Read;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -22,7 +27,8 @@ use std::sync::Arc;
 use crate::store;
 
 /// A folder or an address.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub enum Place {
     /// A folder of this machine.
     Folder(PathBuf),
@@ -83,7 +89,12 @@ impl Deref for Work {
 impl Work {
     /// It for makers of data, which state where scene files are if data stay in the folder.
     pub fn out(&self) -> Out<'_> {
-        Out { folder: self, stays: matches!(self, Self::Folder(_)) }
+        let stays = match self {
+            Self::Folder(_) => true,
+            #[cfg(feature = "store")]
+            Self::Store(..) => false,
+        };
+        Out { folder: self, stays }
     }
 
     /// Puts what was written where it belongs, all or, to whoever reads it, nothing.
@@ -157,6 +168,20 @@ impl FromStr for Place {
     }
 }
 
+impl TryFrom<String> for Place {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl From<Place> for String {
+    fn from(place: Place) -> Self {
+        place.to_string()
+    }
+}
+
 impl Address {
     fn parse(scheme: &str, rest: &str) -> Result<Self, String> {
         let kind = Kind::ALL.into_iter().find(|kind| kind.scheme() == scheme).ok_or_else(|| {
@@ -194,24 +219,57 @@ impl fmt::Display for Place {
     }
 }
 
-/// What a store is measured with.
-#[derive(Clone, Copy, Debug)]
-pub struct Load {
-    /// Objects.
-    pub objects: u32,
-    /// Bytes of each.
-    pub bytes: usize,
+/// Objects by name, wherever they are.
+pub trait Objects: Sync {
+    /// Writes one, whole or not at all.
+    ///
+    /// # Errors
+    /// If that cannot be done.
+    fn put(&self, name: &str, bytes: Vec<u8>) -> Result<()>;
+
+    /// Reads one of at most so many bytes; `None` where there is none.
+    ///
+    /// # Errors
+    /// If it cannot be read, or is larger.
+    fn get(&self, name: &str, most: u64) -> Result<Option<Vec<u8>>>;
+
+    /// Deletes one.
+    ///
+    /// # Errors
+    /// If that cannot be done.
+    fn delete(&self, name: &str) -> Result<()>;
 }
 
-/// What a store takes from one machine.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rates {
-    /// Bytes a second, written.
-    pub written: f64,
-    /// Bytes a second, read.
-    pub read: f64,
-    /// Requests a second that write next to nothing.
-    pub requests: f64,
+/// Files of a folder, which is there.
+impl Objects for PathBuf {
+    fn put(&self, name: &str, bytes: Vec<u8>) -> Result<()> {
+        let path = self.join(name);
+        atomic_file::write(&path, &bytes).with_context(|| path.display().to_string())
+    }
+
+    fn get(&self, name: &str, most: u64) -> Result<Option<Vec<u8>>> {
+        let path = self.join(name);
+        let read = || -> std::io::Result<Option<Vec<u8>>> {
+            if !path.exists() {
+                return Ok(None);
+            }
+            let mut bytes = Vec::new();
+            File::open(&path)?.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+            Ok(Some(bytes))
+        };
+        let bytes = read().with_context(|| path.display().to_string())?;
+        ensure!(
+            bytes.iter().all(|bytes| bytes.len() as u64 <= most),
+            "{}: more than {most} bytes",
+            path.display()
+        );
+        Ok(bytes)
+    }
+
+    fn delete(&self, name: &str) -> Result<()> {
+        let path = self.join(name);
+        std::fs::remove_file(&path).with_context(|| path.display().to_string())
+    }
 }
 
 /// Transfers under way at a time where they are what takes the time.
@@ -221,6 +279,14 @@ impl Place {
     /// Whether it is a folder of this machine.
     pub const fn is_folder(&self) -> bool {
         matches!(self, Self::Folder(_))
+    }
+
+    /// The folder of this machine that it is, if it is one.
+    pub const fn folder_mut(&mut self) -> Option<&mut PathBuf> {
+        match self {
+            Self::Folder(folder) => Some(folder),
+            Self::Store(_) => None,
+        }
     }
 
     /// A place in this one.
@@ -280,15 +346,18 @@ impl Place {
         }
     }
 
-    /// Measures the store of an address where nothing else is.
+    /// The objects of an address, or the files of a folder, which is made where there is none.
     ///
     /// # Errors
-    /// If it is a folder, or the store cannot be reached or refuses something.
-    pub fn measure(&self, load: Load) -> Result<Rates> {
+    /// If the folder cannot be made, or what the environment says of the store makes no sense.
+    pub fn objects(&self) -> Result<Box<dyn Objects>> {
         match self {
-            Self::Folder(folder) => bail!("{} is a folder, no address of a store", folder.display()),
+            Self::Folder(folder) => {
+                std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+                Ok(Box::new(folder.clone()))
+            }
             #[cfg(feature = "store")]
-            Self::Store(address) => store::measure(address, load),
+            Self::Store(address) => Ok(Box::new(store::Remote::open(address)?)),
             #[cfg(not(feature = "store"))]
             Self::Store(address) => without_stores(address),
         }

@@ -12,7 +12,6 @@
 
 mod cache;
 mod commit;
-mod probe;
 mod remote;
 mod shard;
 #[cfg(feature = "train")]
@@ -20,14 +19,13 @@ pub mod stream;
 mod transfer;
 mod work;
 
-pub use probe::measure;
+pub use remote::Remote;
 pub use shard::Shard;
 pub use work::Work;
 
 use crate::place::{Address, Folder};
 use anyhow::{Context, Result};
 use commit::Commit;
-use remote::Remote;
 
 /// A folder with what is at an address, in the cache.
 ///

@@ -39,6 +39,7 @@ use crate::arguments::{check_pixels, reach};
 use crate::complete::{Additions, listeners};
 use crate::exposure_time;
 use crate::figures::Figures;
+use crate::place::Place;
 use crate::props;
 use crate::views::Viewpoint;
 use anyhow::{Result, anyhow, bail};
@@ -96,10 +97,10 @@ pub struct Args {
     /// Moment of animations at the beginning, seconds.
     #[arg(long, default_value_t = 0.0)]
     time: f32,
-    /// Folder of the network of `learned`, by default models/EFFECT; a training run's is followed: its weights are run from each
-    /// checkpoint on.
+    /// Folder or address of the network of `learned`, by default models/EFFECT; the folder of a training run is followed: its
+    /// weights are run from each checkpoint on.
     #[arg(long)]
-    model: Option<PathBuf>,
+    model: Option<Place>,
     /// Chooses sampled views, added lights and all other random numbers.
     #[arg(long, default_value_t = 0)]
     seed: u32,

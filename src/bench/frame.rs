@@ -8,6 +8,7 @@ use crate::learned::{self, Learned};
 use crate::live::stage::{self, Seen};
 use crate::live::{Live, Wanted};
 use crate::methods::{self, LEARNED};
+use crate::place::Place;
 use crate::props;
 use crate::radius::{self, Space};
 use crate::views::Viewpoint;
@@ -45,9 +46,9 @@ pub struct Args {
     /// has one that works on the screen.
     #[arg(long, value_delimiter = ',', value_parser = method)]
     methods: Vec<(Effect, String)>,
-    /// Folder of the network of `learned`; by default models/EFFECT.
+    /// Folder or address of the network of `learned`; by default models/EFFECT.
     #[arg(long)]
-    model: Option<PathBuf>,
+    model: Option<Place>,
     /// How much time methods may take for a better image: low, medium, high or ultra.
     #[arg(long, default_value = "medium")]
     quality: Quality,
@@ -196,7 +197,8 @@ fn opened(args: &Args, chosen: &[(Effect, String)], gpu: &Gpu) -> Result<Opened>
     );
     let open = |(effect, name): &(Effect, String)| methods::open_screen(*effect, name, gpu, args.quality);
     let learned = networks.first().map(|(effect, _)| {
-        let folder = args.model.clone().unwrap_or_else(|| learned::usual_folder(*effect));
+        let usual = || Place::Folder(learned::usual_folder(*effect));
+        let folder = args.model.clone().unwrap_or_else(usual).read()?;
         anyhow::Ok(Learned::new(gpu, &learned::network(&folder, Some(*effect))?)?)
     });
     Ok((others.into_iter().map(open).collect::<Result<_>>()?, learned.transpose()?))

@@ -54,7 +54,7 @@ pub enum Verb {
     Dataset(dataset::Args),
     /// Training pairs an hour by several workers on this machine, and whether their bytes are those of one run.
     Farm(farm::Args),
-    /// Megabytes and requests a second that an object store takes from this machine.
+    /// Megabytes and requests a second that an object store or a folder takes from this machine.
     Store(store::Args),
 }
 

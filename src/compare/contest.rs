@@ -7,12 +7,13 @@ use super::values::MethodChoice;
 use crate::eval::rivals::{Rival, rivals};
 use crate::learned;
 use crate::methods::{self, LEARNED, TRUTH};
+use crate::place::{Folder, Place};
 use anyhow::{Result, ensure};
 use deepshade_infer::{Model, Reach};
 use deepshade_render::methods::dials::Tuning;
 use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A method that takes part.
 pub struct Contestant {
@@ -24,8 +25,8 @@ pub struct Contestant {
     pub label: String,
     /// What tells its images from those of another version.
     pub fingerprint: String,
-    /// The folder of its network, if it is one.
-    network: Option<PathBuf>,
+    /// Where its network is, if it is one.
+    network: Option<Place>,
 }
 
 /// Everybody who takes part in a run.
@@ -36,9 +37,10 @@ pub struct Contest {
     reaches: Vec<(Effect, Reach)>,
 }
 
-/// A network, and the folder that it is from.
+/// A network, and where it is from.
 struct Network {
-    folder: PathBuf,
+    place: Place,
+    folder: Folder,
     model: Model,
 }
 
@@ -112,9 +114,9 @@ impl Contest {
     /// A choice of networks that nobody names, network by network.
     fn where_found(&self, run: &Run, choice: &MethodChoice) -> Vec<MethodChoice> {
         let networks = run.effects().iter().filter_map(|effect| {
-            let folder = learned::usual_folder(*effect);
-            let takes_part = self.of(*effect).any(|one| one.network.as_ref() == Some(&folder));
-            takes_part.then(|| MethodChoice { model: Some(folder), ..choice.clone() })
+            let place = Place::Folder(learned::usual_folder(*effect));
+            let takes_part = self.of(*effect).any(|one| one.network.as_ref() == Some(&place));
+            takes_part.then(|| MethodChoice { model: Some(place), ..choice.clone() })
         });
         networks.collect()
     }
@@ -154,16 +156,16 @@ pub fn label(contests: &mut [Contest]) {
 fn name_networks(contests: &mut [Contest]) {
     let network = |one: &Contestant| Some((one.effect, one.network.clone()?));
     let all = contests.iter().flat_map(|contest| contest.contestants.iter().filter_map(network));
-    let all: Vec<(Effect, PathBuf)> = distinct(all);
+    let all: Vec<(Effect, Place)> = distinct(all);
     for contestant in contests.iter_mut().flat_map(|contest| &mut contest.contestants) {
         let Some(own) = &contestant.network else { continue };
-        let of = || all.iter().filter(|(effect, _)| *effect == contestant.effect).map(|(_, folder)| folder);
+        let of = || all.iter().filter(|(effect, _)| *effect == contestant.effect).map(|(_, place)| place);
         if of().count() == 1 {
             continue;
         }
         let name = folder_name(own);
         let earlier =
-            of().take_while(|folder| *folder != own).filter(|folder| folder_name(folder) == name).count();
+            of().take_while(|place| *place != own).filter(|place| folder_name(place) == name).count();
         let suffix = if earlier == 0 { name } else { format!("{name}_{}", earlier + 1) };
         contestant.rival.name = format!("{}_{suffix}", contestant.rival.name);
     }
@@ -190,7 +192,8 @@ fn default_methods(run: &Run) -> Vec<MethodChoice> {
 fn network(run: &Run, choice: &MethodChoice, effect: Effect) -> Result<Option<Network>> {
     let several = run.effects().len() > 1;
     let stated = choice.model.as_ref().or(run.model.as_ref());
-    let folder = stated.cloned().unwrap_or_else(|| learned::usual_folder(effect));
+    let place = stated.cloned().unwrap_or_else(|| Place::Folder(learned::usual_folder(effect)));
+    let folder = place.read()?;
     if several && stated.is_none() && !folder.exists() {
         note!("no network in {}: {effect} without the method `{LEARNED}`", folder.display());
         return Ok(None);
@@ -199,10 +202,9 @@ fn network(run: &Run, choice: &MethodChoice, effect: Effect) -> Result<Option<Ne
     let made = model.spec.effect;
     ensure!(
         run.effects().contains(&made),
-        "the network in {} is for {made}, which is none of the effects",
-        folder.display()
+        "the network in {place} is for {made}, which is none of the effects"
     );
-    Ok((made == effect).then_some(Network { folder, model }))
+    Ok((made == effect).then_some(Network { place, folder, model }))
 }
 
 /// A method of an effect in all its qualities.
@@ -221,7 +223,7 @@ fn opened(
     let rivals = rivals(effect, &names, &tunings, gpu, network.map(|network| &network.model))?;
     let weights = network.map(|network| weights(&network.folder)).transpose()?;
     let contestants = rivals.into_iter().map(|rival| {
-        let network = network.map(|network| network.folder.clone());
+        let network = network.map(|network| network.place.clone());
         let label = rival.method_name.to_owned();
         let fingerprint = format!("{} {:?} {weights:?}{changes}", rival.method_name, rival.quality);
         Contestant { effect, rival, label, fingerprint, network }
@@ -238,8 +240,9 @@ fn weights(folder: &Path) -> Result<String> {
     Ok(digest.finish())
 }
 
-/// What a network's folder is called, in letters that figures are named by.
-fn folder_name(folder: &Path) -> String {
-    let name = folder.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+/// What a network's place is called, in letters that figures are named by.
+fn folder_name(place: &Place) -> String {
+    let place = place.to_string();
+    let name = Path::new(&place).file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     name.chars().map(|letter| if letter.is_ascii_alphanumeric() { letter } else { '_' }).collect()
 }

@@ -5,6 +5,7 @@
 
 use super::values::{Colour, MethodChoice};
 use crate::complete::Additions;
+use crate::place::Place;
 use crate::props::{self, Prop};
 use crate::views::{self, Choice};
 use crate::{exposure_time, methods, samples};
@@ -36,8 +37,8 @@ pub struct Run {
     pub methods: Option<Vec<MethodChoice>>,
     /// How much time analytic methods may take for a better image.
     pub qualities: Option<Vec<Quality>>,
-    /// Folder of the network of `learned`; by default models/EFFECT.
-    pub model: Option<PathBuf>,
+    /// Folder or address of the network of `learned`; by default models/EFFECT.
+    pub model: Option<Place>,
     /// Which views of each scene; by default the cameras of its file, or one sampled view where it has none.
     pub views: Option<Choice>,
     /// What is put into each scene.
@@ -158,10 +159,11 @@ impl Run {
         self.scenes.iter_mut().flatten().for_each(source);
         self.put.iter_mut().flatten().for_each(|prop| source(&mut prop.source));
         let models = self.methods.iter_mut().flatten().filter_map(|method| method.model.as_mut());
-        [&mut self.environment, &mut self.medium, &mut self.phosphor, &mut self.model]
+        let folders = self.model.as_mut().into_iter().chain(models).filter_map(Place::folder_mut);
+        [&mut self.environment, &mut self.medium, &mut self.phosphor]
             .into_iter()
             .flatten()
-            .chain(models)
+            .chain(folders)
             .for_each(|path| *path = map(path));
         self.runs.iter_mut().for_each(|run| run.map_paths(map));
     }

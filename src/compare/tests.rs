@@ -3,6 +3,7 @@
 use super::description::{Comparison, read};
 use super::run::Run;
 use super::values::{Colour, MethodChoice};
+use crate::place::Place;
 use crate::views::Choice;
 use anyhow::Result;
 use deepshade_dataset::Radius;
@@ -157,10 +158,11 @@ fn the_command_line_comes_before_the_file_in_every_run() {
 fn qualities_and_networks_of_the_command_line_are_those_of_every_method() {
     let text = "scenes = [\"room:1\"]\n\
                 methods = [{ name = \"hbao\", qualities = [\"ultra\"] }, { name = \"learned\", model = \"a\" }]";
-    let line = Run { qualities: Some(vec![Quality::Low]), model: Some("b".into()), ..Run::default() };
+    let line =
+        Run { qualities: Some(vec![Quality::Low]), model: Some(Place::Folder("b".into())), ..Run::default() };
     let run = &comparison(text, &line).expect("sound").runs[0];
     assert_eq!(run.methods(), [MethodChoice::named("hbao"), MethodChoice::named("learned")]);
-    assert_eq!((run.qualities(), run.model.as_deref()), (&[Quality::Low][..], Some(Path::new("b"))));
+    assert_eq!((run.qualities(), run.model.clone()), (&[Quality::Low][..], Some(Place::Folder("b".into()))));
     let kept = &comparison(text, &Run::default()).expect("sound").runs[0];
     assert_eq!(kept.methods()[0].qualities, Some(vec![Quality::Ultra]));
 }

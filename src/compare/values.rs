@@ -1,6 +1,7 @@
 //! Values of a comparison's TOML file that may be written in two ways, the short one for what is wanted most often. Read by
 //! visitors of their own: of an untagged enum serde says no more than that nothing fits.
 
+use crate::place::Place;
 use crate::views::{Choice, Viewpoint};
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::dials::Changes;
@@ -9,7 +10,6 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt::{Formatter, Result as Written};
-use std::path::PathBuf;
 
 /// A method that takes part: `"hbao"`, or `{ name = "hbao", qualities = ["low", "ultra"] }`, or
 /// `{ name = "gtao", parameters = { slices.thickness = 0.5 } }`, or `{ name = "learned", model = "runs/ao" }`.
@@ -19,8 +19,8 @@ pub struct MethodChoice {
     pub name: String,
     /// In which qualities; without them in those of the run.
     pub qualities: Option<Vec<Quality>>,
-    /// Folder of its network, if it is one; without it that of the run.
-    pub model: Option<PathBuf>,
+    /// Folder or address of its network, if it is one; without it that of the run.
+    pub model: Option<Place>,
     /// Those of its parameters that are not as its quality has them.
     pub parameters: Changes,
 }
@@ -31,7 +31,7 @@ pub struct MethodChoice {
 struct MethodTable {
     name: String,
     qualities: Option<Vec<Quality>>,
-    model: Option<PathBuf>,
+    model: Option<Place>,
     #[serde(default, skip_serializing_if = "Changes::is_empty")]
     parameters: Changes,
 }

@@ -9,6 +9,7 @@ use crate::learned::{self, Learned};
 use crate::live::stage::{Seen, Staged};
 use crate::live::{Live, Wanted};
 use crate::methods::{self, LEARNED};
+use crate::place::Place;
 use crate::radius::{self, Space};
 use crate::report::images::write_png;
 use anyhow::{Context, Result, bail, ensure};
@@ -43,9 +44,9 @@ pub struct Sequence {
     /// How much time the method may take for a better image: low, medium, high or ultra; high by default.
     #[arg(long)]
     quality: Option<Quality>,
-    /// Folder of the network of the method `learned`; by default models/EFFECT.
+    /// Folder or address of the network of the method `learned`; by default models/EFFECT.
     #[arg(long)]
-    model: Option<PathBuf>,
+    model: Option<Place>,
     /// Mixes each image with what the frames before made of the same surfaces.
     #[arg(long)]
     temporal: bool,
@@ -296,7 +297,8 @@ fn opened(args: &Args, gpu: &Gpu) -> Result<Opened> {
     match args.sequence.method(args.effect) {
         LIGHT => Ok((Vec::new(), None)),
         LEARNED => {
-            let folder = model.clone().unwrap_or_else(|| learned::usual_folder(args.effect));
+            let usual = || Place::Folder(learned::usual_folder(args.effect));
+            let folder = model.clone().unwrap_or_else(usual).read()?;
             let model = learned::network(&folder, Some(args.effect))?;
             Ok((Vec::new(), Some(Learned::new(gpu, &model)?)))
         }

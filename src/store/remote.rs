@@ -1,6 +1,6 @@
 //! One address of an object store, object by object.
 
-use crate::place::{Address, Kind};
+use crate::place::{Address, Kind, Objects};
 use anyhow::{Context, Result, anyhow, bail};
 use object_store::aws::{AmazonS3Builder, Checksum};
 use object_store::azure::MicrosoftAzureBuilder;
@@ -150,15 +150,6 @@ impl Remote {
         }
     }
 
-    /// Deletes an object.
-    ///
-    /// # Errors
-    /// If the store cannot be reached or refuses it.
-    pub fn delete(&self, name: &str) -> Result<()> {
-        let path = self.path(name);
-        self.runtime.block_on(self.objects.delete(&path)).with_context(|| self.name(name))
-    }
-
     /// An object as people name it.
     pub fn name(&self, name: &str) -> String {
         format!("{}/{name}", self.address)
@@ -166,6 +157,21 @@ impl Remote {
 
     fn path(&self, name: &str) -> Path {
         Path::from(format!("{}/{name}", self.address.path))
+    }
+}
+
+impl Objects for Remote {
+    fn put(&self, name: &str, bytes: Vec<u8>) -> Result<()> {
+        Self::put(self, name, bytes)
+    }
+
+    fn get(&self, name: &str, most: u64) -> Result<Option<Vec<u8>>> {
+        Self::get(self, name, most)
+    }
+
+    fn delete(&self, name: &str) -> Result<()> {
+        let path = self.path(name);
+        self.runtime.block_on(self.objects.delete(&path)).with_context(|| self.name(name))
     }
 }
 

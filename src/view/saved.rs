@@ -8,6 +8,7 @@ use crate::compare::{Comparison, MethodChoice, Run};
 use crate::complete::{Additions, listeners};
 use crate::figures::write_atomically;
 use crate::methods::{LEARNED, TRUTH};
+use crate::place::Place;
 use crate::report::images::write_png;
 use crate::views::{self, Viewpoint};
 use crate::{exposure_time, learned, samples};
@@ -156,7 +157,7 @@ fn comparison(moment: &Moment) -> Result<Comparison> {
         effects: Some(vec![effect]),
         methods: Some(methods.chain([MethodChoice::named(TRUTH)]).collect()),
         qualities: Some(vec![show.quality]),
-        model: show.methods.contains(&LEARNED).then(network),
+        model: show.methods.contains(&LEARNED).then(network).map(Place::Folder),
         put: (!put.is_empty()).then_some(put),
         resolution: Some(Resolution { height, width }),
         radius: listeners::RADIUS.contains(&effect).then_some(Radius::Metres(picture.radius)),

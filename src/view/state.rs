@@ -8,6 +8,7 @@ use super::zoom::Zoom;
 use crate::learned;
 use crate::live::pilot::Pilot;
 use crate::methods::{self, LEARNED, TRUTH};
+use crate::place::{Folder, Place};
 use anyhow::Result;
 use deepshade_render::methods::dials::{Changes, Dial};
 use deepshade_render::scene::{Light, SceneSource};
@@ -118,35 +119,34 @@ pub struct State {
     /// How long films are where time has no end, seconds.
     pub film_seconds: f32,
     before: Option<Before>,
+    /// Keeps a network that was fetched.
+    _model: Option<Folder>,
 }
 
 impl State {
     /// What the command line asks for.
     ///
     /// # Errors
-    /// If a method does not exist.
+    /// If a method does not exist, or a network cannot be fetched.
     pub fn new(args: &Args) -> Result<Self> {
         let known = methods::names_of(args.effect);
         let wanted: Vec<&str> = args.methods.iter().map(String::as_str).collect();
         methods::check(args.effect, &wanted)?;
         let chosen: Vec<&'static str> =
             known.iter().copied().filter(|name| wanted.contains(name) && *name != TRUTH).collect();
+        let model = args.model.as_ref().map(Place::read).transpose()?;
         let show = Show {
             source: args.scene.clone(),
             scenes_opened: 0,
             effect: args.effect,
-            methods: if wanted.is_empty() {
-                first_methods(args.model.as_deref(), args.effect)
-            } else {
-                chosen
-            },
+            methods: if wanted.is_empty() { first_methods(model.as_deref(), args.effect) } else { chosen },
             quality: args.quality,
             changes: BTreeMap::new(),
             radius: args.radius,
             size: [args.height, args.width],
             temporal: false,
             inspected: None,
-            model: args.model.clone(),
+            model: model.as_deref().map(Path::to_owned),
             models_opened: 0,
             trained: None,
         };
@@ -154,6 +154,7 @@ impl State {
         let awaits_network = wanted.is_empty() && awaits_network(&show);
         // One that is not there yet is taken for what the window begins with.
         let of = |folder: &PathBuf| (learned::effect(folder).unwrap_or(args.effect), folder.clone());
+        let networks = show.model.iter().map(of).collect();
         Ok(Self {
             args: Arc::new(args.clone()),
             show,
@@ -172,9 +173,10 @@ impl State {
             film_rate: 25.0,
             #[cfg(feature = "train")]
             awaits_network,
-            networks: args.model.iter().map(of).collect(),
+            networks,
             film_seconds: 10.0,
             before: None,
+            _model: model,
         })
     }
 

@@ -2,6 +2,7 @@
 
 use super::{ExrError, Metadata, names};
 use deepshade_shaders::{Attribute, Channel, GBuffer, Planes};
+use exr::meta::BlockDescription;
 use exr::meta::header::Header;
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, FlatImage, FlatSamples, Layer, ReadChannels, ReadLayers,
@@ -15,6 +16,9 @@ const MAX_EDGE: usize = 32_768;
 
 /// The most values of all channels together: 1 GiB of f32.
 const MAX_VALUES: usize = 1 << 28;
+
+/// The most bytes of a block of pixels, which readers take memory for before they have read it.
+const MAX_BLOCK: usize = 1 << 28;
 
 /// An EXR file in memory.
 #[derive(Clone, Debug)]
@@ -67,6 +71,10 @@ fn check_headers(headers: &[Header], file_bytes: u64) -> Result<(), String> {
         if header.chunk_count as u64 * 8 > file_bytes {
             return Err(format!("{} chunks in {file_bytes} bytes", header.chunk_count));
         }
+        let block = block_bytes(header);
+        if block > MAX_BLOCK {
+            return Err(format!("its blocks are of {block} bytes, where at most {MAX_BLOCK} are accepted"));
+        }
         values = values.saturating_add((width * height).saturating_mul(header.channels.list.len()));
         bytes = bytes.saturating_add((width * height).saturating_mul(header.channels.bytes_per_pixel));
     }
@@ -77,6 +85,15 @@ fn check_headers(headers: &[Header], file_bytes: u64) -> Result<(), String> {
         return Err(format!("{values} values, where at most {MAX_VALUES} are accepted"));
     }
     Ok(())
+}
+
+/// Bytes of a block of pixels: of a tile, whatever the image's size, or of some rows.
+fn block_bytes(header: &Header) -> usize {
+    let pixels = match header.blocks {
+        BlockDescription::Tiles(tiles) => tiles.tile_size.width().saturating_mul(tiles.tile_size.height()),
+        BlockDescription::ScanLines => header.compression.scan_lines_per_block() * header.layer_size.width(),
+    };
+    pixels.saturating_mul(header.channels.bytes_per_pixel)
 }
 
 impl ExrImage {

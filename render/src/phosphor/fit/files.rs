@@ -254,7 +254,7 @@ fn excitation(folder: &Path, bands: Bands, source: &mut Source) -> Result<Vec<Ch
 fn indices(file: &str, column: &'static str, table: &Table, count: usize) -> Result<Vec<usize>, FilesError> {
     let index = |value: f64| {
         let whole = value.fract() == 0.0 && value >= 1.0 && value <= count as f64;
-        whole.then_some(value as usize - 1).ok_or_else(|| FilesError::Index {
+        whole.then(|| value as usize - 1).ok_or_else(|| FilesError::Index {
             file: file.into(),
             column,
             value,
