@@ -5,22 +5,25 @@
 //! file, which stays as long as the [`Folder`] does; what is written to one is made in a folder there, which is nobody else's as long as
 //! the [`Work`] lives, and put into the store when it is whole (`store`).
 
+mod folder;
+mod objects;
+
+pub use folder::{Folder, Work};
+pub use objects::Objects;
+
 #[cfg(not(feature = "store"))]
 use anyhow::bail;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 #[cfg(feature = "train")]
 use deepshade_dataset::Dataset;
-use deepshade_dataset::{Out, ShardFiles};
-use deepshade_shaders::atomic_file;
+use deepshade_dataset::ShardFiles;
 #[cfg(feature = "train")]
 use deepshade_train::PairSource;
 use serde::{Deserialize, Serialize};
 use std::fmt;
-use std::fs::File;
-use std::io::Read;
-use std::ops::Deref;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
+#[cfg(feature = "train")]
 use std::sync::Arc;
 
 #[cfg(feature = "store")]
@@ -34,92 +37,6 @@ pub enum Place {
     Folder(PathBuf),
     /// In an object store.
     Store(Address),
-}
-
-/// A folder with what is at a place. What was fetched stays there as long as this lives.
-#[derive(Clone, Debug)]
-pub struct Folder {
-    path: PathBuf,
-    /// Keeps others from deleting it.
-    _lock: Option<Arc<File>>,
-}
-
-impl Folder {
-    /// One that nobody deletes for room.
-    pub fn of(path: &Path) -> Self {
-        Self { path: path.to_owned(), _lock: None }
-    }
-
-    /// One that is kept by a lock.
-    #[cfg(feature = "store")]
-    pub fn kept(path: PathBuf, lock: File) -> Self {
-        Self { path, _lock: Some(Arc::new(lock)) }
-    }
-}
-
-impl Deref for Folder {
-    type Target = Path;
-
-    fn deref(&self) -> &Path {
-        &self.path
-    }
-}
-
-/// A folder to write into for a place.
-pub enum Work {
-    /// The place itself.
-    Folder(PathBuf),
-    /// For an address.
-    #[cfg(feature = "store")]
-    Store(Box<store::Work>, PathBuf),
-}
-
-impl Deref for Work {
-    type Target = Path;
-
-    fn deref(&self) -> &Path {
-        match self {
-            Self::Folder(folder) => folder,
-            #[cfg(feature = "store")]
-            Self::Store(_, folder) => folder,
-        }
-    }
-}
-
-impl Work {
-    /// It for makers of data, which state where scene files are if data stay in the folder.
-    pub fn out(&self) -> Out<'_> {
-        let stays = match self {
-            Self::Folder(_) => true,
-            #[cfg(feature = "store")]
-            Self::Store(..) => false,
-        };
-        Out { folder: self, stays }
-    }
-
-    /// Puts what was written where it belongs, all or, to whoever reads it, nothing.
-    ///
-    /// # Errors
-    /// If the store cannot be reached or refuses it, or somebody else has put something else there since [`Place::begin`].
-    pub fn finish(self) -> Result<()> {
-        match self {
-            Self::Folder(_) => Ok(()),
-            #[cfg(feature = "store")]
-            Self::Store(work, _) => work.finish(),
-        }
-    }
-
-    /// [`Self::finish`] of what nobody will go on with on this machine: what is in the store is not kept here.
-    ///
-    /// # Errors
-    /// As there.
-    pub fn deliver(self) -> Result<()> {
-        match self {
-            Self::Folder(_) => Ok(()),
-            #[cfg(feature = "store")]
-            Self::Store(work, _) => work.deliver(),
-        }
-    }
 }
 
 /// A place in an object store. Credentials are never part of it: they come from the environment.
@@ -216,59 +133,6 @@ impl fmt::Display for Place {
             Self::Folder(folder) => folder.display().fmt(f),
             Self::Store(address) => address.fmt(f),
         }
-    }
-}
-
-/// Objects by name, wherever they are.
-pub trait Objects: Sync {
-    /// Writes one, whole or not at all.
-    ///
-    /// # Errors
-    /// If that cannot be done.
-    fn put(&self, name: &str, bytes: Vec<u8>) -> Result<()>;
-
-    /// Reads one of at most so many bytes; `None` where there is none.
-    ///
-    /// # Errors
-    /// If it cannot be read, or is larger.
-    fn get(&self, name: &str, most: u64) -> Result<Option<Vec<u8>>>;
-
-    /// Deletes one.
-    ///
-    /// # Errors
-    /// If that cannot be done.
-    fn delete(&self, name: &str) -> Result<()>;
-}
-
-/// Files of a folder, which is there.
-impl Objects for PathBuf {
-    fn put(&self, name: &str, bytes: Vec<u8>) -> Result<()> {
-        let path = self.join(name);
-        atomic_file::write(&path, &bytes).with_context(|| path.display().to_string())
-    }
-
-    fn get(&self, name: &str, most: u64) -> Result<Option<Vec<u8>>> {
-        let path = self.join(name);
-        let read = || -> std::io::Result<Option<Vec<u8>>> {
-            if !path.exists() {
-                return Ok(None);
-            }
-            let mut bytes = Vec::new();
-            File::open(&path)?.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
-            Ok(Some(bytes))
-        };
-        let bytes = read().with_context(|| path.display().to_string())?;
-        ensure!(
-            bytes.iter().all(|bytes| bytes.len() as u64 <= most),
-            "{}: more than {most} bytes",
-            path.display()
-        );
-        Ok(bytes)
-    }
-
-    fn delete(&self, name: &str) -> Result<()> {
-        let path = self.join(name);
-        std::fs::remove_file(&path).with_context(|| path.display().to_string())
     }
 }
 
