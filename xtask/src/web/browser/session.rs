@@ -12,6 +12,8 @@ pub const WEBGPU: &[&str] = &[
     "--enable-features=Vulkan",
     "--use-vulkan=swiftshader",
     "--use-webgpu-adapter=swiftshader",
+    // It ends what computes for long, as software does on a busy machine.
+    "--disable-gpu-watchdog",
 ];
 /// No window, and nothing asked of anybody elsewhere. Of itself a browser takes no software adapter for WebGPU.
 const QUIET: &[&str] = &[
