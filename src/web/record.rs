@@ -24,7 +24,7 @@ const RECORDED: [(Effect, [&str; 2], Family, u64, usize); 6] = [
     (Effect::Ao, ["hbao", LEARNED], Family::Playground, 3, 2),
     (Effect::Do, ["ssdo", LEARNED], Family::Drapery, 2, 2),
     (Effect::Gi, ["ssgi", "lpv"], Family::StillLife, 1, 2),
-    (Effect::Dof, ["ring-gather", LEARNED], Family::Playground, 3, 2),
+    (Effect::Dof, ["ring-gather", LEARNED], Family::Drapery, 2, 2),
     (Effect::Sss, ["separable", LEARNED], Family::Drapery, 2, 1),
     (Effect::FogDirect, ["gpu-march", "froxel"], Family::Colonnade, 5, 1),
 ];
