@@ -52,7 +52,8 @@ pub struct Args {
 
 /// What a parameter is called, its unit, its value where nobody says it, and how people measure theirs.
 type Assumed = (&'static str, &'static str, f32, &'static str);
-const LAUNCH: Assumed = ("launch", "s a task", 0.05, "`cargo xtask farm` measures Slurm's");
+const LAUNCH: Assumed =
+    ("launch", "s a task", 0.05, "`cargo xtask farm` measures Slurm's where no task waits for a node");
 const STORE_MEGABYTES: Assumed =
     ("store", "MB/s", 1000.0, "`deepshade bench store` measures what one machine gets");
 const STORE_REQUESTS: Assumed =

@@ -48,7 +48,7 @@ pub struct Args {
     /// Threads of a task.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     cores: u32,
-    /// Minutes after which a task is taken for stuck, and tried again; with Slurm up to two minutes earlier.
+    /// Minutes after which a task is taken for stuck, and tried again; Slurm is asked for two more, which its partition must allow.
     #[arg(long, default_value_t = 240, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     minutes: u32,
     /// How often a task is tried again.

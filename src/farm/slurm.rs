@@ -12,6 +12,8 @@ pub const FILE: &str = "slurm.sh";
 
 /// Seconds before the end of its time at which a task is told, and puts itself back. Slurm may tell it up to a minute earlier.
 const WARNING: u32 = 30;
+/// Minutes of that time beside the task's own, which are over when it is told.
+const BEYOND: u32 = 2;
 
 /// Shards that Slurm has still to do or does just now: those of its tasks whose script is the one in that folder (squeue(1)).
 ///
@@ -37,6 +39,7 @@ pub(super) fn shards_of(tasks: &str, script: &Path) -> HashSet<usize> {
 /// If a path cannot be written into a script.
 pub fn script(plan: &Plan, jobs: &Path) -> Result<String> {
     let Plan { shards, cores, minutes, retries, .. } = plan;
+    let time = minutes.saturating_add(BEYOND);
     let name = plan.name();
     let program = quoted(&plan.program)?;
     let folder = quoted(jobs)?;
@@ -49,7 +52,7 @@ pub fn script(plan: &Plan, jobs: &Path) -> Result<String> {
 #SBATCH --array=1-{shards}
 #SBATCH --ntasks=1
 #SBATCH --cpus-per-task={cores}
-#SBATCH --time={minutes}
+#SBATCH --time={time}
 #SBATCH --requeue
 #SBATCH --signal=B:USR1@{WARNING}
 #SBATCH --open-mode=append

@@ -14,11 +14,12 @@ use std::process::{Command, Stdio};
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  deepshade farm submit /shared/jobs/ao\n\n\
     Given again it submits what is still missing, also shards that failed, but none that the engine has still to do. \
-    With Ray it waits for the end.")]
+    With Ray it waits for the end. What `merge` finds damaged in a folder is made again by --again; in an object store the \
+    object that it names and the shard's `commit.json` are to be deleted, after which the shard is missing.")]
 pub struct Args {
     /// Folder of the jobs.
     jobs: PathBuf,
-    /// Shards that are to be made again though they are there, such as those that `merge` finds damaged: their numbers.
+    /// Shards in folders that are to be made again though they are there, such as those that `merge` finds damaged: their numbers.
     #[arg(long, value_delimiter = ',')]
     again: Vec<usize>,
     /// Python with Ray.

@@ -32,7 +32,7 @@ fn slurms_script_is_one_that_bash_reads_with_paths_as_they_are() {
         "#SBATCH --job-name=deepshade-it-s-a-recipe",
         "#SBATCH --array=1-12",
         "#SBATCH --cpus-per-task=4",
-        "#SBATCH --time=90",
+        "#SBATCH --time=92",
         "#SBATCH --output=\"/jobs/100 %%/logs/%a.log\"",
         "#SBATCH --requeue",
         "#SBATCH --signal=B:USR1@30",

@@ -7,7 +7,7 @@
 
 use super::commit::Commit;
 use crate::place::Folder;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use deepshade_dataset::lock;
 use etcetera::BaseStrategy;
 use std::fs::File;
@@ -194,6 +194,8 @@ impl Cache {
                     );
                 }
                 fetch(&own.files())?;
+                // Else it would be fetched again and again.
+                ensure!(has_sizes(commit, &own.files()), "what was fetched has not the sizes of its list");
             }
         }
     }

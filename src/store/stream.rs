@@ -5,16 +5,14 @@
 //! its hash, those of an earlier run at their first use.
 
 use super::cache::Cache;
-use super::commit::{Commit, Stored, hash};
+use super::commit::{Commit, Stored};
 use super::remote::Remote;
-use super::transfer::fetched;
+use super::transfer::fetch_file;
 use crate::place::{Address, Folder};
 use anyhow::{Context, Result, bail};
 use deepshade_dataset::{Dataset, Manifest, Pair, manifest};
-use deepshade_shaders::{atomic_file, own_file};
 use deepshade_train::PairSource;
 use std::collections::{HashMap, VecDeque};
-use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A dataset of which the manifest is here, and of the pairs as many as there is room for.
@@ -88,7 +86,7 @@ impl Stream {
     fn new(remote: Remote, list: Commit, folder: Folder, room: u64) -> Result<Self> {
         let files: HashMap<_, _> = list.files.into_iter().map(|file| (file.name.clone(), file)).collect();
         let Some(manifest) = files.get(manifest::MANIFEST) else { bail!("it is no dataset") };
-        make(&remote, manifest, &folder.join(&manifest.name))?;
+        fetch_file(&remote, manifest, &folder.join(&manifest.name))?;
         let dataset = Dataset::open(&folder)?;
         let held = Mutex::new(Held::left(&files, &dataset));
         Ok(Self { remote, files, dataset, room, held, kept: folder })
@@ -109,7 +107,7 @@ impl Stream {
         };
         if !known {
             // Another thread may do so at the same time: with the same bytes.
-            make(&self.remote, file, &self.dataset.folder().join(name))?;
+            fetch_file(&self.remote, file, &self.dataset.folder().join(name))?;
             self.held().note(name, file.bytes);
         }
         Ok(())
@@ -138,17 +136,6 @@ impl Stream {
     fn held(&self) -> MutexGuard<'_, Held> {
         self.held.lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
-
-/// Makes a file that is not there with the right bytes.
-fn make(remote: &Remote, file: &Stored, path: &Path) -> Result<()> {
-    if std::fs::read(path).is_ok_and(|bytes| hash(&bytes) == file.blake3) {
-        return Ok(());
-    }
-    let bytes = fetched(remote, file)?;
-    let place = || path.display().to_string();
-    std::fs::create_dir_all(own_file::folder(path)).with_context(place)?;
-    atomic_file::write(path, &bytes).with_context(place)
 }
 
 impl PairSource for Stream {

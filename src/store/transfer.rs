@@ -30,19 +30,24 @@ pub fn put(remote: &Remote, commit: &Commit, folder: &Path) -> Result<()> {
 /// # Errors
 /// If the store cannot be reached, an object is missing or damaged, or a file cannot be written.
 pub fn fetch(remote: &Remote, commit: &Commit, folder: &Path) -> Result<()> {
-    each(commit, "files fetched", |file| {
-        let path = folder.join(&file.name);
-        if std::fs::read(&path).is_ok_and(|bytes| hash(&bytes) == file.blake3) {
-            return Ok(());
-        }
-        let bytes = fetched(remote, file)?;
-        let place = || path.display().to_string();
-        std::fs::create_dir_all(own_file::folder(&path)).with_context(place)?;
-        atomic_file::write(&path, &bytes).with_context(place)
-    })
+    each(commit, "files fetched", |file| fetch_file(remote, file, &folder.join(&file.name)))
 }
 
-/// The bytes of a file, held against its hash.
+/// Writes a file of a list, if it is not there with its bytes.
+///
+/// # Errors
+/// As [`fetch`].
+pub fn fetch_file(remote: &Remote, file: &Stored, path: &Path) -> Result<()> {
+    if std::fs::read(path).is_ok_and(|bytes| file.is(&bytes)) {
+        return Ok(());
+    }
+    let bytes = fetched(remote, file)?;
+    let place = || path.display().to_string();
+    std::fs::create_dir_all(own_file::folder(path)).with_context(place)?;
+    atomic_file::write(path, &bytes).with_context(place)
+}
+
+/// The bytes of a file, held against its size and its hash.
 ///
 /// # Errors
 /// If the store cannot be reached, or the object is missing or damaged.
@@ -52,7 +57,7 @@ pub fn fetched(remote: &Remote, file: &Stored) -> Result<Vec<u8>> {
         bail!("{object}, which holds `{}`, is gone", file.name)
     };
     ensure!(
-        hash(&bytes) == file.blake3,
+        file.is(&bytes),
         "{object}, which holds `{}`, is damaged: delete that object and `commit.json` there, and make the data anew",
         file.name
     );
@@ -71,4 +76,32 @@ fn each(commit: &Commit, what: &'static str, transfer: impl Fn(&Stored) -> Resul
     });
     bar.finish_and_clear();
     done
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::place::Place;
+    use object_store::memory::InMemory;
+    use std::sync::Arc;
+
+    #[test]
+    fn a_file_has_the_size_that_its_list_says() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        std::fs::create_dir(path("made")).expect("made");
+        std::fs::write(path("made/a"), "text").expect("written");
+        let Ok(Place::Store(address)) = "s3://bucket/data".parse() else { unreachable!("an address") };
+        let remote = Remote::on(Arc::new(InMemory::new()), &address).expect("a remote");
+        let mut list = Commit::of(&path("made")).expect("listed");
+        put(&remote, &list, &path("made")).expect("stored");
+        fetch(&remote, &list, &path("had")).expect("fetched");
+        // Whoever wrote the list counted wrong, whether the file is there already or not.
+        for bytes in [3, 5] {
+            list.files[0].bytes = bytes;
+            for name in ["had", "new"] {
+                assert!(fetch(&remote, &list, &path(name)).is_err(), "{bytes} bytes, {name}");
+            }
+        }
+    }
 }

@@ -71,7 +71,7 @@ Commands:
                Hold object stores against a server that speaks S3 on this machine, which is built with cargo, and measure it
   farm [--json F] [--only slurm|ray]
                Set up Slurm with several nodes, and Ray, on this machine, and make a dataset by each while workers are killed
-               and one shard always fails; measure how many tasks Slurm starts
+               and one shard always fails; measure how many tasks Slurm starts where none waits for a node
   web [--out DIR] [--serve] [--test [--json F]]
                Build the web page as static files, by default below the target folder: the program as WebAssembly, the
                networks, and what is shown where a browser has no WebGPU. On Debian it installs a compiler for browsers

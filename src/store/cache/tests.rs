@@ -39,6 +39,8 @@ fn a_copy_is_fetched_once_and_again_where_it_was_cut_off() {
     had().expect("a copy");
     assert_eq!(fetched.get(), 2);
     assert!(cache.source(&commit, "other", |_| bail!("broken")).is_err());
+    let error = cache.source(&commit, "empty", |_| Ok(())).expect_err("never there").to_string();
+    assert!(error.contains("sizes of its list"), "{error}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::*;
 use deepshade_dataset::{Recipe, generate};
 use object_store::memory::InMemory;
+use std::path::Path;
 use std::sync::Arc;
 
 /// A dataset of eight small pairs, and a store with it.

@@ -1,4 +1,5 @@
-//! Slurm, from Debian's packages: a controller and three nodes of one core each, all on this machine, with files of their own.
+//! Slurm, from Debian's packages: a controller, three nodes of one core each, and one that says it has many, all on this machine,
+//! with files of their own.
 
 use super::Engine;
 use super::hunt;
@@ -15,6 +16,10 @@ use std::time::{Duration, Instant};
 const NODES: [&str; 3] = ["one", "two", "three"];
 /// The one that is lost.
 const LOST: &str = "three";
+/// The node with room for all tasks that do nothing, in a partition of that name, so that the nodes are not what they wait for; and
+/// its cores, which nobody has.
+const WIDE: &str = "wide";
+const WIDE_CORES: u32 = 256;
 
 /// A cluster, as long as this lives.
 pub struct Slurm {
@@ -38,11 +43,13 @@ impl Slurm {
         std::fs::write(cluster.path("slurm.conf"), configuration(folder)?)?;
         cluster.munge()?;
         command::run(&mut cluster.command("slurmctld", &["-c", "-i"]))?;
-        for node in NODES {
+        for node in nodes() {
             command::run(&mut cluster.command("slurmd", &["-c", "-N", node]))?;
         }
         let begin = Instant::now();
-        while cluster.said("sinfo", &["-h", "-N", "-t", "idle", "-o", "%N"])?.lines().count() < NODES.len() {
+        while cluster.said("sinfo", &["-h", "-N", "-t", "idle", "-o", "%N"])?.lines().count()
+            < nodes().count()
+        {
             ensure!(
                 begin.elapsed() < Duration::from_secs(30),
                 "the nodes do not come up; see {}",
@@ -104,12 +111,14 @@ impl Engine for Slurm {
         Ok(())
     }
 
-    /// Tasks that do nothing, as many as keep it busy for a while: what each takes is the scheduler's time.
+    /// Tasks that do nothing, as many as keep it busy for a while, on a node with room for them: what each takes is the
+    /// scheduler's time at most, for all daemons share this machine.
     fn launch(&mut self) -> Result<Option<f64>> {
-        const TASKS: u32 = 90;
+        const TASKS: u32 = 600;
         let begin = Instant::now();
         let array = format!("--array=1-{TASKS}");
-        command::run(&mut self.command("sbatch", &["--output=/dev/null", &array, "--wrap=true"]))?;
+        let task = ["--output=/dev/null", "--partition", WIDE, &array, "--wrap=true"];
+        command::run(&mut self.command("sbatch", &task))?;
         while !self.idle()? {
             ensure!(begin.elapsed() < Duration::from_mins(5), "tasks that do nothing do not end");
             std::thread::sleep(Duration::from_millis(100));
@@ -153,7 +162,8 @@ impl Engine for Slurm {
 impl Drop for Slurm {
     fn drop(&mut self) {
         let _ = self.said("scancel", &["--full", "-u", "root"]);
-        for name in ["slurmd-one", "slurmd-two", "slurmd-three", "slurmctld", "munged"] {
+        let daemons = nodes().map(|node| format!("slurmd-{node}"));
+        for name in daemons.chain(["slurmctld", "munged"].map(str::to_owned)) {
             let process = std::fs::read_to_string(self.path(&format!("run/{name}.pid")));
             if let Some(process) = process.ok().and_then(|text| text.trim().parse().ok()) {
                 hunt::kill(process);
@@ -162,12 +172,17 @@ impl Drop for Slurm {
     }
 }
 
+/// All nodes.
+fn nodes() -> impl Iterator<Item = &'static str> {
+    NODES.into_iter().chain([WIDE])
+}
+
 /// slurm.conf(5): the least that several nodes on one machine need, times short.
 fn configuration(folder: &Path) -> Result<String> {
     let host = String::from_utf8(command("hostname", &["-s"]).output()?.stdout)?;
     let host = host.trim();
     let user = String::from_utf8(command("id", &["-un"]).output()?.stdout)?;
-    let listeners = (0..=NODES.len())
+    let listeners = (0..=nodes().count())
         .map(|_| TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).context("a port"))
         .collect::<Result<Vec<_>>>()?;
     let ports =
@@ -202,12 +217,15 @@ SchedulerParameters=sched_interval=2,batch_sched_delay=0
 SlurmdParameters=config_overrides
 "
     );
-    for (node, port) in NODES.iter().zip(&ports[1..]) {
+    for (node, port) in nodes().zip(&ports[1..]) {
+        let cores = if node == WIDE { WIDE_CORES } else { 1 };
         writeln!(
             text,
-            "NodeName={node} NodeAddr=127.0.0.1 NodeHostname={host} Port={port} CPUs=1 RealMemory=1000"
+            "NodeName={node} NodeAddr=127.0.0.1 NodeHostname={host} Port={port} CPUs={cores} RealMemory=1000"
         )?;
     }
-    text.push_str("PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP\n");
+    let few = NODES.join(",");
+    writeln!(text, "PartitionName=all Nodes={few} Default=YES MaxTime=INFINITE State=UP")?;
+    writeln!(text, "PartitionName={WIDE} Nodes={WIDE} MaxTime=INFINITE State=UP")?;
     Ok(text)
 }

@@ -29,7 +29,7 @@ pub struct Job {
 enum Makes {
     /// Pairs, rendered one after the other.
     Pairs,
-    /// The pairs of one shard of a farm, as a task of an engine makes it: [`PLAN`], [`SHARD`].
+    /// The few pairs of one shard of a farm, as a task of an engine makes it: [`PLAN`], [`SHARD`].
     Shard,
     /// Copies of pairs, in milliseconds.
     Copies,
@@ -94,7 +94,7 @@ impl Job {
 
     /// Whether it is done so soon that it must be slowed down to be met at work.
     pub fn is_quick(&self) -> bool {
-        matches!(self.makes, Makes::Copies | Makes::Model)
+        matches!(self.makes, Makes::Shard | Makes::Copies | Makes::Model)
     }
 
     /// Whether it has come so far that it has something to lose.

@@ -17,6 +17,11 @@ use std::time::{Duration, Instant};
 /// The longest that a job may take to come so far that something can happen to it.
 const PATIENCE: Duration = Duration::from_mins(2);
 
+/// What a program asks of the system when it brings a file to the disk and gives it its name.
+const TO_DISK: &str = "fsync,rename,renameat,renameat2";
+/// By how much each of that takes longer in a slow folder.
+const DELAY: Duration = Duration::from_millis(200);
+
 /// Something that happens, and the jobs to which it does.
 type Scenario = (&'static str, &'static [&'static str], fn(&Stage<'_>) -> Result<()>);
 
@@ -93,11 +98,13 @@ impl Stage<'_> {
         self.job.command(self.program, &self.out, before)
     }
 
-    /// The job, for which every file takes a fifth of a second to get to the disk.
+    /// The job, for which everything that brings a file to the disk, or to its name, takes as much longer as [`DELAY`] says.
     fn slowed(&self) -> Command {
-        let delayed = "inject=fsync,rename,renameat,renameat2:delay_enter=200000";
+        // Only what is traced is delayed.
+        let traced = format!("trace={TO_DISK}");
+        let delayed = format!("inject={TO_DISK}:delay_enter={}", DELAY.as_micros());
         // What delays is apart from the job, whose process it would else be the parent of.
-        self.command(&["strace", "-D", "-f", "-qq", "-o", "/dev/null", "-e", "trace=none", "-e", delayed])
+        self.command(&["strace", "-D", "-f", "-qq", "-o", "/dev/null", "-e", &traced, "-e", &delayed])
     }
 
     /// Starts the job and waits until it has something to lose.

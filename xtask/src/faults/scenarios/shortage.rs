@@ -1,8 +1,9 @@
 //! Disks that are full, read-only or slow, and too little memory.
 
-use super::Stage;
+use super::{DELAY, Stage};
 use crate::program::message;
 use anyhow::{Context, Result, bail, ensure};
+use std::time::Instant;
 
 /// Seconds after which a job that is short of memory hangs.
 const SECONDS: &str = "120";
@@ -43,10 +44,16 @@ fn on_disk(stage: &Stage<'_>, first: &str, then: &str, said: &str) -> Result<()>
     stage.check(&seen)
 }
 
-/// Every file takes a fifth of a second to get to the disk.
+/// Files take their time to get to the disk.
 pub fn slow(stage: &Stage<'_>) -> Result<()> {
-    let output = stage.slowed().output().context("strace")?;
+    let begin = Instant::now();
+    // By one thread, so that it is known how much longer all files take, one after the other.
+    let output = stage.slowed().env("RAYON_NUM_THREADS", "1").output().context("strace")?;
+    let took = begin.elapsed();
     ensure!(output.status.success(), "{}", message(&output));
+    // Each is synced and renamed.
+    let least = 2 * DELAY * u32::try_from(stage.job.calm.len())?;
+    ensure!(took >= least, "nothing was slow: it took {took:?}, and the files alone must take {least:?}");
     stage.check(&stage.out)
 }
 
