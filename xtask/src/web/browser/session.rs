@@ -12,6 +12,9 @@ pub const WEBGPU: &[&str] = &[
     "--enable-features=Vulkan",
     "--use-vulkan=swiftshader",
     "--use-webgpu-adapter=swiftshader",
+    // Canvases are put into pages by a software adapter, too.
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
     // It ends what computes for long, as software does on a busy machine.
     "--disable-gpu-watchdog",
 ];
