@@ -331,15 +331,20 @@ fn the_window_begins_trainings_follows_them_and_stops_them() {
     let options = "--batch 2 --crop 64 --validate-every 2 --validation-pairs 2";
     let script = format!(
         "truth off\nwait picture\ntrain nowhere run\nwait refusal\ntrain data run --steps 4 {options}\n\
-         wait checkpoint 4\nsave kept\nscreenshot trained.png\nstop\ntrain data run --stepz 1\nwait refusal\n\
+         wait checkpoint 4\nsave kept\nscreenshot trained.png\nstop\ntrain data run --stepz 1\nwait refusal\neffect ao\nwait picture\n\
+         train data none --stepz 1\nwait refusal\nwait picture\nsave after\n\
          train data long --steps 1000000 {options}\nwait checkpoint 2\nstop\n\
          train data last --steps 1000000 {options}\nwait checkpoint 2\nquit\n"
     );
     let output = Screen::new().view(folder.path(), "--effect gi", &script);
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && !said.contains("panicked"), "{said}");
-    assert!(figures(folder.path())["refusals"].as_f64().expect("counted") >= 2.0);
+    assert!(figures(folder.path())["refusals"].as_f64().expect("counted") >= 3.0);
     assert!(folder.path().join("kept/learned.exr").is_file());
+    // What never came to be takes no network away.
+    let after = std::fs::read_to_string(folder.path().join("after/compare.toml")).expect("written");
+    assert!(after.contains("model = \"../run\"") && !folder.path().join("none").exists(), "{after}");
+    assert!(folder.path().join("after/learned.exr").is_file());
     assert!(colours(&folder.path().join("trained.png")).len() > 40);
     // Nobody is at it any more, stopped by hand or by the window's end: it goes on, from where it was.
     for run in ["long", "last"] {
