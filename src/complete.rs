@@ -43,6 +43,8 @@ pub struct Wants<'a> {
     pub time: f32,
 }
 
+/// How it is said that a lamp was added: it is drawn for the view, as nothing else is.
+pub const LAMP_ADDED: &str = "no light that the effect sees: a lamp";
 /// Radius in pixels, at 512 rows, of the circle of confusion at infinity of the lens that is added.
 const BLUR: f32 = 8.0;
 /// Mean free path of red, green and blue in pixels, at 512 rows, of what is in the middle of the picture.
@@ -133,8 +135,7 @@ fn add_light(
         let lamp = Lamp::drawn(scene, camera, wants.size, wants.seed);
         look.lights.push(lamp.light());
         let Lamp { position, intensity } = lamp;
-        added
-            .push(format!("no light that the effect sees: a lamp at {position:.2} m of {intensity:.3} W/sr"));
+        added.push(format!("{LAMP_ADDED} at {position:.2} m of {intensity:.3} W/sr"));
     }
 }
 

@@ -72,9 +72,9 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
             let place = window.state.zoom.place(place);
             wipe(ui, place, &window.state.borders(&names), &shown);
             probe::show(ui, &response, place, &shown, None);
-            enlarge(ui, &response, &[place], window)
-                || drag_border(ui, &response, place.seen, window, &names)
-                || lights::handles(ui, &response, &[place], window)
+            let held = enlarge(ui, &response, &[place], window)
+                || drag_border(ui, &response, place.seen, window, &names);
+            lights::handles(ui, &response, &[place], window, held)
         }
         Arrangement::Tiles => {
             let zoom = window.state.zoom;
@@ -89,7 +89,8 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
             if let Some(index) = under {
                 probe::show(ui, &response, places[index], &shown, Some(index));
             }
-            enlarge(ui, &response, &places, window) || lights::handles(ui, &response, &places, window)
+            let held = enlarge(ui, &response, &places, window);
+            lights::handles(ui, &response, &places, window, held)
         }
     };
     legend::show(ui, area, window.state.map, window.state.reference());

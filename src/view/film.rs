@@ -172,10 +172,10 @@ impl Window {
         let moment = recording.moment();
         self.state.playing = false;
         self.state.time = moment;
-        let made = self.picture.as_ref().filter(|picture| {
-            picture.order.time == moment && picture.order.show == recording.show && self.errands < WAITING
-        });
-        let Some(picture) = made else { return };
+        let Some(picture) = self.picture.as_ref().filter(|_| self.is_as_wanted() && self.errands < WAITING)
+        else {
+            return;
+        };
         let shown = picture.images.iter().chain(&picture.inspected);
         let (names, pictures): (Vec<&str>, Vec<_>) =
             shown.map(|image| (image.name.as_str(), Arc::clone(&image.picture))).unzip();

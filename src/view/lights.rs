@@ -119,10 +119,11 @@ struct Held {
 }
 
 /// Shows where lights are on the images at `places`, but for those that animations move, and moves the one that is dragged, as
-/// far away as it is. A sun's handle goes around what the camera does. Whether one is dragged.
-pub fn handles(ui: &Ui, response: &Response, places: &[Place], window: &mut Window) -> bool {
-    let (Some(lights), Some(pilot)) = (&mut window.state.lights, window.state.pilot) else { return false };
-    let Some(subject) = &window.subject else { return false };
+/// far away as it is, unless the pointer has `held` something else. A sun's handle goes around what the camera does. Whether
+/// the pointer has hold of anything.
+pub fn handles(ui: &Ui, response: &Response, places: &[Place], window: &mut Window, held: bool) -> bool {
+    let (Some(lights), Some(pilot)) = (&mut window.state.lights, window.state.pilot) else { return held };
+    let Some(subject) = &window.subject else { return held };
     let camera = &pilot.camera;
     let middle = pilot.pivot();
     let reach = SUN * middle.distance(camera.position);
@@ -146,6 +147,9 @@ pub fn handles(ui: &Ui, response: &Response, places: &[Place], window: &mut Wind
             painter.arrow(*spot, 0.8 * (to - *spot), Stroke::new(1.5, fill));
         }
         ui.painter().circle(*spot, 4.0, fill, Stroke::new(1.5, Color32::BLACK));
+    }
+    if held {
+        return true;
     }
     let in_hand = Id::unique("light in hand");
     if response.drag_started_by(PointerButton::Primary) {

@@ -5,7 +5,7 @@ use super::pictures::{Developed, rgb};
 use super::studio::{Picture, Show};
 use super::window::Window;
 use crate::compare::{Comparison, MethodChoice, Run};
-use crate::complete::{Additions, listeners};
+use crate::complete::{Additions, LAMP_ADDED, listeners};
 use crate::figures::write_atomically;
 use crate::methods::{LEARNED, TRUTH};
 use crate::place::Place;
@@ -34,14 +34,19 @@ pub struct Moment {
     truth: Option<Developed>,
     /// Samples at which truth rests.
     samples: u32,
+    /// Where the network that hands have chosen is from.
+    model: Option<Place>,
     args: Arc<Args>,
 }
 
 impl Moment {
     /// Now, once there is a picture.
     pub fn of(window: &Window) -> Option<Self> {
+        let picture = Arc::clone(window.picture.as_ref()?);
+        let model = picture.order.show.model.as_deref();
         Some(Self {
-            picture: Arc::clone(window.picture.as_ref()?),
+            model: model.map(|folder| window.state.place_of_network(folder)),
+            picture,
             truth: window.truth_of_picture().map(|truth| truth.image.clone()),
             samples: window.state.samples,
             args: Arc::clone(&window.state.args),
@@ -99,6 +104,11 @@ fn head(picture: &Picture, folder: &Path) -> String {
     if picture.order.show.temporal {
         lines.push("Images were mixed with those of the frames before; here they are not.".to_owned());
     }
+    if picture.order.show.methods.contains(&LEARNED) && is_of_run(&picture.order.show) {
+        lines.push(
+            "The network is what its training run has come to: its weights may have gone on.".to_owned(),
+        );
+    }
     let again = view(picture).1;
     if !again.rotation.abs_diff_eq(picture.camera.rotation, UPRIGHT) {
         lines.push("The camera stands upright, and does not lean to a side as in the window.".to_owned());
@@ -112,14 +122,19 @@ fn head(picture: &Picture, folder: &Path) -> String {
     }
     let (first, added) = (picture.subject.pilot.camera, &picture.subject.added);
     let has_moved = (first.position, first.rotation) != (picture.camera.position, picture.camera.rotation);
-    if has_moved && !added.is_empty() {
+    let lamp = added.iter().find(|line| line.starts_with(LAMP_ADDED));
+    if let Some(lamp) = lamp.filter(|_| has_moved) {
         lines.push(
-            "What the scene lacked was added for the window's first view; a lamp is drawn for this one here:"
-                .to_owned(),
+            "A lamp was added for the window's first view; one is drawn for this view here:".to_owned(),
         );
-        lines.extend(added.iter().map(|line| format!("  {line}")));
+        lines.push(format!("  {lamp}"));
     }
     lines.iter().map(|line| format!("# {line}\n")).collect()
+}
+
+/// Whether a network's weights are those of a training run, which may replace them.
+fn is_of_run(show: &Show) -> bool {
+    show.trained.is_some() || show.model.as_deref().is_some_and(learned::is_run)
 }
 
 /// How a comparison says from where the picture is seen, and the camera that it has then: one of the file's, if it is that, whose angle
@@ -145,19 +160,19 @@ fn choice(show: &Show, name: &str) -> MethodChoice {
 
 /// The comparison that makes what is shown: with all that the window has chosen by its first view, which is another one here.
 fn comparison(moment: &Moment) -> Result<Comparison> {
-    let Moment { picture, samples, args, .. } = moment;
+    let Moment { picture, samples, model, args, .. } = moment;
     let show = &picture.order.show;
     let effect = show.effect;
     let [height, width] = show.size;
     let put = args.props.all().to_vec();
     let methods = show.methods.iter().map(|name| choice(show, name));
-    let network = || show.model.clone().unwrap_or_else(|| learned::usual_folder(effect));
+    let network = || model.clone().unwrap_or_else(|| Place::Folder(learned::usual_folder(effect)));
     let run = Run {
         scenes: Some(vec![show.source.clone()]),
         effects: Some(vec![effect]),
         methods: Some(methods.chain([MethodChoice::named(TRUTH)]).collect()),
         qualities: Some(vec![show.quality]),
-        model: show.methods.contains(&LEARNED).then(network).map(Place::Folder),
+        model: show.methods.contains(&LEARNED).then(network),
         put: (!put.is_empty()).then_some(put),
         resolution: Some(Resolution { height, width }),
         radius: listeners::RADIUS.contains(&effect).then_some(Radius::Metres(picture.radius)),

@@ -1,9 +1,9 @@
 //! What hands have chosen.
 
+mod networks;
+
 use super::Args;
 use super::studio::Show;
-#[cfg(feature = "train")]
-use super::studio::Trained;
 use super::zoom::Zoom;
 use crate::learned;
 use crate::live::pilot::Pilot;
@@ -13,6 +13,8 @@ use anyhow::Result;
 use deepshade_render::methods::dials::{Changes, Dial};
 use deepshade_render::scene::{Light, SceneSource};
 use deepshade_shaders::Effect;
+#[cfg(feature = "train")]
+use networks::Promised;
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -116,11 +118,14 @@ pub struct State {
     /// Whether the method `learned` is to be shown as soon as there are weights.
     #[cfg(feature = "train")]
     awaits_network: bool,
+    /// The network that a training under way is to make.
+    #[cfg(feature = "train")]
+    promised: Option<Promised>,
     /// How long films are where time has no end, seconds.
     pub film_seconds: f32,
     before: Option<Before>,
-    /// Keeps a network that was fetched.
-    _model: Option<Folder>,
+    /// The network that the command line names, which stays where it was fetched to as long as this does.
+    fetched: Option<Folder>,
 }
 
 impl State {
@@ -173,10 +178,12 @@ impl State {
             film_rate: 25.0,
             #[cfg(feature = "train")]
             awaits_network,
+            #[cfg(feature = "train")]
+            promised: None,
             networks,
             film_seconds: 10.0,
             before: None,
-            _model: model,
+            fetched: model,
         })
     }
 
@@ -216,31 +223,6 @@ impl State {
             self.awaits_network = awaits_network(&self.show);
         }
         self.stops = 0.0;
-    }
-
-    /// Shows what the network in a folder makes.
-    ///
-    /// # Errors
-    /// If it is damaged.
-    pub fn open_model(&mut self, folder: &Path) -> Result<()> {
-        self.take_network(learned::effect(folder)?, folder);
-        Ok(())
-    }
-
-    /// Shows what a network makes of an effect, once there is one in a folder.
-    pub fn take_network(&mut self, effect: Effect, folder: &Path) {
-        self.networks.insert(effect, folder.to_owned());
-        self.show.models_opened += 1;
-        self.choose_effect(effect);
-    }
-
-    /// Runs weights that a training run has come to; the first ones bring the method with them, where it was left out for want of any.
-    #[cfg(feature = "train")]
-    pub fn take_weights(&mut self, trained: Trained) {
-        self.show.trained = Some(trained);
-        if std::mem::take(&mut self.awaits_network) && !self.show.methods.contains(&LEARNED) {
-            self.toggle(LEARNED);
-        }
     }
 
     /// Sets a dial of a method by hand, or, where it is what the quality has anyway, no longer.

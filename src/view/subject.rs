@@ -10,7 +10,7 @@ use anyhow::Result;
 use deepshade_dataset::identity::scene_hash;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::past;
-use deepshade_render::scene::{AnimatedScene, Glow, Light, Scene, SceneSource};
+use deepshade_render::scene::{AnimatedScene, Density, Glow, Light, Medium, Scene, SceneSource};
 use deepshade_shaders::Effect;
 use glam::Vec3;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -79,6 +79,11 @@ impl Subject {
         hands.filter(|hands| fit(hands, own)).unwrap_or(own).to_vec()
     }
 
+    /// The lights that hands have left, where they have moved some: those that nobody has moved are where a file has them.
+    pub fn moved(&self, hands: Option<Vec<Light>>) -> Option<Vec<Light>> {
+        hands.filter(|hands| *hands != self.animated.scene.lights)
+    }
+
     /// Whether an animation moves one of its lights, so that hands cannot.
     pub fn is_rigged(&self, light: usize) -> bool {
         self.rigged.get(light) == Some(&true)
@@ -129,15 +134,25 @@ impl Subject {
     }
 }
 
-/// What tells a scene from every other. What the command line gives is told by the states of its files: an environment has more
-/// numbers than are quickly told.
+/// What tells a scene from every other. An environment, which has more numbers than are quickly told, is told by the state of its file;
+/// what a medium and what glows are made of may lie in files that theirs name, so that they are told by what was read.
 fn contents(args: &Args, animated: &AnimatedScene) -> String {
     let AnimatedScene { scene, rigs } = animated;
-    let given = [&args.additions.environment, &args.additions.medium, &args.additions.phosphor];
     let mut digest = Digest::default();
-    digest.say(&given.map(|path| path.as_deref().map(stamp)));
+    digest.say(&args.additions.environment.as_deref().map(stamp));
     digest.say(&scene_hash(&Scene { environment: None, medium: None, ..scene.clone() }));
+    digest.say(&scene.glow);
     digest.say(rigs);
+    if let Some(Medium { absorption, scattering, anisotropy, density }) = scene.medium.as_deref() {
+        digest.say(&(absorption, scattering, anisotropy));
+        match density {
+            Density::Grid(grid) => {
+                digest.say(&(grid.bounds(), grid.size()));
+                digest.say_all(grid.values());
+            }
+            everywhere_alike => digest.say(everywhere_alike),
+        }
+    }
     digest.finish()
 }
 
@@ -199,6 +214,49 @@ mod tests {
         };
         let [flat, raised, again] = [0.0, 1.0, 0.0].map(contents);
         assert!(flat != raised && flat == again, "{flat} {raised} {again}");
+    }
+
+    #[test]
+    fn files_that_a_file_names_are_told_by_what_they_hold() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        let source = "still-life:1".parse().expect("a scene");
+        let medium = "[array]\nfile = \"eight.raw\"\ncells = [2, 2, 2]\nnumbers = \"u8\"\nscale = 10.0\n";
+        std::fs::write(path("medium.toml"), medium).expect("written");
+        let fog = args(&format!(
+            "--effect fog-direct --height 16 --width 16 --extinction 0.2 --medium {}",
+            path("medium.toml").display()
+        ));
+        let foggy = |density: u8| {
+            std::fs::write(path("eight.raw"), [9, 9, 9, 9, 9, 9, 9, density]).expect("written");
+            Subject::load(&fog, &source, Effect::FogDirect).expect("a scene").contents
+        };
+        let [thin, dense, again] = [1, 2, 1].map(foggy);
+        assert!(thin != dense && thin == again, "{thin} {dense} {again}");
+        let glow = "materials = 'materials.toml'\n[[surface]]\npaint = 'mine'\n";
+        std::fs::write(path("glow.toml"), glow).expect("written");
+        let own = "[[material]]\nname = 'mine'\nbands = 'rgb'\n\
+            states = [{ decay = RATE, excitation = [0.1, 0.2, 0.3], emission = [1, 2, 3] }]";
+        let phosphor = args(&format!(
+            "--effect phosphor --height 16 --width 16 --phosphor {}",
+            path("glow.toml").display()
+        ));
+        let glowing = |rate: &str| {
+            std::fs::write(path("materials.toml"), own.replace("RATE", rate)).expect("written");
+            Subject::load(&phosphor, &source, Effect::Phosphor).expect("a scene").contents
+        };
+        let [slow, fast, again] = ["0.1", "0.2", "0.1"].map(glowing);
+        assert!(slow != fast && slow == again, "{slow} {fast} {again}");
+    }
+
+    #[test]
+    fn lights_that_nobody_has_moved_are_the_files() {
+        let args = args("--scene still-life:1 --height 16 --width 16 --effect gi");
+        let subject = Subject::load(&args, &args.scene, Effect::Gi).expect("a scene");
+        let own = subject.lights(None);
+        let bright: Vec<Light> = own.iter().map(|light| light.brighter(2.0)).collect();
+        assert_eq!((subject.moved(None), subject.moved(Some(own))), (None, None));
+        assert_eq!(subject.moved(Some(bright.clone())), Some(bright));
     }
 
     /// A lamp that goes from (0, 2, 0) to (3, 2, 0) within a second, above a triangle that stays.

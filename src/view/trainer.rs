@@ -74,9 +74,17 @@ impl Trainer {
     /// Begins, and tells of that and of the end.
     ///
     /// # Errors
-    /// If nothing is wished for, or the system has no thread to give.
+    /// If nothing is wished for, or something at an address, or the system has no thread to give.
     pub fn begin(wish: &Wish, tell: impl Fn(News) + Send + 'static) -> Result<Self> {
         ensure!(!wish.dataset.trim().is_empty(), "which dataset? `deepshade dataset generate` makes one");
+        for place in [&wish.dataset, &wish.run] {
+            // A run is followed in its folder, and in a store it is none before it ends.
+            ensure!(
+                !place.contains("://"),
+                "{}: the window trains in folders of this machine; `deepshade train` takes addresses, too",
+                place.trim()
+            );
+        }
         let (folder, running) = (wish.folder(), Arc::<Mutex<Running>>::default());
         let thread = thread::Builder::new().name("trainer".to_owned()).spawn({
             let (wish, folder, running) = (wish.clone(), folder.clone(), Arc::clone(&running));
@@ -225,6 +233,10 @@ mod tests {
         assert_eq!(Wish { run: " ".to_owned(), ..wish }.folder(), Path::new("runs/ao"));
         assert!(Wish::parse("data/ao").is_err());
         assert!(Trainer::begin(&Wish::default(), |_| {}).is_err());
+        for line in ["s3://sets/ao runs/a", "data/ao s3://runs/a"] {
+            let refused = Trainer::begin(&Wish::parse(line).expect("a wish"), |_| {}).err().expect(line);
+            assert!(refused.to_string().contains("folders of this machine"), "{refused}");
+        }
     }
 
     #[test]

@@ -172,7 +172,12 @@ impl Window {
 
     /// Whether the newest picture is what hands want, and nobody works on another one.
     pub fn is_up_to_date(&self) -> bool {
-        self.ordered.is_none() && self.made.as_ref().is_some_and(|made| !self.differs(made))
+        self.ordered.is_none() && self.is_as_wanted()
+    }
+
+    /// Whether the newest picture is what hands want.
+    pub fn is_as_wanted(&self) -> bool {
+        self.made.as_ref().is_some_and(|made| !self.differs(made))
     }
 
     /// Whether what hands want cannot be made.
@@ -215,6 +220,11 @@ impl Window {
     /// Forgets what was known of other effects and scenes: among it their lights, of which effects add some.
     pub fn changed(&mut self) {
         self.state.lights = None;
+        self.opened();
+    }
+
+    /// As [`Self::changed`], but for lights.
+    fn opened(&mut self) {
         (self.message, self.note) = (None, None);
         self.forget();
     }

@@ -10,8 +10,11 @@ use glam::Vec2;
 
 /// A moment of a window with a command line, after the camera went around by so many radians.
 fn moment(line: &str, turn: f32) -> Moment {
-    let args = args(&format!("--scene still-life:1 --height 16 --width 16 {line}"));
-    let show = State::new(&args).expect("methods").show;
+    let usual = if line.contains("--scene") { "" } else { "--scene still-life:1" };
+    let args = args(&format!("{usual} --height 16 --width 16 {line}"));
+    let state = State::new(&args).expect("methods");
+    let model = state.show.model.as_deref().map(|folder| state.place_of_network(folder));
+    let show = state.show;
     let subject = Arc::new(Subject::load(&args, &show.source, show.effect).expect("a scene"));
     let mut pilot = subject.pilot;
     if turn != 0.0 {
@@ -31,7 +34,7 @@ fn moment(line: &str, turn: f32) -> Moment {
         passes: Vec::new(),
         subject,
     };
-    Moment { picture: Arc::new(picture), truth: None, samples: 64, args: Arc::new(args) }
+    Moment { picture: Arc::new(picture), truth: None, samples: 64, model, args: Arc::new(args) }
 }
 
 /// The keys of the file that a moment is saved with, and its head.
@@ -52,7 +55,7 @@ fn what_the_first_view_decided_is_said_to_others() {
         assert_eq!(number(&keys, "aperture"), Some(lens.radius));
         assert_eq!(number(&keys, "focus"), Some(lens.focus));
         assert_eq!(number(&keys, "time"), Some(0.25));
-        assert_eq!(head.contains("a lamp is drawn for this one"), turn != 0.0, "{head}");
+        assert!(!head.contains("A lamp was added"), "the scene has its own: {head}");
         assert!(keys.get("mean_free_path").is_none() && keys.get("radius").is_none());
     }
     let moment = moment("--effect sss --aperture 0.01", 1.0);
@@ -62,6 +65,47 @@ fn what_the_first_view_decided_is_said_to_others() {
     let own = moment.picture.subject.animated.scene.materials[0].mean_free_path;
     assert_eq!(metres, own.to_array());
     assert!(keys.get("aperture").is_none(), "the effect does not listen to it");
+}
+
+#[test]
+fn a_lamp_that_was_added_for_another_view_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let dark = folder.path().join("dark.obj");
+    std::fs::write(&dark, "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 4 3\nf 1 3 2\n").expect("written");
+    let line = format!("--scene {} --effect dof --eye 0,2,3 --look-at 0,0,0", dark.display());
+    for turn in [0.0, 1.0] {
+        let head = saved(&moment(&line, turn)).1;
+        assert_eq!(head.contains("one is drawn for this view here"), turn != 0.0, "{head}");
+        assert_eq!(head.contains("W/sr"), turn != 0.0, "{head}");
+        assert!(!head.contains("a lens of radius"), "keys say it: {head}");
+    }
+}
+
+#[test]
+fn a_network_is_named_by_its_address() {
+    let mut moment = moment("--methods learned --model models/ao", 0.0);
+    moment.model = Some("s3://models/ao".parse().expect("an address"));
+    let (keys, head) = saved(&moment);
+    assert_eq!(keys["model"].as_str(), Some("s3://models/ao"));
+    assert!(!head.contains("training run"), "{head}");
+}
+
+#[cfg(feature = "train")]
+#[test]
+fn weights_that_go_on_are_named() {
+    use crate::view::studio::Trained;
+    use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, Weights};
+
+    let reach = Reach { radius: 0.25, diagonal_share: 0.1, height: 64 };
+    let spec = NetSpec { levels: 2, u0: 4, ..NetSpec::ao(ChannelOrder::Interleaved, reach) };
+    for (method, is_told) in [("learned", true), ("hbao", false)] {
+        let mut moment = moment(&format!("--methods {method} --model runs/ao"), 0.0);
+        let model = Model { weights: Weights::random(&spec, 1), spec: spec.clone() };
+        let picture = Arc::get_mut(&mut moment.picture).expect("nobody else's");
+        picture.order.show.trained = Some(Trained(Arc::new(model)));
+        let head = saved(&moment).1;
+        assert_eq!(head.contains("its weights may have gone on"), is_told, "{method}: {head}");
+    }
 }
 
 #[test]

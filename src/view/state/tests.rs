@@ -1,6 +1,8 @@
 //! What hands have chosen stays chosen.
 
 use super::*;
+#[cfg(feature = "train")]
+use crate::view::studio::Trained;
 use crate::view::tests::args;
 
 #[test]
@@ -46,14 +48,20 @@ fn a_scene_that_is_opened_again_is_read_anew_and_seen_from_the_same_place() {
     assert!(state.show.scenes_opened > before.scenes_opened);
 }
 
+/// Weights for ambient occlusion.
 #[cfg(feature = "train")]
-#[test]
-fn a_network_that_was_waited_for_is_shown_once_there_are_weights() {
+fn trained() -> Trained {
     use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, Weights};
 
     let reach = Reach { radius: 0.25, diagonal_share: 0.1, height: 64 };
     let spec = NetSpec { levels: 2, u0: 4, ..NetSpec::ao(ChannelOrder::Interleaved, reach) };
-    let trained = Trained(Arc::new(Model { weights: Weights::random(&spec, 1), spec }));
+    Trained(Arc::new(Model { weights: Weights::random(&spec, 1), spec }))
+}
+
+#[cfg(feature = "train")]
+#[test]
+fn a_network_that_was_waited_for_is_shown_once_there_are_weights() {
+    let trained = trained();
     let mut state = State::new(&args("--model runs/none")).expect("methods");
     assert!(!state.show.methods.contains(&LEARNED));
     state.take_weights(trained.clone());
@@ -64,6 +72,59 @@ fn a_network_that_was_waited_for_is_shown_once_there_are_weights() {
     let mut named = State::new(&args("--model runs/none --methods hbao")).expect("methods");
     named.take_weights(trained);
     assert_eq!(named.show.methods, ["hbao"]);
+}
+
+#[cfg(feature = "train")]
+#[test]
+fn weights_for_another_effect_are_not_run_and_their_folder_is_found_by_it() {
+    for effect in [Effect::Gi, Effect::FogDirect] {
+        let mut state = State::new(&args(&format!("--effect {effect} --model runs/none"))).expect("methods");
+        let before = state.show.clone();
+        state.take_weights(trained());
+        state.take_weights(trained());
+        assert!(state.show == before, "{effect}");
+        state.choose_effect(Effect::Ao);
+        assert_eq!(state.show.model.as_deref(), Some(Path::new("runs/none")));
+        state.take_weights(trained());
+        assert!(state.show.methods.contains(&LEARNED) && state.show.trained.is_some());
+        state.choose_effect(effect);
+        assert!(state.show.model.is_none() && state.show.trained.is_none());
+    }
+}
+
+#[cfg(feature = "train")]
+#[test]
+fn a_training_that_comes_to_nothing_leaves_an_effect_the_network_that_it_had() {
+    let folder = |state: &State| state.show.model.clone();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/ao");
+    let new = Path::new("runs/new");
+    let mut state = State::new(&args("--effect ao")).expect("methods");
+    for before in [None, Some(shipped)] {
+        before.iter().for_each(|before| state.open_model(before).expect("a network"));
+        state.begin_training(Effect::Ao, new);
+        assert_eq!(folder(&state).as_deref(), Some(new));
+        assert!(state.end_training());
+        assert_eq!(folder(&state), before);
+        assert!(!state.end_training(), "it has ended");
+    }
+    assert!(state.show.methods.contains(&LEARNED));
+    // Hands look at something else, or have named the folder themselves.
+    state.begin_training(Effect::Ao, new);
+    state.choose_effect(Effect::Gi);
+    assert!(!state.end_training());
+    let mut named = State::new(&args("--effect ao --model runs/new")).expect("methods");
+    named.begin_training(Effect::Ao, new);
+    assert!(!named.end_training() && folder(&named).as_deref() == Some(new));
+}
+
+#[test]
+fn a_network_that_was_fetched_is_known_by_its_address() {
+    let mut state = State::new(&args("--effect ao")).expect("methods");
+    state.args = Arc::new(args("--effect ao --model s3://models/ao"));
+    state.fetched = Some(Folder::of(Path::new("cache/copy")));
+    let place = |folder: &str| state.place_of_network(Path::new(folder)).to_string();
+    assert_eq!(place("cache/copy"), "s3://models/ao");
+    assert_eq!(place("models/other"), "models/other");
 }
 
 #[test]

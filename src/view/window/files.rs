@@ -27,11 +27,14 @@ impl Window {
         }
     }
 
-    /// Shows another scene.
+    /// Shows another scene, or the same one as its files are now, under the lights that hands have moved.
     pub fn open_scene(&mut self, source: SceneSource) {
         let was_read = self.subject.as_ref().is_some_and(|subject| subject.source == self.state.show.source);
         self.state.open(source, was_read);
-        self.changed();
+        if let Some(subject) = &self.subject {
+            self.state.lights = subject.moved(self.state.lights.take());
+        }
+        self.opened();
     }
 
     /// Saves what is shown now into a folder, or into one that is free, and says where, once it is done.

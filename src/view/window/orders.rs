@@ -28,7 +28,7 @@ impl Window {
     }
 
     /// As [`Self::differs`], and not only in its exposure.
-    fn shows_else(&self, other: &Order) -> bool {
+    pub(super) fn shows_else(&self, other: &Order) -> bool {
         let order = self.order(other.number);
         (&order.show, order.camera, order.time, &order.lights)
             != (&other.show, other.camera, other.time, &other.lights)
@@ -45,9 +45,8 @@ impl Window {
 
     /// Orders what is wanted: one at a time, so that none is overtaken for ever while somebody moves.
     pub(super) fn order_picture(&mut self) {
-        let is_made = self.made.as_ref().is_some_and(|made| !self.differs(made));
         // Mixing with frames before goes on while nothing moves.
-        if self.ordered.is_some() || self.is_refused() || (is_made && !self.state.show.temporal) {
+        if self.ordered.is_some() || self.is_refused() || (self.is_as_wanted() && !self.state.show.temporal) {
             return;
         }
         let is_exposed_anew =

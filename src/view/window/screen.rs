@@ -35,10 +35,18 @@ impl Window {
 
     /// Exposes images as suits the first one now, however the first of all was exposed.
     pub fn expose_anew(&mut self) {
-        let first = self.picture.as_ref().and_then(|picture| Some((picture, picture.images.first()?)));
-        self.exposure =
-            first.map(|(picture, image)| Exposure::new(picture.order.show.effect, &image.values, None));
         self.state.stops = 0.0;
+        let is_seen = self.made.as_ref().is_some_and(|made| !self.shows_else(made));
+        let picture = self.picture.as_ref().filter(|_| is_seen);
+        let suits = picture.and_then(|picture| {
+            Some(Exposure::new(picture.order.show.effect, &picture.images.first()?.values, None))
+        });
+        self.exposure = suits;
+        if !is_seen {
+            // What is to be seen is still to come, and finds its own: one that was ordered before has another.
+            self.made = None;
+            self.ordered.iter_mut().for_each(|ordered| ordered.outdated = true);
+        }
     }
 
     /// Shows a picture of an image from now on.

@@ -29,13 +29,16 @@ impl Window {
 
     /// Looks at what a training makes that has begun.
     pub(super) fn training_began(&mut self, effect: Effect, folder: &Path) {
-        self.state.take_network(effect, folder);
+        self.state.begin_training(effect, folder);
         self.changed();
     }
 
-    /// Says how a training has ended.
+    /// Says how a training has ended, and looks away from a folder that has come to nothing.
     pub(super) fn training_ended(&mut self, how: Result<String, String>) {
         self.trainer = None;
+        if self.state.end_training() {
+            self.changed();
+        }
         match how {
             Ok(note) => self.say(note),
             Err(what) => self.refuse(what),
