@@ -35,9 +35,10 @@ struct Inputs {
 @group(0) @binding(1) var<storage, read> reads: array<Reads>;
 @group(0) @binding(2) var<storage, read> packed: array<vec4<f32>>;
 
-// Whether a pixel of the layer's frame lies in it; around it are zeros.
+// Whether a pixel of the layer's frame lies in it; around it are zeros. No `&&`, which browsers make branches of: those of
+// all that is inlined here take software adapters minutes to compile.
 fn inside(at: vec2<i32>) -> bool {
-    return all(at >= vec2(0)) && at.x < i32(layer.width) && at.y < i32(layer.height);
+    return all((at >= vec2(0)) & (at < vec2(i32(layer.width), i32(layer.height))));
 }
 
 fn leaky(value: vec4<f32>) -> vec4<f32> {

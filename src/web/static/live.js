@@ -114,7 +114,8 @@ class Live {
         await this.turn();
       } catch (error) {
         document.body.dataset.state = "failed";
-        say(`${error.message ?? error}`, true);
+        const stopped = error instanceof WebAssembly.RuntimeError;
+        say(stopped ? "The page stopped: the browser may have lost its graphics device. Load it again." : `${error.message ?? error}`, true);
         this.told = undefined;
         // Until something else is chosen.
         while (!this.wanted) await new Promise(requestAnimationFrame);
