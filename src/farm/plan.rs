@@ -9,7 +9,7 @@ use deepshade_dataset::{Recipe, Shard};
 use rayon::{ThreadPoolBuilder, prelude::*};
 use serde::{Deserialize, Serialize};
 use std::collections::{HashMap, HashSet};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// The plan's file in the folder of jobs.
 pub const PLAN: &str = "farm.json";
@@ -25,7 +25,9 @@ const VERSION: u32 = 1;
     deepshade farm submit /shared/jobs/ao\n  deepshade farm status /shared/jobs/ao\n  \
     deepshade farm merge /shared/jobs/ao --out data/ao\n\n\
     All machines must see the recipe, the program and the folder of jobs under the same paths; shards may be in an object \
-    store. Tasks that fail or are killed are tried again by the engine and go on where they were."
+    store. With Kubernetes `deepshade farm plan` names the `kubectl` command that takes the place of `submit`, and shards must be \
+    below the folder of jobs or in a store, since pods have one volume, at that folder: a ReadWriteMany claim, `deepshade`. \
+    Tasks that fail or are killed are tried again by the engine and go on where they were."
 )]
 pub struct Args {
     /// The recipe, a TOML file.
@@ -33,7 +35,7 @@ pub struct Args {
     /// Folder that the scene files of the recipe are relative to, where it is not the recipe's own.
     #[arg(long)]
     scenes: Option<PathBuf>,
-    /// Folder or address that the shards are to be in.
+    /// Folder or address that the shards are to be in; with Kubernetes a folder below --jobs, or an address.
     #[arg(long)]
     out: Place,
     /// Into how many shards the dataset is cut: each a task of minutes to hours.
@@ -57,8 +59,8 @@ pub struct Args {
     /// The program on the machines that work; by default this one, with Kubernetes `deepshade` as the image finds it.
     #[arg(long)]
     program: Option<PathBuf>,
-    /// Image of the container that Kubernetes runs, which has the program and the recipe.
-    #[arg(long, required_if_eq("engine", "kubernetes"))]
+    /// Image of the container that Kubernetes runs, which has the program and the recipe; needed with that engine.
+    #[arg(long)]
     image: Option<String>,
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]
@@ -182,8 +184,16 @@ impl Plan {
 /// # Errors
 /// If the recipe is at fault, or the folder holds something or cannot be written.
 pub fn run(args: &Args) -> Result<()> {
-    let plan = planned(args)?;
+    let mut plan = planned(args)?;
+    let below = match (args.engine, &args.out) {
+        (Engine::Kubernetes, Place::Folder(out)) => Some(in_volume(out, &args.jobs)?),
+        _ => None,
+    };
     let jobs = fresh(&args.jobs)?;
+    // Pods see the volume where that folder is, not by links to it.
+    if let Some(below) = below {
+        plan.out = jobs.join(below).display().to_string();
+    }
     let (name, text) = match plan.engine {
         Engine::Slurm => (slurm::FILE, slurm::script(&plan, &jobs)?),
         Engine::Ray => (ray::FILE, ray::SCRIPT.to_owned()),
@@ -207,7 +217,30 @@ pub fn run(args: &Args) -> Result<()> {
     say!("{} pairs in {} shards; next: {next}", plan.pairs, plan.shards)
 }
 
+/// The way from the folder of jobs, where Kubernetes' pods have their volume, to that of the shards.
+///
+/// # Errors
+/// If it leads elsewhere: what pods write there is lost with them.
+pub(super) fn in_volume(out: &Path, jobs: &Path) -> Result<PathBuf> {
+    let whole = |path: &Path| std::path::absolute(path).with_context(|| path.display().to_string());
+    let below = whole(out)?.strip_prefix(whole(jobs)?).map(Path::to_owned).ok();
+    below.filter(|way| way.components().all(|part| matches!(part, Component::Normal(_)))).with_context(|| {
+        format!(
+            "--out {}: Kubernetes' pods have their volume at the folder of jobs alone: a folder below {}, such as {}, or an \
+             address of a store keeps what they make",
+            out.display(),
+            jobs.display(),
+            jobs.join("shards").display()
+        )
+    })
+}
+
 fn planned(args: &Args) -> Result<Plan> {
+    ensure!(
+        args.engine != Engine::Kubernetes || args.image.is_some(),
+        "--engine kubernetes needs --image, the container image that pods run, which has the program and the recipe: \
+         --image registry/deepshade:1"
+    );
     let whole = |path: &Path| path.canonicalize().with_context(|| path.display().to_string());
     let recipe = whole(&args.recipe)?;
     let scenes = args.scenes.as_deref().map(whole).transpose()?;

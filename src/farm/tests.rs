@@ -139,6 +139,17 @@ fn kubernetes_job_has_one_index_a_shard_and_its_own_retries() {
 }
 
 #[test]
+fn kubernetes_shards_are_where_its_volume_is() {
+    let way = |out: &str, jobs: &str| super::plan::in_volume(Path::new(out), Path::new(jobs));
+    assert_eq!(way("/jobs/ao/shards", "/jobs/ao").expect("below"), Path::new("shards"));
+    assert_eq!(way("jobs/shards/1", "./jobs").expect("below"), Path::new("shards/1"));
+    for out in ["/elsewhere/ao", "/jobs/ao2", "/jobs/ao/../ao2", "/jobs"] {
+        let error = way(out, "/jobs/ao").expect_err(out).to_string();
+        assert!(error.contains(out) && error.contains("/jobs/ao/shards"), "{error}");
+    }
+}
+
+#[test]
 fn numbers_are_written_as_ranges() {
     assert_eq!(ranges(&[1, 2, 3, 7, 9, 10]), "1-3,7,9-10");
     assert_eq!(ranges(&[4]), "4");
