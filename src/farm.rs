@@ -21,7 +21,7 @@ pub use cost::{measured, program};
 pub use model::{Farm, Outcome, Parts};
 
 use crate::place::Place;
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use clap::ValueEnum;
 use plan::Plan;
 use serde::{Deserialize, Serialize};
@@ -82,7 +82,10 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Work(args) => work::run(args),
         Verb::Cost(args) => cost::run(args),
         Verb::Merge(args) => {
-            let shards = Plan::load(&args.jobs)?.places().collect::<Vec<_>>();
+            let plan = Plan::load(&args.jobs)?;
+            let missing = plan.missing()?;
+            ensure!(missing.is_empty(), "{}: shards are missing: {}", args.out, missing.join(", "));
+            let shards = plan.places().collect::<Vec<_>>();
             crate::dataset::merge_places(&shards, &args.out, args.json.as_deref())
         }
     }

@@ -99,6 +99,8 @@ fn shards_of_a_farm_are_one_dataset_and_failures_are_named() {
     assert!(farm.refused(&["farm", "merge", &jobs, "--out", &merged]).contains("shard-2-of-4"));
 
     std::fs::remove_dir_all(&failing).expect("deleted");
+    let refused = farm.refused(&["farm", "merge", &jobs, "--out", &merged]);
+    assert!(refused.contains("shards are missing: 2/4"), "{refused}");
     farm.done(&["farm", "work", &jobs, "--shard", "2"]);
     let (figures, said) = farm.status();
     assert_eq!((&figures["shards_made"], &figures["shards_failed"]), (&4.0.into(), &0.0.into()));

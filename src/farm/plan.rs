@@ -162,9 +162,26 @@ impl Plan {
             Ok(holds) => holds.then_some(Ok(shard.number())),
             Err(error) => Some(Err(error)),
         };
-        // A store is asked once a shard, and takes its time.
-        let pool = ThreadPoolBuilder::new().num_threads(place::TRANSFERS).build().context("threads")?;
-        pool.install(|| made.par_iter().filter_map(is_there).collect())
+        at_once(|| made.par_iter().filter_map(is_there).collect())
+    }
+
+    /// Shards of which nothing is where they belong, as people write them. What is there by halves is not among them.
+    ///
+    /// # Errors
+    /// If their place cannot be looked at.
+    pub fn missing(&self) -> Result<Vec<String>> {
+        let shards: Vec<Shard> = self.shards().collect();
+        let is_missing = |shard: &Shard| -> Result<bool> {
+            Ok(match self.shard_place(*shard)? {
+                Place::Folder(folder) => !folder.exists(),
+                place => !place.holds(&shard.file_name())?,
+            })
+        };
+        let missing = |shard: &Shard| match is_missing(shard) {
+            Ok(missing) => missing.then(|| Ok(shard.to_string())),
+            Err(error) => Some(Err(error)),
+        };
+        at_once(|| shards.par_iter().filter_map(missing).collect())
     }
 
     fn place(&self) -> Result<Place> {
@@ -177,6 +194,12 @@ impl Plan {
         let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
         format!("deepshade-{}", stem.chars().map(plain).collect::<String>().trim_matches('-'))
     }
+}
+
+/// Does what asks a store once a shard, which takes its time.
+fn at_once<T: Send>(work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
+    let pool = ThreadPoolBuilder::new().num_threads(place::TRANSFERS).build().context("threads")?;
+    pool.install(work)
 }
 
 /// Writes the plan and the engine's file.
