@@ -96,7 +96,7 @@ pub struct Merge {
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  deepshade dataset verify data/ao")]
 pub struct Verify {
-    /// Folder or address of the dataset.
+    /// Folder or address of the dataset, or of a shard, which is checked against its own list.
     dataset: Place,
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]

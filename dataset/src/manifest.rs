@@ -3,7 +3,7 @@
 
 use crate::journal::Entry;
 use crate::origin::{Origin, Versioned};
-use crate::{DatasetError, Part, SceneRecord, Variation};
+use crate::{DatasetError, Part, SceneRecord, Shard, Variation};
 use deepshade_render::scene::Camera;
 use deepshade_shaders::atomic_file;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -61,9 +61,13 @@ impl Manifest {
     /// Reads the manifest of a dataset's folder.
     ///
     /// # Errors
-    /// If it is missing, damaged, of another version of the data, or states values beyond a recipe's limits.
+    /// If it is missing, as it is in the folder of a shard, damaged, of another version of the data, or states values beyond a
+    /// recipe's limits.
     pub fn load(folder: &Path) -> Result<Self, DatasetError> {
-        Self::load_list(folder, MANIFEST)
+        match Shard::in_folder(folder) {
+            Some(shard) => Err(DatasetError::invalid(folder, shard.is_no_dataset())),
+            None => Self::load_list(folder, MANIFEST),
+        }
     }
 
     /// [`Manifest::load`] of a file of another name: the list of a shard.

@@ -1,7 +1,7 @@
 //! Reading a dataset.
 
 use crate::generate::target_layer;
-use crate::{DatasetError, Manifest, PairRecord, Part, Props, Recipe};
+use crate::{DatasetError, Manifest, PairRecord, Part, Props, Recipe, Shard};
 use deepshade_render::exr_file;
 use deepshade_shaders::{GBuffer, Planes};
 use std::path::{Path, PathBuf};
@@ -32,6 +32,14 @@ impl Dataset {
     /// states values beyond a recipe's limits.
     pub fn open(folder: &Path) -> Result<Self, DatasetError> {
         Ok(Self { folder: folder.to_owned(), manifest: Manifest::load(folder)? })
+    }
+
+    /// The pairs of a shard in its folder.
+    ///
+    /// # Errors
+    /// As [`Dataset::open`], of the shard's list.
+    pub(crate) fn open_shard(folder: &Path, shard: Shard) -> Result<Self, DatasetError> {
+        Ok(Self { folder: folder.to_owned(), manifest: Manifest::load_list(folder, &shard.file_name())? })
     }
 
     /// The same dataset with the recipe's scene files in another folder than the manifest says.

@@ -4,6 +4,7 @@
 pub mod merge;
 
 use crate::journal::JOURNAL;
+use crate::manifest::MANIFEST;
 use crate::plan::PlannedScene;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -62,8 +63,22 @@ impl Shard {
         begin(self.number - 1)..begin(self.number)
     }
 
+    /// The shard that a folder holds, if its list is there and no manifest.
+    pub fn in_folder(folder: &Path) -> Option<Self> {
+        if folder.join(MANIFEST).exists() {
+            return None;
+        }
+        let entries = std::fs::read_dir(folder).ok()?.flatten();
+        entries.into_iter().find_map(|entry| Self::by_file(&entry.file_name().to_string_lossy()))
+    }
+
+    /// What is said to who takes it for a dataset.
+    pub fn is_no_dataset(self) -> String {
+        format!("it is shard {self}: merge it with the others first, by `deepshade dataset merge`")
+    }
+
     /// The shard of which that is the list's name.
-    fn by_file(name: &str) -> Option<Self> {
+    pub fn by_file(name: &str) -> Option<Self> {
         let (number, count) = name.strip_prefix("shard-")?.strip_suffix(".json")?.split_once("-of-")?;
         format!("{number}/{count}").parse().ok()
     }

@@ -3,7 +3,8 @@
 use crate::manifest::MANIFEST;
 use crate::origin::recipe_hash;
 use crate::recipe::file_hash;
-use crate::{Dataset, DatasetError, Manifest, Pair, Subject, progress};
+use crate::shard::merge::list_fault;
+use crate::{Dataset, DatasetError, Manifest, Pair, Shard, Subject, progress};
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::{Attribute, Effect, GBuffer};
 use glam::Vec3;
@@ -28,25 +29,32 @@ pub struct Fault {
 /// The outcome of a check.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Report {
-    /// Pairs that the manifest lists.
+    /// Pairs that the manifest, or a shard's list, has.
     pub pairs: usize,
     /// What is wrong, in the manifest's order; empty for a sound dataset.
     pub faults: Vec<Fault>,
 }
 
-/// Checks all files of a dataset against its manifest, and their contents.
+/// Checks all files of a dataset against its manifest, and their contents; those of a shard against its list.
 ///
 /// # Errors
-/// If the manifest cannot be read; faults of other files are in the report.
+/// If the manifest or the list cannot be read; faults of other files are in the report.
 pub fn verify(folder: &Path) -> Result<Report, DatasetError> {
-    let dataset = Dataset::open(folder)?;
+    let shard = Shard::in_folder(folder);
+    let dataset = match shard {
+        Some(shard) => Dataset::open_shard(folder, shard)?,
+        None => Dataset::open(folder)?,
+    };
     let bar = progress::bar("pairs checked", dataset.len(), 0);
     let check = |index: usize| {
         let fault = pair_fault(&dataset, index).map(|what| (dataset.record(index).file.clone(), what));
         bar.inc(1);
         fault
     };
-    let mut faults: Vec<(String, String)> = manifest_faults(&dataset);
+    let mut faults: Vec<(String, String)> = match shard {
+        Some(shard) => list_fault(folder).into_iter().map(|what| (shard.file_name(), what)).collect(),
+        None => manifest_faults(&dataset),
+    };
     faults.extend((0..dataset.len()).into_par_iter().filter_map(check).collect::<Vec<_>>());
     bar.finish_and_clear();
     let faults = faults.into_iter().map(|(file, what)| Fault { file, what }).collect();

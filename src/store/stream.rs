@@ -10,7 +10,7 @@ use super::remote::Remote;
 use super::transfer::fetch_file;
 use crate::place::{Address, Folder};
 use anyhow::{Context, Result, bail};
-use deepshade_dataset::{Dataset, Manifest, Pair, manifest};
+use deepshade_dataset::{Dataset, Manifest, Pair, Shard, manifest};
 use deepshade_train::PairSource;
 use std::collections::{HashMap, VecDeque};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -85,7 +85,10 @@ impl Stream {
 
     fn new(remote: Remote, list: Commit, folder: Folder, room: u64) -> Result<Self> {
         let files: HashMap<_, _> = list.files.into_iter().map(|file| (file.name.clone(), file)).collect();
-        let Some(manifest) = files.get(manifest::MANIFEST) else { bail!("it is no dataset") };
+        let Some(manifest) = files.get(manifest::MANIFEST) else {
+            let shard = files.keys().find_map(|name| Shard::by_file(name));
+            bail!(shard.map_or_else(|| "it is no dataset".to_owned(), Shard::is_no_dataset))
+        };
         fetch_file(&remote, manifest, &folder.join(&manifest.name))?;
         let dataset = Dataset::open(&folder)?;
         let held = Mutex::new(Held::left(&files, &dataset));

@@ -91,6 +91,20 @@ pub fn rehearse<S: ShardFiles>(shards: &[S], folder: &Path) -> Result<usize, Dat
     Ok(manifest.pairs.len())
 }
 
+/// What of a shard's list keeps it from being put together with others, if something does.
+pub(crate) fn list_fault(folder: &Path) -> Option<String> {
+    let folder = folder.to_owned();
+    let fault = listed(&folder).and_then(|list| {
+        let planned: Vec<String> =
+            list.manifest.origin.recipe.view_names().map(|view| file_name(&view)).collect();
+        lists_its_own(&list, &planned)
+    });
+    fault.err().map(|error| match error {
+        DatasetError::Invalid { what, .. } => what,
+        other => other.to_string(),
+    })
+}
+
 /// A shard with its list.
 struct Listed<'a, S> {
     shard: Shard,

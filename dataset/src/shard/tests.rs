@@ -76,8 +76,13 @@ fn what_is_no_whole_set_of_shards_is_refused_and_named() {
 
     // Damaged, mended by making the shard again, and then sound.
     let list = Manifest::load_list(&parts[0], &shard("3/3").file_name()).expect("a list");
+    let error = Manifest::load(&parts[0]).expect_err("refused").to_string();
+    assert!(error.contains("it is shard 3/3: merge it"), "{error}");
+    let faults = || verify(&parts[0]).expect("a shard").faults;
+    assert_eq!(faults(), []);
     let damaged = parts[0].join(&list.pairs[0].file);
     std::fs::write(&damaged, b"noise").expect("damaged");
+    assert!(faults().iter().any(|fault| fault.file == list.pairs[0].file), "{:?}", faults());
     let all: Vec<&PathBuf> = parts.iter().collect();
     assert!(refused(&all).contains("generate that shard again"));
     assert_eq!(generate_shard(&ours, &parts[0], None, shard("3/3")).expect("mended").rendered, 1);
@@ -103,6 +108,8 @@ fn a_list_names_what_its_recipe_plans_and_nothing_else() {
     let refused = |change: fn(&mut Manifest)| {
         relist(&parts[0], &name, change);
         let error = merge(&parts, &merged).expect_err("refused").to_string();
+        let faults = verify(&parts[0]).map_or(1, |report| report.faults.len());
+        assert_ne!(faults, 0, "{error}");
         std::fs::write(parts[0].join(&name), &sound).expect("restored");
         assert!(!merged.exists(), "nothing is written");
         error
