@@ -9,6 +9,7 @@ use deepshade_dataset::recipe::Resolution;
 use deepshade_dataset::{Manifest, Radius};
 use deepshade_infer::{ChannelOrder, NetSpec, Reach};
 use deepshade_shaders::Effect;
+use deepshade_shaders::similarity::TILE;
 use deepshade_train::config::MOST_MINUTES;
 use deepshade_train::{Ending, Loss, Optimiser, Outcome, TrainConfig};
 use serde_json::json;
@@ -49,9 +50,8 @@ pub struct Args {
     /// Devices that share the images of each step: GPUs where it was built for them, threads of the processor else.
     #[arg(long, default_value_t = defaults().devices)]
     devices: usize,
-    /// Height and width of the crops, pixels; a multiple of 8.
-    #[arg(long, default_value_t = defaults().crop)]
-    crop: usize,
+    #[arg(long, help = crop_help())]
+    crop: Option<usize>,
     /// Steps of the whole run.
     #[arg(long, default_value_t = defaults().steps)]
     steps: usize,
@@ -189,6 +189,19 @@ fn rate_help() -> String {
     format!("The optimiser's rate, at its highest [default: {adamw} for adamw, {adadelta} for adadelta]")
 }
 
+fn crop_help() -> String {
+    let most = defaults().crop;
+    format!(
+        "Height and width of the crops, pixels; a multiple of 8 [default: {most}, or the largest that fits into the pairs]"
+    )
+}
+
+/// Crops of pairs of a size, where nobody says how large: as large as fits, at most the default.
+fn usual_crop(Resolution { height, width }: Resolution) -> usize {
+    let fits = height.min(width);
+    (fits - fits % TILE).min(defaults().crop)
+}
+
 /// The settings that do not depend on network and data.
 fn defaults() -> TrainConfig {
     let reach = Reach { radius: INPUT_RADIUS, diagonal_share: 1.0, height: 1 };
@@ -246,11 +259,12 @@ fn config(args: &Args, dataset: &Path) -> Result<TrainConfig> {
         ),
     };
     // Before the run's folder is claimed: what is refused leaves no folder that remembers it.
-    let Resolution { height, width } = manifest.origin.recipe.resolution;
+    let resolution = manifest.origin.recipe.resolution;
+    let Resolution { height, width } = resolution;
+    let crop = args.crop.unwrap_or_else(|| usual_crop(resolution));
     ensure!(
-        args.crop <= height.min(width),
-        "--crop {}: the pairs of {} are {width} x {height} pixels",
-        args.crop,
+        crop <= height.min(width),
+        "--crop {crop}: the pairs of {} are {width} x {height} pixels",
         args.dataset
     );
     let optimiser = args.optimiser.defaults();
@@ -262,7 +276,7 @@ fn config(args: &Args, dataset: &Path) -> Result<TrainConfig> {
         optimiser: args.rate.map_or(optimiser, |rate| optimiser.with_rate(rate)),
         batch: args.batch,
         devices: args.devices,
-        crop: args.crop,
+        crop,
         steps: args.steps,
         validation_pairs: args.validation_pairs,
         validate_every: args.validate_every,
@@ -288,4 +302,16 @@ pub fn default_config(
     let spec = NetSpec::published(effect, order, reach)
         .with_context(|| format!("no network is laid out for effect `{effect}`"))?;
     Ok(TrainConfig::new(spec, dataset.to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn crops_fit_into_small_pairs_and_are_as_ever_in_large_ones() {
+        let crop = |height, width| usual_crop(Resolution { height, width });
+        assert_eq!([crop(512, 512), crop(256, 300), crop(1080, 1920)], [defaults().crop; 3]);
+        assert_eq!([crop(96, 96), crop(101, 64), crop(255, 400)], [96, 64, 248]);
+    }
 }
