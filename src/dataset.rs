@@ -12,6 +12,7 @@ use deepshade_dataset::{
     merge, test_sheet, verify,
 };
 use deepshade_render::method::{Frame, Method, MethodError, Repeats, Shaded};
+use deepshade_render::scene::procedural::Split;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, lists};
 use rayon::{ThreadPoolBuilder, prelude::*};
@@ -212,6 +213,13 @@ pub fn made(recipe: &Recipe, place: &Place, shard: Option<Shard>) -> Result<Summ
 
 fn generate_pairs(args: &Generate) -> Result<()> {
     let recipe = args.recipe.load()?;
+    // Pairs to test with, or for others to train with, may all be of one part.
+    if recipe.split == Split::Train && recipe.validation_share == 0.0 {
+        note!(
+            "{}: `validation_share` is 0, so that no pair is held apart: `deepshade train` will refuse these data",
+            recipe.path.display()
+        );
+    }
     let start = Instant::now();
     let summary = made(&recipe, &args.out, args.shard)?;
     let seconds = start.elapsed().as_secs_f64();
