@@ -109,7 +109,6 @@ pub fn facts(manifest: &Manifest, metrics: Vec<(String, String)>) -> Facts {
         Some(method) => format!("images of `{method}`"),
         None => format!("truth of {} samples a pixel", recipe.samples),
     };
-    let families: Vec<&str> = recipe.families.iter().map(|family| family.name.as_str()).collect();
     Facts {
         recipe: format!(
             "`{}`: {} frames of {width} x {height}, {target}, seed {}, of {} scenes ({})",
@@ -117,12 +116,28 @@ pub fn facts(manifest: &Manifest, metrics: Vec<(String, String)>) -> Facts {
             manifest.pairs.len(),
             recipe.seed,
             recipe.scene_count(),
-            families.join(", ")
+            scenes(recipe)
         ),
         metrics,
         limits: limits(recipe),
         licence: LICENCE.to_owned(),
     }
+}
+
+/// Where scenes are from: families alone by their names; beside files or captures, how many there are of each.
+fn scenes(recipe: &Recipe) -> String {
+    let counted = |count: usize, one: &str| match count {
+        0 => None,
+        1 => Some(format!("1 {one}")),
+        _ => Some(format!("{count} {one}s")),
+    };
+    let others = [counted(recipe.files.len(), "file"), counted(recipe.captures.len(), "capture")];
+    let alone = others.iter().all(Option::is_none);
+    let families = recipe.families.iter().map(|family| match alone {
+        true => family.name.clone(),
+        false => format!("{} of {}", family.scenes, family.name),
+    });
+    families.chain(others.into_iter().flatten()).collect::<Vec<_>>().join(", ")
 }
 
 /// What a network cannot do: what none can that sees one frame of a screen, and what the data keep from this one.
@@ -186,6 +201,19 @@ fn rounded(value: &Value) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn scenes_are_named_by_where_they_are_from() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("dataset/recipes/ao-tiny.toml");
+        let mut recipe = Recipe::load(&path).expect("a recipe");
+        assert_eq!(scenes(&recipe), "room, still-life");
+        recipe.files = vec!["a.obj".into(); 3];
+        assert_eq!(scenes(&recipe), "2 of room, 2 of still-life, 3 files");
+        recipe.families.clear();
+        recipe.files.clear();
+        recipe.captures = vec!["desk".into()];
+        assert_eq!(scenes(&recipe), "1 capture");
+    }
 
     #[test]
     fn figures_become_rows() {
