@@ -15,6 +15,7 @@ mod record;
 mod slurm;
 mod status;
 mod submit;
+mod words;
 mod work;
 
 pub use cost::{measured, program};

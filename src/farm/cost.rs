@@ -3,6 +3,7 @@
 //! ([`super::model`]) puts it together.
 
 use super::model::{Farm, Limit, NO_STORE, Outcome, Parts, Store};
+use super::words;
 use crate::arguments::positive;
 use crate::figures::Figures;
 use crate::table;
@@ -105,19 +106,15 @@ pub fn run(args: &Args) -> Result<()> {
         all.push((pairs, parts));
     }
     let timed = rows;
-    let mut rows = vec![["workers", "hours", "core hours", "held up by"].map(str::to_owned).to_vec()];
+    let mut rows = vec![["workers", "time", "time of cores", "held up by"].map(str::to_owned).to_vec()];
     rows[0].extend(args.price.map(|_| "costs".to_owned()));
     for workers in &args.workers {
         let (hours, core_hours, limit) = together(&all, *workers as usize, args.tasks as usize);
         figures.set(&format!("hours_{workers}"), hours);
         figures.set(&format!("core_hours_{workers}"), core_hours);
         figures.detail(&format!("limit_{workers}"), json!(limit.name()));
-        let mut row = vec![
-            workers.to_string(),
-            format!("{hours:.2}"),
-            format!("{core_hours:.1}"),
-            limit.name().to_owned(),
-        ];
+        let mut row =
+            vec![workers.to_string(), words::time(hours), words::time(core_hours), limit.name().to_owned()];
         row.extend(args.price.map(|price| format!("{:.2}", core_hours * f64::from(price))));
         rows.push(row);
     }
@@ -127,7 +124,7 @@ pub fn run(args: &Args) -> Result<()> {
     say!("{}", table::aligned(&timed))?;
     lines.iter().try_for_each(|line| say!("{line}"))?;
     say!("{}", table::aligned(&rows))?;
-    say!("{:.1} GB", 1e-9 * bytes)
+    say!("{}", words::size(bytes))
 }
 
 /// Hours, core hours, and what holds the longest dataset up, of datasets made one after the other.

@@ -2,6 +2,7 @@
 
 use super::plan::Plan;
 use super::record::{End, Record};
+use super::words;
 use crate::arguments::positive;
 use crate::figures::Figures;
 use crate::place::Place;
@@ -128,7 +129,12 @@ pub fn run(args: &Args) -> Result<()> {
 
     say!("{} of {} shards made, {} of {} pairs", progress.made, plan.shards, progress.pairs, plan.pairs)?;
     if progress.rendered > 0 {
-        say!("{:.2} worker hours for {} tries, {left:.2} more to come", progress.hours, progress.tries)?;
+        say!(
+            "{} of workers for {} tries, {} more to come",
+            words::time(progress.hours),
+            progress.tries,
+            words::time(left)
+        )?;
     }
     if let Some(price) = args.price {
         say!(
