@@ -72,6 +72,10 @@ impl Script {
             let first = self.began.is_none();
             let began = *self.began.get_or_insert_with(Instant::now);
             match self.take(&step, window, context, first, began.elapsed()) {
+                Ok(done) if self.goes_unheard(&step, done, window) => {
+                    let said = window.unheard.join("; ");
+                    return Progress::Failed(format!("line {number} of the script: {said}"));
+                }
                 Ok(true) => {
                     self.steps.pop_front();
                     (self.began, self.progressed) = (None, None);
@@ -86,6 +90,13 @@ impl Script {
             }
         }
         Progress::Done
+    }
+
+    /// Whether something could not be done, and neither the step at the front nor the one after it waits for that.
+    fn goes_unheard(&self, step: &Step, done: bool, window: &Window) -> bool {
+        let next = self.steps.get(1).is_some_and(|(_, next)| *next == Step::WaitRefusal);
+        let is_heard = (*step == Step::WaitRefusal && !done) || (next && (done || !step.needs_training()));
+        !window.unheard.is_empty() && !is_heard
     }
 
     /// Whether nothing has come of a step for too long.
@@ -169,8 +180,11 @@ impl Script {
             }
             #[cfg(feature = "train")]
             Step::Train(wish) => {
-                window.wish = wish.clone();
-                window.train();
+                if first {
+                    window.wish = wish.clone();
+                    window.train();
+                }
+                return Ok(window.trainer.as_ref().is_none_or(|trainer| trainer.has_begun));
             }
             #[cfg(feature = "train")]
             Step::StopTraining => {
@@ -179,7 +193,11 @@ impl Script {
                 }
                 return Ok(window.trainer.is_none());
             }
-            Step::WaitRefusal => return Ok(window.message.is_some()),
+            Step::WaitRefusal => {
+                let is_heard = !window.unheard.is_empty() || window.is_refused();
+                window.unheard.clear();
+                return Ok(is_heard);
+            }
             Step::Wait(seconds) => return Ok(since.as_secs_f32() >= *seconds),
             Step::Screenshot(path) => {
                 if first {
@@ -218,6 +236,8 @@ impl Script {
                 }
                 return Ok(matches!(walk, Walk::Done));
             }
+            // What was opened or is being written may not come to anything yet.
+            Step::Quit if !(window.is_met() || window.is_refused()) || !window.is_idle() => return Ok(false),
             Step::Quit => context.send_viewport_cmd(ViewportCommand::Close),
         }
         Ok(true)

@@ -37,8 +37,9 @@ impl Window {
 
     /// Does not ask for what cannot be made again until hands change something, and comes back from a scene that cannot be read.
     fn give_up(&mut self, what: String) {
-        self.refuse(what);
+        // Whether what nobody wants any more can be made is nobody's concern.
         let Some(Ordered { mut order, outdated: false, .. }) = self.ordered.take() else { return };
+        self.refuse(what);
         let was_read = self.subject.as_ref().is_some_and(|subject| subject.source == order.show.source);
         if !was_read && order.show.source == self.state.show.source && self.state.go_back() {
             return self.forget();

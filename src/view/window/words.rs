@@ -11,6 +11,7 @@ impl Window {
     /// Says that something cannot be done.
     pub fn refuse(&mut self, what: String) {
         self.outcome().refusals += 1;
+        self.unheard.push(what.clone());
         self.message = Some(what);
         self.said = Instant::now();
     }
