@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 use steps::{Step, step};
 
 /// How long nothing may come of a step.
-const PATIENCE: Duration = Duration::from_secs(300);
+const PATIENCE: Duration = Duration::from_mins(10);
 /// How long a window manager may take to put the window away. Where there is none, nobody does.
 const PUT_AWAY: Duration = Duration::from_secs(5);
 
@@ -175,6 +175,10 @@ impl Script {
             Step::WaitVerdict => return Ok(is_made(window)? && window.verdict_of_picture().is_some()),
             #[cfg(feature = "train")]
             Step::WaitCheckpoint(step) => {
+                let trained = window.trained_step().map_or(0, |step| step as u32);
+                if trained != self.seen {
+                    (self.seen, self.progressed) = (trained, Some(Instant::now()));
+                }
                 let reached = window.trained_step().is_some_and(|trained| trained >= *step);
                 return Ok(reached && is_made(window)?);
             }
