@@ -53,7 +53,7 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
     let shown = window.shown();
     let count = shown.len();
     let Some(first) = shown.first() else {
-        let text = window.message.clone().unwrap_or_else(|| "reading the scene".to_owned());
+        let text = window.said().unwrap_or("reading the scene");
         ui.painter().text(
             area.center(),
             Align2::CENTER_CENTER,

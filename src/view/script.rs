@@ -82,7 +82,7 @@ impl Script {
                     (self.seen, self.soak) = (0, None);
                 }
                 Ok(false) if self.waits_in_vain(&step, began) => {
-                    let said = window.message.clone().unwrap_or_default();
+                    let said = window.said().unwrap_or_default();
                     return Progress::Failed(format!("line {number} of the script waits in vain; {said}"));
                 }
                 Ok(false) => return Progress::GoesOn,
@@ -281,7 +281,7 @@ impl Script {
 /// # Errors
 /// If that cannot be made, which would be waited for in vain.
 fn is_made(window: &Window) -> Result<bool> {
-    ensure!(!window.is_refused(), "no picture: {}", window.message.as_deref().unwrap_or("it was refused"));
+    ensure!(!window.is_refused(), "no picture: {}", window.said().unwrap_or("it was refused"));
     Ok(window.is_up_to_date())
 }
 

@@ -16,6 +16,11 @@ impl Window {
         self.said = Instant::now();
     }
 
+    /// What could not be done last, or what else was said.
+    pub fn said(&self) -> Option<&str> {
+        self.message.as_deref().or(self.note.as_deref())
+    }
+
     /// Says that something was done that nothing else shows.
     pub(super) fn say(&mut self, what: String) {
         self.note = Some(what);
