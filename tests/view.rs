@@ -376,6 +376,13 @@ fn what_cannot_be_is_said_and_ends_the_program() {
         ("--methods shadows", "quit\n", "shadows"),
         ("--model nowhere --methods learned", "wait picture\n", "line 1 of the script: no picture"),
         ("--effect path --radius 1", "quit\n", "--radius"),
+        ("", "truth off\nwait picture\nsave /proc/x\nquit\n", "line 3 of the script: "),
+        ("", "truth off\nwait picture\nopen nosuch.glb\nquit\n", "nosuch.glb"),
+        (
+            "",
+            "truth off\nwait picture\nopen nosuch.glb\nwait refusal\nopen nosuch.glb\nwait 60\n",
+            "of the script: ",
+        ),
     ] {
         let output = screen.view(folder.path(), options, script);
         let said = String::from_utf8_lossy(&output.stderr);

@@ -26,6 +26,12 @@ impl Holder {
         Self { path }
     }
 
+    /// Whether a note is in a folder: somebody has it, or was killed having it.
+    #[must_use]
+    pub fn has_signed(folder: &Path) -> bool {
+        note(folder).is_file()
+    }
+
     /// Who has a folder that is locked, in words.
     pub fn of(folder: &Path) -> String {
         let bytes = std::fs::read(note(folder)).unwrap_or_default();

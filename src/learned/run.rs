@@ -11,6 +11,9 @@ use std::path::Path;
 /// Files by which its weights are told from others.
 pub const FILES: [&str; 2] = [CONFIG_FILE, CHECKPOINT_FILE];
 
+/// What is said of a run that has no weights yet.
+pub const NOTHING_YET: &str = "nothing was trained yet, the first checkpoint is still to come";
+
 /// Whether a folder holds a run, be it one that has no checkpoint yet.
 pub fn is_run(folder: &Path) -> bool {
     let is_there = |name: &str| folder.join(name).is_file();
@@ -32,8 +35,7 @@ pub fn spec(folder: &Path) -> Result<NetSpec> {
 pub fn newest(folder: &Path) -> Result<Model> {
     let spec = spec(folder)?;
     let checkpoint = Checkpoint::load(folder, &spec)?;
-    let nothing =
-        || format!("{}: nothing was trained yet, the first checkpoint is still to come", folder.display());
+    let nothing = || format!("{}: {NOTHING_YET}", folder.display());
     let weights = checkpoint.with_context(nothing)?.weights;
     Ok(Model { spec, weights })
 }

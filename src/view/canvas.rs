@@ -53,7 +53,7 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
     let shown = window.shown();
     let count = shown.len();
     let Some(first) = shown.first() else {
-        let text = window.message.clone().unwrap_or_else(|| "reading the scene".to_owned());
+        let text = window.said().unwrap_or("reading the scene");
         ui.painter().text(
             area.center(),
             Align2::CENTER_CENTER,
@@ -129,9 +129,11 @@ fn picture(ui: &Ui, place: Place, seen: Rect, image: &Shown<'_>) {
 
 fn label(ui: &Ui, place: Rect, name: &str) {
     let at = place.left_top() + vec2(6.0, 4.0);
-    let font = FontId::proportional(14.0);
-    ui.painter().text(at + vec2(1.0, 1.0), Align2::LEFT_TOP, name, font.clone(), Color32::BLACK);
-    ui.painter().text(at, Align2::LEFT_TOP, name, font, Color32::WHITE);
+    let text = ui.painter().layout_no_wrap(name.to_owned(), FontId::proportional(14.0), Color32::WHITE);
+    // Images may be white.
+    let chip = Rect::from_min_size(at, text.size()).expand2(vec2(4.0, 2.0));
+    ui.painter().rect_filled(chip, 3.0, Color32::from_black_alpha(170));
+    ui.painter().galley(at, text, Color32::WHITE);
 }
 
 /// Images over each other, each from one border to the next.
@@ -145,11 +147,11 @@ fn wipe(ui: &Ui, place: Place, borders: &[f32], shown: &[Shown<'_>]) {
         label(ui, seen, &image.title());
     }
     for border in borders {
-        ui.painter().vline(
-            x(*border),
-            place.seen.y_range(),
-            Stroke::new(2.0, Color32::from_white_alpha(180)),
-        );
+        // Dark and light: one of them is seen on any image.
+        for (width, colour) in [(4.0, Color32::from_black_alpha(170)), (2.0, Color32::from_white_alpha(220))]
+        {
+            ui.painter().vline(x(*border), place.seen.y_range(), Stroke::new(width, colour));
+        }
     }
 }
 

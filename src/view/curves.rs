@@ -25,7 +25,8 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
     trainer::show(ui, window);
     let Some(training) = window.training_of_model() else { return };
     ui.separator();
-    ui.strong(format!("training {}", training.folder.display()));
+    let what = if training.is_taken { "training" } else { "run" };
+    ui.strong(format!("{what} {}", training.folder.display()));
     ui.label(progress(training));
     if let Some((progress, _)) = &training.checkpoint {
         let best = progress.best().map(|(step, loss)| format!(", validated best at {step}: {loss:.4}"));
@@ -36,6 +37,10 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
 
 /// How far it is and how long it takes yet.
 fn progress(training: &Training) -> String {
+    if !training.is_taken && !training.is_over() {
+        let [step, steps] = [training.step(), training.steps];
+        return format!("stopped at step {step} of {steps}; the same wish goes on");
+    }
     let left = match training.seconds_left() {
         Some(seconds) => format!(", {} left", duration(seconds)),
         None if training.is_over() => ", done".to_owned(),

@@ -19,6 +19,7 @@ use eframe::egui::{
 /// Shows everything that can be chosen and everything that is known.
 pub fn show(ui: &mut Ui, window: &mut Window) {
     keys(ui, window);
+    said(ui, window);
     ScrollArea::vertical().show(ui, |ui| {
         scene(ui, window);
         lights::show(ui, window);
@@ -34,15 +35,19 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
         #[cfg(feature = "train")]
         curves::show(ui, window);
         passes(ui, window);
-        if let Some(note) = &window.note {
-            ui.separator();
-            ui.label(note);
-        }
-        if let Some(message) = &window.message {
-            ui.separator();
-            ui.label(RichText::new(message).color(Color32::from_rgb(255, 120, 90)));
-        }
     });
+}
+
+/// What could not be done and what was done last, above all that scrolls.
+fn said(ui: &mut Ui, window: &Window) {
+    if let Some(message) = &window.message {
+        ui.label(RichText::new(message).color(Color32::from_rgb(255, 120, 90)));
+        ui.separator();
+    }
+    if let Some(note) = &window.note {
+        ui.label(note);
+        ui.separator();
+    }
 }
 
 /// What keys do that no text field takes.

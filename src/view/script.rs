@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 use steps::{Step, step};
 
 /// How long nothing may come of a step.
-const PATIENCE: Duration = Duration::from_secs(300);
+const PATIENCE: Duration = Duration::from_mins(10);
 /// How long a window manager may take to put the window away. Where there is none, nobody does.
 const PUT_AWAY: Duration = Duration::from_secs(5);
 
@@ -72,13 +72,17 @@ impl Script {
             let first = self.began.is_none();
             let began = *self.began.get_or_insert_with(Instant::now);
             match self.take(&step, window, context, first, began.elapsed()) {
+                Ok(done) if self.goes_unheard(&step, done, window) => {
+                    let said = window.unheard.join("; ");
+                    return Progress::Failed(format!("line {number} of the script: {said}"));
+                }
                 Ok(true) => {
                     self.steps.pop_front();
                     (self.began, self.progressed) = (None, None);
                     (self.seen, self.soak) = (0, None);
                 }
                 Ok(false) if self.waits_in_vain(&step, began) => {
-                    let said = window.message.clone().unwrap_or_default();
+                    let said = window.said().unwrap_or_default();
                     return Progress::Failed(format!("line {number} of the script waits in vain; {said}"));
                 }
                 Ok(false) => return Progress::GoesOn,
@@ -86,6 +90,13 @@ impl Script {
             }
         }
         Progress::Done
+    }
+
+    /// Whether something could not be done, and neither the step at the front nor the one after it waits for that.
+    fn goes_unheard(&self, step: &Step, done: bool, window: &Window) -> bool {
+        let next = self.steps.get(1).is_some_and(|(_, next)| *next == Step::WaitRefusal);
+        let is_heard = (*step == Step::WaitRefusal && !done) || (next && (done || !step.needs_training()));
+        !window.unheard.is_empty() && !is_heard
     }
 
     /// Whether nothing has come of a step for too long.
@@ -164,13 +175,20 @@ impl Script {
             Step::WaitVerdict => return Ok(is_made(window)? && window.verdict_of_picture().is_some()),
             #[cfg(feature = "train")]
             Step::WaitCheckpoint(step) => {
+                let trained = window.trained_step().map_or(0, |step| step as u32);
+                if trained != self.seen {
+                    (self.seen, self.progressed) = (trained, Some(Instant::now()));
+                }
                 let reached = window.trained_step().is_some_and(|trained| trained >= *step);
                 return Ok(reached && is_made(window)?);
             }
             #[cfg(feature = "train")]
             Step::Train(wish) => {
-                window.wish = wish.clone();
-                window.train();
+                if first {
+                    window.wish = wish.clone();
+                    window.train();
+                }
+                return Ok(window.trainer.as_ref().is_none_or(|trainer| trainer.has_begun));
             }
             #[cfg(feature = "train")]
             Step::StopTraining => {
@@ -179,7 +197,11 @@ impl Script {
                 }
                 return Ok(window.trainer.is_none());
             }
-            Step::WaitRefusal => return Ok(window.message.is_some()),
+            Step::WaitRefusal => {
+                let is_heard = !window.unheard.is_empty() || window.is_refused();
+                window.unheard.clear();
+                return Ok(is_heard);
+            }
             Step::Wait(seconds) => return Ok(since.as_secs_f32() >= *seconds),
             Step::Screenshot(path) => {
                 if first {
@@ -218,6 +240,8 @@ impl Script {
                 }
                 return Ok(matches!(walk, Walk::Done));
             }
+            // What was opened or is being written may not come to anything yet.
+            Step::Quit if !(window.is_met() || window.is_refused()) || !window.is_idle() => return Ok(false),
             Step::Quit => context.send_viewport_cmd(ViewportCommand::Close),
         }
         Ok(true)
@@ -257,7 +281,7 @@ impl Script {
 /// # Errors
 /// If that cannot be made, which would be waited for in vain.
 fn is_made(window: &Window) -> Result<bool> {
-    ensure!(!window.is_refused(), "no picture: {}", window.message.as_deref().unwrap_or("it was refused"));
+    ensure!(!window.is_refused(), "no picture: {}", window.said().unwrap_or("it was refused"));
     Ok(window.is_up_to_date())
 }
 

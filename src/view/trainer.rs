@@ -57,6 +57,8 @@ impl Wish {
 pub struct Trainer {
     /// The folder of its run.
     pub folder: PathBuf,
+    /// Whether the program runs, or has run.
+    pub has_begun: bool,
     running: Arc<Mutex<Running>>,
     thread: Option<JoinHandle<()>>,
 }
@@ -93,7 +95,7 @@ impl Trainer {
                 tell(News::TrainingEnded(ended.map_err(|error| format!("training: {error:#}"))));
             }
         })?;
-        Ok(Self { folder, running, thread: Some(thread) })
+        Ok(Self { folder, has_begun: false, running, thread: Some(thread) })
     }
 
     /// Interrupts it, as Ctrl-C does.

@@ -11,9 +11,9 @@ use super::studio::Trained;
 use crate::learned::run::is_run;
 use anyhow::{Context, Result};
 use deepshade_infer::Model;
-use deepshade_train::TrainConfig;
 use deepshade_train::checkpoint::{CHECKPOINT_FILE, Checkpoint, Progress};
 use deepshade_train::metrics::{self, Line, METRICS_FILE};
+use deepshade_train::{TrainConfig, is_taken};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -32,6 +32,8 @@ pub struct Training {
     pub steps: usize,
     /// Images a step.
     batch: usize,
+    /// Whether a program is at it.
+    pub is_taken: bool,
     /// Its log.
     pub lines: Arc<[Line]>,
     /// How far its newest checkpoint had come, and the weights then.
@@ -56,7 +58,7 @@ impl Training {
         let recent = &self.lines[self.lines.len().saturating_sub(RECENT)..];
         let speed = recent.iter().map(|line| line.images_per_second).sum::<f64>() / recent.len() as f64;
         let left = self.steps.saturating_sub(self.step()) * self.batch;
-        (!self.is_over() && speed > 0.0).then_some(left as f64 / speed)
+        (self.is_taken && !self.is_over() && speed > 0.0).then_some(left as f64 / speed)
     }
 }
 
@@ -76,6 +78,7 @@ pub fn run(orders: &Mailbox<Option<PathBuf>>, tell: &dyn Fn(News)) {
 struct Seen {
     log: Stamp,
     checkpoint: Stamp,
+    is_taken: bool,
 }
 
 /// Who follows a run.
@@ -96,6 +99,7 @@ impl Follower {
         let now = Seen {
             log: stamp(&self.folder.join(METRICS_FILE)),
             checkpoint: stamp(&self.folder.join(CHECKPOINT_FILE)),
+            is_taken: is_taken(&self.folder),
         };
         if now == self.seen {
             return;
@@ -132,6 +136,7 @@ impl Follower {
             folder: self.folder.clone(),
             steps: config.steps,
             batch: config.batch,
+            is_taken: self.seen.is_taken,
             lines: lines.into(),
             checkpoint: self.checkpoint.clone(),
         })
@@ -159,6 +164,7 @@ mod tests {
             folder: PathBuf::new(),
             steps: 1000,
             batch: 4,
+            is_taken: true,
             lines: lines.into(),
             checkpoint: Some((progress, Trained(model))),
         }
@@ -169,6 +175,8 @@ mod tests {
         assert_eq!(training(250, false).seconds_left(), Some(600.0 * 4.0 / 8.0));
         assert_eq!(training(250, true).seconds_left(), None, "it has stopped");
         assert_eq!(training(1000, false).seconds_left(), None, "it is through");
+        let left = Training { is_taken: false, ..training(250, false) };
+        assert_eq!(left.seconds_left(), None, "nobody is at it");
         let fresh = Training { lines: [].into(), checkpoint: None, ..training(0, false) };
         assert_eq!((fresh.step(), fresh.seconds_left()), (0, None));
     }

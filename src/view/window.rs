@@ -62,6 +62,8 @@ pub struct Window {
     pub verdict: Option<Verdict>,
     /// What could not be done last.
     pub message: Option<String>,
+    /// What could not be done and no script has waited for.
+    pub unheard: Vec<String>,
     /// What was done last that nothing else shows.
     pub note: Option<String>,
     /// Pictures a second.
@@ -134,6 +136,7 @@ impl Window {
             truth: None,
             verdict: None,
             message: None,
+            unheard: Vec::new(),
             note: None,
             said: Instant::now(),
             rate: 0.0,
@@ -183,6 +186,11 @@ impl Window {
     /// Whether what hands want cannot be made.
     pub fn is_refused(&self) -> bool {
         self.ordered.is_none() && self.refused.as_ref().is_some_and(|refused| !self.differs(refused))
+    }
+
+    /// Whether the scene that hands have chosen was read.
+    pub fn is_met(&self) -> bool {
+        self.subject.as_ref().is_some_and(|subject| subject.source == self.state.show.source)
     }
 
     /// Truth of what the newest picture shows, where some is known.
@@ -241,7 +249,7 @@ impl Window {
     }
 
     fn follow_script(&mut self, context: &Context) {
-        let Some(mut script) = self.script.take() else { return };
+        let Some(mut script) = self.script.take() else { return self.unheard.clear() };
         match script.go_on(self, context) {
             Progress::GoesOn => self.script = Some(script),
             Progress::Done => {}

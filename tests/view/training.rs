@@ -127,6 +127,19 @@ fn the_window_begins_trainings_follows_them_and_stops_them() {
     assert!(output.status.success() && !said.contains("panicked"), "{said}");
     assert!(figures(folder.path())["refusals"].as_f64().expect("counted") >= 3.0);
     assert!(folder.path().join("kept/learned.exr").is_file());
+    // A training that fails is not waited for.
+    for (script, named) in [
+        ("truth off\ntrain nosuch q\nquit\n".to_owned(), "line 2 of the script: training: "),
+        ("truth off\ntrain data q --stepz 1\nwait checkpoint 4\nwait refusal\n".to_owned(), "--stepz"),
+        (
+            format!("truth off\ntrain data q --steps 1000000 {options}\ntrain data r\nquit\n"),
+            "line 3 of the script: ",
+        ),
+    ] {
+        let output = Screen::new().view(folder.path(), "--effect gi", &script);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && said.contains(named), "{script}: {said}");
+    }
     // What never came to be takes no network away.
     let after = std::fs::read_to_string(folder.path().join("after/compare.toml")).expect("written");
     assert!(after.contains("model = \"../run\"") && !folder.path().join("none").exists(), "{after}");

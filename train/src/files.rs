@@ -7,7 +7,7 @@ use crate::{TrainConfig, TrainError};
 use deepshade_dataset::holder::Holder;
 use deepshade_dataset::lock;
 use deepshade_shaders::atomic_file;
-use std::fs::File;
+use std::fs::{File, TryLockError};
 use std::path::Path;
 
 /// Writes or replaces a file.
@@ -30,6 +30,13 @@ pub(crate) fn take(folder: &Path) -> Result<(File, Holder), TrainError> {
     Ok((file, Holder::sign(folder)))
 }
 
+/// Whether a program has a run's folder. Without its note the lock is not looked at, which would keep out whoever takes it just then.
+#[must_use]
+pub fn is_taken(folder: &Path) -> bool {
+    let is_locked = |file: File| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock));
+    Holder::has_signed(folder) && File::open(folder.join(METRICS_FILE)).is_ok_and(is_locked)
+}
+
 /// Deletes the files of the run in a folder, and nothing else in it; a folder without a run is left as it is.
 ///
 /// # Errors
@@ -48,4 +55,22 @@ pub fn discard(folder: &Path) -> Result<(), TrainError> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_is_taken_as_long_as_somebody_has_it() {
+        let folder = tempfile::tempdir().expect("a folder");
+        assert!(!is_taken(folder.path()));
+        let taken = take(folder.path()).expect("free");
+        assert!(is_taken(folder.path()));
+        drop(taken);
+        assert!(!is_taken(folder.path()));
+        // As a killed program leaves it.
+        std::mem::forget(Holder::sign(folder.path()));
+        assert!(!is_taken(folder.path()));
+    }
 }

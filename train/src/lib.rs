@@ -29,7 +29,7 @@ pub use config::TrainConfig;
 pub use device::device;
 pub use error::TrainError;
 pub use export::export;
-pub use files::discard;
+pub use files::{discard, is_taken};
 pub use loss::Loss;
 pub use net::{UNet, forward_burn, layers_burn};
 pub use optim::Optimiser;

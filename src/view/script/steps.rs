@@ -83,6 +83,16 @@ pub enum Step {
     Quit,
 }
 
+impl Step {
+    /// Whether it waits for what a training makes, in vain if that has failed.
+    pub const fn needs_training(&self) -> bool {
+        #[cfg(feature = "train")]
+        return matches!(self, Self::WaitCheckpoint(_));
+        #[cfg(not(feature = "train"))]
+        return false;
+    }
+}
+
 /// Reads a step.
 ///
 /// # Errors

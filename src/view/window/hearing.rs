@@ -37,8 +37,13 @@ impl Window {
 
     /// Does not ask for what cannot be made again until hands change something, and comes back from a scene that cannot be read.
     fn give_up(&mut self, what: String) {
-        self.refuse(what);
+        // Whether what nobody wants any more can be made is nobody's concern.
         let Some(Ordered { mut order, outdated: false, .. }) = self.ordered.take() else { return };
+        if awaits_weights(&what) {
+            self.say(what);
+        } else {
+            self.refuse(what);
+        }
         let was_read = self.subject.as_ref().is_some_and(|subject| subject.source == order.show.source);
         if !was_read && order.show.source == self.state.show.source && self.state.go_back() {
             return self.forget();
@@ -78,7 +83,11 @@ impl Window {
         made.camera = Some(picture.camera);
         made.lights = Some(picture.lights.clone());
         made.exposure = picture.exposure;
-        (self.made, self.refused) = (Some(made), None);
+        self.made = Some(made);
+        if self.refused.take().is_some() {
+            // It said what the picture waits for.
+            self.note = None;
+        }
         let seconds = self.began.elapsed().as_secs_f64();
         let mut outcome = self.outcome();
         outcome.pictures += u32::from(is_new);
@@ -95,4 +104,15 @@ impl Window {
         }
         self.verdict = Some(verdict);
     }
+}
+
+/// Whether there is no picture only because a training run has saved no weights yet, which is no fault.
+fn awaits_weights(what: &str) -> bool {
+    #[cfg(feature = "train")]
+    return what.contains(crate::learned::run::NOTHING_YET);
+    #[cfg(not(feature = "train"))]
+    return {
+        let _ = what;
+        false
+    };
 }

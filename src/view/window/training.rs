@@ -29,6 +29,7 @@ impl Window {
 
     /// Looks at what a training makes that has begun.
     pub(super) fn training_began(&mut self, effect: Effect, folder: &Path) {
+        self.trainer.iter_mut().for_each(|trainer| trainer.has_begun = true);
         self.state.begin_training(effect, folder);
         self.changed();
     }

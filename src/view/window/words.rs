@@ -11,8 +11,14 @@ impl Window {
     /// Says that something cannot be done.
     pub fn refuse(&mut self, what: String) {
         self.outcome().refusals += 1;
+        self.unheard.push(what.clone());
         self.message = Some(what);
         self.said = Instant::now();
+    }
+
+    /// What could not be done last, or what else was said.
+    pub fn said(&self) -> Option<&str> {
+        self.message.as_deref().or(self.note.as_deref())
     }
 
     /// Says that something was done that nothing else shows.
