@@ -23,7 +23,7 @@ const SIZE: usize = 192;
 /// Samples of a pixel of truth, of the first comparison.
 const SAMPLES: usize = 64;
 /// How long a comparison may take to appear: the browser's software adapter compiles every pass anew.
-const PATIENCE: Duration = Duration::from_secs(300);
+const PATIENCE: Duration = Duration::from_mins(15);
 /// The software Vulkan that Chromium brings for WebGPU. The program runs on it too, so that what differs is the browser.
 const DRIVER: &str = "/usr/lib/chromium/vk_swiftshader_icd.json";
 /// Share of the values of an image that may differ by more than [`CLOSE`]: drivers' compilers round differently, and a

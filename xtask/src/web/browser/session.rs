@@ -31,8 +31,10 @@ const QUIET: &[&str] = &[
 ];
 /// How often the page is looked at.
 const PAUSE: Duration = Duration::from_millis(200);
-/// How long the driver may take to start, and a script to end.
+/// How long the driver may take to start.
 const PATIENCE: Duration = Duration::from_secs(60);
+/// How long a script may take: one that asks for values waits for the frames before, which take a software adapter long.
+const SCRIPT: Duration = Duration::from_mins(20);
 
 /// A browser with its driver, which ends with it.
 pub struct Browser {
@@ -74,7 +76,7 @@ impl Browser {
             capabilities.add_arg(argument)?;
         }
         let driver = WebDriver::new(format!("http://127.0.0.1:{port}"), capabilities).await?;
-        driver.set_script_timeout(PATIENCE).await?;
+        driver.set_script_timeout(SCRIPT).await?;
         Ok(Self { driver, _process: process })
     }
 
