@@ -75,7 +75,8 @@ impl Browser {
         for argument in QUIET.iter().chain(arguments) {
             capabilities.add_arg(argument)?;
         }
-        let driver = WebDriver::new(format!("http://127.0.0.1:{port}"), capabilities).await?;
+        let address = format!("http://127.0.0.1:{port}");
+        let driver = WebDriver::builder(address, capabilities).request_timeout(SCRIPT).connect().await?;
         driver.set_script_timeout(SCRIPT).await?;
         Ok(Self { driver, _process: process })
     }
