@@ -119,8 +119,9 @@ fn a_window_shows_methods_beside_truth_and_survives_what_is_done_to_it() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("broken.glb"), b"glTF, but not for long").expect("written");
     // Nothing shines here: effects that need a lamp add one, others do not.
-    let floor = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 4 3\nf 1 3 2\nv -2 2 -2\nv 2 2 -2\nf 1 2 6 5\n";
-    std::fs::write(folder.path().join("dark.obj"), floor).expect("written");
+    let room = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -2 2 -2\nv 2 2 -2\nv 2 2 2\nv -2 2 2\n\
+        f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 1 5 8 4\nf 2 3 7 6\n";
+    std::fs::write(folder.path().join("dark.obj"), room).expect("written");
     let script = "orbit -5 0\nwait truth 8\nscreenshot wipe.png\nsee difference\narrange tiles\nwait 0.1\nscreenshot tiles.png\n\
         see flip\nwait 0.1\nscreenshot flip.png\nsee image\n\
         orbit 20 -10\nfly 0 0.1 0\nwait truth 8\ntruth off\neffect gi\nmethods ssgi\nmeasure 2\n\
