@@ -198,7 +198,7 @@ fn the_help_of_training_states_its_defaults() {
     for stated in [
         "[default: 0.002 for adamw, 1 for adadelta]",
         "[default: 4]",
-        "[default: 256]",
+        "[default: 256, or the largest that fits into the pairs]",
         "[default: 20000]",
         "[default: 32]",
         "[default: 500]",
