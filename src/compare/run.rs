@@ -122,11 +122,15 @@ impl Run {
         }
     }
 
-    /// [`Run::over`] of a command line, whose qualities and network are those of all methods, whatever a file states for one.
+    /// [`Run::over`] of a command line, whose qualities and network are those of all methods, whatever a file states for one. A file's
+    /// network goes where the command line leaves no method that is one.
     #[must_use]
     pub fn in_place_of(self, file: &Self) -> Self {
         let (qualities, model) = (self.qualities.is_some(), self.model.is_some());
+        let narrows = self.methods.is_some() || self.effects.is_some();
         let mut run = self.over(file);
+        let needless = narrows && !model && !run.methods().is_empty() && !run.learns();
+        run.model.take_if(|_| needless);
         for method in run.methods.iter_mut().flatten() {
             method.qualities.take_if(|_| qualities);
             method.model.take_if(|_| model);

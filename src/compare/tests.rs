@@ -168,6 +168,21 @@ fn qualities_and_networks_of_the_command_line_are_those_of_every_method() {
 }
 
 #[test]
+fn a_files_network_goes_where_the_command_line_leaves_no_method_that_is_one() {
+    let text = "scenes = [\"room:1\"]\nmethods = [\"learned\", \"hbao\"]\nmodel = \"a\"";
+    let hbao = Run { methods: Some(vec![MethodChoice::named("hbao")]), ..Run::default() };
+    assert_eq!(comparison(text, &hbao).expect("sound").runs[0].model, None);
+    assert!(comparison(text, &Run::default()).expect("sound").runs[0].model.is_some());
+    for (text, line) in [
+        (text, Run { model: Some(Place::Folder("b".into())), ..hbao }),
+        ("scenes = [\"room:1\"]\nmethods = [\"hbao\"]\nmodel = \"a\"", Run::default()),
+    ] {
+        let error = format!("{:#}", comparison(text, &line).expect_err("no network"));
+        assert!(error.contains("`model` means nothing"), "{error}");
+    }
+}
+
+#[test]
 fn of_methods_that_are_stated_elsewhere_a_run_has_those_of_its_effects() {
     let names = |text: &str, line: &Run| -> Result<Vec<String>> {
         let run = comparison(text, line)?.runs.remove(0);
