@@ -99,6 +99,21 @@ fn file_of_kind(text: &str, kind: &str) -> Result<PathBuf, String> {
     }
 }
 
+/// Edges of images, pixels: in smaller ones SSIM's window does not fit.
+pub const EDGES: RangeInclusive<usize> = 16..=8192;
+
+/// Refuses images that are too small to be judged, or too large; each edge by the name that it was stated under.
+///
+/// # Errors
+/// If one is not among [`EDGES`], or as [`check_pixels`].
+pub fn check_size(names: [&str; 2], [height, width]: [usize; 2]) -> Result<()> {
+    let (least, most) = (EDGES.start(), EDGES.end());
+    for (name, edge) in names.into_iter().zip([height, width]) {
+        ensure!(EDGES.contains(&edge), "{name}: {edge} is not within {least} to {most}");
+    }
+    check_pixels(height, width)
+}
+
 /// Refuses images whose truth would not fit into memory.
 ///
 /// # Errors
@@ -136,7 +151,7 @@ impl std::str::FromStr for Size {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let edge = |edge: &str| edge.parse().ok().filter(|edge| (16..=8192).contains(edge));
+        let edge = |edge: &str| edge.parse().ok().filter(|edge| EDGES.contains(edge));
         let size = text.split_once('x').and_then(|(width, height)| Some((edge(width)?, edge(height)?)));
         let (width, height) = size.ok_or("expected columns x rows, such as 768x512, each 16 to 8192")?;
         Ok(Self { width, height })
@@ -152,6 +167,20 @@ mod tests {
         assert!(check_pixels(4096, 8192).is_ok());
         let error = check_pixels(8192, 8192).expect_err("too many").to_string();
         assert!(error.contains("8192 x 8192"), "{error}");
+    }
+
+    #[test]
+    fn images_that_cannot_be_judged_are_refused_by_the_name_of_their_edge() {
+        let size = |height, width| check_size(["height", "width"], [height, width]);
+        assert!(size(16, 8192).is_ok());
+        for (height, width, said) in [
+            (131, 7, "width: 7 is not within 16 to 8192"),
+            (9000, 64, "height: 9000 is not within 16 to 8192"),
+            (8192, 8192, "8192 x 8192 pixels"),
+        ] {
+            let error = size(height, width).expect_err(said).to_string();
+            assert!(error.contains(said), "{error}");
+        }
     }
 
     #[test]

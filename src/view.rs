@@ -35,7 +35,7 @@ mod truth;
 mod window;
 mod zoom;
 
-use crate::arguments::{check_pixels, reach};
+use crate::arguments::{check_size, reach};
 use crate::complete::{Additions, listeners};
 use crate::exposure_time;
 use crate::figures::Figures;
@@ -134,7 +134,7 @@ impl Args {
 /// If there is no display or no adapter, an argument means nothing, or a step of the script fails.
 pub fn run(args: &Args) -> Result<()> {
     let began = Instant::now();
-    check_pixels(args.height, args.width)?;
+    check_size(["--height", "--width"], [args.height, args.width])?;
     listeners::check(args.effect, listeners::RADIUS, &[("--radius", args.radius.is_some())])?;
     let script = args.script.as_deref().map(Script::read).transpose()?;
     let outcome = Arc::new(Mutex::new(Outcome::default()));

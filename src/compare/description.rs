@@ -2,7 +2,7 @@
 
 use super::run::Run;
 use super::values::MethodChoice;
-use crate::arguments::check_pixels;
+use crate::arguments::check_size;
 use crate::complete::listeners;
 use crate::methods;
 use crate::views::{Choice, View, Viewpoint};
@@ -11,14 +11,10 @@ use deepshade_dataset::Radius;
 use deepshade_render::path::sampler::MAX_SAMPLES;
 use deepshade_shaders::Effect;
 use std::fmt::Debug;
-use std::ops::RangeInclusive;
 use std::path::{Component, Path, PathBuf};
 
 /// The first line of files that comparisons write.
 pub const HEAD: &str = "# What `deepshade compare` made the page beside this file from; again:";
-
-/// Edges of images, pixels.
-const EDGES: RangeInclusive<usize> = 16..=8192;
 
 /// What is compared: runs that state all that has a default.
 #[derive(Clone, Debug, PartialEq)]
@@ -115,11 +111,7 @@ fn check(run: &Run) -> Result<()> {
     once("scenes", run.scenes())?;
     once("effects", run.effects())?;
     once("qualities", run.qualities())?;
-    let [height, width] = run.size();
-    for (key, edge) in [("resolution.height", height), ("resolution.width", width)] {
-        ensure!(EDGES.contains(&edge), "`{key}`: {edge} is not within {} to {}", EDGES.start(), EDGES.end());
-    }
-    check_pixels(height, width)?;
+    check_size(["`resolution.height`", "`resolution.width`"], run.size())?;
     let samples = run.goal().samples;
     ensure!((1..=MAX_SAMPLES).contains(&samples), "`samples`: {samples} is not within 1 to {MAX_SAMPLES}");
     let radius = run.radius.map(|radius| match radius {

@@ -340,6 +340,10 @@ mod tests {
             ("record film 0", "above 0"),
             ("fly 1 2 x", "`x` is no number"),
             ("zoom 2", "three numbers"),
+            ("size 7 131", "width: 7 is not within 16 to 8192"),
+            ("size 131 -7", "height: 0 is not within"),
+            ("radius -1", "-1 is not above 0"),
+            ("time nan", "`nan` is no number"),
             ("soak long", "soak SECONDS"),
             ("soak 9 ao,shadows", "shadows"),
         ] {

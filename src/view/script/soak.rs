@@ -1,6 +1,7 @@
 //! A long walk through effects, methods, sizes and views, for what memory is lost on the way.
 
 use super::{is_made, steer};
+use crate::arguments::EDGES;
 use crate::figures::memory;
 use crate::view::window::Window;
 use anyhow::Result;
@@ -46,7 +47,7 @@ impl Soak {
     /// first one alone at another, odd size.
     pub fn begin(effects: &[Effect], window: &mut Window) -> Self {
         let [height, width] = window.state.show.size;
-        let odd = [height, width].map(|side| (side / 2) | 1);
+        let odd = [height, width].map(|side| ((side / 2) | 1).max(*EDGES.start()));
         let shown = [window.state.show.effect];
         let effects = if effects.is_empty() { &shown } else { effects };
         let stations = |effect: &Effect| {

@@ -1,5 +1,6 @@
 //! The steps of a script, and how a line says one.
 
+use crate::arguments::{check_size, reach};
 use crate::view::state::{Arrangement, Map};
 #[cfg(feature = "train")]
 use crate::view::trainer::Wish;
@@ -102,7 +103,10 @@ pub fn step(line: &str) -> Result<Step> {
     let rest = rest.trim();
     let numbers = || -> Result<Vec<f32>> {
         rest.split_whitespace()
-            .map(|word| word.parse().with_context(|| format!("`{word}` is no number")))
+            .map(|word| {
+                let number = word.parse().ok().filter(|number: &f32| number.is_finite());
+                number.with_context(|| format!("`{word}` is no number"))
+            })
             .collect()
     };
     let one = || match numbers()?[..] {
@@ -137,7 +141,7 @@ pub fn step(line: &str) -> Result<Step> {
             };
             Step::Set(method.to_owned(), name.to_owned(), value.into())
         }
-        "radius" => Step::Radius(one()?),
+        "radius" => Step::Radius(reach(rest).map_err(anyhow::Error::msg)?),
         "time" => Step::Time(one()?),
         "play" => Step::Play(on()?),
         "truth" => Step::Truth(on()?),
@@ -154,7 +158,11 @@ pub fn step(line: &str) -> Result<Step> {
         "orbit" => Step::Orbit(two()?),
         "look" => Step::Look(two()?),
         "fly" => Step::Fly(three()?),
-        "size" => Step::Size(two()?.to_array().map(|side| side.max(1.0) as usize)),
+        "size" => {
+            let [width, height] = two()?.to_array().map(|side| side as usize);
+            check_size(["height", "width"], [height, width])?;
+            Step::Size([width, height])
+        }
         "resize" => Step::Resize(two()?),
         "minimise" => Step::Minimise(on()?),
         "wait" => match rest.split_once(' ').unwrap_or((rest, "")) {
