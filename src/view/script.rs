@@ -121,12 +121,7 @@ impl Script {
                 state.choose_effect(*effect);
                 window.changed();
             }
-            Step::Methods(wanted) => {
-                let wanted: Vec<&str> = wanted.iter().map(String::as_str).collect();
-                methods::check(state.show.effect, &wanted)?;
-                let known = methods::names_of(state.show.effect);
-                state.show.methods = known.into_iter().filter(|name| wanted.contains(name)).collect();
-            }
+            Step::Methods(wanted) => state.choose_methods(wanted)?,
             Step::Quality(quality) => state.show.quality = *quality,
             Step::Set(method, name, value) => return set(state, method, name, value),
             Step::Radius(radius) => state.show.radius = Some(*radius),

@@ -134,17 +134,14 @@ impl State {
     /// # Errors
     /// If a method does not exist, or a network cannot be fetched.
     pub fn new(args: &Args) -> Result<Self> {
-        let known = methods::names_of(args.effect);
-        let wanted: Vec<&str> = args.methods.iter().map(String::as_str).collect();
-        methods::check(args.effect, &wanted)?;
-        let chosen: Vec<&'static str> =
-            known.iter().copied().filter(|name| wanted.contains(name) && *name != TRUTH).collect();
+        let chosen = chosen_methods(args.effect, &args.methods)?;
+        let none_wanted = args.methods.is_empty();
         let model = args.model.as_ref().map(Place::read).transpose()?;
         let show = Show {
             source: args.scene.clone(),
             scenes_opened: 0,
             effect: args.effect,
-            methods: if wanted.is_empty() { first_methods(model.as_deref(), args.effect) } else { chosen },
+            methods: if none_wanted { first_methods(model.as_deref(), args.effect) } else { chosen },
             quality: args.quality,
             changes: BTreeMap::new(),
             radius: args.radius,
@@ -156,7 +153,7 @@ impl State {
             trained: None,
         };
         #[cfg(feature = "train")]
-        let awaits_network = wanted.is_empty() && awaits_network(&show);
+        let awaits_network = none_wanted && awaits_network(&show);
         // One that is not there yet is taken for what the window begins with.
         let of = |folder: &PathBuf| (learned::effect(folder).unwrap_or(args.effect), folder.clone());
         let networks = show.model.iter().map(of).collect();
@@ -236,6 +233,15 @@ impl State {
         self.show.changes.retain(|_, changes| !changes.is_empty());
     }
 
+    /// Shows exactly these methods.
+    ///
+    /// # Errors
+    /// If the effect does not have one.
+    pub fn choose_methods(&mut self, wanted: &[String]) -> Result<()> {
+        self.show.methods = chosen_methods(self.show.effect, wanted)?;
+        Ok(())
+    }
+
     /// Adds a method or takes it away; methods keep the order of their list.
     pub fn toggle(&mut self, method: &'static str) {
         let chosen = &mut self.show.methods;
@@ -275,6 +281,14 @@ impl State {
 #[cfg(feature = "train")]
 fn awaits_network(show: &Show) -> bool {
     show.model.is_some() && !show.methods.contains(&LEARNED)
+}
+
+/// Those of an effect's methods that are wanted, in the order of their list; truth, which is beside them anyway, is none of them.
+fn chosen_methods(effect: Effect, wanted: &[String]) -> Result<Vec<&'static str>> {
+    let wanted: Vec<&str> = wanted.iter().map(String::as_str).collect();
+    methods::check(effect, &wanted)?;
+    let known = methods::names_of(effect).into_iter();
+    Ok(known.filter(|name| wanted.contains(name) && *name != TRUTH).collect())
 }
 
 /// The first two methods of an effect; the trained network only where there is one.

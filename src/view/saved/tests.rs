@@ -127,6 +127,19 @@ fn whatever_is_shown_can_be_said_again() {
 }
 
 #[test]
+fn what_was_set_of_a_method_that_is_put_away_is_not_said() {
+    let mut moment = moment("--methods hbao", 0.0);
+    let changes = &mut Arc::get_mut(&mut moment.picture).expect("nobody else's").order.show.changes;
+    for method in ["hbao", "gtao"] {
+        changes.entry(method).or_default().0.insert("blur.radius".to_owned(), 2.0.into());
+    }
+    let (keys, text) = saved(&moment);
+    let methods = keys["methods"].as_array().expect("a list");
+    assert!(methods.len() == 2 && !text.contains("gtao"), "{text}");
+    assert!(methods[0]["name"].as_str() == Some("hbao") && methods[0]["parameters"].is_table(), "{text}");
+}
+
+#[test]
 fn what_cannot_be_said_leaves_no_images() {
     let mut moment = moment("--methods hbao", 0.0);
     Arc::get_mut(&mut moment.picture).expect("nobody else's").order.show.size = [4, 4];

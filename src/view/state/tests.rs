@@ -118,6 +118,20 @@ fn a_training_that_comes_to_nothing_leaves_an_effect_the_network_that_it_had() {
 }
 
 #[test]
+fn truth_is_beside_the_methods_and_none_of_them() {
+    let mut state = State::new(&args("--methods truth,hbao")).expect("methods");
+    assert_eq!(state.show.methods, ["hbao"]);
+    let choose = |state: &mut State, names: &[&str]| {
+        state.choose_methods(&names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>())
+    };
+    choose(&mut state, &["truth", "hbao", "gtao"]).expect("methods");
+    assert!(state.show.methods.len() == 2 && !state.show.methods.contains(&TRUTH));
+    choose(&mut state, &["truth"]).expect("methods");
+    assert!(state.show.methods.is_empty());
+    assert!(choose(&mut state, &["ssgi"]).is_err());
+}
+
+#[test]
 fn a_network_that_was_fetched_is_known_by_its_address() {
     let mut state = State::new(&args("--effect ao")).expect("methods");
     state.args = Arc::new(args("--effect ao --model s3://models/ao"));
