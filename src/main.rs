@@ -172,7 +172,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if output::nobody_reads(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            note!("error: {}", message(&error));
+            note!("error: {}", output::message(&error));
             ExitCode::FAILURE
         }
     }
@@ -186,17 +186,6 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
         if takes { arg.allow_negative_numbers(true) } else { arg }
     };
     command.mut_args(numbers).mut_subcommands(with_negative_numbers)
-}
-
-/// An error with its causes, but for those that it states already.
-fn message(error: &anyhow::Error) -> String {
-    let mut message = error.to_string();
-    for cause in error.chain().skip(1).map(ToString::to_string) {
-        if !message.contains(&cause) {
-            message += &format!(": {cause}");
-        }
-    }
-    message
 }
 
 #[cfg(test)]

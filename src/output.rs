@@ -39,6 +39,20 @@ pub fn aside(text: Arguments<'_>) {
     web_sys::console::log_1(&text.to_string().into());
 }
 
+/// An error with its causes, but for what it states already: a cause as a whole, or the name of a file that it is of.
+pub fn message(error: &anyhow::Error) -> String {
+    let mut message = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if message.contains(&cause) {
+            continue;
+        }
+        let ends_with = |name: &str| message == name || message.ends_with(&format!(" {name}"));
+        let named = cause.split_once(": ").filter(|(name, _)| ends_with(name));
+        message = format!("{message}: {}", named.map_or(cause.as_str(), |(_, rest)| rest));
+    }
+    message
+}
+
 /// Whether an error says no more than that nobody reads what is written.
 pub fn nobody_reads(error: &anyhow::Error) -> bool {
     let broken = |cause: &io::Error| cause.kind() == ErrorKind::BrokenPipe;
@@ -48,6 +62,21 @@ pub fn nobody_reads(error: &anyhow::Error) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_file_is_named_once() {
+        let gone = || {
+            let source = io::Error::from(ErrorKind::NotFound);
+            deepshade_render::scene::SceneError::Io { path: "a b.gltf".into(), source }
+        };
+        let said = ErrorKind::NotFound.to_string();
+        let named = |context: &str| message(&anyhow::Error::new(gone()).context(context.to_owned()));
+        assert_eq!(message(&gone().into()), format!("a b.gltf: {said}"));
+        assert_eq!(named("scene a b.gltf"), format!("scene a b.gltf: {said}"));
+        assert_eq!(named("a b.gltf"), format!("a b.gltf: {said}"));
+        assert_eq!(named("scene hall.gltf"), format!("scene hall.gltf: a b.gltf: {said}"));
+        assert_eq!(named("scene b.gltf"), format!("scene b.gltf: a b.gltf: {said}"));
+    }
 
     #[test]
     fn only_a_broken_pipe_means_that_nobody_reads() {

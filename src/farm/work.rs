@@ -32,7 +32,7 @@ pub fn run(args: &Args) -> Result<()> {
         Ok(Summary { pairs, rendered, bytes }) => {
             End::Made { rendered: *rendered, pairs: *pairs, bytes: *bytes }
         }
-        Err(error) => End::Failed { error: crate::message(error) },
+        Err(error) => End::Failed { error: crate::output::message(error) },
     })?;
     let summary = made.with_context(|| format!("shard {shard}"))?;
     say!(

@@ -7,6 +7,7 @@ use super::film::{self, Still};
 use super::layers::Opened;
 use super::pictures::rgb;
 use super::saved::{self, Moment};
+use crate::output::message;
 use crate::report::images::write_png;
 use anyhow::Result;
 use eframe::egui::ColorImage;
@@ -41,7 +42,7 @@ pub enum Done {
 pub fn run(errands: mpsc::Receiver<Errand>, tell: &dyn Fn(News)) {
     for errand in errands {
         let done = caught(errand.doing(), || errand.run());
-        tell(News::Errand(done.map_err(|error| format!("{error:#}"))));
+        tell(News::Errand(done.map_err(|error| message(&error))));
     }
 }
 

@@ -6,6 +6,7 @@ use super::mailbox::Mailbox;
 use super::pictures::Developed;
 use super::state::Map;
 use super::window::Window;
+use crate::output::message;
 use crate::render::picture::Exposure;
 use anyhow::{Context as _, Result, ensure};
 use deepshade_render::exr_file::{self, ExrImage};
@@ -91,7 +92,7 @@ impl Choice {
 pub fn run(orders: &Mailbox<Choice>, tell: &dyn Fn(News)) {
     while let Some(choice) = orders.take() {
         let developed = caught("layers of an EXR file", || choice.developed());
-        tell(News::Layers(choice, developed.map_err(|error| format!("{error:#}"))));
+        tell(News::Layers(choice, developed.map_err(|error| message(&error))));
     }
 }
 

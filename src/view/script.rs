@@ -8,6 +8,7 @@ use super::window::Window;
 use super::zoom::Zoom;
 use crate::live::pilot::Pilot;
 use crate::methods::{self, TRUTH};
+use crate::output::message;
 use anyhow::{Context as _, Result, ensure};
 use deepshade_render::methods::dials::Setting;
 use eframe::egui::{Context, ViewportCommand, vec2};
@@ -86,7 +87,9 @@ impl Script {
                     return Progress::Failed(format!("line {number} of the script waits in vain; {said}"));
                 }
                 Ok(false) => return Progress::GoesOn,
-                Err(error) => return Progress::Failed(format!("line {number} of the script: {error:#}")),
+                Err(error) => {
+                    return Progress::Failed(format!("line {number} of the script: {}", message(&error)));
+                }
             }
         }
         Progress::Done

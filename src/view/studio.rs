@@ -12,6 +12,7 @@ use super::subject::Subject;
 use crate::learned::{self, Learned};
 use crate::live::{Live, Wanted};
 use crate::methods::{self, LEARNED, Setup};
+use crate::output::message;
 use crate::radius::{self, Space};
 use crate::render::picture::Exposure;
 use anyhow::{Context, Result};
@@ -97,7 +98,7 @@ pub fn run(args: &Args, orders: &Mailbox<Order>, tell: &dyn Fn(News)) {
             }
             Err(error) => {
                 studio = Studio::default();
-                tell(News::NoPicture(format!("{error:#}")));
+                tell(News::NoPicture(message(&error)));
             }
         }
     }

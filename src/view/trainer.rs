@@ -5,6 +5,7 @@
 use super::caught::caught;
 use super::desk::{News, leave};
 use super::window::Window;
+use crate::output::message;
 use anyhow::{Context as _, Result, bail, ensure};
 use deepshade_dataset::Manifest;
 use eframe::egui::{Button, TextEdit, Ui};
@@ -92,7 +93,7 @@ impl Trainer {
             let (wish, folder, running) = (wish.clone(), folder.clone(), Arc::clone(&running));
             move || {
                 let ended = caught("training", || train(&wish, &folder, &running, &tell));
-                tell(News::TrainingEnded(ended.map_err(|error| format!("training: {error:#}"))));
+                tell(News::TrainingEnded(ended.map_err(|error| format!("training: {}", message(&error)))));
             }
         })?;
         Ok(Self { folder, has_begun: false, running, thread: Some(thread) })
@@ -194,7 +195,7 @@ impl Window {
         }
         match self.begin_training() {
             Ok(trainer) => self.trainer = Some(trainer),
-            Err(error) => self.refuse(format!("{error:#}")),
+            Err(error) => self.refuse(message(&error)),
         }
     }
 }

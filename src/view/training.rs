@@ -9,6 +9,7 @@ use super::mailbox::Mailbox;
 use super::stamp::{Stamp, stamp};
 use super::studio::Trained;
 use crate::learned::run::is_run;
+use crate::output::message;
 use anyhow::{Context, Result};
 use deepshade_infer::Model;
 use deepshade_train::checkpoint::{CHECKPOINT_FILE, Checkpoint, Progress};
@@ -112,7 +113,7 @@ impl Follower {
                 tell(News::Training(training));
             }
             Err(error) => {
-                let error = Some(format!("{:#}", error.context(format!("{}", self.folder.display()))));
+                let error = Some(message(&error.context(format!("{}", self.folder.display()))));
                 if self.told != error {
                     error.iter().for_each(|error| tell(News::Refused(error.clone())));
                     self.told = error;

@@ -6,6 +6,7 @@ use super::mailbox::Mailbox;
 use super::pictures::Developed;
 use super::subject::Subject;
 use crate::methods::TRUTH;
+use crate::output::message;
 use crate::render::picture::Exposure;
 use anyhow::Result;
 use deepshade_render::metrics::exposure;
@@ -125,7 +126,7 @@ pub fn run(orders: &Mailbox<Order>, tell: &(dyn Fn(News) + Sync)) {
         let doing = format!("truth of {} of {}", order.sight.effect, order.sight.source);
         match caught(&doing, || pool.install(|| refine(orders, order, &mut kept, tell))) {
             Ok(()) => {}
-            Err(error) => tell(News::Refused(format!("truth: {error:#}"))),
+            Err(error) => tell(News::Refused(format!("truth: {}", message(&error)))),
         }
         known.extend(kept);
         make_room(&mut known, ROOM);

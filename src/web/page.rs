@@ -239,5 +239,5 @@ impl Shown {
 
 /// An error as the page's script gets it, with its causes.
 pub fn said<T>(result: Result<T>) -> Result<T, JsError> {
-    result.map_err(|error| JsError::new(&crate::message(&error)))
+    result.map_err(|error| JsError::new(&crate::output::message(&error)))
 }

@@ -2,6 +2,7 @@
 
 use super::Window;
 use crate::learned;
+use crate::output::message;
 use crate::view::clerk::{Done, Errand};
 use crate::view::saved::Moment;
 use deepshade_render::scene::SceneSource;
@@ -15,7 +16,7 @@ impl Window {
         if learned::is_network(path) {
             return match self.state.open_model(path) {
                 Ok(()) => self.changed(),
-                Err(error) => self.refuse(format!("{error:#}")),
+                Err(error) => self.refuse(message(&error)),
             };
         }
         if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr")) {
