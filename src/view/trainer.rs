@@ -8,6 +8,8 @@ use super::window::Window;
 use crate::output::message;
 use anyhow::{Context as _, Result, bail, ensure};
 use deepshade_dataset::Manifest;
+use deepshade_dataset::holder::Holder;
+use deepshade_train::{TrainError, is_taken};
 use eframe::egui::{Button, TextEdit, Ui};
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -18,6 +20,8 @@ use std::time::Duration;
 
 /// For how long an interrupted program may go on until nobody waits for it.
 const PATIENCE: Duration = Duration::from_secs(2);
+/// How often it is looked whether a program has begun.
+const GLANCE: Duration = Duration::from_millis(100);
 
 /// What hands want to be trained.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -58,7 +62,7 @@ impl Wish {
 pub struct Trainer {
     /// The folder of its run.
     pub folder: PathBuf,
-    /// Whether the program runs, or has run.
+    /// Whether the program has taken the run's folder: nothing has been refused.
     pub has_begun: bool,
     running: Arc<Mutex<Running>>,
     thread: Option<JoinHandle<()>>,
@@ -119,6 +123,9 @@ impl Drop for Trainer {
 fn train(wish: &Wish, folder: &Path, running: &Mutex<Running>, tell: &impl Fn(News)) -> Result<String> {
     let dataset = Path::new(wish.dataset.trim());
     let effect = Manifest::load(dataset)?.origin.recipe.effect;
+    if is_taken(folder) {
+        return Err(TrainError::Busy { folder: folder.to_owned(), holder: Holder::of(folder) }.into());
+    }
     let mut child = Command::new(std::env::current_exe().context("the program's own file")?)
         .arg("train")
         .arg("--dataset")
@@ -131,7 +138,7 @@ fn train(wish: &Wish, folder: &Path, running: &Mutex<Running>, tell: &impl Fn(Ne
         .stderr(Stdio::piped())
         .spawn()
         .context("`deepshade train` does not start")?;
-    let said = child.stderr.take();
+    let stderr = child.stderr.take();
     {
         let mut running = locked(running);
         if running.stopped {
@@ -139,14 +146,24 @@ fn train(wish: &Wish, folder: &Path, running: &Mutex<Running>, tell: &impl Fn(Ne
         }
         running.child = Some(child);
     }
-    tell(News::TrainingBegan(effect, folder.to_owned()));
-    let said = said.map(|said| last_words(BufReader::new(said))).unwrap_or_default();
+    let began = || tell(News::TrainingBegan(effect, folder.to_owned()));
+    let (said, has_begun) = thread::scope(|scope| {
+        let words = scope.spawn(|| stderr.map(|said| last_words(BufReader::new(said))));
+        let has_begun = is_taken_before(folder, || words.is_finished());
+        if has_begun {
+            began();
+        }
+        (words.join().ok().flatten().unwrap_or_default(), has_begun)
+    });
     // It says nothing more: it is at its end.
     let (child, stopped) = {
         let mut running = locked(running);
         (running.child.take(), running.stopped)
     };
     let is_done = child.map(|mut child| child.wait()).transpose()?.is_some_and(|status| status.success());
+    if is_done && !has_begun {
+        began();
+    }
     let place = folder.display();
     match (is_done, stopped) {
         (true, _) => Ok(format!("{place} is trained")),
@@ -155,6 +172,16 @@ fn train(wish: &Wish, folder: &Path, running: &Mutex<Running>, tell: &impl Fn(Ne
         }
         (false, false) => bail!("{said}"),
     }
+}
+
+/// Waits for a program to take a run's folder. Whether it has before it was over; one that the run there refuses lets go of it at once.
+fn is_taken_before(folder: &Path, is_over: impl Fn() -> bool) -> bool {
+    let mut looks = 0;
+    while looks < 2 && !is_over() {
+        thread::sleep(GLANCE);
+        looks = if is_taken(folder) { looks + 1 } else { 0 };
+    }
+    looks == 2 && !is_over()
 }
 
 /// Nothing is lost by it: whatever is written is whole at every moment.
@@ -227,6 +254,8 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use deepshade_dataset::lock;
+    use deepshade_train::metrics::METRICS_FILE;
 
     #[test]
     fn a_wish_is_a_dataset_a_run_and_options() {
@@ -249,6 +278,17 @@ mod tests {
         assert_eq!(words(b"step 1\nerror: no such option\n\n  --stepz\n"), "no such option --stepz");
         assert_eq!(words(b"\xff\n"), "\u{fffd}");
         assert_eq!(words(b""), "");
+    }
+
+    #[test]
+    fn a_training_has_begun_once_its_folder_is_taken() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let folder = folder.path();
+        assert!(!is_taken_before(folder, || true), "it was refused");
+        let _file = lock::alone(&folder.join(METRICS_FILE)).expect("a file").expect("free");
+        let _holder = Holder::sign(folder);
+        assert!(is_taken_before(folder, || false));
+        assert!(!is_taken_before(folder, || true), "it was another's");
     }
 
     #[test]
