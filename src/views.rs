@@ -1,5 +1,7 @@
 //! Which views of a scene a command works on: the cameras that its file brings, or sampled ones.
 
+mod lone;
+
 use crate::arguments::place;
 use anyhow::{Result, bail, ensure};
 use clap::builder::RangedU64ValueParser;
@@ -45,7 +47,8 @@ pub enum Choice {
     Stated(Vec<Viewpoint>),
 }
 
-/// Which views; without any of these, the file's own cameras, or one sampled view where it has none.
+/// Which views; without any of these, the file's own cameras, or one sampled view where it has none, of a lone object one from
+/// outside.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
@@ -92,7 +95,7 @@ impl Viewpoint {
         Ok(())
     }
 
-    /// The view that is stated, else that of the file's first camera, or the first sampled one where it has none.
+    /// The view that is stated, else that of the file's first camera, or the first one of a scene that brings none.
     ///
     /// # Errors
     /// If the file has no camera of the name asked for, there is no direction to look in, or no view of the scene can be
@@ -102,7 +105,7 @@ impl Viewpoint {
             Some(view) => view,
             None => match scene.scene().cameras.first() {
                 Some(camera) => view(camera),
-                None => sampled(scene, size, seed, 0)?,
+                None => first(scene, size, seed)?,
             },
         })
     }
@@ -142,8 +145,8 @@ impl Args {
     }
 }
 
-/// The views of a scene that are chosen, for images of `[height, width]`; else its file's own cameras, or one sampled view
-/// where it has none.
+/// The views of a scene that are chosen, for images of `[height, width]`; else its file's own cameras, or one view where it
+/// has none: a lone object's from outside, or a sampled one.
 ///
 /// # Errors
 /// As [`Viewpoint::of`], and if a camera stands inside of geometry.
@@ -157,13 +160,21 @@ pub fn views(choice: Option<&Choice>, scene: &TracedScene, size: [usize; 2], see
         Some(Choice::Stated(viewpoints)) => {
             viewpoints.iter().map(|viewpoint| viewpoint.of(scene, size, seed)).collect::<Result<_>>()?
         }
-        None if own.is_empty() => several(1)?,
+        None if own.is_empty() => vec![first(scene, size, seed)?],
         None => own.iter().map(view).collect(),
     };
     for View { name, camera } in &views {
         ensure!(!inside_geometry(scene, camera.position), "camera `{name}` stands inside of geometry");
     }
     Ok(views)
+}
+
+/// The view of a scene that brings none: of a lone object from outside, else a sampled one.
+fn first(scene: &TracedScene, size: [usize; 2], seed: u32) -> Result<View> {
+    let outside = lone::from_outside(scene, size);
+    let outside =
+        outside.map(|camera| View { name: format!("{}, from outside", scene.scene().name), camera });
+    outside.map_or_else(|| sampled(scene, size, seed, 0), Ok)
 }
 
 /// A view that a dataset could hold.

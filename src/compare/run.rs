@@ -39,7 +39,8 @@ pub struct Run {
     pub qualities: Option<Vec<Quality>>,
     /// Folder or address of the network of `learned`; by default models/EFFECT.
     pub model: Option<Place>,
-    /// Which views of each scene; by default the cameras of its file, or one sampled view where it has none.
+    /// Which views of each scene; by default the cameras of its file, or one sampled view where it has none, of a lone object one from
+    /// outside.
     pub views: Option<Choice>,
     /// What is put into each scene.
     pub put: Option<Vec<Prop>>,
