@@ -8,6 +8,7 @@ use super::lights;
 use super::parameters;
 use super::state::{Arrangement, Map, State};
 use super::window::Window;
+use crate::arguments::EDGES;
 use crate::complete::listeners;
 use crate::methods::{self, TRUTH};
 use deepshade_render::methods::Quality;
@@ -204,9 +205,9 @@ fn look(ui: &mut Ui, window: &mut Window) {
     });
     ui.horizontal(|ui| {
         let [height, width] = &mut state.show.size;
-        ui.add(DragValue::new(width).range(16..=3840).clamp_existing_to_range(false));
+        ui.add(DragValue::new(width).range(*EDGES.start()..=3840).clamp_existing_to_range(false));
         ui.label("x");
-        ui.add(DragValue::new(height).range(16..=2160).clamp_existing_to_range(false));
+        ui.add(DragValue::new(height).range(*EDGES.start()..=2160).clamp_existing_to_range(false));
         ui.label("pixels");
     });
 }
