@@ -4,6 +4,7 @@ mod curve;
 mod networks;
 mod page;
 mod paper;
+mod results;
 pub mod rivals;
 mod score;
 
@@ -13,13 +14,14 @@ use crate::methods::{self, TRUTH};
 use crate::place::{Folder, Place};
 use crate::statistics::Estimate;
 use crate::table;
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use deepshade_dataset::TestSet;
 use deepshade_infer::Model;
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::dials::{Changes, Tuning};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, lists};
+use results::Entry;
 use rivals::{Rival, rivals, trivial_name};
 use score::{Evaluation, evaluate};
 use serde_json::json;
@@ -32,7 +34,8 @@ use std::path::{Path, PathBuf};
     deepshade eval --effect gi --methods all --testset testsets/gi --json gi.json\n  \
     deepshade eval --effect ao --methods all --quality low,medium,high,ultra --curve ao.svg\n  \
     deepshade eval --effect gi --methods lpv --set cells=32,iterations=8 --set cells=64,iterations=16 --testset testsets/gi\n  \
-    deepshade eval --all --testsets testsets --json all.json --markdown all.md --page report\n\nTest sets are made by \
+    deepshade eval --all --testsets testsets --json all.json --markdown all.md --page report\n  \
+    deepshade eval --model models/gi --testset testsets/gi --results models/results.json\n\nTest sets are made by \
     `deepshade dataset testset`; that of a model that is shipped lies in its folder.")]
 pub struct Args {
     /// What is computed; by default what the network computes.
@@ -79,6 +82,10 @@ pub struct Args {
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
+    /// Writes the networks' figures into this JSON file, where those of other networks stay: what was evaluated one by one
+    /// lies in one file.
+    #[arg(long, value_parser = crate::arguments::written_file)]
+    results: Option<PathBuf>,
 }
 
 /// What is set by hand, as the command line says it.
@@ -170,6 +177,11 @@ pub fn run(args: &Args) -> Result<()> {
     figures.detail("adapter", json!(gpu.info.name));
     figures.detail("devices", json!(evaluation.devices));
     figures.write(args.json.as_deref())?;
+    if let Some(path) = &args.results {
+        let (network, _) = contest.network.as_ref().context("--results is of networks, and there is none")?;
+        let (network, target) = (network.clone(), target(&contest.set));
+        results::add(path, &[Entry { network, evaluation: &evaluation, target }], &gpu)?;
+    }
     if let Some(path) = &args.curve {
         curve::write(path, effect, &rivals, &estimates)?;
     }

@@ -1,6 +1,6 @@
 //! `deepshade export`: from a training run to a model folder.
 
-use crate::figures::Figures;
+use crate::figures::{Figures, write_atomically};
 use crate::place::Place;
 use crate::wgsl_folder;
 use anyhow::{Context, Result, ensure};
@@ -11,7 +11,7 @@ use deepshade_infer::forward::{Precision, wgsl_files};
 use deepshade_render::scene::camera::FIELD_OF_VIEW;
 use deepshade_shaders::Effect;
 use deepshade_train::TrainConfig;
-use deepshade_train::export::{Facts, export};
+use deepshade_train::export::{CARD_FILE, Facts, export, measured};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -22,9 +22,11 @@ const LICENCE: &str = "MIT OR Apache-2.0";
 /// model folder into WGSL files for any engine.
 #[derive(clap::Args)]
 #[command(group(clap::ArgGroup::new("source").required(true).args(["run", "model"])))]
+#[command(group(clap::ArgGroup::new("made").multiple(true).args(["out", "wgsl", "metrics"])))]
 #[command(after_help = "Examples:\n  \
     deepshade export --run runs/ao --out models/ao --metrics eval.json\n  \
-    deepshade export --model models/ao --wgsl shaders/ao\n\n\
+    deepshade export --model models/ao --wgsl shaders/ao\n  \
+    deepshade export --model models/ao --metrics eval.json\n\n\
     --wgsl writes a commented compute shader and packed weights for every layer, network.json with the passes and what \
     they bind, and HOST.md, which says what a host must do.")]
 pub struct Args {
@@ -35,7 +37,7 @@ pub struct Args {
     #[arg(long, requires = "run", conflicts_with = "model")]
     out: Option<Place>,
     /// Folder or address of a model that is there.
-    #[arg(long, requires = "wgsl")]
+    #[arg(long, requires = "made")]
     model: Option<Place>,
     /// Folder for WGSL files, which are replaced.
     #[arg(long)]
@@ -46,7 +48,8 @@ pub struct Args {
     /// Folder or address of the dataset that the run was trained on, where it has moved since.
     #[arg(long)]
     dataset: Option<Place>,
-    /// What `deepshade eval --json` wrote about this network, for the card.
+    /// What `deepshade eval --json` wrote about this network, for the card; with --model, for that of the folder that is
+    /// there.
     #[arg(long)]
     metrics: Option<PathBuf>,
     /// Writes the figures here as JSON.
@@ -67,8 +70,11 @@ pub fn run(args: &Args) -> Result<()> {
             work.finish()?;
             (out, model)
         }
-        (_, _, Some(model)) => (model, Model::load(&model.read()?)?),
-        _ => anyhow::bail!("--run with --out, or --model with --wgsl"),
+        (_, _, Some(model)) => {
+            args.metrics.as_deref().map_or(Ok(()), |file| measure(model, file))?;
+            (model, Model::load(&model.read()?)?)
+        }
+        _ => anyhow::bail!("--run with --out, or --model with --wgsl or --metrics"),
     };
     if let Some(folder) = &args.wgsl {
         let precision = if args.half { Precision::F16 } else { Precision::F32 };
@@ -80,6 +86,17 @@ pub fn run(args: &Args) -> Result<()> {
     figures.write(args.json.as_deref())?;
     say!("{name}: {}, {weights} weights", model.spec.effect)?;
     args.wgsl.as_ref().map_or(Ok(()), |folder| say!("{}: see HOST.md there", folder.display()))
+}
+
+/// Writes results into the card of a model that is there.
+fn measure(model: &Place, file: &Path) -> Result<()> {
+    let Place::Folder(folder) = model else {
+        anyhow::bail!("{model}: the card of a model in a store is not changed, that of a folder is")
+    };
+    let path = folder.join(CARD_FILE);
+    let card = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+    let card = measured(&card, &metrics(file)?).with_context(|| format!("{}: not a card", path.display()))?;
+    write_atomically(&path, card.as_bytes())
 }
 
 /// The model of a training run, written to its folder.

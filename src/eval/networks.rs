@@ -1,6 +1,7 @@
 //! `deepshade eval --all`: every network beside what the thesis reports of its own, as a table, figures and a page.
 
 use super::paper::{Published, published};
+use super::results::{self, Entry};
 use super::rivals::trivial_name;
 use super::score::Evaluation;
 use super::{Args, Contest, Judgement, judge, page, target, testset};
@@ -70,6 +71,14 @@ pub fn run(args: &Args) -> Result<()> {
     }
     figures.detail("adapter", json!(gpu.info.name));
     figures.write(args.json.as_deref())?;
+    if let Some(path) = &args.results {
+        let entries = rows.iter().map(|row| Entry {
+            network: row.name.replace('-', "_"),
+            evaluation: &row.judgement.evaluation,
+            target: &row.target,
+        });
+        results::add(path, &entries.collect::<Vec<_>>(), &gpu)?;
+    }
     let lines: Vec<Vec<String>> =
         std::iter::once(HEAD.map(str::to_owned).to_vec()).chain(rows.iter().map(line)).collect();
     if let Some(path) = &args.markdown {
@@ -121,7 +130,7 @@ pub fn set_figures(figures: &mut Figures, network: &str, evaluation: &Evaluation
 }
 
 /// What a figure of an evaluation is called where there are several networks.
-fn of_network(network: &str, figure: &str) -> String {
+pub fn of_network(network: &str, figure: &str) -> String {
     match figure.split_once('_') {
         Some((metric, LEARNED)) => format!("{metric}_{network}"),
         Some((_, "ceiling")) => format!("ceiling_{network}"),

@@ -104,7 +104,16 @@ fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
         ),
         ("export", deepshade(&["export", "--run", &run, "--out", &model])),
         ("test set", deepshade(&["dataset", "testset", &recipe("-test"), "--out", &testset])),
-        ("evaluation", deepshade(&["eval", "--model", &model, "--testset", &testset, "--json", &metrics])),
+        (
+            "evaluation",
+            deepshade(
+                &[
+                    &["eval", "--model", &model, "--testset", &testset, "--json", &metrics][..],
+                    &["--results", "models/results.json"],
+                ]
+                .concat(),
+            ),
+        ),
         ("card", deepshade(&["export", "--run", &run, "--out", &model, "--metrics", &metrics])),
         ("parity", deepshade(&["parity", "--model", &model])),
     ]

@@ -66,10 +66,11 @@ impl Program {
     }
 }
 
-/// The last line of what a program says on stderr.
+/// The last line of what a program says on stderr, where strace, which slows it, may have words of its own.
 pub fn message(output: &Output) -> String {
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    text.trim().lines().last().unwrap_or_default().to_owned()
+    let said = text.trim().lines().rfind(|line| !line.starts_with("strace: "));
+    said.unwrap_or_default().to_owned()
 }
 
 /// All files below a folder by name, none where there is no folder; those that are half-written are left out.

@@ -65,6 +65,26 @@ fn last_layer(spec: &NetSpec) -> String {
     }
 }
 
+/// The part of a card that says how good the network is, and the one after it.
+const MEASURED: &str = "## On scenes never trained on";
+const LIMITS: &str = "## Limits";
+
+/// A table of results.
+fn measurements(metrics: &[(String, String)]) -> String {
+    if metrics.is_empty() {
+        return "Not measured.\n".to_owned();
+    }
+    let rows = metrics.iter().map(|(name, value)| format!("| {name} | {value} |\n"));
+    std::iter::once("| | |\n|---|---|\n".to_owned()).chain(rows).collect()
+}
+
+/// A card with other results; `None` if it is none that [`export`](super::export) wrote.
+pub fn measured(card: &str, metrics: &[(String, String)]) -> Option<String> {
+    let (before, rest) = card.split_once(MEASURED)?;
+    let (_, after) = rest.split_once(LIMITS)?;
+    Some(format!("{before}{MEASURED}\n\n{}\n{LIMITS}{after}", measurements(metrics)))
+}
+
 /// The card as Markdown.
 pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> String {
     let spec = &config.spec;
@@ -94,16 +114,8 @@ pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> Str
     for (name, value) in rows {
         let _ = writeln!(card, "| {name} | {value} |");
     }
-    card += "\n## On scenes never trained on\n\n";
-    if facts.metrics.is_empty() {
-        card += "Not measured.\n";
-    } else {
-        card += "| | |\n|---|---|\n";
-        for (name, value) in &facts.metrics {
-            let _ = writeln!(card, "| {name} | {value} |");
-        }
-    }
-    card += "\n## Limits\n\n";
+    let _ = write!(card, "\n{MEASURED}\n\n{}", measurements(&facts.metrics));
+    let _ = write!(card, "\n{LIMITS}\n\n");
     for limit in &facts.limits {
         let _ = writeln!(card, "- {limit}");
     }
@@ -113,4 +125,19 @@ pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> Str
         channels scaled as said above, 0 in all of them where nothing is seen; its image is of the light as scaled.\n\
         - `parity.safetensors`: an input and its output, to check a runtime with.\n";
     card
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn other_results_change_nothing_else() {
+        let first = [("frames".to_owned(), "200".to_owned()), ("ssim_learned".to_owned(), "0.5".to_owned())];
+        let card = format!("# ao\n\n{MEASURED}\n\n{}\n{LIMITS}\n\n- One.\n", measurements(&[]));
+        let filled = measured(&card, &first).expect("a card");
+        assert!(filled.contains("| ssim_learned | 0.5 |") && !filled.contains("Not measured"), "{filled}");
+        assert_eq!(measured(&filled, &[]).as_deref(), Some(card.as_str()), "and back");
+        assert_eq!(measured("# ao\n\nNothing.\n", &first), None);
+    }
 }

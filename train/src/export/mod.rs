@@ -5,8 +5,8 @@ mod card;
 pub mod onnx;
 mod proto;
 
-pub use card::Facts;
 use card::Trained;
+pub use card::{Facts, measured};
 
 use crate::checkpoint::{CHECKPOINT_FILE, Checkpoint};
 use crate::{TrainConfig, TrainError, files};
