@@ -202,7 +202,11 @@ fn metrics(path: &Path) -> Result<Vec<(String, String)>> {
         let network = json["details"]["network"].as_str().map(|network| format!("_{network}"));
         let is_repeated = |name: &str| network.as_ref().is_some_and(|network| name.contains(network));
         let figures = figures.iter().filter(|(name, _)| !is_repeated(name));
-        Ok(figures.map(|(name, value)| (name.clone(), rounded(value))).collect())
+        // Milliseconds say nothing without what they were taken on.
+        let devices = json["details"]["devices"].as_object().into_iter().flatten();
+        let devices = devices
+            .filter_map(|(method, device)| Some((format!("device_{method}"), device.as_str()?.to_owned())));
+        Ok(devices.chain(figures.map(|(name, value)| (name.clone(), rounded(value)))).collect())
     };
     read().with_context(|| path.display().to_string())
 }
@@ -236,10 +240,10 @@ mod tests {
     fn figures_become_rows() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("eval.json");
-        std::fs::write(&path, r#"{"figures": {"ssim_learned": 0.71234567, "frames": 200.0, "ssim_gi": 0.7}, "details": {"network": "gi"}}"#)
+        std::fs::write(&path, r#"{"figures": {"ssim_learned": 0.71234567, "frames": 200.0, "ssim_gi": 0.7}, "details": {"network": "gi", "devices": {"learned": "A card"}}}"#)
             .expect("written");
         let rows = metrics(&path).expect("reads");
-        let expected = [("frames", "200"), ("ssim_learned", "0.7123")];
+        let expected = [("device_learned", "A card"), ("frames", "200"), ("ssim_learned", "0.7123")];
         assert_eq!(rows, expected.map(|(name, value)| (name.to_owned(), value.to_owned())));
         std::fs::write(&path, "{}").expect("written");
         let error = metrics(&path).expect_err("no figures");

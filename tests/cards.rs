@@ -3,6 +3,7 @@
 use deepshade_dataset::Recipe;
 use deepshade_infer::Model;
 use deepshade_render::scene::procedural::{Family, Split};
+use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -33,15 +34,20 @@ fn families_of(recipe: &Recipe) -> BTreeSet<String> {
     recipe.families.iter().map(|share| share.name.clone()).collect()
 }
 
+/// The networks' names, with their folders.
+fn shipped() -> Vec<(String, PathBuf)> {
+    let entries =
+        std::fs::read_dir(root("models")).expect("models").map(|entry| entry.expect("an entry").path());
+    let folders = entries.filter(|path| path.is_dir());
+    let named = |folder: PathBuf| Some((folder.file_name()?.to_str()?.to_owned(), folder));
+    let networks: Vec<_> = folders.filter_map(named).collect();
+    assert!(!networks.is_empty());
+    networks
+}
+
 #[test]
 fn no_network_was_tested_on_scenes_that_it_was_trained_on() {
-    let folders: Vec<PathBuf> = std::fs::read_dir(root("models"))
-        .expect("models")
-        .map(|entry| entry.expect("a folder").path())
-        .collect();
-    assert!(!folders.is_empty());
-    for folder in folders {
-        let name = folder.file_name().and_then(|name| name.to_str()).expect("a name");
+    for (name, folder) in shipped() {
         let card = std::fs::read_to_string(folder.join("card.md")).expect("a card");
         let [trained, tested] =
             [format!("{name}.toml"), format!("{name}-test.toml")].map(|file| recipe(&file));
@@ -60,6 +66,25 @@ fn no_network_was_tested_on_scenes_that_it_was_trained_on() {
         assert!(frames >= LEAST_FRAMES, "{name}: {frames} frames");
         let weights = Model::load(&folder).expect("a model").spec.weight_count();
         assert_eq!(row(&card, "Weights"), weights.to_string(), "{name}");
+    }
+}
+
+#[test]
+fn what_cards_and_readme_say_is_what_came_out() {
+    let text = std::fs::read_to_string(root("models/results.json")).expect("results");
+    let results: Value = serde_json::from_str(&text).expect("JSON");
+    let readme = std::fs::read_to_string(root("README.md")).expect("a README");
+    for (name, folder) in shipped() {
+        let card = std::fs::read_to_string(folder.join("card.md")).expect("a card");
+        let key = name.replace('-', "_");
+        let (network, figure) = (&results["networks"][&key], format!("ssim_{key}"));
+        let ssim = results["figures"][&figure].as_f64().expect(&figure);
+        assert_eq!(network["figures"][&figure], results["figures"][&figure], "{name}");
+        assert_eq!(row(&card, "ssim_learned"), format!("{ssim:.4}"), "{name}");
+        let [low, high] =
+            [0, 1].map(|end| network["confidence_95"][&figure][end].as_f64().expect("an interval"));
+        let said = format!("{ssim:.3} [{low:.3}, {high:.3}]");
+        assert!(readme.contains(&said), "{name}: the README does not say {said}");
     }
 }
 

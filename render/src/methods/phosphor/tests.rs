@@ -255,7 +255,9 @@ fn without_shadows_states_are_exact() {
         seen(scene(vec![floor()], vec![lamp(Vec3::new(0.3, 2.0, 0.2), 20.0)], glow), camera(), [9, 11]);
     let [states, expected] = both_states(&room, 60);
     assert!(states.len() > 3000 && near(&states, &expected, 1e-5));
-    assert!(states.iter().skip(2).step_by(3).all(|share| *share == 1.0), "what does not decay is full");
+    // Where a GPU divides, what it gives may be 2.5 units of the last place off.
+    let is_full = |share: &f32| (share - 1.0).abs() <= 2.5 * f32::EPSILON;
+    assert!(states.iter().skip(2).step_by(3).all(is_full), "what does not decay is full");
 }
 
 /// Euler's scheme, as the thesis has it: the same states as in the plain version, and an error that falls as its steps do; from long
