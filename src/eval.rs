@@ -1,7 +1,7 @@
 //! `deepshade eval`: an effect's methods, learned and analytic, on a test set, with confidence intervals over scenes.
 
 mod curve;
-mod networks;
+pub mod networks;
 mod page;
 mod paper;
 mod results;
@@ -10,11 +10,11 @@ mod score;
 
 use crate::figures::Figures;
 use crate::learned;
-use crate::methods::{self, TRUTH};
+use crate::methods::{self, LEARNED, TRUTH};
 use crate::place::{Folder, Place};
 use crate::statistics::Estimate;
 use crate::table;
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Result, bail, ensure};
 use deepshade_dataset::TestSet;
 use deepshade_infer::Model;
 use deepshade_render::methods::Quality;
@@ -82,9 +82,9 @@ pub struct Args {
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
-    /// Writes the networks' figures into this JSON file, where those of other networks stay: what was evaluated one by one
-    /// lies in one file.
-    #[arg(long, value_parser = crate::arguments::written_file)]
+    /// Puts the network's figures, under its folder's name, into this JSON file in place of its older ones; those of other
+    /// networks stay.
+    #[arg(long, value_parser = crate::arguments::written_file, conflicts_with = "frames")]
     results: Option<PathBuf>,
 }
 
@@ -141,6 +141,7 @@ struct Judgement {
 /// # Errors
 /// If the model or the test set cannot be read, or a method fails.
 pub fn run(args: &Args) -> Result<()> {
+    args.results.as_deref().map_or(Ok(()), |path| results::check(path, args.json.as_deref()))?;
     if args.all {
         return networks::run(args);
     }
@@ -155,6 +156,10 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let gpu = Gpu::new()?;
     let contest = contest(args)?;
+    if args.results.is_some() {
+        let is_among = args.methods.iter().any(|name| name == "all" || name == LEARNED);
+        ensure!(contest.network.is_some() && is_among, "--results is of networks, and there is none");
+    }
     let Judgement { rivals, evaluation } = judge(&contest, args, &gpu)?;
     let (effect, estimates) = (contest.effect, evaluation.estimates());
     let mut figures = Figures::new("eval");
@@ -178,9 +183,13 @@ pub fn run(args: &Args) -> Result<()> {
     figures.detail("devices", json!(evaluation.devices));
     figures.write(args.json.as_deref())?;
     if let Some(path) = &args.results {
-        let (network, _) = contest.network.as_ref().context("--results is of networks, and there is none")?;
-        let (network, target) = (network.clone(), target(&contest.set));
-        results::add(path, &[Entry { network, evaluation: &evaluation, target }], &gpu)?;
+        let target = target(&contest.set);
+        let entry = |(network, _): &(String, Model)| Entry {
+            network: network.clone(),
+            evaluation: &evaluation,
+            target,
+        };
+        results::add(path, &contest.network.iter().map(entry).collect::<Vec<_>>(), &gpu)?;
     }
     if let Some(path) = &args.curve {
         curve::write(path, effect, &rivals, &estimates)?;

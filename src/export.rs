@@ -1,5 +1,6 @@
 //! `deepshade export`: from a training run to a model folder.
 
+use crate::eval::networks::of_network;
 use crate::figures::{Figures, write_atomically};
 use crate::place::Place;
 use crate::wgsl_folder;
@@ -19,7 +20,7 @@ use std::path::{Path, PathBuf};
 const LICENCE: &str = "MIT OR Apache-2.0";
 
 /// Turns a training run into a model folder: weights, spec, ONNX file, card, and an image to check runtimes with; or a
-/// model folder into WGSL files for any engine.
+/// model folder into WGSL files for any engine; or writes what was measured into a model's card.
 #[derive(clap::Args)]
 #[command(group(clap::ArgGroup::new("source").required(true).args(["run", "model"])))]
 #[command(group(clap::ArgGroup::new("made").multiple(true).args(["out", "wgsl", "metrics"])))]
@@ -70,9 +71,10 @@ pub fn run(args: &Args) -> Result<()> {
             work.finish()?;
             (out, model)
         }
-        (_, _, Some(model)) => {
-            args.metrics.as_deref().map_or(Ok(()), |file| measure(model, file))?;
-            (model, Model::load(&model.read()?)?)
+        (_, _, Some(place)) => {
+            let model = Model::load(&place.read()?)?;
+            args.metrics.as_deref().map_or(Ok(()), |file| measure(place, &model, file))?;
+            (place, model)
         }
         _ => anyhow::bail!("--run with --out, or --model with --wgsl or --metrics"),
     };
@@ -89,13 +91,14 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// Writes results into the card of a model that is there.
-fn measure(model: &Place, file: &Path) -> Result<()> {
-    let Place::Folder(folder) = model else {
-        anyhow::bail!("{model}: the card of a model in a store is not changed, that of a folder is")
+fn measure(place: &Place, model: &Model, file: &Path) -> Result<()> {
+    let Place::Folder(folder) = place else {
+        anyhow::bail!("{place}: the card of a model in a store is not changed, that of a folder is")
     };
     let path = folder.join(CARD_FILE);
     let card = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-    let card = measured(&card, &metrics(file)?).with_context(|| format!("{}: not a card", path.display()))?;
+    let card = measured(&card, &metrics(file, model.spec.effect)?)
+        .with_context(|| format!("{}: not a card", path.display()))?;
     write_atomically(&path, card.as_bytes())
 }
 
@@ -113,7 +116,8 @@ fn exported(args: &Args, run: &Path, out: &Path) -> Result<Model> {
         dataset.display(),
         run.display()
     );
-    let metrics = args.metrics.as_deref().map(metrics).transpose()?.unwrap_or_default();
+    let metrics = args.metrics.as_deref().map(|file| metrics(file, manifest.origin.recipe.effect));
+    let metrics = metrics.transpose()?.unwrap_or_default();
     let facts = facts(&manifest, metrics);
     Ok(export(run, out, &facts)?)
 }
@@ -194,16 +198,19 @@ fn limits(recipe: &Recipe) -> Vec<String> {
     limits
 }
 
-/// Figures of a JSON file as the card's table, but for those that are there a second time under the network's name.
-fn metrics(path: &Path) -> Result<Vec<(String, String)>> {
+/// Figures that `eval` wrote about a network of an effect as the card's table, but for those that are there a second time under the
+/// network's name.
+fn metrics(path: &Path, effect: Effect) -> Result<Vec<(String, String)>> {
     let read = || -> Result<Vec<(String, String)>> {
         let json: Value = serde_json::from_slice(&std::fs::read(path)?)?;
-        let figures = json["figures"].as_object().context("has no `figures`")?;
-        let network = json["details"]["network"].as_str().map(|network| format!("_{network}"));
-        let is_repeated = |name: &str| network.as_ref().is_some_and(|network| name.contains(network));
-        let figures = figures.iter().filter(|(name, _)| !is_repeated(name));
+        let (figures, details) = (json["figures"].as_object().context("has no `figures`")?, &json["details"]);
+        let network = details["network"].as_str().context("is not of one network")?;
+        let of = details["effect"].as_str().unwrap_or_default();
+        ensure!(of == effect.name(), "is of a network for {of}, not for {effect}");
+        let repeated: Vec<String> = figures.keys().map(|figure| of_network(network, figure)).collect();
+        let figures = figures.iter().filter(|(name, _)| !repeated.contains(name));
         // Milliseconds say nothing without what they were taken on.
-        let devices = json["details"]["devices"].as_object().into_iter().flatten();
+        let devices = details["devices"].as_object().into_iter().flatten();
         let devices = devices
             .filter_map(|(method, device)| Some((format!("device_{method}"), device.as_str()?.to_owned())));
         Ok(devices.chain(figures.map(|(name, value)| (name.clone(), rounded(value)))).collect())
@@ -222,6 +229,7 @@ fn rounded(value: &Value) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::json;
 
     #[test]
     fn scenes_are_named_by_where_they_are_from() {
@@ -240,13 +248,30 @@ mod tests {
     fn figures_become_rows() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("eval.json");
-        std::fs::write(&path, r#"{"figures": {"ssim_learned": 0.71234567, "frames": 200.0, "ssim_gi": 0.7}, "details": {"network": "gi", "devices": {"learned": "A card"}}}"#)
-            .expect("written");
-        let rows = metrics(&path).expect("reads");
-        let expected = [("device_learned", "A card"), ("frames", "200"), ("ssim_learned", "0.7123")];
+        let written = |effect: &str| {
+            let figures = json!({
+                "ssim_learned": 0.71234567, "ssim_aov": 0.5, "frames": 200.0, "ssim_ao": 0.7, "ssim_ao_aov": 0.5,
+            });
+            let details = json!({ "network": "ao", "effect": effect, "devices": { "learned": "A card" } });
+            let text = json!({ "figures": figures, "details": details }).to_string();
+            std::fs::write(&path, text).expect("written");
+            metrics(&path, Effect::Ao)
+        };
+        let rows = written("ao").expect("reads");
+        let expected = [
+            ("device_learned", "A card"),
+            ("frames", "200"),
+            ("ssim_aov", "0.5000"),
+            ("ssim_learned", "0.7123"),
+        ];
         assert_eq!(rows, expected.map(|(name, value)| (name.to_owned(), value.to_owned())));
+        let error = format!("{:#}", written("gi").expect_err("another's"));
+        assert!(error.ends_with("eval.json: is of a network for gi, not for ao"), "{error}");
+        std::fs::write(&path, r#"{"figures": {}}"#).expect("written");
+        let error = format!("{:#}", metrics(&path, Effect::Ao).expect_err("of all"));
+        assert!(error.ends_with("eval.json: is not of one network"), "{error}");
         std::fs::write(&path, "{}").expect("written");
-        let error = metrics(&path).expect_err("no figures");
+        let error = metrics(&path, Effect::Ao).expect_err("no figures");
         assert!(format!("{error:#}").ends_with("eval.json: has no `figures`"), "{error:#}");
     }
 }

@@ -32,6 +32,13 @@ impl Holder {
         note(folder).is_file()
     }
 
+    /// Whether a process of this machine has signed last.
+    #[must_use]
+    pub fn is(folder: &Path, process: u32) -> bool {
+        let (who, signed) = (named(process), Self::of(folder));
+        signed.strip_prefix(&who).is_some_and(|rest| rest.starts_with(' '))
+    }
+
     /// Who has a folder that is locked, in words.
     pub fn of(folder: &Path) -> String {
         let bytes = std::fs::read(note(folder)).unwrap_or_default();
@@ -54,8 +61,12 @@ fn note(folder: &Path) -> PathBuf {
 
 /// `process 7 on host`.
 pub fn this_process() -> String {
+    named(std::process::id())
+}
+
+fn named(process: u32) -> String {
     let place = host().map_or_else(String::new, |host| format!(" on {host}"));
-    format!("process {}{place}", std::process::id())
+    format!("process {process}{place}")
 }
 
 /// `process 7 on host (deepshade train ...)`.
@@ -92,6 +103,11 @@ mod tests {
         let holder = Holder::sign(folder.path());
         let who = Holder::of(folder.path());
         assert!(who.starts_with(&format!("process {}", std::process::id())), "{who}");
+        assert!(Holder::is(folder.path(), std::process::id()));
+        assert!(
+            !Holder::is(folder.path(), std::process::id() / 10),
+            "another one, whose number this one's begins with"
+        );
         drop(holder);
         assert_eq!(std::fs::read_dir(folder.path()).expect("listed").count(), 0);
     }

@@ -1,12 +1,11 @@
 //! `deepshade eval --results`: one file with what every network came to, each as its last evaluation left it.
 //!
-//! `{"figures": {...}, "networks": {NETWORK: {...}}}`: all figures under names of their own, and of each network what they
-//! were measured on and how sure they are.
+//! `{"networks": {NETWORK: {...}}}`: of each network its figures, how sure they are, and what they were measured on.
 
 use super::networks::{of_network, set_figures};
 use super::score::Evaluation;
 use crate::figures::{Figures, machine, write_atomically};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use deepshade_shaders::gpu::Gpu;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -21,32 +20,35 @@ pub struct Entry<'a> {
     pub target: &'a str,
 }
 
+/// Refuses, before any work, what [`add`] could not do after it.
+///
+/// # Errors
+/// If the file is another one, or is to be written as JSON, too.
+pub fn check(path: &Path, json: Option<&Path>) -> Result<()> {
+    ensure!(json != Some(path), "--results and --json are the same file, {}", path.display());
+    read(path).map(drop)
+}
+
 /// Writes networks into a file, in place of what it had of the same ones.
 ///
 /// # Errors
 /// If the file is another one, or cannot be written.
 pub fn add(path: &Path, entries: &[Entry], gpu: &Gpu) -> Result<()> {
-    let mut networks = read(path).with_context(|| path.display().to_string())?;
+    let mut networks = read(path)?;
     for entry in entries {
         networks.insert(entry.network.clone(), described(entry, &gpu.info.name));
     }
-    let figures: Map<String, Value> = networks
-        .values()
-        .filter_map(|network| network["figures"].as_object())
-        .flatten()
-        .map(|(name, value)| (name.clone(), value.clone()))
-        .collect();
-    let text = serde_json::to_string_pretty(&json!({ "figures": figures, "networks": networks }));
-    write_atomically(path, format!("{}\n", text.context("results as JSON")?).as_bytes())
+    let text = serde_json::to_string_pretty(&json!({ "networks": networks })).context("results as JSON")?;
+    write_atomically(path, format!("{text}\n").as_bytes())
 }
 
 /// The networks of a file; none where there is no file.
 fn read(path: &Path) -> Result<Map<String, Value>> {
-    if !path.exists() {
-        return Ok(Map::new());
-    }
-    let file: Value = serde_json::from_slice(&std::fs::read(path)?)?;
-    file["networks"].as_object().cloned().context("has no `networks`: it is not a file of results")
+    let networks = || -> Result<Map<String, Value>> {
+        let file: Value = serde_json::from_slice(&std::fs::read(path)?)?;
+        file["networks"].as_object().cloned().context("has no `networks`: it is not a file of results")
+    };
+    if path.exists() { networks().with_context(|| path.display().to_string()) } else { Ok(Map::new()) }
 }
 
 fn described(entry: &Entry, adapter: &str) -> Value {
@@ -95,11 +97,15 @@ mod tests {
         evaluated("gi_paper", 40).expect("written");
         evaluated("gi", 300).expect("written");
         let file: Value = serde_json::from_slice(&std::fs::read(&path).expect("a file")).expect("JSON");
-        let expected = json!({ "frames_gi": 300.0, "frames_gi_paper": 40.0 });
-        assert_eq!(file["figures"], expected, "{file}");
+        let figures = |network: &str| file["networks"][network]["figures"].clone();
+        assert_eq!(figures("gi"), json!({ "frames_gi": 300.0 }));
+        assert_eq!(figures("gi_paper"), json!({ "frames_gi_paper": 40.0 }));
         assert_eq!(file["networks"]["gi"]["target"], "truth");
+        check(&path, None).expect("a file of results");
+        let error = format!("{:#}", check(&path, Some(&path)).expect_err("one file for two"));
+        assert!(error.contains("the same file"), "{error}");
         std::fs::write(&path, "{}").expect("written");
-        let error = format!("{:#}", evaluated("gi", 1).expect_err("another file"));
+        let error = format!("{:#}", check(&path, None).expect_err("another file"));
         assert!(error.ends_with("results.json: has no `networks`: it is not a file of results"), "{error}");
     }
 }

@@ -138,7 +138,7 @@ fn train(wish: &Wish, folder: &Path, running: &Mutex<Running>, tell: &impl Fn(Ne
         .stderr(Stdio::piped())
         .spawn()
         .context("`deepshade train` does not start")?;
-    let stderr = child.stderr.take();
+    let (process, stderr) = (child.id(), child.stderr.take());
     {
         let mut running = locked(running);
         if running.stopped {
@@ -149,7 +149,7 @@ fn train(wish: &Wish, folder: &Path, running: &Mutex<Running>, tell: &impl Fn(Ne
     let began = || tell(News::TrainingBegan(effect, folder.to_owned()));
     let (said, has_begun) = thread::scope(|scope| {
         let words = scope.spawn(|| stderr.map(|said| last_words(BufReader::new(said))));
-        let has_begun = is_taken_before(folder, || words.is_finished());
+        let has_begun = is_taken_before(folder, process, || words.is_finished());
         if has_begun {
             began();
         }
@@ -174,12 +174,12 @@ fn train(wish: &Wish, folder: &Path, running: &Mutex<Running>, tell: &impl Fn(Ne
     }
 }
 
-/// Waits for a program to take a run's folder. Whether it has before it was over; one that the run there refuses lets go of it at once.
-fn is_taken_before(folder: &Path, is_over: impl Fn() -> bool) -> bool {
+/// Waits for a process to take a run's folder. Whether it has before it was over; one that the run there refuses lets go of it at once.
+fn is_taken_before(folder: &Path, process: u32, is_over: impl Fn() -> bool) -> bool {
     let mut looks = 0;
     while looks < 2 && !is_over() {
         thread::sleep(GLANCE);
-        looks = if is_taken(folder) { looks + 1 } else { 0 };
+        looks = if Holder::is(folder, process) { looks + 1 } else { 0 };
     }
     looks == 2 && !is_over()
 }
@@ -254,8 +254,7 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deepshade_dataset::lock;
-    use deepshade_train::metrics::METRICS_FILE;
+    use std::cell::Cell;
 
     #[test]
     fn a_wish_is_a_dataset_a_run_and_options() {
@@ -284,11 +283,18 @@ mod tests {
     fn a_training_has_begun_once_its_folder_is_taken() {
         let folder = tempfile::tempdir().expect("a folder");
         let folder = folder.path();
-        assert!(!is_taken_before(folder, || true), "it was refused");
-        let _file = lock::alone(&folder.join(METRICS_FILE)).expect("a file").expect("free");
+        let this = std::process::id();
+        let begins = |process: u32| {
+            let looks = Cell::new(0);
+            is_taken_before(folder, process, || {
+                looks.set(looks.get() + 1);
+                looks.get() > 5
+            })
+        };
+        assert!(!begins(this), "it was refused");
         let _holder = Holder::sign(folder);
-        assert!(is_taken_before(folder, || false));
-        assert!(!is_taken_before(folder, || true), "it was another's");
+        assert!(begins(this));
+        assert!(!begins(this + 1), "it is another's");
     }
 
     #[test]

@@ -114,7 +114,7 @@ fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
                 .concat(),
             ),
         ),
-        ("card", deepshade(&["export", "--run", &run, "--out", &model, "--metrics", &metrics])),
+        ("card", deepshade(&["export", "--model", &model, "--metrics", &metrics])),
         ("parity", deepshade(&["parity", "--model", &model])),
     ]
 }

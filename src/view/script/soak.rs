@@ -47,7 +47,7 @@ impl Soak {
     /// first one alone at another, odd size.
     pub fn begin(effects: &[Effect], window: &mut Window) -> Self {
         let [height, width] = window.state.show.size;
-        let odd = [height, width].map(|side| ((side / 2) | 1).max(*EDGES.start()));
+        let odd = [height, width].map(|side| ((side / 2) | 1).max(EDGES.start() + 1));
         let shown = [window.state.show.effect];
         let effects = if effects.is_empty() { &shown } else { effects };
         let stations = |effect: &Effect| {

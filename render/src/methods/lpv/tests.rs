@@ -207,8 +207,8 @@ fn light_in_three_bands_is_as_the_plain_version_has_it() {
 fn surfaces_lit_by_the_cell_that_they_are_in_are_as_the_plain_version_has_it() {
     let scheme = Scheme { lookup: Lookup::Within, ..Scheme::OURS };
     let method = LightVolume::new(&gpu(), Parameters { scheme, ..FEW }).expect("valid shaders");
-    // A point between two cells may be in the other one: by 0.64 on an H100, at one point in a hundred at most.
-    prove_twin(&method, &with_colours(corner()), Tolerance { worst: 1.0, ..TOLERANCE });
+    // A point between two cells may be in the other one: 0.64 on an H100.
+    prove_twin(&method, &with_colours(corner()), Tolerance { worst: 0.7, ..TOLERANCE });
 }
 
 /// A frame in another medium, from another place.
