@@ -1,12 +1,14 @@
 //! `deepshade eval`: an effect's methods, learned and analytic, on a test set, with confidence intervals over scenes.
 
 mod curve;
-pub mod networks;
+mod networks;
 mod page;
 mod paper;
 mod results;
 pub mod rivals;
 mod score;
+
+pub use networks::of_network;
 
 use crate::figures::Figures;
 use crate::learned;
