@@ -1,6 +1,7 @@
 //! `deepshade eval`: an effect's methods, learned and analytic, on a test set, with confidence intervals over scenes.
 
 mod curve;
+mod names;
 mod networks;
 mod page;
 mod paper;
@@ -8,7 +9,7 @@ mod results;
 pub mod rivals;
 mod score;
 
-pub use networks::of_network;
+pub use names::of_network;
 
 use crate::figures::Figures;
 use crate::learned;
@@ -171,7 +172,7 @@ pub fn run(args: &Args) -> Result<()> {
     figures.set("frames", evaluation.frames as f64);
     figures.set("scenes", evaluation.scenes as f64);
     if let Some((network, _)) = &contest.network {
-        networks::set_figures(&mut figures, network, &evaluation);
+        names::set_figures(&mut figures, network, &evaluation);
         figures.detail("network", json!(network));
     }
     let interval = |(name, e): (&&str, &Estimate)| ((*name).to_owned(), json!([e.low, e.high]));
@@ -242,7 +243,7 @@ fn contest(args: &Args) -> Result<Contest> {
     let beside = || Ok(Folder::of(&folder.join("testset")));
     let testset_folder = args.testset.as_ref().map_or_else(beside, Place::read)?;
     let set = testset(&testset_folder, effect, args)?;
-    let name = networks::figure_name(Path::new(&place.to_string()));
+    let name = names::figure_name(Path::new(&place.to_string()));
     Ok(Contest {
         effect,
         network: model.map(|model| (name, model)),

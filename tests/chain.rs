@@ -126,10 +126,21 @@ fn from_a_recipe_to_a_network_that_is_compared() {
     );
     assert!(chain.path("report/index.html").is_file());
     let evaluated = chain.figures(
-        "eval --model model --testset testset",
+        "eval --model model --testset testset --results results.json",
         &["ssim_learned", "ssim_hbao", "ssim_ceiling", "ssim_white", "psnr_learned", "flip_learned"],
     );
     assert_eq!(evaluated["frames"], 2.0);
+    let text = std::fs::read(chain.path("results.json")).expect("results");
+    let results: Value = serde_json::from_slice(&text).expect("JSON");
+    let network = &results["networks"]["model"];
+    assert_eq!(network["figures"]["ssim_model"], evaluated["ssim_learned"]);
+    assert!(network["confidence_95"]["ssim_model"][1].is_number() && network["parts"]["scenes"].is_null());
+    std::fs::rename(chain.path("figures.json"), chain.path("eval.json")).expect("moved");
+    chain.figures("export --model model --metrics eval.json", &["weights"]);
+    let card = std::fs::read_to_string(chain.path("model/card.md")).expect("a card");
+    assert!(card.contains("| frames | 2 |") && card.contains("| device_learned |"), "{card}");
+    let output = chain.run(&mut Command::new(PROGRAM), "export --model model --metrics results.json");
+    assert!(!output.status.success(), "figures of nobody in particular");
     let tuned = chain.figures("tune --dataset moved --frames 1", &["radius_scale", "strength", "bias"]);
     let ssim = |name: &str| tuned[name].as_f64().expect("a number");
     assert!(ssim("ssim_tuned") >= ssim("ssim_default"));

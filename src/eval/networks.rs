@@ -1,9 +1,9 @@
 //! `deepshade eval --all`: every network beside what the thesis reports of its own, as a table, figures and a page.
 
+use super::names::{figure_name, name_of, set_figures};
 use super::paper::{Published, published};
 use super::results::{self, Entry};
 use super::rivals::trivial_name;
-use super::score::Evaluation;
 use super::{Args, Contest, Judgement, judge, page, target, testset};
 use crate::figures::{Figures, write_atomically};
 use crate::methods::LEARNED;
@@ -112,33 +112,6 @@ fn networks(args: &Args) -> Result<Vec<(PathBuf, PathBuf)>> {
     Ok(found)
 }
 
-fn name_of(folder: &Path) -> String {
-    folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned()
-}
-
-/// The name that figures have for the network in a folder.
-pub fn figure_name(folder: &Path) -> String {
-    name_of(folder).replace('-', "_")
-}
-
-/// The figures of a network: `ssim_<network>`, `ssim_<network>_<rival>`, `ceiling_<network>`, `frames_<network>`, ...
-pub fn set_figures(figures: &mut Figures, network: &str, evaluation: &Evaluation) {
-    for (name, estimate) in evaluation.estimates() {
-        figures.set(&of_network(network, name), estimate.mean);
-    }
-    figures.set(&format!("frames_{network}"), evaluation.frames as f64);
-}
-
-/// What a figure of an evaluation is called where there are several networks.
-pub fn of_network(network: &str, figure: &str) -> String {
-    match figure.split_once('_') {
-        Some((metric, LEARNED)) => format!("{metric}_{network}"),
-        Some((_, "ceiling")) => format!("ceiling_{network}"),
-        Some((metric, method)) => format!("{metric}_{network}_{method}"),
-        None => format!("{figure}_{network}"),
-    }
-}
-
 /// What the columns of the table hold.
 const HEAD: [&str; 13] = [
     "network",
@@ -192,22 +165,4 @@ fn line(row: &Row) -> Vec<String> {
 
 fn mean(estimate: Option<Estimate>) -> f64 {
     estimate.map_or(f64::NEG_INFINITY, |estimate| estimate.mean)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn figures_of_networks_have_names_of_their_own() {
-        let names = ["ssim_learned", "ssim_ring_gather", "ssim_ceiling", "ms_learned", "ms_fxaa_low"];
-        let expected = [
-            "ssim_motion_blur",
-            "ssim_motion_blur_ring_gather",
-            "ceiling_motion_blur",
-            "ms_motion_blur",
-            "ms_motion_blur_fxaa_low",
-        ];
-        assert_eq!(names.map(|name| of_network("motion_blur", name)), expected);
-    }
 }

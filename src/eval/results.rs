@@ -2,7 +2,7 @@
 //!
 //! `{"networks": {NETWORK: {...}}}`: of each network its figures, how sure they are, and what they were measured on.
 
-use super::networks::{of_network, set_figures};
+use super::names::{of_network, set_figures};
 use super::score::Evaluation;
 use crate::figures::{Figures, machine, write_atomically};
 use anyhow::{Context, Result, ensure};
