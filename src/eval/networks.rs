@@ -13,7 +13,7 @@ use anyhow::{Context, Result, ensure};
 use deepshade_dataset::TestSet;
 use deepshade_shaders::gpu::Gpu;
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Where networks are.
 const MODELS: &str = "models";
