@@ -161,6 +161,8 @@ impl Target {
         run.args([
             format!("-runs={executions}"),
             format!("-timeout={PATIENCE}"),
+            // What is slower than usual and yet in time may be a machine that had other work.
+            format!("-report_slow_units={PATIENCE}"),
             format!("-max_len={LARGEST}"),
         ])
         .args(["-rss_limit_mb=3000", "-print_final_stats=0"])
