@@ -206,6 +206,11 @@ fn back_share_around(scene: &TracedScene, position: Vec3) -> f32 {
     ball(scene, position).filter(|probe| probe.back).count() as f32 / BALL as f32
 }
 
+/// Share of all directions that end on the front of a triangle: nearly all of them inside of a room, none inside of an object.
+pub fn front_share_around(scene: &TracedScene, position: Vec3) -> f32 {
+    ball(scene, position).filter(|probe| !probe.back).count() as f32 / BALL as f32
+}
+
 /// What rays in all directions meet.
 fn ball(scene: &TracedScene, position: Vec3) -> impl Iterator<Item = Probe> {
     (0..BALL).filter_map(move |i| {

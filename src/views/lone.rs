@@ -1,22 +1,20 @@
 //! The view of a scene that is one object alone: from outside, so far away that all of it is seen. Views that are sampled for datasets
 //! stand in the object's box, where it fills the image and more.
 
+use deepshade_dataset::views::front_share_around;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::Camera;
 use glam::Vec3;
 
 /// From where it is seen: from the front, a little from the right and from above.
 const FROM: Vec3 = Vec3::new(0.5, 0.4, 1.0);
-/// Directions in which it is looked whether its middle is enclosed.
-const LOOKS: usize = 32;
-/// In so many of them a room's walls are seen from the middle; an object is seen from its inside there, or not at all.
-const ENCLOSED: usize = 24;
+/// Share of directions in which a room's walls are seen from its middle; an object is seen from its inside there, or not at all.
+const ENCLOSED: f32 = 0.75;
 
 /// The view, for images of `[height, width]`; none of what is no lone object: of several meshes, or of one that encloses a room.
 pub fn from_outside(scene: &TracedScene, [height, width]: [usize; 2]) -> Option<Camera> {
     let (bounds, centre) = (scene.bounds(), scene.bounds().centre());
-    let shows_front = |look: &usize| shows_front(scene, centre, direction(*look));
-    if scene.scene().meshes.len() != 1 || (0..LOOKS).filter(shows_front).count() >= ENCLOSED {
+    if scene.scene().meshes.len() != 1 || front_share_around(scene, centre) >= ENCLOSED {
         return None;
     }
     let camera = Camera::look_at(centre + FROM, centre);
@@ -24,22 +22,6 @@ pub fn from_outside(scene: &TracedScene, [height, width]: [usize; 2]) -> Option<
     let sideways = (upwards.tan() * width as f32 / height as f32).atan();
     let distance = 0.5 * bounds.diagonal() / upwards.min(sideways).sin();
     Some(Camera { position: centre + distance * FROM.normalize(), ..camera })
-}
-
-/// Directions spread evenly, of which none goes along an axis or an edge.
-fn direction(look: usize) -> Vec3 {
-    let y = 1.0 - (2 * look + 1) as f32 / LOOKS as f32;
-    let angle = look as f32 * 2.399_963_2;
-    let ring = (1.0 - y * y).sqrt();
-    Vec3::new(ring * angle.cos(), y, ring * angle.sin())
-}
-
-/// Whether a ray meets a triangle's front.
-fn shows_front(scene: &TracedScene, from: Vec3, direction: Vec3) -> bool {
-    scene.hit(from, direction, f32::INFINITY).is_some_and(|hit| {
-        let [a, b, c] = scene.scene().meshes[hit.mesh as usize].corners(hit.triangle as usize);
-        (b - a).cross(c - a).dot(direction) < 0.0
-    })
 }
 
 #[cfg(test)]
