@@ -4,6 +4,7 @@ use super::{DensityGrid, MediumError};
 use npyz::{Deserialize as FromNpy, NpyFile, Order};
 use serde::Deserialize;
 use std::io::Cursor;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Where densities are, and how.
@@ -55,6 +56,9 @@ pub enum Numbers {
     F64,
 }
 
+/// Brackets that are opened in the header of an array of numbers: those of its dictionary and of its shape.
+const MOST_BRACKETS: usize = 2;
+
 /// Numbers along x, y and z, x fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
@@ -83,9 +87,7 @@ impl Array {
         if self.cells.is_some() || self.numbers.is_some() {
             return Err("is an array that says itself what `cells` and `numbers` are".to_owned());
         }
-        if header_bytes(bytes).is_some_and(|length| length > bytes.len()) {
-            return Err("is no array: it ends within its header".to_owned());
-        }
+        check_header(bytes)?;
         let file = NpyFile::new(Cursor::new(bytes)).map_err(|error| format!("is no array: {error}"))?;
         let shape: Vec<usize> = file.shape().iter().map(|length| *length as usize).collect();
         let Ok(lengths) = <[usize; 3]>::try_from(shape) else {
@@ -145,12 +147,23 @@ fn share_of_two(number: u16) -> f32 {
     f32::from(number) / f32::from(u16::MAX)
 }
 
-/// How long a .npy file says its header is, for which its reader takes memory before it reads: two bytes in the first version of
-/// the format, four in others.
-fn header_bytes(file: &[u8]) -> Option<usize> {
-    let version = *file.get(6)?;
-    let length = file.get(8..if version == 1 { 10 } else { 12 })?;
-    Some(length.iter().rev().fold(0, |sum, byte| sum << 8 | usize::from(*byte)))
+/// Refuses headers of .npy files for which their reader takes memory before it reads, or time without end: brackets in brackets
+/// take it twice as long each.
+fn check_header(file: &[u8]) -> Result<(), String> {
+    let Some(header) = header(file) else { return Ok(()) };
+    let text = file.get(header).ok_or("is no array: it ends within its header")?;
+    let opened = text.iter().filter(|byte| b"([{".contains(byte)).count();
+    if opened > MOST_BRACKETS {
+        return Err("is no array of numbers: its header has brackets of more than a shape".to_owned());
+    }
+    Ok(())
+}
+
+/// Where a .npy file says that its header is: after its length, of two bytes in the first version of the format, four in others.
+fn header(file: &[u8]) -> Option<Range<usize>> {
+    let begin = if *file.get(6)? == 1 { 10 } else { 12 };
+    let length = file.get(8..begin)?.iter().rev().fold(0, |sum, byte| sum << 8 | usize::from(*byte));
+    Some(begin..begin.saturating_add(length))
 }
 
 type Npy<'a> = NpyFile<Cursor<&'a [u8]>>;
@@ -267,6 +280,19 @@ mod tests {
         }
         assert_eq!(read(&Array { axes: Axes::Xyz, ..raw(Numbers::F32) }, &points), Ok(in_order()));
         assert_eq!(read(&raw(Numbers::F32), &images), Ok(in_order()));
+    }
+
+    #[test]
+    fn headers_that_are_read_for_ever_and_beyond_their_end_are_refused() {
+        let bytes = bytes_of(0..24);
+        let nested = read(&array("a.npy"), &npy(&"[".repeat(60), false, "4, 3, 2", &bytes));
+        assert!(
+            nested.as_ref().is_err_and(|error| error.contains("brackets of more than a shape")),
+            "{nested:?}"
+        );
+        let whole = npy("<f4", false, "4, 3, 2", &bytes);
+        let cut = read(&array("a.npy"), &whole[..100]);
+        assert!(cut.as_ref().is_err_and(|error| error.contains("it ends within its header")), "{cut:?}");
     }
 
     #[test]
