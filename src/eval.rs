@@ -1,15 +1,13 @@
 //! `deepshade eval`: an effect's methods, learned and analytic, on a test set, with confidence intervals over scenes.
 
 mod curve;
-mod names;
+pub mod names;
 mod networks;
 mod page;
 mod paper;
 mod results;
 pub mod rivals;
 mod score;
-
-pub use names::of_network;
 
 use crate::figures::Figures;
 use crate::learned;

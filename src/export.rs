@@ -1,6 +1,6 @@
 //! `deepshade export`: from a training run to a model folder.
 
-use crate::eval::of_network;
+use crate::eval::names::of_network;
 use crate::figures::{Figures, write_atomically};
 use crate::place::Place;
 use crate::wgsl_folder;
