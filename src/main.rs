@@ -27,6 +27,8 @@ mod export;
 mod exposure_time;
 mod farm;
 mod figures;
+#[cfg(feature = "train")]
+mod forecast;
 mod infer;
 mod interrupt;
 mod kernels;
@@ -92,6 +94,9 @@ enum Verb {
     /// Trains a network on a dataset; the same command resumes.
     #[cfg(feature = "train")]
     Train(train::Args),
+    /// Extrapolates what more steps of training would bring.
+    #[cfg(feature = "train")]
+    Forecast(forecast::Args),
     /// Turns a training run into a model folder.
     #[cfg(feature = "train")]
     Export(export::Args),
@@ -112,7 +117,7 @@ enum Verb {
     /// Reruns a study of the thesis: data, networks, tests, a table and plots.
     #[cfg(feature = "train")]
     Experiment(experiment::Args),
-    /// Tunes hbao's parameters on the validation views of a dataset.
+    /// Tunes a method's parameters on the validation views of a dataset.
     Tune(tune::Args),
     /// Records what the web page shows where a browser has no WebGPU; `cargo xtask web` calls this.
     #[cfg(not(target_arch = "wasm32"))]
@@ -150,6 +155,8 @@ fn main() -> ExitCode {
         Verb::Farm(verb) => farm::run(&verb),
         #[cfg(feature = "train")]
         Verb::Train(args) => train::run(&args),
+        #[cfg(feature = "train")]
+        Verb::Forecast(args) => forecast::run(&args),
         #[cfg(feature = "train")]
         Verb::Export(args) => export::run(&args),
         Verb::Infer(args) => infer::run(&args),

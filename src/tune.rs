@@ -1,32 +1,44 @@
-//! `deepshade tune`: hbao's parameters, chosen on the validation views of a dataset, so that it meets the network on
+//! `deepshade tune`: a method's parameters, chosen on the validation views of a dataset, so that it meets the network on
 //! equal terms.
 
+mod views;
+
 use crate::figures::Figures;
+use crate::methods::{self, Setup};
 use crate::place::Place;
 use anyhow::{Context, Result, ensure};
-use deepshade_dataset::{Dataset, Props, SceneRecord, StagedScene, progress, truth};
-use deepshade_render::bvh::TracedScene;
-use deepshade_render::gbuffer;
-use deepshade_render::method::{Frame, Method, Repeats};
-use deepshade_render::methods::hbao::{Hbao, Parameters};
-use deepshade_render::metrics::ssim;
-use deepshade_render::scene::Camera;
+use deepshade_dataset::{Dataset, progress};
+use deepshade_render::methods::Quality;
+use deepshade_render::methods::dials::{Changes, Dial, Tuning, Values};
 use deepshade_shaders::gpu::Gpu;
-use deepshade_shaders::{Effect, GBuffer, Planes, lists};
+use deepshade_shaders::{Effect, lists};
 use serde_json::json;
 use std::path::PathBuf;
-use std::rc::Rc;
-use std::sync::Arc;
+use views::{View, mean_ssim};
 
-/// Tunes hbao's parameters on the validation views of a dataset.
+/// Tunes a method's parameters on the validation views of a dataset.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  deepshade tune --dataset data/ao --frames 12 --json tune.json\n\n\
-    It tries scales of the radius, strengths, biases and sharpnesses of the blur, and changes nothing: what it finds goes \
-    into `Parameters::default` in render/src/methods/hbao/mod.rs, which `compare` and `eval` run.")]
+#[command(
+    after_help = "Examples:\n  deepshade tune --dataset data/ao --method hbao --frames 12 --json tune.json\n  \
+    deepshade tune --dataset data/dof --method ring-gather --quality low\n  \
+    deepshade tune --dataset data/gi --method lpv --parameters cells,scale\n\n\
+    Of each parameter in turn, twice, it tries other values and keeps what is nearer to truth. Whole numbers are counts, \
+    which cost time, and stay as the quality has them where they are not asked for. It changes nothing: what it finds is \
+    printed as `eval --set` takes it, and goes into the method's `Parameters` where it is to last."
+)]
 pub struct Args {
     /// Folder or address of the dataset.
     #[arg(long)]
     dataset: Place,
+    /// The method, of the dataset's effect.
+    #[arg(long)]
+    method: String,
+    /// The quality that it is tuned in.
+    #[arg(long, default_value = Quality::default().name())]
+    quality: Quality,
+    /// Parameters that are tuned [default: all but whole numbers]; `deepshade methods` lists them.
+    #[arg(long, value_delimiter = ',')]
+    parameters: Vec<String>,
     /// Folder that the recipe's scene files are relative to, where it is not the one that the dataset remembers.
     #[arg(long)]
     scenes: Option<PathBuf>,
@@ -38,60 +50,17 @@ pub struct Args {
     json: Option<PathBuf>,
 }
 
-/// A validation view with its truth.
-struct View {
-    /// Views of a scene share it where nothing varies.
-    scene: Arc<TracedScene>,
-    camera: Camera,
-    gbuffer: GBuffer,
-    target: Planes,
-    radius: f32,
-}
-
-impl View {
-    /// The views of some pairs, with the g-buffer in full precision, as methods get it.
-    fn open(dataset: &Dataset, props: &Props, pairs: &[usize]) -> Result<Vec<Self>> {
-        let attributes = truth::attributes(dataset.recipe().effect);
-        // Pairs of a scene follow each other.
-        let mut current: Option<(&SceneRecord, Rc<StagedScene<'_>>)> = None;
-        let view = |index: &usize| {
-            let record = dataset.record(*index);
-            let staged = match &current {
-                Some((source, scene)) if **source == record.scene => Rc::clone(scene),
-                _ => {
-                    let scene = StagedScene::load(&record.scene, dataset.recipe(), props);
-                    Rc::new(scene.context("--scenes says where scene files are")?)
-                }
-            };
-            current = Some((&record.scene, Rc::clone(&staged)));
-            let scene = staged.shown(&record.camera, record.variation.as_ref())?;
-            let target = dataset.pair(*index)?.target;
-            let (height, width) = (target.height(), target.width());
-            let gbuffer = gbuffer::render(&scene, &record.camera, height, width, attributes);
-            Ok(Self { scene, camera: record.camera, gbuffer, target, radius: record.radius })
-        };
-        pairs.iter().map(view).collect()
-    }
-}
-
-/// A parameter that is tuned: its name, the values tried, and where it goes.
-type Axis = (&'static str, &'static [f32], fn(&mut Parameters) -> &mut f32);
-
-/// Coordinate descent goes along these in turn.
-const AXES: [Axis; 4] = [
-    ("radius_scale", &[0.7, 0.85, 1.0, 1.2, 1.4, 1.7, 2.0], |p| &mut p.radius_scale),
-    ("strength", &[0.6, 0.75, 0.9, 1.0, 1.15, 1.3, 1.5, 1.75], |p| &mut p.strength),
-    ("bias", &[0.0, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3], |p| &mut p.bias),
-    ("blur_sharpness", &[16.0, 32.0, 64.0, 128.0, 256.0, 512.0, 1024.0], |p| &mut p.blur_sharpness),
-];
-
-/// Rounds over all axes.
+/// Rounds over all parameters.
 const ROUNDS: usize = 2;
+/// What a parameter's value is multiplied by.
+const FACTORS: [f64; 6] = [0.5, 0.7, 0.85, 1.2, 1.4, 2.0];
+/// What of its range is tried where it is 0, which no factor changes.
+const SHARES: [f64; 4] = [0.02, 0.05, 0.1, 0.25];
 
 /// Tunes and prints.
 ///
 /// # Errors
-/// If the dataset is for another effect or has no validation views, or the GPU fails.
+/// If the dataset is for another effect or has no validation views, there is no such parameter, or the method fails.
 pub fn run(args: &Args) -> Result<()> {
     let folder = args.dataset.read()?;
     let dataset = Dataset::open(&folder)?;
@@ -100,57 +69,187 @@ pub fn run(args: &Args) -> Result<()> {
         None => dataset,
     };
     let effect = dataset.recipe().effect;
-    ensure!(effect == Effect::Ao, "{} is for {effect}; hbao computes {}", args.dataset, Effect::Ao);
+    let dials = chosen(methods::dials(effect, &args.method, args.quality)?, args)?;
     let held_apart = dataset.validation();
     ensure!(
         !held_apart.is_empty(),
         "{} has no validation views; its recipe's `validation_share` says how many are held apart",
         args.dataset
     );
-    let chosen = lists::spread(held_apart.len(), args.frames.into());
-    let chosen: Vec<usize> = chosen.into_iter().map(|index| held_apart[index]).collect();
+    let spread = lists::spread(held_apart.len(), args.frames.into());
+    let pairs: Vec<usize> = spread.into_iter().map(|index| held_apart[index]).collect();
     let props = dataset.props().context("--scenes says where files are")?;
-    let views = View::open(&dataset, &props, &chosen)?;
+    let views = View::open(&dataset, &props, &pairs)?;
     let gpu = Gpu::new()?;
-    let hbao = Hbao::new(&gpu, Parameters::default())?;
-    let mut best = Parameters::default();
-    let before = mean_ssim(&hbao.with(best), &views)?;
-    let mut best_ssim = before;
-    let bar = progress::bar("settings", ROUNDS * AXES.iter().map(|axis| axis.1.len()).sum::<usize>(), 0);
-    for _ in 0..ROUNDS {
-        for (name, values, field) in AXES {
-            for value in values {
-                let mut tried = best;
-                *field(&mut tried) = *value;
-                let ssim = mean_ssim(&hbao.with(tried), &views)?;
-                bar.set_message(format!("{name} {value}: ssim {ssim:.4}"));
-                bar.inc(1);
-                if ssim > best_ssim {
-                    (best, best_ssim) = (tried, ssim);
-                }
-            }
-        }
-    }
-    bar.finish_and_clear();
+    let ssim = |changes: &Changes| scored(&gpu, effect, args, changes, &views);
+    let before = ssim(&Changes::default())?;
+    let (best, best_ssim) = tuned(&dials, before, ssim)?;
     let mut figures = Figures::new("tune");
     figures.set("ssim_default", before);
     figures.set("ssim_tuned", best_ssim);
-    for (name, _, field) in AXES {
-        figures.set(name, f64::from(*field(&mut best)));
+    for dial in &dials {
+        figures.set(&dial.name.replace('.', "_"), value_in(dial, &best));
     }
     figures.detail("frames", json!(views.len()));
+    figures.detail("changes", json!(best));
     figures.write(args.json.as_deref())?;
-    let count = views.len();
-    say!("hbao on {count} validation views: ssim {before:.4} by default, {best_ssim:.4} with {best:?}")
+    let (method, count) = (&args.method, views.len());
+    say!(
+        "{method} on {count} validation views: ssim {before:.4} by default, {best_ssim:.4} with {}",
+        set(&best)
+    )
 }
 
-/// Mean structural similarity of a method to truth.
-fn mean_ssim(method: &dyn Method, views: &[View]) -> Result<f64> {
-    let mut sum = 0.0;
-    for view in views {
-        let View { scene, camera, gbuffer, target, radius } = view;
-        let frame = Frame { scene, camera, gbuffer, radius: *radius, seed: 0 };
-        sum += ssim(&method.shade(&frame, Repeats::ONCE)?.image, target);
+/// The parameters to be tuned.
+fn chosen(dials: Vec<Dial>, args: &Args) -> Result<Vec<Dial>> {
+    let known = dials.iter().map(|dial| dial.name.as_str()).collect::<Vec<_>>().join(", ");
+    for name in &args.parameters {
+        let method = &args.method;
+        ensure!(
+            dials.iter().any(|dial| dial.name == *name),
+            "`{method}` has no parameter `{name}`; there are: {known}"
+        );
     }
-    Ok(sum / views.len() as f64)
+    let is_chosen = |dial: &Dial| match args.parameters.is_empty() {
+        true => !matches!(dial.values, Values::Whole(_)),
+        false => args.parameters.contains(&dial.name),
+    };
+    let chosen: Vec<Dial> = dials.into_iter().filter(is_chosen).collect();
+    ensure!(
+        !chosen.is_empty(),
+        "`{}` has only whole numbers to set, which --parameters asks for: {known}",
+        args.method
+    );
+    Ok(chosen)
+}
+
+/// How near to truth the method is with some changes.
+fn scored(gpu: &Gpu, effect: Effect, args: &Args, changes: &Changes, views: &[View]) -> Result<f64> {
+    let tuning = Tuning { quality: args.quality, changes: changes.clone() };
+    let opened = methods::open(effect, &[&args.method], Setup { gpu, model: None, tuning: &tuning })?;
+    let method = opened.first().with_context(|| format!("`{}` cannot be tuned", args.method))?;
+    mean_ssim(method.as_ref(), views)
+}
+
+/// Coordinate descent: the changes that are best, and how good they are.
+fn tuned(dials: &[Dial], before: f64, ssim: impl Fn(&Changes) -> Result<f64>) -> Result<(Changes, f64)> {
+    let (mut best, mut best_ssim) = (Changes::default(), before);
+    let bar = progress::bar("parameters", ROUNDS * dials.len(), 0);
+    for _ in 0..ROUNDS {
+        for dial in dials {
+            for value in others(dial, value_in(dial, &best)) {
+                let mut tried = best.clone();
+                tried.0.insert(dial.name.clone(), dial.setting(value));
+                let found = ssim(&tried)?;
+                bar.set_message(format!("{} {value}: ssim {found:.4}", dial.name));
+                if found > best_ssim {
+                    (best, best_ssim) = (tried, found);
+                }
+            }
+            bar.inc(1);
+        }
+    }
+    bar.finish_and_clear();
+    Ok((best, best_ssim))
+}
+
+/// What a parameter is with some changes.
+fn value_in(dial: &Dial, changes: &Changes) -> f64 {
+    let changed = changes.0.get(&dial.name).and_then(|setting| dial.number(setting).ok());
+    changed.unwrap_or(dial.usual)
+}
+
+/// Values that are tried in place of one, each of which the parameter takes.
+fn others(dial: &Dial, value: f64) -> Vec<f64> {
+    let [least, most] = dial.range;
+    let scaled = || match value == 0.0 {
+        true => SHARES.map(|share| share * most).to_vec(),
+        false => FACTORS.map(|factor| factor * value).to_vec(),
+    };
+    let mut values = match dial.values {
+        // With few digits, so that what is found can be written down.
+        Values::Real => scaled().into_iter().map(three_digits).collect(),
+        Values::Whole(of) => {
+            scaled().into_iter().map(|value| (value / f64::from(of)).round() * f64::from(of)).collect()
+        }
+        Values::Switch | Values::Named(_) => (0..=most as u32).map(f64::from).collect::<Vec<_>>(),
+    };
+    values.iter_mut().for_each(|value| *value = value.clamp(least, most));
+    values.retain(|other| *other != value);
+    values.dedup();
+    values
+}
+
+/// The number with three digits that count that is nearest.
+fn three_digits(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}
+
+/// Changes as `eval --set` takes them.
+fn set(changes: &Changes) -> String {
+    if changes.is_empty() {
+        return "nothing changed".to_owned();
+    }
+    let all: Vec<String> = changes.0.iter().map(|(name, value)| format!("{name}={value}")).collect();
+    format!("--set {}", all.join(","))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use deepshade_render::methods::dials::Setting;
+
+    fn dial(name: &str, values: Values, range: [f64; 2], usual: f64) -> Dial {
+        Dial { name: name.to_owned(), text: String::new(), unit: String::new(), range, values, usual }
+    }
+
+    #[test]
+    fn other_values_are_ones_that_the_parameter_takes() {
+        let names = Values::Named(["one", "two", "three"].map(str::to_owned).to_vec());
+        let dials = [
+            dial("real", Values::Real, [0.0, 3.0], 0.3),
+            dial("zero", Values::Real, [0.0, 8.0], 0.0),
+            dial("count", Values::Whole(4), [4.0, 16.0], 8.0),
+            dial("switch", Values::Switch, [0.0, 1.0], 1.0),
+            dial("name", names, [0.0, 2.0], 1.0),
+        ];
+        let tried = dials.each_ref().map(|dial| others(dial, dial.usual));
+        assert_eq!(tried[0], [0.15, 0.21, 0.255, 0.36, 0.42, 0.6]);
+        assert_eq!(tried[1], [0.16, 0.4, 0.8, 2.0]);
+        assert_eq!(tried[2], [4.0, 12.0, 16.0]);
+        assert_eq!((&tried[3][..], &tried[4][..]), (&[0.0][..], &[0.0, 2.0][..]));
+        for (dial, values) in dials.iter().zip(tried) {
+            for value in values {
+                assert_eq!(
+                    dial.number(&dial.setting(value)).expect("one that it takes"),
+                    value,
+                    "{}",
+                    dial.name
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn descent_finds_what_is_best_and_leaves_what_does_not_matter() {
+        let dials = [
+            dial("width", Values::Real, [0.0, 10.0], 1.0),
+            dial("idle", Values::Real, [0.0, 10.0], 1.0),
+            dial("soft", Values::Switch, [0.0, 1.0], 0.0),
+        ];
+        let score = |changes: &Changes| {
+            let [width, _, soft] = dials.each_ref().map(|dial| value_in(dial, changes));
+            Ok(1.0 - (width - 2.8).abs() - if soft == 1.0 { 0.0 } else { 0.1 })
+        };
+        let before = score(&Changes::default()).expect("a score");
+        let (best, ssim) = tuned(&dials, before, score).expect("tunes");
+        assert_eq!(
+            best.0,
+            [("soft", 1.0), ("width", 2.8)].map(|(name, to)| (name.to_owned(), Setting::from(to))).into()
+        );
+        assert!((ssim - 1.0).abs() < 1e-9, "{ssim}");
+        assert_eq!(set(&best), "--set soft=1,width=2.8");
+        let (same, _) = tuned(&dials, 2.0, score).expect("tunes");
+        assert_eq!((set(&same), same.is_empty()), ("nothing changed".to_owned(), true));
+    }
 }

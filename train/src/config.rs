@@ -174,7 +174,7 @@ impl TrainConfig {
     }
 
     /// Names of the settings that differ and change what is learned.
-    fn differences(&self, other: &Self) -> Vec<String> {
+    pub fn differences(&self, other: &Self) -> Vec<String> {
         let comparable = |config: &Self| {
             let dataset = PathBuf::new();
             let config = Self { dataset, minutes: None, workers: 1, cache_megabytes: 0, ..config.clone() };

@@ -32,7 +32,7 @@ struct Budget {
 
 /// A network of the thesis' Table 7.1 each, cheap ones first. One core trains some 60 crops of 128 x 128 pixels a second
 /// for networks with 16 first kernels, 500 for `aa`, and makes a pair with 64 samples in five seconds: half an hour for
-/// data and less than that for training. Indirect light, most of which is dark, wants a lower rate: at 0.004 the weights grew
+/// data and less than that for training, and as much again for runs of half and a quarter of the steps. Indirect light, most of which is dark, wants a lower rate: at 0.004 the weights grew
 /// without bound, to where structural similarity has no gradient.
 const BUDGETS: [Budget; 11] = [
     Budget { name: "aa", steps: 16_000, batch: 8, crop: 128, rate: "0.005", share: None },
@@ -92,16 +92,20 @@ fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
     let (data, run, testset) = (folder("data"), folder("runs"), folder("testsets"));
     let (model, metrics) = (format!("models/{name}"), format!("{testset}.json"));
     let deepshade = |words: &[&str]| command(&program(), words);
-    let [steps, batch, crop] = [steps, batch, crop].map(u32::to_string);
+    let [batch, crop] = [batch, crop].map(u32::to_string);
     // No early stop: the rate falls until the last step.
-    let budget = ["--steps", &steps, "--batch", &batch, "--crop", &crop, "--rate", rate, "--patience", "0"];
+    let budget = ["--batch", &batch, "--crop", &crop, "--rate", rate, "--patience", "0"];
     let share = share.map_or_else(Vec::new, |share| vec!["--diagonal-share", share]);
-    vec![
+    let training = |out: &str, steps: u32| {
+        let words = ["train", "--dataset", &data, "--out", out, "--steps", &steps.to_string()];
+        ("training", deepshade(&[&words[..], &budget[..], &share[..]].concat()))
+    };
+    let shorter = [2, 4].map(|part| (format!("{run}-{part}"), steps / part));
+    let [(half, _), (quarter, _)] = &shorter;
+    let forecast = ["--plot", &format!("{run}.svg"), "--json", &format!("{run}.json")];
+    let mut all = vec![
         ("data", deepshade(&["dataset", "generate", &recipe(""), "--out", &data])),
-        (
-            "training",
-            deepshade(&[&["train", "--dataset", &data, "--out", &run], &budget[..], &share[..]].concat()),
-        ),
+        training(&run, *steps),
         ("export", deepshade(&["export", "--run", &run, "--out", &model])),
         ("test set", deepshade(&["dataset", "testset", &recipe("-test"), "--out", &testset])),
         (
@@ -116,7 +120,11 @@ fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
         ),
         ("card", deepshade(&["export", "--model", &model, "--metrics", &metrics])),
         ("parity", deepshade(&["parity", "--model", &model])),
-    ]
+    ];
+    // What runs of fewer steps end with says what more would bring.
+    all.extend(shorter.iter().map(|(out, steps)| training(out, *steps)));
+    all.push(("forecast", deepshade(&[&["forecast", &run, half, quarter][..], &forecast].concat())));
+    all
 }
 
 /// The program that was built.
