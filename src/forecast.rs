@@ -1,12 +1,12 @@
 //! `deepshade forecast`: what more steps of training would bring, from runs of one network that differ in their steps alone.
 //!
-//! The rate falls to its end within each run, so that only ends are alike: a run's own curve, half way, is not where a run
-//! of half the steps ends.
+//! A run's own curve does not say where one of fewer steps ends: most of the fall comes as the rate falls, at the end of each.
 
 mod law;
 
 use crate::arguments::{svg_file, written_file};
 use crate::figures::{Figures, write_atomically};
+use crate::place::Place;
 use crate::plot::{Line, Plot, Style};
 use crate::table;
 use anyhow::{Context, Result, ensure};
@@ -21,17 +21,18 @@ use std::path::{Path, PathBuf};
 #[command(
     after_help = "Example:\n  deepshade train --dataset data/ao --out runs/ao-quarter --steps 5000 --patience 0\n  \
     deepshade train --dataset data/ao --out runs/ao-half --steps 10000 --patience 0\n  \
-    deepshade train --dataset data/ao --out runs/ao --steps 20000 --patience 0\n  \
-    deepshade forecast runs/ao-quarter runs/ao-half runs/ao --plot forecast.svg\n\n\
+    deepshade train --dataset data/ao --out runs/ao-whole --steps 20000 --patience 0\n  \
+    deepshade forecast runs/ao-quarter runs/ao-half runs/ao-whole --plot forecast.svg\n\n\
     Two laws are fitted to the DSSIM that the runs end with: a power of the steps, which falls for ever, and one above a \
-    floor. What they say of more steps is a range: as far as they are apart, nothing is known. Neither knows of frames \
-    that were never trained on becoming worse again."
+    floor; both also to ends that are higher and lower by as much as validations differ from one to the next near the \
+    end. The range is what all of them say. It knows nothing of overfitting, which is yet to come where it comes.\n\n\
+    Figures: dssim_whole, dssim_low_x2, dssim_high_x2, and of 4 and 16 times the steps."
 )]
 pub struct Args {
-    /// Folders of finished runs, three at least, on the same data with the same settings but for the steps.
-    #[arg(required = true, num_args = LEAST..)]
-    runs: Vec<PathBuf>,
-    /// Draws the curves, their ends and both laws into this SVG file.
+    /// Folders or addresses of finished runs, three at least, on the same data with the same settings but for the steps.
+    #[arg(required = true, num_args = LEAST..=MOST, value_name = "RUN")]
+    runs: Vec<Place>,
+    /// Draws the curves, their ends and the range into this SVG file.
     #[arg(long, value_parser = svg_file)]
     plot: Option<PathBuf>,
     /// Writes the figures here as JSON.
@@ -41,8 +42,12 @@ pub struct Args {
 
 /// Runs that a floor, a scale and a power need.
 const LEAST: usize = 3;
+/// More make twice as many ways each in which their ends may be off.
+const MOST: usize = 8;
 /// How many times the steps of the longest run are looked ahead to.
-const AHEAD: [usize; 4] = [2, 4, 16, 64];
+const AHEAD: [usize; 3] = [2, 4, 16];
+/// Settings that may differ: the steps, and what ends a run before its last one, as it has not.
+const FREE: [&str; 2] = ["steps", "patience"];
 
 /// A run, as far as it matters here.
 struct Run {
@@ -50,27 +55,44 @@ struct Run {
     steps: usize,
     /// Steps and DSSIM of its validations.
     curve: Vec<(f64, f64)>,
-    /// DSSIM of the network that would be exported.
+    /// The last of these.
     end: f64,
+    /// How far validations near the end are from each other by chance.
+    noise: f64,
 }
 
 impl Run {
     /// The run of a folder.
     ///
     /// # Errors
-    /// If there is none, or it has not come to its end.
-    fn load(folder: &Path, config: &TrainConfig) -> Result<Self> {
+    /// If there is none, or it has not come to its last step.
+    fn load(name: String, folder: &Path, config: &TrainConfig) -> Result<Self> {
         let lines = metrics::read(folder)?;
         let done = lines.last().map_or(0, |line| line.step);
         let steps = config.steps;
-        ensure!(done == steps, "{}: has come to step {done} of {steps} only", folder.display());
+        ensure!(
+            done == steps,
+            "{name}: has come to step {done} of {steps} only; the same command goes on, or --patience 0 keeps it from \
+             ending early"
+        );
         let curve: Vec<(f64, f64)> = lines
             .iter()
             .filter_map(|line| Some((line.step as f64, f64::from(line.validation_loss?))))
             .collect();
-        let end = curve.iter().map(|point| point.1).min_by(f64::total_cmp);
-        let end = end.with_context(|| format!("{}: was never validated", folder.display()))?;
-        Ok(Self { name: folder.display().to_string(), steps, curve, end })
+        let end = curve.last().with_context(|| format!("{name}: was never validated"))?.1;
+        let noise = noise(&curve);
+        Ok(Self { name, steps, curve, end, noise })
+    }
+}
+
+/// By how much one of the last validations, a fifth of all, is off by chance: the root of half the mean squared difference
+/// between neighbours.
+fn noise(curve: &[(f64, f64)]) -> f64 {
+    let last = &curve[curve.len() - (curve.len() / 5).max(3).min(curve.len())..];
+    let squares: Vec<f64> = last.windows(2).map(|pair| (pair[1].1 - pair[0].1).powi(2)).collect();
+    match squares.is_empty() {
+        true => 0.0,
+        false => (0.5 * squares.iter().sum::<f64>() / squares.len() as f64).sqrt(),
     }
 }
 
@@ -80,17 +102,18 @@ impl Run {
 /// If a run cannot be read or has not ended, runs differ in more than their steps, or a file cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     let runs = runs(&args.runs)?;
-    let ends: Vec<(f64, f64)> = runs.iter().map(|run| (run.steps as f64, run.end)).collect();
-    let laws = laws(&ends);
-    let most = runs[runs.len() - 1].steps;
+    let longest = &runs[runs.len() - 1];
+    let (most, end) = (longest.steps, longest.end);
+    let laws = laws(&runs);
     let mut figures = Figures::new("forecast");
+    figures.set("dssim_whole", end);
     let mut rows = vec![["steps", "DSSIM of validation", "SSIM of validation"].map(str::to_owned).to_vec()];
-    for Run { steps, end, .. } in &runs {
-        figures.set(&format!("dssim_{steps}"), *end);
-        rows.push(vec![steps.to_string(), format!("{end:.4}"), format!("{:.4}", similarity(*end))]);
-    }
-    for (steps, times) in AHEAD.map(|times| (times * most, times)) {
-        let Some([low, high]) = laws.map(|laws| bounds(laws, steps as f64)) else { break };
+    rows.extend(runs.iter().map(|Run { steps, end, .. }| {
+        vec![steps.to_string(), format!("{end:.4}"), format!("{:.4}", similarity(*end))]
+    }));
+    for times in AHEAD {
+        let steps = times * most;
+        let Some([low, high]) = bounds(&laws, steps as f64) else { break };
         figures.set(&format!("dssim_low_x{times}"), low);
         figures.set(&format!("dssim_high_x{times}"), high);
         rows.push(vec![
@@ -99,16 +122,18 @@ pub fn run(args: &Args) -> Result<()> {
             format!("{:.4} to {:.4}", similarity(high), similarity(low)),
         ]);
     }
-    let described = laws.iter().flatten().map(|law| json!([law.floor, law.scale, law.exponent]));
-    figures.detail("floor_scale_exponent", described.collect());
+    let described = runs.iter().map(|Run { name, steps, end, noise, .. }| {
+        json!({ "run": name, "steps": steps, "dssim": end, "noise": noise })
+    });
+    figures.detail("runs", described.collect());
     figures.write(args.json.as_deref())?;
     if let Some(path) = &args.plot {
-        write_atomically(path, plot(&runs, laws.as_ref()).svg("What more steps bring")?.as_bytes())?;
+        write_atomically(path, plot(&runs, &laws).svg("What more steps bring")?.as_bytes())?;
     }
     table::markdown(&rows).iter().try_for_each(|line| say!("{line}"))?;
-    match laws {
-        Some(laws) => laws.iter().try_for_each(|law| say!("DSSIM = {law}")),
-        None => say!("DSSIM does not fall with the steps: more of them would bring nothing"),
+    match laws.is_empty() {
+        true => say!("the DSSIM of these runs does not fall with their steps: nothing can be extrapolated"),
+        false => Ok(()),
     }
 }
 
@@ -117,68 +142,79 @@ fn similarity(dssim: f64) -> f64 {
     1.0 - 2.0 * dssim
 }
 
-/// The runs of some folders, the shortest first.
-fn runs(folders: &[PathBuf]) -> Result<Vec<Run>> {
-    let first = TrainConfig::load(&folders[0])?;
+/// The runs of some places, the shortest first.
+fn runs(places: &[Place]) -> Result<Vec<Run>> {
+    let mut first: Option<(String, TrainConfig)> = None;
     let mut runs = Vec::new();
-    for folder in folders {
-        let config = TrainConfig::load(folder)?;
-        let mut others = config.differences(&first);
-        others.retain(|field| field != "steps");
-        ensure!(
-            others.is_empty(),
-            "{} differs from {} in more than its steps: {}",
-            folder.display(),
-            folders[0].display(),
-            others.join(", ")
-        );
-        runs.push(Run::load(folder, &config)?);
+    for place in places {
+        let (name, folder) = (place.to_string(), place.read()?);
+        let config = TrainConfig::load(&folder)?;
+        let (first_name, first) = first.get_or_insert_with(|| (name.clone(), config.clone()));
+        let mut others = config.differences(first);
+        others.retain(|field| !FREE.contains(&field.as_str()));
+        let others = others.join(", ");
+        ensure!(others.is_empty(), "{name} differs from {first_name} in more than its steps: {others}");
+        runs.push(Run::load(name, &folder, &config)?);
     }
     runs.sort_by_key(|run| run.steps);
     for pair in runs.windows(2) {
         let [a, b] = pair else { continue };
-        ensure!(a.steps < b.steps, "{} and {} have as many steps", a.name, b.name);
+        ensure!(5 * a.steps <= 4 * b.steps, "{} and {} have about as many steps", a.name, b.name);
     }
     Ok(runs)
 }
 
-/// The laws that runs' ends may follow, without a floor and with the one that fits best; `None` where they do not fall.
-fn laws(ends: &[(f64, f64)]) -> Option<[Law; 2]> {
-    Some([Law::fitted(ends, 0.0)?, Law::best(ends)?])
+/// The laws that runs' ends may follow, each without a floor and with the best one: first of the ends themselves, then of
+/// ends that are off by their noise, each up or down. None where ends do not fall.
+fn laws(runs: &[Run]) -> Vec<Law> {
+    let ends = |offset: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
+        let moved = |(index, run): (usize, &Run)| (run.steps as f64, run.end + offset(index) * run.noise);
+        runs.iter().enumerate().map(moved).collect()
+    };
+    let of = |ends: &[(f64, f64)]| [Law::without_floor(ends), Law::with_floor(ends)].into_iter().flatten();
+    let mut laws: Vec<Law> = of(&ends(&|_| 0.0)).collect();
+    if laws.is_empty() {
+        return laws;
+    }
+    for signs in 0..1usize << runs.len() {
+        laws.extend(of(&ends(&|index| if signs >> index & 1 == 1 { 1.0 } else { -1.0 })));
+    }
+    laws
 }
 
 /// The least and the most of what laws say of so many steps.
-fn bounds(laws: [Law; 2], steps: f64) -> [f64; 2] {
-    let [a, b] = laws.map(|law| law.at(steps));
-    [a.min(b), a.max(b)]
+fn bounds(laws: &[Law], steps: f64) -> Option<[f64; 2]> {
+    let all = laws.iter().map(|law| law.at(steps));
+    let (low, high) = all.fold((f64::MAX, f64::MIN), |(low, high), loss| (low.min(loss), high.max(loss)));
+    (low <= high).then_some([low, high])
 }
 
-/// Every run's curve, their ends, and both laws beyond these.
-fn plot(runs: &[Run], laws: Option<&[Law; 2]>) -> Plot {
+/// Every run's curve, their ends, and the range beyond these.
+fn plot(runs: &[Run], laws: &[Law]) -> Plot {
+    let line = |name: &str, points: Vec<(f64, f64)>, style: Style| Line {
+        name: name.to_owned(),
+        points,
+        style,
+        colour: None,
+    };
     let mut lines: Vec<Line> = runs
         .iter()
-        .map(|run| Line {
-            name: format!("{} steps", run.steps),
-            points: run.curve.clone(),
-            style: Style::Curve,
-            colour: None,
-        })
+        .map(|run| line(&format!("{} steps", run.steps), run.curve.clone(), Style::Curve))
         .collect();
     let ends = runs.iter().map(|run| (run.steps as f64, run.end)).collect();
-    lines.push(Line { name: "ends of runs".to_owned(), points: ends, style: Style::Points, colour: None });
-    let (from, to) = (runs[0].steps, AHEAD[AHEAD.len() - 1] * runs[runs.len() - 1].steps);
-    for (law, name) in laws.into_iter().flatten().zip(["a power of the steps", "a power above a floor"]) {
-        let steps = std::iter::successors(Some(from as f64), |steps| Some(steps * 1.25));
-        let points = steps.take_while(|steps| *steps <= to as f64).map(|steps| (steps, law.at(steps)));
-        lines.push(Line {
-            name: name.to_owned(),
-            points: points.collect(),
-            style: Style::Curve,
-            colour: None,
-        });
+    lines.push(line("ends of runs", ends, Style::Points).coloured(BLACK));
+    let most = runs[runs.len() - 1].steps;
+    let steps =
+        || (0..=32).map(|part| most as f64 * (AHEAD[AHEAD.len() - 1] as f64).powf(f64::from(part) / 32.0));
+    for (side, name) in ["forecast, at least", "forecast, at most"].into_iter().enumerate() {
+        let points = steps().filter_map(|steps| Some((steps, bounds(laws, steps)?[side])));
+        lines.push(line(name, points.collect(), Style::Curve).coloured(GREY));
     }
     Plot { x: "steps", is_logarithmic: true, y: "DSSIM of validation", lines, level: None }
 }
+
+const BLACK: [u8; 3] = [0, 0, 0];
+const GREY: [u8; 3] = [120, 120, 120];
 
 #[cfg(test)]
 mod tests {
@@ -199,9 +235,27 @@ mod tests {
                 "{{\"step\":{step},\"loss\":0.3,\"validation_loss\":{loss},\"rate\":0.001,\"images_per_second\":9.0}}\n"
             )
         };
-        let text = line(steps / 2, 1.5 * end) + &line(steps, end);
+        // Validations differ by 0.0001 by chance.
+        let noise = 1e-4 * std::f64::consts::SQRT_2;
+        let text = line(steps / 2, 1.5 * end)
+            + &line(steps - 2, end)
+            + &line(steps - 1, end + noise)
+            + &line(steps, end);
         std::fs::write(folder.join("metrics.jsonl"), text).expect("written");
         folder
+    }
+
+    fn places(folders: &[PathBuf]) -> Vec<Place> {
+        folders.iter().map(|folder| folder.to_str().expect("plain").parse().expect("a folder")).collect()
+    }
+
+    #[test]
+    fn chance_is_told_from_how_neighbours_differ() {
+        let curve = |losses: &[f64]| losses.iter().map(|loss| (1.0, *loss)).collect::<Vec<_>>();
+        assert_eq!(noise(&curve(&[0.5])), 0.0);
+        let [a, b] = [0.1, 0.1 + 2e-3];
+        let steady = noise(&curve(&[0.9, 0.5, a, b, a, b]));
+        assert!((steady - 2e-3 / std::f64::consts::SQRT_2).abs() < 1e-12, "{steady}");
     }
 
     #[test]
@@ -210,15 +264,15 @@ mod tests {
         let law = |steps: usize| 0.1 + 2.0 * (steps as f64).powf(-0.5);
         let folders = [4000, 1000, 2000].map(|steps| write_run(folder.path(), steps, law(steps), 1));
         let (plot, json) = (folder.path().join("a.svg"), folder.path().join("a.json"));
-        let args = Args { runs: folders.to_vec(), plot: Some(plot.clone()), json: Some(json.clone()) };
+        let args = Args { runs: places(&folders), plot: Some(plot.clone()), json: Some(json.clone()) };
         run(&args).expect("a forecast");
         let file: serde_json::Value =
             serde_json::from_slice(&std::fs::read(json).expect("read")).expect("JSON");
         let figure = |name: &str| file["figures"][name].as_f64().expect("a figure");
-        assert!((figure("dssim_high_x4") - law(16_000)).abs() < 1e-4, "{file}");
         assert!(figure("dssim_low_x4") < law(16_000) - 1e-3, "without a floor it falls farther");
+        assert!((figure("dssim_high_x4") - law(16_000)).abs() < 1e-3, "with one it falls as it does: {file}");
         let svg = std::fs::read_to_string(plot).expect("read");
-        for name in ["1000 steps", "4000 steps", "a power above a floor"] {
+        for name in ["1000 steps", "4000 steps", "forecast, at most"] {
             assert!(svg.contains(name), "{name}");
         }
     }
@@ -229,18 +283,18 @@ mod tests {
         let folders = [(1000, 0.2), (2000, 0.3), (4000, 0.4)]
             .map(|(steps, end)| write_run(folder.path(), steps, end, 1));
         let json = folder.path().join("a.json");
-        run(&Args { runs: folders.to_vec(), plot: None, json: Some(json.clone()) }).expect("a table");
+        run(&Args { runs: places(&folders), plot: None, json: Some(json.clone()) }).expect("a table");
         let file: serde_json::Value =
             serde_json::from_slice(&std::fs::read(json).expect("read")).expect("JSON");
         let figures: Vec<&String> = file["figures"].as_object().expect("figures").keys().collect();
-        assert_eq!(figures, ["dssim_1000", "dssim_2000", "dssim_4000"]);
+        assert_eq!(figures, ["dssim_whole"]);
     }
 
     #[test]
     fn runs_that_are_no_series_are_refused() {
         let folder = tempfile::tempdir().expect("a folder");
         let error = |folders: [PathBuf; 3]| {
-            let args = Args { runs: folders.to_vec(), plot: None, json: None };
+            let args = Args { runs: places(&folders), plot: None, json: None };
             format!("{:#}", run(&args).expect_err("no series"))
         };
         let [a, b, c] = [(1000, 0.2), (2000, 0.15), (4000, 0.12)]
@@ -249,8 +303,8 @@ mod tests {
         let said = error([a.clone(), b.clone(), other]);
         assert!(said.ends_with("in more than its steps: seed"), "{said}");
         let said = error([a.clone(), b.clone(), b.clone()]);
-        assert!(said.ends_with("have as many steps"), "{said}");
+        assert!(said.ends_with("have about as many steps"), "{said}");
         std::fs::write(c.join("metrics.jsonl"), "").expect("written");
-        assert!(error([a, b, c]).ends_with("has come to step 0 of 4000 only"), "an unfinished run");
+        assert!(error([a, b, c]).contains("has come to step 0 of 4000 only"), "an unfinished run");
     }
 }

@@ -8,13 +8,14 @@ use crate::methods::{self, Setup};
 use crate::place::Place;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::{Dataset, progress};
+use deepshade_render::method::Method;
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::dials::{Changes, Dial, Tuning, Values};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, lists};
 use serde_json::json;
 use std::path::PathBuf;
-use views::{View, mean_ssim};
+use views::{Score, View, mean_score};
 
 /// Tunes a method's parameters on the validation views of a dataset.
 #[derive(clap::Args)]
@@ -50,10 +51,10 @@ pub struct Args {
     json: Option<PathBuf>,
 }
 
-/// Rounds over all parameters.
-const ROUNDS: usize = 2;
-/// What a parameter's value is multiplied by.
-const FACTORS: [f64; 6] = [0.5, 0.7, 0.85, 1.2, 1.4, 2.0];
+/// What a parameter's value is multiplied by in each round over all parameters.
+const ROUNDS: [[f64; 6]; 2] = [[0.25, 0.5, 0.7, 1.4, 2.0, 4.0], [0.7, 0.8, 0.9, 1.1, 1.25, 1.4]];
+/// What more similarity a value has to bring: less is chance.
+const LEAST_GAIN: f64 = 1e-4;
 /// What of its range is tried where it is 0, which no factor changes.
 const SHARES: [f64; 4] = [0.02, 0.05, 0.1, 0.25];
 
@@ -70,6 +71,9 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let effect = dataset.recipe().effect;
     let dials = chosen(methods::dials(effect, &args.method, args.quality)?, args)?;
+    if let Some(target) = &dataset.recipe().target {
+        note!("the dataset's targets are images of `{target}`, not truth");
+    }
     let held_apart = dataset.validation();
     ensure!(
         !held_apart.is_empty(),
@@ -78,26 +82,34 @@ pub fn run(args: &Args) -> Result<()> {
     );
     let spread = lists::spread(held_apart.len(), args.frames.into());
     let pairs: Vec<usize> = spread.into_iter().map(|index| held_apart[index]).collect();
+    let gpu = Gpu::new()?;
+    let fog = dataset.recipe().vary.as_ref().and_then(|vary| vary.fog);
+    if fog.is_some_and(|fog| fog.smoke_share > 0.0) {
+        methods::through_grids(vec![opened(&gpu, effect, args, &Changes::default())?], true, |method| {
+            method.as_ref()
+        })?;
+    }
     let props = dataset.props().context("--scenes says where files are")?;
     let views = View::open(&dataset, &props, &pairs)?;
-    let gpu = Gpu::new()?;
-    let ssim = |changes: &Changes| scored(&gpu, effect, args, changes, &views);
-    let before = ssim(&Changes::default())?;
-    let (best, best_ssim) = tuned(&dials, before, ssim)?;
+    let score = |changes: &Changes| mean_score(opened(&gpu, effect, args, changes)?.as_ref(), &views);
+    let before = score(&Changes::default())?;
+    let (best, after) = tuned(&dials, before, score);
     let mut figures = Figures::new("tune");
-    figures.set("ssim_default", before);
-    figures.set("ssim_tuned", best_ssim);
-    for dial in &dials {
+    for (name, Score { ssim, milliseconds }) in [("default", before), ("tuned", after)] {
+        figures.set(&format!("ssim_{name}"), ssim);
+        figures.set(&format!("ms_{name}"), milliseconds);
+    }
+    for dial in dials.iter().filter(|dial| !matches!(dial.values, Values::Named(_))) {
         figures.set(&dial.name.replace('.', "_"), value_in(dial, &best));
     }
     figures.detail("frames", json!(views.len()));
     figures.detail("changes", json!(best));
     figures.write(args.json.as_deref())?;
-    let (method, count) = (&args.method, views.len());
-    say!(
-        "{method} on {count} validation views: ssim {before:.4} by default, {best_ssim:.4} with {}",
-        set(&best)
-    )
+    say!("{} on {} validation views: {before} as it is", args.method, views.len())?;
+    match best.is_empty() {
+        true => say!("nothing that was tried is better"),
+        false => say!("{after} with {}", as_arguments(args, &best)),
+    }
 }
 
 /// The parameters to be tuned.
@@ -114,43 +126,57 @@ fn chosen(dials: Vec<Dial>, args: &Args) -> Result<Vec<Dial>> {
         true => !matches!(dial.values, Values::Whole(_)),
         false => args.parameters.contains(&dial.name),
     };
+    ensure!(!dials.is_empty(), "`{}` has no parameters", args.method);
     let chosen: Vec<Dial> = dials.into_iter().filter(is_chosen).collect();
     ensure!(
         !chosen.is_empty(),
-        "`{}` has only whole numbers to set, which --parameters asks for: {known}",
+        "`{}` has only whole numbers, which are tuned where --parameters names them: {known}",
         args.method
     );
     Ok(chosen)
 }
 
-/// How near to truth the method is with some changes.
-fn scored(gpu: &Gpu, effect: Effect, args: &Args, changes: &Changes, views: &[View]) -> Result<f64> {
+/// The method with some changes.
+fn opened(gpu: &Gpu, effect: Effect, args: &Args, changes: &Changes) -> Result<Box<dyn Method>> {
     let tuning = Tuning { quality: args.quality, changes: changes.clone() };
     let opened = methods::open(effect, &[&args.method], Setup { gpu, model: None, tuning: &tuning })?;
-    let method = opened.first().with_context(|| format!("`{}` cannot be tuned", args.method))?;
-    mean_ssim(method.as_ref(), views)
+    opened.into_iter().next().with_context(|| format!("`{}` is what others are tuned to", args.method))
 }
 
-/// Coordinate descent: the changes that are best, and how good they are.
-fn tuned(dials: &[Dial], before: f64, ssim: impl Fn(&Changes) -> Result<f64>) -> Result<(Changes, f64)> {
-    let (mut best, mut best_ssim) = (Changes::default(), before);
-    let bar = progress::bar("parameters", ROUNDS * dials.len(), 0);
-    for _ in 0..ROUNDS {
+/// Coordinate descent: the changes that are best, and how good they are. Values with which the method fails are said and
+/// passed over.
+fn tuned(dials: &[Dial], before: Score, score: impl Fn(&Changes) -> Result<Score>) -> (Changes, Score) {
+    let (mut best, mut best_score) = (Changes::default(), before);
+    let bar = progress::bar("parameters", ROUNDS.len() * dials.len(), 0);
+    for factors in ROUNDS {
         for dial in dials {
-            for value in others(dial, value_in(dial, &best)) {
-                let mut tried = best.clone();
-                tried.0.insert(dial.name.clone(), dial.setting(value));
-                let found = ssim(&tried)?;
-                bar.set_message(format!("{} {value}: ssim {found:.4}", dial.name));
-                if found > best_ssim {
-                    (best, best_ssim) = (tried, found);
+            for value in others(dial, value_in(dial, &best), factors) {
+                let tried = changed(&best, dial, value);
+                bar.set_message(format!("{} {value}, ssim so far {:.4}", dial.name, best_score.ssim));
+                bar.tick();
+                match score(&tried) {
+                    Ok(found) if found.ssim >= best_score.ssim + LEAST_GAIN => {
+                        (best, best_score) = (tried, found)
+                    }
+                    Ok(_) => (),
+                    Err(error) => bar.suspend(|| note!("{}: {error:#}", as_set(&tried))),
                 }
             }
             bar.inc(1);
         }
     }
     bar.finish_and_clear();
-    Ok((best, best_ssim))
+    (best, best_score)
+}
+
+/// Changes with one more, or with one less where it is back to what the quality has.
+fn changed(changes: &Changes, dial: &Dial, value: f64) -> Changes {
+    let mut changes = changes.clone();
+    match value == dial.usual {
+        true => changes.0.remove(&dial.name),
+        false => changes.0.insert(dial.name.clone(), dial.setting(value)),
+    };
+    changes
 }
 
 /// What a parameter is with some changes.
@@ -159,12 +185,13 @@ fn value_in(dial: &Dial, changes: &Changes) -> f64 {
     changed.unwrap_or(dial.usual)
 }
 
-/// Values that are tried in place of one, each of which the parameter takes.
-fn others(dial: &Dial, value: f64) -> Vec<f64> {
+/// Values that are tried in place of one, each of which the parameter takes: the value times factors, the least, which is
+/// often to do without it, and what the quality has.
+fn others(dial: &Dial, value: f64, factors: [f64; 6]) -> Vec<f64> {
     let [least, most] = dial.range;
     let scaled = || match value == 0.0 {
         true => SHARES.map(|share| share * most).to_vec(),
-        false => FACTORS.map(|factor| factor * value).to_vec(),
+        false => factors.map(|factor| factor * value).to_vec(),
     };
     let mut values = match dial.values {
         // With few digits, so that what is found can be written down.
@@ -174,8 +201,10 @@ fn others(dial: &Dial, value: f64) -> Vec<f64> {
         }
         Values::Switch | Values::Named(_) => (0..=most as u32).map(f64::from).collect::<Vec<_>>(),
     };
+    values.extend([least, dial.usual]);
     values.iter_mut().for_each(|value| *value = value.clamp(least, most));
     values.retain(|other| *other != value);
+    values.sort_by(f64::total_cmp);
     values.dedup();
     values
 }
@@ -185,13 +214,16 @@ fn three_digits(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }
 
+/// What `eval` takes for the method with some changes.
+fn as_arguments(args: &Args, changes: &Changes) -> String {
+    let Args { method, quality, .. } = args;
+    format!("--methods {method} --quality {} --set {}", quality.name(), as_set(changes))
+}
+
 /// Changes as `eval --set` takes them.
-fn set(changes: &Changes) -> String {
-    if changes.is_empty() {
-        return "nothing changed".to_owned();
-    }
+fn as_set(changes: &Changes) -> String {
     let all: Vec<String> = changes.0.iter().map(|(name, value)| format!("{name}={value}")).collect();
-    format!("--set {}", all.join(","))
+    all.join(",")
 }
 
 #[cfg(test)]
@@ -213,11 +245,16 @@ mod tests {
             dial("switch", Values::Switch, [0.0, 1.0], 1.0),
             dial("name", names, [0.0, 2.0], 1.0),
         ];
-        let tried = dials.each_ref().map(|dial| others(dial, dial.usual));
-        assert_eq!(tried[0], [0.15, 0.21, 0.255, 0.36, 0.42, 0.6]);
+        let tried = dials.each_ref().map(|dial| others(dial, dial.usual, ROUNDS[0]));
+        assert_eq!(tried[0], [0.0, 0.075, 0.15, 0.21, 0.42, 0.6, 1.2]);
         assert_eq!(tried[1], [0.16, 0.4, 0.8, 2.0]);
         assert_eq!(tried[2], [4.0, 12.0, 16.0]);
         assert_eq!((&tried[3][..], &tried[4][..]), (&[0.0][..], &[0.0, 2.0][..]));
+        assert_eq!(
+            others(&dials[0], 0.6, ROUNDS[1])[..4],
+            [0.0, 0.3, 0.42, 0.48],
+            "and what it was at first"
+        );
         for (dial, values) in dials.iter().zip(tried) {
             for value in values {
                 assert_eq!(
@@ -238,18 +275,18 @@ mod tests {
             dial("soft", Values::Switch, [0.0, 1.0], 0.0),
         ];
         let score = |changes: &Changes| {
-            let [width, _, soft] = dials.each_ref().map(|dial| value_in(dial, changes));
-            Ok(1.0 - (width - 2.8).abs() - if soft == 1.0 { 0.0 } else { 0.1 })
+            let [width, idle, soft] = dials.each_ref().map(|dial| value_in(dial, changes));
+            ensure!(idle > 0.0, "it fails so");
+            let ssim = 1.0 - 0.1 * (width - 2.8).abs() - if soft == 1.0 { 0.0 } else { 0.1 };
+            Ok(Score { ssim, milliseconds: 1.0 })
         };
         let before = score(&Changes::default()).expect("a score");
-        let (best, ssim) = tuned(&dials, before, score).expect("tunes");
-        assert_eq!(
-            best.0,
-            [("soft", 1.0), ("width", 2.8)].map(|(name, to)| (name.to_owned(), Setting::from(to))).into()
-        );
-        assert!((ssim - 1.0).abs() < 1e-9, "{ssim}");
-        assert_eq!(set(&best), "--set soft=1,width=2.8");
-        let (same, _) = tuned(&dials, 2.0, score).expect("tunes");
-        assert_eq!((set(&same), same.is_empty()), ("nothing changed".to_owned(), true));
+        let (best, after) = tuned(&dials, before, score);
+        let expected = [("soft", 1.0), ("width", 2.8)].map(|(name, to)| (name.to_owned(), Setting::from(to)));
+        assert_eq!((best.0.clone(), as_set(&best).as_str()), (expected.into(), "soft=1,width=2.8"));
+        assert!((after.ssim - 1.0).abs() < 1e-9, "{after}");
+        let perfect = Score { ssim: 1.0, milliseconds: 1.0 };
+        assert!(tuned(&dials, perfect, score).0.is_empty(), "what is no better is left");
+        assert!(changed(&best, &dials[2], 0.0).0.keys().eq(["width"]), "back to what it was");
     }
 }

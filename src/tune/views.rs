@@ -1,13 +1,13 @@
 //! What parameters are tuned on: validation views of a dataset, with their truth.
 
 use anyhow::{Context, Result};
-use deepshade_dataset::{Dataset, Props, SceneRecord, StagedScene, truth};
+use deepshade_dataset::{Dataset, Props, SceneRecord, StagedScene};
 use deepshade_render::bvh::TracedScene;
-use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Method, Repeats};
 use deepshade_render::metrics::{exposed, exposure, ssim};
 use deepshade_render::scene::Camera;
 use deepshade_shaders::{GBuffer, Planes};
+use std::fmt::{Display, Formatter};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -22,6 +22,7 @@ pub struct View {
     /// What images are multiplied by before they are.
     exposure: f32,
     radius: f32,
+    seed: u32,
 }
 
 impl View {
@@ -30,7 +31,6 @@ impl View {
     /// # Errors
     /// If a scene or a pair cannot be read.
     pub fn open(dataset: &Dataset, props: &Props, pairs: &[usize]) -> Result<Vec<Self>> {
-        let attributes = truth::attributes(dataset.recipe().effect);
         // Pairs of a scene follow each other.
         let mut current: Option<(&SceneRecord, Rc<StagedScene<'_>>)> = None;
         let view = |index: &usize| {
@@ -45,26 +45,44 @@ impl View {
             current = Some((&record.scene, Rc::clone(&staged)));
             let scene = staged.shown(&record.camera, record.variation.as_ref())?;
             let target = dataset.pair(*index)?.target;
-            let (height, width) = (target.height(), target.width());
-            let gbuffer = gbuffer::render(&scene, &record.camera, height, width, attributes);
+            let gbuffer = staged.gbuffer(&scene, &record.camera, record.seed);
             let exposure = exposure(dataset.recipe().effect, &target);
             let target = exposed(&target, exposure);
-            Ok(Self { scene, camera: record.camera, gbuffer, target, exposure, radius: record.radius })
+            let (camera, radius, seed) = (record.camera, record.radius, record.seed);
+            Ok(Self { scene, camera, gbuffer, target, exposure, radius, seed })
         };
         pairs.iter().map(view).collect()
     }
 }
 
-/// Mean structural similarity of a method to truth.
+/// How near to truth a method is, and how fast.
+#[derive(Clone, Copy, Debug)]
+pub struct Score {
+    /// Mean structural similarity.
+    pub ssim: f64,
+    /// Mean time.
+    pub milliseconds: f64,
+}
+
+impl Display for Score {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(f, "ssim {:.4}, {:.1} ms", self.ssim, self.milliseconds)
+    }
+}
+
+/// The mean score of a method.
 ///
 /// # Errors
 /// If the method fails.
-pub fn mean_ssim(method: &dyn Method, views: &[View]) -> Result<f64> {
-    let mut sum = 0.0;
+pub fn mean_score(method: &dyn Method, views: &[View]) -> Result<Score> {
+    let (mut similarity, mut milliseconds) = (0.0, 0.0);
     for view in views {
-        let View { scene, camera, gbuffer, target, exposure, radius } = view;
-        let frame = Frame { scene, camera, gbuffer, radius: *radius, seed: 0 };
-        sum += ssim(&exposed(&method.shade(&frame, Repeats::ONCE)?.image, *exposure), target);
+        let View { scene, camera, gbuffer, target, exposure, radius, seed } = view;
+        let frame = Frame { scene, camera, gbuffer, radius: *radius, seed: *seed };
+        let shaded = method.shade(&frame, Repeats::ONCE)?;
+        similarity += ssim(&exposed(&shaded.image, *exposure), target);
+        milliseconds += shaded.milliseconds;
     }
-    Ok(sum / views.len() as f64)
+    let count = views.len() as f64;
+    Ok(Score { ssim: similarity / count, milliseconds: milliseconds / count })
 }

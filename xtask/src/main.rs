@@ -46,7 +46,8 @@ Commands:
                name holds NAME (room, room.gi, .ao), --samples is of a pixel, 512 by default; other arguments, too, go
                to `deepshade crosscheck`, whose --help lists them
   models [--only NAME] [--work DIR]
-               Make every network in `models` from nothing: data, training, export, test set, evaluation, parity; hours.
+               Make every network in `models` from nothing: data, training, export, test set, evaluation, parity, and
+               what more steps would bring, from trainings of half and a quarter of them; hours.
                Given again it goes on. --work keeps data, runs and test sets, by default below the target folder
   book         Build the book in `book` with mdBook, as web pages below the target folder
   deny [--advisories]

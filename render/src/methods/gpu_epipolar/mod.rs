@@ -14,7 +14,7 @@
 //! Lines through the epipole are counted along the image's border by how far apart they are across their direction, which the
 //! paper has in closed form, so that the epipole may be infinitely far away.
 //!
-//! Why it: an image without noise and bands in about the time of a march of 16 steps (`low` of both; README has the figures). Why
+//! Why it: an image without noise and bands in about the time of a march of 16 steps (`low` of both; the book's page on fog has the figures). Why
 //! not: media must be the same throughout; where a lamp projects a picture, it goes light ray by light ray.
 //!
 //! Limits. Light rays are single samples of the frame's shadow maps, not prefiltered. A binding holds the sums of 832 of them at
