@@ -10,8 +10,8 @@ use crate::place::Place;
 use crate::plot::{Line, Plot, Style};
 use crate::table;
 use anyhow::{Context, Result, ensure};
-use deepshade_train::TrainConfig;
 use deepshade_train::metrics;
+use deepshade_train::{Optimiser, TrainConfig};
 use law::Law;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -23,9 +23,12 @@ use std::path::{Path, PathBuf};
     deepshade train --dataset data/ao --out runs/ao-half --steps 10000 --patience 0\n  \
     deepshade train --dataset data/ao --out runs/ao-whole --steps 20000 --patience 0\n  \
     deepshade forecast runs/ao-quarter runs/ao-half runs/ao-whole --plot forecast.svg\n\n\
+    The runs have the same settings but for --steps, --validate-every and --patience, each at least a quarter more steps \
+    than the one before, and were validated five times or more. Their last validations count, not their best.\n\n\
     Two laws are fitted to the DSSIM that the runs end with: a power of the steps, which falls for ever, and one above a \
-    floor; both also to ends that are higher and lower by as much as validations differ from one to the next near the \
-    end. The range is what all of them say. It knows nothing of overfitting, which is yet to come where it comes.\n\n\
+    floor; both also to ends that are higher and lower by as much as they miss the law and as validations differ from one \
+    to the next near the end. The range is what all of them say: a wide one says that these runs do not tell. It knows \
+    nothing of overfitting.\n\n\
     Figures: dssim_whole, dssim_low_x2, dssim_high_x2, and of 4 and 16 times the steps."
 )]
 pub struct Args {
@@ -46,8 +49,10 @@ const LEAST: usize = 3;
 const MOST: usize = 8;
 /// How many times the steps of the longest run are looked ahead to.
 const AHEAD: [usize; 3] = [2, 4, 16];
-/// Settings that may differ: the steps, and what ends a run before its last one, as it has not.
-const FREE: [&str; 2] = ["steps", "patience"];
+/// Settings that may differ: the steps, how often they are validated, and what ends a run before its last one, as it has not.
+const FREE: [&str; 3] = ["steps", "validate_every", "patience"];
+/// Validations that tell how far they are apart by chance.
+const VALIDATIONS: usize = 5;
 
 /// A run, as far as it matters here.
 struct Run {
@@ -72,28 +77,36 @@ impl Run {
         let steps = config.steps;
         ensure!(
             done == steps,
-            "{name}: has come to step {done} of {steps} only; the same command goes on, or --patience 0 keeps it from \
-             ending early"
+            "{name}: has come to step {done} of {steps} only; the same command goes on, and what has stopped early is \
+             trained anew with --patience 0, into another folder"
         );
+        if let Optimiser::Adamw { warm_up, .. } = config.optimiser {
+            ensure!(
+                steps > 2 * warm_up,
+                "{name}: of its {steps} steps the rate rises in {warm_up}: it is too short for what longer ones do"
+            );
+        }
         let curve: Vec<(f64, f64)> = lines
             .iter()
             .filter_map(|line| Some((line.step as f64, f64::from(line.validation_loss?))))
             .collect();
-        let end = curve.last().with_context(|| format!("{name}: was never validated"))?.1;
-        let noise = noise(&curve);
+        ensure!(
+            curve.len() >= VALIDATIONS,
+            "{name}: was validated {} times, which is too few to know how much is chance; --validate-every {} would do",
+            curve.len(),
+            steps / VALIDATIONS
+        );
+        let (end, noise) = (curve[curve.len() - 1].1, noise(&curve));
         Ok(Self { name, steps, curve, end, noise })
     }
 }
 
 /// By how much one of the last validations, a fifth of all, is off by chance: the root of half the mean squared difference
-/// between neighbours.
+/// between neighbours. At least three are looked at, of which there must be as many.
 fn noise(curve: &[(f64, f64)]) -> f64 {
-    let last = &curve[curve.len() - (curve.len() / 5).max(3).min(curve.len())..];
+    let last = &curve[curve.len() - (curve.len() / 5).max(3)..];
     let squares: Vec<f64> = last.windows(2).map(|pair| (pair[1].1 - pair[0].1).powi(2)).collect();
-    match squares.is_empty() {
-        true => 0.0,
-        false => (0.5 * squares.iter().sum::<f64>() / squares.len() as f64).sqrt(),
-    }
+    (0.5 * squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
 /// Reads the runs, prints and writes what more steps would bring.
@@ -101,6 +114,7 @@ fn noise(curve: &[(f64, f64)]) -> f64 {
 /// # Errors
 /// If a run cannot be read or has not ended, runs differ in more than their steps, or a file cannot be written.
 pub fn run(args: &Args) -> Result<()> {
+    ensure!(args.json.is_none() || args.json != args.plot, "--json and --plot are the same file");
     let runs = runs(&args.runs)?;
     let longest = &runs[runs.len() - 1];
     let (most, end) = (longest.steps, longest.end);
@@ -132,7 +146,9 @@ pub fn run(args: &Args) -> Result<()> {
     }
     table::markdown(&rows).iter().try_for_each(|line| say!("{line}"))?;
     match laws.is_empty() {
-        true => say!("the DSSIM of these runs does not fall with their steps: nothing can be extrapolated"),
+        true => say!(
+            "nothing can be extrapolated: DSSIM does not fall with the steps, or not as a power of them does"
+        ),
         false => Ok(()),
     }
 }
@@ -148,7 +164,7 @@ fn runs(places: &[Place]) -> Result<Vec<Run>> {
     let mut runs = Vec::new();
     for place in places {
         let (name, folder) = (place.to_string(), place.read()?);
-        let config = TrainConfig::load(&folder)?;
+        let config = TrainConfig::load(&folder).with_context(|| format!("{name} is no training run"))?;
         let (first_name, first) = first.get_or_insert_with(|| (name.clone(), config.clone()));
         let mut others = config.differences(first);
         others.retain(|field| !FREE.contains(&field.as_str()));
@@ -159,23 +175,32 @@ fn runs(places: &[Place]) -> Result<Vec<Run>> {
     runs.sort_by_key(|run| run.steps);
     for pair in runs.windows(2) {
         let [a, b] = pair else { continue };
-        ensure!(5 * a.steps <= 4 * b.steps, "{} and {} have about as many steps", a.name, b.name);
+        let [few, many] = [a.steps, b.steps];
+        ensure!(
+            5 * few <= 4 * many,
+            "{} and {} have {few} and {many} steps, which is less than a quarter more",
+            a.name,
+            b.name
+        );
     }
     Ok(runs)
 }
 
 /// The laws that runs' ends may follow, each without a floor and with the best one: first of the ends themselves, then of
-/// ends that are off by their noise, each up or down. None where ends do not fall.
+/// ends that are off, each up or down, by their noise and by how far the best law misses them. None where ends do not fall.
 fn laws(runs: &[Run]) -> Vec<Law> {
+    let exact: Vec<(f64, f64)> = runs.iter().map(|run| (run.steps as f64, run.end)).collect();
+    let Some(best) = Law::with_floor(&exact) else { return Vec::new() };
+    // A law has three numbers to fit with.
+    let free = runs.len().saturating_sub(3).max(1) as f64;
+    let missed = exact.iter().map(|(steps, end)| (best.at(*steps) - end).powi(2)).sum::<f64>() / free;
     let ends = |offset: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
-        let moved = |(index, run): (usize, &Run)| (run.steps as f64, run.end + offset(index) * run.noise);
+        let off = |run: &Run| (run.noise.powi(2) + missed).sqrt();
+        let moved = |(index, run): (usize, &Run)| (run.steps as f64, run.end + offset(index) * off(run));
         runs.iter().enumerate().map(moved).collect()
     };
     let of = |ends: &[(f64, f64)]| [Law::without_floor(ends), Law::with_floor(ends)].into_iter().flatten();
-    let mut laws: Vec<Law> = of(&ends(&|_| 0.0)).collect();
-    if laws.is_empty() {
-        return laws;
-    }
+    let mut laws: Vec<Law> = of(&exact).collect();
     for signs in 0..1usize << runs.len() {
         laws.extend(of(&ends(&|index| if signs >> index & 1 == 1 { 1.0 } else { -1.0 })));
     }
@@ -202,19 +227,16 @@ fn plot(runs: &[Run], laws: &[Law]) -> Plot {
         .map(|run| line(&format!("{} steps", run.steps), run.curve.clone(), Style::Curve))
         .collect();
     let ends = runs.iter().map(|run| (run.steps as f64, run.end)).collect();
-    lines.push(line("ends of runs", ends, Style::Points).coloured(BLACK));
+    lines.push(line("ends of runs", ends, Style::Points));
     let most = runs[runs.len() - 1].steps;
     let steps =
         || (0..=32).map(|part| most as f64 * (AHEAD[AHEAD.len() - 1] as f64).powf(f64::from(part) / 32.0));
-    for (side, name) in ["forecast, at least", "forecast, at most"].into_iter().enumerate() {
+    for (side, name) in ["forecast, lowest", "forecast, highest"].into_iter().enumerate() {
         let points = steps().filter_map(|steps| Some((steps, bounds(laws, steps)?[side])));
-        lines.push(line(name, points.collect(), Style::Curve).coloured(GREY));
+        lines.push(line(name, points.collect(), Style::Curve));
     }
     Plot { x: "steps", is_logarithmic: true, y: "DSSIM of validation", lines, level: None }
 }
-
-const BLACK: [u8; 3] = [0, 0, 0];
-const GREY: [u8; 3] = [120, 120, 120];
 
 #[cfg(test)]
 mod tests {
@@ -237,7 +259,8 @@ mod tests {
         };
         // Validations differ by 0.0001 by chance.
         let noise = 1e-4 * std::f64::consts::SQRT_2;
-        let text = line(steps / 2, 1.5 * end)
+        let text = line(steps / 8, 2.0 * end)
+            + &line(steps / 2, 1.5 * end)
             + &line(steps - 2, end)
             + &line(steps - 1, end + noise)
             + &line(steps, end);
@@ -252,7 +275,6 @@ mod tests {
     #[test]
     fn chance_is_told_from_how_neighbours_differ() {
         let curve = |losses: &[f64]| losses.iter().map(|loss| (1.0, *loss)).collect::<Vec<_>>();
-        assert_eq!(noise(&curve(&[0.5])), 0.0);
         let [a, b] = [0.1, 0.1 + 2e-3];
         let steady = noise(&curve(&[0.9, 0.5, a, b, a, b]));
         assert!((steady - 2e-3 / std::f64::consts::SQRT_2).abs() < 1e-12, "{steady}");
@@ -272,7 +294,7 @@ mod tests {
         assert!(figure("dssim_low_x4") < law(16_000) - 1e-3, "without a floor it falls farther");
         assert!((figure("dssim_high_x4") - law(16_000)).abs() < 1e-3, "with one it falls as it does: {file}");
         let svg = std::fs::read_to_string(plot).expect("read");
-        for name in ["1000 steps", "4000 steps", "forecast, at most"] {
+        for name in ["1000 steps", "4000 steps", "forecast, highest"] {
             assert!(svg.contains(name), "{name}");
         }
     }
@@ -303,8 +325,21 @@ mod tests {
         let said = error([a.clone(), b.clone(), other]);
         assert!(said.ends_with("in more than its steps: seed"), "{said}");
         let said = error([a.clone(), b.clone(), b.clone()]);
-        assert!(said.ends_with("have about as many steps"), "{said}");
+        assert!(said.ends_with("have 2000 and 2000 steps, which is less than a quarter more"), "{said}");
+        let lines = std::fs::read_to_string(c.join("metrics.jsonl")).expect("read");
+        let last = lines.lines().last().expect("a line");
+        std::fs::write(c.join("metrics.jsonl"), format!("{last}\n")).expect("written");
+        let said = error([a.clone(), b.clone(), c.clone()]);
+        assert!(
+            said.contains("was validated 1 times") && said.ends_with("--validate-every 800 would do"),
+            "{said}"
+        );
         std::fs::write(c.join("metrics.jsonl"), "").expect("written");
-        assert!(error([a, b, c]).contains("has come to step 0 of 4000 only"), "an unfinished run");
+        assert!(
+            error([a.clone(), b.clone(), c]).contains("has come to step 0 of 4000 only"),
+            "an unfinished run"
+        );
+        let short = write_run(folder.path(), 300, 0.3, 1);
+        assert!(error([a, b, short]).contains("of its 300 steps the rate rises in 200"), "too short");
     }
 }

@@ -15,17 +15,20 @@ use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, lists};
 use serde_json::json;
 use std::path::PathBuf;
-use views::{Score, View, mean_score};
+use views::{Timed, View, similarities, timed};
 
 /// Tunes a method's parameters on the validation views of a dataset.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  deepshade tune --dataset data/ao --method hbao --frames 12 --json tune.json\n  \
     deepshade tune --dataset data/dof --method ring-gather --quality low\n  \
-    deepshade tune --dataset data/gi --method lpv --parameters cells,scale\n\n\
-    Of each parameter in turn, twice, it tries other values and keeps what is nearer to truth. Whole numbers are counts, \
-    which cost time, and stay as the quality has them where they are not asked for. It changes nothing: what it finds is \
-    printed as `eval --set` takes it, and goes into the method's `Parameters` where it is to last."
+    deepshade tune --dataset data/gi --method lpv --parameters cells,scale    # whole numbers are asked for by name\n\n\
+    Of each parameter in turn it tries other values, 0.25 to 4 times what it is, and finer ones in a second round, and keeps \
+    what is nearer to truth by more than its standard error over the views. Whole numbers are counts, which cost time, and \
+    stay as the quality has them where they are not asked for; others may cost time, too: see the milliseconds. With few \
+    views what is found may be theirs alone. Nothing is changed: what is printed `eval` takes, and its numbers a \
+    comparison's file and the window's sliders.\n\n\
+    Figures: ssim_default, ssim_tuned, ms_default, ms_tuned, and each parameter that is a number under its name."
 )]
 pub struct Args {
     /// Folder or address of the dataset.
@@ -37,14 +40,14 @@ pub struct Args {
     /// The quality that it is tuned in.
     #[arg(long, default_value = Quality::default().name())]
     quality: Quality,
-    /// Parameters that are tuned [default: all but whole numbers]; `deepshade methods` lists them.
-    #[arg(long, value_delimiter = ',')]
+    /// Parameters that are tuned, with commas between them [default: all but whole numbers]; `deepshade methods` lists them.
+    #[arg(long, value_delimiter = ',', value_parser = crate::arguments::name)]
     parameters: Vec<String>,
     /// Folder that the recipe's scene files are relative to, where it is not the one that the dataset remembers.
     #[arg(long)]
     scenes: Option<PathBuf>,
-    /// How many validation views, spread over all of them.
-    #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    /// At most so many validation views, spread over all of them.
+    #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u16).range(2..=1000))]
     frames: u16,
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]
@@ -53,8 +56,6 @@ pub struct Args {
 
 /// What a parameter's value is multiplied by in each round over all parameters.
 const ROUNDS: [[f64; 6]; 2] = [[0.25, 0.5, 0.7, 1.4, 2.0, 4.0], [0.7, 0.8, 0.9, 1.1, 1.25, 1.4]];
-/// What more similarity a value has to bring: less is chance.
-const LEAST_GAIN: f64 = 1e-4;
 /// What of its range is tried where it is 0, which no factor changes.
 const SHARES: [f64; 4] = [0.02, 0.05, 0.1, 0.25];
 
@@ -91,24 +92,37 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let props = dataset.props().context("--scenes says where files are")?;
     let views = View::open(&dataset, &props, &pairs)?;
-    let score = |changes: &Changes| mean_score(opened(&gpu, effect, args, changes)?.as_ref(), &views);
-    let before = score(&Changes::default())?;
-    let (best, after) = tuned(&dials, before, score);
+    let open = |changes: &Changes| opened(&gpu, effect, args, changes);
+    let best = tuned(&dials, |changes| similarities(open(changes)?.as_ref(), &views))?;
+    let [before, after] = [&Changes::default(), &best].map(|changes| timed(open(changes)?.as_ref(), &views));
+    let (before, after) = (before?, after?);
     let mut figures = Figures::new("tune");
-    for (name, Score { ssim, milliseconds }) in [("default", before), ("tuned", after)] {
+    for (name, Timed { ssim, milliseconds }) in [("default", before), ("tuned", after)] {
         figures.set(&format!("ssim_{name}"), ssim);
         figures.set(&format!("ms_{name}"), milliseconds);
     }
     for dial in dials.iter().filter(|dial| !matches!(dial.values, Values::Named(_))) {
         figures.set(&dial.name.replace('.', "_"), value_in(dial, &best));
     }
+    let Args { method, quality, dataset, .. } = args;
+    let of =
+        [("effect", effect.to_string()), ("method", method.clone()), ("quality", quality.name().to_owned())];
+    of.into_iter().for_each(|(name, value)| figures.detail(name, json!(value)));
+    figures.detail("dataset", json!(dataset.to_string()));
     figures.detail("frames", json!(views.len()));
     figures.detail("changes", json!(best));
     figures.write(args.json.as_deref())?;
-    say!("{} on {} validation views: {before} as it is", args.method, views.len())?;
+    say!("{method} on {} validation views: {before} as it is", views.len())?;
     match best.is_empty() {
-        true => say!("nothing that was tried is better"),
-        false => say!("{after} with {}", as_arguments(args, &best)),
+        true => say!("nothing that was tried is better by more than its standard error"),
+        false => {
+            let set = as_set(&best);
+            say!("{after} with")?;
+            say!(
+                "  deepshade eval --effect {effect} --methods {method} --quality {} --set {set}",
+                quality.name()
+            )
+        }
     }
 }
 
@@ -143,20 +157,24 @@ fn opened(gpu: &Gpu, effect: Effect, args: &Args, changes: &Changes) -> Result<B
     opened.into_iter().next().with_context(|| format!("`{}` is what others are tuned to", args.method))
 }
 
-/// Coordinate descent: the changes that are best, and how good they are. Values with which the method fails are said and
-/// passed over.
-fn tuned(dials: &[Dial], before: Score, score: impl Fn(&Changes) -> Result<Score>) -> (Changes, Score) {
-    let (mut best, mut best_score) = (Changes::default(), before);
+/// Coordinate descent: the changes whose images are most similar to truth, given how similar those of each view are with some
+/// changes. Values with which the method fails are said and passed over.
+///
+/// # Errors
+/// If the method fails as it is.
+fn tuned(dials: &[Dial], similarities: impl Fn(&Changes) -> Result<Vec<f64>>) -> Result<Changes> {
+    let mut best = Changes::default();
+    let mut best_similarities = similarities(&best)?;
     let bar = progress::bar("parameters", ROUNDS.len() * dials.len(), 0);
     for factors in ROUNDS {
         for dial in dials {
             for value in others(dial, value_in(dial, &best), factors) {
                 let tried = changed(&best, dial, value);
-                bar.set_message(format!("{} {value}, ssim so far {:.4}", dial.name, best_score.ssim));
+                bar.set_message(format!("now {} {value}", dial.name));
                 bar.tick();
-                match score(&tried) {
-                    Ok(found) if found.ssim >= best_score.ssim + LEAST_GAIN => {
-                        (best, best_score) = (tried, found)
+                match similarities(&tried) {
+                    Ok(found) if is_better(&found, &best_similarities) => {
+                        (best, best_similarities) = (tried, found)
                     }
                     Ok(_) => (),
                     Err(error) => bar.suspend(|| note!("{}: {error:#}", as_set(&tried))),
@@ -166,7 +184,16 @@ fn tuned(dials: &[Dial], before: Score, score: impl Fn(&Changes) -> Result<Score
         }
     }
     bar.finish_and_clear();
-    (best, best_score)
+    Ok(best)
+}
+
+/// Whether values are greater than others of the same views by more than the standard error of the mean difference.
+fn is_better(values: &[f64], others: &[f64]) -> bool {
+    let gains: Vec<f64> = values.iter().zip(others).map(|(value, other)| value - other).collect();
+    let count = gains.len() as f64;
+    let mean = gains.iter().sum::<f64>() / count;
+    let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    mean > (variance / count).sqrt()
 }
 
 /// Changes with one more, or with one less where it is back to what the quality has.
@@ -212,12 +239,6 @@ fn others(dial: &Dial, value: f64, factors: [f64; 6]) -> Vec<f64> {
 /// The number with three digits that count that is nearest.
 fn three_digits(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
-}
-
-/// What `eval` takes for the method with some changes.
-fn as_arguments(args: &Args, changes: &Changes) -> String {
-    let Args { method, quality, .. } = args;
-    format!("--methods {method} --quality {} --set {}", quality.name(), as_set(changes))
 }
 
 /// Changes as `eval --set` takes them.
@@ -274,19 +295,25 @@ mod tests {
             dial("idle", Values::Real, [0.0, 10.0], 1.0),
             dial("soft", Values::Switch, [0.0, 1.0], 0.0),
         ];
-        let score = |changes: &Changes| {
+        let similarities = |changes: &Changes| {
             let [width, idle, soft] = dials.each_ref().map(|dial| value_in(dial, changes));
             ensure!(idle > 0.0, "it fails so");
             let ssim = 1.0 - 0.1 * (width - 2.8).abs() - if soft == 1.0 { 0.0 } else { 0.1 };
-            Ok(Score { ssim, milliseconds: 1.0 })
+            Ok(vec![ssim, ssim - 0.2, ssim + 0.1])
         };
-        let before = score(&Changes::default()).expect("a score");
-        let (best, after) = tuned(&dials, before, score);
+        let best = tuned(&dials, similarities).expect("tunes");
         let expected = [("soft", 1.0), ("width", 2.8)].map(|(name, to)| (name.to_owned(), Setting::from(to)));
         assert_eq!((best.0.clone(), as_set(&best).as_str()), (expected.into(), "soft=1,width=2.8"));
-        assert!((after.ssim - 1.0).abs() < 1e-9, "{after}");
-        let perfect = Score { ssim: 1.0, milliseconds: 1.0 };
-        assert!(tuned(&dials, perfect, score).0.is_empty(), "what is no better is left");
+        let level = |_: &Changes| Ok(vec![0.5, 0.6]);
+        assert!(tuned(&dials, level).expect("tunes").is_empty(), "what is no better is left");
         assert!(changed(&best, &dials[2], 0.0).0.keys().eq(["width"]), "back to what it was");
+    }
+
+    #[test]
+    fn what_may_be_chance_is_no_gain() {
+        let before = [0.5, 0.6, 0.7];
+        assert!(is_better(&[0.51, 0.61, 0.72], &before));
+        assert!(!is_better(&[0.6, 0.58, 0.69], &before), "one view decides");
+        assert!(!is_better(&before, &before) && !is_better(&[0.4, 0.5, 0.6], &before));
     }
 }

@@ -55,34 +55,47 @@ impl View {
     }
 }
 
-/// How near to truth a method is, and how fast.
+/// How near to truth a method is on average, and how fast.
 #[derive(Clone, Copy, Debug)]
-pub struct Score {
+pub struct Timed {
     /// Mean structural similarity.
     pub ssim: f64,
     /// Mean time.
     pub milliseconds: f64,
 }
 
-impl Display for Score {
+impl Display for Timed {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         write!(f, "ssim {:.4}, {:.1} ms", self.ssim, self.milliseconds)
     }
 }
 
-/// The mean score of a method.
+/// How similar to truth a method's image of each view is.
 ///
 /// # Errors
 /// If the method fails.
-pub fn mean_score(method: &dyn Method, views: &[View]) -> Result<Score> {
-    let (mut similarity, mut milliseconds) = (0.0, 0.0);
+pub fn similarities(method: &dyn Method, views: &[View]) -> Result<Vec<f64>> {
+    views.iter().map(|view| Ok(shown(method, view, Repeats::ONCE)?.0)).collect()
+}
+
+/// The same on average, with the time that it takes once it is warm.
+///
+/// # Errors
+/// If the method fails.
+pub fn timed(method: &dyn Method, views: &[View]) -> Result<Timed> {
+    let (mut ssim, mut milliseconds) = (0.0, 0.0);
     for view in views {
-        let View { scene, camera, gbuffer, target, exposure, radius, seed } = view;
-        let frame = Frame { scene, camera, gbuffer, radius: *radius, seed: *seed };
-        let shaded = method.shade(&frame, Repeats::ONCE)?;
-        similarity += ssim(&exposed(&shaded.image, *exposure), target);
-        milliseconds += shaded.milliseconds;
+        let (similarity, time) = shown(method, view, Repeats { warm_up: 1, timed: 3 })?;
+        (ssim, milliseconds) = (ssim + similarity, milliseconds + time);
     }
     let count = views.len() as f64;
-    Ok(Score { ssim: similarity / count, milliseconds: milliseconds / count })
+    Ok(Timed { ssim: ssim / count, milliseconds: milliseconds / count })
+}
+
+/// How similar to truth a method's image of a view is, and the median time that it took, milliseconds.
+fn shown(method: &dyn Method, view: &View, repeats: Repeats) -> Result<(f64, f64)> {
+    let View { scene, camera, gbuffer, target, exposure, radius, seed } = view;
+    let frame = Frame { scene, camera, gbuffer, radius: *radius, seed: *seed };
+    let shaded = method.shade(&frame, repeats)?;
+    Ok((ssim(&exposed(&shaded.image, *exposure), target), shaded.milliseconds))
 }
