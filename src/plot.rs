@@ -103,8 +103,10 @@ impl Plot {
         // Below the legend nothing is measured.
         let number = |x: &f64| match *x > xs.end {
             true => String::new(),
-            false => short(if self.is_logarithmic { x.exp2() } else { *x }),
+            false => short(if self.is_logarithmic { x.exp2() } else { *x }, 0),
         };
+        // Neighbours on the axis, an eighth of it apart at least, are not to look alike.
+        let digits = (1.0 - (0.125 * (ys.end - ys.start)).log10()).clamp(0.0, 9.0) as usize;
         let area = SVGBackend::with_string(svg, (860, 480)).into_drawing_area();
         area.fill(&WHITE)?;
         let mut chart = ChartBuilder::on(&area)
@@ -119,7 +121,7 @@ impl Plot {
             .x_desc(self.x)
             .y_desc(self.y)
             .x_label_formatter(&number)
-            .y_label_formatter(&|y| short(*y))
+            .y_label_formatter(&|y| short(*y, digits))
             .draw()?;
         let mut names = 0;
         for (line, points) in self.lines.iter().zip(lines) {
@@ -171,9 +173,9 @@ fn range(values: impl Iterator<Item = f64>) -> Option<Range<f64>> {
     (low <= high).then_some(low - margin..high + margin)
 }
 
-/// A number with three digits that count.
-fn short(value: f64) -> String {
-    let digits = (2 - value.abs().max(1e-4).log10().floor() as i32).clamp(0, 6) as usize;
+/// A number with three digits that count, and at least so many after the point, where these are not 0.
+fn short(value: f64, least: usize) -> String {
+    let digits = ((2 - value.abs().max(1e-4).log10().floor() as i32).clamp(0, 6) as usize).max(least);
     let text = format!("{value:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
@@ -216,6 +218,16 @@ mod tests {
     }
 
     #[test]
+    fn numbers_beside_a_short_axis_differ() {
+        let lines = vec![Line::dotted("flat", vec![(1.0, 0.3081), (2.0, 0.3113)])];
+        let svg = Plot { level: None, ..plot(lines) }.svg("Flat").expect("a picture");
+        let is_number = |text: &&str| text.starts_with("0.3");
+        let labels: Vec<&str> = svg.split(['>', '<']).map(str::trim).filter(is_number).collect();
+        let different: std::collections::BTreeSet<&str> = labels.iter().copied().collect();
+        assert!(labels.len() > 3 && different.len() == labels.len(), "{labels:?}");
+    }
+
+    #[test]
     fn channels_have_their_colours() {
         let lines = CHANNELS.map(|(name, colour)| Line::dotted(name, vec![(1.0, 0.5)]).coloured(colour));
         let svg = plot(lines.to_vec()).svg("Channels").expect("a picture");
@@ -226,8 +238,9 @@ mod tests {
     #[test]
     fn numbers_are_short() {
         assert_eq!(
-            [0.6543, 12.345, 1234.6, 0.0, 0.5, 100.0].map(short),
+            [0.6543, 12.345, 1234.6, 0.0, 0.5, 100.0].map(|value| short(value, 0)),
             ["0.654", "12.3", "1235", "0", "0.5", "100"]
         );
+        assert_eq!([0.3105, 0.311, 12.0].map(|value| short(value, 4)), ["0.3105", "0.311", "12"]);
     }
 }
