@@ -59,10 +59,10 @@ const ROUNDS: [[f64; 6]; 2] = [[0.25, 0.5, 0.7, 1.4, 2.0, 4.0], [0.7, 0.8, 0.9, 
 /// What of its range is tried where it is 0, which no factor changes.
 const SHARES: [f64; 4] = [0.02, 0.05, 0.1, 0.25];
 
-/// Tunes and prints.
+/// Tunes, prints and writes what was found.
 ///
 /// # Errors
-/// If the dataset is for another effect or has no validation views, there is no such parameter, or the method fails.
+/// If the dataset is for another effect or has too few validation views, there is no such parameter, or the method fails.
 pub fn run(args: &Args) -> Result<()> {
     let folder = args.dataset.read()?;
     let dataset = Dataset::open(&folder)?;
@@ -75,55 +75,69 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(target) = &dataset.recipe().target {
         note!("the dataset's targets are images of `{target}`, not truth");
     }
+    let gpu = Gpu::new()?;
+    let open = |changes: &Changes| opened(&gpu, effect, args, changes);
+    let fog = dataset.recipe().vary.as_ref().and_then(|vary| vary.fog);
+    if fog.is_some_and(|fog| fog.smoke_share > 0.0) {
+        methods::through_grids(vec![open(&Changes::default())?], true, |method| method.as_ref())?;
+    }
+    let views = validation_views(args, &dataset)?;
+    let best = tuned(&dials, |changes| similarities(open(changes)?.as_ref(), &views))?;
+    let before = timed(open(&Changes::default())?.as_ref(), &views)?;
+    let after = timed(open(&best)?.as_ref(), &views)?;
+    figures(args, effect, &dials, &best, [before, after], views.len()).write(args.json.as_deref())?;
+    say!("{} on {} validation views: {before} as it is", args.method, views.len())?;
+    if best.is_empty() {
+        return say!("nothing that was tried is better by more than its standard error");
+    }
+    let (method, quality, set) = (&args.method, args.quality.name(), as_set(&best));
+    say!(
+        "{after} with\n  deepshade eval --effect {effect} --methods {method} --quality {quality} --set {set}"
+    )
+}
+
+/// Validation views, spread over all that there are.
+///
+/// # Errors
+/// If there are fewer than two, whose gains would be chance, or one cannot be read.
+fn validation_views(args: &Args, dataset: &Dataset) -> Result<Vec<View>> {
     let held_apart = dataset.validation();
     ensure!(
-        !held_apart.is_empty(),
-        "{} has no validation views; its recipe's `validation_share` says how many are held apart",
-        args.dataset
+        held_apart.len() > 1,
+        "{} has {} validation views; its recipe's `validation_share` says how many are held apart",
+        args.dataset,
+        held_apart.len()
     );
     let spread = lists::spread(held_apart.len(), args.frames.into());
     let pairs: Vec<usize> = spread.into_iter().map(|index| held_apart[index]).collect();
-    let gpu = Gpu::new()?;
-    let fog = dataset.recipe().vary.as_ref().and_then(|vary| vary.fog);
-    if fog.is_some_and(|fog| fog.smoke_share > 0.0) {
-        methods::through_grids(vec![opened(&gpu, effect, args, &Changes::default())?], true, |method| {
-            method.as_ref()
-        })?;
-    }
     let props = dataset.props().context("--scenes says where files are")?;
-    let views = View::open(&dataset, &props, &pairs)?;
-    let open = |changes: &Changes| opened(&gpu, effect, args, changes);
-    let best = tuned(&dials, |changes| similarities(open(changes)?.as_ref(), &views))?;
-    let [before, after] = [&Changes::default(), &best].map(|changes| timed(open(changes)?.as_ref(), &views));
-    let (before, after) = (before?, after?);
+    View::open(dataset, &props, &pairs)
+}
+
+/// What was found as figures: how the method is by default and tuned, and its parameters that are numbers.
+fn figures(
+    args: &Args,
+    effect: Effect,
+    dials: &[Dial],
+    best: &Changes,
+    [before, after]: [Timed; 2],
+    views: usize,
+) -> Figures {
     let mut figures = Figures::new("tune");
     for (name, Timed { ssim, milliseconds }) in [("default", before), ("tuned", after)] {
         figures.set(&format!("ssim_{name}"), ssim);
         figures.set(&format!("ms_{name}"), milliseconds);
     }
     for dial in dials.iter().filter(|dial| !matches!(dial.values, Values::Named(_))) {
-        figures.set(&dial.name.replace('.', "_"), value_in(dial, &best));
+        figures.set(&dial.name.replace('.', "_"), value_in(dial, best));
     }
-    let Args { method, quality, dataset, .. } = args;
-    let of =
-        [("effect", effect.to_string()), ("method", method.clone()), ("quality", quality.name().to_owned())];
-    of.into_iter().for_each(|(name, value)| figures.detail(name, json!(value)));
-    figures.detail("dataset", json!(dataset.to_string()));
-    figures.detail("frames", json!(views.len()));
+    figures.detail("effect", json!(effect.name()));
+    figures.detail("method", json!(args.method));
+    figures.detail("quality", json!(args.quality.name()));
+    figures.detail("dataset", json!(args.dataset.to_string()));
+    figures.detail("frames", json!(views));
     figures.detail("changes", json!(best));
-    figures.write(args.json.as_deref())?;
-    say!("{method} on {} validation views: {before} as it is", views.len())?;
-    match best.is_empty() {
-        true => say!("nothing that was tried is better by more than its standard error"),
-        false => {
-            let set = as_set(&best);
-            say!("{after} with")?;
-            say!(
-                "  deepshade eval --effect {effect} --methods {method} --quality {} --set {set}",
-                quality.name()
-            )
-        }
-    }
+    figures
 }
 
 /// The parameters to be tuned.
