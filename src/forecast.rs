@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
     deepshade train --dataset data/ao --out runs/ao-whole --steps 20000 --patience 0\n  \
     deepshade forecast runs/ao-quarter runs/ao-half runs/ao-whole --plot forecast.svg\n\n\
     The runs have the same settings but for --steps, --validate-every and --patience, each at least a quarter more steps \
-    than the one before, and were validated five times or more. Their last validations count, not their best.\n\n\
+    than the one before, and were validated four times or more. Their last validations count, not their best.\n\n\
     Two laws are fitted to the DSSIM that the runs end with: a power of the steps, which falls for ever, and one above a \
     floor; both also to ends that are higher and lower by as much as they miss the law and as validations differ from one \
     to the next near the end. The range is what all of them say: a wide one says that these runs do not tell. It knows \
@@ -52,7 +52,7 @@ const AHEAD: [usize; 3] = [2, 4, 16];
 /// Settings that may differ: the steps, how often they are validated, and what ends a run before its last one, as it has not.
 const FREE: [&str; 3] = ["steps", "validate_every", "patience"];
 /// Validations that tell how far they are apart by chance.
-const VALIDATIONS: usize = 5;
+const VALIDATIONS: usize = 4;
 
 /// A run, as far as it matters here.
 struct Run {
@@ -331,7 +331,7 @@ mod tests {
         std::fs::write(c.join("metrics.jsonl"), format!("{last}\n")).expect("written");
         let said = error([a.clone(), b.clone(), c.clone()]);
         assert!(
-            said.contains("was validated 1 times") && said.ends_with("--validate-every 800 would do"),
+            said.contains("was validated 1 times") && said.ends_with("--validate-every 1000 would do"),
             "{said}"
         );
         std::fs::write(c.join("metrics.jsonl"), "").expect("written");

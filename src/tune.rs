@@ -142,6 +142,7 @@ fn figures(
 
 /// The parameters to be tuned.
 fn chosen(dials: Vec<Dial>, args: &Args) -> Result<Vec<Dial>> {
+    ensure!(!dials.is_empty(), "`{}` has no parameters", args.method);
     let known = dials.iter().map(|dial| dial.name.as_str()).collect::<Vec<_>>().join(", ");
     for name in &args.parameters {
         let method = &args.method;
@@ -154,7 +155,6 @@ fn chosen(dials: Vec<Dial>, args: &Args) -> Result<Vec<Dial>> {
         true => !matches!(dial.values, Values::Whole(_)),
         false => args.parameters.contains(&dial.name),
     };
-    ensure!(!dials.is_empty(), "`{}` has no parameters", args.method);
     let chosen: Vec<Dial> = dials.into_iter().filter(is_chosen).collect();
     ensure!(
         !chosen.is_empty(),

@@ -1,5 +1,5 @@
 //! A power law above a floor, by which loss falls with the length of trainings whose rates fall to their end (Hoffmann et al. 2022,
-//! "Training compute-optimal large language models", appendix A, of the steps as of the data).
+//! "Training compute-optimal large language models", section 3.3, which has the data seen in place of the steps).
 
 /// `floor + scale * steps ^ -exponent`.
 #[derive(Clone, Copy, Debug, PartialEq)]

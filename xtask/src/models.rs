@@ -169,6 +169,14 @@ mod tests {
     }
 
     #[test]
+    fn a_quarter_of_the_steps_is_validated_often_enough_for_a_forecast() {
+        // `deepshade train` validates every 500 steps by default, and `deepshade forecast` wants four validations of a run.
+        for Budget { name, steps, .. } in &BUDGETS {
+            assert!(steps / 4 / 500 >= 4, "{name}");
+        }
+    }
+
+    #[test]
     fn one_network_may_be_chosen_and_what_is_not_understood_is_said() {
         let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
         assert_eq!(parse(&words("--only gi")).expect("understood").only.as_deref(), Some("gi"));
