@@ -45,8 +45,8 @@ pub enum Style {
     Companion,
 }
 
-/// Colours that people of all kinds of sight can tell apart (Okabe and Ito 2008), without their yellow; the first again
-/// after the last.
+/// Colours that people of all kinds of sight can tell apart (Okabe and Ito 2008), without their yellow; after the last the
+/// first again, with triangles for dots.
 const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -59,8 +59,10 @@ const COLOURS: [RGBColor; 7] = [
 /// Of these the ones of lines that are of red, green and blue light.
 pub const CHANNELS: [(&str, [u8; 3]); 3] =
     [("red", [213, 94, 0]), ("green", [0, 158, 115]), ("blue", [0, 114, 178])];
-/// Share of the plot's width that the legend takes to the right of all points.
-const LEGEND: f64 = 0.4;
+/// Width of the axes with what stands beside them, and height of a plot, pixels.
+const AXES: (u32, u32) = (640, 480);
+/// Height of a line of the legend, which stands to the right of the axes.
+const LINE: i32 = 19;
 /// Share of the points' range that is left free around it.
 const MARGIN: f64 = 0.06;
 
@@ -96,25 +98,23 @@ impl Plot {
 
     fn draw(&self, svg: &mut String, title: &str) -> Result<(), Box<dyn std::error::Error>> {
         let lines: Vec<Vec<(f64, f64)>> = self.lines.iter().map(|line| self.placed(line)).collect();
+        let keys = self.keys();
         let level = self.level.iter().map(|level| level.1);
         let xs = range(lines.iter().flatten().map(|point| point.0)).ok_or("no points")?;
         let ys = range(lines.iter().flatten().map(|point| point.1).chain(level)).ok_or("no points")?;
-        let with_legend = xs.start..xs.end + LEGEND * (xs.end - xs.start);
-        // Below the legend nothing is measured.
-        let number = |x: &f64| match *x > xs.end {
-            true => String::new(),
-            false => short(if self.is_logarithmic { x.exp2() } else { *x }, 0),
-        };
+        let number = |x: &f64| short(if self.is_logarithmic { x.exp2() } else { *x }, 0);
         // Neighbours on the axis, an eighth of it apart at least, are not to look alike.
         let digits = (1.0 - (0.125 * (ys.end - ys.start)).log10()).clamp(0.0, 9.0) as usize;
-        let area = SVGBackend::with_string(svg, (860, 480)).into_drawing_area();
+        let size = (AXES.0 + self.legend_width(), AXES.1);
+        let area = SVGBackend::with_string(svg, size).into_drawing_area();
         area.fill(&WHITE)?;
-        let mut chart = ChartBuilder::on(&area)
+        let (axes, legend) = area.split_horizontally(AXES.0);
+        let mut chart = ChartBuilder::on(&axes)
             .caption(title, ("sans-serif", 20))
             .margin(12)
             .x_label_area_size(44)
             .y_label_area_size(64)
-            .build_cartesian_2d(with_legend, ys)?;
+            .build_cartesian_2d(xs.clone(), ys)?;
         chart
             .configure_mesh()
             .max_light_lines(1)
@@ -123,45 +123,85 @@ impl Plot {
             .x_label_formatter(&number)
             .y_label_formatter(&|y| short(*y, digits))
             .draw()?;
-        let mut names = 0;
-        for (line, points) in self.lines.iter().zip(lines) {
-            if line.style == Style::Companion {
-                let colour = COLOURS[(names - names.min(1)) % COLOURS.len()].mix(0.4);
-                chart.draw_series(LineSeries::new(points, colour.stroke_width(1)))?;
-                continue;
+        for ((line, key), points) in self.lines.iter().zip(&keys).zip(lines) {
+            if line.style != Style::Points {
+                chart.draw_series(LineSeries::new(points.iter().copied(), key.stroke()))?;
             }
-            let of_its_own = line.colour.map(|[red, green, blue]| RGBColor(red, green, blue));
-            let colour = of_its_own.unwrap_or(COLOURS[names % COLOURS.len()]);
-            names += 1;
-            let dot = if matches!(line.style, Style::Dots | Style::Points) { 4 } else { 0 };
+            if line.style.has_dots() {
+                chart.draw_series(points.into_iter().map(|at| key.dot(at)))?;
+            }
+        }
+        let rows = keys.iter().zip(&self.lines).filter(|(_, line)| line.style != Style::Companion);
+        let mut y = 48;
+        for (key, line) in rows {
             // The legend shows what is drawn, since dots and a curve of one colour may stand for two things.
-            if line.style == Style::Points {
-                chart
-                    .draw_series(points.into_iter().map(|at| Circle::new(at, dot, colour.filled())))?
-                    .label(&line.name)
-                    .legend(move |(x, y)| Circle::new((x + 9, y), dot, colour.filled()));
-            } else {
-                chart
-                    .draw_series(LineSeries::new(points, colour.stroke_width(2)).point_size(dot))?
-                    .label(&line.name)
-                    .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+            if line.style != Style::Points {
+                legend.draw(&PathElement::new([(4, y), (24, y)], key.stroke()))?;
             }
+            if line.style.has_dots() {
+                legend.draw(&key.dot((14, y)))?;
+            }
+            legend.draw(&Text::new(line.name.clone(), (32, y - 6), ("sans-serif", 12)))?;
+            y += LINE;
         }
         if let Some((name, value)) = self.level {
             let grey = BLACK.mix(0.7).stroke_width(2);
-            chart
-                .draw_series(DashedLineSeries::new([(xs.start, value), (xs.end, value)], 6, 4, grey))?
-                .label(name)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], grey));
+            chart.draw_series(DashedLineSeries::new([(xs.start, value), (xs.end, value)], 6, 4, grey))?;
+            for x in [4, 16] {
+                legend.draw(&PathElement::new([(x, y), (x + 8, y)], grey))?;
+            }
+            legend.draw(&Text::new(name, (32, y - 6), ("sans-serif", 12)))?;
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .background_style(WHITE.mix(0.85))
-            .border_style(BLACK.mix(0.3))
-            .draw()?;
         area.present()?;
         Ok(())
+    }
+
+    /// Pixels that the longest name of the legend takes.
+    fn legend_width(&self) -> u32 {
+        let names = self.lines.iter().map(|line| line.name.as_str()).chain(self.level.map(|level| level.0));
+        names.map(|name| 48 + 7 * name.chars().count() as u32).max().unwrap_or(0)
+    }
+
+    /// How the lines are drawn, each with the next colour that it has not of its own; a companion with that of the one before.
+    fn keys(&self) -> Vec<Key> {
+        let mut named = 0_usize;
+        let key = |line: &Line| {
+            let is_companion = line.style == Style::Companion;
+            let number = if is_companion { named.saturating_sub(1) } else { named };
+            named = number + 1;
+            let of_its_own = line.colour.map(|[red, green, blue]| RGBColor(red, green, blue));
+            let colour = of_its_own.unwrap_or(COLOURS[number % COLOURS.len()]);
+            let (strength, width) = if is_companion { (0.4, 1) } else { (1.0, 2) };
+            Key { colour: colour.mix(strength), width, is_triangle: number >= COLOURS.len() }
+        };
+        self.lines.iter().map(key).collect()
+    }
+}
+
+impl Style {
+    fn has_dots(self) -> bool {
+        matches!(self, Self::Dots | Self::Points)
+    }
+}
+
+/// How a line and its dots are drawn.
+struct Key {
+    colour: RGBAColor,
+    width: u32,
+    is_triangle: bool,
+}
+
+impl Key {
+    fn stroke(&self) -> ShapeStyle {
+        self.colour.stroke_width(self.width)
+    }
+
+    fn dot<C: Clone + 'static>(&self, at: C) -> DynElement<'static, SVGBackend<'_>, C> {
+        if self.is_triangle {
+            TriangleMarker::new(at, 5, self.colour.filled()).into_dyn()
+        } else {
+            Circle::new(at, 4, self.colour.filled()).into_dyn()
+        }
     }
 }
 
@@ -195,7 +235,7 @@ mod tests {
             Line::dotted("one", vec![(16.0, f64::NAN), (8.0, 0.6)]),
         ];
         let svg = plot(lines).svg("Samples").expect("a picture");
-        assert_eq!(svg.matches("<circle").count(), 3, "{svg}");
+        assert_eq!(svg.matches("<circle").count(), 5, "those of the legend, too: {svg}");
         for text in ["few", "one", "white", "Samples", "SSIM", "samples"] {
             assert!(svg.contains(text), "{text}");
         }
@@ -225,6 +265,16 @@ mod tests {
         let labels: Vec<&str> = svg.split(['>', '<']).map(str::trim).filter(is_number).collect();
         let different: std::collections::BTreeSet<&str> = labels.iter().copied().collect();
         assert!(labels.len() > 3 && different.len() == labels.len(), "{labels:?}");
+    }
+
+    #[test]
+    fn lines_of_one_colour_have_different_dots() {
+        let lines = (0..9).map(|at| Line {
+            style: Style::Points,
+            ..Line::dotted(format!("line {at}"), vec![(1.0, f64::from(at))])
+        });
+        let svg = plot(lines.collect()).svg("Nine").expect("a picture");
+        assert_eq!([svg.matches("<circle").count(), svg.matches("<polygon").count()], [14, 4], "{svg}");
     }
 
     #[test]

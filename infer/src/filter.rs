@@ -50,10 +50,10 @@ impl Filter {
 }
 
 impl NetSpec {
-    /// The same network with a last layer that predicts kernels, for all colours at once: of one pixel on every level, or of
-    /// 5x5 pixels where there is one level only. None where the network reads no light.
+    /// The same network with a last layer that predicts kernels, for all colours at once: of 3x3 pixels on every level, or
+    /// of 5x5 where there is one level only. None where the network reads no light.
     pub fn predicting_kernels(&self) -> Option<Self> {
-        let kernel = if self.levels == 1 { 5 } else { 1 };
+        let kernel = if self.levels == 1 { 5 } else { 3 };
         let filter = Some(Filter { levels: self.levels, kernel });
         let spec = Self { filter, colour: Colour::Rgb, ..self.clone() };
         spec.validate().is_ok().then_some(spec)
@@ -142,9 +142,9 @@ mod tests {
         let taps = |effect| {
             published(effect).predicting_kernels().and_then(|spec| spec.filter).map(|f| f.tap_count())
         };
-        assert_eq!((taps(Effect::Dof), taps(Effect::Aa), taps(Effect::Gi)), (Some(5), Some(25), None));
+        assert_eq!((taps(Effect::Dof), taps(Effect::Aa), taps(Effect::Gi)), (Some(45), Some(25), None));
         let dof = published(Effect::Dof).predicting_kernels().expect("it reads light");
-        assert_eq!((dof.input_channels(), dof.last_channels(), dof.runs()), (5, 5, 1));
+        assert_eq!((dof.input_channels(), dof.last_channels(), dof.runs()), (5, 45, 1));
     }
 
     #[test]

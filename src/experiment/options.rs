@@ -113,8 +113,8 @@ fn choices(lab: &Lab, paper: &TrainConfig) -> Result<Vec<Choice>> {
             choices.push(choice(&format!("kernel{kernel}-of{levels}"), &label, spec));
         }
     }
-    let all_colours = spec.predicting_kernels().context("a network that filters light")?;
-    choices.push(choice("kernels-rgb", "kernels, all colours at once", all_colours));
+    let shipped = spec.predicting_kernels().context("a network that filters light")?;
+    choices.push(choice("kernels-rgb", "the largest kernels, all colours at once", shipped));
     Ok(choices)
 }
 

@@ -8,7 +8,6 @@ mod device;
 pub mod error;
 pub mod export;
 mod files;
-mod filter;
 pub mod first_weights;
 #[cfg(not(feature = "vulkan"))]
 mod kernels;

@@ -1,7 +1,6 @@
 //! The network of a [`NetSpec`] as a burn module.
 
 use crate::device::ops;
-use crate::filter::filtered;
 use crate::first_weights::first_weights;
 use burn::module::{Module, Param, ParamId};
 use burn::tensor::ops::PadMode;
@@ -98,7 +97,7 @@ impl UNet {
     fn image(&self, x: Tensor<4>, made: Tensor<4>) -> Tensor<4> {
         let Some(filter) = self.spec.filter else { return made };
         let lights = self.spec.light_channels().into_iter().map(|channel| x.clone().narrow(1, channel, 1));
-        filtered(filter, made, Tensor::cat(lights.collect(), 1))
+        ops::filtered(filter, made, Tensor::cat(lights.collect(), 1))
     }
 
     /// The input padded with its edge.

@@ -1,36 +1,22 @@
 //! The network's operations written with burn's tensors: they train on every backend, and they are what the CPU's
 //! own kernels (`kernels`) are tested against.
 
+#[cfg(any(test, feature = "vulkan"))]
+mod convolve;
+#[cfg(any(test, feature = "vulkan"))]
+mod filter;
+
 use burn::tensor::Tensor;
 use burn::tensor::activation::leaky_relu;
-use burn::tensor::module::{avg_pool2d, conv2d};
-use burn::tensor::ops::{AvgPoolOptions, ConvOptions};
-
-/// As `kernels::convolve`.
-pub fn convolve(x: Tensor<4>, weight: Tensor<4>, bias: Tensor<1>, pooled: bool, leak: f32) -> Tensor<4> {
-    let x = if pooled { avg_pool2d(x, AvgPoolOptions::new([2, 2])) } else { x };
-    let [_, inputs, kernel, _] = weight.dims();
-    let groups = x.dims()[1] / inputs;
-    let options = ConvOptions::new([1, 1], [kernel / 2; 2], [1, 1], groups);
-    let sums = conv2d(x, weight, Some(bias), options);
-    if leak == 1.0 { sums } else { leaky(sums, leak) }
-}
+#[cfg(any(test, feature = "vulkan"))]
+pub use {
+    convolve::{convolve, convolve_joined},
+    filter::filtered,
+};
 
 /// Leaky ReLU.
 pub fn leaky(x: Tensor<4>, leak: f32) -> Tensor<4> {
     leaky_relu(x, leak.into())
-}
-
-/// As `kernels::convolve_joined`.
-#[cfg(any(test, feature = "vulkan"))]
-pub fn convolve_joined(
-    [coarse, fine]: [Tensor<4>; 2],
-    weight: Tensor<4>,
-    bias: Tensor<1>,
-    join_groups: usize,
-    leak: f32,
-) -> Tensor<4> {
-    convolve(join(coarse, fine, join_groups), weight, bias, false, leak)
 }
 
 /// Doubling and concatenation. burn's `interpolate` has no gradient on its GPU backends; slices and blends have.

@@ -1,10 +1,17 @@
-//! The filter of [`crate::filter`] on the processor: rows in parallel, every tap's row of light blended from two rows of its
-//! level and then from neighbouring pixels.
+//! The filter of [`crate::filter`] on the processor: rows in parallel. A row of a level is blended from two of its rows and
+//! spread to the image's pixels once, so that what a kernel's taps read of it are slices, `scale` pixels apart.
 
+use super::operand::Image;
 use crate::NetSpec;
 use crate::filter::Filter;
 use deepshade_shaders::Planes;
 use rayon::prelude::*;
+
+/// The light of an image at the resolutions that a filter reads.
+pub struct Light {
+    filter: Filter,
+    levels: Vec<Level>,
+}
 
 /// The light of an image at a resolution.
 struct Level {
@@ -13,15 +20,101 @@ struct Level {
     light: Planes,
 }
 
+impl Light {
+    /// Of light whose height and width the coarsest level divides.
+    pub fn new(filter: Filter, light: Planes) -> Self {
+        let mut levels = vec![Level { scale: 1, light }];
+        for level in 1..filter.levels {
+            let finer = &levels[level - 1];
+            levels.push(Level { scale: 2 * finer.scale, light: halved(&finer.light) });
+        }
+        Self { filter, levels }
+    }
+
+    /// Channels of the light.
+    pub fn channels(&self) -> usize {
+        self.levels[0].light.channels()
+    }
+
+    /// Visits what the taps read along the first pixels of a row of the image: the tap's number, the channel, the light.
+    #[inline(always)]
+    pub fn visit_taps(&self, y: usize, width: usize, mut visit: impl FnMut(usize, usize, &[f32])) {
+        let kernel = self.filter.kernel;
+        let (mut blend, mut spread) = (Vec::new(), Vec::new());
+        for (index, level) in self.levels.iter().enumerate() {
+            let places = level.places(width, kernel / 2);
+            for (offset, channel) in
+                (0..kernel).flat_map(|offset| (0..self.channels()).map(move |channel| (offset, channel)))
+            {
+                level.blend(channel, kernel / 2, y, offset, &mut blend);
+                spread.clear();
+                spread.extend(
+                    places.iter().map(|(at, share)| (1.0 - share) * blend[*at] + share * blend[at + 1]),
+                );
+                for shift in 0..kernel {
+                    let tap = (index * kernel + offset) * kernel + shift;
+                    visit(tap, channel, &spread[shift * level.scale..][..width]);
+                }
+            }
+        }
+    }
+}
+
+impl Level {
+    /// Where the pixels of a row of the image, and as many beyond either end as kernels of this radius see, lie in a row of
+    /// [`Self::blend`], and the share of the next pixel.
+    fn places(&self, width: usize, radius: usize) -> Vec<(usize, f32)> {
+        let place = |x| {
+            let (first, share) = position(x, self.scale);
+            // The row begins as far before the level's first pixel as the first of these pixels before the image's, and one.
+            ((first + 1) as usize, share)
+        };
+        (0..width + 2 * radius * self.scale).map(place).collect()
+    }
+
+    /// The light between two rows of the level, continued at both ends as far as kernels see: by `radius` pixels and one more.
+    fn blend(&self, channel: usize, radius: usize, y: usize, offset: usize, blend: &mut Vec<f32>) {
+        let (height, width) = (self.light.height(), self.light.width());
+        let (first, share) = position(y, self.scale);
+        let row = |index: isize| {
+            let index = (index + offset as isize - radius as isize).clamp(0, height as isize - 1) as usize;
+            &self.light.plane(channel)[index * width..][..width]
+        };
+        let (upper, lower) = (row(first), row(first + 1));
+        let at = |x: usize| (1.0 - share) * upper[x] + share * lower[x];
+        blend.clear();
+        blend.extend(std::iter::repeat_n(at(0), radius + 1));
+        blend.extend(upper.iter().zip(lower).map(|(upper, lower)| (1.0 - share) * upper + share * lower));
+        blend.extend(std::iter::repeat_n(at(width - 1), radius + 1));
+    }
+}
+
 /// The network's image of its input, given what its last convolution makes of the image's pixels, `[taps, height, width]`.
 pub fn filtered(spec: &NetSpec, filter: Filter, input: &Planes, made: &Planes) -> Planes {
     let (height, width) = (made.height(), made.width());
-    let levels = pyramid(padded(&spec.light(input), spec.alignment()), filter.levels);
-    let channels = spec.output_channels();
-    let rows = (0..height).into_par_iter().map(|y| row(filter, &levels, made, y));
-    let rows: Vec<Vec<f32>> = rows.collect();
-    let data = (0..channels).flat_map(|c| rows.iter().flat_map(move |row| &row[c * width..][..width]));
-    Planes::from_data(channels, height, width, data.copied().collect())
+    let light = Light::new(filter, padded(&spec.light(input), spec.alignment()));
+    let made = Image { data: made.data(), channels: made.channels(), height, width };
+    let row = |y| weighted(&light, &softmax(made, 0, y), y, width);
+    let rows: Vec<Vec<f32>> = (0..height).into_par_iter().map(row).collect();
+    Planes::from_data(light.channels(), height, width, planar(&rows, width))
+}
+
+/// Rows `[channels, width]` one below the other as `[channels, height, width]`.
+pub fn planar(rows: &[Vec<f32>], width: usize) -> Vec<f32> {
+    let channels = rows.first().map_or(0, |row| row.len() / width);
+    (0..channels).flat_map(|c| rows.iter().flat_map(move |row| &row[c * width..][..width])).copied().collect()
+}
+
+/// The sum along a row of the image, `[channels, width]`, of the light that the taps read, with weights `[taps, width]`.
+pub fn weighted(light: &Light, weights: &[f32], y: usize, width: usize) -> Vec<f32> {
+    let mut image = vec![0.0; light.channels() * width];
+    light.visit_taps(y, width, |tap, channel, light| {
+        let (image, weights) = (&mut image[channel * width..][..width], &weights[tap * width..][..width]);
+        for x in 0..width {
+            image[x] += weights[x] * light[x];
+        }
+    });
+    image
 }
 
 /// The light continued by its last row and column.
@@ -36,15 +129,6 @@ fn padded(light: &Planes, alignment: usize) -> Planes {
     Planes::from_data(light.channels(), height, width, data)
 }
 
-fn pyramid(light: Planes, count: usize) -> Vec<Level> {
-    let mut levels = vec![Level { scale: 1, light }];
-    for level in 1..count {
-        let finer = &levels[level - 1];
-        levels.push(Level { scale: 2 * finer.scale, light: halved(&finer.light) });
-    }
-    levels
-}
-
 /// Means of 2x2 pixels.
 fn halved(image: &Planes) -> Planes {
     let (height, width) = (image.height() / 2, image.width() / 2);
@@ -57,70 +141,21 @@ fn halved(image: &Planes) -> Planes {
     Planes::from_data(image.channels(), height, width, data)
 }
 
-/// A row of the image, `[channels, width]`.
-fn row(filter: Filter, levels: &[Level], made: &Planes, y: usize) -> Vec<f32> {
-    let width = made.width();
-    let weights = softmax(made, y);
-    let mut image = vec![0.0; levels[0].light.channels() * width];
-    let mut kernels = weights.chunks_exact(filter.kernel * width);
-    for level in levels {
-        let places = places(level, width);
-        for offset in 0..filter.kernel {
-            let Some(weights) = kernels.next() else { return image };
-            for (channel, image) in image.chunks_exact_mut(width).enumerate() {
-                let light = blended(level, channel, filter.kernel / 2, y, offset);
-                for (shift, weights) in weights.chunks_exact(width).enumerate() {
-                    add(image, weights, &places, &light[shift..]);
-                }
-            }
-        }
-    }
-    image
-}
-
-/// Where the pixels of a row of the image lie in a level's row that begins one pixel earlier, and the share of the next pixel.
-fn places(level: &Level, width: usize) -> Vec<(usize, f32)> {
-    (0..width).map(|x| position(x, level.scale)).map(|(first, share)| ((first + 1) as usize, share)).collect()
-}
-
 /// The pixel of a level before a pixel of the image, and the share of the next one.
 fn position(at: usize, scale: usize) -> (isize, f32) {
     let position = (at as f32 + 0.5) / scale as f32 - 0.5;
     (position.floor() as isize, position - position.floor())
 }
 
-/// The light between two rows of a level, continued at both ends as far as kernels see: by `radius` pixels and one more.
-fn blended(level: &Level, channel: usize, radius: usize, y: usize, offset: usize) -> Vec<f32> {
-    let (height, width) = (level.light.height(), level.light.width());
-    let (first, share) = position(y, level.scale);
-    let row = |index: isize| {
-        let index = (index + offset as isize - radius as isize).clamp(0, height as isize - 1) as usize;
-        &level.light.plane(channel)[index * width..][..width]
-    };
-    let (upper, lower) = (row(first), row(first + 1));
-    let at = |x: usize| (1.0 - share) * upper[x] + share * lower[x];
-    let mut light = vec![at(0); radius + 1];
-    light.extend(upper.iter().zip(lower).map(|(upper, lower)| (1.0 - share) * upper + share * lower));
-    light.extend(std::iter::repeat_n(at(width - 1), radius + 1));
-    light
-}
-
-/// Adds a tap's share to a row of the image.
-fn add(image: &mut [f32], weights: &[f32], places: &[(usize, f32)], light: &[f32]) {
-    for ((value, weight), (at, share)) in image.iter_mut().zip(weights).zip(places) {
-        *value += weight * ((1.0 - share) * light[*at] + share * light[at + 1]);
-    }
-}
-
-/// The weights of a row, `[taps, width]`.
-fn softmax(made: &Planes, y: usize) -> Vec<f32> {
-    let width = made.width();
-    let rows = || (0..made.channels()).map(|tap| &made.plane(tap)[y * width..][..width]);
+/// The weights of a row of an image, `[taps, width]`: the softmax of what the last convolution makes.
+pub fn softmax(made: Image<'_>, image: usize, y: usize) -> Vec<f32> {
+    let width = made.width;
+    let rows = || (0..made.channels).map(|tap| made.row(image, tap, y));
     let mut largest = vec![f32::NEG_INFINITY; width];
     for row in rows() {
         largest.iter_mut().zip(row).for_each(|(largest, value)| *largest = largest.max(*value));
     }
-    let mut weights = Vec::with_capacity(made.channels() * width);
+    let mut weights = Vec::with_capacity(made.channels * width);
     let mut sums = vec![0.0; width];
     for row in rows() {
         let first = weights.len();

@@ -8,7 +8,7 @@
 
 pub mod ceilings;
 pub mod conv;
-mod filter;
+pub mod filter;
 pub mod operand;
 mod plan;
 pub mod shape;

@@ -22,7 +22,7 @@ pub struct Image<'a> {
 
 impl<'a> Image<'a> {
     #[inline(always)]
-    fn row(&self, image: usize, channel: usize, y: usize) -> &'a [f32] {
+    pub(super) fn row(&self, image: usize, channel: usize, y: usize) -> &'a [f32] {
         &self.data[((image * self.channels + channel) * self.height + y) * self.width..][..self.width]
     }
 }

@@ -3,7 +3,8 @@
 //! the kernel's area over the number of pixels that were left. Unlike there, pixels that do not count stay so in all layers.
 
 use crate::UNet;
-use crate::plain::{convolve, join, leaky};
+use crate::device::ops::convolve;
+use crate::plain::{join, leaky};
 use burn::tensor::Tensor;
 use burn::tensor::module::avg_pool2d;
 use burn::tensor::ops::{AvgPoolOptions, PadMode};

@@ -6,11 +6,7 @@ use burn::tensor::module::avg_pool2d;
 use burn::tensor::ops::{AvgPoolOptions, PadMode};
 use deepshade_infer::Filter;
 
-/// The image of what the last convolution makes.
-///
-/// # Shapes
-/// `made` `[batch, taps, height, width]` and `light` `[batch, channels, height, width]`, both padded to the network's
-/// alignment, to `[batch, channels, height, width]`.
+/// As `kernels::filtered`.
 pub fn filtered(filter: Filter, made: Tensor<4>, light: Tensor<4>) -> Tensor<4> {
     let weights = softmax(made, 1);
     let [_, channels, _, _] = light.dims();
