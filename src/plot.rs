@@ -72,6 +72,11 @@ impl Line {
         Self { name: name.into(), points, style: Style::Dots, colour: None }
     }
 
+    /// Whether it stands in the legend.
+    fn is_named(&self) -> bool {
+        self.style != Style::Companion
+    }
+
     /// The line in a colour of its own.
     pub fn coloured(self, colour: [u8; 3]) -> Self {
         Self { colour: Some(colour), ..self }
@@ -105,12 +110,12 @@ impl Plot {
         let number = |x: &f64| short(if self.is_logarithmic { x.exp2() } else { *x }, 0);
         // Neighbours on the axis, an eighth of it apart at least, are not to look alike.
         let digits = (1.0 - (0.125 * (ys.end - ys.start)).log10()).clamp(0.0, 9.0) as usize;
-        let size = (AXES.0 + self.legend_width(), AXES.1);
+        let (width, height) = self.legend_size();
+        let size = (AXES.0 + width, AXES.1.max(height));
         let area = SVGBackend::with_string(svg, size).into_drawing_area();
         area.fill(&WHITE)?;
-        let (axes, legend) = area.split_horizontally(AXES.0);
+        let (axes, legend) = area.titled(title, ("sans-serif", 20))?.split_horizontally(AXES.0);
         let mut chart = ChartBuilder::on(&axes)
-            .caption(title, ("sans-serif", 20))
             .margin(12)
             .x_label_area_size(44)
             .y_label_area_size(64)
@@ -131,9 +136,8 @@ impl Plot {
                 chart.draw_series(points.into_iter().map(|at| key.dot(at)))?;
             }
         }
-        let rows = keys.iter().zip(&self.lines).filter(|(_, line)| line.style != Style::Companion);
-        let mut y = 48;
-        for (key, line) in rows {
+        let mut y = LINE;
+        for (key, line) in keys.iter().zip(&self.lines).filter(|(_, line)| line.is_named()) {
             // The legend shows what is drawn, since dots and a curve of one colour may stand for two things.
             if line.style != Style::Points {
                 legend.draw(&PathElement::new([(4, y), (24, y)], key.stroke()))?;
@@ -156,25 +160,32 @@ impl Plot {
         Ok(())
     }
 
-    /// Pixels that the longest name of the legend takes.
-    fn legend_width(&self) -> u32 {
-        let names = self.lines.iter().map(|line| line.name.as_str()).chain(self.level.map(|level| level.0));
-        names.map(|name| 48 + 7 * name.chars().count() as u32).max().unwrap_or(0)
+    /// Pixels that the legend and the title above it take.
+    fn legend_size(&self) -> (u32, u32) {
+        let lines = self.lines.iter().filter(|line| line.is_named()).map(|line| line.name.as_str());
+        let names: Vec<&str> = lines.chain(self.level.map(|level| level.0)).collect();
+        let longest = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
+        (48 + 7 * longest as u32, (names.len() as u32 + 3) * LINE as u32)
     }
 
-    /// How the lines are drawn, each with the next colour that it has not of its own; a companion with that of the one before.
+    /// How the lines are drawn: in the next colour if they have none of their own, a companion in that of the line before.
     fn keys(&self) -> Vec<Key> {
-        let mut named = 0_usize;
-        let key = |line: &Line| {
-            let is_companion = line.style == Style::Companion;
-            let number = if is_companion { named.saturating_sub(1) } else { named };
-            named = number + 1;
+        let mut keys: Vec<Key> = Vec::with_capacity(self.lines.len());
+        let mut named = 0;
+        for line in &self.lines {
+            let before = keys.last().filter(|_| !line.is_named());
             let of_its_own = line.colour.map(|[red, green, blue]| RGBColor(red, green, blue));
-            let colour = of_its_own.unwrap_or(COLOURS[number % COLOURS.len()]);
-            let (strength, width) = if is_companion { (0.4, 1) } else { (1.0, 2) };
-            Key { colour: colour.mix(strength), width, is_triangle: number >= COLOURS.len() }
-        };
-        self.lines.iter().map(key).collect()
+            keys.push(match before {
+                Some(before) => Key { colour: before.colour.mix(0.4), width: 1, ..*before },
+                None => Key {
+                    colour: of_its_own.unwrap_or(COLOURS[named % COLOURS.len()]).mix(1.0),
+                    width: 2,
+                    is_triangle: named >= COLOURS.len(),
+                },
+            });
+            named += usize::from(line.is_named());
+        }
+        keys
     }
 }
 

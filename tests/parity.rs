@@ -55,11 +55,10 @@ fn networks_of_other_kinds_agree() {
 fn a_network_that_predicts_kernels_agrees() {
     let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
     let published = NetSpec::published(Effect::Dof, ChannelOrder::Interleaved, reach).expect("it has one");
-    for (filter, colour) in
-        [(Filter { levels: 5, kernel: 1 }, Colour::Rgb), (Filter { levels: 3, kernel: 3 }, Colour::Mono)]
-    {
+    let of_pixels =
+        NetSpec { filter: Some(Filter { levels: 5, kernel: 1 }), colour: Colour::Mono, ..published.clone() };
+    for spec in [published.predicting_kernels().expect("it reads light"), of_pixels] {
         let folder = tempfile::tempdir().expect("a folder");
-        let spec = NetSpec { filter: Some(filter), colour, ..published.clone() };
         let model = Model { weights: Weights::random(&spec, 5), spec };
         write(&model, folder.path());
         let json = folder.path().join("parity.json");

@@ -71,7 +71,8 @@ impl NetSpec {
         costs
     }
 
-    /// A tap is a weighted sum of the light, and on coarser levels of four pixels between which the light is read.
+    /// A tap is a weighted sum of the light, and on coarser levels of four pixels between which the light is read, as GPUs do it;
+    /// the processor reads between them once for all taps of a row.
     fn filter_cost(&self, filter: Filter, pixels: usize) -> Cost {
         let on_a_level = filter.kernel * filter.kernel;
         let multiply_adds = on_a_level + 5 * on_a_level * (filter.levels - 1);
@@ -108,9 +109,12 @@ mod tests {
     fn a_filter_costs_its_weights_and_its_taps() {
         let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
         let paper = NetSpec::published(Effect::Dof, ChannelOrder::Interleaved, reach).expect("it has one");
-        let filter = NetSpec { filter: Some(Filter { levels: 5, kernel: 1 }), ..paper.clone() };
         let cost = |spec: &NetSpec| spec.costs(64, 64).into_iter().sum::<Cost>().multiply_adds / (64 * 64);
-        assert_eq!(cost(&filter) - cost(&paper), 4 * 48 * 9 + 1 + 4 * 5);
+        for (kernel, taps) in [(1, 1), (3, 9)] {
+            let filter = NetSpec { filter: Some(Filter { levels: 5, kernel }), ..paper.clone() };
+            let expected = (5 * taps - 1) * 48 * 9 + taps * (1 + 4 * 5);
+            assert_eq!(cost(&filter) - cost(&paper), expected, "{kernel}x{kernel}");
+        }
     }
 
     #[test]

@@ -61,7 +61,7 @@ fn numbers_of_channels_that_fill_no_block() {
 }
 
 /// Networks that predict kernels, of one colour channel and of three.
-fn filtering() -> [NetSpec; 4] {
+fn filtering() -> [NetSpec; 5] {
     let spec = |effect, levels, kernel, colour| {
         let published = NetSpec::published(effect, ChannelOrder::Interleaved, REACH).expect("it has one");
         NetSpec { filter: Some(Filter { levels, kernel }), colour, ..published }
@@ -71,6 +71,7 @@ fn filtering() -> [NetSpec; 4] {
         spec(Effect::Dof, 5, 3, Colour::Mono),
         spec(Effect::MotionBlur, 2, 5, Colour::Mono),
         spec(Effect::Aa, 1, 3, Colour::Rgb),
+        spec(Effect::Dof, 5, 3, Colour::Rgb),
     ]
 }
 
@@ -133,14 +134,16 @@ fn tiles_make_the_same_as_the_whole() {
 
 #[test]
 fn the_bits_do_not_depend_on_threads() {
-    let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH);
-    let network = network(&spec, &Weights::random(&spec, 3));
-    let input = noise(spec.input_channels(), 75, 130, 1);
-    let run = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| network.run(&input).expect("runs"))
-    };
-    assert_eq!(run(1), run(3));
+    let [.., filtering] = filtering();
+    for spec in [NetSpec::ao(ChannelOrder::Interleaved, REACH), filtering] {
+        let network = network(&spec, &Weights::random(&spec, 3));
+        let input = noise(spec.input_channels(), 75, 130, 1);
+        let run = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            pool.install(|| network.run(&input).expect("runs"))
+        };
+        assert_eq!(run(1), run(3), "{}", spec.effect);
+    }
 }
 
 #[test]

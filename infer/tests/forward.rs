@@ -117,6 +117,7 @@ fn networks_that_predict_kernels() {
     };
     for spec in [
         spec(Effect::Dof, 5, 1, Colour::Rgb),
+        spec(Effect::Dof, 5, 3, Colour::Rgb),
         spec(Effect::Dof, 4, 3, Colour::Mono),
         spec(Effect::Aa, 1, 5, Colour::Mono),
     ] {

@@ -105,16 +105,19 @@ fn choices(lab: &Lab, paper: &TrainConfig) -> Result<Vec<Choice>> {
     let mut random = choice("random", "the paper's, random first weights", spec.clone());
     random.settings.start = Some(lab.random_start(paper)?);
     let mut choices = vec![random, choice("paper", "the paper's, begun as the identity", spec.clone())];
+    let named = |Filter { levels, kernel }| {
+        (format!("kernel{kernel}-of{levels}"), format!("kernels of {kernel}x{kernel} on {levels} level(s)"))
+    };
     for (kernel, levels) in [(1, spec.levels), (3, spec.levels), (5, 1)] {
         let filter = Filter { levels, kernel };
-        let label = format!("kernels of {kernel}x{kernel} on {levels} level(s)");
+        let (name, label) = named(filter);
         if filter.tap_count() > 1 {
-            let spec = NetSpec { filter: Some(filter), ..spec.clone() };
-            choices.push(choice(&format!("kernel{kernel}-of{levels}"), &label, spec));
+            choices.push(choice(&name, &label, NetSpec { filter: Some(filter), ..spec.clone() }));
         }
     }
-    let shipped = spec.predicting_kernels().context("a network that filters light")?;
-    choices.push(choice("kernels-rgb", "the largest kernels, all colours at once", shipped));
+    let all_colours = spec.predicting_kernels().context("a network that filters light")?;
+    let (name, label) = named(all_colours.filter.context("kernels")?);
+    choices.push(choice(&format!("{name}-rgb"), &format!("{label}, all colours at once"), all_colours));
     Ok(choices)
 }
 

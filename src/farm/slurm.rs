@@ -58,11 +58,13 @@ pub fn script(plan: &Plan, jobs: &Path) -> Result<String> {
 #SBATCH --open-mode=append
 #SBATCH --output=\"{log}/%a.log\"
 
+worker= up=
+# Its time is all but up, perhaps before the worker is known.
+trap 'up=1; [ -n \"$worker\" ] && kill \"$worker\"' USR1
 export RAYON_NUM_THREADS={cores}
-# Its time is all but up.
-trap 'kill \"$worker\"' USR1
 {program} farm work {folder} --shard \"$SLURM_ARRAY_TASK_ID\" &
 worker=$!
+[ -n \"$up\" ] && kill \"$worker\"
 # A signal ends the first wait before the worker has ended.
 wait \"$worker\"; wait \"$worker\"
 code=$?

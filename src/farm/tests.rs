@@ -50,15 +50,27 @@ fn slurms_script_is_one_that_bash_reads_with_paths_as_they_are() {
     assert!(slurm::script(&plan(Engine::Slurm), Path::new("/a\n#SBATCH --uid=0")).is_err());
 }
 
+/// When Slurm says that a task's time is all but up.
+#[cfg(unix)]
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Signal {
+    Never,
+    /// As the script has begun its program, and does not know it yet.
+    Early,
+    AtWork,
+}
+
 /// Runs a task's script with a program and a Slurm of a few lines of shell; gives its code and what it asked of Slurm.
 #[cfg(unix)]
-fn task(work: &str, restarts: u32, signal: bool) -> (Option<i32>, String) {
+fn task(work: &str, restarts: u32, signal: Signal) -> (Option<i32>, String) {
     use std::os::unix::fs::PermissionsExt;
     let folder = tempfile::tempdir().expect("a folder");
     let asked = folder.path().join("asked");
     for (name, text) in [
         ("work", format!("#!/bin/bash\ntouch '{}/started'\n{work}\n", folder.path().display())),
         ("scontrol", format!("#!/bin/bash\necho \"$@\" > '{}'\n", asked.display())),
+        // Before each command of a script bash does what it traps as DEBUG.
+        ("early", r#"trap '[ "$BASH_COMMAND" = "worker=\$!" ] && kill -USR1 $$' DEBUG"#.into()),
     ] {
         let path = folder.path().join(name);
         std::fs::write(&path, text).expect("written");
@@ -71,8 +83,11 @@ fn task(work: &str, restarts: u32, signal: bool) -> (Option<i32>, String) {
     let path = format!("{}:{}", folder.path().display(), std::env::var("PATH").unwrap_or_default());
     let mut bash = Command::new("bash");
     bash.arg(&script).env("PATH", path).env("SLURM_ARRAY_JOB_ID", "12").env("SLURM_ARRAY_TASK_ID", "7");
+    if signal == Signal::Early {
+        bash.env("BASH_ENV", folder.path().join("early"));
+    }
     let mut child = bash.env("SLURM_RESTART_COUNT", restarts.to_string()).spawn().expect("bash");
-    if signal {
+    if signal == Signal::AtWork {
         while !folder.path().join("started").exists() {
             std::thread::sleep(std::time::Duration::from_millis(5));
         }
@@ -87,14 +102,15 @@ fn task(work: &str, restarts: u32, signal: bool) -> (Option<i32>, String) {
 #[test]
 fn a_task_of_slurm_puts_itself_back_where_it_fails_or_its_time_is_up() {
     let back = "requeue 12_7\n".to_owned();
-    assert_eq!(task("exit 0", 0, false), (Some(0), String::new()));
-    assert_eq!(task("exit 3", 0, false), (Some(3), back.clone()));
-    assert_eq!(task("exit 3", 2, false), (Some(3), back.clone()));
-    assert_eq!(task("exit 3", 3, false), (Some(3), String::new()), "its retries are used up");
+    assert_eq!(task("exit 0", 0, Signal::Never), (Some(0), String::new()));
+    assert_eq!(task("exit 3", 0, Signal::Never), (Some(3), back.clone()));
+    assert_eq!(task("exit 3", 2, Signal::Never), (Some(3), back.clone()));
+    assert_eq!(task("exit 3", 3, Signal::Never), (Some(3), String::new()), "its retries are used up");
     // As the program does it, which ends its pair's tile first.
     let stuck = "trap 'exit 143' TERM\nwhile true; do sleep 0.01; done";
-    assert_eq!(task(stuck, 0, true), (Some(143), back));
-    assert_eq!(task(stuck, 3, true), (Some(143), String::new()));
+    assert_eq!(task(stuck, 0, Signal::AtWork), (Some(143), back.clone()));
+    assert_eq!(task(stuck, 0, Signal::Early), (Some(143), back));
+    assert_eq!(task(stuck, 3, Signal::AtWork), (Some(143), String::new()));
 }
 
 #[test]

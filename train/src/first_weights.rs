@@ -97,12 +97,14 @@ mod tests {
 
     #[test]
     fn a_network_that_predicts_kernels_starts_with_no_weight_alone() {
-        let filter = Some(Filter { levels: 5, kernel: 1 });
-        let spec = NetSpec { filter, ..published(Effect::Dof) };
-        let mut light = Planes::filled(3, 32, 32, 0.0);
-        light.plane_mut(2)[16 * 32 + 16] = 1.0;
-        let own = reference::forward(&spec, &first_weights(&spec, 5), &light).at(0, 16, 16);
-        assert!((0.05..0.6).contains(&own), "a pixel's share of itself: {own}");
+        for (kernel, shares) in [(1, 0.05..0.6), (3, 0.001..0.1)] {
+            let filter = Some(Filter { levels: 5, kernel });
+            let spec = NetSpec { filter, ..published(Effect::Dof) };
+            let mut light = Planes::filled(3, 32, 32, 0.0);
+            light.plane_mut(2)[16 * 32 + 16] = 1.0;
+            let own = reference::forward(&spec, &first_weights(&spec, 5), &light).at(0, 16, 16);
+            assert!(shares.contains(&own), "a pixel's share of itself, {kernel}x{kernel}: {own}");
+        }
     }
 
     #[test]

@@ -226,7 +226,7 @@ mod tests {
                 NetSpec { levels: 1, ..ao.clone() },
                 NetSpec { levels: 3, kernel: 5, u0: 4, ..ao },
                 filtering(order, Colour::Mono, Filter { levels: 4, kernel: 3 }),
-                filtering(order, Colour::Rgb, Filter { levels: 5, kernel: 1 }),
+                filtering(order, Colour::Rgb, Filter { levels: 5, kernel: 3 }),
             ];
             for (seed, spec) in specs.iter().enumerate() {
                 let weights = Weights::random(spec, seed as u32);

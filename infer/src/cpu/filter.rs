@@ -8,25 +8,34 @@ use deepshade_shaders::Planes;
 use rayon::prelude::*;
 
 /// The light of an image at the resolutions that a filter reads.
+#[derive(Debug)]
 pub struct Light {
     filter: Filter,
     levels: Vec<Level>,
 }
 
 /// The light of an image at a resolution.
+#[derive(Debug)]
 struct Level {
     /// Pixels of the image along an axis for one of the level.
     scale: usize,
     light: Planes,
+    /// Where the pixels of a row of the image, and as many beyond either end as kernels see, lie in [`Self::blend`]'s, and the
+    /// share of the next pixel.
+    places: Vec<(usize, f32)>,
 }
 
 impl Light {
     /// Of light whose height and width the coarsest level divides.
     pub fn new(filter: Filter, light: Planes) -> Self {
-        let mut levels = vec![Level { scale: 1, light }];
+        debug_assert!(
+            [light.height(), light.width()].map(|size| size % (1 << (filter.levels - 1))) == [0, 0]
+        );
+        let (width, radius) = (light.width(), filter.kernel / 2);
+        let mut levels = vec![Level::new(1, light, width, radius)];
         for level in 1..filter.levels {
             let finer = &levels[level - 1];
-            levels.push(Level { scale: 2 * finer.scale, light: halved(&finer.light) });
+            levels.push(Level::new(2 * finer.scale, halved(&finer.light), width, radius));
         }
         Self { filter, levels }
     }
@@ -42,15 +51,13 @@ impl Light {
         let kernel = self.filter.kernel;
         let (mut blend, mut spread) = (Vec::new(), Vec::new());
         for (index, level) in self.levels.iter().enumerate() {
-            let places = level.places(width, kernel / 2);
             for (offset, channel) in
                 (0..kernel).flat_map(|offset| (0..self.channels()).map(move |channel| (offset, channel)))
             {
                 level.blend(channel, kernel / 2, y, offset, &mut blend);
                 spread.clear();
-                spread.extend(
-                    places.iter().map(|(at, share)| (1.0 - share) * blend[*at] + share * blend[at + 1]),
-                );
+                let between = |(at, share): &(usize, f32)| (1.0 - share) * blend[*at] + share * blend[at + 1];
+                spread.extend(level.places.iter().map(between));
                 for shift in 0..kernel {
                     let tap = (index * kernel + offset) * kernel + shift;
                     visit(tap, channel, &spread[shift * level.scale..][..width]);
@@ -61,15 +68,14 @@ impl Light {
 }
 
 impl Level {
-    /// Where the pixels of a row of the image, and as many beyond either end as kernels of this radius see, lie in a row of
-    /// [`Self::blend`], and the share of the next pixel.
-    fn places(&self, width: usize, radius: usize) -> Vec<(usize, f32)> {
+    /// Of an image of this width, for kernels of this radius.
+    fn new(scale: usize, light: Planes, width: usize, radius: usize) -> Self {
         let place = |x| {
-            let (first, share) = position(x, self.scale);
-            // The row begins as far before the level's first pixel as the first of these pixels before the image's, and one.
+            let (first, share) = position(x, scale);
+            // What is blended begins `radius + 1` pixels before the level, the first place `radius`: one apart.
             ((first + 1) as usize, share)
         };
-        (0..width + 2 * radius * self.scale).map(place).collect()
+        Self { scale, light, places: (0..width + 2 * radius * scale).map(place).collect() }
     }
 
     /// The light between two rows of the level, continued at both ends as far as kernels see: by `radius` pixels and one more.

@@ -11,69 +11,59 @@ use deepshade_shaders::Planes;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// What the filter was run with: of every image its light, and of every row of every image its weights, `[taps, width]`.
-#[derive(Clone)]
+/// What the filter was run with: the light of every image, and what the last convolution made, `[batch, taps, height, width]`.
+#[derive(Clone, Debug)]
 pub struct Run {
     lights: Arc<[Light]>,
-    weights: Arc<[Vec<f32>]>,
-}
-
-impl std::fmt::Debug for Run {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Run").field("images", &self.lights.len()).finish_non_exhaustive()
-    }
+    made: Cpu,
 }
 
 impl Run {
     /// Of `made` `[batch, taps, height, width]` and `light` `[batch, channels, height, width]`.
-    pub fn new(filter: Filter, made: &Cpu, light: &Cpu) -> Self {
+    pub fn new(filter: Filter, made: Cpu, light: &Cpu) -> Self {
         let [_, channels, height, width] = dims(light);
         let lights = numbers(light)
             .par_chunks_exact(channels * height * width)
             .map(|light| Light::new(filter, Planes::from_data(channels, height, width, light.to_vec())));
-        let rows = 0..dims::<4>(made)[0] * height;
-        let weights = rows.into_par_iter().map(|row| softmax(image(made), row / height, row % height));
-        let (lights, weights): (Vec<_>, Vec<_>) = (lights.collect(), weights.collect());
-        Self { lights: lights.into(), weights: weights.into() }
+        let lights: Vec<Light> = lights.collect();
+        Self { lights: lights.into(), made }
     }
 
-    /// The image, `[batch, channels, height, width]`, of `made`'s height and width.
-    pub fn image(&self, [height, width]: [usize; 2]) -> Cpu {
-        self.stacked([height, width], |light, weights, _, y| weighted(light, weights, y, width))
+    /// The image, `[batch, channels, height, width]`.
+    pub fn image(&self) -> Cpu {
+        let width = image(&self.made).width;
+        self.stacked(|light, weights, _, y| weighted(light, &weights, y, width))
     }
 
-    /// The gradient by what the last convolution makes, `[batch, taps, height, width]`, given that by the image.
+    /// The gradient by what the last convolution made, given that by the image.
     fn gradient(&self, dy: &Cpu) -> Cpu {
         let [_, channels, height, width] = dims(dy);
         let dy = numbers(dy);
-        self.stacked([height, width], |light, weights, index, y| {
-            let row = |channel| &dy[((index * channels + channel) * height + y) * width..][..width];
+        self.stacked(|light, weights, index, y| {
             let mut by_weight = vec![0.0; weights.len()];
             light.visit_taps(y, width, |tap, channel, light| {
-                let (gradient, dy) = (&mut by_weight[tap * width..][..width], row(channel));
+                let gradient = &mut by_weight[tap * width..][..width];
+                let dy = &dy[((index * channels + channel) * height + y) * width..][..width];
                 for x in 0..width {
                     gradient[x] += dy[x] * light[x];
                 }
             });
-            softmax_backward(weights, by_weight, width)
+            softmax_backward(&weights, by_weight, width)
         })
     }
 
-    /// What is made of every row of every image given its light, its weights, its number and the row's, as images.
-    fn stacked(
-        &self,
-        [height, width]: [usize; 2],
-        row: impl Fn(&Light, &[f32], usize, usize) -> Vec<f32> + Sync,
-    ) -> Cpu {
-        let rows = (0..self.weights.len()).into_par_iter();
-        let rows: Vec<Vec<f32>> = rows
-            .map(|at| row(&self.lights[at / height], &self.weights[at], at / height, at % height))
-            .collect();
-        let images = self.lights.len();
-        let data: Vec<Vec<f32>> = rows.par_chunks_exact(height).map(|rows| planar(rows, width)).collect();
-        let data = data.concat();
-        let channels = data.len() / (images * height * width);
-        tensor(data, [images, channels, height, width])
+    /// What is made of every row given its image's light, its weights, `[taps, width]`, and the numbers of image and row,
+    /// put together to images.
+    fn stacked(&self, row: impl Fn(&Light, Vec<f32>, usize, usize) -> Vec<f32> + Sync) -> Cpu {
+        let made = image(&self.made);
+        let images = self.lights.iter().enumerate().map(|(index, light)| {
+            let row = |y| row(light, softmax(made, index, y), index, y);
+            let rows: Vec<Vec<f32>> = (0..made.height).into_par_iter().map(row).collect();
+            planar(&rows, made.width)
+        });
+        let images: Vec<Vec<f32>> = images.collect();
+        let channels = images[0].len() / (made.height * made.width);
+        tensor(images.concat(), [images.len(), channels, made.height, made.width])
     }
 }
 

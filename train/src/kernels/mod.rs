@@ -1,5 +1,6 @@
 //! The network's steps on the CPU, as a backend extension of burn's `flex`: what comes before a convolution (pooling,
-//! doubling, concatenation), the convolution, bias and leaky ReLU as one operation with one gradient.
+//! doubling, concatenation), the convolution, bias and leaky ReLU as one operation with one gradient, and the filter by
+//! predicted kernels as another.
 //!
 //! Forwards they are the kernels that also run networks ([`deepshade_infer::cpu`]). `deepshade bench train` measures
 //! training with these alone. Other backends run the same operations written with tensors (`plain`), which are also
@@ -103,9 +104,7 @@ impl NetOps for Flex {
     }
 
     fn filtered(filter: Filter, made: Cpu, light: Cpu) -> Cpu {
-        let made = made.to_contiguous();
-        let [_, _, height, width] = dims(&made);
-        filter::Run::new(filter, &made, &light.to_contiguous()).image([height, width])
+        filter::Run::new(filter, made.to_contiguous(), &light.to_contiguous()).image()
     }
 }
 
@@ -151,9 +150,8 @@ impl<C: CheckpointStrategy> NetOps for Autodiff<Flex, C> {
     fn filtered(filter: Filter, made: FloatTensor<Self>, light: FloatTensor<Self>) -> FloatTensor<Self> {
         let guards = [made.node()];
         let made = made.into_primitive().to_contiguous();
-        let [_, _, height, width] = dims(&made);
-        let run = filter::Run::new(filter, &made, &light.into_primitive().to_contiguous());
-        let y = run.image([height, width]);
+        let run = filter::Run::new(filter, made, &light.into_primitive().to_contiguous());
+        let y = run.image();
         match filter::Filtered.prepare::<C>(guards).compute_bound().stateful() {
             OpsKind::Tracked(prep) => prep.finish(run, y),
             OpsKind::UnTracked(prep) => prep.finish(y),
