@@ -35,14 +35,15 @@ use std::path::{Path, PathBuf};
     deepshade eval --effect gi --methods all --testset testsets/gi --json gi.json\n  \
     deepshade eval --effect ao --methods all --quality low,medium,high,ultra --curve ao.svg\n  \
     deepshade eval --effect gi --methods lpv --set cells=32,iterations=8 --set cells=64,iterations=16 --testset testsets/gi\n  \
-    deepshade eval --all --testsets testsets --json all.json --markdown all.md --page report\n  \
+    deepshade eval --all --testsets testsets --methods learned,gtao,ssgi,fxaa --json all.json --markdown all.md --page report\n  \
     deepshade eval --model models/gi --testset testsets/gi --results models/results.json\n\nTest sets are made by \
     `deepshade dataset testset`; that of a model that is shipped lies in its folder.")]
 pub struct Args {
     /// What is computed; by default what the network computes.
     #[arg(long)]
     effect: Option<Effect>,
-    /// Which methods: names, or all. `learned` is one of them where there is a network.
+    /// Which methods: names, or all. `learned` is one of them where there is a network. With --all, each network is held against
+    /// those of them that its effect has.
     #[arg(long, value_delimiter = ',', default_value = "all")]
     methods: Vec<String>,
     /// How much time analytic methods may take for a better image: one or several of low, medium, high, ultra.
@@ -59,7 +60,7 @@ pub struct Args {
     #[arg(long)]
     testset: Option<Place>,
     /// All networks of the folder `models` that have a test set, beside the figures of the paper's Table 7.1.
-    #[arg(long, conflicts_with_all = ["effect", "methods", "set", "model", "testset", "curve"])]
+    #[arg(long, conflicts_with_all = ["effect", "set", "model", "testset", "curve"])]
     all: bool,
     /// Folder with a test set for each network, under its name; by default the one in the network's folder.
     #[arg(long, requires = "all")]
@@ -161,7 +162,7 @@ pub fn run(args: &Args) -> Result<()> {
         let is_among = args.methods.iter().any(|name| name == "all" || name == LEARNED);
         ensure!(contest.network.is_some() && is_among, "--results is of networks, and there is none");
     }
-    let Judgement { rivals, evaluation } = judge(&contest, args, &gpu)?;
+    let Judgement { rivals, evaluation } = judge(&contest, &args.methods, args, &gpu)?;
     let (effect, estimates) = (contest.effect, evaluation.estimates());
     let mut figures = Figures::new("eval");
     for (name, estimate) in &estimates {
@@ -209,15 +210,15 @@ fn target(set: &TestSet) -> &str {
     set.recipe().target.as_deref().unwrap_or(TRUTH)
 }
 
-/// Runs the methods on the frames that the command line asks for.
-fn judge(contest: &Contest, args: &Args, gpu: &Gpu) -> Result<Judgement> {
+/// Runs methods by name on the frames that the command line asks for.
+fn judge(contest: &Contest, names: &[String], args: &Args, gpu: &Gpu) -> Result<Judgement> {
     let Contest { effect, network, set, .. } = contest;
     let model = network.as_ref().map(|(_, model)| model);
     let tunings = tunings(&args.quality, &args.set);
-    let mut rivals = rivals(*effect, &args.methods, &tunings, gpu, model)?;
+    let mut rivals = rivals(*effect, names, &tunings, gpu, model)?;
     let fog = set.recipe().vary.as_ref().and_then(|vary| vary.fog);
     if fog.is_some_and(|fog| fog.smoke_share > 0.0) {
-        let by_name = !args.methods.iter().any(|name| name == "all");
+        let by_name = !names.iter().any(|name| name == "all");
         rivals = methods::through_grids(rivals, by_name, |rival| rival.method.as_ref())?;
     }
     let chosen = lists::spread(set.frames().len(), args.frames.map_or(usize::MAX, |frames| frames as usize));

@@ -55,9 +55,15 @@ fn networks_of_other_kinds_agree() {
 fn a_network_that_predicts_kernels_agrees() {
     let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
     let published = NetSpec::published(Effect::Dof, ChannelOrder::Interleaved, reach).expect("it has one");
-    let of_pixels =
-        NetSpec { filter: Some(Filter { levels: 5, kernel: 1 }), colour: Colour::Mono, ..published.clone() };
-    for spec in [published.predicting_kernels().expect("it reads light"), of_pixels] {
+    let of_pixels = NetSpec {
+        filter: Some(Filter { levels: 5, kernel: 1, black: false }),
+        colour: Colour::Mono,
+        ..published.clone()
+    };
+    let multi = NetSpec::published(Effect::Multi, ChannelOrder::Interleaved, reach).expect("it has one");
+    let [of_light, of_black] =
+        [published, multi].map(|spec| spec.predicting_kernels().expect("it reads light"));
+    for spec in [of_light, of_black, of_pixels] {
         let folder = tempfile::tempdir().expect("a folder");
         let model = Model { weights: Weights::random(&spec, 5), spec };
         write(&model, folder.path());

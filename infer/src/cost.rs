@@ -76,7 +76,7 @@ impl NetSpec {
     fn filter_cost(&self, filter: Filter, pixels: usize) -> Cost {
         let on_a_level = filter.kernel * filter.kernel;
         let multiply_adds = on_a_level + 5 * on_a_level * (filter.levels - 1);
-        let others = filter.tap_count() + 2 * self.output_channels();
+        let others = filter.weight_count() + 2 * self.output_channels();
         Cost {
             multiply_adds: (self.output_channels() * multiply_adds * pixels) as u64,
             maps: 0,
@@ -111,7 +111,8 @@ mod tests {
         let paper = NetSpec::published(Effect::Dof, ChannelOrder::Interleaved, reach).expect("it has one");
         let cost = |spec: &NetSpec| spec.costs(64, 64).into_iter().sum::<Cost>().multiply_adds / (64 * 64);
         for (kernel, taps) in [(1, 1), (3, 9)] {
-            let filter = NetSpec { filter: Some(Filter { levels: 5, kernel }), ..paper.clone() };
+            let filter =
+                NetSpec { filter: Some(Filter { levels: 5, kernel, black: false }), ..paper.clone() };
             let expected = (5 * taps - 1) * 48 * 9 + taps * (1 + 4 * 5);
             assert_eq!(cost(&filter) - cost(&paper), expected, "{kernel}x{kernel}");
         }

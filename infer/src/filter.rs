@@ -10,10 +10,10 @@
 //! - A level is read bilinearly between the centres of its pixels, and beyond its edge as at the edge. Pixel x of the image
 //!   lies at `(x + 0.5) / 2^l - 0.5` of level l, and the taps of a kernel are one pixel of the level apart.
 //! - A pixel's weights are the softmax of what the last convolution makes there: level by level, each level's kernel row by
-//!   row. All colour channels that a run makes have the same weights.
+//!   row, and where [`Filter::black`] says so one more, of black. All colour channels that a run makes have the same weights.
 
 use crate::{Colour, NetSpec, SpecError};
-use deepshade_shaders::{Attribute, Planes};
+use deepshade_shaders::{Attribute, Effect, Planes};
 use serde::{Deserialize, Serialize};
 
 /// Which pixels of the light an image is made of.
@@ -24,6 +24,9 @@ pub struct Filter {
     pub levels: usize,
     /// Width and height of the kernel on every level; odd.
     pub kernel: usize,
+    /// Whether the last weight is that of black, for effects that take light away.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub black: bool,
 }
 
 /// A pixel of the pyramid that an image's pixel is made of.
@@ -36,9 +39,14 @@ pub struct Tap {
 }
 
 impl Filter {
-    /// Number of weights that a pixel has.
+    /// Number of pixels of the pyramid that an image's pixel is made of.
     pub const fn tap_count(&self) -> usize {
         self.levels * self.kernel * self.kernel
+    }
+
+    /// Number of weights that a pixel has: one a tap, and that of black.
+    pub const fn weight_count(&self) -> usize {
+        self.tap_count() + self.black as usize
     }
 
     /// The taps in the order of their weights.
@@ -51,10 +59,12 @@ impl Filter {
 
 impl NetSpec {
     /// The same network with a last layer that predicts kernels, for all colours at once: of 3x3 pixels on every level, or
-    /// of 5x5 where there is one level only. None where the network reads no light.
+    /// of 5x5 where there is one level only; with black where the effect has occlusion in it. None where the network reads no
+    /// light.
     pub fn predicting_kernels(&self) -> Option<Self> {
         let kernel = if self.levels == 1 { 5 } else { 3 };
-        let filter = Some(Filter { levels: self.levels, kernel });
+        let black = self.effect == Effect::Multi;
+        let filter = Some(Filter { levels: self.levels, kernel, black });
         let spec = Self { filter, colour: Colour::Rgb, ..self.clone() };
         spec.validate().is_ok().then_some(spec)
     }
@@ -82,7 +92,7 @@ impl NetSpec {
 
     /// Whether the network has the light that its filter reads, and the levels.
     pub(crate) fn validate_filter(&self) -> Result<(), SpecError> {
-        let Some(Filter { levels, kernel }) = self.filter else { return Ok(()) };
+        let Some(Filter { levels, kernel, .. }) = self.filter else { return Ok(()) };
         let range =
             |name, found: usize, allowed| SpecError::Range { name, found: found.to_string(), allowed };
         if !(1..=self.levels).contains(&levels) {
@@ -100,7 +110,6 @@ impl NetSpec {
 mod tests {
     use super::*;
     use crate::{ChannelOrder, Reach};
-    use deepshade_shaders::Effect;
 
     const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
 
@@ -110,7 +119,7 @@ mod tests {
 
     #[test]
     fn taps_go_level_by_level_and_row_by_row() {
-        let filter = Filter { levels: 2, kernel: 3 };
+        let filter = Filter { levels: 2, kernel: 3, black: false };
         let taps: Vec<Tap> = filter.taps().collect();
         assert_eq!(taps.len(), filter.tap_count());
         assert_eq!(taps[1], Tap { level: 0, offset: [-1, 0] });
@@ -130,7 +139,7 @@ mod tests {
     #[test]
     fn the_last_layer_makes_a_weight_a_tap() {
         let dof = published(Effect::Dof);
-        let filter = Some(Filter { levels: 5, kernel: 3 });
+        let filter = Some(Filter { levels: 5, kernel: 3, black: false });
         let spec = NetSpec { filter, ..dof.clone() };
         assert_eq!(spec.validate(), Ok(()));
         assert_eq!(spec.weight_count() - dof.weight_count(), 44 * (48 * 9 + 1));
@@ -145,12 +154,14 @@ mod tests {
         assert_eq!((taps(Effect::Dof), taps(Effect::Aa), taps(Effect::Gi)), (Some(45), Some(25), None));
         let dof = published(Effect::Dof).predicting_kernels().expect("it reads light");
         assert_eq!((dof.input_channels(), dof.last_channels(), dof.runs()), (5, 45, 1));
+        let multi = published(Effect::Multi).predicting_kernels().expect("it reads light");
+        assert_eq!((multi.input_channels(), multi.last_channels(), multi.runs()), (11, 46, 1));
     }
 
     #[test]
     fn a_filter_of_what_is_not_there_is_named() {
         let filtered = |effect, levels, kernel| {
-            let filter = Some(Filter { levels, kernel });
+            let filter = Some(Filter { levels, kernel, black: false });
             let spec = NetSpec { filter, ..published(effect) };
             spec.validate().expect_err("it cannot be").to_string()
         };

@@ -261,9 +261,9 @@ impl NetSpec {
         }
     }
 
-    /// Number of channels that the last convolution makes: the image's, or a weight for every tap of the filter.
+    /// Number of channels that the last convolution makes: the image's, or the filter's weights.
     pub fn last_channels(&self) -> usize {
-        self.filter.map_or(self.output_channels(), |filter| filter.tap_count())
+        self.filter.map_or(self.output_channels(), |filter| filter.weight_count())
     }
 
     /// Number of runs that make the effect's image.

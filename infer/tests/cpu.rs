@@ -61,17 +61,19 @@ fn numbers_of_channels_that_fill_no_block() {
 }
 
 /// Networks that predict kernels, of one colour channel and of three.
-fn filtering() -> [NetSpec; 5] {
+fn filtering() -> [NetSpec; 6] {
     let spec = |effect, levels, kernel, colour| {
         let published = NetSpec::published(effect, ChannelOrder::Interleaved, REACH).expect("it has one");
-        NetSpec { filter: Some(Filter { levels, kernel }), colour, ..published }
+        NetSpec { filter: Some(Filter { levels, kernel, black: false }), colour, ..published }
     };
+    let multi = NetSpec::published(Effect::Multi, ChannelOrder::Interleaved, REACH).expect("it has one");
     [
         spec(Effect::Dof, 5, 1, Colour::Rgb),
         spec(Effect::Dof, 5, 3, Colour::Mono),
         spec(Effect::MotionBlur, 2, 5, Colour::Mono),
         spec(Effect::Aa, 1, 3, Colour::Rgb),
         spec(Effect::Dof, 5, 3, Colour::Rgb),
+        multi.predicting_kernels().expect("it reads light"),
     ]
 }
 
@@ -85,7 +87,11 @@ fn networks_that_predict_kernels() {
 #[test]
 fn a_filter_is_timed_with_the_last_layer() {
     // Kernels of one pixel, and 49 taps: the filter takes nine tenths of the time, the layers alone one.
-    let spec = NetSpec { kernel: 1, filter: Some(Filter { levels: 1, kernel: 7 }), ..filtering()[3].clone() };
+    let spec = NetSpec {
+        kernel: 1,
+        filter: Some(Filter { levels: 1, kernel: 7, black: false }),
+        ..filtering()[3].clone()
+    };
     let mut plan = network(&spec, &Weights::random(&spec, 3)).plan(256, 256).expect("room");
     let input = noise(spec.input_channels(), 256, 256, 1);
     let least = |of: &mut dyn FnMut() -> f64| (0..5).map(|_| of()).fold(f64::INFINITY, f64::min);
@@ -124,7 +130,11 @@ fn tiles_make_the_same_as_the_whole() {
         assert_eq!(plan.run(&input).expect("runs"), network.run(&input).expect("runs"), "{effect}");
         assert_eq!(plan.run_layers(&input).expect("runs"), None);
     }
-    let spec = NetSpec { levels: 2, filter: Some(Filter { levels: 2, kernel: 3 }), ..filtering()[0].clone() };
+    let spec = NetSpec {
+        levels: 2,
+        filter: Some(Filter { levels: 2, kernel: 3, black: false }),
+        ..filtering()[0].clone()
+    };
     let network = network(&spec, &Weights::random(&spec, 3));
     let input = noise(spec.input_channels(), 133, 187, 1);
     let mut plan = network.plan_within(133, 187, 1_500_000).expect("tiles are small enough");

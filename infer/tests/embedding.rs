@@ -19,7 +19,7 @@ fn spec(levels: usize) -> NetSpec {
 /// Of a network that predicts kernels.
 fn filtering() -> NetSpec {
     let dof = NetSpec::published(Effect::Dof, ChannelOrder::Interleaved, REACH).expect("it has one");
-    NetSpec { levels: 2, filter: Some(Filter { levels: 2, kernel: 3 }), ..dof }
+    NetSpec { levels: 2, filter: Some(Filter { levels: 2, kernel: 3, black: false }), ..dof }
 }
 
 fn network(gpu: &Gpu, spec: &NetSpec, variant: Option<Variant>, precision: Precision) -> Network {

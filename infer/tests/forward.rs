@@ -113,13 +113,15 @@ fn networks_that_predict_kernels() {
     let gpu = gpu();
     let spec = |effect, levels, kernel, colour| {
         let published = NetSpec::published(effect, ChannelOrder::Interleaved, REACH).expect("it has one");
-        NetSpec { filter: Some(Filter { levels, kernel }), colour, ..published }
+        NetSpec { filter: Some(Filter { levels, kernel, black: false }), colour, ..published }
     };
+    let multi = NetSpec::published(Effect::Multi, ChannelOrder::Interleaved, REACH).expect("it has one");
     for spec in [
         spec(Effect::Dof, 5, 1, Colour::Rgb),
         spec(Effect::Dof, 5, 3, Colour::Rgb),
         spec(Effect::Dof, 4, 3, Colour::Mono),
         spec(Effect::Aa, 1, 5, Colour::Mono),
+        multi.predicting_kernels().expect("it reads light"),
     ] {
         assert_agrees(&gpu, spec, &[(16, 32), (37, 53), (1, 3)]);
     }

@@ -117,7 +117,7 @@ fn textures_give_what_buffers_give() {
     let coloured_sss = NetSpec { colour: Colour::Rgb, ..sss.clone() };
     let [gi, directional, sss, coloured_sss] =
         [gi, directional, sss, coloured_sss].map(|spec| NetSpec { levels: 2, ..spec });
-    let filter = Some(Filter { levels: 2, kernel: 3 });
+    let filter = Some(Filter { levels: 2, kernel: 3, black: false });
     let [filtering, coloured_filtering] = [&sss, &coloured_sss].map(|sss| NetSpec { filter, ..sss.clone() });
     for (spec, format) in [
         (filtering, TextureFormat::R32Float),

@@ -78,7 +78,7 @@ impl<'a> Host<'a> {
             let level = |level| self.frame(level).iter().product::<u32>() as usize;
             let numbers =
                 channels * (0..number(&filter["levels"])).map(|index| level(index.into())).sum::<usize>();
-            let kernels = number(&filter["taps"]) as usize * pixels;
+            let kernels = number(&filter["weights"]) as usize * pixels;
             for (name, numbers) in [("pyramid", numbers), ("kernels", kernels)] {
                 buffers.insert(name.to_owned(), self.buffer(&vec![0xff; 4 * numbers], STORAGE));
             }
@@ -186,11 +186,12 @@ fn published(effect: Effect) -> NetSpec {
 }
 
 /// Networks of which some fill no block of outputs.
-fn specs() -> [NetSpec; 7] {
-    let filter = |levels, kernel| Some(Filter { levels, kernel });
+fn specs() -> [NetSpec; 8] {
+    let filter = |levels, kernel| Some(Filter { levels, kernel, black: false });
     [
         NetSpec { filter: filter(5, 1), colour: Colour::Rgb, ..published(Effect::Dof) },
         NetSpec { filter: filter(2, 3), ..published(Effect::MotionBlur) },
+        published(Effect::Multi).predicting_kernels().expect("it reads light"),
         published(Effect::Ao),
         published(Effect::Aa),
         published(Effect::Ibl),

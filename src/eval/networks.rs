@@ -6,11 +6,12 @@ use super::results::{self, Entry};
 use super::rivals::trivial_name;
 use super::{Args, Contest, Judgement, judge, page, target, testset};
 use crate::figures::{Figures, write_atomically};
-use crate::methods::LEARNED;
+use crate::methods::{LEARNED, names_of};
 use crate::statistics::Estimate;
 use crate::{learned, table};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use deepshade_dataset::TestSet;
+use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
 use serde_json::json;
 use std::path::PathBuf;
@@ -42,6 +43,12 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(folder) = &args.page {
         page::make_folder(folder)?;
     }
+    let unknown = |name: &&String| {
+        *name != "all" && Effect::ALL.iter().all(|effect| !names_of(*effect).contains(&name.as_str()))
+    };
+    if let Some(name) = args.methods.iter().find(unknown) {
+        bail!("no effect has a method `{name}`; `deepshade methods` lists them");
+    }
     let gpu = Gpu::new()?;
     let mut rows = Vec::new();
     for (folder, set) in networks(args)? {
@@ -53,7 +60,7 @@ pub fn run(args: &Args) -> Result<()> {
         let (weights, target) = (model.spec.weight_count(), target(&set).to_owned());
         let contest =
             Contest { effect, network: Some((figure_name(&folder), model)), set, _kept: Vec::new() };
-        let judgement = judge(&contest, args, &gpu)?;
+        let judgement = judge(&contest, &methods_for(effect, &args.methods), args, &gpu)?;
         rows.push(Row {
             published: published(&name),
             trivial: trivial_name(effect),
@@ -89,6 +96,16 @@ pub fn run(args: &Args) -> Result<()> {
         page::write(folder, &lines, &rows)?;
     }
     say!("{}", table::aligned(&lines))
+}
+
+/// Of the methods that are asked for, those of an effect, and its network.
+fn methods_for(effect: Effect, asked: &[String]) -> Vec<String> {
+    if asked.iter().any(|name| name == "all") {
+        return vec!["all".to_owned()];
+    }
+    let known = names_of(effect);
+    let is_rival = |name: &&String| *name != LEARNED && known.contains(&name.as_str());
+    std::iter::once(LEARNED.to_owned()).chain(asked.iter().filter(is_rival).cloned()).collect()
 }
 
 /// The folders of networks, each with that of its test set; networks without one are named and left out.
@@ -165,4 +182,18 @@ fn line(row: &Row) -> Vec<String> {
 
 fn mean(estimate: Option<Estimate>) -> f64 {
     estimate.map_or(f64::NEG_INFINITY, |estimate| estimate.mean)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_network_meets_the_rivals_of_its_effect() {
+        let asked = ["gtao", "fxaa", "learned"].map(str::to_owned);
+        assert_eq!(methods_for(Effect::Ao, &asked), ["learned", "gtao"]);
+        assert_eq!(methods_for(Effect::Aa, &asked), ["learned", "fxaa"]);
+        assert_eq!(methods_for(Effect::Multi, &asked), ["learned"]);
+        assert_eq!(methods_for(Effect::Ao, &["all".to_owned()]), ["all"]);
+    }
 }

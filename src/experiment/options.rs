@@ -105,11 +105,11 @@ fn choices(lab: &Lab, paper: &TrainConfig) -> Result<Vec<Choice>> {
     let mut random = choice("random", "the paper's, random first weights", spec.clone());
     random.settings.start = Some(lab.random_start(paper)?);
     let mut choices = vec![random, choice("paper", "the paper's, begun as the identity", spec.clone())];
-    let named = |Filter { levels, kernel }| {
+    let named = |Filter { levels, kernel, .. }| {
         (format!("kernel{kernel}-of{levels}"), format!("kernels of {kernel}x{kernel} on {levels} level(s)"))
     };
     for (kernel, levels) in [(1, spec.levels), (3, spec.levels), (5, 1)] {
-        let filter = Filter { levels, kernel };
+        let filter = Filter { levels, kernel, black: false };
         let (name, label) = named(filter);
         if filter.tap_count() > 1 {
             choices.push(choice(&name, &label, NetSpec { filter: Some(filter), ..spec.clone() }));

@@ -98,7 +98,7 @@ mod tests {
     #[test]
     fn a_network_that_predicts_kernels_starts_with_no_weight_alone() {
         for (kernel, shares) in [(1, 0.05..0.6), (3, 0.001..0.1)] {
-            let filter = Some(Filter { levels: 5, kernel });
+            let filter = Some(Filter { levels: 5, kernel, black: false });
             let spec = NetSpec { filter, ..published(Effect::Dof) };
             let mut light = Planes::filled(3, 32, 32, 0.0);
             light.plane_mut(2)[16 * 32 + 16] = 1.0;

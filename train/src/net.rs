@@ -201,7 +201,7 @@ mod tests {
     fn layers_are_the_references() {
         let order = ChannelOrder::Interleaved;
         let ao = NetSpec { levels: 3, ..NetSpec::ao(order, REACH) };
-        for spec in [ao, filtering(order, Colour::Mono, Filter { levels: 5, kernel: 1 })] {
+        for spec in [ao, filtering(order, Colour::Mono, Filter { levels: 5, kernel: 1, black: false })] {
             let weights = Weights::random(&spec, 4);
             let input = parity::noise(spec.input_channels(), 21, 30, 7);
             let expected = reference::layers(&spec, &weights, &input);
@@ -225,8 +225,8 @@ mod tests {
                 ao.clone(),
                 NetSpec { levels: 1, ..ao.clone() },
                 NetSpec { levels: 3, kernel: 5, u0: 4, ..ao },
-                filtering(order, Colour::Mono, Filter { levels: 4, kernel: 3 }),
-                filtering(order, Colour::Rgb, Filter { levels: 5, kernel: 3 }),
+                filtering(order, Colour::Mono, Filter { levels: 4, kernel: 3, black: false }),
+                filtering(order, Colour::Rgb, Filter { levels: 5, kernel: 3, black: true }),
             ];
             for (seed, spec) in specs.iter().enumerate() {
                 let weights = Weights::random(spec, seed as u32);

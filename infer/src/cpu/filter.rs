@@ -95,7 +95,7 @@ impl Level {
     }
 }
 
-/// The network's image of its input, given what its last convolution makes of the image's pixels, `[taps, height, width]`.
+/// The network's image of its input, given what its last convolution makes of the image's pixels, `[weights, height, width]`.
 pub fn filtered(spec: &NetSpec, filter: Filter, input: &Planes, made: &Planes) -> Planes {
     let (height, width) = (made.height(), made.width());
     let light = Light::new(filter, padded(&spec.light(input), spec.alignment()));
@@ -111,7 +111,8 @@ pub fn planar(rows: &[Vec<f32>], width: usize) -> Vec<f32> {
     (0..channels).flat_map(|c| rows.iter().flat_map(move |row| &row[c * width..][..width])).copied().collect()
 }
 
-/// The sum along a row of the image, `[channels, width]`, of the light that the taps read, with weights `[taps, width]`.
+/// The sum along a row of the image, `[channels, width]`, of the light that the taps read, with weights
+/// `[weights, width]`.
 pub fn weighted(light: &Light, weights: &[f32], y: usize, width: usize) -> Vec<f32> {
     let mut image = vec![0.0; light.channels() * width];
     light.visit_taps(y, width, |tap, channel, light| {
@@ -153,7 +154,7 @@ fn position(at: usize, scale: usize) -> (isize, f32) {
     (position.floor() as isize, position - position.floor())
 }
 
-/// The weights of a row of an image, `[taps, width]`: the softmax of what the last convolution makes.
+/// The weights of a row of an image, `[weights, width]`: the softmax of what the last convolution makes.
 pub fn softmax(made: Image<'_>, image: usize, y: usize) -> Vec<f32> {
     let width = made.width;
     let rows = || (0..made.channels).map(|tap| made.row(image, tap, y));

@@ -57,7 +57,7 @@ pub fn wgsl_files(model: &Model, precision: Precision) -> Result<Vec<File>, Forw
         "input_channels": spec.input_channels(), "output_channels": spec.output_channels(),
         "alignment": spec.alignment(), "leak": spec.leak, "half": precision == Precision::F16,
         "uniform": uniform_fields(), "maps": maps, "passes": passes,
-        "filter": spec.filter.map(|filter| json!({ "taps": filter.tap_count(), "levels": filter.levels })),
+        "filter": spec.filter.map(|filter| json!({ "weights": filter.weight_count(), "levels": filter.levels })),
     });
     files.push(("network.json".to_owned(), format!("{network:#}\n").into_bytes()));
     files.push(("HOST.md".to_owned(), HOST.as_bytes().to_vec()));

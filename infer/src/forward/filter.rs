@@ -27,7 +27,7 @@ pub struct Passes {
 /// What they work on, for images of one size.
 #[derive(Debug)]
 pub struct Room {
-    /// What the last convolution makes of a tile, planar `[taps, rows, columns]` of what the tile keeps.
+    /// What the last convolution makes of a tile, planar `[weights, rows, columns]` of what the tile keeps.
     pub kernels: Buffer,
     /// The light, level after level.
     pyramid: Buffer,
@@ -40,11 +40,11 @@ type Bound = (BoundPass, [u32; 3]);
 
 /// The passes of a network's filter; none where it makes its image itself.
 pub fn of(spec: &NetSpec) -> Option<Filter> {
-    let crate::Filter { levels, kernel } = spec.filter?;
+    let crate::Filter { levels, kernel, black } = spec.filter?;
     let first = spec.light_channels().first().copied()?;
     let [levels, kernel, channels, first] =
         [levels, kernel, spec.output_channels(), first].map(|number| number as u32);
-    Some(Filter { levels, kernel, channels, first })
+    Some(Filter { levels, kernel, black, channels, first })
 }
 
 impl Passes {

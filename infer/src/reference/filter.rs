@@ -5,7 +5,7 @@ use crate::filter::{Filter, Tap};
 use deepshade_shaders::Planes;
 
 /// The image, `[light channels, height, width]`, of the padded light and of what the last convolution makes of the image's
-/// pixels, `[taps, height, width]`.
+/// pixels, `[weights, height, width]`.
 pub fn filtered(filter: Filter, light: &Planes, made: &Planes) -> Planes {
     let pyramid = pyramid(light, filter.levels);
     let weights = softmax(made);
@@ -57,12 +57,12 @@ mod tests {
     use super::*;
     use crate::parity::noise;
 
-    const FILTER: Filter = Filter { levels: 3, kernel: 3 };
+    const FILTER: Filter = Filter { levels: 3, kernel: 3, black: false };
 
     /// What a last convolution makes that chooses one tap everywhere.
     fn only(tap: usize, height: usize, width: usize) -> Planes {
         // Far beyond where a power overflows.
-        Planes::from_fn(FILTER.tap_count(), height, width, |c, _, _| if c == tap { 1000.0 } else { 0.0 })
+        Planes::from_fn(FILTER.weight_count(), height, width, |c, _, _| if c == tap { 1000.0 } else { 0.0 })
     }
 
     #[test]
@@ -94,6 +94,18 @@ mod tests {
         let weights = softmax(&made);
         let logarithm = (weights.at(3, 2, 4) / weights.at(20, 2, 4)).ln();
         assert!((logarithm - (made.at(3, 2, 4) - made.at(20, 2, 4))).abs() < 1e-5);
+    }
+
+    #[test]
+    fn the_weight_of_black_is_light_that_is_taken_away() {
+        let filter = Filter { black: true, ..FILTER };
+        let made = noise(filter.weight_count(), 5, 9, 2);
+        let image = filtered(filter, &Planes::filled(1, 8, 12, 0.75), &made);
+        let black = softmax(&made);
+        for (index, value) in image.data().iter().enumerate() {
+            let share = black.plane(filter.tap_count())[index];
+            assert!((value - 0.75 * (1.0 - share)).abs() < 1e-6 && share > 0.001, "{value}, {share}");
+        }
     }
 
     #[test]

@@ -13,6 +13,8 @@ pub struct Filter {
     pub levels: u32,
     /// Width and height of the kernel on every level.
     pub kernel: u32,
+    /// Whether the last weight is that of black.
+    pub black: bool,
     /// Channels of the light, and of the image.
     pub channels: u32,
     /// Which of the network's input channels the light begins with.
@@ -45,7 +47,12 @@ impl Filter {
 
     /// The pass that makes the image, in planes or in a texture.
     pub fn gather(&self, writing: Writing) -> String {
-        let constants = [("CHANNELS", self.channels), ("LEVELS", self.levels), ("KERNEL", self.kernel)];
+        let constants = [
+            ("CHANNELS", self.channels),
+            ("LEVELS", self.levels),
+            ("KERNEL", self.kernel),
+            ("BLACK", u32::from(self.black)),
+        ];
         let (target, write) = match writing {
             Writing::Texture(format) => {
                 (target(format), include_str!("../../wgsl/filter/write_texture.wgsl"))
@@ -80,7 +87,7 @@ mod tests {
         let channel = |component| TextureChannel { component, scale: Scale::Light, exponent: 0 };
         let textures = Reading::Textures(vec![vec![channel(Some(1))], vec![channel(None)]]);
         for (levels, kernel, channels) in [(1, 5, 1), (5, 1, 3), (8, 3, 1)] {
-            let filter = Filter { levels, kernel, channels, first: 1 };
+            let filter = Filter { levels, kernel, black: channels == 3, channels, first: 1 };
             let sources = [
                 filter.light(&Reading::Planes),
                 filter.light(&textures),

@@ -2,7 +2,7 @@
 // light, weighted by the softmax of what the last convolution makes. Of what a tile keeps.
 
 @group(0) @binding(0) var<uniform> layer: NetLayer;
-// Planar `[LEVELS * KERNEL * KERNEL, rows, columns]` of the pixels that are kept.
+// Planar `[LEVELS * KERNEL * KERNEL + BLACK, rows, columns]` of the pixels that are kept.
 @group(0) @binding(1) var<storage, read> kernels: array<f32>;
 // Level after level, planar `[CHANNELS, height, width]` of the level's frame.
 @group(0) @binding(2) var<storage, read> pyramid: array<f32>;
@@ -52,7 +52,7 @@ fn made_by_net(tap: u32, pixel: vec2<u32>) -> f32 {
 // What is subtracted before powers are taken, so that none overflows.
 fn largest(pixel: vec2<u32>) -> f32 {
     var most = made_by_net(0u, pixel);
-    for (var tap = 1u; tap < LEVELS * AREA; tap++) {
+    for (var tap = 1u; tap < LEVELS * AREA + BLACK; tap++) {
         most = max(most, made_by_net(tap, pixel));
     }
     return most;
@@ -66,7 +66,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let most = largest(pixel);
     var light = vec4(0.0);
-    var weights = 0.0;
+    // The last weight may be that of black.
+    var weights = select(0.0, exp(made_by_net(LEVELS * AREA + BLACK - 1u, pixel) - most), BLACK == 1u);
     var first = 0u;
     for (var index = 0u; index < LEVELS; index++) {
         let level = level_at(index, first, pixel);

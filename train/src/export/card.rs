@@ -59,8 +59,9 @@ fn scales(spec: &NetSpec) -> String {
 fn last_layer(spec: &NetSpec) -> String {
     match spec.filter {
         None => "makes the image".to_owned(),
-        Some(Filter { levels, kernel }) => {
-            format!("makes weights of the light, {kernel}x{kernel} at each of {levels} resolutions")
+        Some(Filter { levels, kernel, black }) => {
+            let black = if black { ", and of black" } else { "" };
+            format!("makes weights of the light, {kernel}x{kernel} at each of {levels} resolutions{black}")
         }
     }
 }

@@ -11,7 +11,8 @@ use deepshade_shaders::Planes;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// What the filter was run with: the light of every image, and what the last convolution made, `[batch, taps, height, width]`.
+/// What the filter was run with: the light of every image, and what the last convolution made, `[batch, weights,
+/// height, width]`.
 #[derive(Clone, Debug)]
 pub struct Run {
     lights: Arc<[Light]>,
@@ -19,7 +20,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// Of `made` `[batch, taps, height, width]` and `light` `[batch, channels, height, width]`.
+    /// Of `made` `[batch, weights, height, width]` and `light` `[batch, channels, height, width]`.
     pub fn new(filter: Filter, made: Cpu, light: &Cpu) -> Self {
         let [_, channels, height, width] = dims(light);
         let lights = numbers(light)

@@ -113,13 +113,13 @@ fn the_filter_and_its_gradient() {
     for (levels, kernel, channels, [height, width]) in
         [(1, 5, 3, [7, 9]), (5, 1, 1, [32, 16]), (3, 3, 3, [8, 20]), (5, 3, 3, [48, 80])]
     {
-        let filter = Filter { levels, kernel };
+        let filter = Filter { levels, kernel, black: channels == 3 };
         let light = noise([2, channels, height, width], 2);
         let of = |filtered: fn(Filter, Tensor<4>, Tensor<4>) -> Tensor<4>| {
-            let made = noise([2, filter.tap_count(), height, width], 1);
+            let made = noise([2, filter.weight_count(), height, width], 1);
             traced([made], |[made]| filtered(filter, made, light.clone()))
         };
-        let shape = [2, channels, filter.tap_count(), levels, height, width, kernel];
+        let shape = [2, channels, filter.weight_count(), levels, height, width, kernel];
         assert_all_close(shape, "the filter's image", &of(filtered), &of(plain::filtered));
     }
 }

@@ -8,7 +8,7 @@ use deepshade_infer::Filter;
 
 /// As `kernels::filtered`.
 pub fn filtered(filter: Filter, made: Tensor<4>, light: Tensor<4>) -> Tensor<4> {
-    let weights = softmax(made, 1);
+    let weights = softmax(made, 1).narrow(1, 0, filter.tap_count());
     let [_, channels, _, _] = light.dims();
     let taps = taps(filter, light);
     let image = |channel: usize| {

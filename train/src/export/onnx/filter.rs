@@ -8,6 +8,7 @@ impl Graph {
     /// The image of what the last convolution makes and of the padded input.
     pub(super) fn filter(&mut self, spec: &NetSpec, filter: Filter, made: &str, padded: &str) -> String {
         let weights = self.node("Softmax", "weights", &[made], vec![int("axis", 1)]);
+        let weights = if filter.black { self.without_black(&weights, filter) } else { weights };
         let lights: Vec<i64> = spec.light_channels().into_iter().map(|channel| channel as i64).collect();
         self.ints("lights", &lights);
         let mut level = self.node("Gather", "light0", &[padded, "lights"], vec![int("axis", 1)]);
@@ -23,6 +24,14 @@ impl Graph {
             }
         }
         self.weigh(&weights, &taps, lights.len())
+    }
+
+    /// The weights of the taps, without that of black, which is the last.
+    fn without_black(&mut self, weights: &str, filter: Filter) -> String {
+        self.ints("black.begin", &[0]);
+        self.ints("black.end", &[filter.tap_count() as i64]);
+        self.ints("black.axis", &[1]);
+        self.node("Slice", "tap_weights", &[weights, "black.begin", "black.end", "black.axis"], vec![])
     }
 
     /// A level continued by `radius` pixels on all sides, in pixels of level 0.
