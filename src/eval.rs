@@ -84,8 +84,8 @@ pub struct Args {
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
-    /// Puts the network's figures, under its folder's name, into this JSON file in place of its older ones; those of other
-    /// networks stay.
+    /// Puts the network's figures, under its folder's name, into this JSON file in place of its older ones, those
+    /// of methods that are not asked for too; those of other networks stay.
     #[arg(long, value_parser = crate::arguments::written_file, conflicts_with = "frames")]
     results: Option<PathBuf>,
 }
@@ -184,14 +184,9 @@ pub fn run(args: &Args) -> Result<()> {
     figures.detail("adapter", json!(gpu.info.name));
     figures.detail("devices", json!(evaluation.devices));
     figures.write(args.json.as_deref())?;
-    if let Some(path) = &args.results {
-        let target = target(&contest.set);
-        let entry = |(network, _): &(String, Model)| Entry {
-            network: network.clone(),
-            evaluation: &evaluation,
-            target,
-        };
-        results::add(path, &contest.network.iter().map(entry).collect::<Vec<_>>(), &gpu)?;
+    if let (Some(path), Some((network, _))) = (&args.results, &contest.network) {
+        let entry = Entry { network: network.clone(), evaluation: &evaluation, target: target(&contest.set) };
+        results::add(path, &entry, &gpu)?;
     }
     if let Some(path) = &args.curve {
         curve::write(path, effect, &rivals, &estimates)?;

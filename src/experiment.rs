@@ -38,7 +38,7 @@ use table::Table;
 pub struct Args {
     /// Which study.
     name: Study,
-    /// What `options` is about: `dof`, `motion-blur`, `sss` or `aa`.
+    /// What `options` is about: `dof`, `motion-blur`, `sss`, `aa` or `multi`.
     #[arg(long, default_value_t = Effect::Dof)]
     effect: Effect,
     /// Images, scenes and steps near those of the thesis, which take many hours, in place of some minutes.

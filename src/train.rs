@@ -30,7 +30,7 @@ pub struct Args {
     /// Order of the channels after a concatenation.
     #[arg(long, value_enum, default_value_t = Order::Interleaved)]
     order: Order,
-    /// What the last layer makes [default: kernels for dof and motion-blur, else the image].
+    /// What the last layer makes [default: kernels for dof, motion-blur and multi, else the image].
     #[arg(long, value_enum)]
     last: Option<LastLayer>,
     /// What is made small.
@@ -44,6 +44,8 @@ pub struct Args {
     optimiser: Method,
     #[arg(long, help = rate_help())]
     rate: Option<f64>,
+    #[arg(long, value_name = "SHARE", help = decay_help())]
+    weight_decay: Option<f64>,
     /// Images a step.
     #[arg(long, default_value_t = defaults().batch)]
     batch: usize,
@@ -106,21 +108,35 @@ impl From<Order> for ChannelOrder {
     }
 }
 
+/// The weight decay of networks that predict kernels.
+const KERNELS_DECAY: f64 = 0.05;
+
 /// What the last layer makes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum LastLayer {
     /// The image, as in the paper.
     Image,
-    /// Weights of the light at several resolutions, of which the image is the sum.
+    /// Weights of the light, which the image is the sum of: of 3x3 pixels at several resolutions, for aa 5x5 at one, for multi
+    /// of black too.
     Kernels,
 }
 
 impl LastLayer {
-    /// What came nearer to truth in equal steps. Subsurface scattering does not: it goes farther in one colour than in another.
+    /// What came nearer to truth in equal steps. For anti-aliasing kernels do, too, but by little, with ten times the weights;
+    /// for subsurface scattering they cannot hold that light goes farther in one colour than in another.
     const fn best(effect: Effect) -> Self {
         match effect {
-            Effect::Dof | Effect::MotionBlur => Self::Kernels,
+            Effect::Dof | Effect::MotionBlur | Effect::Multi => Self::Kernels,
             _ => Self::Image,
+        }
+    }
+
+    /// The weight decay that it wants, if not the usual one. Without more of it what it makes grows until what half floats round
+    /// away, which goes into exponents, shows.
+    const fn weight_decay(self) -> Option<f64> {
+        match self {
+            Self::Image => None,
+            Self::Kernels => Some(KERNELS_DECAY),
         }
     }
 
@@ -166,7 +182,7 @@ impl From<LossName> for Loss {
 }
 
 /// How weights follow gradients.
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Method {
     #[value(help = format!("The practical default: {}", Optimiser::ADAMW))]
     Adamw,
@@ -181,6 +197,14 @@ impl Method {
             Self::Adadelta => Optimiser::ADADELTA,
         }
     }
+}
+
+fn decay_help() -> String {
+    let usual = Optimiser::ADAMW.weight_decay();
+    format!(
+        "Share of itself that a weight loses a step, times the rate, by adamw [default: {KERNELS_DECAY} where kernels are \
+         predicted, else {usual}]"
+    )
 }
 
 fn rate_help() -> String {
@@ -267,13 +291,19 @@ fn config(args: &Args, dataset: &Path) -> Result<TrainConfig> {
         "--crop {crop}: the pairs of {} are {width} x {height} pixels",
         args.dataset
     );
-    let optimiser = args.optimiser.defaults();
+    ensure!(
+        args.weight_decay.is_none() || args.optimiser == Method::Adamw,
+        "--weight-decay is adamw's, and the optimiser is adadelta"
+    );
     let base = default_config(&manifest, dataset, args.order.into(), share)?;
     let last = args.last.unwrap_or(LastLayer::best(base.spec.effect));
+    let optimiser = args.optimiser.defaults();
+    let optimiser = args.rate.map_or(optimiser, |rate| optimiser.with_rate(rate));
+    let decay = args.weight_decay.or(last.weight_decay());
     Ok(TrainConfig {
         spec: last.of(base.spec)?,
         loss: args.loss.into(),
-        optimiser: args.rate.map_or(optimiser, |rate| optimiser.with_rate(rate)),
+        optimiser: decay.map_or(optimiser, |decay| optimiser.with_weight_decay(decay)),
         batch: args.batch,
         devices: args.devices,
         crop,
@@ -307,6 +337,18 @@ pub fn default_config(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn kernels_are_for_effects_that_filter_light() {
+        let best = [Effect::Ao, Effect::Sss, Effect::Dof, Effect::Multi, Effect::Aa].map(LastLayer::best);
+        let [image, kernels] = [LastLayer::Image, LastLayer::Kernels];
+        assert_eq!(best, [image, image, kernels, kernels, image]);
+        assert!(
+            kernels.weight_decay() > Some(Optimiser::ADAMW.weight_decay()) && image.weight_decay().is_none()
+        );
+        assert_eq!(Optimiser::ADAMW.with_weight_decay(0.05).weight_decay(), 0.05);
+        assert_eq!(Optimiser::ADADELTA.with_weight_decay(0.05), Optimiser::ADADELTA);
+    }
 
     #[test]
     fn crops_fit_into_small_pairs_and_are_as_ever_in_large_ones() {

@@ -209,6 +209,7 @@ fn the_help_of_training_states_its_defaults() {
     let help = String::from_utf8_lossy(&output.stdout).split_whitespace().collect::<Vec<_>>().join(" ");
     for stated in [
         "[default: 0.002 for adamw, 1 for adadelta]",
+        "[default: 0.05 where kernels are predicted, else 0.0001]",
         "[default: 4]",
         "[default: 256, or the largest that fits into the pairs]",
         "[default: 20000]",

@@ -13,7 +13,7 @@
 //!   row, and where [`Filter::black`] says so one more, of black. All colour channels that a run makes have the same weights.
 
 use crate::{Colour, NetSpec, SpecError};
-use deepshade_shaders::{Attribute, Effect, Planes};
+use deepshade_shaders::{Attribute, Planes};
 use serde::{Deserialize, Serialize};
 
 /// Which pixels of the light an image is made of.
@@ -44,7 +44,7 @@ impl Filter {
         self.levels * self.kernel * self.kernel
     }
 
-    /// Number of weights that a pixel has: one a tap, and that of black.
+    /// Number of weights that a pixel has: one a tap, and where there is one that of black.
     pub const fn weight_count(&self) -> usize {
         self.tap_count() + self.black as usize
     }
@@ -59,11 +59,11 @@ impl Filter {
 
 impl NetSpec {
     /// The same network with a last layer that predicts kernels, for all colours at once: of 3x3 pixels on every level, or
-    /// of 5x5 where there is one level only; with black where the effect has occlusion in it. None where the network reads no
+    /// of 5x5 where there is one level only; with black where the effect hides light. None where the network reads no
     /// light.
     pub fn predicting_kernels(&self) -> Option<Self> {
         let kernel = if self.levels == 1 { 5 } else { 3 };
-        let black = self.effect == Effect::Multi;
+        let black = self.effect.hides_light();
         let filter = Some(Filter { levels: self.levels, kernel, black });
         let spec = Self { filter, colour: Colour::Rgb, ..self.clone() };
         spec.validate().is_ok().then_some(spec)
@@ -110,6 +110,7 @@ impl NetSpec {
 mod tests {
     use super::*;
     use crate::{ChannelOrder, Reach};
+    use deepshade_shaders::Effect;
 
     const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
 
@@ -156,6 +157,15 @@ mod tests {
         assert_eq!((dof.input_channels(), dof.last_channels(), dof.runs()), (5, 45, 1));
         let multi = published(Effect::Multi).predicting_kernels().expect("it reads light");
         assert_eq!((multi.input_channels(), multi.last_channels(), multi.runs()), (11, 46, 1));
+    }
+
+    #[test]
+    fn black_is_written_where_there_is_some() {
+        let text = |black| serde_json::to_string(&Filter { levels: 5, kernel: 3, black }).expect("JSON");
+        assert_eq!(text(false), r#"{"levels":5,"kernel":3}"#);
+        assert_eq!(text(true), r#"{"levels":5,"kernel":3,"black":true}"#);
+        let without = serde_json::from_str(r#"{"levels":5,"kernel":3}"#);
+        assert_eq!(without.ok(), Some(Filter { levels: 5, kernel: 3, black: false }));
     }
 
     #[test]

@@ -155,7 +155,32 @@ impl Effect {
         }
     }
 
-    /// Whether its image is direct light, [`Attribute::Light`](crate::Attribute::Light), averaged over a neighbourhood.
+    /// Whether some of the light that its image filters is hidden.
+    pub const fn hides_light(self) -> bool {
+        match self {
+            Self::Multi => true,
+            Self::Aa
+            | Self::Ao
+            | Self::Do
+            | Self::Dof
+            | Self::Gi
+            | Self::Glossy
+            | Self::Ibl
+            | Self::MotionBlur
+            | Self::Sss
+            | Self::Subsurface
+            | Self::FogDirect
+            | Self::FogIndirect
+            | Self::FogMultiple
+            | Self::Phosphor
+            | Self::PhosphorGi
+            | Self::Path
+            | Self::Real => false,
+        }
+    }
+
+    /// Whether its image is direct light, [`Attribute::Light`](crate::Attribute::Light), averaged over a neighbourhood, maybe
+    /// with some of it hidden.
     pub const fn filters_light(self) -> bool {
         match self {
             Self::Sss | Self::Dof | Self::MotionBlur | Self::Aa | Self::Multi => true,

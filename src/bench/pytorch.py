@@ -62,6 +62,7 @@ class Net(torch.nn.Module):
     def filtered(self, light, made):
         """The light weighted by predicted kernels; `infer/src/filter.rs` says what is computed."""
         height, width = made.shape[2:]
+        # One more than there are taps, where one is of black.
         weights = made.softmax(1)
         size, taps, image = self.filter["kernel"], 0, 0.0
         for level in range(self.filter["levels"]):

@@ -139,10 +139,11 @@ mod tests {
         let args = Args { python: Some(python) };
         let published =
             |effect| NetSpec::published(effect, ChannelOrder::Interleaved, REACH).expect("it has one");
-        let filtering = published(Effect::Dof).predicting_kernels().expect("it reads light");
+        let [filtering, with_black] = [Effect::Dof, Effect::Multi]
+            .map(|effect| published(effect).predicting_kernels().expect("it reads light"));
         let infer = json!({ "mode": "infer", "size": [64, 48], "runs": 3, "seconds": 0.1 });
         let train = json!({ "mode": "train", "batch": 1, "crop": 32, "runs": 3, "seconds": 0.1 });
-        for (spec, job) in [(filtering, infer), (published(Effect::Ao), train)] {
+        for (spec, job) in [(filtering, infer.clone()), (with_black, infer), (published(Effect::Ao), train)] {
             let report = args.run(&random(spec), 1, job).expect("runs").expect("a Python is named");
             let engines: Vec<&str> =
                 report.made.iter().map(|row| row.engine.trim_end_matches("_half")).collect();

@@ -40,14 +40,14 @@ pub struct Row {
 /// # Errors
 /// If there is none, a network or test set cannot be read, a method fails or a file cannot be written.
 pub fn run(args: &Args) -> Result<()> {
-    if let Some(folder) = &args.page {
-        page::make_folder(folder)?;
-    }
     let unknown = |name: &&String| {
         *name != "all" && Effect::ALL.iter().all(|effect| !names_of(*effect).contains(&name.as_str()))
     };
     if let Some(name) = args.methods.iter().find(unknown) {
         bail!("no effect has a method `{name}`; `deepshade methods` lists them");
+    }
+    if let Some(folder) = &args.page {
+        page::make_folder(folder)?;
     }
     let gpu = Gpu::new()?;
     let mut rows = Vec::new();
@@ -61,14 +61,21 @@ pub fn run(args: &Args) -> Result<()> {
         let contest =
             Contest { effect, network: Some((figure_name(&folder), model)), set, _kept: Vec::new() };
         let judgement = judge(&contest, &methods_for(effect, &args.methods), args, &gpu)?;
-        rows.push(Row {
+        let row = Row {
             published: published(&name),
             trivial: trivial_name(effect),
             name,
             weights,
             target,
             judgement,
-        });
+        };
+        // At once: all of them take minutes, and whoever interrupts that keeps what was made.
+        if let Some(path) = &args.results {
+            let network = row.name.replace('-', "_");
+            let entry = Entry { network, evaluation: &row.judgement.evaluation, target: &row.target };
+            results::add(path, &entry, &gpu)?;
+        }
+        rows.push(row);
     }
     let mut figures = Figures::new("eval");
     for row in &rows {
@@ -76,16 +83,9 @@ pub fn run(args: &Args) -> Result<()> {
         set_figures(&mut figures, &row.name.replace('-', "_"), evaluation);
         figures.detail(&row.name, json!(evaluation.parts()));
     }
+    figures.detail("methods", json!(args.methods));
     figures.detail("adapter", json!(gpu.info.name));
     figures.write(args.json.as_deref())?;
-    if let Some(path) = &args.results {
-        let entries = rows.iter().map(|row| Entry {
-            network: row.name.replace('-', "_"),
-            evaluation: &row.judgement.evaluation,
-            target: &row.target,
-        });
-        results::add(path, &entries.collect::<Vec<_>>(), &gpu)?;
-    }
     let lines: Vec<Vec<String>> =
         std::iter::once(HEAD.map(str::to_owned).to_vec()).chain(rows.iter().map(line)).collect();
     if let Some(path) = &args.markdown {

@@ -29,15 +29,13 @@ pub fn check(path: &Path, json: Option<&Path>) -> Result<()> {
     read(path).map(drop)
 }
 
-/// Writes networks into a file, in place of what it had of the same ones.
+/// Writes a network into a file, in place of what it had of the same one.
 ///
 /// # Errors
 /// If the file is another one, or cannot be written.
-pub fn add(path: &Path, entries: &[Entry], gpu: &Gpu) -> Result<()> {
+pub fn add(path: &Path, entry: &Entry<'_>, gpu: &Gpu) -> Result<()> {
     let mut networks = read(path)?;
-    for entry in entries {
-        networks.insert(entry.network.clone(), described(entry, &gpu.info.name));
-    }
+    networks.insert(entry.network.clone(), described(entry, &gpu.info.name));
     let text = serde_json::to_string_pretty(&json!({ "networks": networks })).context("results as JSON")?;
     write_atomically(path, format!("{text}\n").as_bytes())
 }
@@ -87,11 +85,8 @@ mod tests {
         let evaluated = |network: &str, frames: usize| {
             let mut evaluation = Evaluation::default();
             (evaluation.frames, evaluation.scenes) = (frames, 2);
-            add(
-                &path,
-                &[Entry { network: network.to_owned(), evaluation: &evaluation, target: "truth" }],
-                &gpu,
-            )
+            let entry = Entry { network: network.to_owned(), evaluation: &evaluation, target: "truth" };
+            add(&path, &entry, &gpu)
         };
         evaluated("gi", 200).expect("written");
         evaluated("gi_paper", 40).expect("written");

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Effects whose image is a filter of the light that the network reads.
-const EFFECTS: [Effect; 4] = [Effect::Dof, Effect::MotionBlur, Effect::Sss, Effect::Aa];
+const EFFECTS: [Effect; 5] = [Effect::Dof, Effect::MotionBlur, Effect::Sss, Effect::Aa, Effect::Multi];
 
 /// Networks of other shapes than a spec can say.
 const KINDS: [(Kind, &str, &str); 2] = [
@@ -87,7 +87,7 @@ fn vary(effect: Effect) -> Result<Vary> {
         materials: true,
         textures: Some(Textures::Procedural(64)),
         light: true,
-        lens: (effect == Effect::Dof).then_some([1.0, 12.0]),
+        lens: matches!(effect, Effect::Dof | Effect::Multi).then_some([1.0, 12.0]),
         motion: (effect == Effect::MotionBlur).then_some([1.0, 24.0]),
         mean_free_path: (effect == Effect::Sss).then_some([0.001, 0.02]),
         ..Vary::default()
@@ -105,8 +105,12 @@ fn choices(lab: &Lab, paper: &TrainConfig) -> Result<Vec<Choice>> {
     let mut random = choice("random", "the paper's, random first weights", spec.clone());
     random.settings.start = Some(lab.random_start(paper)?);
     let mut choices = vec![random, choice("paper", "the paper's, begun as the identity", spec.clone())];
-    let named = |Filter { levels, kernel, .. }| {
-        (format!("kernel{kernel}-of{levels}"), format!("kernels of {kernel}x{kernel} on {levels} level(s)"))
+    let named = |Filter { levels, kernel, black }| {
+        let and_black = if black { " and black" } else { "" };
+        (
+            format!("kernel{kernel}-of{levels}"),
+            format!("kernels of {kernel}x{kernel} on {levels} level(s){and_black}"),
+        )
     };
     for (kernel, levels) in [(1, spec.levels), (3, spec.levels), (5, 1)] {
         let filter = Filter { levels, kernel, black: false };

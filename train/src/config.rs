@@ -137,6 +137,10 @@ impl TrainConfig {
             let problem = format!("is {} with crops of {}: too many pixels at once", self.batch, self.crop);
             return error("batch", problem);
         }
+        let weight_decay = self.optimiser.weight_decay();
+        if !(0.0..=1.0).contains(&weight_decay) {
+            return error("optimiser", format!("has a weight decay of {weight_decay}; it must be 0 to 1"));
+        }
         let rate = self.optimiser.highest_rate();
         if !(0.0..=MOST_RATE).contains(&rate) {
             return error("optimiser", format!("has a rate of {rate}; it must be 0 to {MOST_RATE}"));

@@ -108,6 +108,14 @@ mod tests {
     }
 
     #[test]
+    fn little_is_hidden_before_the_first_step() {
+        let spec = published(Effect::Multi).predicting_kernels().expect("it reads light");
+        let light = Planes::filled(spec.input_channels(), 32, 32, 0.5);
+        let image = reference::forward(&spec, &first_weights(&spec, 5), &light);
+        assert!(image.data().iter().all(|value| (0.3..0.4999).contains(value)));
+    }
+
+    #[test]
     fn a_network_that_filters_light_starts_with_what_it_is_given() {
         for effect in Effect::ALL.into_iter().filter(|effect| effect.filters_light()) {
             let spec = published(effect);

@@ -226,7 +226,8 @@ mod tests {
                 NetSpec { levels: 1, ..ao.clone() },
                 NetSpec { levels: 3, kernel: 5, u0: 4, ..ao },
                 filtering(order, Colour::Mono, Filter { levels: 4, kernel: 3, black: false }),
-                filtering(order, Colour::Rgb, Filter { levels: 5, kernel: 3, black: true }),
+                filtering(order, Colour::Rgb, Filter { levels: 5, kernel: 3, black: false }),
+                filtering(order, Colour::Rgb, Filter { levels: 2, kernel: 3, black: true }),
             ];
             for (seed, spec) in specs.iter().enumerate() {
                 let weights = Weights::random(spec, seed as u32);

@@ -437,10 +437,11 @@ fn other_settings_in_the_same_folder_and_senseless_ones_are_refused_by_name() {
         (
             TrainConfig {
                 optimiser: Optimiser::Adamw { rate: f64::NAN, weight_decay: 0.0, warm_up: 1 },
-                ..config
+                ..config.clone()
             },
             "rate",
         ),
+        (TrainConfig { optimiser: Optimiser::ADAMW.with_weight_decay(f64::NAN), ..config }, "weight decay"),
     ];
     for (config, name) in senseless {
         let folder = tempfile::tempdir().expect("a folder");

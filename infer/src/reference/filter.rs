@@ -101,9 +101,9 @@ mod tests {
         let filter = Filter { black: true, ..FILTER };
         let made = noise(filter.weight_count(), 5, 9, 2);
         let image = filtered(filter, &Planes::filled(1, 8, 12, 0.75), &made);
-        let black = softmax(&made);
+        let weights = softmax(&made);
         for (index, value) in image.data().iter().enumerate() {
-            let share = black.plane(filter.tap_count())[index];
+            let share = weights.plane(filter.tap_count())[index];
             assert!((value - 0.75 * (1.0 - share)).abs() < 1e-6 && share > 0.001, "{value}, {share}");
         }
     }

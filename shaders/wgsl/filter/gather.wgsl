@@ -66,8 +66,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let most = largest(pixel);
     var light = vec4(0.0);
-    // The last weight may be that of black.
-    var weights = select(0.0, exp(made_by_net(LEVELS * AREA + BLACK - 1u, pixel) - most), BLACK == 1u);
+    var weights = 0.0;
+    if (BLACK == 1u) {
+        weights = exp(made_by_net(LEVELS * AREA, pixel) - most);
+    }
     var first = 0u;
     for (var index = 0u; index < LEVELS; index++) {
         let level = level_at(index, first, pixel);

@@ -131,6 +131,22 @@ pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> Str
 #[cfg(test)]
 mod tests {
     use super::*;
+    use deepshade_infer::{ChannelOrder, Reach};
+    use deepshade_shaders::Effect;
+
+    #[test]
+    fn a_last_layer_that_predicts_kernels_is_told_with_black() {
+        let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+        let told = |effect| {
+            let published = NetSpec::published(effect, ChannelOrder::Interleaved, reach).expect("it has one");
+            last_layer(&published.predicting_kernels().expect("it reads light"))
+        };
+        assert_eq!(told(Effect::Dof), "makes weights of the light, 3x3 at each of 5 resolutions");
+        assert_eq!(
+            told(Effect::Multi),
+            "makes weights of the light, 3x3 at each of 5 resolutions, and of black"
+        );
+    }
 
     #[test]
     fn other_results_change_nothing_else() {

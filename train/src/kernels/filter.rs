@@ -53,7 +53,7 @@ impl Run {
         })
     }
 
-    /// What is made of every row given its image's light, its weights, `[taps, width]`, and the numbers of image and row,
+    /// What is made of every row given its image's light, its weights, `[weights, width]`, and the numbers of image and row,
     /// put together to images.
     fn stacked(&self, row: impl Fn(&Light, Vec<f32>, usize, usize) -> Vec<f32> + Sync) -> Cpu {
         let made = image(&self.made);

@@ -85,7 +85,7 @@ pub fn convolve_joined(
 /// The image of a [`deepshade_infer::filter`], which has a gradient by `made` alone.
 ///
 /// # Shapes
-/// `made` `[batch, taps, height, width]` and `light` `[batch, channels, height, width]`, height and width multiples of the
+/// `made` `[batch, weights, height, width]` and `light` `[batch, channels, height, width]`, height and width multiples of the
 /// coarsest level's scale, to `[batch, channels, height, width]`.
 pub fn filtered(filter: Filter, made: Tensor<4>, light: Tensor<4>) -> Tensor<4> {
     let (made, light) = (made.into_dispatch(), light.into_dispatch());

@@ -110,10 +110,13 @@ fn convolution_with_doubling_and_concatenation_and_its_gradients() {
 
 #[test]
 fn the_filter_and_its_gradient() {
-    for (levels, kernel, channels, [height, width]) in
-        [(1, 5, 3, [7, 9]), (5, 1, 1, [32, 16]), (3, 3, 3, [8, 20]), (5, 3, 3, [48, 80])]
-    {
-        let filter = Filter { levels, kernel, black: channels == 3 };
+    for (levels, kernel, channels, black, [height, width]) in [
+        (1, 5, 3, false, [7, 9]),
+        (5, 1, 1, true, [32, 16]),
+        (3, 3, 3, true, [8, 20]),
+        (5, 3, 3, false, [48, 80]),
+    ] {
+        let filter = Filter { levels, kernel, black };
         let light = noise([2, channels, height, width], 2);
         let of = |filtered: fn(Filter, Tensor<4>, Tensor<4>) -> Tensor<4>| {
             let made = noise([2, filter.weight_count(), height, width], 1);

@@ -54,6 +54,23 @@ impl Optimiser {
         self
     }
 
+    /// Share of itself that a weight loses a step, times the rate.
+    pub const fn weight_decay(&self) -> f64 {
+        match *self {
+            Self::Adadelta { .. } => 0.0,
+            Self::Adamw { weight_decay, .. } => weight_decay,
+        }
+    }
+
+    /// The same with another weight decay; of ADADELTA, which has none, as it is.
+    #[must_use]
+    pub const fn with_weight_decay(mut self, wanted: f64) -> Self {
+        if let Self::Adamw { weight_decay, .. } = &mut self {
+            *weight_decay = wanted;
+        }
+        self
+    }
+
     /// A fresh optimiser.
     pub(crate) fn start(&self) -> ModuleOptimizer {
         match *self {
