@@ -216,13 +216,19 @@ fn judge(contest: &Contest, names: &[String], args: &Args, gpu: &Gpu) -> Result<
         let by_name = !names.iter().any(|name| name == "all");
         rivals = methods::through_grids(rivals, by_name, |rival| rival.method.as_ref())?;
     }
-    let chosen = lists::spread(set.frames().len(), args.frames.map_or(usize::MAX, |frames| frames as usize));
+    let chosen = spread(set.frames().len(), args.frames.map_or(usize::MAX, |frames| frames as usize));
     ensure!(!chosen.is_empty(), "the test set has no frame");
     if let Some(target) = &set.recipe().target {
         note!("what methods are scored against is not truth but the images of `{target}`");
     }
     let evaluation = evaluate(set, &chosen, *effect, &rivals)?;
     Ok(Judgement { rivals, evaluation })
+}
+
+/// Numbers of frames, ascending, that lie evenly among all and end with the last, as those do whose truth is whole.
+fn spread(count: usize, wanted: usize) -> Vec<usize> {
+    let from_the_end = lists::spread(count, wanted);
+    from_the_end.into_iter().rev().map(|index| count - 1 - index).collect()
 }
 
 /// What the command line names.
@@ -302,6 +308,13 @@ fn table(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn few_frames_have_those_whose_truth_is_whole_among_them() {
+        assert_eq!(spread(200, 8), [24, 49, 74, 99, 124, 149, 174, 199]);
+        assert!(spread(200, 8).iter().all(|frame| spread(200, 40).contains(frame)));
+        assert_eq!((spread(3, usize::MAX), spread(3, 1)), (vec![0, 1, 2], vec![2]));
+    }
 
     #[test]
     fn what_is_set_is_read_and_each_way_is_taken_once() {
