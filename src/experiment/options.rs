@@ -15,9 +15,6 @@ use deepshade_train::options::{Kind, Variant};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Effects whose image is a filter of the light that the network reads.
-const EFFECTS: [Effect; 5] = [Effect::Dof, Effect::MotionBlur, Effect::Sss, Effect::Aa, Effect::Multi];
-
 /// Networks of other shapes than a spec can say.
 const KINDS: [(Kind, &str, &str); 2] = [
     (Kind::SpaceToDepth, "space-to-depth", "the paper's at half the resolution, space to depth"),
@@ -82,7 +79,12 @@ pub fn run(lab: &Lab, effect: Effect) -> Result<Table> {
 
 /// What the effect's own recipes vary.
 fn vary(effect: Effect) -> Result<Vary> {
-    ensure!(EFFECTS.contains(&effect), "`options` is for {EFFECTS:?}, whose image is a filter of light");
+    let filters = Effect::ALL.into_iter().filter(|effect| effect.filters_light());
+    ensure!(
+        effect.filters_light(),
+        "`options` is for effects whose image is a filter of light: {}",
+        filters.map(Effect::name).collect::<Vec<_>>().join(", ")
+    );
     Ok(Vary {
         materials: true,
         textures: Some(Textures::Procedural(64)),
