@@ -36,7 +36,7 @@ pub struct Args {
     /// What is made small.
     #[arg(long, value_enum, default_value_t = LossName::Dssim)]
     loss: LossName,
-    /// Model whose weights the run begins with, in place of random ones.
+    /// Model whose weights the run begins with, in place of random ones; its last layer must be that of --last.
     #[arg(long, value_name = "FOLDER")]
     from: Option<Place>,
     /// How weights follow gradients: the practical default, or the paper's.
@@ -237,6 +237,10 @@ fn defaults() -> TrainConfig {
 /// # Errors
 /// If the dataset or the run's folder cannot be used, a setting makes no sense, or training diverges.
 pub fn run(args: &Args) -> Result<()> {
+    ensure!(
+        args.weight_decay.is_none() || args.optimiser == Method::Adamw,
+        "--weight-decay is adamw's, and the optimiser is adadelta"
+    );
     let (folder, pairs) = args.dataset.pairs()?;
     let start = args.from.as_ref().map(Place::read).transpose()?;
     let config = TrainConfig { start: start.as_deref().map(Path::to_owned), ..config(args, &folder)? };
@@ -290,10 +294,6 @@ fn config(args: &Args, dataset: &Path) -> Result<TrainConfig> {
         crop <= height.min(width),
         "--crop {crop}: the pairs of {} are {width} x {height} pixels",
         args.dataset
-    );
-    ensure!(
-        args.weight_decay.is_none() || args.optimiser == Method::Adamw,
-        "--weight-decay is adamw's, and the optimiser is adadelta"
     );
     let base = default_config(&manifest, dataset, args.order.into(), share)?;
     let last = args.last.unwrap_or(LastLayer::best(base.spec.effect));

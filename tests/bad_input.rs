@@ -224,6 +224,7 @@ fn settings_that_make_no_sense() {
     refused("compare --scene stairs:7 --out report --model gone", "gone");
     refused("dataset verify gone", "gone");
     refused("eval --model gone", "gone");
+    refused("eval --all --methods learned,gtoa", "`gtoa`");
     case.write("file", "x");
     refused("scene stairs:7 --json file/scene.json", "--json");
     #[cfg(feature = "train")]
@@ -233,6 +234,7 @@ fn settings_that_make_no_sense() {
             refused(&format!("train --dataset data --out run --minutes={minutes}"), "--minutes");
         }
         refused("train --dataset gone --out run", "gone");
+        refused("train --dataset data --out run --optimiser adadelta --weight-decay 0.1", "--weight-decay");
         refused("export --run gone --out model", "gone");
         refused("bench train --crop 8000000", "--crop");
         refused("bench train --crop 8192 --batch 1000", "`batch`");

@@ -1,6 +1,7 @@
 //! The training loop: steps, validation, checkpoints, early stop, resuming.
 
 use crate::checkpoint::{CHECKPOINT_FILE, Checkpoint, Progress};
+use crate::export::last_layer;
 use crate::loader::{Batch, Loader, Tensors};
 use crate::loss::Loss;
 use crate::metrics::{Line, Metrics};
@@ -286,15 +287,16 @@ fn first_weights(config: &TrainConfig) -> Result<Option<Weights>, TrainError> {
     let Some(folder) = &config.start else { return Ok(None) };
     let Model { spec, weights } = Model::load(folder)?;
     let own = &config.spec;
+    let (its, wanted) = (last_layer(&spec), last_layer(own));
     // Weights mean the same in a network that reads the same in the same order, whatever it learns to make of it.
-    let same = NetSpec { effect: own.effect, reach: own.reach, ..spec } == *own && weights.fit(own);
-    match same {
-        true => Ok(Some(weights)),
-        false => Err(TrainError::damaged(
-            folder,
-            "is another network: but for effect and reach its spec must be that of the one that is trained",
-        )),
+    if (NetSpec { effect: own.effect, reach: own.reach, ..spec }) == *own && weights.fit(own) {
+        return Ok(Some(weights));
     }
+    let problem = match its == wanted {
+        true => "but for effect and reach its spec must be that of the one that is trained".to_owned(),
+        false => format!("its last layer {its}, and that of the one that is trained {wanted}"),
+    };
+    Err(TrainError::damaged(folder, format!("is another network: {problem}")))
 }
 
 /// Mean loss and speed, of the run and since the last line.

@@ -3,7 +3,7 @@
 
 use deepshade_dataset::Pair;
 use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, Weights};
-use deepshade_shaders::{Attribute, GBuffer, Planes};
+use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
 use deepshade_train::checkpoint::{Checkpoint, Progress};
 use deepshade_train::export::{Facts, export};
 use deepshade_train::metrics::Line;
@@ -394,6 +394,17 @@ fn a_start_that_cannot_be_leaves_the_folder_to_another_command() {
     assert!(error.contains("missing"), "{error}");
     let error = starting(&other).expect_err("another order").to_string();
     assert!(error.contains("other is another network"), "{error}");
+    let dof =
+        NetSpec::published(Effect::Dof, ChannelOrder::Interleaved, config.spec.reach).expect("published");
+    save(&dof, &other);
+    let predicting = TrainConfig {
+        spec: dof.predicting_kernels().expect("it filters light"),
+        start: Some(other.clone()),
+        ..config.clone()
+    };
+    let error =
+        train_on(&predicting, Synthetic::new(ENOUGH), &run).expect_err("another last layer").to_string();
+    assert!(error.contains("its last layer makes the image, and that of"), "{error}");
     assert!(!run.exists());
     starting(&ours).expect("trains");
     std::fs::remove_dir_all(&ours).expect("deleted");

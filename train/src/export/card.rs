@@ -56,7 +56,7 @@ fn scales(spec: &NetSpec) -> String {
 }
 
 /// What the last layer makes, in words.
-fn last_layer(spec: &NetSpec) -> String {
+pub(crate) fn last_layer(spec: &NetSpec) -> String {
     match spec.filter {
         None => "makes the image".to_owned(),
         Some(Filter { levels, kernel, black }) => {

@@ -6,6 +6,7 @@ pub mod onnx;
 mod proto;
 
 use card::Trained;
+pub(crate) use card::last_layer;
 pub use card::{Facts, measured};
 
 use crate::checkpoint::{CHECKPOINT_FILE, Checkpoint};
