@@ -35,10 +35,10 @@ struct Budget {
 /// A network of the thesis' Table 7.1 each, cheap ones first. One core trains some 60 crops of 128 x 128 pixels a
 /// second for networks with 16 first kernels, 28 where these predict kernels, 40 for `ibl`, 200 for `ao`, 500 for `aa`,
 /// and makes a pair with 64 samples in five seconds: half an hour for data and about that for training; three quarters
-/// as much for runs of half and a quarter of the steps. `ibl` had more steps than all others, as runs of several
-/// lengths foretold that it would gain most, two hours; half of them would have come as far. Indirect light, most of
-/// which is dark, wants a lower rate: at 0.004 the weights grew without bound, to where structural similarity has no
-/// gradient. So do predicted kernels: at 0.004 what the layers make of noise grew beyond what half floats hold.
+/// as much for runs of half and a quarter of the steps. `ibl` has more steps than all others, two hours, as runs of
+/// several lengths foretold that it would gain most; it gained little. Indirect light, most of which is dark, wants a
+/// lower rate: at 0.004 the weights grew without bound, to where structural similarity has no gradient. So do predicted
+/// kernels: at 0.004 what the layers make of noise grew beyond what half floats hold.
 const BUDGETS: [Budget; 11] = [
     Budget { name: "aa", steps: 16_000, batch: 8, crop: 128, rate: "0.005", decay: None, share: None },
     Budget { name: "dof", steps: 20_000, batch: 4, crop: 128, rate: "0.002", decay: OLD_DECAY, share: None },

@@ -45,8 +45,9 @@ const NAIVE: ([usize; 2], Effect) = ([256, 256], Effect::Ao);
     deepshade bench net --networks ao,gi --sizes 1920x1080 --python python3 --layers\n  \
     deepshade bench net --networks ao --budget 4 --sizes 1920x1080\n\n\
     Networks without a folder in --models are the paper's, with random weights. For the same layers these take as long \
-    as trained ones, but shipped ones that predict kernels take longer than the paper's. A mono network is timed on one colour channel. By default sizes are 256x256, 768x512, 1280x720, 1920x1080 and \
-    3840x2160 on a graphics card, and the first two on a software adapter.\n\n\
+    as trained ones, but shipped ones that predict kernels take longer than the paper's. A mono network is timed on one \
+    colour channel. By default sizes are 256x256, 768x512, 1280x720, 1920x1080 and 3840x2160 on a graphics card, and the \
+    first two on a software adapter.\n\n\
     Rates of bytes may be above the peak, which is that of memory, where an image is so small that caches hold it. \
     Engines that fail are named at the end, after what the others took, and the code is then 1.\n\n\
     --budget needs exactly one of --networks and one of --sizes, and takes --threads and --json beside them, nothing \
