@@ -34,7 +34,7 @@ pub struct StepTimes {
 /// # Panics
 /// If there is no step.
 pub fn bench(config: &TrainConfig, steps: usize) -> Result<StepTimes, TrainError> {
-    let device = crate::device().autodiff();
+    let device = crate::device::devices(1)?.remove(0).autodiff();
     let mut net = UNet::random(&config.spec, config.seed, &device);
     let mut optimiser = config.optimiser.start();
     let noise = |channels: usize| noise([config.batch, channels, config.crop, config.crop], &device);

@@ -9,6 +9,8 @@ pub mod error;
 pub mod export;
 mod files;
 pub mod first_weights;
+#[cfg(feature = "vulkan")]
+mod gpu;
 #[cfg(not(feature = "vulkan"))]
 mod kernels;
 mod loader;

@@ -47,6 +47,7 @@ pub(crate) fn gradients(net: &UNet, loss: Loss, batch: Batch, devices: &[Device]
 fn of_share(net: &UNet, loss: Loss, share: Batch, weight: f32, device: &Device) -> (f32, GradientsParams) {
     let Tensors { input, target, valid, exposure } = share.into_tensors(device);
     let loss = loss.of(net.forward(input) * exposure, target, valid) * weight;
-    let value: f32 = loss.clone().into_scalar();
-    (value, GradientsParams::from_grads(loss.backward(), net))
+    // A GPU is given the gradients to find before it is waited for.
+    let gradients = GradientsParams::from_grads(loss.clone().backward(), net);
+    (loss.into_scalar(), gradients)
 }

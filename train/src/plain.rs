@@ -1,14 +1,16 @@
 //! The network's operations written with burn's tensors: they train on every backend, and they are what the CPU's
 //! own kernels (`kernels`) are tested against.
 
-#[cfg(any(test, feature = "vulkan"))]
+#[cfg(test)]
 mod convolve;
-#[cfg(any(test, feature = "vulkan"))]
+#[cfg(test)]
 mod filter;
 
 use burn::tensor::Tensor;
 use burn::tensor::activation::leaky_relu;
 #[cfg(any(test, feature = "vulkan"))]
+use burn::tensor::{module::avg_pool2d, ops::AvgPoolOptions};
+#[cfg(test)]
 pub use {
     convolve::{convolve, convolve_joined},
     filter::filtered,
@@ -17,6 +19,12 @@ pub use {
 /// Leaky ReLU.
 pub fn leaky(x: Tensor<4>, leak: f32) -> Tensor<4> {
     leaky_relu(x, leak.into())
+}
+
+/// Means of 2x2 pixels.
+#[cfg(any(test, feature = "vulkan"))]
+pub fn pooled(x: Tensor<4>) -> Tensor<4> {
+    avg_pool2d(x, AvgPoolOptions::new([2, 2]))
 }
 
 /// Doubling and concatenation. burn's `interpolate` has no gradient on its GPU backends; slices and blends have.

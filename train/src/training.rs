@@ -128,10 +128,7 @@ impl<'a> Run<'a> {
         cache: Arc<Cache>,
         split: Split,
     ) -> Result<Self, TrainError> {
-        let devices = crate::device::devices(config.devices).map_err(|found| TrainError::Config {
-            field: "devices",
-            problem: format!("is {}; there are {found}", config.devices),
-        })?;
+        let devices = crate::device::devices(config.devices)?;
         let devices: Vec<Device> = devices.into_iter().map(|device| device.autodiff()).collect();
         let device = &devices[0];
         let spec = &config.spec;

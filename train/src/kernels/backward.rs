@@ -275,4 +275,15 @@ mod tests {
             assert!(gradients(threads) == alone, "with {threads} threads");
         }
     }
+
+    #[test]
+    fn an_operand_whose_gradient_is_not_wanted_costs_none() {
+        let shape = ConvShape { batch: 1, groups: 1, inputs: 2, outputs: 4, height: 8, width: 8, kernel: 3 };
+        let (image, weight) = (parity::noise(2, 8, 8, 1), parity::noise(8, 3, 3, 2));
+        let operand = Operand::Plain(Image { data: image.data(), channels: 2, height: 8, width: 8 });
+        let made = vec![0.5; 4 * 64];
+        let made = Made { weight: weight.data(), y: &made, dy: &made, leak: 0.1 };
+        let images = |wants: bool| backward(shape, &operand, made, wants).operand.len();
+        assert_eq!([images(true), images(false)], [1, 0]);
+    }
 }

@@ -273,6 +273,3 @@ fn numbers(tensor: &Cpu) -> &[f32] {
 fn tensor<const D: usize>(numbers: Vec<f32>, shape: [usize; D]) -> Cpu {
     Cpu::from_data(TensorData::new(numbers, shape))
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,18 +1,29 @@
-//! Every kernel against the same operation written with tensors: outputs and all gradients.
+//! Every operation of the device against the same written with tensors, on burn's `flex`: outputs and all gradients.
 
-use super::*;
+use super::ops::{convolve, convolve_joined, filtered};
 use crate::plain;
 use crate::rng::{Purpose, Rng};
-use burn::tensor::Device;
+use burn::tensor::{Device, Tensor, TensorData};
+use deepshade_infer::Filter;
 
+/// What is measured.
 fn device() -> Device {
+    crate::device().autodiff()
+}
+
+/// What it is held against.
+fn flex() -> Device {
     Device::flex().autodiff()
+}
+
+fn moved<const D: usize>(tensor: &Tensor<D>, device: &Device) -> Tensor<D> {
+    Tensor::from_data(tensor.to_data(), device)
 }
 
 fn noise<const D: usize>(shape: [usize; D], seed: u64) -> Tensor<D> {
     let mut rng = Rng::new(seed, Purpose::Crop, 0);
     let data = (0..shape.iter().product()).map(|_| rng.normal() as f32).collect::<Vec<_>>();
-    Tensor::from_data(TensorData::new(data, shape), &device())
+    Tensor::from_data(TensorData::new(data, shape), &flex())
 }
 
 fn assert_close<const D: usize>(what: &str, made: &Tensor<D>, expected: &Tensor<D>) {
@@ -25,14 +36,15 @@ fn assert_close<const D: usize>(what: &str, made: &Tensor<D>, expected: &Tensor<
     }
 }
 
-/// Output and gradients of a scalar that depends on every element of the output differently.
+/// Output and gradients of a sum over the output that depends on every element differently (a gradient begins with ones).
 fn traced<const N: usize>(
+    device: &Device,
     leaves: [Tensor<4>; N],
     make: impl Fn([Tensor<4>; N]) -> Tensor<4>,
 ) -> Vec<Tensor<4>> {
-    let leaves = leaves.map(|leaf| leaf.require_grad());
+    let leaves = leaves.map(|leaf| moved(&leaf, device).require_grad());
     let made = make(leaves.clone());
-    let grads = (made.clone() * noise(made.dims(), 99)).sum().backward();
+    let grads = (made.clone() * moved(&noise(made.dims(), 99), device)).backward();
     let gradients = leaves.iter().map(|leaf| leaf.grad(&grads).expect("a gradient"));
     std::iter::once(made.inner()).chain(gradients).collect()
 }
@@ -72,8 +84,9 @@ fn convolution_with_pooling_and_its_gradients() {
                     noise([groups * outputs, 1, 1, 1], 3),
                 ]
             };
-            let made = traced(leaves(), |[x, w, b]| convolve(x, w, flat(b), pooled, leak));
-            let expected = traced(leaves(), |[x, w, b]| plain::convolve(x, w, flat(b), pooled, leak));
+            let made = traced(&device(), leaves(), |[x, w, b]| convolve(x, w, flat(b), pooled, leak));
+            let expected =
+                traced(&flex(), leaves(), |[x, w, b]| plain::convolve(x, w, flat(b), pooled, leak));
             assert_all_close(shape, "the convolution", &made, &expected);
         }
     }
@@ -97,10 +110,10 @@ fn convolution_with_doubling_and_concatenation_and_its_gradients() {
             ]
         };
         for join_groups in [1, groups] {
-            let made = traced(leaves(), |[coarse, fine, w, b]| {
+            let made = traced(&device(), leaves(), |[coarse, fine, w, b]| {
                 convolve_joined([coarse, fine], w, flat(b), join_groups, 0.01)
             });
-            let expected = traced(leaves(), |[coarse, fine, w, b]| {
+            let expected = traced(&flex(), leaves(), |[coarse, fine, w, b]| {
                 plain::convolve_joined([coarse, fine], w, flat(b), join_groups, 0.01)
             });
             assert_all_close(shape, "the convolution", &made, &expected);
@@ -118,19 +131,24 @@ fn the_filter_and_its_gradient() {
     ] {
         let filter = Filter { levels, kernel, black };
         let light = noise([2, channels, height, width], 2);
-        let of = |filtered: fn(Filter, Tensor<4>, Tensor<4>) -> Tensor<4>| {
+        let of = |device: &Device, filtered: fn(Filter, Tensor<4>, Tensor<4>) -> Tensor<4>| {
             let made = noise([2, filter.weight_count(), height, width], 1);
-            traced([made], |[made]| filtered(filter, made, light.clone()))
+            traced(device, [made], |[made]| filtered(filter, made, moved(&light, device)))
         };
         let shape = [2, channels, filter.weight_count(), levels, height, width, kernel];
-        assert_all_close(shape, "the filter's image", &of(filtered), &of(plain::filtered));
+        assert_all_close(
+            shape,
+            "the filter's image",
+            &of(&device(), filtered),
+            &of(&flex(), plain::filtered),
+        );
     }
 }
 
 /// The gradient by an input, taken from differences of the output in double precision.
 fn difference(of: impl Fn(Tensor<4>) -> Tensor<4>, x: &Tensor<4>, at: usize) -> f64 {
     const STEP: f32 = 0.01;
-    let moved = |step: f32| {
+    let shifted = |step: f32| {
         let mut numbers = x.to_data().try_into_vec::<f32>().expect("f32");
         numbers[at] += step;
         let made = of(Tensor::from_data(TensorData::new(numbers, x.dims()), &device()));
@@ -139,7 +157,7 @@ fn difference(of: impl Fn(Tensor<4>) -> Tensor<4>, x: &Tensor<4>, at: usize) -> 
         let made = made.to_data().try_into_vec::<f32>().expect("f32");
         made.iter().zip(&weights).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum::<f64>()
     };
-    (moved(STEP) - moved(-STEP)) / f64::from(2.0 * STEP)
+    (shifted(STEP) - shifted(-STEP)) / f64::from(2.0 * STEP)
 }
 
 /// Holds the gradients of an operation of some leaves against differences of its output.
@@ -148,16 +166,16 @@ fn assert_differences<const N: usize>(
     leaves: [Tensor<4>; N],
     make: impl Fn([Tensor<4>; N]) -> Tensor<4>,
 ) {
-    let gradients = traced(leaves.clone(), &make);
+    let gradients = traced(&device(), leaves.clone(), &make);
     for index in 0..N {
         let gradient = gradients[index + 1].to_data().try_into_vec::<f32>().expect("f32");
         for at in (0..gradient.len()).step_by(7) {
-            let moved = |moved: Tensor<4>| {
-                let mut leaves = leaves.clone();
-                leaves[index] = moved;
+            let of_moved = |leaf: Tensor<4>| {
+                let mut leaves = leaves.clone().map(|leaf| moved(&leaf, &device()));
+                leaves[index] = leaf;
                 make(leaves)
             };
-            let expected = difference(moved, &leaves[index], at);
+            let expected = difference(of_moved, &leaves[index], at);
             let error = (f64::from(gradient[at]) - expected).abs();
             let allowed = 1e-3 * expected.abs().max(1.0);
             assert!(
@@ -191,22 +209,15 @@ fn gradients_are_those_of_finite_differences() {
 
 #[test]
 fn an_input_without_gradient_costs_none() {
-    let (x, bias) = (noise([1, 2, 8, 8], 1), noise([4], 3));
-    let gradients = |convolve: fn(Tensor<4>, Tensor<4>, Tensor<1>, bool, f32) -> Tensor<4>| {
-        let weight = noise([4, 2, 3, 3], 2).require_grad();
-        let made = convolve(x.clone(), weight.clone(), bias.clone(), false, 0.1);
-        let grads = (made.clone() * noise(made.dims(), 99)).sum().backward();
+    type Convolve = fn(Tensor<4>, Tensor<4>, Tensor<1>, bool, f32) -> Tensor<4>;
+    let gradients = |device: &Device, convolve: Convolve| {
+        let (x, bias) = (moved(&noise([1, 2, 8, 8], 1), device), moved(&noise([4], 3), device));
+        let weight = moved(&noise([4, 2, 3, 3], 2), device).require_grad();
+        let made = convolve(x.clone(), weight.clone(), bias, false, 0.1);
+        let grads = (made.clone() * moved(&noise(made.dims(), 99), device)).backward();
         (x.grad(&grads), weight.grad(&grads).expect("a gradient"))
     };
-    let ((none, made), (_, expected)) = (gradients(convolve), gradients(plain::convolve));
+    let ((none, made), (_, expected)) = (gradients(&device(), convolve), gradients(&flex(), plain::convolve));
     assert!(none.is_none());
     assert_close("dw", &made, &expected);
-    let (image, weight) = (noise([1, 2, 8, 8], 1), noise([4, 2, 3, 3], 2));
-    let [image, weight] = [image, weight].map(|tensor| tensor.to_data().try_into_vec::<f32>().expect("f32"));
-    let shape = ConvShape { batch: 1, groups: 1, inputs: 2, outputs: 4, height: 8, width: 8, kernel: 3 };
-    let operand = Operand::Plain(Image { data: &image, channels: 2, height: 8, width: 8 });
-    let made = vec![0.5; 4 * 64];
-    let made = Made { weight: &weight, y: &made, dy: &made, leak: 0.1 };
-    let images = |wants: bool| backward::backward(shape, &operand, made, wants).operand.len();
-    assert_eq!([images(true), images(false)], [1, 0]);
 }
