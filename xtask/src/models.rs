@@ -26,8 +26,6 @@ struct Budget {
     crop: u32,
     /// The optimiser's highest rate.
     rate: &'static str,
-    /// Its weight decay, where it is not what `deepshade train` takes.
-    decay: Option<&'static str>,
     /// The network's default radius as a share of a scene's diagonal, where the recipe has metres.
     share: Option<&'static str>,
 }
@@ -35,43 +33,24 @@ struct Budget {
 /// A network of the thesis' Table 7.1 each, cheap ones first. One core trains some 60 crops of 128 x 128 pixels a
 /// second for networks with 16 first kernels, 28 where these predict kernels, 40 for `ibl`, 200 for `ao`, 500 for `aa`,
 /// and makes a pair with 64 samples in five seconds: half an hour for data and about that for training; three quarters
-/// as much for runs of half and a quarter of the steps. `ibl` has more steps than all others, two hours, as runs of
-/// several lengths foretold that it would gain most; it gained little. Indirect light, most of which is dark, wants a
-/// lower rate: at 0.004 the weights grew without bound, to where structural similarity has no gradient. So do predicted
-/// kernels: at 0.004 what the layers make of noise grew beyond what half floats hold.
+/// as much for runs of half and a quarter of the steps. Networks that predict kernels have batches for a GPU: an H100 trains 700
+/// crops a second of each of the three at once, seven minutes, and two cores need an hour and a half for each. `ibl` has more
+/// steps than all others, two hours, as runs of several lengths foretold that it would gain most; it gained little. Indirect
+/// light, most of which is dark, wants a lower rate: at 0.004 the weights grew without bound, to where structural similarity has
+/// no gradient.
 const BUDGETS: [Budget; 11] = [
-    Budget { name: "aa", steps: 16_000, batch: 8, crop: 128, rate: "0.005", decay: None, share: None },
-    Budget { name: "dof", steps: 20_000, batch: 4, crop: 128, rate: "0.002", decay: OLD_DECAY, share: None },
-    Budget {
-        name: "motion-blur",
-        steps: 8_000,
-        batch: 4,
-        crop: 128,
-        rate: "0.002",
-        decay: OLD_DECAY,
-        share: None,
-    },
-    Budget { name: "sss", steps: 20_000, batch: 4, crop: 128, rate: "0.004", decay: None, share: None },
-    Budget { name: "gi", steps: 16_000, batch: 4, crop: 128, rate: "0.003", decay: None, share: None },
-    Budget { name: "gi-paper", steps: 16_000, batch: 4, crop: 128, rate: "0.003", decay: None, share: None },
-    Budget { name: "do", steps: 20_000, batch: 4, crop: 128, rate: "0.004", decay: None, share: None },
-    Budget { name: "multi", steps: 10_000, batch: 4, crop: 128, rate: "0.002", decay: None, share: None },
-    Budget {
-        name: "real",
-        steps: 20_000,
-        batch: 4,
-        crop: 128,
-        rate: "0.004",
-        decay: None,
-        share: Some("0.04"),
-    },
-    Budget { name: "ao", steps: 20_000, batch: 4, crop: 256, rate: "0.002", decay: None, share: None },
-    Budget { name: "ibl", steps: 64_000, batch: 4, crop: 128, rate: "0.005", decay: None, share: None },
+    Budget { name: "aa", steps: 16_000, batch: 8, crop: 128, rate: "0.005", share: None },
+    Budget { name: "dof", steps: 10_000, batch: 32, crop: 128, rate: "0.003", share: None },
+    Budget { name: "motion-blur", steps: 10_000, batch: 32, crop: 128, rate: "0.003", share: None },
+    Budget { name: "sss", steps: 20_000, batch: 4, crop: 128, rate: "0.004", share: None },
+    Budget { name: "gi", steps: 16_000, batch: 4, crop: 128, rate: "0.003", share: None },
+    Budget { name: "gi-paper", steps: 16_000, batch: 4, crop: 128, rate: "0.003", share: None },
+    Budget { name: "do", steps: 20_000, batch: 4, crop: 128, rate: "0.004", share: None },
+    Budget { name: "multi", steps: 9_000, batch: 32, crop: 128, rate: "0.003", share: None },
+    Budget { name: "real", steps: 20_000, batch: 4, crop: 128, rate: "0.004", share: Some("0.04") },
+    Budget { name: "ao", steps: 20_000, batch: 4, crop: 256, rate: "0.002", share: None },
+    Budget { name: "ibl", steps: 64_000, batch: 4, crop: 128, rate: "0.005", share: None },
 ];
-
-/// The weight decay of networks that were trained before more of it was usual for predicted kernels. With so little, what the
-/// layers of `motion-blur` make of noise grows in 20,000 steps to where forms no longer agree to a ten-thousandth.
-const OLD_DECAY: Option<&str> = Some("0.0001");
 
 /// What the command line says.
 struct Args {
@@ -79,6 +58,17 @@ struct Args {
     only: Option<String>,
     /// Folder of data, runs and test sets.
     work: PathBuf,
+    /// What networks are trained on.
+    device: Device,
+}
+
+/// What networks are trained on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Device {
+    /// The processor.
+    Cpu,
+    /// A GPU, by burn's Vulkan.
+    Gpu,
 }
 
 /// Makes the networks and says how long each step took.
@@ -91,7 +81,8 @@ pub fn run(args: &[String]) -> Result<()> {
         BUDGETS.iter().filter(|budget| args.only.as_deref().is_none_or(|only| only == budget.name)).collect();
     ensure!(!chosen.is_empty(), "no network of that name; there are {}", names());
     vulkan::ensure()?;
-    command::run(&mut cargo(&["build", "--release", "--locked"]))?;
+    let features: &[&str] = if args.device == Device::Gpu { &["--features", "vulkan"] } else { &[] };
+    command::run(&mut cargo(&[&["build", "--release", "--locked"], features].concat()))?;
     let mut report = String::new();
     for budget in chosen {
         for (step, mut command) in steps(budget, &args.work) {
@@ -111,7 +102,7 @@ pub fn run(args: &[String]) -> Result<()> {
 
 /// The steps from a recipe to a model with its figures.
 fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
-    let Budget { name, steps, batch, crop, rate, decay, share } = budget;
+    let Budget { name, steps, batch, crop, rate, share } = budget;
     let recipe = |suffix: &str| format!("dataset/recipes/{name}{suffix}.toml");
     let folder = |of: &str| work.join(of).join(name).display().to_string();
     let (data, run, testset) = (folder("data"), folder("runs"), folder("testsets"));
@@ -119,8 +110,7 @@ fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
     let deepshade = |words: &[&str]| command(&program(), words);
     let [batch, crop] = [batch, crop].map(u32::to_string);
     // No early stop: the rate falls until the last step.
-    let mut budget = vec!["--batch", &batch, "--crop", &crop, "--rate", rate, "--patience", "0"];
-    budget.extend(decay.iter().flat_map(|decay| ["--weight-decay", decay]));
+    let budget = ["--batch", &batch, "--crop", &crop, "--rate", rate, "--patience", "0"];
     let share = share.map_or_else(Vec::new, |share| vec!["--diagonal-share", share]);
     let training = |out: &str, steps: u32| {
         let words = ["train", "--dataset", &data, "--out", out, "--steps", &steps.to_string()];
@@ -159,17 +149,28 @@ fn program() -> String {
 }
 
 fn parse(args: &[String]) -> Result<Args> {
-    let mut parsed = Args { only: None, work: command::target().join("models") };
+    let mut parsed = Args { only: None, work: command::target().join("models"), device: Device::Cpu };
     let mut words = args.iter();
     while let Some(word) = words.next() {
         let value = words.next().with_context(|| format!("{word} lacks a value"))?;
         match word.as_str() {
             "--only" => parsed.only = Some(value.clone()),
             "--work" => parsed.work = root().join(value),
-            _ => bail!("do not understand `{word}`; there are --only NAME and --work DIR"),
+            "--device" => parsed.device = device(value)?,
+            _ => {
+                bail!("do not understand `{word}`; there are --only NAME, --work DIR and --device cpu or gpu")
+            }
         }
     }
     Ok(parsed)
+}
+
+fn device(name: &str) -> Result<Device> {
+    match name {
+        "cpu" => Ok(Device::Cpu),
+        "gpu" => Ok(Device::Gpu),
+        _ => bail!("there is no device `{name}`; there are cpu and gpu"),
+    }
 }
 
 fn names() -> String {
@@ -206,6 +207,9 @@ mod tests {
     fn one_network_may_be_chosen_and_what_is_not_understood_is_said() {
         let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
         assert_eq!(parse(&words("--only gi")).expect("understood").only.as_deref(), Some("gi"));
-        assert!(parse(&words("--only")).is_err() && parse(&words("--steps 7")).is_err());
+        assert_eq!(parse(&words("--only gi --device gpu")).expect("understood").device, Device::Gpu);
+        for wrong in ["--only", "--steps 7", "--device abacus"] {
+            assert!(parse(&words(wrong)).is_err(), "{wrong}");
+        }
     }
 }

@@ -29,21 +29,20 @@ pub(super) struct Trained {
     pub loss: f32,
 }
 
+/// What the network's channels are multiplied by for lengths and light that are scaled so.
+fn factors(spec: &NetSpec, length: f32, light: f32) -> Vec<(Channel, f32)> {
+    let channels = spec.inputs.iter().flat_map(|attribute| attribute.channels());
+    channels.map(|channel| (channel, NetSpec::factor(&channel, Scaling { length, light }))).collect()
+}
+
 /// What is done to the numbers that the network reads, in words.
 fn scales(spec: &NetSpec) -> String {
-    let factors = |length: f32, light: f32| {
-        let channels = spec.inputs.iter().flat_map(|attribute| attribute.channels());
-        channels
-            .map(|channel| (channel, NetSpec::factor(&channel, Scaling { length, light })))
-            .collect::<Vec<_>>()
-    };
-    let plain = factors(1.0, 1.0);
-    let reacting = |to: &[(Channel, f32)]| plain.iter().zip(to).any(|(a, b)| a.1 != b.1);
+    let plain = factors(spec, 1.0, 1.0);
     let mut said = Vec::new();
-    if reacting(&factors(2.0, 1.0)) {
+    if plain != factors(spec, 2.0, 1.0) {
         said.push(format!("lengths by {} over the radius in metres", spec.reach.radius));
     }
-    if reacting(&factors(1.0, 2.0)) {
+    if scales_light(spec) {
         said.push(format!("light such that 99 % of what is not black is at most {}", spec.brightness()));
     }
     said.extend(
@@ -53,6 +52,11 @@ fn scales(spec: &NetSpec) -> String {
             .map(|(channel, factor)| format!("`{channel}` by {factor}")),
     );
     if said.is_empty() { "nothing".to_owned() } else { said.join("; ") }
+}
+
+/// Whether the network reads light, which is scaled, and its image with it.
+fn scales_light(spec: &NetSpec) -> bool {
+    factors(spec, 1.0, 1.0) != factors(spec, 1.0, 2.0)
 }
 
 /// What the last layer makes, in words.
@@ -120,11 +124,15 @@ pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> Str
     for limit in &facts.limits {
         let _ = writeln!(card, "- {limit}");
     }
-    card += "\n## Files\n\n\
+    let of = if scales_light(spec) { "; its image is of the light as scaled" } else { "" };
+    let _ = write!(
+        card,
+        "\n## Files\n\n\
         - `weights.safetensors`, `net.json`: the weights and the network's spec.\n\
         - `model.onnx`: the same network, any batch, height and width; it reads what the WGSL pass reads:\n  \
-        channels scaled as said above, 0 in all of them where nothing is seen; its image is of the light as scaled.\n\
-        - `parity.safetensors`: an input and its output, to check a runtime with.\n";
+        channels scaled as said above, 0 in all of them where nothing is seen{of}.\n\
+        - `parity.safetensors`: an input and its output, to check a runtime with.\n"
+    );
     card
 }
 
@@ -146,6 +154,17 @@ mod tests {
             told(Effect::Multi),
             "makes weights of the light, 3x3 at each of 5 resolutions, and of black"
         );
+    }
+
+    #[test]
+    fn only_what_reads_light_makes_images_of_scaled_light() {
+        let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+        let told = |effect| {
+            let published = NetSpec::published(effect, ChannelOrder::Interleaved, reach).expect("it has one");
+            scales_light(&published)
+        };
+        assert!([Effect::Dof, Effect::Gi, Effect::Multi].into_iter().all(told));
+        assert!(![Effect::Ao, Effect::Ibl, Effect::Real].into_iter().any(told));
     }
 
     #[test]
