@@ -111,6 +111,7 @@ pub fn run(args: &Args) -> Result<()> {
     let size = if args.full { Size::FULL } else { Size::DEFAULT };
     let folder = args.out.join(size.name);
     let start = Instant::now();
+    let device = deepshade_train::device_name()?;
     let lab = Lab::open(&folder, size)?;
     let table = args.name.run(&lab, args.effect)?;
     let seconds = start.elapsed().as_secs_f64();
@@ -120,6 +121,7 @@ pub fn run(args: &Args) -> Result<()> {
     table.set_figures(&mut figures);
     figures.set("seconds", seconds);
     figures.detail("size", json!(size.name));
+    figures.detail("trained_on", json!(device));
     figures.detail("made", json!(lab.notes()));
     figures.write(args.json.as_deref())?;
     say!("{}, size `{}`", table.title, size.name)?;

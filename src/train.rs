@@ -264,7 +264,7 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some((step, loss)) = best {
         say!("best validation DSSIM {loss:.5} at step {step}")?;
     }
-    say!("{images_per_second:.2} images a second, {} threads", rayon::current_num_threads())
+    say!("{images_per_second:.2} images a second, {}", deepshade_train::device_name()?)
 }
 
 /// Reads a number of minutes that a run may take.

@@ -108,10 +108,10 @@ impl Measured {
 
     fn say(&self) -> Result<()> {
         let TrainConfig { batch, crop, spec, .. } = &self.config;
-        let (effect, weights, threads) = (spec.effect, spec.weight_count(), rayon::current_num_threads());
+        let (effect, weights, device) = (spec.effect, spec.weight_count(), deepshade_train::device_name()?);
         let (images, steps) = (self.times.images_per_second, self.steps);
         say!("network   {effect}, {weights} weights, batches of {batch} images of {crop} x {crop}")?;
-        say!("training  {images:.2} images a second, {threads} threads, median of {steps}")?;
+        say!("training  {images:.2} images a second, {device}, median of {steps}")?;
         self.parts()
             .iter()
             .try_for_each(|(part, milliseconds)| say!("{part:<9} {milliseconds:.1} ms a batch"))?;

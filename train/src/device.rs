@@ -8,7 +8,10 @@ pub(crate) use crate::gpu as ops;
 #[cfg(not(feature = "vulkan"))]
 pub(crate) use crate::kernels as ops;
 
-/// The processor, or with the feature `vulkan` the first GPU.
+/// The processor, or with the feature `vulkan` the fastest of the adapters that Vulkan finds, which may be a software one.
+///
+/// # Panics
+/// If there is none, which [`devices`] says first.
 pub fn device() -> Device {
     #[cfg(feature = "vulkan")]
     return Device::vulkan(Default::default());
@@ -16,16 +19,29 @@ pub fn device() -> Device {
     return Device::flex();
 }
 
-/// So many devices. The processor stands for as many as are wanted: burn's `flex` has one device, which takes work from several
+/// What [`device`] is called.
+///
+/// # Errors
+/// If there is none.
+pub fn device_name() -> Result<String, TrainError> {
+    #[cfg(feature = "vulkan")]
+    return Ok(devices(1)?.remove(0).identity().map_or_else(|| "a GPU".to_owned(), |identity| identity.name));
+    #[cfg(not(feature = "vulkan"))]
+    return Ok(format!("{} threads", rayon::current_num_threads()));
+}
+
+/// [`device`], or so many. The processor stands for as many as are wanted: burn's `flex` has one device, which takes work from several
 /// threads.
 ///
 /// # Errors
-/// If there are fewer GPUs.
+/// If there are fewer adapters.
 pub(crate) fn devices(count: usize) -> Result<Vec<Device>, TrainError> {
     #[cfg(feature = "vulkan")]
     {
-        // burn panics when it is given a GPU that is not there.
         let found: Vec<Device> = Device::enumerate(burn::tensor::DeviceType::Vulkan).into_iter().collect();
+        if found.is_empty() {
+            return Err(TrainError::Device("there is no Vulkan adapter".to_owned()));
+        }
         if found.len() < count {
             let problem = format!("is {count}, and Vulkan finds {}", found.len());
             return Err(TrainError::Config { field: "devices", problem });

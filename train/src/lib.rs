@@ -27,7 +27,7 @@ mod rng;
 pub mod training;
 
 pub use config::TrainConfig;
-pub use device::device;
+pub use device::{device, device_name};
 pub use error::TrainError;
 pub use export::export;
 pub use files::{discard, is_taken};

@@ -1,5 +1,5 @@
-//! The network's operations written with burn's tensors: they train on every backend, and they are what the CPU's
-//! own kernels (`kernels`) are tested against.
+//! The network's operations written with burn's tensors: what the kernels of processor (`kernels`) and GPU (`gpu`) are tested
+//! against, and pieces for networks of other shapes (`options`).
 
 #[cfg(test)]
 mod convolve;
@@ -27,7 +27,8 @@ pub fn pooled(x: Tensor<4>) -> Tensor<4> {
     avg_pool2d(x, AvgPoolOptions::new([2, 2]))
 }
 
-/// Doubling and concatenation. burn's `interpolate` has no gradient on its GPU backends; slices and blends have.
+/// Doubling and concatenation. burn's `interpolate` has no gradient on its GPU backends; slices and blends, which
+/// `options::masked` runs there, have.
 pub fn join(coarse: Tensor<4>, fine: Tensor<4>, groups: usize) -> Tensor<4> {
     let doubled = double_along(double_along(coarse, 2), 3);
     let [batch, channels, height, width] = fine.dims();

@@ -58,17 +58,8 @@ struct Args {
     only: Option<String>,
     /// Folder of data, runs and test sets.
     work: PathBuf,
-    /// What networks are trained on.
-    device: Device,
-}
-
-/// What networks are trained on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Device {
-    /// The processor.
-    Cpu,
-    /// A GPU, by burn's Vulkan.
-    Gpu,
+    /// Features of the program that trains.
+    features: &'static [&'static str],
 }
 
 /// Makes the networks and says how long each step took.
@@ -81,8 +72,7 @@ pub fn run(args: &[String]) -> Result<()> {
         BUDGETS.iter().filter(|budget| args.only.as_deref().is_none_or(|only| only == budget.name)).collect();
     ensure!(!chosen.is_empty(), "no network of that name; there are {}", names());
     vulkan::ensure()?;
-    let features: &[&str] = if args.device == Device::Gpu { &["--features", "vulkan"] } else { &[] };
-    command::run(&mut cargo(&[&["build", "--release", "--locked"], features].concat()))?;
+    command::run(&mut cargo(&[&["build", "--release", "--locked"], args.features].concat()))?;
     let mut report = String::new();
     for budget in chosen {
         for (step, mut command) in steps(budget, &args.work) {
@@ -149,14 +139,14 @@ fn program() -> String {
 }
 
 fn parse(args: &[String]) -> Result<Args> {
-    let mut parsed = Args { only: None, work: command::target().join("models"), device: Device::Cpu };
+    let mut parsed = Args { only: None, work: command::target().join("models"), features: &[] };
     let mut words = args.iter();
     while let Some(word) = words.next() {
         let value = words.next().with_context(|| format!("{word} lacks a value"))?;
         match word.as_str() {
             "--only" => parsed.only = Some(value.clone()),
             "--work" => parsed.work = root().join(value),
-            "--device" => parsed.device = device(value)?,
+            "--device" => parsed.features = features(value)?,
             _ => {
                 bail!("do not understand `{word}`; there are --only NAME, --work DIR and --device cpu or gpu")
             }
@@ -165,11 +155,12 @@ fn parse(args: &[String]) -> Result<Args> {
     Ok(parsed)
 }
 
-fn device(name: &str) -> Result<Device> {
-    match name {
-        "cpu" => Ok(Device::Cpu),
-        "gpu" => Ok(Device::Gpu),
-        _ => bail!("there is no device `{name}`; there are cpu and gpu"),
+/// Features of a program that trains there.
+fn features(device: &str) -> Result<&'static [&'static str]> {
+    match device {
+        "cpu" => Ok(&[]),
+        "gpu" => Ok(&["--features", "vulkan"]),
+        _ => bail!("there is no device `{device}`; there are cpu and gpu"),
     }
 }
 
@@ -207,7 +198,7 @@ mod tests {
     fn one_network_may_be_chosen_and_what_is_not_understood_is_said() {
         let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
         assert_eq!(parse(&words("--only gi")).expect("understood").only.as_deref(), Some("gi"));
-        assert_eq!(parse(&words("--only gi --device gpu")).expect("understood").device, Device::Gpu);
+        assert!(!parse(&words("--only gi --device gpu")).expect("understood").features.is_empty());
         for wrong in ["--only", "--steps 7", "--device abacus"] {
             assert!(parse(&words(wrong)).is_err(), "{wrong}");
         }

@@ -72,7 +72,18 @@ const STEPS: [Step; 7] = [
     ),
     (
         "training on Vulkan",
-        &["clippy", "--release", "--locked", "--features", "vulkan", "--", "-D", "warnings"],
+        &[
+            "clippy",
+            "--release",
+            "--locked",
+            "--workspace",
+            "--all-targets",
+            "--features",
+            "vulkan",
+            "--",
+            "-D",
+            "warnings",
+        ],
     ),
     (
         "the program without training",

@@ -16,6 +16,8 @@ fn flex() -> Device {
     Device::flex().autodiff()
 }
 
+type Convolve = fn(Tensor<4>, Tensor<4>, Tensor<1>, bool, f32) -> Tensor<4>;
+
 fn moved<const D: usize>(tensor: &Tensor<D>, device: &Device) -> Tensor<D> {
     Tensor::from_data(tensor.to_data(), device)
 }
@@ -50,7 +52,7 @@ fn traced<const N: usize>(
 }
 
 /// `[batch, groups, inputs, outputs, height, width, kernel]`.
-const SHAPES: [[usize; 7]; 9] = [
+const SHAPES: [[usize; 7]; 10] = [
     [1, 1, 6, 8, 40, 70, 3],
     [2, 4, 4, 8, 17, 9, 3],
     [3, 1, 24, 1, 16, 33, 3],
@@ -60,6 +62,7 @@ const SHAPES: [[usize; 7]; 9] = [
     [1, 3, 10, 1, 9, 20, 1],
     [1, 1, 48, 3, 70, 18, 5],
     [2, 2, 8, 16, 34, 50, 3],
+    [1, 2, 3, 2, 9, 12, 7],
 ];
 
 fn assert_all_close(shape: [usize; 7], what: &str, made: &[Tensor<4>], expected: &[Tensor<4>]) {
@@ -79,7 +82,7 @@ fn convolution_with_pooling_and_its_gradients() {
         for (pooled, scale, leak) in [(false, 1, 0.01), (true, 2, 0.01), (false, 1, 1.0)] {
             let leaves = || {
                 [
-                    noise([batch, groups * inputs, scale * height, scale * width], 1),
+                    noise([batch, groups * inputs, scale * width, scale * height], 1),
                     noise([groups * outputs, inputs, kernel, kernel], 2),
                     noise([groups * outputs, 1, 1, 1], 3),
                 ]
@@ -119,6 +122,22 @@ fn convolution_with_doubling_and_concatenation_and_its_gradients() {
             assert_all_close(shape, "the convolution", &made, &expected);
         }
     }
+}
+
+#[cfg(feature = "vulkan")]
+#[test]
+fn gradients_of_more_numbers_than_a_gpu_starts_cubes_for_along_an_axis() {
+    let x = || [noise([2, 1, 1000, 1000], 1)];
+    let made = |device: &Device, convolve: Convolve| {
+        let (weight, bias) = (moved(&noise([9, 1, 1, 1], 2), device), moved(&noise([9], 3), device));
+        traced(device, x(), |[x]| convolve(x, weight.clone(), bias.clone(), false, 0.1))
+    };
+    assert_all_close(
+        [2, 1, 1, 9, 1000, 1000, 1],
+        "the convolution",
+        &made(&device(), convolve),
+        &made(&flex(), plain::convolve),
+    );
 }
 
 #[test]
@@ -208,8 +227,7 @@ fn gradients_are_those_of_finite_differences() {
 }
 
 #[test]
-fn an_input_without_gradient_costs_none() {
-    type Convolve = fn(Tensor<4>, Tensor<4>, Tensor<1>, bool, f32) -> Tensor<4>;
+fn an_input_without_gradient_gets_none() {
     let gradients = |device: &Device, convolve: Convolve| {
         let (x, bias) = (moved(&noise([1, 2, 8, 8], 1), device), moved(&noise([4], 3), device));
         let weight = moved(&noise([4, 2, 3, 3], 2), device).require_grad();

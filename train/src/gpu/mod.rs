@@ -1,15 +1,17 @@
 //! The network's steps on a GPU, as a backend extension of burn's CubeCL backends: convolution with bias and leaky ReLU, doubling
 //! with concatenation, and the filter by predicted kernels, each as one operation with one gradient.
 //!
-//! burn finds the gradient of grouped weights by one convolution a group, of which a network has more than a hundred, and chooses
-//! its fastest kernels by trying them all, which takes minutes for a network. These are compiled in seconds.
+//! burn's own kernels find the gradient of grouped weights by one convolution a group, of which a network has more than a hundred,
+//! and are slow unless burn's feature `autotune` chooses among them, which takes minutes for a network. These are compiled in
+//! seconds.
 
 mod convolution;
+mod correlation;
 mod filter;
 mod join;
 mod launch;
 
-use crate::plain::pooled;
+use crate::plain;
 use burn::backend::autodiff::NodeId;
 use burn::backend::autodiff::checkpoint::{base::Checkpointer, strategy::CheckpointStrategy};
 use burn::backend::autodiff::grads::Gradients;
@@ -39,8 +41,8 @@ pub trait NetOps: Backend {
 }
 
 /// As `kernels::convolve`.
-pub fn convolve(x: Tensor<4>, weight: Tensor<4>, bias: Tensor<1>, pool: bool, leak: f32) -> Tensor<4> {
-    let x = if pool { pooled(x) } else { x };
+pub fn convolve(x: Tensor<4>, weight: Tensor<4>, bias: Tensor<1>, pooled: bool, leak: f32) -> Tensor<4> {
+    let x = if pooled { plain::pooled(x) } else { x };
     let (weight, bias) = (weight.into_dispatch(), bias.into_dispatch());
     Tensor::from_dispatch(<Dispatch as NetOps>::convolve(x.into_dispatch(), weight, bias, leak))
 }
@@ -67,22 +69,22 @@ pub fn filtered(filter: Filter, made: Tensor<4>, light: Tensor<4>) -> Tensor<4> 
 fn pyramid(filter: Filter, light: Tensor<4>) -> Tensor<3> {
     let mut levels = vec![light];
     for _ in 1..filter.levels {
-        levels.extend(levels.last().cloned().map(pooled));
+        levels.extend(levels.last().cloned().map(plain::pooled));
     }
     Tensor::cat(levels.into_iter().map(|level| level.flatten(2, 3)).collect(), 2)
 }
 
 impl NetOps for Cube {
     fn convolve(x: Gpu, weight: Gpu, bias: Gpu, leak: f32) -> Gpu {
-        launch::convolve(&x, &weight, &bias, leak)
+        convolution::convolve(&x, &weight, &bias, leak)
     }
 
     fn join(coarse: Gpu, fine: Gpu, groups: usize) -> Gpu {
-        launch::join(&coarse, &fine, groups)
+        join::join(&coarse, &fine, groups)
     }
 
     fn filtered(filter: Filter, made: Gpu, pyramid: Gpu) -> Gpu {
-        launch::filtered(filter, &made, &pyramid)
+        filter::filtered(filter, &made, &pyramid)
     }
 }
 
@@ -95,7 +97,7 @@ impl<C: CheckpointStrategy> NetOps for Autodiff<Cube, C> {
     ) -> FloatTensor<Self> {
         let guards = [x.node(), weight.node(), bias.node()];
         let (x, weight) = (x.into_primitive(), weight.into_primitive());
-        let y = launch::convolve(&x, &weight, &bias.into_primitive(), leak);
+        let y = convolution::convolve(&x, &weight, &bias.into_primitive(), leak);
         match Convolve.prepare::<C>(guards).compute_bound().stateful() {
             OpsKind::Tracked(prep) => prep.finish(Convolved { x, weight, y: y.clone(), leak }, y),
             OpsKind::UnTracked(prep) => prep.finish(y),
@@ -105,7 +107,7 @@ impl<C: CheckpointStrategy> NetOps for Autodiff<Cube, C> {
     fn join(coarse: FloatTensor<Self>, fine: FloatTensor<Self>, groups: usize) -> FloatTensor<Self> {
         let guards = [coarse.node(), fine.node()];
         let (coarse, fine) = (coarse.into_primitive(), fine.into_primitive());
-        let joined = launch::join(&coarse, &fine, groups);
+        let joined = join::join(&coarse, &fine, groups);
         match Join.prepare::<C>(guards).compute_bound().stateful() {
             OpsKind::Tracked(prep) => prep.finish((coarse, fine, groups), joined),
             OpsKind::UnTracked(prep) => prep.finish(joined),
@@ -115,7 +117,7 @@ impl<C: CheckpointStrategy> NetOps for Autodiff<Cube, C> {
     fn filtered(filter: Filter, made: FloatTensor<Self>, pyramid: FloatTensor<Self>) -> FloatTensor<Self> {
         let guards = [made.node()];
         let (made, pyramid) = (made.into_primitive(), pyramid.into_primitive());
-        let image = launch::filtered(filter, &made, &pyramid);
+        let image = filter::filtered(filter, &made, &pyramid);
         match Filtered.prepare::<C>(guards).compute_bound().stateful() {
             OpsKind::Tracked(prep) => prep.finish((filter, made, pyramid), image),
             OpsKind::UnTracked(prep) => prep.finish(image),
@@ -141,15 +143,17 @@ impl Backward<Cube, 3> for Convolve {
 
     fn backward(self, ops: Ops<Convolved, 3>, grads: &mut Gradients, _: &mut Checkpointer) {
         let Convolved { x, weight, y, leak } = ops.state;
-        let gradient = launch::before_leak(&y, &grads.consume::<Cube>(&ops.node), leak);
+        let gradient = convolution::leaky_relu_backward(&y, &grads.consume::<Cube>(&ops.node), leak);
         let [x_node, weight_node, bias_node] = ops.parents.map(|node| Some(node?.id));
         if x_node.is_some() {
             let groups = x.shape()[1] / weight.shape()[1];
-            register(grads, x_node, launch::convolve_back(&gradient, &weight, groups));
+            register(grads, x_node, convolution::input_gradient(&gradient, &weight, groups));
         }
-        let [by_weight, by_bias] = launch::correlate(&x, &gradient, &weight);
-        register(grads, weight_node, by_weight);
-        register(grads, bias_node, by_bias);
+        if weight_node.is_some() || bias_node.is_some() {
+            let [by_weight, by_bias] = correlation::weight_gradient(&x, &gradient, &weight);
+            register(grads, weight_node, by_weight);
+            register(grads, bias_node, by_bias);
+        }
     }
 }
 
@@ -164,7 +168,7 @@ impl Backward<Cube, 2> for Join {
         let (coarse, fine, groups) = ops.state;
         let gradient = grads.consume::<Cube>(&ops.node);
         let [coarse_node, fine_node] = ops.parents.map(|node| Some(node?.id));
-        let [by_coarse, by_fine] = launch::part(&gradient, &coarse, &fine, groups);
+        let [by_coarse, by_fine] = join::join_backward(&gradient, &coarse, &fine, groups);
         register(grads, coarse_node, by_coarse);
         register(grads, fine_node, by_fine);
     }
@@ -181,7 +185,7 @@ impl Backward<Cube, 1> for Filtered {
         let (filter, made, pyramid) = ops.state;
         let gradient = grads.consume::<Cube>(&ops.node);
         let [made_node] = ops.parents.map(|node| Some(node?.id));
-        register(grads, made_node, launch::filter_gradient(filter, &made, &pyramid, &gradient));
+        register(grads, made_node, filter::filtered_backward(filter, &made, &pyramid, &gradient));
     }
 }
 

@@ -3,8 +3,8 @@
 //! predicted kernels as another.
 //!
 //! Forwards they are the kernels that also run networks ([`deepshade_infer::cpu`]). `deepshade bench train` measures
-//! training with these alone. Other backends run the same operations written with tensors (`plain`), which are also
-//! what these are tested against.
+//! training with these alone. GPUs have theirs in `gpu`; both are tested against the same operations
+//! written with tensors (`plain`).
 
 mod backward;
 mod correlate;
