@@ -42,7 +42,7 @@ const BUDGETS: [Budget; 11] = [
     Budget { name: "aa", steps: 16_000, batch: 8, crop: 128, rate: "0.005", share: None },
     Budget { name: "dof", steps: 10_000, batch: 32, crop: 128, rate: "0.003", share: None },
     Budget { name: "motion-blur", steps: 10_000, batch: 32, crop: 128, rate: "0.003", share: None },
-    Budget { name: "sss", steps: 20_000, batch: 4, crop: 128, rate: "0.004", share: None },
+    Budget { name: "sss", steps: 64_000, batch: 4, crop: 128, rate: "0.004", share: None },
     Budget { name: "gi", steps: 16_000, batch: 4, crop: 128, rate: "0.003", share: None },
     Budget { name: "gi-paper", steps: 16_000, batch: 4, crop: 128, rate: "0.003", share: None },
     Budget { name: "do", steps: 20_000, batch: 4, crop: 128, rate: "0.004", share: None },
