@@ -191,7 +191,8 @@ fn from_a_recipe_to_a_network_that_is_compared() {
 fn a_pair_takes_milliseconds_to_minutes_and_its_parts_are_all_of_it() {
     let chain = Chain(tempfile::tempdir().expect("a folder"));
     let recipes = Path::new(env!("CARGO_MANIFEST_DIR")).join("dataset/recipes");
-    let bench = format!("bench dataset --recipes {} --effects do --pairs 1 --one-in 64", recipes.display());
+    // The median of three: what another program takes from the tiles that are timed, one in 64, counts 64 times.
+    let bench = format!("bench dataset --recipes {} --effects do --pairs 3 --one-in 64", recipes.display());
     let made = chain.figures(&bench, &["pairs_per_hour_core_do"]);
     let pairs = made["pairs_per_hour_core_do"].as_f64().expect("a number");
     // Whatever the machine: in seconds, or in milliseconds, it would be far outside.
@@ -200,8 +201,7 @@ fn a_pair_takes_milliseconds_to_minutes_and_its_parts_are_all_of_it() {
     let shares = ["scene", "rays", "shading", "exr"].map(share);
     assert!(shares.iter().all(|share| (0.0..1.0).contains(share)), "{shares:?}");
     assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{shares:?}");
-    // Some 9 %, and less where another program took the processor during the rest.
-    assert!(shares[1] > 0.001, "rays take time: {shares:?}");
+    assert!(shares[1] > 0.01, "rays take time: {shares:?}");
 }
 
 #[test]

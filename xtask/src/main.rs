@@ -48,7 +48,8 @@ Commands:
   models [--only NAME] [--work DIR] [--device cpu|gpu]
                Make every network in `models` from nothing: data, training, export, test set, evaluation, parity, and
                what more steps would bring, from trainings of half and a quarter of them; hours.
-               Given again it goes on. --device gpu trains on a GPU, by Vulkan. --work keeps data, runs and test sets, by default below the target folder
+               Given again it goes on. --device gpu trains on a GPU, by Vulkan. --work keeps data, runs and test sets,
+               by default below the target folder
   book         Build the book in `book` with mdBook, as web pages below the target folder
   deny [--advisories]
                Check licences, banned crates and sources of all dependencies with cargo-deny, and advisories of known faults

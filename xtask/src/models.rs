@@ -34,8 +34,8 @@ struct Budget {
 /// second for networks with 16 first kernels, 28 where these predict kernels, 40 for `ibl`, 200 for `ao`, 500 for `aa`,
 /// and makes a pair with 64 samples in five seconds: half an hour for data and about that for training; three quarters
 /// as much for runs of half and a quarter of the steps. Networks that predict kernels have batches for a GPU: an H100 trains 700
-/// crops a second of each of the three at once, seven minutes, and two cores need an hour and a half for each. `ibl` has more
-/// steps than all others, two hours, as runs of several lengths foretold that it would gain most; it gained little. Indirect
+/// crops a second of each of the three at once, seven minutes, and two cores need an hour and a half for each. `sss` and `ibl` have
+/// more steps than the others, one and two hours; `ibl` gained little by them. Indirect
 /// light, most of which is dark, wants a lower rate: at 0.004 the weights grew without bound, to where structural similarity has
 /// no gradient.
 const BUDGETS: [Budget; 11] = [
