@@ -30,7 +30,7 @@ pub struct Args {
     /// Order of the channels after a concatenation.
     #[arg(long, value_enum, default_value_t = Order::Interleaved)]
     order: Order,
-    /// What the last layer makes [default: kernels for dof, motion-blur and multi, else the image].
+    /// What the last layer makes [default: kernels for dof, motion-blur, multi and sss, else the image].
     #[arg(long, value_enum)]
     last: Option<LastLayer>,
     /// What is made small.
@@ -117,16 +117,15 @@ enum LastLayer {
     /// The image, as in the paper.
     Image,
     /// Weights of the light, which the image is the sum of: of 3x3 pixels at several resolutions, for aa 5x5 at one, for multi
-    /// of black too.
+    /// of black too, for sss of each colour by itself.
     Kernels,
 }
 
 impl LastLayer {
-    /// What came nearer to truth in equal steps. For anti-aliasing kernels do, too, but by little, with ten times the weights;
-    /// for subsurface scattering they cannot hold that light goes farther in one colour than in another.
+    /// What came nearer to truth in equal steps. For anti-aliasing kernels do, too, but by little, with ten times the weights.
     const fn best(effect: Effect) -> Self {
         match effect {
-            Effect::Dof | Effect::MotionBlur | Effect::Multi => Self::Kernels,
+            Effect::Dof | Effect::MotionBlur | Effect::Multi | Effect::Sss => Self::Kernels,
             _ => Self::Image,
         }
     }
@@ -342,7 +341,7 @@ mod tests {
     fn kernels_are_for_effects_that_filter_light() {
         let best = [Effect::Ao, Effect::Sss, Effect::Dof, Effect::Multi, Effect::Aa].map(LastLayer::best);
         let [image, kernels] = [LastLayer::Image, LastLayer::Kernels];
-        assert_eq!(best, [image, image, kernels, kernels, image]);
+        assert_eq!(best, [image, kernels, kernels, kernels, image]);
         assert!(
             kernels.weight_decay() > Some(Optimiser::ADAMW.weight_decay()) && image.weight_decay().is_none()
         );

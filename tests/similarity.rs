@@ -3,7 +3,7 @@
 
 use deepshade_render::metrics::ssim;
 use deepshade_shaders::{Planes, random::random};
-use deepshade_train::Loss;
+use deepshade_train::loss::{Loss, Target};
 use deepshade_train::net::to_tensor;
 
 #[test]
@@ -21,8 +21,9 @@ fn the_loss_is_the_metric() {
     let mut last = 1.0;
     for contrast in [0.0, 0.05, 0.3, 1.0] {
         let (a, b) = (image(1, contrast), image(2, contrast));
-        let loss: f32 =
-            Loss::Dssim.of(to_tensor(&[&a], &device), to_tensor(&[&b], &device), seen.clone()).into_scalar();
+        let image = to_tensor(&[&b], &device);
+        let target = Target { variance: image.zeros_like(), image, valid: seen.clone() };
+        let loss: f32 = Loss::Dssim.of(to_tensor(&[&a], &device), target).into_scalar();
         let (from_loss, metric) = (1.0 - 2.0 * f64::from(loss), ssim(&a, &b));
         assert!((from_loss - metric).abs() < 1e-5, "contrast {contrast}: {from_loss} and {metric}");
         assert!(metric < last || contrast == 0.0, "contrast {contrast}: {metric} after {last}");

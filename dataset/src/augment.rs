@@ -121,6 +121,7 @@ pub fn augment(pair: &Pair, symmetry: Symmetry) -> Pair {
     Pair {
         gbuffer: symmetry.apply(&pair.gbuffer),
         target: symmetry.move_pixels(&pair.target),
+        variance: pair.variance.as_ref().map(|variance| symmetry.move_pixels(variance)),
         radius: pair.radius,
     }
 }

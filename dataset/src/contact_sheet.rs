@@ -294,7 +294,7 @@ mod tests {
             _ => 0.0,
         });
         let target = Planes::from_data(3, 1, 2, vec![4.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
-        Pair { gbuffer: GBuffer::new(attributes, planes), target, radius: 1.0 }
+        Pair { gbuffer: GBuffer::new(attributes, planes), target, variance: None, radius: 1.0 }
     }
 
     #[test]

@@ -27,6 +27,8 @@ use std::path::Path;
 
 /// Where the pairs lie in a dataset's folder.
 pub(crate) const PAIRS: &str = "pairs";
+/// Name of the layer that holds the variance of the target's values, where it is known.
+pub(crate) const VARIANCE_LAYER: &str = "variance";
 /// So many scenes are in memory at a time; their views and tiles keep all threads busy.
 const SCENES_AT_ONCE: usize = 2;
 
@@ -237,7 +239,8 @@ impl Work<'_> {
         let path = self.folder.join(&record.file);
         let mut layers =
             vec![Layer::gbuffer(gbuffer), Layer::image(&target_layer(self.recipe), &target.mean)];
-        layers.extend(target.variance.iter().map(|variance| Layer::image("variance", variance).in_full()));
+        layers
+            .extend(target.variance.iter().map(|variance| Layer::image(VARIANCE_LAYER, variance).in_full()));
         let bytes = encode(&path, &layers, &metadata(self.recipe, &record, target.samples))?;
         atomic_file::write(&path, &bytes).map_err(|source| DatasetError::io(&path, source))?;
         record.blake3 = blake3::hash(&bytes).to_hex().to_string();
@@ -248,13 +251,13 @@ impl Work<'_> {
 
     /// Truth with as many samples as the recipe wants, or what its method makes.
     fn target(&self, frame: &Frame<'_>) -> Result<Estimate, DatasetError> {
-        let Recipe { effect, samples, error, resolution, .. } = *self.recipe;
+        let Recipe { effect, samples, scramblings, error, resolution, .. } = *self.recipe;
         if let Some(method) = self.method {
             return Ok(Estimate { mean: target::image(method, frame)?, variance: None, samples: 0 });
         }
         let shot = Shot::new(frame.scene, frame.camera, [resolution.height, resolution.width], frame.radius);
         Ok(match error {
-            None => render(effect, &shot, Sampling::one(samples, frame.seed)),
+            None => render(effect, &shot, Sampling { samples, scramblings, seed: frame.seed }),
             Some(_) => {
                 Truth::render(effect, &shot, Goal { samples, error }, frame.seed, |_, _| true).estimate
             }

@@ -1,6 +1,6 @@
 //! Reading a dataset.
 
-use crate::generate::target_layer;
+use crate::generate::{VARIANCE_LAYER, target_layer};
 use crate::{DatasetError, Manifest, PairRecord, Part, Props, Recipe, Shard};
 use deepshade_render::exr_file;
 use deepshade_shaders::{GBuffer, Planes};
@@ -20,6 +20,8 @@ pub struct Pair {
     pub gbuffer: GBuffer,
     /// Truth, `[effect.channels(), height, width]`.
     pub target: Planes,
+    /// Variance of each value of `target`, by the noise of its samples; `None` where it is not known.
+    pub variance: Option<Planes>,
     /// How far the effect reaches, metres.
     pub radius: f32,
 }
@@ -125,9 +127,12 @@ impl Dataset {
                 format!("{size} where the recipe says {width} x {height}"),
             ));
         }
+        let channels = recipe.effect.channels();
+        let variance = recipe.knows_variance().then(|| image.image(VARIANCE_LAYER, channels));
         Ok(Pair {
             gbuffer: image.gbuffer(&recipe.attributes())?,
-            target: image.image(&target_layer(recipe), recipe.effect.channels())?,
+            target: image.image(&target_layer(recipe), channels)?,
+            variance: variance.transpose()?,
             radius: record.radius,
         })
     }

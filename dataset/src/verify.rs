@@ -121,12 +121,17 @@ fn pair_fault(dataset: &Dataset, index: usize) -> Option<String> {
 
 /// What in a pair's pixels makes no sense.
 fn content_fault(pair: &Pair, effect: Effect) -> Option<String> {
-    let Pair { gbuffer, target, radius } = pair;
+    let Pair { gbuffer, target, variance, radius } = pair;
     if !(radius.is_finite() && *radius > 0.0) {
         return Some(format!("radius {radius}"));
     }
     if let Some(value) = target.data().iter().find(|value| !in_range(**value, effect)) {
         return Some(format!("a target of {value}"));
+    }
+    let is_variance = |value: f32| value.is_finite() && value >= 0.0;
+    let mut variances = variance.iter().flat_map(|variance| variance.data());
+    if let Some(value) = variances.find(|value| !is_variance(**value)) {
+        return Some(format!("a variance of {value}"));
     }
     let Some(valid) = plane(gbuffer, Attribute::Valid) else { return Some("no validity mask".to_owned()) };
     if valid.iter().all(|value| *value == 0.0) {
@@ -231,7 +236,7 @@ mod tests {
         let surface = [0.0, 0.0, -2.0, 0.0, 0.0, 1.0, 1.0];
         let planes = Planes::from_fn(7, 1, 2, |c, _, x| if x == 0 { surface[c] } else { 0.0 });
         let target = Planes::from_data(1, 1, 2, vec![0.5, 1.0]);
-        Pair { gbuffer: GBuffer::new(attributes, planes), target, radius: 0.1 }
+        Pair { gbuffer: GBuffer::new(attributes, planes), target, variance: None, radius: 0.1 }
     }
 
     #[test]
@@ -264,6 +269,16 @@ mod tests {
     }
 
     #[test]
+    fn a_variance_is_finite_and_not_below_zero() {
+        for (value, expected) in
+            [(0.0, None), (-1e-6, Some("a variance of -0.000001")), (f32::NAN, Some("a variance of NaN"))]
+        {
+            let variance = Some(Planes::from_data(1, 1, 2, vec![value, 0.0]));
+            assert_eq!(content_fault(&Pair { variance, ..pair() }, Effect::Ao).as_deref(), expected);
+        }
+    }
+
+    #[test]
     fn every_attribute_has_a_range_that_damage_leaves() {
         for effect in Effect::ALL {
             let attributes = crate::truth::attributes(effect).to_vec();
@@ -280,7 +295,12 @@ mod tests {
                 let value = |c: usize| if damaged == Some(c) { f32::NAN } else { sound(c) };
                 let planes = Planes::from_fn(channels.len(), 1, 1, |c, _, _| value(c));
                 let target = Planes::filled(effect.channels(), 1, 1, 0.5);
-                let pair = Pair { gbuffer: GBuffer::new(attributes.clone(), planes), target, radius: 0.1 };
+                let pair = Pair {
+                    gbuffer: GBuffer::new(attributes.clone(), planes),
+                    target,
+                    variance: None,
+                    radius: 0.1,
+                };
                 content_fault(&pair, effect)
             };
             assert_eq!(faults(None), None, "{effect}");

@@ -58,14 +58,15 @@ impl Filter {
 }
 
 impl NetSpec {
-    /// The same network with a last layer that predicts kernels, for all colours at once: of 3x3 pixels on every level, or
-    /// of 5x5 where there is one level only; with black where the effect hides light. None where the network reads no
-    /// light.
+    /// The same network with a last layer that predicts kernels: of 3x3 pixels on every level, or of 5x5 where there is one
+    /// level only; with black where the effect hides light; for all colours at once, or where the effect parts colours for one
+    /// of them a run. None where the network reads no light.
     pub fn predicting_kernels(&self) -> Option<Self> {
         let kernel = if self.levels == 1 { 5 } else { 3 };
         let black = self.effect.hides_light();
         let filter = Some(Filter { levels: self.levels, kernel, black });
-        let spec = Self { filter, colour: Colour::Rgb, ..self.clone() };
+        let colour = if self.effect.parts_colours() { Colour::Mono } else { Colour::Rgb };
+        let spec = Self { filter, colour, ..self.clone() };
         spec.validate().is_ok().then_some(spec)
     }
 
@@ -157,6 +158,8 @@ mod tests {
         assert_eq!((dof.input_channels(), dof.last_channels(), dof.runs()), (5, 45, 1));
         let multi = published(Effect::Multi).predicting_kernels().expect("it reads light");
         assert_eq!((multi.input_channels(), multi.last_channels(), multi.runs()), (11, 46, 1));
+        let sss = published(Effect::Sss).predicting_kernels().expect("it reads light");
+        assert_eq!((sss.input_channels(), sss.last_channels(), sss.runs()), (5, 45, 3));
     }
 
     #[test]

@@ -179,6 +179,30 @@ impl Effect {
         }
     }
 
+    /// Whether it sends the light of one colour farther than that of another, so that the same weights of the light of a
+    /// neighbourhood cannot serve for all colours.
+    pub const fn parts_colours(self) -> bool {
+        match self {
+            Self::Sss | Self::Subsurface => true,
+            Self::Aa
+            | Self::Ao
+            | Self::Do
+            | Self::Dof
+            | Self::Gi
+            | Self::Glossy
+            | Self::Ibl
+            | Self::MotionBlur
+            | Self::Multi
+            | Self::FogDirect
+            | Self::FogIndirect
+            | Self::FogMultiple
+            | Self::Phosphor
+            | Self::PhosphorGi
+            | Self::Path
+            | Self::Real => false,
+        }
+    }
+
     /// Whether its image is direct light, [`Attribute::Light`](crate::Attribute::Light), averaged over a neighbourhood, maybe
     /// with some of it hidden.
     pub const fn filters_light(self) -> bool {

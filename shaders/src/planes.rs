@@ -99,6 +99,13 @@ impl Planes {
         Self::from_fn(self.channels, height, width, |c, dy, dx| self.at(c, y + dy, x + dx))
     }
 
+    /// What a function makes of every value.
+    #[must_use]
+    pub fn map(&self, value: impl Fn(f32) -> f32) -> Self {
+        let data = self.data.iter().map(|old| value(*old)).collect();
+        Self { data, ..*self }
+    }
+
     /// Whether another image has the same channels, height and width.
     pub const fn same_shape(&self, other: &Self) -> bool {
         self.channels == other.channels && self.height == other.height && self.width == other.width

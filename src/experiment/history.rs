@@ -7,7 +7,7 @@ use super::table::{Row, Table};
 use crate::plot::{Line, Plot};
 use anyhow::Result;
 use deepshade_dataset::recipe::Sequence;
-use deepshade_dataset::{Dataset, Recipe};
+use deepshade_dataset::{Dataset, Pair, Recipe};
 use deepshade_infer::NetSpec;
 use deepshade_render::scene::Camera;
 use deepshade_render::screen::reprojection::Parameters;
@@ -145,6 +145,7 @@ impl Film {
             stills.push(Still {
                 input: spec.input(gbuffer, spec.scaling(gbuffer, radius)?, 0)?,
                 target: truth.clone(),
+                variance: truth.map(|_| 0.0),
                 valid: Planes::from_data(1, truth.height(), truth.width(), valid),
                 carry,
             });
@@ -220,7 +221,12 @@ impl Films for Shelf<'_> {
         let frames = pairs.zip(&read).map(|(index, pair)| {
             (&pair.gbuffer, &self.dataset.record(index).camera, pair.radius, &pair.target)
         });
-        Film::new(frames, self.spec).map(|film| film.stills).map_err(|error| format!("{error:#}"))
+        let stills = Film::new(frames, self.spec).map_err(|error| format!("{error:#}"))?.stills;
+        let with_noise = |(still, pair): (Still, &Pair)| {
+            let variance = pair.variance.clone().unwrap_or(still.variance);
+            Still { variance, ..still }
+        };
+        Ok(stills.into_iter().zip(&read).map(with_noise).collect())
     }
 }
 

@@ -8,7 +8,7 @@ use crate::plot::{Line, Plot};
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::vary::Textures;
 use deepshade_dataset::{Dataset, Vary};
-use deepshade_infer::{Cost, Filter, NetSpec};
+use deepshade_infer::{Colour, Cost, Filter, NetSpec};
 use deepshade_shaders::{Effect, GBuffer, Planes};
 use deepshade_train::TrainConfig;
 use deepshade_train::options::{Kind, Variant};
@@ -121,7 +121,8 @@ fn choices(lab: &Lab, paper: &TrainConfig) -> Result<Vec<Choice>> {
             choices.push(choice(&name, &label, NetSpec { filter: Some(filter), ..spec.clone() }));
         }
     }
-    let all_colours = spec.predicting_kernels().context("a network that filters light")?;
+    let predicting = spec.predicting_kernels().context("a network that filters light")?;
+    let all_colours = NetSpec { colour: Colour::Rgb, ..predicting };
     let (name, label) = named(all_colours.filter.context("kernels")?);
     choices.push(choice(&format!("{name}-rgb"), &format!("{label}, all colours at once"), all_colours));
     Ok(choices)

@@ -1,11 +1,13 @@
 //! Batches: pairs decoded, cropped and turned on threads of their own, in an order that depends on seed and step only.
 
+use crate::loss::Target;
 use crate::pairs::{Cache, HalfPair, Scale};
 use crate::rng::{Purpose, Rng};
 use crate::{TrainConfig, TrainError};
 use burn::tensor::{Device, Tensor, TensorData};
 use deepshade_dataset::{Pair, Symmetry, augment};
 use deepshade_infer::NetSpec;
+use deepshade_shaders::Planes;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
@@ -24,6 +26,7 @@ pub struct Batch {
     size: [usize; 2],
     input: Vec<f32>,
     target: Vec<f32>,
+    variance: Vec<f32>,
     valid: Vec<f32>,
     exposure: Vec<f32>,
 }
@@ -33,9 +36,7 @@ pub struct Tensors {
     /// What the network reads.
     pub input: Tensor<4>,
     /// What it should make, exposed.
-    pub target: Tensor<4>,
-    /// 1 where a surface is seen, of one channel.
-    pub valid: Tensor<4>,
+    pub target: Target,
     /// What its image is multiplied by to be compared with `target`: `[images, 1, 1, 1]`.
     pub exposure: Tensor<4>,
 }
@@ -50,9 +51,11 @@ impl Batch {
         self.images += 1;
         self.size = [input.height(), input.width()];
         self.input.extend_from_slice(input.data());
-        let (made, pixels) = (spec.output_channels(), pair.target.pixels());
-        let target = &pair.target.data()[run * made * pixels..][..made * pixels];
-        self.target.extend(target.iter().map(|value| exposure * value));
+        let values = spec.output_channels() * pair.target.pixels();
+        let of_run = |image: &Planes| image.data()[run * values..][..values].to_vec();
+        self.target.extend(of_run(&pair.target).iter().map(|value| exposure * value));
+        let variance = pair.variance.as_ref().map_or_else(|| vec![0.0; values], of_run);
+        self.variance.extend(variance.iter().map(|value| exposure * exposure * value));
         self.exposure.push(exposure / scaling.light);
         self.valid.extend(seen.into_iter().map(|seen| f32::from(u8::from(seen))));
     }
@@ -77,6 +80,7 @@ impl Batch {
                 size: self.size,
                 input: taken(&mut self.input),
                 target: taken(&mut self.target),
+                variance: taken(&mut self.variance),
                 valid: taken(&mut self.valid),
                 exposure: taken(&mut self.exposure),
             });
@@ -88,13 +92,15 @@ impl Batch {
     /// As tensors.
     pub fn into_tensors(self, device: &Device) -> Tensors {
         let pixels = self.size[0] * self.size[1];
-        let [input, target, valid] = [self.input, self.target, self.valid].map(|data| {
-            let channels = data.len() / self.images / pixels;
-            let shape = [self.images, channels, self.size[0], self.size[1]];
-            Tensor::from_data(TensorData::new(data, shape), device)
-        });
+        let [input, image, variance, valid] =
+            [self.input, self.target, self.variance, self.valid].map(|data| {
+                let channels = data.len() / self.images / pixels;
+                let shape = [self.images, channels, self.size[0], self.size[1]];
+                Tensor::from_data(TensorData::new(data, shape), device)
+            });
         let exposure = TensorData::new(self.exposure, [self.images, 1, 1, 1]);
-        Tensors { input, target, valid, exposure: Tensor::from_data(exposure, device) }
+        let target = Target { image, variance, valid };
+        Tensors { input, target, exposure: Tensor::from_data(exposure, device) }
     }
 }
 
@@ -201,7 +207,7 @@ fn work(
 mod tests {
     use super::*;
     use deepshade_infer::{ChannelOrder, Reach, Scaling};
-    use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
+    use deepshade_shaders::{Attribute, Effect, GBuffer};
 
     #[test]
     fn a_batch_holds_what_the_network_reads_its_targets_and_where_they_count() {
@@ -214,6 +220,7 @@ mod tests {
                 Planes::from_fn(7, 1, 2, |c, _, x| if c == 3 { x as f32 } else { (10 * c + x) as f32 }),
             ),
             target: Planes::filled(1, 1, 2, 0.25),
+            variance: None,
             radius: 2.0,
         };
         let mut batch = Batch::default();
@@ -227,9 +234,10 @@ mod tests {
         assert_eq!(batch.valid, [0.0, 1.0, 0.0, 1.0]);
         assert_eq!(batch.target, [0.25; 4]);
         assert_eq!(batch.exposure, [1.0; 2]);
-        let Tensors { input, target, valid, exposure } = batch.into_tensors(&crate::device());
-        let shapes = [input, target, valid, exposure].map(|tensor| tensor.dims());
-        assert_eq!(shapes, [[2, 6, 1, 2], [2, 1, 1, 2], [2, 1, 1, 2], [2, 1, 1, 1]]);
+        let Tensors { input, target, exposure } = batch.into_tensors(&crate::device());
+        let shapes =
+            [input, target.image, target.variance, target.valid, exposure].map(|tensor| tensor.dims());
+        assert_eq!(shapes, [[2, 6, 1, 2], [2, 1, 1, 2], [2, 1, 1, 2], [2, 1, 1, 2], [2, 1, 1, 1]]);
     }
 
     #[test]
@@ -240,6 +248,7 @@ mod tests {
         let pair = Pair {
             gbuffer: GBuffer::new(attributes, Planes::from_fn(5, 1, 1, |c, _, _| (c + 1) as f32)),
             target: Planes::from_fn(3, 1, 1, |c, _, _| 0.1 * c as f32),
+            variance: Some(Planes::from_fn(3, 1, 1, |c, _, _| 0.01 * c as f32)),
             radius: 1.0,
         };
         let mut batch = Batch::default();
@@ -249,5 +258,6 @@ mod tests {
         // The light of the first is halved, of the second that of the brightest but one is 1, as its target is.
         assert_eq!(batch.input, [1.0, 2.0, 1.0, 2.0 / 3.0]);
         assert_eq!((batch.target, batch.exposure), (vec![3.0 * 0.2, 0.0], vec![6.0, 30.0]));
+        assert_eq!(batch.variance, [9.0 * 0.02, 0.0]);
     }
 }

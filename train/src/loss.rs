@@ -5,6 +5,11 @@
 //!
 //! SSIM (Wang et al. 2004, equation 13) with a uniform window, biased variance, `C1 = 0.01^2`, `C2 = 0.03^2` and a
 //! range of 1, on raw linear output, averaged over tiles and channels; `DSSIM = (1 - SSIM) / 2`.
+//!
+//! Targets of few samples are noisy, and SSIM takes noise for structure: a tile's variance is that of truth plus that of the
+//! noise, so that truth itself scores low, and an image of too much contrast better. Where the noise's variance is known it is
+//! taken off, which leaves an estimate of truth's. Means and covariance need nothing: the noise's mean is 0, and it has
+//! nothing to do with the prediction.
 
 use burn::tensor::Tensor;
 use burn::tensor::module::avg_pool2d;
@@ -51,6 +56,18 @@ impl std::fmt::Display for Loss {
     }
 }
 
+/// What predictions are held against.
+#[derive(Clone, Debug)]
+pub struct Target {
+    /// What is wanted, maybe with noise: `[batch, channels, height, width]`.
+    pub image: Tensor<4>,
+    /// Variance of the noise of each value of `image`, of which values of a tile are independent; 0 where there is none or it
+    /// is not known. Shape of `image`.
+    pub variance: Tensor<4>,
+    /// 1 where a surface is seen, 0 elsewhere: `[batch, 1, height, width]`.
+    pub valid: Tensor<4>,
+}
+
 impl Loss {
     /// Height and width of the smallest crops that it can measure.
     pub const fn smallest_crop(self) -> usize {
@@ -63,14 +80,15 @@ impl Loss {
     /// The loss of predictions, averaged over images and channels: `[1]`.
     ///
     /// Where `valid` is 0 nothing was seen: there a prediction counts as right whatever it is, and has no gradient. Tiles
-    /// that are not whole do not count.
+    /// that are not whole do not count. Structural dissimilarity leaves the target's noise out of account.
     ///
     /// # Shapes
-    /// `prediction` and `target` `[batch, channels, height, width]`, `valid` `[batch, 1, height, width]`.
-    pub fn of(self, prediction: Tensor<4>, target: Tensor<4>, valid: Tensor<4>) -> Tensor<1> {
-        let difference = (prediction - target.clone()) * valid;
-        let prediction = target.clone() + difference.clone();
-        let dssim = || (1.0 - ssim_tiles(prediction.clone(), target.clone()).mean()) * 0.5;
+    /// `prediction` `[batch, channels, height, width]`.
+    pub fn of(self, prediction: Tensor<4>, target: Target) -> Tensor<1> {
+        let Target { image, variance, valid } = target;
+        let difference = (prediction - image.clone()) * valid;
+        let prediction = image.clone() + difference.clone();
+        let dssim = || (1.0 - ssim_tiles(prediction.clone(), image.clone(), variance.clone()).mean()) * 0.5;
         let l1 = || difference.clone().abs().mean();
         let l2 = || (difference.clone() * difference.clone()).mean();
         match self {
@@ -80,7 +98,7 @@ impl Loss {
             Self::DssimL1 => dssim() + l1(),
             Self::DssimL2 => dssim() + l2(),
             Self::MsSsimL1 => {
-                let dissimilar = 1.0 - multi_scale_ssim(prediction.clone(), target.clone());
+                let dissimilar = 1.0 - multi_scale_ssim(prediction.clone(), image.clone(), variance.clone());
                 dissimilar * MULTI_SCALE_SHARE + l1() * (1.0 - MULTI_SCALE_SHARE)
             }
         }
@@ -88,22 +106,25 @@ impl Loss {
 }
 
 /// SSIM of every tile: `[batch, channels, height / 8, width / 8]`.
-fn ssim_tiles(a: Tensor<4>, b: Tensor<4>) -> Tensor<4> {
-    let [luminance, structure] = tile_terms(a, b);
+fn ssim_tiles(a: Tensor<4>, b: Tensor<4>, noise: Tensor<4>) -> Tensor<4> {
+    let [luminance, structure] = tile_terms(a, b, noise);
     luminance * structure
 }
 
-/// The two factors of SSIM of every tile, of means and of deviations from them: `[batch, channels, height / 8, width / 8]`.
-fn tile_terms(a: Tensor<4>, b: Tensor<4>) -> [Tensor<4>; 2] {
+/// The two factors of SSIM of every tile, of means and of deviations from them, `[batch, channels, height / 8, width / 8]`, of
+/// an image and one of which the variance of its noise is known.
+fn tile_terms(a: Tensor<4>, b: Tensor<4>, noise: Tensor<4>) -> [Tensor<4>; 2] {
     let [_, _, height, width] = a.dims();
     let (height, width) = (height / TILE * TILE, width / TILE * TILE);
-    let a = a.narrow(2, 0, height).narrow(3, 0, width);
-    let b = b.narrow(2, 0, height).narrow(3, 0, width);
+    let [a, b, noise] = [a, b, noise].map(|image| image.narrow(2, 0, height).narrow(3, 0, width));
     // Differences from the tile's mean, not differences of squares, which lose digits in flat tiles.
     let (mean_a, mean_b) = (means(a.clone(), TILE), means(b.clone(), TILE));
     let a = a - spread(mean_a.clone());
     let b = b - spread(mean_b.clone());
-    let variances = means(a.clone() * a.clone() + b.clone() * b.clone(), TILE);
+    // What independent noise adds to the variance about the mean of as many values.
+    let noise = means(noise, TILE) * (1.0 - 1.0 / (TILE * TILE) as f64);
+    let variance_b = (means(b.clone() * b.clone(), TILE) - noise).clamp_min(0.0);
+    let variances = means(a.clone() * a.clone(), TILE) + variance_b;
     let covariance = means(a * b, TILE);
     let product = mean_a.clone() * mean_b.clone();
     let squares = mean_a.clone() * mean_a + mean_b.clone() * mean_b;
@@ -111,11 +132,11 @@ fn tile_terms(a: Tensor<4>, b: Tensor<4>) -> [Tensor<4>; 2] {
 }
 
 /// SSIM at five resolutions, each half the one before, averaged over images and channels: `[1]`.
-fn multi_scale_ssim(mut a: Tensor<4>, mut b: Tensor<4>) -> Tensor<1> {
+fn multi_scale_ssim(mut a: Tensor<4>, mut b: Tensor<4>, mut noise: Tensor<4>) -> Tensor<1> {
     let over_image = |tiles: Tensor<4>| tiles.flatten::<3>(2, 3).mean_dim(2);
     let mut product: Option<Tensor<3>> = None;
     for (scale, exponent) in SCALES.into_iter().enumerate() {
-        let [luminance, structure] = tile_terms(a.clone(), b.clone());
+        let [luminance, structure] = tile_terms(a.clone(), b.clone(), noise.clone());
         let is_coarsest = scale + 1 == SCALES.len();
         let similarity = over_image(if is_coarsest { luminance * structure } else { structure });
         let factor = similarity.clamp_min(LEAST_SIMILARITY).powf_scalar(exponent);
@@ -124,7 +145,8 @@ fn multi_scale_ssim(mut a: Tensor<4>, mut b: Tensor<4>) -> Tensor<1> {
             None => factor,
         });
         if !is_coarsest {
-            (a, b) = (means(a, 2), means(b, 2));
+            // The mean of four independent values has a quarter of their mean variance.
+            (a, b, noise) = (means(a, 2), means(b, 2), means(noise, 2) * 0.25);
         }
     }
     product.expect("there are scales").mean()

@@ -1,4 +1,4 @@
-//! Where pairs come from, and pairs as training keeps them: only what the network reads, as half floats.
+//! Where pairs come from, and pairs as training keeps them: only what the network reads and is held against, as half floats.
 
 use crate::TrainError;
 use deepshade_dataset::{Dataset, Manifest, Pair};
@@ -54,7 +54,8 @@ impl PairSource for Dataset {
     }
 }
 
-/// A pair as half floats, which is what files hold: the channels that a network reads, validity, and the target.
+/// A pair as half floats: the channels that a network reads, validity, and the target with the root of its variance, which
+/// half floats hold where they would round variance to nothing.
 #[derive(Debug)]
 pub struct HalfPair {
     attributes: Vec<Attribute>,
@@ -62,6 +63,7 @@ pub struct HalfPair {
     width: usize,
     gbuffer: Vec<f16>,
     target: Vec<f16>,
+    deviation: Option<Vec<f16>>,
     radius: f32,
     scale: Scale,
 }
@@ -99,6 +101,9 @@ impl HalfPair {
         if shape != expected {
             return Err(format!("its target is {shape:?}, expected {expected:?}"));
         }
+        if pair.variance.as_ref().is_some_and(|variance| !variance.same_shape(&pair.target)) {
+            return Err(format!("its variance is not of the target's shape, {shape:?}"));
+        }
         if !(pair.radius.is_finite() && pair.radius > 0.0) {
             return Err(format!("its radius is {}", pair.radius));
         }
@@ -108,6 +113,7 @@ impl HalfPair {
             width,
             gbuffer: halves(&planes),
             target: halves(&pair.target),
+            deviation: pair.variance.as_ref().map(|variance| halves(&variance.map(f32::sqrt))),
             radius: pair.radius,
             scale: Scale::new(pair, spec).map_err(|error| error.to_string())?,
         })
@@ -129,7 +135,11 @@ impl HalfPair {
     }
 
     const fn bytes(&self) -> usize {
-        (self.gbuffer.len() + self.target.len()) * size_of::<f16>()
+        let deviations = match &self.deviation {
+            Some(deviation) => deviation.len(),
+            None => 0,
+        };
+        (self.gbuffer.len() + self.target.len() + deviations) * size_of::<f16>()
     }
 
     /// The share of pixels of a window that show a surface.
@@ -152,6 +162,7 @@ impl HalfPair {
         Pair {
             gbuffer: GBuffer::new(self.attributes.clone(), cut(&self.gbuffer)),
             target: cut(&self.target),
+            variance: self.deviation.as_ref().map(|deviation| cut(deviation).map(|value| value * value)),
             radius: self.radius,
         }
     }
@@ -239,8 +250,25 @@ mod tests {
             self.0.wait();
             let attributes = vec![Attribute::Normal, Attribute::Position, Attribute::Valid];
             let gbuffer = GBuffer::new(attributes, Planes::filled(7, 4, 4, 1.0));
-            Ok(Pair { gbuffer, target: Planes::filled(1, 4, 4, 0.5), radius: 1.0 })
+            Ok(Pair { gbuffer, target: Planes::filled(1, 4, 4, 0.5), variance: None, radius: 1.0 })
         }
+    }
+
+    #[test]
+    fn the_variance_of_dark_values_is_kept() {
+        let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 4 };
+        let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
+        let pair = Meeting(Barrier::new(1)).read(0).expect("a pair");
+        let variance = Planes::from_fn(1, 4, 4, |_, y, x| 1e-9 * (1 + 4 * y + x) as f32);
+        let pair = Pair { variance: Some(variance), ..pair };
+        let kept =
+            HalfPair::new(&pair, &spec).expect("sound").window(2, 1, 1, 3).variance.expect("a variance");
+        for (x, value) in kept.data().iter().enumerate() {
+            let expected = 1e-9 * (10 + x) as f32;
+            assert!((value / expected - 1.0).abs() < 2e-3, "{value} is not {expected}");
+        }
+        let wrong = Pair { variance: Some(Planes::filled(1, 4, 3, 0.0)), ..pair };
+        assert!(HalfPair::new(&wrong, &spec).is_err_and(|problem| problem.contains("its variance")));
     }
 
     #[test]

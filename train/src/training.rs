@@ -250,8 +250,8 @@ impl<'a> Run<'a> {
             let whole = pair.window(0, 0, pair.height(), pair.width());
             (0..self.config.spec.runs())
                 .for_each(|run| batch.push(&whole, pair.scale(), &self.config.spec, run));
-            let Tensors { input, target, valid, exposure } = batch.into_tensors(&device);
-            let loss = Loss::Dssim.of(net.forward(input) * exposure, target, valid);
+            let Tensors { input, target, exposure } = batch.into_tensors(&device);
+            let loss = Loss::Dssim.of(net.forward(input) * exposure, target);
             sum += loss.into_scalar::<f32>();
         }
         let loss = sum / self.split.validation.len() as f32;

@@ -55,7 +55,7 @@ impl PairSource for Synthetic {
         });
         let gbuffer = GBuffer::new(vec![Attribute::Normal, Attribute::Position, Attribute::Valid], planes);
         let target = Planes::from_fn(1, 40, 48, |_, y, x| if x > 3 { 0.5 + 0.4 * wave(y, x) } else { 1.0 });
-        Ok(Pair { gbuffer, target, radius: 0.5 + index as f32 })
+        Ok(Pair { gbuffer, target, variance: None, radius: 0.5 + index as f32 })
     }
 }
 

@@ -33,16 +33,15 @@ struct Budget {
 /// A network of the thesis' Table 7.1 each, cheap ones first. One core trains some 60 crops of 128 x 128 pixels a
 /// second for networks with 16 first kernels, 28 where these predict kernels, 40 for `ibl`, 200 for `ao`, 500 for `aa`,
 /// and makes a pair with 64 samples in five seconds: half an hour for data and about that for training; three quarters
-/// as much for runs of half and a quarter of the steps. Networks that predict kernels have batches for a GPU: an H100 trains 700
-/// crops a second of each of the three at once, seven minutes, and two cores need an hour and a half for each. `sss` and `ibl` have
-/// more steps than the others, one and two hours; `ibl` gained little by them. Indirect
+/// as much for runs of half and a quarter of the steps. Networks that predict kernels, but for `sss`, have batches for a GPU: an H100
+/// trains 700 crops a second of each of the three at once, seven minutes, and two cores need an hour and a half for each. Indirect
 /// light, most of which is dark, wants a lower rate: at 0.004 the weights grew without bound, to where structural similarity has
 /// no gradient.
 const BUDGETS: [Budget; 11] = [
     Budget { name: "aa", steps: 16_000, batch: 8, crop: 128, rate: "0.005", share: None },
     Budget { name: "dof", steps: 10_000, batch: 32, crop: 128, rate: "0.003", share: None },
     Budget { name: "motion-blur", steps: 10_000, batch: 32, crop: 128, rate: "0.003", share: None },
-    Budget { name: "sss", steps: 64_000, batch: 4, crop: 128, rate: "0.004", share: None },
+    Budget { name: "sss", steps: 20_000, batch: 4, crop: 128, rate: "0.002", share: None },
     Budget { name: "gi", steps: 16_000, batch: 4, crop: 128, rate: "0.003", share: None },
     Budget { name: "gi-paper", steps: 16_000, batch: 4, crop: 128, rate: "0.003", share: None },
     Budget { name: "do", steps: 20_000, batch: 4, crop: 128, rate: "0.004", share: None },

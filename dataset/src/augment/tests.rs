@@ -131,3 +131,14 @@ fn light_that_is_fixed_to_the_camera_is_not_turned_with_the_image() {
     let others = Effect::ALL.into_iter().filter(|effect| *effect != Effect::Real);
     assert!(others.into_iter().all(|effect| Symmetry::of(effect) == Symmetry::ALL));
 }
+
+#[test]
+fn the_variance_moves_with_the_target() {
+    let target = Planes::from_fn(1, 2, 3, |_, y, x| (3 * y + x) as f32);
+    let gbuffer = GBuffer::new(vec![Attribute::Valid], Planes::filled(1, 2, 3, 1.0));
+    let pair = Pair { gbuffer, variance: Some(target.map(|value| 0.1 * value)), target, radius: 1.0 };
+    for symmetry in Symmetry::ALL {
+        let turned = augment(&pair, symmetry);
+        assert_eq!(turned.variance, Some(turned.target.map(|value| 0.1 * value)), "{symmetry:?}");
+    }
+}

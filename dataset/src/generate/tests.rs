@@ -64,6 +64,31 @@ fn pairs_with_an_error_take_the_samples_that_it_needs_and_come_with_their_varian
     assert!(taken.iter().all(|samples| (128..4096).contains(samples)), "{taken:?}");
 }
 
+#[test]
+fn pairs_of_several_scramblings_come_with_a_variance_that_is_how_far_they_are_off() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let split = Recipe { samples: 16, scramblings: 2, ..recipe(folder.path(), 1) };
+    let one = Recipe { scramblings: 1, ..split.clone() };
+    let fine = Recipe { samples: 4096, ..one.clone() };
+    let pairs = |recipe: &Recipe, name: &str| {
+        let out = folder.path().join(name);
+        generate(recipe, &out).expect("generated");
+        let dataset = Dataset::open(&out).expect("opens");
+        (0..dataset.len()).map(|pair| dataset.pair(pair).expect("reads")).collect::<Vec<_>>()
+    };
+    let [split, one, fine] =
+        [(&split, "split"), (&one, "one"), (&fine, "fine")].map(|(r, name)| pairs(r, name));
+    assert!(one.iter().all(|pair| pair.variance.is_none()), "one sequence does not know its noise");
+    let (mut off, mut variance) = (0.0, 0.0);
+    for (split, fine) in split.iter().zip(&fine) {
+        let squares = split.target.data().iter().zip(fine.target.data()).map(|(a, b)| (a - b).powi(2));
+        off += squares.sum::<f32>();
+        variance += split.variance.as_ref().expect("a variance").data().iter().sum::<f32>();
+    }
+    let ratio = variance / off;
+    assert!((0.85..1.15).contains(&ratio), "the variance is {ratio} of the squared error");
+}
+
 /// The first line of a journal.
 fn head(origin: &Origin) -> String {
     serde_json::to_string(origin).expect("JSON")

@@ -37,6 +37,9 @@ impl Recipe {
         between("resolution", height * width <= MAX_PIXELS, &format!("at most {MAX_PIXELS} pixels in all"))?;
         let samples = format!("1 to {MAX_SAMPLES}");
         between("samples", (1..=MAX_SAMPLES).contains(&self.samples), &samples)?;
+        let holds =
+            (1..=SCRAMBLINGS).contains(&self.scramblings) && self.samples.is_multiple_of(self.scramblings);
+        between("scramblings", holds, &format!("1 to {SCRAMBLINGS}, and `samples` a multiple of it"))?;
         between("error", self.error.is_none_or(|error| error > 0.0 && error < 1.0), "above 0 and below 1")?;
         between("validation_share", (0.0..=0.5).contains(&self.validation_share), "0 to 0.5")?;
         match self.radius {

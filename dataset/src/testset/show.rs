@@ -22,7 +22,7 @@ impl TestSet {
         let scene = staged.shown(&record.camera, record.variation.as_ref())?;
         let gbuffer = staged.gbuffer(&scene, &record.camera, record.seed);
         let target = whole.unwrap_or_else(|| scattered(&truth, &tiles, height, width));
-        Ok(Pair { gbuffer, target, radius: record.radius })
+        Ok(Pair { gbuffer, target, variance: None, radius: record.radius })
     }
 }
 

@@ -18,6 +18,11 @@ fn ones([batch, _, height, width]: [usize; 4], device: &Device) -> Tensor<4> {
     Tensor::ones([batch, 1, height, width], device)
 }
 
+/// A target without noise, all of which is seen.
+fn exact(image: &Tensor<4>) -> Target {
+    Target { image: image.clone(), variance: image.zeros_like(), valid: ones(image.dims(), &image.device()) }
+}
+
 /// DSSIM by the book, in f64.
 fn naive(a: &Tensor<4>, b: &Tensor<4>) -> f64 {
     let [batch, channels, height, width] = a.dims();
@@ -49,11 +54,11 @@ fn equal_images_lose_nothing_and_constant_ones_what_the_formula_says() {
     let device = crate::device();
     let shape = [1, 1, 16, 16];
     let a = noise(shape, 1, &device);
-    let same: f32 = Loss::Dssim.of(a.clone(), a, ones(shape, &device)).into_scalar();
+    let same: f32 = Loss::Dssim.of(a.clone(), exact(&a)).into_scalar();
     assert!(same.abs() < 1e-6, "{same}");
     let (x, y) = (0.3, 0.8);
     let (a, b) = (image(shape, |_| x as f32, &device), image(shape, |_| y as f32, &device));
-    let loss: f32 = Loss::Dssim.of(a, b, ones(shape, &device)).into_scalar();
+    let loss: f32 = Loss::Dssim.of(a, exact(&b)).into_scalar();
     let expected = (1.0 - (2.0 * x * y + C1) / (x * x + y * y + C1)) / 2.0;
     assert!((f64::from(loss) - expected).abs() < 1e-6, "{loss} is not {expected}");
 }
@@ -63,7 +68,7 @@ fn agrees_with_the_naive_sum_and_leaves_out_partial_tiles() {
     let device = crate::device();
     let shape = [2, 3, 27, 18];
     let (a, b) = (noise(shape, 1, &device), noise(shape, 2, &device));
-    let loss: f32 = Loss::Dssim.of(a.clone(), b.clone(), ones(shape, &device)).into_scalar();
+    let loss: f32 = Loss::Dssim.of(a.clone(), exact(&b)).into_scalar();
     assert!((f64::from(loss) - naive(&a, &b)).abs() < 1e-6);
 }
 
@@ -73,7 +78,7 @@ fn the_gradient_is_the_slope() {
     let shape = [1, 1, 8, 16];
     let (a, b) = (noise(shape, 1, &device), noise(shape, 2, &device));
     let leaf = a.clone().require_grad();
-    let grads = Loss::Dssim.of(leaf.clone(), b.clone(), ones(shape, &device)).backward();
+    let grads = Loss::Dssim.of(leaf.clone(), exact(&b)).backward();
     let gradient = leaf.grad(&grads).expect("a gradient").to_data().try_into_vec::<f32>().expect("f32");
     for at in [0, 9, 77, 127] {
         let moved = |by: f32| {
@@ -95,7 +100,7 @@ fn invalid_pixels_count_as_right_and_have_no_gradient() {
     let valid = image(shape, |i| if i < 32 { 1.0 } else { 0.0 }, &device);
     let repaired = a.clone() * valid.clone() + b.clone() * (1.0 - valid.clone());
     let leaf = a.require_grad();
-    let loss = Loss::Dssim.of(leaf.clone(), b.clone(), valid);
+    let loss = Loss::Dssim.of(leaf.clone(), Target { valid, ..exact(&b) });
     let gradient =
         leaf.grad(&loss.backward()).expect("a gradient").to_data().try_into_vec::<f32>().expect("f32");
     let loss: f32 = loss.into_scalar();
@@ -108,7 +113,7 @@ fn every_loss_is_what_its_name_says() {
     let device = crate::device();
     let shape = [2, 3, 128, 136];
     let (a, b) = (noise(shape, 1, &device), noise(shape, 2, &device));
-    let of = |loss: Loss| f64::from(loss.of(a.clone(), b.clone(), ones(shape, &device)).into_scalar::<f32>());
+    let of = |loss: Loss| f64::from(loss.of(a.clone(), exact(&b)).into_scalar::<f32>());
     let numbers = |t: &Tensor<4>| t.to_data().try_into_vec::<f32>().expect("f32");
     let differences: Vec<f64> =
         numbers(&a).iter().zip(numbers(&b)).map(|(a, b)| f64::from(a - b).abs()).collect();
@@ -142,8 +147,12 @@ fn similarity_at_many_scales_sees_what_is_shifted_far_and_forgives_fine_noise() 
     };
     let (clean, shifted) = (waves(0.0), waves(1.5));
     let noisy = waves(0.0) + (noise(shape, 3, &device) - 0.5) * 0.3;
-    let ms = |other: &Tensor<4>| multi_scale_ssim(other.clone(), clean.clone()).into_scalar::<f32>();
-    let one = |other: &Tensor<4>| ssim_tiles(other.clone(), clean.clone()).mean().into_scalar::<f32>();
+    let ms = |other: &Tensor<4>| {
+        multi_scale_ssim(other.clone(), clean.clone(), clean.zeros_like()).into_scalar::<f32>()
+    };
+    let one = |other: &Tensor<4>| {
+        ssim_tiles(other.clone(), clean.clone(), clean.zeros_like()).mean().into_scalar::<f32>()
+    };
     assert!((ms(&clean) - 1.0).abs() < 1e-5);
     assert!(one(&noisy) < 0.6 && ms(&noisy) > one(&noisy) + 0.2, "noise: {} {}", one(&noisy), ms(&noisy));
     assert!(ms(&shifted) < ms(&noisy) - 0.2, "shifted: {} {}", one(&shifted), ms(&shifted));
@@ -153,18 +162,58 @@ fn similarity_at_many_scales_sees_what_is_shifted_far_and_forgives_fine_noise() 
 fn every_loss_falls_along_its_gradient_and_masks_what_is_not_seen() {
     let device = crate::device().autodiff();
     let shape = [1, 2, 128, 128];
-    let target = noise(shape, 2, &device);
     let valid = image([1, 1, 128, 128], |i| if i % 128 < 64 { 1.0 } else { 0.0 }, &device);
+    let target = Target { valid, ..exact(&noise(shape, 2, &device)) };
     for loss in [Loss::Dssim, Loss::L1, Loss::L2, Loss::DssimL1, Loss::DssimL2, Loss::MsSsimL1] {
         let start = noise(shape, 1, &device).require_grad();
-        let before = loss.of(start.clone(), target.clone(), valid.clone());
+        let before = loss.of(start.clone(), target.clone());
         let gradient = start.grad(&before.backward()).expect("a gradient");
         let unseen = gradient.clone().narrow(3, 64, 64).abs().max().into_scalar::<f32>();
         assert_eq!(unseen, 0.0, "{loss:?}");
         let length = gradient.clone().abs().max().into_scalar::<f32>();
         let moved = Tensor::from_data(start.to_data(), &device)
             - Tensor::from_data(gradient.to_data(), &device) * (0.01 / length);
-        let after = loss.of(moved, target.clone(), valid.clone()).into_scalar::<f32>();
+        let after = loss.of(moved, target.clone()).into_scalar::<f32>();
         assert!(length > 0.0 && after < before.clone().into_scalar::<f32>(), "{loss:?}");
     }
+}
+
+/// A smooth picture, and the same with noise of a standard deviation of 0.06, as ambient occlusion of 64 samples has.
+fn smooth_and_noisy(device: &Device) -> (Tensor<4>, Target) {
+    const DEVIATION: f32 = 0.06;
+    let shape = [1, 1, 256, 256];
+    let smooth = image(
+        shape,
+        |i| 0.5 + 0.3 * ((i % 256) as f32 * 0.05).sin() * ((i / 256) as f32 * 0.03).cos(),
+        device,
+    );
+    // Uniform noise of an edge of 1 has a variance of 1 / 12.
+    let image = smooth.clone() + (noise(shape, 7, device) - 0.5) * (DEVIATION * 12.0_f32.sqrt());
+    let variance = Tensor::full(shape, DEVIATION * DEVIATION, device);
+    (smooth, Target { variance, ..exact(&image) })
+}
+
+#[test]
+fn truth_loses_next_to_nothing_against_noise_that_is_known_and_much_against_noise_that_is_not() {
+    let (smooth, noisy) = smooth_and_noisy(&crate::device());
+    for (loss, known, unknown) in [(Loss::Dssim, 0.02, 0.2), (Loss::MsSsimL1, 0.03, 0.1)] {
+        let of = |target: Target| loss.of(smooth.clone(), target).into_scalar::<f32>();
+        let [known_loss, unknown_loss] = [noisy.clone(), exact(&noisy.image)].map(of);
+        assert!(known_loss.abs() < known && unknown_loss > unknown, "{loss}: {known_loss}, {unknown_loss}");
+    }
+}
+
+#[test]
+fn noise_that_is_known_asks_for_no_more_contrast_than_truth_has() {
+    let (smooth, noisy) = smooth_and_noisy(&crate::device());
+    let means = spread(means(smooth.clone(), TILE));
+    let best = |target: &Target| {
+        let loss = |tenths: usize| {
+            let contrast = (smooth.clone() - means.clone()) * (0.1 * tenths as f32) + means.clone();
+            Loss::Dssim.of(contrast, target.clone()).into_scalar::<f32>()
+        };
+        (5..30).min_by(|a, b| loss(*a).total_cmp(&loss(*b))).expect("some")
+    };
+    let [known, unknown] = [noisy.clone(), exact(&noisy.image)].map(|target| best(&target));
+    assert!((9..=11).contains(&known) && unknown >= 13, "{known} and {unknown} tenths");
 }

@@ -5,6 +5,7 @@
 
 use super::fitted;
 use crate::first_weights::of_layers;
+use crate::loss::Target;
 use crate::net::{to_planes, to_tensor};
 use crate::rng::{Purpose, Rng};
 use crate::{TrainConfig, TrainError, UNet};
@@ -31,6 +32,8 @@ pub struct Still {
     pub input: Planes,
     /// What it should make, `[output channels, height, width]`.
     pub target: Planes,
+    /// Variance of the noise of `target`, of its shape.
+    pub variance: Planes,
     /// 1 where a surface is seen, `[1, height, width]`.
     pub valid: Planes,
     /// Where the surfaces were in the frame before.
@@ -156,11 +159,12 @@ fn film_loss(
             .collect();
         let tensor = |images: Vec<&Planes>| to_tensor(&images, device);
         let made = net.forward(tensor(read.iter().collect()));
-        let target = tensor(stills.iter().map(|still| &still.target).collect());
+        let image = tensor(stills.iter().map(|still| &still.target).collect());
+        let variance = tensor(stills.iter().map(|still| &still.variance).collect());
         let valid = tensor(stills.iter().map(|still| &still.valid).collect());
-        sum = sum + config.loss.of(made.clone(), target.clone(), valid);
+        sum = sum + config.loss.of(made.clone(), Target { image: image.clone(), variance, valid });
         if memory == Memory::Kept && frame > 0 {
-            sum = sum + change(made.clone(), target, &stills, &before, device);
+            sum = sum + change(made.clone(), image, &stills, &before, device);
         }
         let images = made.detach().split(1, 0).into_iter().map(to_planes);
         before = images.zip(&stills).map(|(made, still)| Some([made, still.target.clone()])).collect();

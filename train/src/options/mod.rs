@@ -80,9 +80,9 @@ impl Variant {
         let mut loader = Loader::start(&cache, split.training, config, 0);
         let first = kind.first(&config.spec, config.seed, &device);
         let net = fitted(config, first, |net, _| {
-            let Tensors { input, target, valid, exposure } = loader.next()?.into_tensors(&device);
-            let image = kind.forward(net, input, valid.clone()) * exposure;
-            Ok(config.loss.of(image, target, valid))
+            let Tensors { input, target, exposure } = loader.next()?.into_tensors(&device);
+            let image = kind.forward(net, input, target.valid.clone()) * exposure;
+            Ok(config.loss.of(image, target))
         })?;
         let layers = kind.layers(&config.spec);
         let net = UNet::with_layers(&config.spec, layers, &net.weights(), &crate::device());

@@ -22,6 +22,7 @@ fn still(film: usize, frame: usize) -> Still {
     Still {
         input: parity::noise(6, EDGE, EDGE, seed),
         target: Planes::from_fn(1, EDGE, EDGE, |_, y, x| truth(y, x)),
+        variance: Planes::filled(1, EDGE, EDGE, 0.0),
         valid: Planes::filled(1, EDGE, EDGE, 1.0),
         carry: Carry(taps.collect()),
     }
