@@ -59,7 +59,7 @@ enum Study {
     Kernels,
     /// Losses that the same network is trained for: L1, L2, DSSIM, mixes.
     Losses,
-    /// Samples of a pixel against number of images, where both take as long.
+    /// Samples of a pixel against number of images, where both take as long, with noise that is known and that is not.
     Samples,
     /// As many pairs from few scenes and from many.
     Scenes,

@@ -128,6 +128,9 @@ pub fn facts(manifest: &Manifest, metrics: Vec<(String, String)>) -> Facts {
     let (height, width) = (recipe.resolution.height, recipe.resolution.width);
     let target = match &recipe.target {
         Some(method) => format!("images of `{method}`"),
+        None if recipe.scramblings > 1 => {
+            format!("truth of {} samples a pixel whose noise is known", recipe.samples)
+        }
         None => format!("truth of {} samples a pixel", recipe.samples),
     };
     Facts {

@@ -34,12 +34,12 @@ pub struct Recipe {
     pub resolution: Resolution,
     /// Samples of a pixel; with `error` the most.
     pub samples: u32,
-    /// Of pairs: independent sequences that a target's samples are split over. With several of them targets come with their
-    /// variance, which losses take off what they see of structure; one, the default, has a little less noise.
+    /// Of pairs: independent sequences that a target's samples are split over. With several of them targets come with the
+    /// variance of their noise, which losses by structural similarity take off; one, the default, has a little less noise.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub scramblings: u32,
     /// Of pairs: noise below which a target takes no more samples, as a share of its values; see
-    /// [`Goal::error`](deepshade_render::path::Goal). Targets then come with their variance, whatever `scramblings` says.
+    /// [`Goal::error`](deepshade_render::path::Goal). Targets then come with their variance, too.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<f32>,
     /// How far the effect reaches; of effects without a reach, the length by which networks measure.
@@ -234,9 +234,8 @@ impl Recipe {
     }
 
     /// Whether targets of its pairs come with their variance.
-    pub(crate) fn knows_variance(&self) -> bool {
-        let is_traced = self.target.is_none() && self.captures.is_empty();
-        is_traced && (self.scramblings > 1 || self.error.is_some())
+    pub(crate) const fn knows_variance(&self) -> bool {
+        self.scramblings > 1 || self.error.is_some()
     }
 
     /// Number of scenes and captures.

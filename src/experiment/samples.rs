@@ -10,8 +10,8 @@ use deepshade_dataset::Recipe;
 
 /// Samples that are compared.
 const SAMPLES: [u32; 4] = [4, 16, 64, 256];
-/// Sequences that they are split over, and what is known then.
-const SCRAMBLINGS: [(u32, &str); 2] = [(1, "noise unknown"), (2, "noise known")];
+/// Sequences that they are split over, what is known then, and what that adds to names.
+const SCRAMBLINGS: [(u32, &str, &str); 2] = [(1, "noise unknown", ""), (2, "noise known", "-known")];
 
 /// Trains a network on each dataset.
 ///
@@ -20,12 +20,12 @@ const SCRAMBLINGS: [(u32, &str); 2] = [(1, "noise unknown"), (2, "noise known")]
 pub fn run(lab: &Lab) -> Result<Table> {
     let exam = lab.base_exam()?;
     let (mut rows, mut lines) = (Vec::new(), Vec::new());
-    for (scramblings, label) in SCRAMBLINGS {
+    for (scramblings, label, suffix) in SCRAMBLINGS {
         let mut points = Vec::new();
         for samples in SAMPLES {
             let recipe = Recipe { scramblings, ..equal_time(&lab.recipe, lab.size.image_cost, samples) };
             let is_base = recipe == lab.recipe;
-            let name = if is_base { "base".to_owned() } else { format!("samples-{samples}-of{scramblings}") };
+            let name = if is_base { "base".to_owned() } else { format!("samples-{samples}{suffix}") };
             let data = lab.data(&name, &recipe)?;
             let network = lab.network(&name, &lab.settings(&data)?)?;
             let scores = scores(&exam, &network)?;
@@ -33,7 +33,7 @@ pub fn run(lab: &Lab) -> Result<Table> {
             let trained = data.dataset.training().len() as f64;
             let values = [&scores.similarity()[..], &[trained, data.seconds, network.seconds]].concat();
             rows.push(Row::new(
-                format!("ssim_samples{samples}_of{scramblings}"),
+                format!("ssim_samples{samples}{}", suffix.replace('-', "_")),
                 format!("{samples}, {label}"),
                 &values,
             ));

@@ -8,8 +8,9 @@
 //!
 //! Targets of few samples are noisy, and SSIM takes noise for structure: a tile's variance is that of truth plus that of the
 //! noise, so that truth itself scores low, and an image of too much contrast better. Where the noise's variance is known it is
-//! taken off, which leaves an estimate of truth's. Means and covariance need nothing: the noise's mean is 0, and it has
-//! nothing to do with the prediction.
+//! taken off. What is left is an estimate, itself noisy, and is kept from falling below what the covariance with the prediction
+//! implies (Cauchy-Schwarz), without which SSIM could exceed 1 and images of too little contrast would win. Means and
+//! covariance are left as they are: the noise's mean is 0, and it has nothing to do with the prediction.
 
 use burn::tensor::Tensor;
 use burn::tensor::module::avg_pool2d;
@@ -40,6 +41,8 @@ pub enum Loss {
 const MULTI_SCALE_SHARE: f64 = 0.84;
 /// Exponents of the scales, the finest first (Wang et al. 2003, "Multi-scale structural similarity").
 const SCALES: [f64; 5] = [0.0448, 0.2856, 0.3001, 0.2363, 0.1333];
+/// A variance that is nothing beside [`C2`]: keeps flat tiles from dividing 0 by 0.
+const FLAT: f64 = 1e-9;
 /// Below this a scale's similarity counts as this: negative ones have no root.
 const LEAST_SIMILARITY: f64 = 1e-4;
 
@@ -61,8 +64,8 @@ impl std::fmt::Display for Loss {
 pub struct Target {
     /// What is wanted, maybe with noise: `[batch, channels, height, width]`.
     pub image: Tensor<4>,
-    /// Variance of the noise of each value of `image`, of which values of a tile are independent; 0 where there is none or it
-    /// is not known. Shape of `image`.
+    /// Variance of the noise of each value of `image`, which is independent of that of other values; 0 where there is none or
+    /// it is not known. Shape of `image`.
     pub variance: Tensor<4>,
     /// 1 where a surface is seen, 0 elsewhere: `[batch, 1, height, width]`.
     pub valid: Tensor<4>,
@@ -80,13 +83,15 @@ impl Loss {
     /// The loss of predictions, averaged over images and channels: `[1]`.
     ///
     /// Where `valid` is 0 nothing was seen: there a prediction counts as right whatever it is, and has no gradient. Tiles
-    /// that are not whole do not count. Structural dissimilarity leaves the target's noise out of account.
+    /// that are not whole do not count. The noise's variance is taken off that of the target's tiles, where it is known.
     ///
     /// # Shapes
     /// `prediction` `[batch, channels, height, width]`.
     pub fn of(self, prediction: Tensor<4>, target: Target) -> Tensor<1> {
         let Target { image, variance, valid } = target;
-        let difference = (prediction - image.clone()) * valid;
+        let difference = (prediction - image.clone()) * valid.clone();
+        // What counts as right is the target with its noise, none of which is to be taken off.
+        let variance = variance * valid;
         let prediction = image.clone() + difference.clone();
         let dssim = || (1.0 - ssim_tiles(prediction.clone(), image.clone(), variance.clone()).mean()) * 0.5;
         let l1 = || difference.clone().abs().mean();
@@ -121,14 +126,28 @@ fn tile_terms(a: Tensor<4>, b: Tensor<4>, noise: Tensor<4>) -> [Tensor<4>; 2] {
     let (mean_a, mean_b) = (means(a.clone(), TILE), means(b.clone(), TILE));
     let a = a - spread(mean_a.clone());
     let b = b - spread(mean_b.clone());
-    // What independent noise adds to the variance about the mean of as many values.
-    let noise = means(noise, TILE) * (1.0 - 1.0 / (TILE * TILE) as f64);
-    let variance_b = (means(b.clone() * b.clone(), TILE) - noise).clamp_min(0.0);
-    let variances = means(a.clone() * a.clone(), TILE) + variance_b;
-    let covariance = means(a * b, TILE);
+    let variance_a = means(a.clone() * a.clone(), TILE);
+    let covariance = means(a * b.clone(), TILE);
+    let variances = variance_a.clone() + variance_of_truth(b, noise, variance_a, covariance.clone());
     let product = mean_a.clone() * mean_b.clone();
     let squares = mean_a.clone() * mean_a + mean_b.clone() * mean_b;
     [(product * 2.0 + C1) / (squares + C1), (covariance * 2.0 + C2) / (variances + C2)]
+}
+
+/// An estimate of truth's variance in every tile from deviations `b` of a noisy target from its mean, the variance of its noise,
+/// and the variance and covariance of the image that it is held against. No gradient goes through it.
+fn variance_of_truth(
+    b: Tensor<4>,
+    noise: Tensor<4>,
+    variance_a: Tensor<4>,
+    covariance: Tensor<4>,
+) -> Tensor<4> {
+    // What independent noise adds to the variance about the mean of as many values.
+    let noise = means(noise, TILE) * (1.0 - 1.0 / (TILE * TILE) as f64);
+    let without_noise = means(b.clone() * b, TILE) - noise;
+    let covariance = covariance.detach();
+    let implied = covariance.clone() * covariance / (variance_a.detach() + FLAT);
+    without_noise.max_pair(implied)
 }
 
 /// SSIM at five resolutions, each half the one before, averaged over images and channels: `[1]`.

@@ -113,7 +113,7 @@ impl HalfPair {
             width,
             gbuffer: halves(&planes),
             target: halves(&pair.target),
-            deviation: pair.variance.as_ref().map(|variance| halves(&variance.map(f32::sqrt))),
+            deviation: pair.variance.as_ref().map(|variance| halves(&variance.map(deviation))),
             radius: pair.radius,
             scale: Scale::new(pair, spec).map_err(|error| error.to_string())?,
         })
@@ -166,6 +166,11 @@ impl HalfPair {
             radius: self.radius,
         }
     }
+}
+
+/// The root of a variance, at most the largest half float.
+fn deviation(variance: f32) -> f32 {
+    variance.sqrt().min(f16::MAX.to_f32())
 }
 
 fn halves(planes: &Planes) -> Vec<f16> {
@@ -260,13 +265,17 @@ mod tests {
         let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
         let pair = Meeting(Barrier::new(1)).read(0).expect("a pair");
         let variance = Planes::from_fn(1, 4, 4, |_, y, x| 1e-9 * (1 + 4 * y + x) as f32);
-        let pair = Pair { variance: Some(variance), ..pair };
+        let pair = Pair { variance: Some(variance), ..pair.clone() };
         let kept =
             HalfPair::new(&pair, &spec).expect("sound").window(2, 1, 1, 3).variance.expect("a variance");
         for (x, value) in kept.data().iter().enumerate() {
             let expected = 1e-9 * (10 + x) as f32;
             assert!((value / expected - 1.0).abs() < 2e-3, "{value} is not {expected}");
         }
+        let large = Pair { variance: Some(Planes::filled(1, 4, 4, f32::MAX)), ..pair.clone() };
+        let kept =
+            HalfPair::new(&large, &spec).expect("sound").window(0, 0, 4, 4).variance.expect("a variance");
+        assert!(kept.data().iter().all(|value| value.is_finite()));
         let wrong = Pair { variance: Some(Planes::filled(1, 4, 3, 0.0)), ..pair };
         assert!(HalfPair::new(&wrong, &spec).is_err_and(|problem| problem.contains("its variance")));
     }

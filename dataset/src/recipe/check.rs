@@ -87,16 +87,7 @@ impl Recipe {
             return self.check_captures();
         }
         self.vary.clone().unwrap_or_default().check(self.effect)?;
-        if self.error.is_some() && self.vary.iter().any(|vary| vary.sensor.is_some()) {
-            return Err(
-                "`error` is for truth, and with `vary.sensor` targets have a camera's noise".to_owned()
-            );
-        }
-        if self.target.is_some() && self.error.is_some() {
-            return Err(
-                "`error` is for truth, and `target` names a method, whose images have no noise".to_owned()
-            );
-        }
+        self.check_noise()?;
         let other = [
             ("camera", self.camera.is_some()),
             ("field_of_view", self.field_of_view.is_some()),
@@ -127,6 +118,29 @@ impl Recipe {
         Ok(())
     }
 
+    /// Whether the noise of targets is asked for only where it is truth's, and once.
+    fn check_noise(&self) -> Result<(), String> {
+        let asked = [("error", self.error.is_some()), ("scramblings", self.scramblings > 1)];
+        let Some((key, _)) = asked.into_iter().find(|(_, given)| *given) else { return Ok(()) };
+        if self.vary.iter().any(|vary| vary.sensor.is_some()) {
+            return Err(format!(
+                "`{key}` is for truth, and with `vary.sensor` targets have a camera's noise"
+            ));
+        }
+        if self.target.is_some() {
+            return Err(format!(
+                "`{key}` is for truth, and `target` names a method, whose images have no noise"
+            ));
+        }
+        let has_its_own = self.error.is_some() || self.split == Split::Test;
+        if self.scramblings > 1 && has_its_own {
+            return Err(format!(
+                "`scramblings` is for pairs without `error`: with it, and in test sets, truth is of {SCRAMBLINGS} as it is"
+            ));
+        }
+        Ok(())
+    }
+
     /// Whether nothing is asked of captures that only scenes can give.
     fn check_captures(&self) -> Result<(), String> {
         let for_scenes = [
@@ -138,6 +152,7 @@ impl Recipe {
             ("vary", self.vary.is_some()),
             ("target", self.target.is_some()),
             ("error", self.error.is_some()),
+            ("scramblings", self.scramblings > 1),
             ("radius.diagonal", matches!(self.radius, Radius::Diagonal(_))),
         ];
         if let Some((key, _)) = for_scenes.into_iter().find(|(_, given)| *given) {

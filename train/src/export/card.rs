@@ -65,7 +65,10 @@ pub(crate) fn last_layer(spec: &NetSpec) -> String {
         None => "makes the image".to_owned(),
         Some(Filter { levels, kernel, black }) => {
             let black = if black { ", and of black" } else { "" };
-            format!("makes weights of the light, {kernel}x{kernel} at each of {levels} resolutions{black}")
+            let colour = if spec.runs() > 1 { ", for each colour by itself" } else { "" };
+            format!(
+                "makes weights of the light, {kernel}x{kernel} at each of {levels} resolutions{black}{colour}"
+            )
         }
     }
 }
@@ -150,6 +153,10 @@ mod tests {
             last_layer(&published.predicting_kernels().expect("it reads light"))
         };
         assert_eq!(told(Effect::Dof), "makes weights of the light, 3x3 at each of 5 resolutions");
+        assert_eq!(
+            told(Effect::Sss),
+            "makes weights of the light, 3x3 at each of 5 resolutions, for each colour by itself"
+        );
         assert_eq!(
             told(Effect::Multi),
             "makes weights of the light, 3x3 at each of 5 resolutions, and of black"
