@@ -128,10 +128,11 @@ pub fn facts(manifest: &Manifest, metrics: Vec<(String, String)>) -> Facts {
     let (height, width) = (recipe.resolution.height, recipe.resolution.width);
     let target = match &recipe.target {
         Some(method) => format!("images of `{method}`"),
-        None if recipe.scramblings > 1 => {
-            format!("truth of {} samples a pixel whose noise is known", recipe.samples)
+        None => {
+            let most = if recipe.error.is_some() { "at most " } else { "" };
+            let noise = if recipe.knows_variance() { " whose noise is known" } else { "" };
+            format!("truth of {most}{} samples a pixel{noise}", recipe.samples)
         }
-        None => format!("truth of {} samples a pixel", recipe.samples),
     };
     Facts {
         recipe: format!(

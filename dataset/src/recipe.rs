@@ -234,7 +234,7 @@ impl Recipe {
     }
 
     /// Whether targets of its pairs come with their variance.
-    pub(crate) const fn knows_variance(&self) -> bool {
+    pub const fn knows_variance(&self) -> bool {
         self.scramblings > 1 || self.error.is_some()
     }
 

@@ -39,7 +39,7 @@ impl Recipe {
         between("samples", (1..=MAX_SAMPLES).contains(&self.samples), &samples)?;
         let holds =
             (1..=SCRAMBLINGS).contains(&self.scramblings) && self.samples.is_multiple_of(self.scramblings);
-        between("scramblings", holds, &format!("1 to {SCRAMBLINGS}, and `samples` a multiple of it"))?;
+        between("scramblings", holds, &format!("1 to {SCRAMBLINGS}, and a divisor of `samples`"))?;
         between("error", self.error.is_none_or(|error| error > 0.0 && error < 1.0), "above 0 and below 1")?;
         between("validation_share", (0.0..=0.5).contains(&self.validation_share), "0 to 0.5")?;
         match self.radius {
@@ -132,13 +132,13 @@ impl Recipe {
                 "`{key}` is for truth, and `target` names a method, whose images have no noise"
             ));
         }
-        let has_its_own = self.error.is_some() || self.split == Split::Test;
-        if self.scramblings > 1 && has_its_own {
-            return Err(format!(
-                "`scramblings` is for pairs without `error`: with it, and in test sets, truth is of {SCRAMBLINGS} as it is"
-            ));
+        let has_its_own = [("`error`", self.error.is_some()), ("a test set", self.split == Split::Test)];
+        match has_its_own.into_iter().find(|(_, given)| *given && self.scramblings > 1) {
+            Some((what, _)) => {
+                Err(format!("without `scramblings`: truth of {what} always has {SCRAMBLINGS}"))
+            }
+            None => Ok(()),
         }
-        Ok(())
     }
 
     /// Whether nothing is asked of captures that only scenes can give.

@@ -57,11 +57,11 @@ fn absurd_values_are_refused_with_their_limits() {
         ("samples = 16", "samples = 16\nerror = 0.0", "`error` must be above 0"),
         ("samples = 16", "samples = 16\nscramblings = 0", "`scramblings` must be 1 to 8"),
         ("samples = 16", "samples = 16\nscramblings = 16", "`scramblings` must be 1 to 8"),
-        ("samples = 16", "samples = 16\nscramblings = 3", "and `samples` a multiple of it"),
+        ("samples = 16", "samples = 16\nscramblings = 3", "and a divisor of `samples`"),
         (
             "samples = 16",
             "samples = 16\nscramblings = 2\nerror = 0.1",
-            "`scramblings` is for pairs without `error`",
+            "without `scramblings`: truth of `error` always has 8",
         ),
         ("samples = 16", "samples = 16\nscramblings = 2\ntarget = \"hbao\"", "`scramblings` is for truth"),
         ("0.05", "nan", "`radius.diagonal` must be above 0"),
