@@ -239,7 +239,8 @@ impl<'a> Run<'a> {
         Ok(loss)
     }
 
-    /// Mean structural dissimilarity on the views held apart, whole images, whatever the loss is that is trained for.
+    /// Mean structural dissimilarity on the views held apart, whole images, whatever the loss is that is trained for. The noise of
+    /// their targets is taken off where it is known, so that data with and without that are not to be compared by it.
     fn validation_loss(&self, weights: &Weights) -> Result<f32, TrainError> {
         let device = crate::device();
         let net = UNet::from_weights(&self.config.spec, weights, &device);

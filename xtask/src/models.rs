@@ -35,7 +35,8 @@ struct Budget {
 /// and makes a pair with 64 samples in five seconds: half an hour for data and about that for training; three quarters
 /// as much for runs of half and a quarter of the steps. Networks that predict kernels, but for `sss`, have batches for a GPU: an H100
 /// trains 700 crops a second of each of the three at once, seven minutes, and two cores need an hour and a half for each. `sss`, which has
-/// them for each colour, was given half the rate that it had with the paper's last layer; others were not tried. Indirect
+/// them for each colour, was given half the rate that it had with the paper's last layer; others were not tried. `ibl` has more steps than
+/// the others, two hours, and gained little by them. Indirect
 /// light, most of which is dark, wants a lower rate: at 0.004 the weights grew without bound, to where structural similarity has
 /// no gradient.
 const BUDGETS: [Budget; 11] = [

@@ -64,6 +64,7 @@ fn absurd_values_are_refused_with_their_limits() {
             "without `scramblings`: truth of `error` always has 8",
         ),
         ("samples = 16", "samples = 16\nscramblings = 2\ntarget = \"hbao\"", "`scramblings` is for truth"),
+        ("\"train\"", "\"test\"\nscramblings = 2", "without `scramblings`: truth of a test set always has 8"),
         ("0.05", "nan", "`radius.diagonal` must be above 0"),
         ("0.05", "-1.0", "`radius.diagonal` must be above 0"),
         ("views_per_scene = 2", "views_per_scene = 0", "1 to 1000000 views"),
@@ -231,6 +232,23 @@ fn keys_that_mean_nothing_are_refused() {
     assert!(shared.contains("`validation_share` is for training"), "{shared}");
     let without_files = refusal(|text| text.replace("[[", "test_recipes = [\"t.toml\"]\n[["));
     assert!(without_files.contains("`test_recipes` is for training recipes with `files`"), "{without_files}");
+}
+
+#[test]
+fn noise_is_known_of_truth_alone() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("recipes/real.toml");
+    let photographed = Recipe { scramblings: 2, ..Recipe::load(&path).expect("a sound recipe") };
+    let captures = vec![PathBuf::from("desk")];
+    let captured =
+        Recipe { captures, families: Vec::new(), vary: None, camera: None, ..photographed.clone() };
+    for (recipe, expected) in [
+        (photographed, "`scramblings` is for truth, and with `vary.sensor`"),
+        (captured, "`scramblings` is for scenes, and `captures` are none"),
+    ] {
+        let error = recipe.check(&path).expect_err("refused").to_string();
+        assert!(error.contains(expected), "{error}");
+        Recipe { scramblings: 1, ..recipe }.check(&path).expect("sound without it");
+    }
 }
 
 #[test]
