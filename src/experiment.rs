@@ -3,11 +3,9 @@
 
 mod exam;
 mod field_of_view;
-mod history;
 mod kernels;
 mod lab;
 mod losses;
-mod options;
 mod radius;
 mod regressors;
 mod samples;
@@ -19,7 +17,6 @@ use crate::figures::{Figures, machine, write_atomically};
 use crate::plot::{Line, Plot, Style};
 use anyhow::Result;
 use clap::ValueEnum;
-use deepshade_shaders::Effect;
 use deepshade_train::Loss;
 use lab::{Lab, Run};
 use serde_json::json;
@@ -38,9 +35,6 @@ use table::Table;
 pub struct Args {
     /// Which study.
     name: Study,
-    /// What `options` is about: `dof`, `motion-blur`, `sss`, `aa` or `multi`.
-    #[arg(long, default_value_t = Effect::Dof)]
-    effect: Effect,
     /// Images, scenes and steps near those of the thesis, which take many hours, in place of some minutes.
     #[arg(long)]
     full: bool,
@@ -69,10 +63,6 @@ enum Study {
     Radius,
     /// Perceptrons and random forests on patches beside the deep network.
     Regressors,
-    /// What the field learned since, each as an option of a network that filters light.
-    Options,
-    /// Networks that read what they made of the frame before, and how much they flicker.
-    History,
 }
 
 impl Study {
@@ -80,15 +70,7 @@ impl Study {
         self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
-    /// Where its table goes.
-    fn folder(self, effect: Effect) -> String {
-        match self {
-            Self::Options => format!("{}-{effect}", self.name()),
-            _ => self.name(),
-        }
-    }
-
-    fn run(self, lab: &Lab, effect: Effect) -> Result<Table> {
+    fn run(self, lab: &Lab) -> Result<Table> {
         match self {
             Self::Kernels => kernels::run(lab),
             Self::Losses => losses::run(lab),
@@ -97,8 +79,6 @@ impl Study {
             Self::FieldOfView => field_of_view::run(lab),
             Self::Radius => radius::run(lab),
             Self::Regressors => regressors::run(lab),
-            Self::Options => options::run(lab, effect),
-            Self::History => history::run(lab),
         }
     }
 }
@@ -113,9 +93,9 @@ pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     let device = deepshade_train::device_name()?;
     let lab = Lab::open(&folder, size)?;
-    let table = args.name.run(&lab, args.effect)?;
+    let table = args.name.run(&lab)?;
     let seconds = start.elapsed().as_secs_f64();
-    let results = folder.join(args.name.folder(args.effect));
+    let results = folder.join(args.name.name());
     write(&results, &table, &lab, seconds)?;
     let mut figures = Figures::new(&format!("experiment {}", args.name.name()));
     table.set_figures(&mut figures);

@@ -1,9 +1,11 @@
 //! The method `learned`: a trained network, run by `infer`.
 
+mod estimates;
 #[cfg(feature = "train")]
 pub mod run;
 
 use crate::engine::Engine;
+use estimates::Estimates;
 use crate::methods::LEARNED;
 use anyhow::{Result, ensure};
 use deepshade_infer::forward::ForwardError;
@@ -94,6 +96,7 @@ pub fn network(folder: &Path, effect: Option<Effect>) -> Result<Model> {
 /// A trained network on a device.
 pub struct Learned {
     engine: Engine,
+    estimates: Estimates,
 }
 
 impl Learned {
@@ -101,8 +104,8 @@ impl Learned {
     ///
     /// # Errors
     /// If the device refuses.
-    pub fn new(gpu: &Gpu, model: &Model) -> Result<Self, ForwardError> {
-        Ok(Self { engine: Engine::new(Some(gpu), model)? })
+    pub fn new(gpu: &Gpu, model: &Model) -> Result<Self, MethodError> {
+        Self::on(Some(gpu), model)
     }
 
     /// Prepares the network for the processor.
@@ -110,8 +113,13 @@ impl Learned {
     /// # Errors
     /// If the weights are not the spec's.
     #[cfg(feature = "train")]
-    pub fn on_processor(model: &Model) -> Result<Self, ForwardError> {
-        Ok(Self { engine: Engine::new(None, model)? })
+    pub fn on_processor(model: &Model) -> Result<Self, MethodError> {
+        Self::on(None, model)
+    }
+
+    fn on(gpu: Option<&Gpu>, model: &Model) -> Result<Self, MethodError> {
+        let estimates = Estimates::new(gpu, &model.spec)?;
+        Ok(Self { engine: Engine::new(gpu, model).map_err(failed)?, estimates })
     }
 
     /// The network's spec.
@@ -119,8 +127,9 @@ impl Learned {
         self.engine.spec()
     }
 
-    /// What the network makes of a g-buffer, for an effect that reaches so many metres. The time is that of the network
-    /// alone, without sending the g-buffer there and the image back.
+    /// What the network makes of a g-buffer, for an effect that reaches so many metres. The time is that of all that its image
+    /// takes: what methods estimate for it, what else is made for it to read, and the network, without sending the g-buffer to
+    /// a card and the image back.
     ///
     /// # Errors
     /// If the g-buffer lacks something or the device fails.
@@ -142,14 +151,20 @@ impl Learned {
         let missing = |source: MissingAttribute| MethodError::Missing { method: LEARNED, source };
         let spec = self.spec();
         let Repeats { warm_up, timed } = repeats;
-        let scaling = spec.scaling(gbuffer, radius).map_err(missing)?;
-        let (mut runs, mut milliseconds, mut clock) = (Vec::new(), 0.0, Clock::Gpu);
+        let (estimated, mut milliseconds) = self.estimates.of(gbuffer, radius, repeats)?;
+        let prepare = || spec.prepared(estimated.as_ref().unwrap_or(gbuffer), radius).map_err(missing);
+        let (prepared, time) = estimates::timed(prepare, repeats)?;
+        let (mut runs, mut clock) = (Vec::new(), Clock::Gpu);
+        let scaling = spec.scaling(&prepared, radius).map_err(missing)?;
         for run in 0..spec.runs() {
-            let input = spec.input(gbuffer, scaling, run).map_err(missing)?;
+            let input = spec.input(&prepared, scaling, run).map_err(missing)?;
             let (image, timing) = self.engine.run_async(&input, warm_up, timed).await.map_err(failed)?;
             runs.push(image);
             milliseconds += timing.milliseconds;
             clock = if timing.by_gpu { clock } else { Clock::Cpu };
+        }
+        if clock == Clock::Cpu {
+            milliseconds += time;
         }
         let mut image = spec.image(&runs, scaling);
         spec.set_background(gbuffer, &mut image).map_err(missing)?;

@@ -64,7 +64,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     for spec in specs(args, model.as_ref())? {
         for order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
-            let model = random(NetSpec { channel_order: order, ..spec.clone() });
+            let model = random(spec.clone().reshaped(|net| net.order = order));
             let file = folder.path().join(ONNX_FILE);
             std::fs::write(&file, onnx::encode(&model)).with_context(|| file.display().to_string())?;
             let order = format!("{order:?}").to_lowercase();

@@ -54,7 +54,7 @@ mod tests {
 
     fn files(levels: usize) -> Vec<File> {
         let reach = Reach { radius: 1.0, diagonal_share: 0.1, height: 64 };
-        let spec = NetSpec { levels, ..NetSpec::ao(ChannelOrder::Interleaved, reach) };
+        let spec = NetSpec::ao(ChannelOrder::Interleaved, reach).reshaped(|net| net.levels = levels);
         let model = Model { weights: Weights::random(&spec, 1), spec };
         wgsl_files(&model, Precision::F32).expect("files")
     }

@@ -179,7 +179,7 @@ fn damaged_input_is_refused() {
     let whole = std::fs::read(&weights).expect("a file");
     std::fs::write(&weights, &whole[..whole.len() - 100]).expect("written");
     assert_refused(&case.run(&["--radius", "1"]), &out, &["weights.safetensors"]);
-    let spec = NetSpec { kernel: 1, ..case.model.spec.clone() };
+    let spec = case.model.spec.clone().reshaped(|net| net.kernel = 1);
     let other = Model { weights: Weights::random(&spec, 8), spec };
     let json = std::fs::read(case.path("model/net.json")).expect("a file");
     other.save(&case.path("model")).expect("saved");

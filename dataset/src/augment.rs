@@ -89,7 +89,10 @@ impl Symmetry {
     /// Turns the values of an attribute whose planes start at `first`.
     fn turn_values(self, planes: &mut Planes, first: usize, attribute: Attribute) {
         match attribute.kind() {
-            AttributeKind::WorldVector | AttributeKind::Colour | AttributeKind::Scalar => {}
+            AttributeKind::WorldVector
+            | AttributeKind::Colour
+            | AttributeKind::Scalar
+            | AttributeKind::Scales => {}
             AttributeKind::CameraVector => {
                 for pixel in 0..planes.pixels() {
                     let turned = self.turn([planes.plane(first)[pixel], planes.plane(first + 1)[pixel]]);

@@ -191,7 +191,12 @@ fn possible(attribute: Attribute, component: usize, value: f32) -> bool {
         | Attribute::Normal
         | Attribute::WorldNormal
         | Attribute::ToCamera
-        | Attribute::Valid => true,
+        | Attribute::Valid
+        | Attribute::Openness
+        | Attribute::RawOpenness
+        | Attribute::Relief
+        | Attribute::PixelRadius
+        | Attribute::Border => true,
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a network costs, counted and not measured: multiply-adds, and numbers that must move.
 
-use crate::{Filter, Layer, NetSpec, Source};
+use crate::{Filter, Head, Layer, NetSpec, Source};
 
 /// What a layer costs on one image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,18 +46,18 @@ impl NetSpec {
             let frame = pixels(layer.level);
             let made = layer.outputs * frame;
             let read = match layer.source {
-                Source::Input => 0,
+                Source::Input | Source::Folded => 0,
                 Source::Plain(_) | Source::Pooled(_) => layer.inputs * frame,
-                Source::Joined { coarse, skip } => {
+                Source::Joined { coarse, skip, .. } => {
                     layers[coarse].outputs * pixels(layer.level + 1) + layers[skip].outputs * frame
                 }
             };
-            let input = if layer.source == Source::Input { layer.inputs * height * width } else { 0 };
+            let input = if layer.source.is_input() { self.input_channels() * height * width } else { 0 };
             let is_pooled =
                 layers.iter().any(|other| matches!(other.source, Source::Pooled(of) if layers[of] == *layer));
             let pooled = if is_pooled { layer.outputs * pixels(layer.level + 1) } else { 0 };
             let (map, image) = if layer.activation { (made, 0) } else { (0, made) };
-            let weights = layer.weight_count(self.kernel);
+            let weights = layer.weight_count();
             Cost {
                 multiply_adds: ((weights - layer.outputs) * frame) as u64,
                 maps: (read + map + pooled) as u64,
@@ -65,7 +65,12 @@ impl NetSpec {
             }
         };
         let mut costs: Vec<Cost> = layers.iter().map(cost).collect();
-        if let (Some(filter), Some(last)) = (self.filter, costs.last_mut()) {
+        let filter = match self.head {
+            Head::Image => None,
+            Head::Filter(filter) => Some(filter),
+            Head::Correction(correction) => Some(correction.filter()),
+        };
+        if let (Some(filter), Some(last)) = (filter, costs.last_mut()) {
             *last = [*last, self.filter_cost(filter, height * width)].into_iter().sum();
         }
         costs
@@ -75,8 +80,8 @@ impl NetSpec {
     /// the processor reads between them once for all taps of a row.
     fn filter_cost(&self, filter: Filter, pixels: usize) -> Cost {
         let on_a_level = filter.kernel * filter.kernel;
-        let multiply_adds = on_a_level + 5 * on_a_level * (filter.levels - 1);
-        let others = filter.weight_count() + 2 * self.output_channels();
+        let multiply_adds = on_a_level + 5 * on_a_level * filter.levels.saturating_sub(1);
+        let others = self.head_channels() + 2 * self.output_channels();
         Cost {
             multiply_adds: (self.output_channels() * multiply_adds * pixels) as u64,
             maps: 0,
@@ -111,8 +116,7 @@ mod tests {
         let paper = NetSpec::published(Effect::Dof, ChannelOrder::Interleaved, reach).expect("it has one");
         let cost = |spec: &NetSpec| spec.costs(64, 64).into_iter().sum::<Cost>().multiply_adds / (64 * 64);
         for (kernel, taps) in [(1, 1), (3, 9)] {
-            let filter =
-                NetSpec { filter: Some(Filter { levels: 5, kernel, black: false }), ..paper.clone() };
+            let filter = paper.clone().with_head(Head::Filter(Filter { levels: 5, kernel, black: false }));
             let expected = (5 * taps - 1) * 48 * 9 + taps * (1 + 4 * 5);
             assert_eq!(cost(&filter) - cost(&paper), expected, "{kernel}x{kernel}");
         }

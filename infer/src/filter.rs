@@ -12,8 +12,7 @@
 //! - A pixel's weights are the softmax of what the last convolution makes there: level by level, each level's kernel row by
 //!   row, and where [`Filter::black`] says so one more, of black. All colour channels that a run makes have the same weights.
 
-use crate::{Colour, NetSpec, SpecError};
-use deepshade_shaders::{Attribute, Planes};
+use crate::{Colour, Head, NetSpec};
 use serde::{Deserialize, Serialize};
 
 /// Which pixels of the light an image is made of.
@@ -62,48 +61,12 @@ impl NetSpec {
     /// level only; with black where the effect hides light; for all colours at once, or where the effect parts colours for one
     /// of them a run. None where the network reads no light.
     pub fn predicting_kernels(&self) -> Option<Self> {
-        let kernel = if self.levels == 1 { 5 } else { 3 };
-        let black = self.effect.hides_light();
-        let filter = Some(Filter { levels: self.levels, kernel, black });
+        let levels = self.levels();
+        let kernel = if levels == 1 { 5 } else { 3 };
+        let filter = Filter { levels, kernel, black: self.effect.hides_light() };
         let colour = if self.effect.parts_colours() { Colour::Mono } else { Colour::Rgb };
-        let spec = Self { filter, colour, ..self.clone() };
+        let spec = Self { colour, ..self.clone() }.with_head(Head::Filter(filter));
         spec.validate().is_ok().then_some(spec)
-    }
-
-    /// Which of the channels that a run reads are light, in their order.
-    pub fn light_channels(&self) -> Vec<usize> {
-        let mut lights = Vec::new();
-        let mut read = 0;
-        for attribute in &self.inputs {
-            let width = self.width(*attribute);
-            if *attribute == Attribute::Light {
-                lights.extend(read..read + width);
-            }
-            read += width;
-        }
-        lights
-    }
-
-    /// The light of a run's input, `[light channels, height, width]`.
-    pub fn light(&self, input: &Planes) -> Planes {
-        let lights = self.light_channels();
-        let data = lights.iter().flat_map(|channel| input.plane(*channel)).copied().collect();
-        Planes::from_data(lights.len(), input.height(), input.width(), data)
-    }
-
-    /// Whether the network has the light that its filter reads, and the levels.
-    pub(crate) fn validate_filter(&self) -> Result<(), SpecError> {
-        let Some(Filter { levels, kernel, .. }) = self.filter else { return Ok(()) };
-        let range =
-            |name, found: usize, allowed| SpecError::Range { name, found: found.to_string(), allowed };
-        if !(1..=self.levels).contains(&levels) {
-            return Err(range("filter.levels", levels, "1 to `levels`"));
-        }
-        if !matches!(kernel, 1 | 3 | 5 | 7) {
-            return Err(range("filter.kernel", kernel, "1, 3, 5 or 7"));
-        }
-        let (lights, channels) = (self.light_channels().len(), self.output_channels());
-        if lights == channels { Ok(()) } else { Err(SpecError::Light { lights, channels }) }
     }
 }
 
@@ -111,7 +74,7 @@ impl NetSpec {
 mod tests {
     use super::*;
     use crate::{ChannelOrder, Reach};
-    use deepshade_shaders::Effect;
+    use deepshade_shaders::{Attribute, Effect};
 
     const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
 
@@ -131,18 +94,16 @@ mod tests {
 
     #[test]
     fn the_light_is_what_the_image_is_of() {
-        let channels = |effect| published(effect).light_channels();
+        let channels = |effect| published(effect).channels_of(Attribute::Light);
         assert_eq!((channels(Effect::Dof), channels(Effect::Multi)), (vec![2], vec![8, 9, 10]));
         assert!(channels(Effect::Ao).is_empty());
-        let input = Planes::from_fn(3, 1, 2, |c, _, x| (10 * c + x) as f32);
-        assert_eq!(published(Effect::Dof).light(&input).data(), [20.0, 21.0]);
     }
 
     #[test]
     fn the_last_layer_makes_a_weight_a_tap() {
         let dof = published(Effect::Dof);
-        let filter = Some(Filter { levels: 5, kernel: 3, black: false });
-        let spec = NetSpec { filter, ..dof.clone() };
+        let filter = Filter { levels: 5, kernel: 3, black: false };
+        let spec = dof.clone().with_head(Head::Filter(filter));
         assert_eq!(spec.validate(), Ok(()));
         assert_eq!(spec.weight_count() - dof.weight_count(), 44 * (48 * 9 + 1));
         assert_eq!((spec.output_channels(), spec.runs()), (1, 3));
@@ -151,7 +112,7 @@ mod tests {
     #[test]
     fn networks_that_read_light_can_predict_kernels() {
         let taps = |effect| {
-            published(effect).predicting_kernels().and_then(|spec| spec.filter).map(|f| f.tap_count())
+            published(effect).predicting_kernels().and_then(|spec| spec.filter()).map(|f| f.tap_count())
         };
         assert_eq!((taps(Effect::Dof), taps(Effect::Aa), taps(Effect::Gi)), (Some(45), Some(25), None));
         let dof = published(Effect::Dof).predicting_kernels().expect("it reads light");
@@ -174,12 +135,11 @@ mod tests {
     #[test]
     fn a_filter_of_what_is_not_there_is_named() {
         let filtered = |effect, levels, kernel| {
-            let filter = Some(Filter { levels, kernel, black: false });
-            let spec = NetSpec { filter, ..published(effect) };
+            let spec = published(effect).with_head(Head::Filter(Filter { levels, kernel, black: false }));
             spec.validate().expect_err("it cannot be").to_string()
         };
-        assert!(filtered(Effect::Dof, 6, 1).starts_with("`filter.levels` is 6"));
-        assert!(filtered(Effect::Dof, 5, 2).starts_with("`filter.kernel` is 2"));
-        assert!(filtered(Effect::Ao, 5, 1).contains("0 channels of light"));
+        assert!(filtered(Effect::Dof, 6, 1).starts_with("`head.levels` is 6"));
+        assert!(filtered(Effect::Dof, 5, 2).starts_with("`head.kernel` is 2"));
+        assert!(filtered(Effect::Ao, 5, 1).contains("works on 0 channels"));
     }
 }

@@ -4,6 +4,10 @@
 //! A renderer that keeps its g-buffer on the GPU does the same there, before and after
 //! [`Plan::encode`](crate::Plan::encode).
 
+mod made;
+
+pub use made::{RELIEF_LEVELS, with_made};
+
 use crate::{Colour, NetSpec};
 use deepshade_shaders::wgsl::convolution::Scale;
 use deepshade_shaders::{
@@ -21,6 +25,15 @@ pub struct Scaling {
 }
 
 impl NetSpec {
+    /// A g-buffer with what the network reads that is made of it, for an effect that reaches `radius` metres. What methods
+    /// estimate must be there already.
+    ///
+    /// # Errors
+    /// If what it is made of is not there.
+    pub fn prepared(&self, gbuffer: &GBuffer, radius: f32) -> Result<GBuffer, MissingAttribute> {
+        with_made(gbuffer, &self.inputs, radius)
+    }
+
     /// What a frame of a g-buffer is multiplied by, for an effect that reaches `radius` metres: light such that 99 % of what
     /// is not black is at most [`NetSpec::brightness`].
     ///
@@ -82,13 +95,15 @@ impl NetSpec {
     }
 
     /// The effect's image, `[effect's channels, height, width]`, of what the runs made, in their order, in the light that
-    /// the frame had before it was scaled.
+    /// the frame had before it was scaled, within the [range](Effect::range) of the effect.
     ///
     /// # Panics
     /// If they are not as many as [`NetSpec::runs`], or of different sizes.
     pub fn image(&self, runs: &[Planes], scaling: Scaling) -> Planes {
         assert_eq!(runs.len(), self.runs(), "runs of a network");
-        let data = runs.iter().flat_map(|run| run.data()).map(|value| value / scaling.light).collect();
+        let [least, most] = self.effect.range();
+        let values = runs.iter().flat_map(|run| run.data());
+        let data = values.map(|value| (value / scaling.light).clamp(least, most)).collect();
         Planes::from_data(self.effect.channels(), runs[0].height(), runs[0].width(), data)
     }
 

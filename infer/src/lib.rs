@@ -21,5 +21,7 @@ pub use input::Scaling;
 pub use model::{Model, ModelError};
 pub use parity::{Activation, Comparison, Parity};
 pub use reach::Reach;
-pub use spec::{ChannelOrder, Colour, Layer, NetSpec, Source, SpecError};
+pub use spec::{
+    Block, ChannelOrder, Colour, Correction, Estimate, Head, Layer, NetSpec, Source, SpecError, Trained, UNet,
+};
 pub use weights::{LayerWeights, Weights};

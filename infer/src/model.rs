@@ -165,7 +165,7 @@ impl Model {
             .iter()
             .zip(&self.weights.0)
             .flat_map(|(layer, weights)| {
-                let shape = layer.weight_shape(self.spec.kernel).to_vec();
+                let shape = layer.weight_shape().to_vec();
                 [
                     (format!("{}.weight", layer.name), shape, &weights.weight[..]),
                     (format!("{}.bias", layer.name), vec![layer.outputs], &weights.bias[..]),
@@ -209,7 +209,7 @@ fn weights_of(tensors: &file::Tensors, spec: &NetSpec) -> Result<Weights, ModelE
     tensors.hold_only(&names)?;
     let layers = layers.iter().map(|layer| {
         Ok(LayerWeights {
-            weight: tensors.of_shape(&format!("{}.weight", layer.name), &layer.weight_shape(spec.kernel))?,
+            weight: tensors.of_shape(&format!("{}.weight", layer.name), &layer.weight_shape())?,
             bias: tensors.of_shape(&format!("{}.bias", layer.name), &[layer.outputs])?,
         })
     });

@@ -18,19 +18,21 @@ impl NetSpec {
     /// The pixels of the input that a part of the image depends on.
     fn needed(&self, part: Span) -> Span {
         let layers = self.layers();
-        let radius = (self.kernel / 2) as isize;
         // What is needed of each layer's image; nothing yet, but of the last.
         let mut needed: Vec<Option<Span>> = vec![None; layers.len()];
-        needed[layers.len() - 1] = Some(part);
+        let square = 1 << self.last_level();
+        needed[layers.len() - 1] = Some([part[0].div_euclid(square), part[1].div_euclid(square)]);
         let mut input = part;
         for (index, layer) in layers.iter().enumerate().rev() {
             let Some([first, last]) = needed[index] else { continue };
+            let radius = (layer.kernel / 2) as isize;
             let seen = [first - radius, last + radius];
             match layer.source {
-                Source::Input => input = seen,
+                Source::Input => input = [input[0].min(seen[0]), input[1].max(seen[1])],
+                Source::Folded => input = [input[0].min(2 * seen[0]), input[1].max(2 * seen[1] + 1)],
                 Source::Plain(from) => add(&mut needed[from], seen),
                 Source::Pooled(from) => add(&mut needed[from], [2 * seen[0], 2 * seen[1] + 1]),
-                Source::Joined { coarse, skip } => {
+                Source::Joined { coarse, skip, .. } => {
                     add(&mut needed[coarse], before_doubling(seen));
                     add(&mut needed[skip], seen);
                 }
@@ -76,7 +78,7 @@ mod tests {
     fn the_overlap_is_exact() {
         let ao = NetSpec::ao(ChannelOrder::Interleaved, REACH);
         for (levels, kernel) in [(1, 3), (1, 5), (2, 1), (2, 3), (3, 3), (3, 5), (4, 3), (5, 1)] {
-            let spec = NetSpec { levels, kernel, ..ao.clone() };
+            let spec = ao.clone().reshaped(|net| (net.levels, net.kernel) = (levels, kernel));
             let (weights, overlap, part) = (Weights::random(&spec, 3), spec.overlap(), spec.alignment());
             // The part in the middle of a row that is wide enough on either side.
             let begin = overlap.next_multiple_of(part) + part;

@@ -2,7 +2,8 @@
 
 mod filter;
 
-use crate::{Activation, Layer, LayerWeights, NetSpec, Source, Weights};
+use crate::spec::{channels, joined_order};
+use crate::{Activation, Head, Layer, LayerWeights, NetSpec, Source, Weights};
 use deepshade_shaders::Planes;
 use rayon::prelude::*;
 
@@ -33,11 +34,34 @@ pub fn layers(spec: &NetSpec, weights: &Weights, input: &Planes) -> Vec<Activati
 
 /// The network's image, given what its last convolution makes of the padded input.
 fn image(spec: &NetSpec, input: &Planes, made: &Planes) -> Planes {
-    let made = made.window(0, 0, input.height(), input.width());
-    match spec.filter {
-        None => made,
-        Some(filter) => filter::filtered(filter, &padded(&spec.light(input), spec.alignment()), &made),
+    let made = unfolded(made, spec.last_level()).window(0, 0, input.height(), input.width());
+    let pyramid_of = || padded(&channels(input, &spec.pyramid_channels()), spec.alignment());
+    match spec.head {
+        Head::Image => made,
+        Head::Filter(filter) => filter::filtered(filter, &pyramid_of(), &made),
+        Head::Correction(correction) => {
+            let estimate = channels(input, &spec.channels_of(correction.of));
+            filter::corrected(correction, spec.effect.range(), &estimate, &pyramid_of(), &made)
+        }
     }
+}
+
+/// Channels that are the pixels of squares, `1 << level` along an axis, as those pixels: depth to space.
+fn unfolded(image: &Planes, level: usize) -> Planes {
+    let side = 1 << level;
+    let channels = image.channels() / (side * side);
+    Planes::from_fn(channels, image.height() * side, image.width() * side, |c, y, x| {
+        image.at((y % side * side + x % side) * channels + c, y / side, x / side)
+    })
+}
+
+/// The pixels of squares of four as channels, at half the resolution: space to depth.
+fn folded(image: &Planes) -> Planes {
+    let channels = image.channels();
+    Planes::from_fn(4 * channels, image.height() / 2, image.width() / 2, |c, y, x| {
+        let (square, c) = (c / channels, c % channels);
+        image.at(c, 2 * y + square / 2, 2 * x + square % 2)
+    })
 }
 
 fn run(spec: &NetSpec, weights: &Weights, input: &Planes) -> Vec<Planes> {
@@ -60,13 +84,14 @@ pub(crate) fn layer(
     input: &Planes,
     made: &[Planes],
 ) -> Planes {
+    let convolved = |image: &Planes| convolved(image, layer, weights);
     let mut image = match layer.source {
-        Source::Input => convolved(input, layer, weights, spec.kernel),
-        Source::Plain(from) => convolved(&made[from], layer, weights, spec.kernel),
-        Source::Pooled(from) => convolved(&pooled(&made[from]), layer, weights, spec.kernel),
-        Source::Joined { coarse, skip } => {
-            let joined = joined(spec, &doubled(&made[coarse]), &made[skip], layer.groups);
-            convolved(&joined, layer, weights, spec.kernel)
+        Source::Input => convolved(input),
+        Source::Folded => convolved(&folded(input)),
+        Source::Plain(from) => convolved(&made[from]),
+        Source::Pooled(from) => convolved(&pooled(&made[from])),
+        Source::Joined { coarse, skip, groups } => {
+            convolved(&joined(&doubled(&made[coarse]), &made[skip], groups))
         }
     };
     if layer.activation {
@@ -92,7 +117,8 @@ fn leaky(value: f32, leak: f32) -> f32 {
 }
 
 /// Grouped convolution (a correlation, as everywhere in this field) with zeros around the image, plus bias.
-fn convolved(image: &Planes, layer: &Layer, weights: &LayerWeights, kernel: usize) -> Planes {
+fn convolved(image: &Planes, layer: &Layer, weights: &LayerWeights) -> Planes {
+    let kernel = layer.kernel;
     let (height, width) = (image.height(), image.width());
     let share = layer.inputs / layer.groups;
     let mut made = Planes::filled(layer.outputs, height, width, 0.0);
@@ -155,9 +181,9 @@ fn neighbours(at: usize, size: usize) -> (usize, usize) {
     (near, far)
 }
 
-/// The two images one after the other, channels in the order of the spec.
-fn joined(spec: &NetSpec, coarse: &Planes, skip: &Planes, groups: usize) -> Planes {
-    let order = spec.joined_order(coarse.channels(), skip.channels(), groups);
+/// The two images one after the other, their channels dealt out in groups.
+fn joined(coarse: &Planes, skip: &Planes, groups: usize) -> Planes {
+    let order = joined_order(coarse.channels(), skip.channels(), groups);
     let mut data = Vec::with_capacity(order.len() * skip.pixels());
     for channel in &order {
         data.extend_from_slice(match channel.checked_sub(coarse.channels()) {

@@ -7,13 +7,13 @@ use deepshade_shaders::random::random;
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayerWeights {
     /// `[outputs, inputs / groups, kernel, kernel]`. Inputs are in the order in which the layer reads them
-    /// ([`NetSpec::joined_order`]).
+    /// ([`Layer::read_order`]).
     pub weight: Vec<f32>,
     /// `[outputs]`.
     pub bias: Vec<f32>,
 }
 
-/// The weights of all layers, in the order of [`NetSpec::layers`].
+/// The weights of all layers, in the order of [`NetSpec::blocks`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Weights(pub Vec<LayerWeights>);
 
@@ -28,7 +28,7 @@ impl Weights {
         let mut made = Vec::new();
         for (index, layer) in spec.layers().iter().enumerate() {
             let number = |i: usize, of: u32| random(i as u32, of, seed, index as u32 + 1) - 0.5;
-            let count = layer.weight_shape(spec.kernel).iter().product();
+            let count = layer.weight_shape().iter().product();
             let mut weight = LayerWeights {
                 weight: (0..count).map(|i| number(i, 0)).collect(),
                 bias: (0..layer.outputs).map(|i| number(i, 1)).collect(),
@@ -54,10 +54,8 @@ impl Weights {
         let mut factors = scales(&reference::layers(spec, &self, &noise));
         *factors.last_mut().expect("a network has a layer") = 1.0;
         for ((layer, factor), weights) in layers.iter().zip(&factors).zip(&mut self.0) {
-            let read: Vec<f32> = (0..layer.inputs)
-                .map(|channel| factor_read(spec, &layers, layer, channel, &factors))
-                .collect();
-            weights.scale(layer, spec.kernel, *factor, &read);
+            let read = factors_read(&layers, layer, &factors);
+            weights.scale(layer, *factor, &read);
         }
         self
     }
@@ -68,7 +66,7 @@ impl Weights {
         self.0.len() == layers.len()
             && self.0.iter().zip(&layers).all(|(weights, layer)| {
                 weights.bias.len() == layer.outputs
-                    && weights.weight.len() + weights.bias.len() == layer.weight_count(spec.kernel)
+                    && weights.weight.len() + weights.bias.len() == layer.weight_count()
             })
     }
 }
@@ -76,9 +74,10 @@ impl Weights {
 impl LayerWeights {
     /// Makes the layer's image `factor` times as large, where channel `c` of what it reads is `read[c]` times as large
     /// as it was.
-    fn scale(&mut self, layer: &Layer, kernel: usize, factor: f32, read: &[f32]) {
+    fn scale(&mut self, layer: &Layer, factor: f32, read: &[f32]) {
+        let area = layer.kernel * layer.kernel;
         let (share, per_group) = (layer.inputs / layer.groups, layer.outputs / layer.groups);
-        for (index, taps) in self.weight.chunks_mut(kernel * kernel).enumerate() {
+        for (index, taps) in self.weight.chunks_mut(area).enumerate() {
             let (output, input) = (index / share, index % share);
             let channel = output / per_group * share + input;
             taps.iter_mut().for_each(|weight| *weight *= factor / read[channel]);
@@ -93,17 +92,16 @@ fn scales(made: &[parity::Activation]) -> Vec<f32> {
     made.iter().map(|made| scale(parity::largest(&made.planes))).collect()
 }
 
-/// The factor of the layer from which `layer` reads the channel of that index.
-fn factor_read(spec: &NetSpec, layers: &[Layer], layer: &Layer, channel: usize, factors: &[f32]) -> f32 {
-    match layer.source {
-        Source::Input => 1.0,
+/// For each channel that a layer reads the factor of the layer from which it is.
+fn factors_read(layers: &[Layer], layer: &Layer, factors: &[f32]) -> Vec<f32> {
+    let of = |channel: usize| match layer.source {
+        Source::Input | Source::Folded => 1.0,
         Source::Plain(from) | Source::Pooled(from) => factors[from],
-        Source::Joined { coarse, skip } => {
-            let [of_coarse, of_skip] = [coarse, skip].map(|index| layers[index].outputs);
-            let from = spec.joined_order(of_coarse, of_skip, layer.groups)[channel];
-            factors[if from < of_coarse { coarse } else { skip }]
+        Source::Joined { coarse, skip, .. } => {
+            factors[if channel < layers[coarse].outputs { coarse } else { skip }]
         }
-    }
+    };
+    layer.read_order(layers).into_iter().map(of).collect()
 }
 
 #[cfg(test)]
@@ -128,7 +126,7 @@ mod tests {
     fn balanced_weights_make_the_same_image_of_features_that_half_floats_hold() {
         let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
         for order in [ChannelOrder::Interleaved, ChannelOrder::Contiguous] {
-            let spec = NetSpec { levels: 4, ..NetSpec::ao(order, reach) };
+            let spec = NetSpec::ao(order, reach).reshaped(|net| net.levels = 4);
             let mut weights = Weights::random(&spec, 3);
             // What training may do: one layer far too large for half floats, another far too small.
             for (index, factor) in [(1, 3e6_f32), (2, 1e-9)] {

@@ -2,8 +2,10 @@
 
 use deepshade_infer::forward::ForwardError;
 use deepshade_infer::parity::{first_difference, noise, rms};
-use deepshade_infer::{ChannelOrder, Colour, Filter, NetSpec, Reach, Weights, cpu, reference};
-use deepshade_shaders::Effect;
+use deepshade_infer::{
+    ChannelOrder, Colour, Correction, Filter, Head, NetSpec, Reach, Weights, cpu, reference,
+};
+use deepshade_shaders::{Attribute, Effect};
 use std::time::Instant;
 
 const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
@@ -21,7 +23,7 @@ fn assert_agrees(spec: &NetSpec, sizes: &[(usize, usize)]) {
         assert_eq!(first_difference(&expected, &made), None, "{what}");
         let last = &expected[expected.len() - 1].planes;
         // A filter averages what is random.
-        let least = if spec.filter.is_some() { 0.05 } else { 0.3 };
+        let least = if spec.filter().is_some() { 0.05 } else { 0.3 };
         let proves = last.pixels() < 100 || (least..3.0).contains(&rms(last));
         assert!(proves, "{what}: an image of rms {} proves little", rms(last));
     }
@@ -44,7 +46,7 @@ fn every_published_network_at_whole_and_odd_sizes() {
 
 #[test]
 fn every_number_of_vectors_and_rows() {
-    let spec = NetSpec { levels: 2, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) };
+    let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH).reshaped(|net| net.levels = 2);
     let widths: Vec<(usize, usize)> = (1..70).map(|width| (1 + width % 7, width)).collect();
     assert_agrees(&spec, &widths);
     assert_agrees(&spec, &[(71, 5), (130, 3)]);
@@ -55,16 +57,37 @@ fn numbers_of_channels_that_fill_no_block() {
     let ao = NetSpec::ao(ChannelOrder::Interleaved, REACH);
     for (u0, levels) in [(1, 1), (3, 1), (5, 1), (2, 2), (6, 2), (10, 2), (12, 2)] {
         for kernel in [3, 5, 7] {
-            assert_agrees(&NetSpec { u0, levels, kernel, ..ao.clone() }, &[(19, 37)]);
+            assert_agrees(&ao.clone().reshaped(|net| (net.u0, net.levels, net.kernel) = (u0, levels, kernel)), &[(19, 37)]);
         }
     }
+}
+
+/// A network that corrects an estimate by taps of so many levels.
+fn correcting(levels: usize, kernel: usize) -> NetSpec {
+    let (of, over) = (Attribute::Openness, Attribute::RawOpenness);
+    let inputs = vec![Attribute::Normal, of, over];
+    let correction = Correction { of, over, levels, kernel };
+    NetSpec::correcting(Effect::Ao, inputs, Vec::new(), correction, 8, REACH)
+}
+
+#[test]
+fn networks_that_correct_an_estimate() {
+    for (levels, kernel) in [(0, 1), (1, 5), (3, 3)] {
+        assert_agrees(&correcting(levels, kernel), &[(19, 37), (64, 33), (1, 1)]);
+    }
+    let spec = correcting(2, 3);
+    let network = network(&spec, &Weights::random(&spec, 3));
+    let input = noise(spec.input_channels(), 333, 900, 1);
+    let mut plan = network.plan_within(333, 900, 20_000_000).expect("tiles are small enough");
+    assert!(plan.tiles() > 1);
+    assert_eq!(plan.run(&input).expect("runs"), network.run(&input).expect("runs"), "in tiles");
 }
 
 /// Networks that predict kernels, of one colour channel and of three.
 fn filtering() -> [NetSpec; 6] {
     let spec = |effect, levels, kernel, colour| {
         let published = NetSpec::published(effect, ChannelOrder::Interleaved, REACH).expect("it has one");
-        NetSpec { filter: Some(Filter { levels, kernel, black: false }), colour, ..published }
+        NetSpec { colour, ..published }.with_head(Head::Filter(Filter { levels, kernel, black: false }))
     };
     let multi = NetSpec::published(Effect::Multi, ChannelOrder::Interleaved, REACH).expect("it has one");
     [
@@ -87,11 +110,8 @@ fn networks_that_predict_kernels() {
 #[test]
 fn a_filter_is_timed_with_the_last_layer() {
     // Kernels of one pixel, and 49 taps: the filter takes nine tenths of the time, the layers alone one.
-    let spec = NetSpec {
-        kernel: 1,
-        filter: Some(Filter { levels: 1, kernel: 7, black: false }),
-        ..filtering()[3].clone()
-    };
+    let head = Head::Filter(Filter { levels: 1, kernel: 7, black: false });
+    let spec = filtering()[3].clone().with_head(head).reshaped(|net| net.kernel = 1);
     let mut plan = network(&spec, &Weights::random(&spec, 3)).plan(256, 256).expect("room");
     let input = noise(spec.input_channels(), 256, 256, 1);
     let least = |of: &mut dyn FnMut() -> f64| (0..5).map(|_| of()).fold(f64::INFINITY, f64::min);
@@ -106,7 +126,7 @@ fn a_filter_is_timed_with_the_last_layer() {
 
 #[test]
 fn a_plan_runs_again_and_again() {
-    let spec = NetSpec { levels: 3, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) };
+    let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH).reshaped(|net| net.levels = 3);
     let network = network(&spec, &Weights::random(&spec, 3));
     let mut plan = network.plan(21, 34).expect("room");
     for seed in 0..3 {
@@ -122,7 +142,7 @@ fn tiles_make_the_same_as_the_whole() {
         [(Effect::Ao, 3, 1_000_000), (Effect::Do, 2, 1_500_000), (Effect::Aa, 1, 300_000)]
     {
         let published = NetSpec::published(effect, ChannelOrder::Interleaved, REACH).expect("it has one");
-        let spec = NetSpec { levels, ..published };
+        let spec = published.reshaped(|net| net.levels = levels);
         let network = network(&spec, &Weights::random(&spec, 3));
         let input = noise(spec.input_channels(), 133, 187, 1);
         let mut plan = network.plan_within(133, 187, bytes).expect("tiles are small enough");
@@ -130,11 +150,8 @@ fn tiles_make_the_same_as_the_whole() {
         assert_eq!(plan.run(&input).expect("runs"), network.run(&input).expect("runs"), "{effect}");
         assert_eq!(plan.run_layers(&input).expect("runs"), None);
     }
-    let spec = NetSpec {
-        levels: 2,
-        filter: Some(Filter { levels: 2, kernel: 3, black: false }),
-        ..filtering()[0].clone()
-    };
+    let head = Head::Filter(Filter { levels: 2, kernel: 3, black: false });
+    let spec = filtering()[0].clone().with_head(head).reshaped(|net| net.levels = 2);
     let network = network(&spec, &Weights::random(&spec, 3));
     let input = noise(spec.input_channels(), 133, 187, 1);
     let mut plan = network.plan_within(133, 187, 1_500_000).expect("tiles are small enough");
@@ -158,7 +175,7 @@ fn the_bits_do_not_depend_on_threads() {
 
 #[test]
 fn a_wrong_layer_is_found_where_it_is() {
-    let spec = NetSpec { levels: 3, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) };
+    let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH).reshaped(|net| net.levels = 3);
     let weights = Weights::random(&spec, 3);
     let input = noise(spec.input_channels(), 24, 24, 1);
     let expected = reference::layers(&spec, &weights, &input);
@@ -184,8 +201,8 @@ fn what_cannot_run_is_an_error() {
     );
     assert!(message(network.plan(0, 8).map(drop)).contains("8x0"));
     assert!(message(network.plan_within(512, 512, 1000).map(drop)).contains("1000"));
-    let other = NetSpec { u0: 16, ..spec.clone() };
+    let other = spec.clone().reshaped(|net| net.u0 = 16);
     assert!(message(cpu::Network::new(&other, &weights).map(drop)).contains("do not fit"));
-    let invalid = NetSpec { levels: 0, ..spec };
+    let invalid = spec.reshaped(|net| net.levels = 0);
     assert!(cpu::Network::new(&invalid, &weights).is_err());
 }

@@ -2,7 +2,7 @@
 
 use deepshade_infer::forward::{Input, Options, Output, OutputKind, Precision, Variant};
 use deepshade_infer::parity::{Comparison, noise};
-use deepshade_infer::{ChannelOrder, Filter, NetSpec, Network, Reach, Weights, reference};
+use deepshade_infer::{ChannelOrder, Filter, Head, NetSpec, Network, Reach, Weights, reference};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Effect, Planes};
 
@@ -13,13 +13,13 @@ fn gpu() -> Gpu {
 }
 
 fn spec(levels: usize) -> NetSpec {
-    NetSpec { levels, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) }
+    NetSpec::ao(ChannelOrder::Interleaved, REACH).reshaped(|net| net.levels = levels)
 }
 
 /// Of a network that predicts kernels.
 fn filtering() -> NetSpec {
     let dof = NetSpec::published(Effect::Dof, ChannelOrder::Interleaved, REACH).expect("it has one");
-    NetSpec { levels: 2, filter: Some(Filter { levels: 2, kernel: 3, black: false }), ..dof }
+    dof.with_head(Head::Filter(Filter { levels: 2, kernel: 3, black: false })).reshaped(|net| net.levels = 2)
 }
 
 fn network(gpu: &Gpu, spec: &NetSpec, variant: Option<Variant>, precision: Precision) -> Network {

@@ -5,10 +5,10 @@ use deepshade_infer::forward::{
 };
 use deepshade_infer::parity::{TOLERANCE, first_difference, first_difference_within, noise, rms};
 use deepshade_infer::{
-    Activation, ChannelOrder, Colour, Comparison, Filter, Model, NetSpec, Network, Reach, Weights, reference,
+    Activation, ChannelOrder, Colour, Comparison, Correction, Filter, Head, Model, NetSpec, Network, Reach, Weights, reference,
 };
 use deepshade_shaders::gpu::{self, Gpu};
-use deepshade_shaders::{Effect, Planes};
+use deepshade_shaders::{Attribute, Effect, Planes};
 
 const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
 
@@ -48,8 +48,11 @@ fn layers(
 
 fn assert_agrees(gpu: &Gpu, spec: NetSpec, sizes: &[(usize, usize)]) {
     let model = random_model(spec);
-    let networks = [Variant::Software, guess(gpu, &model.spec)]
-        .map(|variant| network(gpu, &model, &variant, Precision::F32));
+    // The software kernels are for U-nets.
+    let software = model.spec.u_net().is_some().then_some(Variant::Software);
+    let variants = software.into_iter().chain([guess(gpu, &model.spec)]);
+    let networks: Vec<Network> =
+        variants.map(|variant| network(gpu, &model, &variant, Precision::F32)).collect();
     for (height, width) in sizes {
         let input = noise(model.spec.input_channels(), *height, *width, 7);
         let expected = reference::layers(&model.spec, &model.weights, &input);
@@ -61,7 +64,7 @@ fn assert_agrees(gpu: &Gpu, spec: NetSpec, sizes: &[(usize, usize)]) {
         }
         let last = &expected[expected.len() - 1].planes;
         // A filter averages what is random.
-        let least = if model.spec.filter.is_some() { 0.05 } else { 0.3 };
+        let least = if model.spec.filter().is_some() { 0.05 } else { 0.3 };
         let proves = last.pixels() < 100 || (least..3.0).contains(&rms(last));
         assert!(proves, "{what}: an image of rms {} proves little", rms(last));
     }
@@ -84,7 +87,7 @@ fn one_and_three_levels_in_both_channel_orders() {
     let gpu = gpu();
     for channel_order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
         for levels in [1, 3] {
-            let spec = NetSpec { levels, channel_order, ..ao() };
+            let spec = ao().reshaped(|net| (net.levels, net.order) = (levels, channel_order));
             assert_agrees(&gpu, spec, &[(40, 56), (37, 53), (16, 16)]);
         }
     }
@@ -94,7 +97,7 @@ fn one_and_three_levels_in_both_channel_orders() {
 fn kernels_of_other_sizes() {
     let gpu = gpu();
     for (kernel, levels) in [(1, 3), (5, 3), (7, 2)] {
-        assert_agrees(&gpu, NetSpec { kernel, levels, ..ao() }, &[(40, 56), (19, 21)]);
+        assert_agrees(&gpu, ao().reshaped(|net| (net.kernel, net.levels) = (kernel, levels)), &[(40, 56), (19, 21)]);
     }
 }
 
@@ -103,9 +106,29 @@ fn numbers_of_channels_that_fill_no_block() {
     let gpu = gpu();
     for channel_order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
         for u0 in [2, 6, 10, 12] {
-            assert_agrees(&gpu, NetSpec { u0, levels: 4, channel_order, ..ao() }, &[(37, 53)]);
+            assert_agrees(&gpu, ao().reshaped(|net| (net.u0, net.levels, net.order) = (u0, 4, channel_order)), &[(37, 53)]);
         }
     }
+}
+
+#[test]
+fn networks_that_correct_an_estimate() {
+    let gpu = gpu();
+    let spec = |levels, kernel| {
+        let (of, over) = (Attribute::Openness, Attribute::RawOpenness);
+        let inputs = vec![Attribute::Normal, of, over];
+        let correction = Correction { of, over, levels, kernel };
+        NetSpec::correcting(Effect::Ao, inputs, Vec::new(), correction, 8, REACH)
+    };
+    for (levels, kernel) in [(0, 1), (1, 5), (3, 3)] {
+        assert_agrees(&gpu, spec(levels, kernel), &[(37, 53), (64, 32), (1, 3)]);
+    }
+    let model = random_model(spec(2, 3));
+    let input = noise(model.spec.input_channels(), 333, 900, 1);
+    let expected = reference::forward(&model.spec, &model.weights, &input);
+    let network = network(&gpu, &model, &guess(&gpu, &model.spec), Precision::F32);
+    let image = in_tiles(&gpu, &network, &input, 20_000_000);
+    assert!(Comparison::new(&expected, &image).agrees(), "in tiles");
 }
 
 #[test]
@@ -113,7 +136,7 @@ fn networks_that_predict_kernels() {
     let gpu = gpu();
     let spec = |effect, levels, kernel, colour| {
         let published = NetSpec::published(effect, ChannelOrder::Interleaved, REACH).expect("it has one");
-        NetSpec { filter: Some(Filter { levels, kernel, black: false }), colour, ..published }
+        NetSpec { colour, ..published }.with_head(Head::Filter(Filter { levels, kernel, black: false }))
     };
     let multi = NetSpec::published(Effect::Multi, ChannelOrder::Interleaved, REACH).expect("it has one");
     for spec in [
@@ -125,20 +148,20 @@ fn networks_that_predict_kernels() {
     ] {
         assert_agrees(&gpu, spec, &[(16, 32), (37, 53), (1, 3)]);
     }
-    let model = random_model(NetSpec { levels: 2, ..spec(Effect::Dof, 2, 3, Colour::Rgb) });
+    let model = random_model(spec(Effect::Dof, 2, 3, Colour::Rgb).reshaped(|net| net.levels = 2));
     let input = noise(model.spec.input_channels(), 133, 187, 1);
     let expected = reference::forward(&model.spec, &model.weights, &input);
     for variant in [Variant::Software, guess(&gpu, &model.spec)] {
         let network = network(&gpu, &model, &variant, Precision::F32);
-        let comparison = Comparison::new(&expected, &in_tiles(&gpu, &network, &input));
+        let comparison = Comparison::new(&expected, &in_tiles(&gpu, &network, &input, 1_500_000));
         assert!(comparison.agrees(), "{variant:?}: {comparison:?}");
     }
 }
 
-/// The network's image, made in tiles.
-fn in_tiles(gpu: &Gpu, network: &Network, input: &Planes) -> Planes {
+/// The network's image, made in tiles within so many bytes.
+fn in_tiles(gpu: &Gpu, network: &Network, input: &Planes, bytes: u64) -> Planes {
     let (height, width) = (input.height(), input.width());
-    let plan = network.plan_within(height, width, 1_500_000).expect("tiles are small enough");
+    let plan = network.plan_within(height, width, bytes).expect("tiles are small enough");
     assert!(plan.tiles() > 1);
     let [read, made] = [input.channels(), network.spec().output_channels()]
         .map(|channels| gpu::empty::<f32>(&gpu.device, "planes", channels * height * width).expect("room"));
@@ -150,14 +173,14 @@ fn in_tiles(gpu: &Gpu, network: &Network, input: &Planes) -> Planes {
 
 #[test]
 fn weights_beyond_one_uniform_buffer() {
-    assert_agrees(&gpu(), NetSpec { u0: 32, levels: 3, ..ao() }, &[(20, 12)]);
+    assert_agrees(&gpu(), ao().reshaped(|net| (net.u0, net.levels) = (32, 3)), &[(20, 12)]);
 }
 
 #[test]
 fn a_plan_runs_again_and_again_with_other_buffers() {
     use deepshade_shaders::gpu;
     let gpu = Gpu::new().expect("an adapter");
-    let model = random_model(NetSpec { levels: 3, ..ao() });
+    let model = random_model(ao().reshaped(|net| net.levels = 3));
     let network = Network::new(&gpu.device, &model.spec, &model.weights).expect("compiles");
     let plan = network.plan(21, 34).expect("fits");
     for seed in 0..3 {
@@ -180,8 +203,8 @@ fn every_shape_of_kernels() {
     let gpu = gpu();
     let rgb = NetSpec::published(Effect::Do, ChannelOrder::Contiguous, REACH).expect("it has one");
     // Of three levels, so that layers join maps and are themselves joined.
-    for spec in [NetSpec { u0: 16, ..ao() }, NetSpec { u0: 8, kernel: 5, ..ao() }, NetSpec { u0: 8, ..rgb }] {
-        let model = random_model(NetSpec { levels: 3, ..spec });
+    for spec in [ao().reshaped(|net| net.u0 = 16), ao().reshaped(|net| (net.u0, net.kernel) = (8, 5)), rgb.reshaped(|net| net.u0 = 8)] {
+        let model = random_model(spec.reshaped(|net| net.levels = 3));
         let input = noise(model.spec.input_channels(), 21, 39, 7);
         let expected = reference::layers(&model.spec, &model.weights, &input);
         let candidates = Variant::candidates(&gpu.device.limits(), &model.spec, OutputKind::Buffer);
@@ -216,7 +239,7 @@ fn half_floats_stay_within_their_bound() {
 #[test]
 fn a_wrong_layer_is_found_where_it_is() {
     let gpu = gpu();
-    let model = random_model(NetSpec { levels: 3, ..ao() });
+    let model = random_model(ao().reshaped(|net| net.levels = 3));
     let input = noise(6, 24, 24, 1);
     let expected = reference::layers(&model.spec, &model.weights, &input);
     let guess = guess(&gpu, &model.spec);
@@ -237,22 +260,9 @@ fn a_wrong_layer_is_found_where_it_is() {
 }
 
 #[test]
-fn the_yardstick_is_right_too() {
-    let gpu = gpu();
-    for channel_order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
-        let model = random_model(NetSpec { levels: 3, channel_order, ..ao() });
-        let input = noise(6, 21, 34, 1);
-        let expected = reference::forward(&model.spec, &model.weights, &input);
-        let (image, timing) = forward::naive::run_timed(&gpu, &model, &input, 0, 1).expect("runs");
-        let comparison = Comparison::new(&expected, &image);
-        assert!(comparison.agrees() && timing.milliseconds > 0.0, "{comparison:?}");
-    }
-}
-
-#[test]
 fn a_runner_makes_every_images_own_image() {
     let gpu = gpu();
-    let model = random_model(NetSpec { levels: 2, ..ao() });
+    let model = random_model(ao().reshaped(|net| net.levels = 2));
     let network = Network::new(&gpu.device, &model.spec, &model.weights).expect("compiles");
     let runner = network.runner(21, 34).expect("fits");
     for seed in [1, 2, 1] {
@@ -269,7 +279,7 @@ fn a_runner_makes_every_images_own_image() {
 #[test]
 fn every_layer_is_timed() {
     let gpu = gpu();
-    let model = random_model(NetSpec { levels: 3, ..ao() });
+    let model = random_model(ao().reshaped(|net| net.levels = 3));
     let network = Network::new(&gpu.device, &model.spec, &model.weights).expect("compiles");
     let times = network.layer_times(&gpu.queue, [40, 56], 1, 3).expect("runs");
     let names: Vec<&str> = times.iter().map(|(name, _)| name.as_str()).collect();
@@ -280,7 +290,7 @@ fn every_layer_is_timed() {
 #[test]
 fn what_cannot_run_is_named() {
     let gpu = gpu();
-    let model = random_model(NetSpec { levels: 2, ..ao() });
+    let model = random_model(ao().reshaped(|net| net.levels = 2));
     let error = forward::run(&gpu, &model, &Planes::filled(5, 16, 16, 0.0)).expect_err("five channels");
     assert_eq!(error.to_string(), "the input has 5 channels; the network reads 6");
     let network = Network::new(&gpu.device, &model.spec, &model.weights).expect("compiles");
@@ -291,7 +301,7 @@ fn what_cannot_run_is_named() {
         "{}",
         message(1 << 16, 1 << 16)
     );
-    let spec = NetSpec { u0: 128, levels: 3, ..ao() };
+    let spec = ao().reshaped(|net| (net.u0, net.levels) = (128, 3));
     let weights = random_model(spec.clone()).weights;
     let software = Options { variant: Some(Variant::Software), ..Options::default() };
     let error = Network::with(&gpu.device, &spec, &weights, &software).expect_err("too wide");

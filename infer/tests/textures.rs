@@ -2,7 +2,7 @@
 
 use deepshade_infer::forward::{HALF_TOLERANCE, Input, InputKind, Options, Output, OutputKind, Precision};
 use deepshade_infer::parity::{Comparison, TOLERANCE, Tolerance, noise};
-use deepshade_infer::{ChannelOrder, Colour, Filter, NetSpec, Network, Reach, Scaling, Weights, reference};
+use deepshade_infer::{ChannelOrder, Colour, Filter, Head, NetSpec, Network, Reach, Scaling, Weights, reference};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, AttributeKind, Effect, GBuffer, Planes};
 use half::f16;
@@ -15,7 +15,7 @@ fn gpu() -> Gpu {
 }
 
 fn spec(levels: usize) -> NetSpec {
-    NetSpec { levels, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) }
+    NetSpec::ao(ChannelOrder::Interleaved, REACH).reshaped(|net| net.levels = levels)
 }
 
 /// A texture of four 32-bit floats a texel with some planes of a g-buffer in its first components.
@@ -103,7 +103,7 @@ fn read(gpu: &Gpu, network: &Network, image: &wgpu::Texture, [height, width]: [u
 /// All of a network's runs in 32-bit floats, and one in half floats, which lavapipe and GPUs of today have. Not where kernels
 /// are predicted: an error in them makes one of the image that grows with the light, of which the tolerance knows nothing.
 fn runs(spec: &NetSpec) -> Vec<(Precision, usize)> {
-    let half = spec.filter.is_none().then_some((Precision::F16, 0));
+    let half = spec.filter().is_none().then_some((Precision::F16, 0));
     (0..spec.runs()).map(|run| (Precision::F32, run)).chain(half).collect()
 }
 
@@ -116,9 +116,9 @@ fn textures_give_what_buffers_give() {
     let sss = NetSpec::published(Effect::Sss, ChannelOrder::Interleaved, REACH).expect("it has one");
     let coloured_sss = NetSpec { colour: Colour::Rgb, ..sss.clone() };
     let [gi, directional, sss, coloured_sss] =
-        [gi, directional, sss, coloured_sss].map(|spec| NetSpec { levels: 2, ..spec });
-    let filter = Some(Filter { levels: 2, kernel: 3, black: false });
-    let [filtering, coloured_filtering] = [&sss, &coloured_sss].map(|sss| NetSpec { filter, ..sss.clone() });
+        [gi, directional, sss, coloured_sss].map(|spec| spec.reshaped(|net| net.levels = 2));
+    let head = Head::Filter(Filter { levels: 2, kernel: 3, black: false });
+    let [filtering, coloured_filtering] = [&sss, &coloured_sss].map(|sss| sss.clone().with_head(head));
     for (spec, format) in [
         (filtering, TextureFormat::R32Float),
         (coloured_filtering, TextureFormat::Rgba32Float),

@@ -2,9 +2,11 @@
 
 use deepshade_infer::forward::{File, HALF_TOLERANCE, Precision, wgsl_files};
 use deepshade_infer::parity::{TOLERANCE, noise};
-use deepshade_infer::{ChannelOrder, Colour, Comparison, Filter, Model, NetSpec, Reach, Weights, reference};
+use deepshade_infer::{
+    ChannelOrder, Colour, Comparison, Correction, Filter, Head, Model, NetSpec, Reach, Weights, reference,
+};
 use deepshade_shaders::gpu::Gpu;
-use deepshade_shaders::{Effect, Planes};
+use deepshade_shaders::{Attribute, Effect, Planes};
 use serde_json::Value;
 use std::collections::HashMap;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
@@ -39,16 +41,26 @@ impl<'a> Host<'a> {
         self.size.map(|size| size.next_multiple_of(alignment) >> level)
     }
 
+    /// Columns and rows of what the last block makes.
+    fn kernels(&self) -> [u32; 2] {
+        self.frame(self.network["head"]["level"].as_u64().expect("a level"))
+    }
+
     fn uniform(&self, pass: &Value) -> Vec<u8> {
         let [width, height] = self.frame(pass["level"].as_u64().expect("a level"));
+        let image = if pass["whole_frame"] == true { [width, height] } else { self.size };
         let mut bytes = Vec::new();
         for field in self.network["uniform"].as_array().expect("fields") {
             let value = match field["name"].as_str().expect("a name") {
                 "width" => width,
                 "height" => height,
-                "image_width" | "keep_right" => self.size[0],
-                "image_height" | "keep_bottom" => self.size[1],
-                name @ ("channels" | "stride") => number(&pass[name]),
+                "image_width" | "keep_right" => image[0],
+                "image_height" | "keep_bottom" => image[1],
+                name @ ("channels" | "stride") => match pass[name].as_str() {
+                    Some("kernels_columns") => self.kernels()[0],
+                    Some("kernels_rows") => self.kernels()[1],
+                    _ => number(&pass[name]),
+                },
                 "leak" => (self.network["leak"].as_f64().expect("a leak") as f32).to_bits(),
                 "length_scale" => 1f32.to_bits(),
                 _ => 0,
@@ -73,13 +85,13 @@ impl<'a> Host<'a> {
         let pixels = (self.size[0] * self.size[1]) as usize;
         buffers.insert("input".to_owned(), self.buffer(bytemuck::cast_slice(input.data()), STORAGE));
         buffers.insert("output".to_owned(), self.buffer(&vec![0; 4 * channels * pixels], STORAGE));
-        let filter = &network["filter"];
-        if !filter.is_null() {
+        let head = &network["head"];
+        if !head.is_null() {
             let level = |level| self.frame(level).iter().product::<u32>() as usize;
-            let numbers =
-                channels * (0..number(&filter["levels"])).map(|index| level(index.into())).sum::<usize>();
-            let kernels = number(&filter["weights"]) as usize * pixels;
-            for (name, numbers) in [("pyramid", numbers), ("kernels", kernels)] {
+            let levels: usize = (0..number(&head["levels"])).map(|index| level(index.into())).sum();
+            let pyramid = channels * levels + number(&head["planes"]) as usize * level(0);
+            let kernels = number(&head["kernels"]) * self.kernels().iter().product::<u32>();
+            for (name, numbers) in [("pyramid", pyramid.max(1)), ("kernels", kernels as usize)] {
                 buffers.insert(name.to_owned(), self.buffer(&vec![0xff; 4 * numbers], STORAGE));
             }
         }
@@ -185,18 +197,28 @@ fn published(effect: Effect) -> NetSpec {
     NetSpec::published(effect, ChannelOrder::Interleaved, reach).expect("it has one")
 }
 
+/// A network that corrects an estimate, with a number of input channels that fills no block.
+fn correcting() -> NetSpec {
+    let inputs = vec![Attribute::Normal, Attribute::Openness, Attribute::RawOpenness];
+    let (of, over) = (Attribute::Openness, Attribute::RawOpenness);
+    let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+    let correction = Correction { of, over, levels: 2, kernel: 3 };
+    NetSpec::correcting(Effect::Ao, inputs, Vec::new(), correction, 8, reach)
+}
+
 /// Networks of which some fill no block of outputs.
-fn specs() -> [NetSpec; 8] {
-    let filter = |levels, kernel| Some(Filter { levels, kernel, black: false });
+fn specs() -> [NetSpec; 9] {
+    let filter = |levels, kernel| Head::Filter(Filter { levels, kernel, black: false });
     [
-        NetSpec { filter: filter(5, 1), colour: Colour::Rgb, ..published(Effect::Dof) },
-        NetSpec { filter: filter(2, 3), ..published(Effect::MotionBlur) },
+        NetSpec { colour: Colour::Rgb, ..published(Effect::Dof) }.with_head(filter(5, 1)),
+        published(Effect::MotionBlur).with_head(filter(2, 3)),
+        correcting(),
         published(Effect::Multi).predicting_kernels().expect("it reads light"),
         published(Effect::Ao),
         published(Effect::Aa),
         published(Effect::Ibl),
-        NetSpec { u0: 12, levels: 3, ..published(Effect::Ao) },
-        NetSpec { channel_order: ChannelOrder::Contiguous, levels: 3, ..published(Effect::Do) },
+        published(Effect::Ao).reshaped(|net| (net.u0, net.levels) = (12, 3)),
+        published(Effect::Do).reshaped(|net| (net.order, net.levels) = (ChannelOrder::Contiguous, 3)),
     ]
 }
 

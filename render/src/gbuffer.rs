@@ -94,6 +94,12 @@ impl Seen<'_> {
             }
             Attribute::ObjectId => Vec3::splat((point.mesh % OBJECT_IDS) as f32),
             Attribute::Valid => Vec3::ONE,
+            // Nothing that a scene has.
+            Attribute::Openness
+            | Attribute::RawOpenness
+            | Attribute::Relief
+            | Attribute::PixelRadius
+            | Attribute::Border => Vec3::ZERO,
         }
     }
 }

@@ -17,6 +17,8 @@ pub enum AttributeKind {
     Scalar,
     /// Direction in [0, pi) and length of a movement in the image plane: the direction turns with the image.
     Motion,
+    /// A number without direction at several scales, pixels.
+    Scales,
 }
 
 /// One physical quantity of a g-buffer.
@@ -62,10 +64,21 @@ pub enum Attribute {
     Emission,
     /// 1 where a surface was hit, 0 elsewhere.
     Valid,
+    /// Share of the hemisphere that is open, 0 to 1, as a cheap method estimates it.
+    Openness,
+    /// The same before the method's blur.
+    RawOpenness,
+    /// Depth against its means over some pixels, over the effect's radius, compressed to (-1, 1). It follows from
+    /// `Position` and the radius, as the next two do.
+    Relief,
+    /// Logarithm of the effect's radius in pixels at the point, to the base of 2, divided by 8.
+    PixelRadius,
+    /// Distance to the image's nearest border over the radius in pixels, at most 1.
+    Border,
 }
 
 impl Attribute {
-    /// Every attribute, in file order.
+    /// Every attribute of a g-buffer, in file order.
     pub const ALL: [Self; 18] = [
         Self::Position,
         Self::Normal,
@@ -86,6 +99,10 @@ impl Attribute {
         Self::Emission,
         Self::Valid,
     ];
+
+    /// What is made of a g-buffer for a network to read: no renderer gives it, and no file holds it.
+    pub const MADE: [Self; 5] =
+        [Self::Openness, Self::RawOpenness, Self::Relief, Self::PixelRadius, Self::Border];
 
     /// The layer's name in an EXR file.
     pub const fn name(self) -> &'static str {
@@ -108,6 +125,11 @@ impl Attribute {
             Self::ObjectId => "object_id",
             Self::Emission => "emission",
             Self::Valid => "valid",
+            Self::Openness => "openness",
+            Self::RawOpenness => "raw_openness",
+            Self::Relief => "relief",
+            Self::PixelRadius => "pixel_radius",
+            Self::Border => "border",
         }
     }
 
@@ -129,7 +151,12 @@ impl Attribute {
             | Self::Blurriness
             | Self::Glossiness
             | Self::ObjectId
-            | Self::Valid => AttributeKind::Scalar,
+            | Self::Valid
+            | Self::Openness
+            | Self::RawOpenness
+            | Self::PixelRadius
+            | Self::Border => AttributeKind::Scalar,
+            Self::Relief => AttributeKind::Scales,
         }
     }
 
@@ -139,6 +166,7 @@ impl Attribute {
             AttributeKind::CameraVector | AttributeKind::WorldVector => &["X", "Y", "Z"],
             AttributeKind::Colour => &["R", "G", "B"],
             AttributeKind::Motion => &["direction", "length"],
+            AttributeKind::Scales => &["4", "16", "64"],
             AttributeKind::Scalar => &[""],
         }
     }
@@ -182,7 +210,7 @@ mod tests {
     #[test]
     fn every_channel_has_a_name_of_its_own() {
         let names: Vec<String> =
-            Attribute::ALL.iter().flat_map(|a| a.channels()).map(|c| c.to_string()).collect();
+            Attribute::ALL.iter().chain(&Attribute::MADE).flat_map(|a| a.channels()).map(|c| c.to_string()).collect();
         let distinct: HashSet<&String> = names.iter().collect();
         assert_eq!(names.len(), distinct.len());
         assert!(names.contains(&"position.X".to_owned()));

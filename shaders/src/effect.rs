@@ -130,6 +130,14 @@ impl Effect {
         }
     }
 
+    /// The least and the greatest number that an image can hold: shares are 0 to 1, light is never negative.
+    pub const fn range(self) -> [f32; 2] {
+        match self {
+            Self::Ao => [0.0, 1.0],
+            _ => [0.0, f32::INFINITY],
+        }
+    }
+
     /// Whether it shows direct light of a scene's lights only: what the environment and shining surfaces send
     /// is left out.
     pub const fn lit_by_lamps_alone(self) -> bool {

@@ -78,6 +78,45 @@ impl GBuffer {
         Ok(valid.iter().map(|valid| shows_surface(*valid)).collect())
     }
 
+    /// Distance in pixels, at depth 1, of two points one unit apart, as the positions have it: the one that fits best. 1 where
+    /// they do not say.
+    ///
+    /// # Errors
+    /// If the g-buffer has no positions or no `valid`.
+    pub fn focal_length(&self) -> Result<f32, MissingAttribute> {
+        let first = self.first_plane(Attribute::Position)?;
+        let [x, y, z] = [0, 1, 2].map(|component| self.planes.plane(first + component));
+        let (height, width) = (self.height(), self.width());
+        // Least squares of pixels = focal length * slope over both axes, by the middles of pixels.
+        let (mut squares, mut products) = (0.0f64, 0.0f64);
+        for (index, seen) in self.seen()?.into_iter().enumerate() {
+            let depth = -z[index];
+            if !(seen && depth > 0.0 && depth.is_finite()) {
+                continue;
+            }
+            let u = (index % width) as f32 + 0.5 - 0.5 * width as f32;
+            let v = 0.5 * height as f32 - 0.5 - (index / width) as f32;
+            for (pixels, slope) in [(u, x[index] / depth), (v, y[index] / depth)] {
+                squares += f64::from(slope * slope);
+                products += f64::from(slope * pixels);
+            }
+        }
+        let found = (products / squares) as f32;
+        Ok(if found.is_finite() && found > 0.0 { found } else { 1.0 })
+    }
+
+    /// The g-buffer with more attributes, whose planes `more` has one after the other.
+    ///
+    /// # Panics
+    /// If the number of planes is not the sum of the attributes' widths, or the sizes differ.
+    #[must_use]
+    pub fn with(&self, attributes: &[Attribute], more: &[f32]) -> Self {
+        let data = [self.planes.data(), more].concat();
+        let attributes = [&self.attributes, attributes].concat();
+        let channels = attributes.iter().map(|attribute| attribute.width()).sum();
+        Self::new(attributes, Planes::from_data(channels, self.height(), self.width(), data))
+    }
+
     /// The planes of some attributes one after the other, `[sum of widths, height, width]`: what a network reads.
     ///
     /// # Errors
@@ -106,6 +145,25 @@ mod tests {
         let gbuffer = GBuffer::new(vec![Attribute::Depth, Attribute::Normal], planes);
         let selected = gbuffer.select(&[Attribute::Normal, Attribute::Depth]).expect("both are there");
         assert_eq!(selected.data(), &[1.0, 2.0, 3.0, 0.0]);
+    }
+
+    #[test]
+    fn the_focal_length_is_found_from_positions() {
+        for (height, width, expected) in [(48, 64, 50.0), (31, 17, 400.0)] {
+            let value = |c: usize, y: usize, x: usize| match c {
+                0 => (x as f32 + 0.5 - 0.5 * width as f32) * 3.0 / expected,
+                1 => (0.5 * height as f32 - 0.5 - y as f32) * 3.0 / expected,
+                2 => -3.0,
+                _ => f32::from(u8::from(2 * x < width)),
+            };
+            let attributes = vec![Attribute::Position, Attribute::Valid];
+            let found = GBuffer::new(attributes, Planes::from_fn(4, height, width, value)).focal_length();
+            assert!(found.is_ok_and(|found| (found / expected - 1.0).abs() < 1e-4), "{expected}");
+        }
+        let nothing = GBuffer::new(vec![Attribute::Position, Attribute::Valid], Planes::filled(4, 2, 2, 0.0));
+        assert_eq!(nothing.focal_length(), Ok(1.0));
+        let with = nothing.with(&[Attribute::Border], &[0.5; 4]);
+        assert_eq!(with.select(&[Attribute::Border]).map(|border| border.data().to_vec()), Ok(vec![0.5; 4]));
     }
 
     #[test]

@@ -3,10 +3,10 @@
 //! A shader is a prelude of constants and uniform structs, both derived from Rust, the shared files that it lists,
 //! and the pass, joined as text. Adding a shader is one entry in one of the tables below this module, and one in
 //! [`uniforms`] if it needs a new struct. The kernels of a network's layers on GPUs are put together in [`convolution`],
-//! those of its filter in [`filter`].
+//! those of its head in [`head`].
 
 pub mod convolution;
-pub mod filter;
+pub mod head;
 pub mod uniforms;
 
 use std::fmt::Write;
@@ -99,7 +99,7 @@ pub use lpv::{
     LPV_SHINE_MEDIUM,
 };
 pub use nets::{
-    NAIVE_ACTIVATION, NAIVE_CONCATENATION, NAIVE_CONVOLUTION, NAIVE_DOUBLING, NAIVE_POOLING, NET_BOTTOM,
+    NET_BOTTOM,
     NET_DOWN, NET_FIRST, NET_IMAGE, NET_ONLY, NET_PLAIN, NET_UP,
 };
 pub use occlusion::{BLUR, GTAO_OCCLUSION, HBAO_OCCLUSION, SSDO_LIGHT};

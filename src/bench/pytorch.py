@@ -26,8 +26,9 @@ class Net(torch.nn.Module):
         super().__init__()
         self.layers, self.leak, self.alignment = job["layers"], job["leak"], job["alignment"]
         self.filter, self.lights = job["filter"], job["lights"]
+        self.correction, self.estimate, self.square = job["correction"], job["estimate"], job["square"]
         self.convs = torch.nn.ModuleList(
-            torch.nn.Conv2d(l["inputs"], l["outputs"], job["kernel"], padding=job["kernel"] // 2, groups=l["groups"])
+            torch.nn.Conv2d(l["inputs"], l["outputs"], l["kernel"], padding=l["kernel"] // 2, groups=l["groups"])
             for l in self.layers
         )
         for i, layer in enumerate(self.layers):
@@ -45,6 +46,8 @@ class Net(torch.nn.Module):
             kind, of = layer["source"], layer["of"]
             if kind == "input":
                 read = x
+            elif kind == "folded":
+                read = torch.cat([x[:, :, i // 2 :: 2, i % 2 :: 2] for i in range(4)], 1)
             elif kind == "plain":
                 read = made[of[0]]
             elif kind == "pooled":
@@ -56,16 +59,33 @@ class Net(torch.nn.Module):
                 read = read if order is None else read.index_select(1, order)
             sums = conv(read)
             made.append(F.leaky_relu(sums, self.leak) if layer["activation"] else sums)
-        made = made[-1][:, :, :height, :width]
+        made = self.unfolded(made[-1])[:, :, :height, :width]
+        if self.correction is not None:
+            return self.corrected(x, made)
         return made if self.filter is None else self.filtered(x[:, self.lights], made)
 
-    def filtered(self, light, made):
-        """The light weighted by predicted kernels; `infer/src/filter.rs` says what is computed."""
+    def unfolded(self, made):
+        """The pixels of squares, which are channels, in their places."""
+        batch, channels, height, width = made.shape
+        side, channels = self.square, channels // self.square**2
+        made = made.reshape(batch, side, side, channels, height, width).permute(0, 3, 4, 1, 5, 2)
+        return made.reshape(batch, channels, side * height, side * width)
+
+    def corrected(self, x, made):
+        """An estimate with a bias and weights of how far pixels around are from it."""
         height, width = made.shape[2:]
-        # One more than there are taps, where one is of black.
-        weights = made.softmax(1)
-        size, taps, image = self.filter["kernel"], 0, 0.0
-        for level in range(self.filter["levels"]):
+        estimate = x[:, self.estimate][:, :, :height, :width]
+        channels = estimate.shape[1]
+        image = estimate + made[:, :channels]
+        for weight, there in zip(made[:, channels:].split(1, 1), self.taps(self.correction, x[:, self.lights], made)):
+            image = image + weight * (there - estimate)
+        return image.clamp(*self.correction["range"])
+
+    def taps(self, filter, light, made):
+        """What every tap reads of a pyramid of an image."""
+        height, width = made.shape[2:]
+        size = filter["kernel"]
+        for level in range(filter["levels"]):
             # A pixel more than kernels see, so that no tap is interpolated at the edge of what is doubled.
             wide = F.pad(light, [size // 2 + 1] * 4, mode="replicate")
             scale = 2**level
@@ -73,9 +93,15 @@ class Net(torch.nn.Module):
             for y in range(size):
                 for x in range(size):
                     top, left = scale * (y + 1), scale * (x + 1)
-                    image = image + weights[:, taps : taps + 1] * doubled[:, :, top : top + height, left : left + width]
-                    taps += 1
+                    yield doubled[:, :, top : top + height, left : left + width]
             light = F.avg_pool2d(light, 2)
+
+    def filtered(self, light, made):
+        """The light weighted by predicted kernels; `infer/src/filter.rs` says what is computed."""
+        # One more than there are taps, where one is of black.
+        weights, image = made.softmax(1), 0.0
+        for weight, there in zip(weights.split(1, 1), self.taps(self.filter, light, made)):
+            image = image + weight * there
         return image
 
 

@@ -1,7 +1,7 @@
 //! PyTorch as a rival, where a Python has it.
 
 use anyhow::{Context, Result, ensure};
-use deepshade_infer::{Model, NetSpec, Source, parity, reference};
+use deepshade_infer::{Head, Model, NetSpec, Source, parity, reference};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -92,28 +92,38 @@ impl Args {
 /// A network, as [`SCRIPT`] reads it.
 fn network(spec: &NetSpec) -> Value {
     let layers = spec.layers();
+    let correction = match spec.head {
+        Head::Correction(correction) => Some(correction),
+        Head::Image | Head::Filter(_) => None,
+    };
+    // JSON knows no infinity; `None` is no bound.
+    let finite = |bound: f32| bound.is_finite().then_some(bound);
     let layer = |layer: &deepshade_infer::Layer| {
         let (source, of) = match layer.source {
             Source::Input => ("input", vec![]),
+            Source::Folded => ("folded", vec![]),
             Source::Plain(of) => ("plain", vec![of]),
             Source::Pooled(of) => ("pooled", vec![of]),
-            Source::Joined { coarse, skip } => ("joined", vec![coarse, skip]),
+            Source::Joined { coarse, skip, .. } => ("joined", vec![coarse, skip]),
         };
         let order = match layer.source {
-            Source::Joined { coarse, skip } => {
-                json!(spec.joined_order(layers[coarse].outputs, layers[skip].outputs, layer.groups))
-            }
-            Source::Input | Source::Plain(_) | Source::Pooled(_) => Value::Null,
+            Source::Joined { .. } => json!(layer.read_order(&layers)),
+            Source::Input | Source::Folded | Source::Plain(_) | Source::Pooled(_) => Value::Null,
         };
         let (inputs, outputs, groups) = (layer.inputs, layer.outputs, layer.groups);
         json!({
             "source": source, "of": of, "order": order, "inputs": inputs, "outputs": outputs, "groups": groups,
             "activation": layer.activation,
+            "kernel": layer.kernel,
         })
     };
     json!({
-        "kernel": spec.kernel, "leak": spec.leak, "alignment": spec.alignment(), "filter": spec.filter,
-        "lights": spec.light_channels(),
+        "leak": spec.leak, "alignment": spec.alignment(), "filter": spec.filter(),
+        "lights": spec.pyramid_channels(), "square": 1 << spec.last_level(),
+        "correction": correction.map(|correction| json!({
+            "levels": correction.levels, "kernel": correction.kernel, "range": spec.effect.range().map(finite),
+        })),
+        "estimate": correction.map_or_else(Vec::new, |correction| spec.channels_of(correction.of)),
         "layers": layers.iter().map(layer).collect::<Vec<_>>(),
     })
 }

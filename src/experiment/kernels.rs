@@ -26,7 +26,7 @@ pub fn run(lab: &Lab) -> Result<Table> {
     for kernel in KERNELS {
         let mut points = Vec::new();
         for u0 in U0 {
-            let spec = NetSpec { kernel, u0, ..settings.spec.clone() };
+            let spec = settings.spec.clone().reshaped(|net| (net.kernel, net.u0) = (kernel, u0));
             let is_base = spec == settings.spec;
             let name = if is_base { "base".to_owned() } else { format!("kernel{kernel}-u{u0}") };
             let mut varied = settings.clone();

@@ -102,29 +102,3 @@ fn every_kind_of_kernel_is_trained_and_timed() {
     assert_eq!(of(1, "weights"), 71_089.0, "the paper's");
     assert!((0..6).all(|row| of(row, "ms at 256x256") > 0.0));
 }
-
-#[test]
-fn options_of_a_network_that_filters_light() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let table = table(Study::Options, folder.path());
-    let names: Vec<&str> = table.rows.iter().map(|row| row.figure.as_str()).collect();
-    assert_eq!(names[..3], ["ssim_random", "ssim_paper", "ssim_kernel1_of5"]);
-    assert_eq!(names[3..6], ["ssim_kernel3_of5", "ssim_kernel5_of1", "ssim_kernel3_of5_rgb"]);
-    assert_eq!(names[6..], ["ssim_space_to_depth", "ssim_masked", "ssim_trivial"]);
-    let cost = table.columns.iter().position(|column| column.0 == "multiply-adds a pixel").expect("a column");
-    let of = |row: usize| table.rows[row].values[cost];
-    assert_eq!(of(0), of(1));
-    assert!(2.0 * of(5) < of(3) && of(1) < of(2), "one run for all colours against three");
-    assert!(of(6) < of(1) && (of(7) - of(1)).abs() < 1.0, "half the resolution; masks are not counted");
-}
-
-#[test]
-fn networks_with_a_memory_are_compared_on_films() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let table = table(Study::History, folder.path());
-    let figures: Vec<&str> = table.rows.iter().map(|row| row.figure.as_str()).collect();
-    assert_eq!(figures, ["ssim_none", "ssim_mixed", "ssim_image", "ssim_kept", "ssim_trivial"]);
-    let flicker = |row: usize| table.rows[row].values[4];
-    assert!(flicker(1) < flicker(0) && flicker(0) > 0.0, "mixing calms");
-    assert_ne!(table.rows[2].values[0], table.rows[0].values[0], "another network");
-}

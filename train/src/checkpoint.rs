@@ -15,6 +15,8 @@ pub const CHECKPOINT_FILE: &str = "checkpoint.safetensors";
 const PROGRESS: &str = "progress";
 /// What the names of the tensors of the weights begin with.
 const NOW: &str = "now";
+/// What the names of the tensors of the mean weights begin with.
+const MEAN: &str = "mean";
 /// What the names of the tensors of the best weights begin with.
 const BEST: &str = "best";
 /// The tensor that holds the optimiser's state.
@@ -59,7 +61,9 @@ pub struct Checkpoint {
     pub progress: Progress,
     /// The weights.
     pub weights: Weights,
-    /// The weights of [`Progress::best_step`]; none before the first validation.
+    /// Their mean over the last steps, which is what is validated and exported.
+    pub mean: Weights,
+    /// The mean weights of [`Progress::best_step`]; none before the first validation.
     pub best: Option<Weights>,
     /// The optimiser's state, in burn's format.
     pub optimiser: Vec<u8>,
@@ -69,7 +73,7 @@ impl Checkpoint {
     /// The best of all validated networks: that of [`Progress::best`].
     pub fn best_weights(&self) -> Option<&Weights> {
         let (step, _) = self.progress.best()?;
-        if step == self.progress.step { Some(&self.weights) } else { self.best.as_ref() }
+        if step == self.progress.step { Some(&self.mean) } else { self.best.as_ref() }
     }
 
     /// Writes the checkpoint into a run's folder.
@@ -80,7 +84,7 @@ impl Checkpoint {
         let mut tensors =
             vec![(OPTIMISER.to_owned(), Dtype::U8, vec![self.optimiser.len()], self.optimiser.clone())];
         let best = self.best.as_ref().map(|weights| (BEST, weights));
-        for (prefix, weights) in [(NOW, &self.weights)].into_iter().chain(best) {
+        for (prefix, weights) in [(NOW, &self.weights), (MEAN, &self.mean)].into_iter().chain(best) {
             for (name, numbers) in named(prefix, spec).into_iter().zip(arrays(weights)) {
                 let bytes = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
                 tensors.push((name, Dtype::F32, vec![numbers.len()], bytes));
@@ -122,6 +126,7 @@ impl Checkpoint {
         Ok(Self {
             progress,
             weights: weights(NOW)?,
+            mean: weights(MEAN)?,
             best: progress.best_loss.map(|_| weights(BEST)).transpose()?,
             optimiser: tensors.tensor(OPTIMISER).map_err(error)?.data().to_vec(),
         })
@@ -158,13 +163,14 @@ mod tests {
 
     fn spec() -> NetSpec {
         let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
-        NetSpec { levels: 2, u0: 4, ..NetSpec::ao(ChannelOrder::Interleaved, reach) }
+        NetSpec::ao(ChannelOrder::Interleaved, reach).reshaped(|net| (net.levels, net.u0) = (2, 4))
     }
 
     fn checkpoint() -> Checkpoint {
         Checkpoint {
             progress: Progress { step: 7, best_step: 4, best_loss: Some(0.1), waited: 1, ..Progress::START },
             weights: Weights::random(&spec(), 1),
+            mean: Weights::random(&spec(), 3),
             best: Some(Weights::random(&spec(), 2)),
             optimiser: vec![1, 2, 3],
         }
@@ -191,16 +197,16 @@ mod tests {
         };
         assert_eq!(best(None, None), (None, None));
         assert_eq!(best(Some(0.2), None), (Some((4, 0.2)), checkpoint().best));
-        assert_eq!(best(None, Some(0.3)), (Some((7, 0.3)), Some(checkpoint().weights)));
+        assert_eq!(best(None, Some(0.3)), (Some((7, 0.3)), Some(checkpoint().mean)));
         assert_eq!(best(Some(0.2), Some(0.3)), (Some((4, 0.2)), checkpoint().best));
-        assert_eq!(best(Some(0.2), Some(0.1)), (Some((7, 0.1)), Some(checkpoint().weights)));
+        assert_eq!(best(Some(0.2), Some(0.1)), (Some((7, 0.1)), Some(checkpoint().mean)));
     }
 
     #[test]
     fn every_truncation_and_every_other_network_is_an_error_that_names_the_file() {
         let folder = tempfile::tempdir().expect("a folder");
         checkpoint().save(folder.path(), &spec()).expect("saves");
-        let other = NetSpec { u0: 8, ..spec() };
+        let other = spec().reshaped(|net| net.u0 = 8);
         let error = Checkpoint::load(folder.path(), &other).expect_err("another network").to_string();
         assert!(error.contains("belongs to another network"), "{error}");
         let path = folder.path().join(CHECKPOINT_FILE);

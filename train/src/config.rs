@@ -1,5 +1,6 @@
 //! The settings of a training run. A run keeps them as `config.json`, from before its first step.
 
+use crate::feed::Endless;
 use crate::loss::Loss;
 use crate::optim::Optimiser;
 use crate::{TrainError, files};
@@ -33,8 +34,11 @@ const fn one() -> usize {
 pub struct TrainConfig {
     /// The network.
     pub spec: NetSpec,
-    /// Folder of the dataset. Does not change what is learned, as long as the data are the same.
+    /// Folder of the dataset, or the recipe of a stream. Does not change what is learned, as long as the data are the same.
     pub dataset: PathBuf,
+    /// How pairs are taken from a stream; none where they are a folder's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stream: Option<Endless>,
     /// What tells the data from others: BLAKE3 hash of the dataset's `manifest.json`, in hexadecimal. Training fills it
     /// in, and does not go on with a run on other data.
     pub data_hash: String,
@@ -80,8 +84,9 @@ impl TrainConfig {
         Self {
             spec,
             dataset,
+            stream: None,
             data_hash: String::new(),
-            loss: Loss::Dssim,
+            loss: Loss::DssimL2,
             optimiser: Optimiser::ADAMW,
             start: None,
             batch: 4,
@@ -122,6 +127,13 @@ impl TrainConfig {
         for (field, count, least, most) in counts {
             if !(least..=most).contains(&count) {
                 return error(field, format!("is {count}; it must be {least} to {most}"));
+            }
+        }
+        if let Some(Endless { uses, window }) = self.stream {
+            for (field, count) in [("uses", uses), ("window", window)] {
+                if !(1..=MOST_STEPS).contains(&count) {
+                    return error("stream", format!("has {field} of {count}; it must be 1 to {MOST_STEPS}"));
+                }
             }
         }
         if !self.crop.is_multiple_of(TILE) {

@@ -2,56 +2,68 @@
 
 use crate::rng::{Purpose, Rng};
 use deepshade_infer::weights::LayerWeights;
-use deepshade_infer::{Layer, NetSpec, Source, Weights};
+use deepshade_infer::{Head, Layer, NetSpec, Source, Weights};
+use deepshade_shaders::Attribute;
 
 /// Weights of the layer that makes the image, over those of other layers.
 const IMAGE_SCALE: f64 = 0.01;
 
+/// The share of their usual deviation that the weights of a residual layer have beside the identity.
+const RESIDUAL_SCALE: f64 = 0.3;
+
 /// Random weights: normal, of variance `2 / ((1 + leak^2) * fan-in)` (He et al. 2015, equation 15); biases are 0. The layer
 /// that makes the image starts near the effect's background, with weights a hundredth of that and the background as its
 /// bias: far from the target, structural similarity hardly has a gradient. For the same reason a network whose effect
-/// filters light starts with the image that it is given. Where kernels are predicted all weights are random: a softmax that
-/// starts near that image, with one weight far above all others, has no gradient by which to leave it.
+/// filters light starts with the image that it is given, and one that corrects an estimate with the estimate. Where kernels are
+/// predicted all weights are random: a softmax that starts near that image, with one weight far above all others, has no
+/// gradient by which to leave it. A layer of kernels that reads a layer as wide as itself is residual: it starts near the
+/// identity.
 pub fn first_weights(spec: &NetSpec, seed: u64) -> Weights {
-    of_layers(spec, &spec.layers(), &spec.light_channels(), seed)
-}
-
-/// As [`first_weights`], for layers that differ from those of the spec in their numbers of channels, the first of which reads
-/// the light in these channels.
-pub(crate) fn of_layers(spec: &NetSpec, layers: &[Layer], lights: &[usize], seed: u64) -> Weights {
-    let mut weights = random(spec, layers, seed);
-    if spec.effect.filters_light() && spec.filter.is_none() {
-        pass_light(layers, spec.kernel, lights, &mut weights);
+    let mut weights = random_weights(spec, seed);
+    if spec.effect.filters_light() && spec.head == Head::Image {
+        pass_light(&spec.layers(), &spec.channels_of(Attribute::Light), &mut weights);
+    }
+    if let (Head::Correction(_), Some(last)) = (spec.head, weights.0.last_mut()) {
+        last.weight.fill(0.0);
+        last.bias.fill(0.0);
     }
     weights
 }
 
 /// As [`first_weights`], without the image that a network is given.
 pub fn random_weights(spec: &NetSpec, seed: u64) -> Weights {
-    random(spec, &spec.layers(), seed)
-}
-
-fn random(spec: &NetSpec, layers: &[Layer], seed: u64) -> Weights {
-    let area = spec.kernel * spec.kernel;
-    let layers = layers.iter().enumerate().map(|(index, layer)| {
+    let layers = spec.layers().into_iter().enumerate().map(|(index, layer)| {
+        let area = layer.kernel * layer.kernel;
         let fan_in = (layer.inputs / layer.groups * area) as f64;
-        let (scale, bias) = if layer.activation || spec.filter.is_some() {
-            (1.0, 0.0)
-        } else {
-            (IMAGE_SCALE, spec.effect.background().unwrap_or(0.0))
+        let residual = is_residual(&layer);
+        let (scale, bias) = match (layer.activation, spec.head) {
+            (true, _) if residual => (RESIDUAL_SCALE, 0.0),
+            (true, _) | (false, Head::Filter(_) | Head::Correction(_)) => (1.0, 0.0),
+            (false, Head::Image) => (IMAGE_SCALE, spec.effect.background().unwrap_or(0.0)),
         };
         let deviation = scale * (2.0 / (1.0 + f64::from(spec.leak).powi(2)) / fan_in).sqrt();
         let mut rng = Rng::new(seed, Purpose::Weights, index as u64);
-        let count = layer.weight_count(spec.kernel) - layer.outputs;
-        let weight = (0..count).map(|_| (deviation * rng.normal()) as f32).collect();
+        let count = layer.weight_count() - layer.outputs;
+        let mut weight: Vec<f32> = (0..count).map(|_| (deviation * rng.normal()) as f32).collect();
+        if residual {
+            (0..layer.outputs).for_each(|channel| {
+                weight[(channel * layer.inputs + channel) * area + area / 2] += 1.0;
+            });
+        }
         LayerWeights { weight, bias: vec![bias; layer.outputs] }
     });
     Weights(layers.collect())
 }
 
+/// Whether a layer is one whose kernel begins as the identity.
+fn is_residual(layer: &Layer) -> bool {
+    let plain = matches!(layer.source, Source::Plain(_)) && layer.activation;
+    plain && layer.groups == 1 && layer.kernel > 1 && layer.inputs == layer.outputs
+}
+
 /// Makes the first kernels of the first layer hand on the channels of light, which no activation changes as no light is
 /// negative, and the last layer add them to its image.
-fn pass_light(layers: &[Layer], kernel: usize, lights: &[usize], weights: &mut Weights) {
+fn pass_light(layers: &[Layer], lights: &[usize], weights: &mut Weights) {
     let (Some(first), Some(last), [down, .., up]) = (layers.first(), layers.last(), &mut weights.0[..])
     else {
         return;
@@ -59,7 +71,7 @@ fn pass_light(layers: &[Layer], kernel: usize, lights: &[usize], weights: &mut W
     if first.groups != 1 || last.groups != 1 || lights.len() != last.outputs || lights.len() > first.outputs {
         return;
     }
-    let area = kernel * kernel;
+    let area = first.kernel * first.kernel;
     // Channels of the first layer, among those that the last one reads.
     let skip = match last.source {
         Source::Joined { .. } => last.inputs - first.outputs,
@@ -98,8 +110,8 @@ mod tests {
     #[test]
     fn a_network_that_predicts_kernels_starts_with_no_weight_alone() {
         for (kernel, shares) in [(1, 0.05..0.6), (3, 0.001..0.1)] {
-            let filter = Some(Filter { levels: 5, kernel, black: false });
-            let spec = NetSpec { filter, ..published(Effect::Dof) };
+            let filter = Filter { levels: 5, kernel, black: false };
+            let spec = published(Effect::Dof).with_head(Head::Filter(filter));
             let mut light = Planes::filled(3, 32, 32, 0.0);
             light.plane_mut(2)[16 * 32 + 16] = 1.0;
             let own = reference::forward(&spec, &first_weights(&spec, 5), &light).at(0, 16, 16);
@@ -122,7 +134,7 @@ mod tests {
             let noise = parity::noise(spec.input_channels(), 64, 48, 3);
             let input = Planes::from_fn(noise.channels(), 64, 48, |c, y, x| noise.at(c, y, x).abs());
             let image = reference::forward(&spec, &first_weights(&spec, 5), &input);
-            for (output, light) in spec.light_channels().into_iter().enumerate() {
+            for (output, light) in spec.channels_of(Attribute::Light).into_iter().enumerate() {
                 let differences =
                     image.plane(output).iter().zip(input.plane(light)).map(|(a, b)| (a - b).abs());
                 let largest = differences.fold(0.0, f32::max);

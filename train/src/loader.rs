@@ -1,7 +1,8 @@
 //! Batches: pairs decoded, cropped and turned on threads of their own, in an order that depends on seed and step only.
 
 use crate::loss::Target;
-use crate::pairs::{Cache, HalfPair, Scale};
+use crate::feed::Feed;
+use crate::pairs::{HalfPair, Scale};
 use crate::rng::{Purpose, Rng};
 use crate::{TrainConfig, TrainError};
 use burn::tensor::{Device, Tensor, TensorData};
@@ -106,9 +107,7 @@ impl Batch {
 
 /// What decides which crops a run sees.
 struct Sampler {
-    cache: Arc<Cache>,
-    /// Indices of the pairs trained on.
-    pairs: Vec<usize>,
+    feed: Arc<Feed>,
     config: TrainConfig,
 }
 
@@ -123,13 +122,10 @@ impl Sampler {
         Ok(batch)
     }
 
-    /// The crop at a position in the training, every pair once an epoch, each epoch in another order, what its numbers are
-    /// multiplied by, and which of the network's runs is trained on it.
+    /// The crop at a position in the training, what its numbers are multiplied by, and which of the network's runs is trained on
+    /// it.
     fn crop(&self, position: usize) -> Result<(Pair, Scale, usize), TrainError> {
-        let (epoch, at) = (position / self.pairs.len(), position % self.pairs.len());
-        let order = Rng::new(self.config.seed, Purpose::Order, epoch as u64).permutation(self.pairs.len());
-        let index = self.pairs[order[at]];
-        let pair = self.cache.pair(index)?;
+        let (index, pair) = self.feed.pair(self.config.seed, position)?;
         let mut rng = Rng::new(self.config.seed, Purpose::Crop, position as u64);
         let crop = cut(&pair, self.config.crop, &mut rng).ok_or_else(|| TrainError::Pair {
             index,
@@ -163,9 +159,9 @@ pub struct Loader {
 }
 
 impl Loader {
-    /// Starts making batches of these pairs from a step on, up to the config's last.
-    pub fn start(cache: &Arc<Cache>, pairs: Vec<usize>, config: &TrainConfig, step: usize) -> Self {
-        let sampler = Arc::new(Sampler { cache: Arc::clone(cache), pairs, config: config.clone() });
+    /// Starts making batches from a step on, up to the config's last.
+    pub fn start(feed: &Arc<Feed>, config: &TrainConfig, step: usize) -> Self {
+        let sampler = Arc::new(Sampler { feed: Arc::clone(feed), config: config.clone() });
         let workers = config.workers;
         let start = |worker: usize| {
             let (sender, receiver) = sync_channel(AHEAD);

@@ -95,7 +95,8 @@ impl Loss {
         let prediction = image.clone() + difference.clone();
         let dssim = || (1.0 - ssim_tiles(prediction.clone(), image.clone(), variance.clone()).mean()) * 0.5;
         let l1 = || difference.clone().abs().mean();
-        let l2 = || (difference.clone() * difference.clone()).mean();
+        // What noise adds to it is taken off, too.
+        let l2 = || (difference.clone() * difference.clone() - variance.clone()).mean();
         match self {
             Self::Dssim => dssim(),
             Self::L1 => l1(),

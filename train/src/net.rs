@@ -2,11 +2,12 @@
 
 use crate::device::ops;
 use crate::first_weights::first_weights;
+use crate::plain;
 use burn::module::{Module, Param, ParamId};
 use burn::tensor::ops::PadMode;
 use burn::tensor::{Device, Tensor, TensorData};
 use deepshade_infer::weights::LayerWeights;
-use deepshade_infer::{Activation, Layer, NetSpec, Source, Weights};
+use deepshade_infer::{Activation, Head, Layer, NetSpec, Source, Weights};
 use deepshade_shaders::Planes;
 
 /// A convolution's weights and biases.
@@ -18,7 +19,7 @@ struct Conv {
     bias: Param<Tensor<1>>,
 }
 
-/// The U-net of the thesis (7.3.2), driven by [`NetSpec::layers`].
+/// A network, driven by [`NetSpec::layers`].
 #[derive(Module, Debug)]
 pub struct UNet {
     convs: Vec<Conv>,
@@ -37,18 +38,9 @@ impl UNet {
     /// A network with these weights, which must [fit](Weights::fit) the spec.
     pub fn from_weights(spec: &NetSpec, weights: &Weights, device: &Device) -> Self {
         debug_assert!(weights.fit(spec), "weights of another spec");
-        Self::with_layers(spec, spec.layers(), weights, device)
-    }
-
-    /// A network whose layers differ from those of the spec in their numbers of channels.
-    pub(crate) fn with_layers(
-        spec: &NetSpec,
-        layers: Vec<Layer>,
-        weights: &Weights,
-        device: &Device,
-    ) -> Self {
+        let layers = spec.layers();
         let convs = layers.iter().zip(&weights.0).enumerate().map(|(index, (layer, weights))| {
-            let shape = [layer.outputs, layer.inputs / layer.groups, spec.kernel, spec.kernel];
+            let shape = layer.weight_shape();
             let weight = Tensor::from_data(TensorData::new(weights.weight.clone(), shape), device);
             let bias = Tensor::from_data(TensorData::new(weights.bias.clone(), [layer.outputs]), device);
             // Names that are the same in every run let an optimiser's saved state find its parameter again.
@@ -71,33 +63,41 @@ impl UNet {
         Weights(self.convs.iter().map(layer).collect())
     }
 
-    /// The layers with their weights and biases.
-    pub(crate) fn parts(&self) -> impl Iterator<Item = (&Layer, Tensor<4>, Tensor<1>)> {
-        self.layers.iter().zip(&self.convs).map(|(layer, conv)| (layer, conv.weight.val(), conv.bias.val()))
-    }
-
-    /// The network's spec.
-    pub(crate) const fn spec(&self) -> &NetSpec {
-        &self.spec
-    }
-
     /// Images of any size: the input is padded with its edge to a multiple of [`NetSpec::alignment`] to the right
     /// and below, and the output cut back.
     ///
     /// # Shapes
     /// `[batch, input channels, height, width]` to `[batch, effect's channels, height, width]`.
     pub fn forward(&self, x: Tensor<4>) -> Tensor<4> {
+        let image = self.unbounded(x);
+        match self.spec.head {
+            Head::Correction(_) => within(image, self.spec.effect.range()),
+            Head::Image | Head::Filter(_) => image,
+        }
+    }
+
+    /// As [`UNet::forward`], but for the effect's range: what is beyond it has a gradient.
+    pub(crate) fn unbounded(&self, x: Tensor<4>) -> Tensor<4> {
         let [_, _, height, width] = x.dims();
         let x = self.padded(x);
         let made = self.layers(x.clone()).pop().expect("a network has a layer");
         self.image(x, made).narrow(2, 0, height).narrow(3, 0, width)
     }
 
-    /// The network's image of a padded input, given what its last convolution makes.
+    /// The network's image of a padded input, given what its last block makes.
     fn image(&self, x: Tensor<4>, made: Tensor<4>) -> Tensor<4> {
-        let Some(filter) = self.spec.filter else { return made };
-        let lights = self.spec.light_channels().into_iter().map(|channel| x.clone().narrow(1, channel, 1));
-        ops::filtered(filter, made, Tensor::cat(lights.collect(), 1))
+        let made = unfolded(made, self.spec.last_level());
+        let channels = |wanted: Vec<usize>| {
+            Tensor::cat(wanted.into_iter().map(|channel| x.clone().narrow(1, channel, 1)).collect(), 1)
+        };
+        match self.spec.head {
+            Head::Image => made,
+            Head::Filter(filter) => ops::filtered(filter, made, channels(self.spec.pyramid_channels())),
+            Head::Correction(correction) => {
+                let estimate = channels(self.spec.channels_of(correction.of));
+                plain::corrected(correction, estimate, channels(self.spec.pyramid_channels()), made)
+            }
+        }
     }
 
     /// The input padded with its edge.
@@ -119,16 +119,41 @@ impl UNet {
             let made = |index: usize| outputs[index].clone();
             outputs.push(match layer.source {
                 Source::Input => ops::convolve(x.clone(), weight, bias, false, leak),
+                Source::Folded => ops::convolve(folded(x.clone()), weight, bias, false, leak),
                 Source::Plain(from) => ops::convolve(made(from), weight, bias, false, leak),
                 Source::Pooled(finer) => ops::convolve(made(finer), weight, bias, true, leak),
-                Source::Joined { coarse, skip } => {
-                    let join_groups = self.spec.join_groups(layer.groups);
-                    ops::convolve_joined([made(coarse), made(skip)], weight, bias, join_groups, leak)
+                Source::Joined { coarse, skip, groups } => {
+                    ops::convolve_joined([made(coarse), made(skip)], weight, bias, groups, leak)
                 }
             });
         }
         outputs
     }
+}
+
+/// The pixels of squares of four as channels, at half the resolution: space to depth.
+fn folded(x: Tensor<4>) -> Tensor<4> {
+    let [batch, channels, height, width] = x.dims();
+    let squares: Tensor<6> = x.reshape([batch, channels, height / 2, 2, width / 2, 2]);
+    squares.permute([0, 3, 5, 1, 2, 4]).reshape([batch, 4 * channels, height / 2, width / 2])
+}
+
+/// Channels that are the pixels of squares, `1 << level` along an axis, as those pixels: depth to space.
+fn unfolded(x: Tensor<4>, level: usize) -> Tensor<4> {
+    if level == 0 {
+        return x;
+    }
+    let side = 1 << level;
+    let [batch, made, height, width] = x.dims();
+    let channels = made / (side * side);
+    let squares: Tensor<6> = x.reshape([batch, side, side, channels, height, width]);
+    squares.permute([0, 3, 4, 1, 5, 2]).reshape([batch, channels, side * height, side * width])
+}
+
+/// Numbers cut to a range, of which the greatest may be infinite.
+fn within(x: Tensor<4>, [least, most]: [f32; 2]) -> Tensor<4> {
+    let x = x.clamp_min(least);
+    if most.is_finite() { x.clamp_max(most) } else { x }
 }
 
 /// Runs a network on an image through burn, on the device that the crate was built for.
@@ -148,8 +173,7 @@ pub fn layers_burn(spec: &NetSpec, weights: &Weights, input: &Planes) -> Vec<Act
     let net = UNet::from_weights(spec, weights, &device);
     let x = net.padded(to_tensor(&[input], &device));
     let mut made = net.layers(x.clone());
-    let last =
-        made.pop().map(|last| to_planes(net.image(x, last)).window(0, 0, input.height(), input.width()));
+    let last = made.pop().map(|_| to_planes(net.forward(to_tensor(&[input], &device))));
     let made = made.into_iter().map(to_planes).chain(last);
     spec.layers()
         .into_iter()
@@ -194,13 +218,13 @@ mod tests {
     /// A network for depth of field that predicts kernels.
     fn filtering(order: ChannelOrder, colour: Colour, filter: Filter) -> NetSpec {
         let published = NetSpec::published(Effect::Dof, order, REACH).expect("the paper has one");
-        NetSpec { colour, filter: Some(filter), ..published }
+        NetSpec { colour, ..published }.with_head(Head::Filter(filter))
     }
 
     #[test]
     fn layers_are_the_references() {
         let order = ChannelOrder::Interleaved;
-        let ao = NetSpec { levels: 3, ..NetSpec::ao(order, REACH) };
+        let ao = NetSpec::ao(order, REACH).reshaped(|net| net.levels = 3);
         for spec in [ao, filtering(order, Colour::Mono, Filter { levels: 5, kernel: 1, black: false })] {
             let weights = Weights::random(&spec, 4);
             let input = parity::noise(spec.input_channels(), 21, 30, 7);
@@ -211,7 +235,7 @@ mod tests {
 
     #[test]
     fn weights_survive_the_way_through_burn() {
-        let spec = NetSpec { levels: 3, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) };
+        let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH).reshaped(|net| net.levels = 3);
         let weights = Weights::random(&spec, 3);
         assert_eq!(UNet::from_weights(&spec, &weights, &crate::device()).weights(), weights);
     }
@@ -223,8 +247,8 @@ mod tests {
             let ao = NetSpec::ao(order, REACH);
             let specs = [
                 ao.clone(),
-                NetSpec { levels: 1, ..ao.clone() },
-                NetSpec { levels: 3, kernel: 5, u0: 4, ..ao },
+                ao.clone().reshaped(|net| net.levels = 1),
+                ao.reshaped(|net| (net.levels, net.kernel, net.u0) = (3, 5, 4)),
                 filtering(order, Colour::Mono, Filter { levels: 4, kernel: 3, black: false }),
                 filtering(order, Colour::Rgb, Filter { levels: 5, kernel: 3, black: false }),
                 filtering(order, Colour::Rgb, Filter { levels: 2, kernel: 3, black: true }),
@@ -238,7 +262,7 @@ mod tests {
                     assert!(
                         comparison.agrees(),
                         "{order:?}, {} levels, {height}x{width}: {comparison:?}",
-                        spec.levels
+                        spec.levels()
                     );
                 }
             }
@@ -250,7 +274,7 @@ mod tests {
         let spec = NetSpec::ao(ChannelOrder::Contiguous, REACH);
         let weights = Weights::random(&spec, 1);
         let input = parity::noise(6, 32, 32, 7);
-        let other = NetSpec { channel_order: ChannelOrder::Interleaved, ..spec.clone() };
+        let other = spec.clone().reshaped(|net| net.order = ChannelOrder::Interleaved);
         let comparison =
             Comparison::new(&forward_burn(&spec, &weights, &input), &forward_burn(&other, &weights, &input));
         assert!(!comparison.agrees());

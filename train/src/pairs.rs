@@ -1,7 +1,7 @@
 //! Where pairs come from, and pairs as training keeps them: only what the network reads and is held against, as half floats.
 
 use crate::TrainError;
-use deepshade_dataset::{Dataset, Manifest, Pair};
+use deepshade_dataset::{Dataset, Manifest, Pair, with_estimates};
 use deepshade_infer::{NetSpec, Scaling};
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes, exposure, shows_surface};
 use half::f16;
@@ -89,12 +89,20 @@ impl Scale {
 }
 
 impl HalfPair {
-    fn new(pair: &Pair, spec: &NetSpec) -> Result<Self, String> {
+    /// A pair with what the network's estimates and its other inputs are made of; `seed` chooses the estimates' random numbers.
+    pub fn new(pair: &Pair, spec: &NetSpec, seed: u32) -> Result<Self, String> {
+        if !(pair.radius.is_finite() && pair.radius > 0.0) {
+            return Err(format!("its radius is {}", pair.radius));
+        }
+        let methods = spec.estimates.iter().map(|estimate| (&estimate.method[..], &estimate.quality[..]));
+        let gbuffer = with_estimates(&pair.gbuffer, methods, pair.radius, seed);
+        let gbuffer = gbuffer.map_err(|error| error.to_string())?;
+        let gbuffer = spec.prepared(&gbuffer, pair.radius).map_err(|error| error.to_string())?;
         let mut attributes = spec.inputs.clone();
         if !attributes.contains(&Attribute::Valid) {
             attributes.push(Attribute::Valid);
         }
-        let planes = pair.gbuffer.select(&attributes).map_err(|error| error.to_string())?;
+        let planes = gbuffer.select(&attributes).map_err(|error| error.to_string())?;
         let (height, width) = (planes.height(), planes.width());
         let shape = [pair.target.channels(), pair.target.height(), pair.target.width()];
         let expected = [spec.effect.channels(), height, width];
@@ -103,9 +111,6 @@ impl HalfPair {
         }
         if pair.variance.as_ref().is_some_and(|variance| !variance.same_shape(&pair.target)) {
             return Err(format!("its variance is not of the target's shape, {shape:?}"));
-        }
-        if !(pair.radius.is_finite() && pair.radius > 0.0) {
-            return Err(format!("its radius is {}", pair.radius));
         }
         Ok(Self {
             attributes,
@@ -211,7 +216,7 @@ impl Cache {
         if let Some(pair) = self.pairs[index].get() {
             return Ok(Arc::clone(pair));
         }
-        let read = self.source.read(index).and_then(|pair| HalfPair::new(&pair, &self.spec));
+        let read = self.source.read(index).and_then(|pair| HalfPair::new(&pair, &self.spec, index as u32));
         let pair = Arc::new(read.map_err(|problem| TrainError::Pair { index, problem })?);
         let bytes = pair.bytes();
         if self.room.fetch_update(Relaxed, Relaxed, |room| room.checked_sub(bytes)).is_ok() {
@@ -267,17 +272,17 @@ mod tests {
         let variance = Planes::from_fn(1, 4, 4, |_, y, x| 1e-9 * (1 + 4 * y + x) as f32);
         let pair = Pair { variance: Some(variance), ..pair.clone() };
         let kept =
-            HalfPair::new(&pair, &spec).expect("sound").window(2, 1, 1, 3).variance.expect("a variance");
+            HalfPair::new(&pair, &spec, 1).expect("sound").window(2, 1, 1, 3).variance.expect("a variance");
         for (x, value) in kept.data().iter().enumerate() {
             let expected = 1e-9 * (10 + x) as f32;
             assert!((value / expected - 1.0).abs() < 2e-3, "{value} is not {expected}");
         }
         let large = Pair { variance: Some(Planes::filled(1, 4, 4, f32::MAX)), ..pair.clone() };
         let kept =
-            HalfPair::new(&large, &spec).expect("sound").window(0, 0, 4, 4).variance.expect("a variance");
+            HalfPair::new(&large, &spec, 1).expect("sound").window(0, 0, 4, 4).variance.expect("a variance");
         assert!(kept.data().iter().all(|value| value.is_finite()));
         let wrong = Pair { variance: Some(Planes::filled(1, 4, 3, 0.0)), ..pair };
-        assert!(HalfPair::new(&wrong, &spec).is_err_and(|problem| problem.contains("its variance")));
+        assert!(HalfPair::new(&wrong, &spec, 1).is_err_and(|problem| problem.contains("its variance")));
     }
 
     #[test]

@@ -46,7 +46,7 @@ pub(crate) fn gradients(net: &UNet, loss: Loss, batch: Batch, devices: &[Device]
 /// The loss of a share, multiplied by its part of the batch, and its gradients.
 fn of_share(net: &UNet, loss: Loss, share: Batch, weight: f32, device: &Device) -> (f32, GradientsParams) {
     let Tensors { input, target, exposure } = share.into_tensors(device);
-    let loss = loss.of(net.forward(input) * exposure, target) * weight;
+    let loss = loss.of(net.unbounded(input) * exposure, target) * weight;
     // Reading the loss waits for the device: it is given the gradients to find first.
     let gradients = GradientsParams::from_grads(loss.clone().backward(), net);
     (loss.into_scalar(), gradients)

@@ -3,7 +3,7 @@
 
 #[cfg(test)]
 mod convolve;
-#[cfg(test)]
+mod correction;
 mod filter;
 
 use burn::tensor::Tensor;
@@ -15,6 +15,7 @@ pub use {
     convolve::{convolve, convolve_joined},
     filter::filtered,
 };
+pub use correction::corrected;
 
 /// Leaky ReLU.
 pub fn leaky(x: Tensor<4>, leak: f32) -> Tensor<4> {

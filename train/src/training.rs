@@ -2,18 +2,19 @@
 
 use crate::checkpoint::{CHECKPOINT_FILE, Checkpoint, Progress};
 use crate::export::last_layer;
+use crate::feed::{Endless, Feed, Streamed};
 use crate::loader::{Batch, Loader, Tensors};
 use crate::loss::Loss;
 use crate::metrics::{Line, Metrics};
 use crate::net::UNet;
-use crate::pairs::{Cache, PairSource};
+use crate::pairs::{Cache, HalfPair, PairSource};
 use crate::parallel::gradients;
 use crate::{TrainConfig, TrainError, files};
 use burn::optim::ModuleOptimizer;
 use burn::tensor::{Bytes, Device};
 use deepshade_dataset::holder::Holder;
-use deepshade_dataset::{Dataset, progress};
-use deepshade_infer::{Model, NetSpec, Weights};
+use deepshade_dataset::{Dataset, DatasetError, Pair, Recipe, progress, stream};
+use deepshade_infer::{Model, NetSpec, Trained, Weights};
 use deepshade_shaders::lists;
 use indicatif::ProgressBar;
 use std::fs::File;
@@ -21,6 +22,10 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+/// Name of the file in a run's folder that says what its frames are like: [`Trained`].
+pub const RANGES_FILE: &str = "trained_on.json";
+/// The share that the mean of the weights keeps of itself in a step, and how fast it comes to that: early weights say little.
+const KEPT: f32 = 0.999;
 /// Steps between lines of metrics.
 const LINE_EVERY: usize = 20;
 
@@ -42,6 +47,8 @@ pub struct Outcome {
     pub ending: Ending,
     /// How far it has come.
     pub progress: Progress,
+    /// Share of the time of the steps for which pairs were waited for that were not rendered yet.
+    pub waiting: f64,
     /// Images trained on a second, validation and checkpoints not counted; 0 if nothing was left to do.
     pub images_per_second: f64,
 }
@@ -69,15 +76,58 @@ pub fn train_on(
     config.check()?;
     let split = Split::new(&*source, config.validation_pairs)?;
     let data_hash = source.hash().map_err(TrainError::Data)?;
-    let config = &TrainConfig { data_hash, ..config.clone() };
+    let config = &TrainConfig { data_hash, stream: None, ..config.clone() };
+    let metrics = claim(config, folder)?;
+    let cache = Cache::new(source, config.spec.clone(), config.cache_megabytes << 20);
+    let validation = split.validation.iter().map(|index| cache.pair(*index)).collect::<Result<_, _>>()?;
+    let feed = move |_| Ok(Feed::Folder { cache, training: split.training });
+    Run::open(config, folder, metrics, feed, validation)?.go()
+}
+
+/// As [`train`], on pairs that are rendered while the network trains.
+///
+/// # Errors
+/// As [`train`], and if a recipe's scenes cannot be had.
+pub fn train_streamed(config: &TrainConfig, recipe: &Recipe, folder: &Path) -> Result<Outcome, TrainError> {
+    config.check()?;
+    let data_hash = stream::hash(recipe);
+    let endless = config.stream.unwrap_or(Endless::USUAL);
+    let config = &TrainConfig { data_hash, stream: Some(endless), ..config.clone() };
+    let metrics = claim(config, folder)?;
+    let failed = |error: DatasetError| TrainError::Data(error.to_string());
+    let pairs = stream::validation(recipe, config.validation_pairs).map_err(failed)?;
+    note_ranges(&pairs, folder)?;
+    let half = |(index, pair): (usize, &Pair)| {
+        let half = HalfPair::new(pair, &config.spec, index as u32).map(Arc::new);
+        half.map_err(|problem| TrainError::Pair { index, problem })
+    };
+    let validation = pairs.iter().enumerate().map(half).collect::<Result<_, _>>()?;
+    let feed = |step: usize| {
+        let streamed = Streamed::start(recipe, config.spec.clone(), endless, step * config.batch)?;
+        Ok(Feed::Streamed(streamed))
+    };
+    Run::open(config, folder, metrics, feed, validation)?.go()
+}
+
+/// Takes a run's folder, or checks that the run that lies there has the same settings.
+fn claim(config: &TrainConfig, folder: &Path) -> Result<(File, Holder), TrainError> {
     // Before the run's folder is claimed: what is refused leaves no folder that remembers it.
     if !folder.join(CHECKPOINT_FILE).exists() {
         first_weights(config)?;
     }
     let metrics = files::take(folder)?;
     config.claim(folder)?;
-    let cache = Arc::new(Cache::new(source, config.spec.clone(), config.cache_megabytes << 20));
-    Run::open(config, folder, metrics, cache, split)?.go()
+    Ok(metrics)
+}
+
+/// Writes down what the frames of a run are like, for what is exported of it.
+fn note_ranges(pairs: &[Pair], folder: &Path) -> Result<(), TrainError> {
+    let ranges = Trained::of(pairs.iter().map(|pair| (&pair.gbuffer, pair.radius)));
+    if let Ok(Some(ranges)) = ranges {
+        let json = serde_json::to_vec_pretty(&ranges).expect("ranges are plain data");
+        files::replace(&folder.join(RANGES_FILE), &json)?;
+    }
+    Ok(())
 }
 
 /// Which pairs are trained on, and which of those held apart measure it.
@@ -109,9 +159,11 @@ struct Run<'a> {
     folder: &'a Path,
     /// Each takes its share of a batch; the first has the network.
     devices: Vec<Device>,
-    cache: Arc<Cache>,
-    split: Split,
+    feed: Arc<Feed>,
+    validation: Vec<Arc<HalfPair>>,
     net: UNet,
+    /// Mean of the weights over the last steps.
+    mean: Weights,
     best: Option<Weights>,
     optimiser: ModuleOptimizer,
     progress: Progress,
@@ -125,35 +177,43 @@ impl<'a> Run<'a> {
         config: &'a TrainConfig,
         folder: &'a Path,
         metrics: (File, Holder),
-        cache: Arc<Cache>,
-        split: Split,
+        feed: impl FnOnce(usize) -> Result<Feed, TrainError>,
+        validation: Vec<Arc<HalfPair>>,
     ) -> Result<Self, TrainError> {
         let devices = crate::device::devices(config.devices)?;
         let devices: Vec<Device> = devices.into_iter().map(|device| device.autodiff()).collect();
         let device = &devices[0];
         let spec = &config.spec;
         let mut optimiser = config.optimiser.start();
-        let (net, best, progress) = match Checkpoint::load(folder, spec)? {
-            None => (first_net(config, device)?, None, Progress::START),
+        let (net, mean, best, progress) = match Checkpoint::load(folder, spec)? {
+            None => {
+                let net = first_net(config, device)?;
+                let weights = net.weights();
+                (net, weights, None, Progress::START)
+            }
             Some(checkpoint) => {
                 let state = Bytes::from_bytes_vec(checkpoint.optimiser);
                 optimiser = optimiser
                     .from_bytes(state)
                     .map_err(|error| TrainError::damaged(&folder.join(CHECKPOINT_FILE), error))?;
                 let progress = Progress { pause_loss: None, ..checkpoint.progress };
-                (UNet::from_weights(spec, &checkpoint.weights, device), checkpoint.best, progress)
+                let net = UNet::from_weights(spec, &checkpoint.weights, device);
+                (net, checkpoint.mean, checkpoint.best, progress)
             }
         };
         let metrics = Metrics::open(folder, metrics, progress.step)?;
         let meter = Meter::default();
-        Ok(Self { config, folder, devices, cache, split, net, best, optimiser, progress, metrics, meter })
+        let feed = Arc::new(feed(progress.step)?);
+        let run =
+            Self { config, folder, devices, feed, validation, net, mean, best, optimiser, progress, metrics, meter };
+        Ok(run)
     }
 
     /// Trains until the end.
     fn go(mut self) -> Result<Outcome, TrainError> {
         let config = self.config;
         let deadline = config.minutes.map(|minutes| Instant::now() + Duration::from_secs_f64(60.0 * minutes));
-        let mut loader = Loader::start(&self.cache, self.split.training.clone(), config, self.progress.step);
+        let mut loader = Loader::start(&self.feed, config, self.progress.step);
         let bar = progress::bar("steps", config.steps, self.progress.step);
         let mut ending = if self.progress.stopped { Ending::Stopped } else { Ending::Finished };
         while self.progress.step < config.steps && !self.progress.stopped {
@@ -172,7 +232,9 @@ impl<'a> Run<'a> {
         }
         bar.abandon();
         self.metrics.draw()?;
-        Ok(Outcome { ending, progress: self.progress, images_per_second: self.meter.images_per_second() })
+        let images_per_second = self.meter.images_per_second();
+        let waiting = self.feed.waited() / self.meter.time.as_secs_f64().max(1e-9);
+        Ok(Outcome { ending, progress: self.progress, waiting: waiting.min(1.0), images_per_second })
     }
 
     /// Shows a step: its loss, the best validation so far, the speed.
@@ -192,7 +254,20 @@ impl<'a> Run<'a> {
         let rate = self.config.optimiser.rate(self.progress.step, self.config.steps);
         self.net = self.optimiser.step(rate, self.net.clone(), gradients);
         self.progress.step += 1;
+        self.average();
         Ok(value)
+    }
+
+    /// Takes the weights into their mean.
+    fn average(&mut self) {
+        let step = self.progress.step as f32;
+        let kept = KEPT.min(step / (step + 10.0));
+        let now = self.net.weights();
+        for (mean, now) in self.mean.0.iter_mut().zip(&now.0) {
+            for (mean, now) in [(&mut mean.weight, &now.weight), (&mut mean.bias, &now.bias)] {
+                mean.iter_mut().zip(now).for_each(|(mean, now)| *mean = kept * *mean + (1.0 - kept) * now);
+            }
+        }
     }
 
     /// Validates, measures and saves where it is time to; whether the run ends early.
@@ -219,14 +294,14 @@ impl<'a> Run<'a> {
     fn pause(&mut self) -> Result<(), TrainError> {
         let step = self.progress.step;
         if !step.is_multiple_of(self.config.validate_every) {
-            self.progress.pause_loss = Some(self.validation_loss(&self.net.weights())?);
+            self.progress.pause_loss = Some(self.validation_loss(&self.mean)?);
         }
         self.save()
     }
 
     /// Measures the network, notes whether it is the best, and whether it is time to stop.
     fn validate(&mut self) -> Result<f32, TrainError> {
-        let weights = self.net.weights();
+        let weights = self.mean.clone();
         let loss = self.validation_loss(&weights)?;
         let progress = &mut self.progress;
         if progress.best_loss.is_none_or(|best| loss < best) {
@@ -245,8 +320,7 @@ impl<'a> Run<'a> {
         let device = crate::device();
         let net = UNet::from_weights(&self.config.spec, weights, &device);
         let mut sum = 0.0;
-        for index in &self.split.validation {
-            let pair = self.cache.pair(*index)?;
+        for pair in &self.validation {
             let mut batch = Batch::default();
             let whole = pair.window(0, 0, pair.height(), pair.width());
             (0..self.config.spec.runs())
@@ -255,7 +329,7 @@ impl<'a> Run<'a> {
             let loss = Loss::Dssim.of(net.forward(input) * exposure, target);
             sum += loss.into_scalar::<f32>();
         }
-        let loss = sum / self.split.validation.len() as f32;
+        let loss = sum / self.validation.len() as f32;
         if loss.is_finite() { Ok(loss) } else { Err(TrainError::Diverged { step: self.progress.step, loss }) }
     }
 
@@ -265,6 +339,7 @@ impl<'a> Run<'a> {
         let checkpoint = Checkpoint {
             progress: self.progress,
             weights: self.net.weights(),
+            mean: self.mean.clone(),
             best: self.best.clone(),
             optimiser: optimiser.to_vec(),
         };

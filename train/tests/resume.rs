@@ -61,7 +61,7 @@ impl PairSource for Synthetic {
 
 fn config(optimiser: Optimiser) -> TrainConfig {
     let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 40 };
-    let spec = NetSpec { levels: 3, u0: 4, ..NetSpec::ao(ChannelOrder::Interleaved, reach) };
+    let spec = NetSpec::ao(ChannelOrder::Interleaved, reach).reshaped(|net| (net.levels, net.u0) = (3, 4));
     TrainConfig {
         optimiser,
         batch: 2,
@@ -382,7 +382,7 @@ fn a_start_that_cannot_be_leaves_the_folder_to_another_command() {
     };
     save(&config.spec, &ours);
     // Its weights have the same shapes and another meaning.
-    save(&NetSpec { channel_order: ChannelOrder::Contiguous, ..config.spec.clone() }, &other);
+    save(&config.spec.clone().reshaped(|net| net.order = ChannelOrder::Contiguous), &other);
     let starting = |start: &Path| {
         train_on(
             &TrainConfig { start: Some(start.to_owned()), ..config.clone() },

@@ -4,6 +4,7 @@
 use super::operand::Image;
 use crate::NetSpec;
 use crate::filter::Filter;
+use crate::spec::channels;
 use deepshade_shaders::Planes;
 use rayon::prelude::*;
 
@@ -98,7 +99,7 @@ impl Level {
 /// The network's image of its input, given what its last convolution makes of the image's pixels, `[weights, height, width]`.
 pub fn filtered(spec: &NetSpec, filter: Filter, input: &Planes, made: &Planes) -> Planes {
     let (height, width) = (made.height(), made.width());
-    let light = Light::new(filter, padded(&spec.light(input), spec.alignment()));
+    let light = Light::new(filter, padded(&channels(input, &spec.pyramid_channels()), spec.alignment()));
     let made = Image { data: made.data(), channels: made.channels(), height, width };
     let row = |y| weighted(&light, &softmax(made, 0, y), y, width);
     let rows: Vec<Vec<f32>> = (0..height).into_par_iter().map(row).collect();
@@ -125,7 +126,7 @@ pub fn weighted(light: &Light, weights: &[f32], y: usize, width: usize) -> Vec<f
 }
 
 /// The light continued by its last row and column.
-fn padded(light: &Planes, alignment: usize) -> Planes {
+pub(super) fn padded(light: &Planes, alignment: usize) -> Planes {
     let [height, width] = [light.height(), light.width()].map(|size| size.next_multiple_of(alignment));
     let mut data = Vec::with_capacity(light.channels() * height * width);
     for (channel, y) in (0..light.channels()).flat_map(|c| (0..height).map(move |y| (c, y))) {
@@ -134,6 +135,30 @@ fn padded(light: &Planes, alignment: usize) -> Planes {
         data.extend(std::iter::repeat_n(row[row.len() - 1], width - row.len()));
     }
     Planes::from_data(light.channels(), height, width, data)
+}
+
+/// What a block on a coarser level makes, as the pixels of an image of `[height, width]`: depth to space.
+pub fn unfolded(made: &Planes, level: usize, [height, width]: [usize; 2]) -> Planes {
+    let side = 1 << level;
+    let channels = made.channels() / (side * side);
+    let mut image = Planes::filled(channels, height, width, 0.0);
+    for c in 0..channels {
+        for (y, row) in image.plane_mut(c).chunks_exact_mut(width).enumerate() {
+            unfold_row(made, level, c, y, row);
+        }
+    }
+    image
+}
+
+/// A row of a channel of [`unfolded`].
+pub(super) fn unfold_row(made: &Planes, level: usize, channel: usize, y: usize, row: &mut [f32]) {
+    let side = 1 << level;
+    let channels = made.channels() / (side * side);
+    for first in 0..side {
+        let from = made.plane((y % side * side + first) * channels + channel);
+        let from = &from[y / side * made.width()..][..made.width()];
+        row.iter_mut().skip(first).step_by(side).zip(from).for_each(|(to, from)| *to = *from);
+    }
 }
 
 /// Means of 2x2 pixels.

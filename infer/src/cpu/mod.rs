@@ -8,6 +8,7 @@
 
 pub mod ceilings;
 pub mod conv;
+mod correction;
 pub mod filter;
 pub mod operand;
 mod plan;
@@ -17,7 +18,7 @@ pub mod stripe;
 pub use plan::Plan;
 
 use crate::forward::ForwardError;
-use crate::{Layer, NetSpec, Source, Weights};
+use crate::{Layer, NetSpec, Weights};
 use deepshade_shaders::Planes;
 use shape::ConvShape;
 use std::sync::Arc;
@@ -36,7 +37,7 @@ struct Stage {
     layer: Layer,
     weights: Packed,
     bias: Vec<f32>,
-    /// Of a layer that joins two: [`NetSpec::joined_order`].
+    /// [`Layer::read_order`].
     order: Vec<usize>,
 }
 
@@ -50,16 +51,10 @@ impl Network {
             return Err(ForwardError::Unfit);
         }
         let layers = spec.layers();
-        let order = |layer: &Layer| match layer.source {
-            Source::Joined { coarse, skip } => {
-                spec.joined_order(layers[coarse].outputs, layers[skip].outputs, layer.groups)
-            }
-            Source::Input | Source::Plain(_) | Source::Pooled(_) => Vec::new(),
-        };
         let stage = |(layer, weights): (&Layer, &crate::LayerWeights)| Stage {
-            weights: Packed::new(conv_shape(spec, layer, [spec.alignment(); 2]), &weights.weight),
+            weights: Packed::new(conv_shape(layer, [spec.alignment(); 2]), &weights.weight),
             bias: weights.bias.clone(),
-            order: order(layer),
+            order: layer.read_order(&layers),
             layer: layer.clone(),
         };
         Ok(Self { spec: spec.clone(), stages: layers.iter().zip(&weights.0).map(stage).collect() })
@@ -97,7 +92,7 @@ impl Network {
 }
 
 /// The convolution of a layer in a whole frame of `[height, width]`.
-fn conv_shape(spec: &NetSpec, layer: &Layer, frame: [usize; 2]) -> ConvShape {
+fn conv_shape(layer: &Layer, frame: [usize; 2]) -> ConvShape {
     let [height, width] = frame.map(|size| size >> layer.level);
     ConvShape {
         batch: 1,
@@ -106,6 +101,6 @@ fn conv_shape(spec: &NetSpec, layer: &Layer, frame: [usize; 2]) -> ConvShape {
         outputs: layer.outputs / layer.groups,
         height,
         width,
-        kernel: spec.kernel,
+        kernel: layer.kernel,
     }
 }

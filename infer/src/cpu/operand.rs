@@ -32,6 +32,8 @@ impl<'a> Image<'a> {
 pub enum Operand<'a> {
     /// Images, continued at bottom and right by their last row and column where the frame is larger.
     Plain(Image<'a>),
+    /// The pixels of squares of four as channels, space to depth, of images that are continued like those of [`Self::Plain`].
+    Folded(Image<'a>),
     /// The 2x2 means of images.
     Pooled(Image<'a>),
     /// Coarse images, doubled bilinearly (half-pixel centres, edges replicated), concatenated with fine ones.
@@ -51,6 +53,11 @@ impl Operand<'_> {
     fn copy_row(&self, image: usize, channel: usize, y: usize, blend: &mut Vec<f32>, out: &mut [f32]) {
         match self {
             Self::Plain(plain) => continued(plain.row(image, channel, y.min(plain.height - 1)), out),
+            Self::Folded(fine) => {
+                let (square, channel) = (channel / fine.channels, channel % fine.channels);
+                let row = fine.row(image, channel, (2 * y + square / 2).min(fine.height - 1));
+                every_second(row, square % 2, out);
+            }
             Self::Pooled(fine) => {
                 pooled(fine.row(image, channel, 2 * y), fine.row(image, channel, 2 * y + 1), out);
             }
@@ -84,6 +91,17 @@ fn continued(row: &[f32], out: &mut [f32]) {
     let (inside, beyond) = out.split_at_mut(row.len());
     inside.copy_from_slice(row);
     beyond.fill(row[row.len() - 1]);
+}
+
+/// Every second number of a row from the first or the second on, continued by the row's last.
+#[inline(always)]
+fn every_second(row: &[f32], first: usize, out: &mut [f32]) {
+    let pairs = row.as_chunks::<2>().0;
+    let inside = out.len().min(pairs.len());
+    for x in 0..inside {
+        out[x] = pairs[x][first];
+    }
+    out[inside..].fill(row[row.len() - 1]);
 }
 
 #[inline(always)]

@@ -2,9 +2,9 @@
 
 use super::conv;
 use super::operand::{Image, Operand};
-use super::{Network, Stage, conv_shape, filter};
+use super::{Network, Stage, conv_shape, correction, filter};
 use crate::forward::{ForwardError, Tile, Tiling};
-use crate::{Activation, Source};
+use crate::{Activation, Head, Source};
 use deepshade_shaders::Planes;
 use std::borrow::Cow;
 use web_time::Instant;
@@ -18,6 +18,7 @@ pub struct Plan {
     network: Network,
     size: [usize; 2],
     tiling: Tiling,
+    last_level: usize,
     /// What each layer makes of a tile, `[outputs, height, width]` of its level.
     maps: Vec<Vec<f32>>,
 }
@@ -25,7 +26,7 @@ pub struct Plan {
 impl Plan {
     pub(super) fn new(network: Network, size: [usize; 2], most: u64) -> Result<Self, ForwardError> {
         let [height, width] = size;
-        let length = |stage: &Stage, frame| conv_shape(&network.spec, &stage.layer, frame).made();
+        let length = |stage: &Stage, frame| conv_shape(&stage.layer, frame).made();
         let bytes = |frame| network.stages.iter().map(|stage| 4 * length(stage, frame) as u64).sum::<u64>();
         let memory = ForwardError::Memory { width, height, limit: most };
         if height == 0 || width == 0 {
@@ -33,7 +34,8 @@ impl Plan {
         }
         let tiling = Tiling::new(&network.spec, size, |frame| bytes(frame) <= most).ok_or(memory)?;
         let maps = network.stages.iter().map(|stage| vec![0.0; length(stage, tiling.frame)]).collect();
-        Ok(Self { network, size, tiling, maps })
+        let last_level = network.spec.last_level();
+        Ok(Self { network, size, tiling, last_level, maps })
     }
 
     /// As [`Network::run`], in this plan's room.
@@ -45,8 +47,7 @@ impl Plan {
     /// If the input is of another size than the plan.
     pub fn run(&mut self, input: &Planes) -> Result<Planes, ForwardError> {
         self.check(input)?;
-        let channels = self.network.spec.last_channels();
-        let mut made = Planes::filled(channels, input.height(), input.width(), 0.0);
+        let mut made = self.last_map();
         for tile in 0..self.tiling.tiles.len() {
             let input = self.window(input, tile);
             (0..self.maps.len()).for_each(|layer| self.run_layer(layer, &input));
@@ -55,11 +56,22 @@ impl Plan {
         Ok(self.image(input, made))
     }
 
-    /// The network's image, given what its last convolution makes.
+    /// Room for what the last block makes of the whole image, on its level.
+    fn last_map(&self) -> Planes {
+        let [height, width] = self.size.map(|size| size.div_ceil(1 << self.last_level));
+        Planes::filled(self.network.spec.last_channels(), height, width, 0.0)
+    }
+
+    /// The network's image, given what its last block makes.
     fn image(&self, input: &Planes, made: Planes) -> Planes {
-        match self.network.spec.filter {
-            None => made,
-            Some(filter) => filter::filtered(&self.network.spec, filter, input, &made),
+        let spec = &self.network.spec;
+        match spec.head {
+            Head::Image if self.last_level == 0 => made,
+            Head::Image => filter::unfolded(&made, self.last_level, self.size),
+            Head::Filter(filter) => {
+                filter::filtered(spec, filter, input, &filter::unfolded(&made, self.last_level, self.size))
+            }
+            Head::Correction(correction) => correction::corrected(spec, correction, input, &made),
         }
     }
 
@@ -96,7 +108,7 @@ impl Plan {
         self.check(input)?;
         let names = self.network.stages.iter().map(|stage| stage.layer.name.clone());
         let mut times: Vec<(String, f64)> = names.map(|name| (name, 0.0)).collect();
-        let mut made = Planes::filled(self.network.spec.last_channels(), input.height(), input.width(), 0.0);
+        let mut made = self.last_map();
         for tile in 0..self.tiling.tiles.len() {
             let input = self.window(input, tile);
             for (layer, (_, time)) in times.iter_mut().enumerate() {
@@ -145,28 +157,29 @@ impl Plan {
             let [height, width] = frame.map(|size| size >> stages[of].layer.level);
             Image { data: &made[of], channels: stages[of].layer.outputs, height, width }
         };
+        let (channels, height, width) = (input.channels(), input.height(), input.width());
+        let input = Image { data: input.data(), channels, height, width };
         let operand = match stage.layer.source {
-            Source::Input => Operand::Plain(Image {
-                data: input.data(),
-                channels: input.channels(),
-                height: input.height(),
-                width: input.width(),
-            }),
+            Source::Input => Operand::Plain(input),
+            Source::Folded => Operand::Folded(input),
             Source::Plain(from) => Operand::Plain(map(from)),
             Source::Pooled(from) => Operand::Pooled(map(from)),
-            Source::Joined { coarse, skip } => {
+            Source::Joined { coarse, skip, .. } => {
                 Operand::Joined { coarse: map(coarse), fine: map(skip), order: Cow::Borrowed(&stage.order) }
             }
         };
         let leak = if stage.layer.activation { spec.leak } else { 1.0 };
-        let shape = conv_shape(spec, &stage.layer, frame);
+        let shape = conv_shape(&stage.layer, frame);
         conv::forward(shape, &operand, &stage.weights, &stage.bias, leak, &mut rest[0]);
     }
 
     /// Copies what a tile makes out of the last layer's map.
     fn keep(&self, tile: usize, whole: &mut Planes) {
-        let Tile { origin: [top, left], keep: [rows, columns] } = &self.tiling.tiles[tile];
-        let [height, width] = self.tiling.frame;
+        let Tile { origin, keep } = &self.tiling.tiles[tile];
+        let side = 1 << self.last_level;
+        let [top, left] = origin.map(|at| at / side);
+        let [rows, columns] = keep.clone().map(|kept| kept.start / side..kept.end.div_ceil(side));
+        let [height, width] = self.tiling.frame.map(|size| size / side);
         let whole_width = whole.width();
         let map = &self.maps[self.maps.len() - 1];
         for (channel, plane) in map.chunks_exact(height * width).enumerate() {

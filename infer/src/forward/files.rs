@@ -6,7 +6,7 @@
 use super::maps::{self, MapId};
 use super::packing::{BLOCK, Packed};
 use super::{ForwardError, Options, Precision, Shape, Variant, io};
-use super::{filter, kernel};
+use super::{head, kernel};
 use crate::{Layer, Model, NetSpec, Source};
 use deepshade_shaders::wgsl::TILE;
 use deepshade_shaders::wgsl::convolution::{Convolution, Reading, WORKGROUP, Writing};
@@ -46,7 +46,7 @@ pub fn wgsl_files(model: &Model, precision: Precision) -> Result<Vec<File>, Forw
         files.push((format!("{stem}.reads.bin"), bytemuck::cast_slice(&packed.reads).to_vec()));
         files.push((format!("{stem}.weights.bin"), bytemuck::cast_slice(&packed.weights).to_vec()));
     }
-    for (name, source, pass) in filter_passes(spec) {
+    for (name, source, pass) in head_passes(spec) {
         files.push((name, source.into_bytes()));
         passes.push(pass);
     }
@@ -57,7 +57,7 @@ pub fn wgsl_files(model: &Model, precision: Precision) -> Result<Vec<File>, Forw
         "input_channels": spec.input_channels(), "output_channels": spec.output_channels(),
         "alignment": spec.alignment(), "leak": spec.leak, "half": precision == Precision::F16,
         "uniform": uniform_fields(), "maps": maps, "passes": passes,
-        "filter": spec.filter.map(|filter| json!({ "weights": filter.weight_count(), "levels": filter.levels })),
+        "head": head_json(spec),
     });
     files.push(("network.json".to_owned(), format!("{network:#}\n").into_bytes()));
     files.push(("HOST.md".to_owned(), HOST.as_bytes().to_vec()));
@@ -97,19 +97,20 @@ fn uniform_fields() -> Vec<Value> {
 fn pass(spec: &NetSpec, layers: &[Layer], index: usize, shape: Shape, packed: &Packed, stem: &str) -> Value {
     let layer = &layers[index];
     let mut bindings = json!({ "0": "uniform", "1": "reads", "2": "weights" });
-    let last = if spec.filter.is_some() { "kernels" } else { "output" };
+    let has_head = head::of(spec).is_some();
+    let last = if has_head { "kernels" } else { "output" };
     bindings["3"] = if layer.activation { json!(map_name(layers, MapId::Made(index))) } else { json!(last) };
     // Of the planar buffer that is read or written; between them layers have maps alone.
     let channels = match (layer.activation, layer.source) {
         (false, _) => spec.last_channels(),
-        (true, Source::Input) => spec.input_channels(),
+        (true, Source::Input | Source::Folded) => spec.input_channels(),
         (true, _) => 0,
     };
     let sources = maps::read_by(layer);
     for (binding, id) in (4..).zip(&sources) {
         bindings[binding.to_string()] = json!(map_name(layers, *id));
     }
-    if layer.source == Source::Input {
+    if layer.source.is_input() {
         bindings["4"] = json!("input");
     }
     if maps::has_means(layers, index) {
@@ -120,32 +121,49 @@ fn pass(spec: &NetSpec, layers: &[Layer], index: usize, shape: Shape, packed: &P
         "reads": format!("{stem}.reads.bin"), "weights": format!("{stem}.weights.bin"),
         "tile": shape.pixels.map(|pixels| WORKGROUP * pixels), "workgroups_z": packed.reads.len(),
         "stride": packed.stride / 4, "channels": channels, "bindings": bindings,
+        "whole_frame": has_head && !layer.activation,
     })
 }
 
-/// The passes of the network's filter: name and source of the file, and what `network.json` says of it.
-fn filter_passes(spec: &NetSpec) -> Vec<(String, String, Value)> {
-    let Some(filter) = filter::of(spec) else { return Vec::new() };
+/// What a host must know of the network's head: of which size its buffers are.
+fn head_json(spec: &NetSpec) -> Option<Value> {
+    let head = head::of(spec)?;
+    let estimates = head.pyramid_numbers([1, 1]) - usize::from(head.levels > 0) * head.channels as usize;
+    Some(json!({
+        "kernels": spec.last_channels(), "level": spec.last_level(), "levels": head.levels, "planes": estimates,
+    }))
+}
+
+/// The passes of the network's head: name and source of the file, and what `network.json` says of it.
+fn head_passes(spec: &NetSpec) -> Vec<(String, String, Value)> {
+    let Some(head) = head::of(spec) else { return Vec::new() };
     let first = spec.layers().len();
     let pass = |index: usize, name: String, level: u32, source: String, bindings: Value| {
         let file = format!("{:02}_{name}.wgsl", first + index);
         let heading =
-            format!("// Pass `{name}` of the filter, written by deepshade; HOST.md says how it is run.\n\n");
+            format!("// Pass `{name}` of the head, written by deepshade; HOST.md says how it is run.\n\n");
         let json = json!({
             "layer": name, "file": file, "level": level, "tile": [TILE, TILE], "workgroups_z": 1, "stride": 0,
-            "channels": spec.input_channels(), "bindings": bindings,
+            "channels": spec.input_channels(), "bindings": bindings, "whole_frame": false,
         });
         (file, heading + &source, json)
     };
-    let light = json!({ "0": "uniform", "3": "pyramid", "4": "input" });
-    let halve = json!({ "0": "uniform", "3": "pyramid" });
-    let gather = json!({ "0": "uniform", "1": "kernels", "2": "pyramid", "3": "output" });
-    let mut passes = vec![pass(0, "light".to_owned(), 0, filter.light(&Reading::Planes), light)];
-    for level in 1..filter.levels {
-        let name = format!("light{level}");
-        passes.push(pass(passes.len(), name, level, filter.halve(level), halve.clone()));
+    let mut passes = Vec::new();
+    let mut image = json!({ "0": "uniform", "1": "kernels", "3": "output" });
+    if head.has_pyramid() {
+        let light = json!({ "0": "uniform", "3": "pyramid", "4": "input" });
+        passes.push(pass(0, "light".to_owned(), 0, head.light(&Reading::Planes), light));
+        for level in 1..head.levels {
+            let halve = json!({ "0": "uniform", "3": "pyramid" });
+            passes.push(pass(passes.len(), format!("light{level}"), level, head.halve(level), halve));
+        }
+        image["2"] = json!("pyramid");
     }
-    passes.push(pass(passes.len(), "gather".to_owned(), 0, filter.gather(Writing::Planes), gather));
+    let mut last = pass(passes.len(), "image".to_owned(), 0, head.image(Writing::Planes), image);
+    // Rows and columns of what the last block makes.
+    last.2["channels"] = json!("kernels_rows");
+    last.2["stride"] = json!("kernels_columns");
+    passes.push(last);
     passes
 }
 
@@ -154,9 +172,10 @@ fn heading(layers: &[Layer], index: usize) -> String {
     let layer = &layers[index];
     let reads = match layer.source {
         Source::Input => "the network's input".to_owned(),
+        Source::Folded => "the network's input, the pixels of squares of four as channels".to_owned(),
         Source::Plain(of) => format!("what `{}` makes", layers[of].name),
         Source::Pooled(of) => format!("the 2x2 means of what `{}` makes", layers[of].name),
-        Source::Joined { coarse, skip } => format!(
+        Source::Joined { coarse, skip, .. } => format!(
             "what `{}` makes, doubled bilinearly, and what `{}` makes",
             layers[coarse].name, layers[skip].name
         ),

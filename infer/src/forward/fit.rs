@@ -1,4 +1,4 @@
-//! Whether an image's feature maps, and what a filter works on, have room on a device, and in which tiles.
+//! Whether an image's feature maps, and what a head works on, have room on a device, and in which tiles.
 
 use super::maps;
 use super::packing::BLOCK;
@@ -63,13 +63,13 @@ pub fn room(network: &Network, maps: &[SizedMap]) -> Option<Room> {
 
 /// Bytes of an image's run in tiles of that frame, whose maps have that room.
 fn bytes(network: &Network, size: [usize; 2], frame: [usize; 2], room: &Room) -> u64 {
-    let [kernels, pyramid] = filter_bytes(network, size, frame);
+    let [kernels, pyramid] = head_bytes(network, size, frame);
     room.bytes() + kernels + pyramid
 }
 
-/// Of those the ones of a filter: of a tile's kernels, and of the image's pyramid.
-fn filter_bytes(network: &Network, size: [usize; 2], frame: [usize; 2]) -> [u64; 2] {
-    network.filter.as_ref().map_or([0; 2], |passes| passes.bytes(&network.spec, frame, size))
+/// Of those the ones of a head: of a tile's kernels, and of the image's pyramid.
+fn head_bytes(network: &Network, size: [usize; 2], frame: [usize; 2]) -> [u64; 2] {
+    network.head.as_ref().map_or([0; 2], |passes| passes.bytes(&network.spec, frame, size))
 }
 
 /// Whether an image can be run in tiles of a frame, within the device's limits and that many bytes.
@@ -77,7 +77,7 @@ pub fn fits(network: &Network, size: [usize; 2], frame: [usize; 2], most: u64) -
     let limits = network.device.limits();
     let textures = network.variant == Variant::Software;
     let side = limits.max_texture_dimension_2d as usize;
-    let [kernels, _] = filter_bytes(network, size, frame);
+    let [kernels, _] = head_bytes(network, size, frame);
     let maps = sized_maps(network, frame);
     !(textures && frame.into_iter().any(|size| size > side))
         && dispatches(&limits, frame)
@@ -103,11 +103,11 @@ pub fn check_size(network: &Network, height: usize, width: usize) -> Result<(), 
         return error(first, "has no pixel to read".to_owned());
     }
     let bytes = |channels: usize| (channels * height * width * size_of::<f32>()) as u64;
-    let [_, pyramid] = filter_bytes(network, [height, width], [0; 2]);
+    let [_, pyramid] = head_bytes(network, [height, width], [0; 2]);
     let buffers = [
         (first, bytes(spec.input_channels()), network.input == InputKind::Buffer),
         (last, bytes(spec.output_channels()), network.output == OutputKind::Buffer),
-        (last, pyramid, spec.filter.is_some()),
+        (last, pyramid, network.head.is_some()),
     ];
     let limit = limits.max_storage_buffer_binding_size;
     let mut bound = buffers.into_iter().filter(|(_, _, is_bound)| *is_bound);
@@ -115,8 +115,8 @@ pub fn check_size(network: &Network, height: usize, width: usize) -> Result<(), 
         return error(layer, format!("binds a buffer of {bytes} bytes; the device allows {limit}"));
     }
     // The pyramid is not made in tiles.
-    if spec.filter.is_some() && !dispatches(&limits, [height, width]) {
-        return error(last, "filters more pixels along an axis than the device dispatches".to_owned());
+    if network.head.is_some() && !dispatches(&limits, [height, width]) {
+        return error(last, "has more pixels along an axis than the device dispatches".to_owned());
     }
     Ok(())
 }
@@ -132,7 +132,7 @@ mod tests {
 
     fn network(variant: Option<Variant>) -> Network {
         let gpu = Gpu::new().expect("an adapter; a software one will do");
-        let spec = NetSpec { levels: 2, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) };
+        let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH).reshaped(|net| net.levels = 2);
         let variant =
             variant.unwrap_or_else(|| Variant::gpu(&gpu.device.limits(), &spec, OutputKind::Buffer));
         let options = crate::forward::Options { variant: Some(variant), ..Default::default() };
@@ -190,7 +190,7 @@ mod tests {
                 Ok(())
             };
             let (tiling, ()) = largest(&network, size, most, make).expect("in tiles");
-            let [kernels, _] = filter_bytes(&network, size, tiling.frame);
+            let [kernels, _] = head_bytes(&network, size, tiling.frame);
             assert!(tiling.tiles.len() > 1 && taken <= most);
             assert!(kernels <= device.limits().max_storage_buffer_binding_size);
         }

@@ -1,7 +1,9 @@
 //! Which kernel a layer has on a GPU: a function of the spec and of what the caller wants, without a device.
 
 use super::io::{self, InputKind};
+use super::head;
 use super::maps::has_means;
+use super::packing::BLOCK;
 use super::{ForwardError, Options, Precision};
 use crate::{Layer, NetSpec, Source};
 use deepshade_shaders::wgsl::convolution::{Convolution, Reading, Shape, Writing};
@@ -19,22 +21,28 @@ pub fn convolution(
 ) -> Result<Convolution, ForwardError> {
     let layers = spec.layers();
     Ok(Convolution {
-        kernel: spec.kernel as u32,
+        kernel: layers[index].kernel as u32,
         shape,
         half: options.precision == Precision::F16,
         arena: true,
         reading: reading(spec, &layers[index], options),
+        folded: folded(spec, &layers[index]),
         writing: writing(spec, &layers, index, options)?,
     })
 }
 
 fn reading(spec: &NetSpec, layer: &Layer, options: &Options<'_>) -> Reading {
     match (layer.source, options.input) {
-        (Source::Input, InputKind::Buffer) => Reading::Planes,
-        (Source::Input, InputKind::Textures) => Reading::Textures(io::texture_channels(spec)),
+        (Source::Input | Source::Folded, InputKind::Buffer) => Reading::Planes,
+        (Source::Input | Source::Folded, InputKind::Textures) => Reading::Textures(io::texture_channels(spec)),
         (Source::Plain(_) | Source::Pooled(_), _) => Reading::Map,
         (Source::Joined { .. }, _) => Reading::Joined,
     }
+}
+
+/// Blocks of four channels of the network's input, where a layer reads it space to depth.
+fn folded(spec: &NetSpec, layer: &Layer) -> Option<u32> {
+    (layer.source == Source::Folded).then(|| spec.input_channels().div_ceil(BLOCK) as u32)
 }
 
 fn writing(
@@ -43,7 +51,7 @@ fn writing(
     index: usize,
     options: &Options<'_>,
 ) -> Result<Writing, ForwardError> {
-    let format = options.output.format(spec)?.filter(|_| spec.filter.is_none());
+    let format = options.output.format(spec)?.filter(|_| head::of(spec).is_none());
     Ok(match (layers[index].activation, format) {
         (true, _) if has_means(layers, index) => Writing::MapAndMeans,
         (true, _) => Writing::Map,

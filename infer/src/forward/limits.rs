@@ -1,9 +1,10 @@
 //! What a device must allow for a network's kernels to run at all, whatever the image. WebGPU's default limits do; wgpu's
 //! `downlevel_defaults` have one storage buffer too few for most networks.
 
+use super::head;
 use super::maps::{has_means, read_by};
 use super::{ForwardError, InputKind, Options, OutputKind, Variant};
-use crate::{NetSpec, Source};
+use crate::NetSpec;
 use deepshade_shaders::wgsl::TILE;
 use deepshade_shaders::wgsl::convolution::WORKGROUP;
 
@@ -38,9 +39,9 @@ pub fn check(
 fn most_buffers(spec: &NetSpec, options: &Options<'_>) -> u32 {
     let layers = spec.layers();
     let buffers = |(index, layer): (usize, &crate::Layer)| {
-        let input = layer.source == Source::Input && options.input == InputKind::Buffer;
+        let input = layer.source.is_input() && options.input == InputKind::Buffer;
         let makes_texture =
-            !layer.activation && spec.filter.is_none() && options.output != OutputKind::Buffer;
+            !layer.activation && head::of(spec).is_none() && options.output != OutputKind::Buffer;
         // What blocks of outputs read and their weights; what is read; what is made, with its means.
         2 + u32::from(input)
             + read_by(layer).len() as u32

@@ -38,10 +38,10 @@ impl MapId {
 /// What a layer reads.
 pub fn read_by(layer: &Layer) -> Vec<MapId> {
     match layer.source {
-        Source::Input => Vec::new(),
+        Source::Input | Source::Folded => Vec::new(),
         Source::Plain(from) => vec![MapId::Made(from)],
         Source::Pooled(from) => vec![MapId::Means(from)],
-        Source::Joined { coarse, skip } => vec![MapId::Made(coarse), MapId::Made(skip)],
+        Source::Joined { coarse, skip, .. } => vec![MapId::Made(coarse), MapId::Made(skip)],
     }
 }
 

@@ -1,6 +1,6 @@
 //! A network on a device.
 
-use super::filter;
+use super::head;
 use super::stage::{Stage, Stages};
 use super::{ForwardError, InputKind, OutputKind, Plan, Precision, Shape, Variant, limits, variant};
 use crate::{Layer, NetSpec, Weights};
@@ -14,7 +14,7 @@ pub struct Network {
     pub(super) spec: NetSpec,
     pub(super) layers: Vec<Layer>,
     pub(super) stages: Vec<Stage>,
-    pub(super) filter: Option<filter::Passes>,
+    pub(super) head: Option<head::Passes>,
     pub(super) variant: Variant,
     pub(super) precision: Precision,
     pub(super) input: InputKind,
@@ -97,10 +97,10 @@ impl Network {
             Variant::Gpu(shapes) => stages.gpu(index, layer, shapes[index]),
         };
         let stages = layers.iter().enumerate().map(stage).collect::<Result<_, _>>()?;
-        let filter = filter::Passes::new(device, spec, options)?;
+        let head = head::Passes::new(device, spec, options)?;
         let (device, spec, variant) = (device.clone(), spec.clone(), variant.clone());
         let Options { input, output, precision, .. } = *options;
-        Ok(Self { device, spec, layers, stages, filter, variant, precision, input, output })
+        Ok(Self { device, spec, layers, stages, head, variant, precision, input, output })
     }
 
     /// The network's spec.
@@ -149,6 +149,7 @@ fn check(
             "the device has no half floats"
         }
         Variant::Software if half => "the software kernels have no half floats",
+        Variant::Software if spec.u_net().is_none() => "the software kernels are for U-nets",
         Variant::Software if !options.buffers() => "the software kernels read and write buffers only",
         Variant::Gpu(shapes) if shapes.len() != spec.layers().len() => "a shape is needed for every layer",
         Variant::Gpu(shapes) => return check_shapes(device, spec, shapes, options),

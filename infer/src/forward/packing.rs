@@ -48,19 +48,25 @@ impl Packed {
     pub fn new(spec: &NetSpec, index: usize, weights: &LayerWeights, outputs: usize) -> Self {
         let layers = spec.layers();
         let layer = &layers[index];
-        let (order, split) = match layer.source {
-            Source::Input | Source::Plain(_) | Source::Pooled(_) => {
-                ((0..layer.inputs).collect(), layer.inputs)
-            }
-            Source::Joined { coarse, skip } => {
-                let (coarse, skip) = (layers[coarse].outputs, layers[skip].outputs);
-                (spec.joined_order(coarse, skip, layer.groups), coarse)
-            }
+        let order = match layer.source {
+            Source::Folded => folded_order(spec.input_channels()),
+            _ => layer.read_order(&layers),
         };
-        let mut positions = vec![0; order.len()];
-        order.iter().enumerate().for_each(|(position, channel)| positions[*channel] = position);
-        Packing { layer, weights, kernel: spec.kernel, group: outputs, order, positions, split }.packed()
+        let split = match layer.source {
+            Source::Joined { coarse, .. } => layers[coarse].outputs,
+            _ => order.iter().max().map_or(0, |last| last + 1),
+        };
+        let mut positions = vec![None; order.iter().max().map_or(0, |last| last + 1)];
+        order.iter().enumerate().for_each(|(position, channel)| positions[*channel] = Some(position));
+        Packing { layer, weights, kernel: layer.kernel, group: outputs, order, positions, split }.packed()
     }
+}
+
+/// For each channel that a convolution reads of an input of so many, space to depth, where a kernel has it: the channels of
+/// each of four pixels begin with a block.
+fn folded_order(channels: usize) -> Vec<usize> {
+    let each = channels.next_multiple_of(BLOCK);
+    (0..4).flat_map(|pixel| (0..channels).map(move |channel| pixel * each + channel)).collect()
 }
 
 /// One layer, seen from the shader.
@@ -72,8 +78,8 @@ struct Packing<'a> {
     group: usize,
     /// For each channel that the convolution reads: which of the concatenation (for a single source, of it).
     order: Vec<usize>,
-    /// The other way round: where the convolution has each channel of the concatenation.
-    positions: Vec<usize>,
+    /// The other way round: where the convolution has each channel of the concatenation, if it does.
+    positions: Vec<Option<usize>>,
     /// Channels of the first source.
     split: usize,
 }
@@ -139,7 +145,7 @@ impl Packing<'_> {
     /// The weight of a channel of the concatenation in an output, 0 where the output does not read it.
     fn weight(&self, output: usize, channel: Option<usize>, tap: usize) -> f32 {
         let share = self.layer.inputs / self.layer.groups;
-        let position = channel.and_then(|channel| self.positions.get(channel));
+        let position = channel.and_then(|channel| self.positions.get(channel).copied().flatten());
         let Some(position) = position.filter(|_| output < self.layer.outputs) else { return 0.0 };
         let first = output / (self.layer.outputs / self.layer.groups) * share;
         match position.checked_sub(first).filter(|input| *input < share) {

@@ -1,13 +1,13 @@
 //! A network on images of one size.
 
-use super::filter;
+use super::head;
 use super::fit::{check_size, largest};
 use super::maps::{self, MapId};
 use super::stage::{Stage, StagePart};
 use super::storage::Storage;
 use super::tiles::Tile;
 use super::{ForwardError, Input, InputKind, Network, Output, OutputKind, Recording};
-use crate::{Layer, NetSpec, Source};
+use crate::{Layer, NetSpec};
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::{self, BoundPass, GpuError};
 use deepshade_shaders::wgsl::uniforms::NetLayer;
@@ -23,8 +23,8 @@ pub struct Plan {
     pub(super) tiles: Vec<Tile>,
     pub(super) storage: Storage,
     pub(super) steps: Vec<Step>,
-    /// What makes the image of what the last convolution makes of a tile.
-    pub(super) filter: Option<(filter::Passes, filter::Room)>,
+    /// What makes the image of what the last block makes of a tile, where that is not the image.
+    pub(super) head: Option<(head::Passes, head::Room)>,
     weights: u64,
 }
 
@@ -33,7 +33,7 @@ pub struct Plan {
 pub struct Step {
     /// Index of its layer.
     pub layer: usize,
-    /// Whether it reads the caller's input and makes what the caller gets, or the filter.
+    /// Whether it reads the caller's input and makes what the caller gets, or the head.
     pub callers: [bool; 2],
     /// What the kernel is told, but for where the tile lies.
     pub uniform: NetLayer,
@@ -62,7 +62,7 @@ pub enum Kernel {
 /// Memory of the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bytes {
-    /// Feature maps, and what the filter works on.
+    /// Feature maps, and what the head works on.
     pub activations: u64,
     /// Weights.
     pub weights: u64,
@@ -76,9 +76,9 @@ impl Plan {
         limit: u64,
     ) -> Result<Self, ForwardError> {
         check_size(network, height, width)?;
-        let (tiling, (storage, filter)) = largest(network, [height, width], limit, |frame, maps, room| {
+        let (tiling, (storage, head)) = largest(network, [height, width], limit, |frame, maps, room| {
             let storage = Storage::new(&network.device, maps, room, network.precision)?;
-            Ok((storage, filtered(network, [height, width], frame)?))
+            Ok((storage, head_of(network, [height, width], frame)?))
         })?;
         let mut plan = Self {
             device: network.device.clone(),
@@ -88,7 +88,7 @@ impl Plan {
             storage,
             tiles: tiling.tiles,
             steps: Vec::new(),
-            filter,
+            head,
             weights: network.stages.iter().map(|stage| stage.bytes).sum(),
         };
         for (index, stage) in network.stages.iter().enumerate() {
@@ -102,8 +102,8 @@ impl Plan {
 
     /// Memory of the device that runs take.
     pub fn bytes(&self) -> Bytes {
-        let filter = self.filter.as_ref().map_or(0, |(_, room)| room.bytes());
-        Bytes { activations: self.storage.bytes() + filter, weights: self.weights }
+        let head = self.head.as_ref().map_or(0, |(_, room)| room.bytes());
+        Bytes { activations: self.storage.bytes() + head, weights: self.weights }
     }
 
     /// Number of tiles in which the image is run; 1 if as a whole.
@@ -164,7 +164,7 @@ impl Plan {
     ) -> Result<Step, ForwardError> {
         let layer = &stage.layer;
         let [rows, columns] = frame.map(|size| (size >> layer.level) as u32);
-        let callers = [layer.source == Source::Input, !layer.activation];
+        let callers = [layer.source.is_input(), !layer.activation];
         let channels = if callers[1] { self.spec.last_channels() } else { self.spec.input_channels() };
         let uniform = NetLayer {
             width: columns,
@@ -219,14 +219,12 @@ impl Plan {
     }
 }
 
-/// The passes of a network's filter with their room, for images of a size in tiles of a frame.
-fn filtered(
+/// The passes of a network's head with their room, for images of a size in tiles of a frame.
+fn head_of(
     network: &Network,
     size: [usize; 2],
     frame: [usize; 2],
-) -> Result<Option<(filter::Passes, filter::Room)>, GpuError> {
-    let Some(passes) = &network.filter else { return Ok(None) };
-    let (device, spec) = (&network.device, &network.spec);
-    let kernels = gpu::empty::<f32>(device, "net.kernels", spec.last_channels() * frame[0] * frame[1])?;
-    Ok(Some((passes.clone(), passes.room(device, spec, size, kernels)?)))
+) -> Result<Option<(head::Passes, head::Room)>, GpuError> {
+    let Some(passes) = &network.head else { return Ok(None) };
+    Ok(Some((passes.clone(), passes.room(&network.device, &network.spec, size, frame)?)))
 }

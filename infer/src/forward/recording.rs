@@ -1,7 +1,7 @@
 //! A run on certain buffers or textures of the caller's, ready to be recorded.
 
 use super::plan::{Kernel, Plan, Step};
-use super::tiles::Tile;
+use super::tiles::{self, Tile};
 use super::{ForwardError, Input, Output};
 use crate::{Layer, Scaling};
 use deepshade_shaders::gpu::{self, BoundPass, GpuError};
@@ -39,9 +39,9 @@ impl Recording {
         let layers = plan.spec.layers();
         let last = layers.len() - 1;
         let mut recording = Self { dispatches: Vec::new(), told: Vec::new() };
-        if let Some((passes, room)) = &plan.filter {
+        if let Some((passes, room)) = &plan.head {
             let (bound, told) = passes.bind_pyramid(&plan.device, room, input)?;
-            recording.told.push(told);
+            recording.told.extend(told);
             recording.dispatches.extend(bound.into_iter().map(|(kernel, workgroups)| Dispatch {
                 layer: last,
                 kernel,
@@ -52,8 +52,8 @@ impl Recording {
             for step in &plan.steps {
                 recording.add(plan, &layers, tile, step, input, output)?;
             }
-            if let Some((passes, room)) = &plan.filter {
-                let (kernel, workgroups) = passes.bind_gather(&plan.device, room, tile, output)?;
+            if let Some((passes, room)) = &plan.head {
+                let (kernel, workgroups) = passes.bind_image(&plan.device, room, tile, output)?;
                 recording.dispatches.push(Dispatch { layer: last, kernel, workgroups });
             }
         }
@@ -73,9 +73,9 @@ impl Recording {
         let kernel = match &step.kernel {
             Kernel::Bound(bound) => bound.clone(),
             Kernel::Open { .. } => {
-                let (made, layer) = match &plan.filter {
+                let (made, layer) = match &plan.head {
                     Some((_, room)) if step.callers[1] => {
-                        (Output::Buffer(&room.kernels), tile.placed_alone(step.uniform))
+                        (Output::Buffer(&room.kernels), tiles::alone(step.uniform))
                     }
                     _ => (output, tile.placed(step.uniform)),
                 };

@@ -126,16 +126,16 @@ impl Stages<'_> {
 
 /// The source of a layer's software kernel.
 pub fn software_source(spec: &NetSpec, layer: &Layer) -> String {
-    software_shader(spec, layer).specialised(&[("KERNEL", spec.kernel as u32)])
+    software_shader(spec, layer).specialised(&[("KERNEL", layer.kernel as u32)])
 }
 
 /// The software kernel of a layer.
 fn software_shader(spec: &NetSpec, layer: &Layer) -> &'static Shader {
     match (layer.source, layer.activation) {
-        (Source::Input, _) if spec.levels == 1 => &wgsl::NET_ONLY,
-        (Source::Input, _) => &wgsl::NET_FIRST,
+        (Source::Input | Source::Folded, _) if spec.levels() == 1 => &wgsl::NET_ONLY,
+        (Source::Input | Source::Folded, _) => &wgsl::NET_FIRST,
         (Source::Plain(_), _) => &wgsl::NET_PLAIN,
-        (Source::Pooled(_), _) if layer.level + 1 == spec.levels => &wgsl::NET_BOTTOM,
+        (Source::Pooled(_), _) if layer.level + 1 == spec.levels() => &wgsl::NET_BOTTOM,
         (Source::Pooled(_), _) => &wgsl::NET_DOWN,
         (Source::Joined { .. }, true) => &wgsl::NET_UP,
         (Source::Joined { .. }, false) => &wgsl::NET_IMAGE,

@@ -28,25 +28,12 @@ impl Tile {
             ..layer
         }
     }
+}
 
-    /// What a kernel is told that writes what the tile keeps as an image of its own.
-    pub fn placed_alone(&self, layer: NetLayer) -> NetLayer {
-        let [rows, columns] = self.keep.clone().map(|kept| kept.len() as u32);
-        // The frame begins before what is kept. Shaders take these bits for a signed number.
-        let [top, left] =
-            [0, 1].map(|axis| (self.origin[axis] as u32).wrapping_sub(self.keep[axis].start as u32));
-        NetLayer {
-            image_width: columns,
-            image_height: rows,
-            origin_x: left,
-            origin_y: top,
-            keep_left: 0,
-            keep_top: 0,
-            keep_right: columns,
-            keep_bottom: rows,
-            ..layer
-        }
-    }
+/// What a kernel is told that writes its whole frame as an image of its own.
+pub fn alone(layer: NetLayer) -> NetLayer {
+    let NetLayer { width, height, .. } = layer;
+    NetLayer { image_width: width, image_height: height, keep_right: width, keep_bottom: height, ..layer }
 }
 
 /// Tiles of one size that cover an image.
@@ -89,7 +76,7 @@ fn margin(spec: &NetSpec) -> usize {
 }
 
 /// The whole frame of an image's axis.
-const fn frame_of(spec: &NetSpec, size: usize) -> usize {
+fn frame_of(spec: &NetSpec, size: usize) -> usize {
     size.next_multiple_of(spec.alignment())
 }
 
@@ -131,7 +118,7 @@ mod tests {
 
     #[test]
     fn tiles_cover_the_image_once_and_see_enough() {
-        let spec = NetSpec { levels: 3, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) };
+        let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH).reshaped(|net| net.levels = 3);
         let (overlap, alignment) = (spec.overlap(), spec.alignment());
         for size in [[1, 1], [37, 203], [90, 91], [256, 255]] {
             for most in [1, 40, 64, 92, 128, 400] {

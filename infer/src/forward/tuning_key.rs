@@ -1,5 +1,6 @@
 //! What a measured time is of: a layer's kernels on images of about a size.
 
+use super::head;
 use super::maps::has_means;
 use super::stage::software_source;
 use super::variant::shapes;
@@ -19,6 +20,7 @@ pub fn keys(
     let key = |(index, layer): (usize, &crate::Layer)| {
         let source = match layer.source {
             Source::Input => "input",
+            Source::Folded => "folded input",
             Source::Plain(_) => "map",
             Source::Pooled(_) => "means",
             Source::Joined { .. } => "joined",
@@ -26,17 +28,21 @@ pub fn keys(
         let kept = match layer.activation {
             true if has_means(&layers, index) => "map and means",
             true => "map",
-            false if spec.filter.is_some() => "kernels and image",
+            false if head::of(spec).is_some() => "kernels and image",
             false => "image",
         };
         let power = ((height * width) as f64).log2().round();
+        let joined = match layer.source {
+            Source::Joined { groups, .. } => groups,
+            _ => 1,
+        };
         format!(
-            "{source} {} to {kept} {}, {} groups {:?}, kernel {}, {precision:?}, level {} of 2^{power} pixels, {}",
+            "{source} {} to {kept} {}, {} groups joined in {}, kernel {}, {precision:?}, level {} of 2^{power} pixels, {}",
             layer.inputs,
             layer.outputs,
             layer.groups,
-            spec.channel_order,
-            spec.kernel,
+            joined,
+            layer.kernel,
             layer.level,
             hash(spec, index, precision, limits)
         )
@@ -74,12 +80,12 @@ mod tests {
     const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
     #[test]
     fn what_decides_a_time_is_in_the_key() {
-        let spec = NetSpec { levels: 3, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) };
+        let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH).reshaped(|net| net.levels = 3);
         let limits = wgpu::Limits::default();
         let key = |spec: &NetSpec, precision, size| keys(spec, precision, size, &limits).swap_remove(1);
         let one = key(&spec, Precision::F32, [512, 768]);
         assert_eq!(one, key(&spec, Precision::F32, [500, 800]), "about as large");
-        let kernel = NetSpec { kernel: 5, ..spec.clone() };
+        let kernel = spec.clone().reshaped(|net| net.kernel = 5);
         let others = [
             key(&spec, Precision::F32, [2160, 3840]),
             key(&spec, Precision::F32, [1080, 1920]),
@@ -91,7 +97,7 @@ mod tests {
 
     #[test]
     fn other_sources_and_limits_have_another_hash() {
-        let spec = NetSpec { levels: 3, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) };
+        let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH).reshaped(|net| net.levels = 3);
         let limits = wgpu::Limits::default();
         let hash = |index, precision, limits| hash(&spec, index, precision, limits);
         let one = hash(1, Precision::F32, &limits);
@@ -109,7 +115,7 @@ mod tests {
     #[test]
     fn a_network_is_all_of_its_layers() {
         let network = |levels| {
-            let spec = NetSpec { levels, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) };
+            let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH).reshaped(|net| net.levels = levels);
             let keys = keys(&spec, Precision::F32, [512, 768], &wgpu::Limits::default());
             (keys[0].clone(), network_key(&keys))
         };

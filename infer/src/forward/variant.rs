@@ -1,5 +1,6 @@
 //! Ways of running a network on a device, of which one is the fastest there.
 
+use super::head;
 use super::maps::has_means;
 use super::{Options, OutputKind};
 use crate::{Layer, NetSpec};
@@ -31,7 +32,8 @@ impl Variant {
     /// A good guess for a device: the software kernels where they can and the adapter is software, else the others.
     pub fn default_for(device: &wgpu::Device, spec: &NetSpec, options: &Options<'_>) -> Self {
         let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
-        match software && options.buffers() && options.precision == Precision::F32 {
+        let can = options.buffers() && options.precision == Precision::F32 && spec.u_net().is_some();
+        match software && can {
             true => Self::Software,
             false => Self::gpu(&device.limits(), spec, options.output),
         }
@@ -74,10 +76,10 @@ pub fn shapes(spec: &NetSpec, index: usize, output: OutputKind, room: u32) -> Ve
     // An image has few outputs, so that its sums are few in any case. Without staging a few shapes show what it is worth.
     let sensible = |shape: &Shape| {
         let few = if shape.staged { 16..=64 } else { 32..=32 };
-        !layers[index].activation || few.contains(&sums(shape))
+        !layers[index].activation && layers[index].level == 0 || few.contains(&sums(shape))
     };
     let mut shapes: Vec<Shape> =
-        all.filter(sensible).filter(|shape| workgroup_bytes(spec, *shape) <= room).collect();
+        all.filter(sensible).filter(|shape| workgroup_bytes(&layers[index], *shape) <= room).collect();
     // Staged before direct, 32 sums before more or fewer, many outputs before few: they share what is staged.
     shapes.sort_by_key(|shape| (!shape.staged, sums(shape).abs_diff(32), std::cmp::Reverse(shape.outputs)));
     shapes
@@ -86,12 +88,13 @@ pub fn shapes(spec: &NetSpec, index: usize, output: OutputKind, room: u32) -> Ve
 /// Outputs that an invocation may make of a layer.
 fn outputs_at_once(spec: &NetSpec, layer: &Layer, output: OutputKind) -> Vec<u32> {
     let channels = spec.last_channels();
-    let output = if spec.filter.is_some() { OutputKind::Buffer } else { output };
+    let of_group = (layer.outputs / layer.groups) as u32;
+    let many = || [4, 8, 16].into_iter().filter(|outputs| *outputs <= of_group.max(4)).collect();
+    let output = if head::of(spec).is_some() { OutputKind::Buffer } else { output };
     match (layer.activation, output) {
-        (true, _) => {
-            let of_group = (layer.outputs / layer.groups) as u32;
-            [4, 8, 16].into_iter().filter(|outputs| *outputs <= of_group.max(4)).collect()
-        }
+        (true, _) => many(),
+        // What a head works on is a map like others.
+        (false, _) if layer.level > 0 => many(),
         // A texel is written as a whole.
         (false, OutputKind::Texture(_)) if channels > 1 => vec![4],
         (false, _) if channels > 1 => vec![1, 4],
@@ -99,8 +102,8 @@ fn outputs_at_once(spec: &NetSpec, layer: &Layer, output: OutputKind) -> Vec<u32
     }
 }
 
-fn workgroup_bytes(spec: &NetSpec, shape: Shape) -> u32 {
-    let kernel = spec.kernel as u32;
-    let (reading, writing) = (Reading::Map, Writing::Map);
-    Convolution { kernel, shape, half: false, arena: true, reading, writing }.workgroup_bytes()
+fn workgroup_bytes(layer: &Layer, shape: Shape) -> u32 {
+    let kernel = layer.kernel as u32;
+    let (reading, folded, writing) = (Reading::Map, None, Writing::Map);
+    Convolution { kernel, shape, half: false, arena: true, reading, folded, writing }.workgroup_bytes()
 }

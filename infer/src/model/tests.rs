@@ -8,7 +8,7 @@ use tempfile::TempDir;
 const REACH: Reach = Reach { radius: 0.3, diagonal_share: 0.05, height: 512 };
 
 fn saved() -> (TempDir, Model) {
-    let spec = NetSpec { levels: 3, u0: 4, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) };
+    let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH).reshaped(|net| (net.levels, net.u0) = (3, 4));
     let model = Model { weights: Weights::random(&spec, 5), spec };
     let folder = tempfile::tempdir().expect("a folder");
     model.save(folder.path()).expect("saves");
@@ -81,7 +81,7 @@ fn a_file_far_too_large_is_not_read() {
 #[test]
 fn the_weights_of_another_network_name_tensor_and_shapes() {
     let message = message_after(|folder, model| {
-        let spec = NetSpec { kernel: 5, ..model.spec.clone() };
+        let spec = model.spec.clone().reshaped(|net| net.kernel = 5);
         let other = Model { weights: Weights::random(&spec, 1), spec };
         let spec = fs::read(folder.join(SPEC)).expect("reads");
         other.save(folder).expect("saves");
@@ -89,7 +89,7 @@ fn the_weights_of_another_network_name_tensor_and_shapes() {
     });
     assert_says(&message, &["weights.safetensors"]);
     let message = message_after(|folder, model| {
-        let spec = NetSpec { kernel: 1, ..model.spec.clone() };
+        let spec = model.spec.clone().reshaped(|net| net.kernel = 1);
         let other = Model { weights: Weights::random(&spec, 1), spec };
         let spec = fs::read(folder.join(SPEC)).expect("reads");
         other.save(folder).expect("saves");
@@ -141,9 +141,9 @@ fn a_wrong_spec_is_named() {
             fs::write(path, json.replace(from, to)).expect("writes");
         })
     };
-    assert_says(&edited("\"u0\": 4", "\"u0\": 4, \"colours\": 1"), &["net.json", "unknown field `colours`"]);
-    assert_says(&edited("\"u0\": 4", "\"u0\": 5"), &["net.json", "layer `down1`"]);
-    assert_says(&edited("\"levels\": 3", "\"levels\": 4000000000"), &["net.json", "`levels` is 4000000000"]);
+    assert_says(&edited("\"leak\"", "\"colours\": 1, \"leak\""), &["net.json", "unknown field `colours`"]);
+    assert_says(&edited("\"outputs\": 16", "\"outputs\": 17"), &["net.json", "layer `down2`"]);
+    assert_says(&edited("\"kernel\": 3", "\"kernel\": 4000000000"), &["net.json", "`kernel` is 4000000000"]);
     assert_says(&edited("{", ""), &["net.json"]);
 }
 

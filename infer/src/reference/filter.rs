@@ -1,6 +1,7 @@
 //! The filter of [`crate::filter`] in plain Rust.
 
 use super::pooled;
+use crate::Correction;
 use crate::filter::{Filter, Tap};
 use deepshade_shaders::Planes;
 
@@ -12,6 +13,28 @@ pub fn filtered(filter: Filter, light: &Planes, made: &Planes) -> Planes {
     Planes::from_fn(light.channels(), made.height(), made.width(), |c, y, x| {
         let read = |Tap { level, offset }| sample(&pyramid[level], level, c, [y, x], offset);
         filter.taps().enumerate().map(|(tap, at)| weights.at(tap, y, x) * read(at)).sum()
+    })
+}
+
+/// The image, `[channels, height, width]`, of an estimate of that shape, of what its pyramid is of, padded, and of what the last
+/// block makes of the image's pixels, `[channels + taps, height, width]`.
+pub fn corrected(
+    correction: Correction,
+    [least, most]: [f32; 2],
+    estimate: &Planes,
+    over: &Planes,
+    made: &Planes,
+) -> Planes {
+    let pyramid = pyramid(over, correction.levels);
+    let biases = estimate.channels();
+    Planes::from_fn(biases, made.height(), made.width(), |c, y, x| {
+        let begun = estimate.at(c, y, x);
+        let tap = |(index, Tap { level, offset }): (usize, Tap)| {
+            let there = sample(&pyramid[level], level, c, [y, x], offset);
+            made.at(biases + index, y, x) * (there - begun)
+        };
+        let sum: f32 = correction.taps().enumerate().map(tap).sum();
+        (begun + made.at(c, y, x) + sum).clamp(least, most)
     })
 }
 

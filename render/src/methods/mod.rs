@@ -7,6 +7,7 @@ pub mod blur;
 pub mod bounced_z;
 pub mod dials;
 pub mod environment_map;
+pub mod estimate;
 pub mod epipolar;
 pub mod epipolar_sampling;
 pub mod fog_march;

@@ -4,7 +4,7 @@
 //! A kernel is a prelude of constants, how it stages, how it reads, how many outputs it makes at a time and where it
 //! writes them, joined as text.
 
-use super::filter::target;
+use super::head::target;
 use super::uniforms::NetLayer;
 use std::fmt::Write;
 
@@ -24,6 +24,9 @@ pub struct Convolution {
     pub arena: bool,
     /// Where it reads from.
     pub reading: Reading,
+    /// Whether the network's input is read space to depth: of a square of four pixels the channels of each, so many blocks of
+    /// four; none where it is read as it is.
+    pub folded: Option<u32>,
     /// Where it writes to.
     pub writing: Writing,
 }
@@ -157,6 +160,9 @@ impl Convolution {
         }
         let scalar = if self.half { "f16" } else { "f32" };
         writeln!(prelude, "alias Texel = vec4<{scalar}>;").expect("writing to a string");
+        if let Some(blocks) = self.folded {
+            writeln!(prelude, "const BLOCKS = {blocks}u;").expect("writing to a string");
+        }
         if let Writing::Texture(format) = self.writing {
             prelude.push_str(&target(format));
         }
@@ -164,7 +170,7 @@ impl Convolution {
     }
 
     fn reading_source(&self) -> String {
-        let source = self.reading.source();
+        let source = self.reading.source(self.folded.is_some());
         if self.arena { source } else { source.replace("var<storage, read_write>", "var<storage, read>") }
     }
 
@@ -179,9 +185,10 @@ impl Convolution {
 }
 
 impl Reading {
-    fn source(&self) -> String {
+    fn source(&self, folded: bool) -> String {
+        let texel = if folded { file!("shared/net_folded") } else { file!("shared/net_input") };
         let parts = match self {
-            Self::Planes | Self::Textures(_) => vec![self.input(), file!("shared/net_input").to_owned()],
+            Self::Planes | Self::Textures(_) => vec![self.input(), texel.to_owned()],
             Self::Map => vec![file!("convolution/read_map").to_owned()],
             Self::Joined => return file!("convolution/read_joined").to_owned(),
         };

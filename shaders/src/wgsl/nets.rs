@@ -24,14 +24,4 @@ table! {
     /// The last layer of a network of one level.
     NET_PLAIN: "net.plain", file "net/image", constants [KERNEL = 3], uniforms [NetLayer],
         shared ["net_image", "net_layer", "net_window", "net_pooled", "net_single"];
-    /// The yardstick's convolution.
-    NAIVE_CONVOLUTION: "naive.convolution", file "naive/convolution", constants [], uniforms [NaiveLayer], shared [];
-    /// The yardstick's leaky ReLU.
-    NAIVE_ACTIVATION: "naive.activation", file "naive/activation", constants [], uniforms [NaiveLayer], shared [];
-    /// The yardstick's means of 2x2 pixels.
-    NAIVE_POOLING: "naive.pooling", file "naive/pooling", constants [], uniforms [NaiveLayer], shared [];
-    /// The yardstick's bilinear doubling.
-    NAIVE_DOUBLING: "naive.doubling", file "naive/doubling", constants [], uniforms [NaiveLayer], shared [];
-    /// The yardstick's concatenation.
-    NAIVE_CONCATENATION: "naive.concatenation", file "naive/concatenation", constants [], uniforms [NaiveLayer], shared [];
 }

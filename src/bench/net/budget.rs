@@ -78,8 +78,8 @@ impl Choice {
         figures.set("budget", self.budget.into());
         figures.set("predicted", *predicted);
         figures.set("actual", self.timed.milliseconds);
-        figures.set("u0", spec.u0 as f64);
-        figures.set("levels", spec.levels as f64);
+        figures.set("u0", spec.blocks[0].outputs as f64);
+        figures.set("levels", spec.levels() as f64);
         figures.set("weights", spec.weight_count() as f64);
         figures.set("multiply_adds_pixel", self.multiply_adds_pixel());
         figures.detail("engine", self.timed.engine.into());
@@ -92,7 +92,7 @@ impl Choice {
         let Self {
             budget, size: [width, height], candidate: Candidate { spec, predicted, .. }, timed, ..
         } = self;
-        let NetSpec { effect, u0, levels, .. } = spec;
+        let (effect, u0, levels) = (spec.effect, spec.blocks[0].outputs, spec.levels());
         let (weights, work) = (spec.weight_count(), self.multiply_adds_pixel());
         say!("{effect} at {width}x{height} within {budget} ms: u0 {u0}, {levels} levels, {weights} weights")?;
         say!(
@@ -141,8 +141,8 @@ fn largest(
 
 /// Networks like one, of other widths and depths.
 fn kin(spec: &NetSpec) -> Vec<NetSpec> {
-    let of = |levels: usize| WIDTHS.map(|u0| NetSpec { u0, levels, ..spec.clone() });
-    let most = if spec.levels == 1 { 1 } else { MOST_LEVELS };
+    let of = |levels: usize| WIDTHS.map(|u0| spec.clone().reshaped(|net| (net.u0, net.levels) = (u0, levels)));
+    let most = if spec.levels() == 1 { 1 } else { MOST_LEVELS };
     let sensible = |spec: &NetSpec| {
         spec.validate().is_ok() && multiply_adds(spec, [1024, 1024]) <= MOST_WORK * 1024 * 1024
     };
@@ -170,7 +170,8 @@ fn timed(gpu: &Gpu, tried: &Candidate, [width, height]: [usize; 2]) -> Result<Ti
     let run = |_| Ok(engine.run(&input, 0, 1)?.1.milliseconds);
     let times = (0..RUNS).map(run).collect::<Result<Vec<f64>>>()?;
     let milliseconds = spec.runs() as f64 * times.into_iter().fold(f64::INFINITY, f64::min);
-    note!("u0 {}, {} levels: predicted {predicted:.2} ms, run {milliseconds:.2} ms", spec.u0, spec.levels);
+    let (u0, levels) = (spec.blocks[0].outputs, spec.levels());
+    note!("u0 {u0}, {levels} levels: predicted {predicted:.2} ms, run {milliseconds:.2} ms");
     Ok(Timed { milliseconds, engine: engine.name(), device: engine.device() })
 }
 
@@ -227,7 +228,7 @@ mod tests {
     fn a_fit_finds_what_made_the_times() {
         let spec = subjects::spec(Effect::Ao).expect("it has one");
         let shares = DVec3::new(0.02, 0.3, 0.01);
-        let costs = [4, 8, 16].map(|u0| NetSpec { u0, ..spec.clone() }.costs(512, 768)).concat();
+        let costs = [4, 8, 16].map(|u0| spec.clone().reshaped(|net| net.u0 = u0).costs(512, 768)).concat();
         let layers: Vec<(Cost, f64)> =
             costs.iter().map(|cost| (*cost, features(*cost).dot(shares))).collect();
         let model = CostModel::fitted(&layers);
@@ -275,7 +276,7 @@ mod tests {
         for effect in [Effect::Aa, Effect::Ibl] {
             let spec = subjects::spec(effect).expect("it has one");
             let kin = super::kin(&spec);
-            assert!(kin.contains(&spec) && kin.iter().all(|spec| spec.levels == 1), "{effect}");
+            assert!(kin.contains(&spec) && kin.iter().all(|spec| spec.levels() == 1), "{effect}");
         }
     }
 }

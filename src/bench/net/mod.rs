@@ -35,8 +35,6 @@ const PAPER: [usize; 2] = [768, 512];
 /// Sizes by default: on a graphics card up to 3840x2160, else what does not take hours.
 const SIZES: [[usize; 2]; 5] = [[256, 256], PAPER, [1280, 720], [1920, 1080], [3840, 2160]];
 const SOFTWARE_SIZES: usize = 2;
-/// Where the naive kernel is measured, and of which network.
-const NAIVE: ([usize; 2], Effect) = ([256, 256], Effect::Ao);
 
 /// Milliseconds of the paper's networks beside onnxruntime and PyTorch.
 #[derive(clap::Args)]
@@ -165,12 +163,8 @@ impl Bench {
     }
 
     fn add(&mut self, race: &Race<'_>, with_layers: bool) {
-        let mut outcome = race.run();
+        let outcome = race.run();
         let network = &race.subject.name;
-        if (race.size, race.subject.model.spec.effect) == NAIVE {
-            race.add_naive(&mut outcome);
-            self.set_ratio(&format!("ratio_naive_wgsl_{network}"), &outcome.made, ["naive", "wgsl"]);
-        }
         if race.size == PAPER {
             for row in &outcome.made {
                 self.figures.set(&format!("ms_{}_{network}", row.engine), row.milliseconds);

@@ -81,12 +81,6 @@ impl Race<'_> {
         outcome
     }
 
-    /// Measures the forward pass as one writes it first, too.
-    pub fn add_naive(&self, outcome: &mut Outcome) {
-        self.begin("naive");
-        self.add(outcome, "naive", self.naive());
-    }
-
     /// Which network at which size.
     pub fn name(&self) -> String {
         let [width, height] = self.size;
@@ -102,13 +96,6 @@ impl Race<'_> {
             Ok(made) => outcome.made.extend(made),
             Err(error) => outcome.failed.push(format!("{}: {engine}: {error:#}", self.name())),
         }
-    }
-
-    fn naive(&self) -> Result<[Measurement; 1]> {
-        let gpu = self.devices.gpu;
-        gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
-        let (_, timing) = forward::naive::run_timed(gpu, &self.subject.model, &self.input(), 1, FEWEST)?;
-        Ok([self.measurement("naive", &timing, Some(Device::Adapter), SINGLE)])
     }
 
     fn input(&self) -> Planes {

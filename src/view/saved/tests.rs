@@ -97,7 +97,7 @@ fn weights_that_go_on_are_named() {
     use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, Weights};
 
     let reach = Reach { radius: 0.25, diagonal_share: 0.1, height: 64 };
-    let spec = NetSpec { levels: 2, u0: 4, ..NetSpec::ao(ChannelOrder::Interleaved, reach) };
+    let spec = NetSpec::ao(ChannelOrder::Interleaved, reach).reshaped(|net| (net.levels, net.u0) = (2, 4));
     for (method, is_told) in [("learned", true), ("hbao", false)] {
         let mut moment = moment(&format!("--methods {method} --model runs/ao"), 0.0);
         let model = Model { weights: Weights::random(&spec, 1), spec: spec.clone() };

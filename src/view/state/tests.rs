@@ -54,7 +54,7 @@ fn trained() -> Trained {
     use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, Weights};
 
     let reach = Reach { radius: 0.25, diagonal_share: 0.1, height: 64 };
-    let spec = NetSpec { levels: 2, u0: 4, ..NetSpec::ao(ChannelOrder::Interleaved, reach) };
+    let spec = NetSpec::ao(ChannelOrder::Interleaved, reach).reshaped(|net| (net.levels, net.u0) = (2, 4));
     Trained(Arc::new(Model { weights: Weights::random(&spec, 1), spec }))
 }
 

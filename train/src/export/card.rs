@@ -1,7 +1,7 @@
 //! A model's card: what it was made from, how good it is, what it is not good for.
 
 use crate::TrainConfig;
-use deepshade_infer::{Filter, NetSpec, Scaling};
+use deepshade_infer::{Correction, Filter, Head, NetSpec, Scaling};
 use deepshade_shaders::Channel;
 use std::fmt::Write;
 
@@ -61,9 +61,14 @@ fn scales_light(spec: &NetSpec) -> bool {
 
 /// What the last layer makes, in words.
 pub(crate) fn last_layer(spec: &NetSpec) -> String {
-    match spec.filter {
-        None => "makes the image".to_owned(),
-        Some(Filter { levels, kernel, black }) => {
+    match spec.head {
+        Head::Image => "makes the image".to_owned(),
+        Head::Correction(Correction { of, over, levels, kernel }) => format!(
+            "corrects `{}`: adds a bias and weights of `{}`, {kernel}x{kernel} at each of {levels} resolutions",
+            of.name(),
+            over.name()
+        ),
+        Head::Filter(Filter { levels, kernel, black }) => {
             let black = if black { ", and of black" } else { "" };
             let colour = if spec.runs() > 1 { ", for each colour by itself" } else { "" };
             format!(

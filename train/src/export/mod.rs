@@ -10,9 +10,10 @@ pub(crate) use card::last_layer;
 pub use card::{Facts, measured};
 
 use crate::checkpoint::{CHECKPOINT_FILE, Checkpoint};
+use crate::training::RANGES_FILE;
 use crate::{TrainConfig, TrainError, files};
 use deepshade_infer::model::{PARITY, SPEC, WEIGHTS, withdraw};
-use deepshade_infer::{Model, Parity, parity, reference};
+use deepshade_infer::{Model, NetSpec, Parity, parity, reference};
 use deepshade_shaders::atomic_file::{TEMPORARY_PREFIX, delete_temporaries, sync_folder};
 use std::path::Path;
 
@@ -42,7 +43,8 @@ pub fn export(run: &Path, folder: &Path, facts: &Facts) -> Result<Model, TrainEr
     };
     // Features that half floats hold.
     let weights = weights.clone().balanced(&config.spec);
-    let model = Model { spec: config.spec.clone(), weights };
+    let spec = NetSpec { trained: ranges(run)?, ..config.spec.clone() };
+    let model = Model { spec, weights };
     let trained = Trained { step, of: checkpoint.progress.step, loss };
     std::fs::create_dir_all(folder).map_err(TrainError::io("create", folder))?;
     delete_temporaries(folder).map_err(TrainError::io("clean", folder))?;
@@ -57,6 +59,16 @@ pub fn export(run: &Path, folder: &Path, facts: &Facts) -> Result<Model, TrainEr
     model.save(new.path())?;
     install(new.path(), folder)?;
     Ok(model)
+}
+
+/// What the frames of a run were like, where that was written down.
+fn ranges(run: &Path) -> Result<Option<deepshade_infer::Trained>, TrainError> {
+    let path = run.join(RANGES_FILE);
+    match std::fs::read(&path) {
+        Ok(bytes) => serde_json::from_slice(&bytes).map(Some).map_err(|error| TrainError::damaged(&path, error)),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(TrainError::io("read", &path)(error)),
+    }
 }
 
 /// Moves a whole model's files into a folder that may hold an older model.

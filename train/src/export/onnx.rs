@@ -2,13 +2,13 @@
 //!
 //! Padding to the network's alignment and cropping back are part of the graph, so that it runs on images of any size.
 
-mod filter;
+mod head;
 
 use super::proto::{
     AttributeProto, Dimension, Extent, FLOAT, GraphProto, INT64, ModelProto, NodeProto, OperatorSetIdProto,
     TensorProto, TensorShapeProto, TensorTypeProto, TypeProto, ValueInfoProto,
 };
-use deepshade_infer::{ChannelOrder, Layer, Model, NetSpec, Source};
+use deepshade_infer::{Head, Layer, Model, NetSpec, Source};
 use prost::Message;
 
 /// Name of the graph's input, `[batch, channels, height, width]`.
@@ -23,25 +23,29 @@ pub fn encode(model: &Model) -> Vec<u8> {
     let size = graph.size();
     let padded = graph.pad(&size, spec.alignment());
     let mut outputs: Vec<String> = Vec::new();
-    for (layer, weights) in spec.layers().iter().zip(&model.weights.0) {
+    let layers = spec.layers();
+    for (layer, weights) in layers.iter().zip(&model.weights.0) {
         let input = match layer.source {
             Source::Input => padded.clone(),
+            Source::Folded => graph.fold(&layer.name, &padded),
             Source::Plain(from) => outputs[from].clone(),
             Source::Pooled(finer) => graph.halve(&layer.name, &outputs[finer]),
-            Source::Joined { coarse, skip } => {
+            Source::Joined { coarse, skip, groups } => {
                 let coarse = graph.double(&layer.name, &outputs[coarse]);
-                graph.join(spec, layer, &coarse, &outputs[skip])
+                graph.join(&layers, layer, groups, &coarse, &outputs[skip])
             }
         };
-        let shape = layer.weight_shape(spec.kernel).map(|n| n as i64);
+        let shape = layer.weight_shape().map(|n| n as i64);
         graph.floats(&format!("{}.weight", layer.name), &shape, &weights.weight);
         graph.floats(&format!("{}.bias", layer.name), &[layer.outputs as i64], &weights.bias);
         outputs.push(graph.convolve(spec, layer, &input));
     }
     let last = outputs.last().expect("a network has a layer");
-    let image = match spec.filter {
-        None => last.clone(),
-        Some(filter) => graph.filter(spec, filter, last, &padded),
+    let last = graph.unfold(last, spec.last_level());
+    let image = match spec.head {
+        Head::Image => last,
+        Head::Filter(filter) => graph.filter(spec, filter, &last, &padded),
+        Head::Correction(correction) => graph.correct(spec, correction, &last, &padded),
     };
     graph.crop(&image, &size);
     model_proto(spec, graph).encode_to_vec()
@@ -139,25 +143,38 @@ impl Graph {
         self.node("Resize", &format!("{layer}.doubled"), &[input, "", &scales], attributes)
     }
 
-    /// Concatenation in the spec's order; a `Gather` where that is not the plain one.
-    fn join(&mut self, spec: &NetSpec, layer: &Layer, coarse: &str, skip: &str) -> String {
+    /// Space to depth.
+    fn fold(&mut self, layer: &str, input: &str) -> String {
+        self.node("SpaceToDepth", &format!("{layer}.folded"), &[input], vec![int("blocksize", 2)])
+    }
+
+    /// Depth to space, of a block on that level.
+    fn unfold(&mut self, input: &str, level: usize) -> String {
+        if level == 0 {
+            return input.to_owned();
+        }
+        let attributes = vec![int("blocksize", 1 << level), text("mode", "DCR")];
+        self.node("DepthToSpace", "unfolded", &[input], attributes)
+    }
+
+    /// Concatenation dealt out in groups; a `Gather` where that is not the plain one.
+    fn join(&mut self, layers: &[Layer], layer: &Layer, groups: usize, coarse: &str, skip: &str) -> String {
         let name = &layer.name;
         let joined = self.node("Concat", &format!("{name}.joined"), &[coarse, skip], vec![int("axis", 1)]);
-        if spec.channel_order == ChannelOrder::Contiguous || layer.groups == 1 {
+        if groups == 1 {
             return joined;
         }
-        let width = spec.u0 << layer.level;
-        let order = spec.joined_order(layer.inputs - width, width, layer.groups);
+        let order: Vec<i64> = layer.read_order(layers).into_iter().map(|channel| channel as i64).collect();
         let indices = format!("{name}.order");
-        self.ints(&indices, &order.iter().map(|channel| *channel as i64).collect::<Vec<_>>());
+        self.ints(&indices, &order);
         self.node("Gather", &format!("{name}.ordered"), &[&joined, &indices], vec![int("axis", 1)])
     }
 
     fn convolve(&mut self, spec: &NetSpec, layer: &Layer, input: &str) -> String {
-        let (name, half) = (&layer.name, (spec.kernel / 2) as i64);
+        let (name, half) = (&layer.name, (layer.kernel / 2) as i64);
         let attributes = vec![
             int("group", layer.groups as i64),
-            ints("kernel_shape", &[spec.kernel as i64; 2]),
+            ints("kernel_shape", &[layer.kernel as i64; 2]),
             ints("pads", &[half; 4]),
         ];
         let constants = [format!("{name}.weight"), format!("{name}.bias")];
@@ -223,7 +240,7 @@ fn ints(name: &str, values: &[i64]) -> AttributeProto {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deepshade_infer::{Reach, Weights};
+    use deepshade_infer::{ChannelOrder, Reach, Weights};
     use std::collections::HashSet;
 
     fn model(channel_order: ChannelOrder) -> Model {

@@ -1,12 +1,14 @@
 //! The filter of [`deepshade_infer::filter`] written with burn's tensors. The light is data and needs no gradient.
 
 use burn::tensor::Tensor;
+#[cfg(test)]
 use burn::tensor::activation::softmax;
 use burn::tensor::module::avg_pool2d;
 use burn::tensor::ops::{AvgPoolOptions, PadMode};
 use deepshade_infer::Filter;
 
 /// As `kernels::filtered`.
+#[cfg(test)]
 pub fn filtered(filter: Filter, made: Tensor<4>, light: Tensor<4>) -> Tensor<4> {
     let weights = softmax(made, 1).narrow(1, 0, filter.tap_count());
     let [_, channels, _, _] = light.dims();
@@ -19,7 +21,7 @@ pub fn filtered(filter: Filter, made: Tensor<4>, light: Tensor<4>) -> Tensor<4> 
 }
 
 /// The light as every tap reads it, `[batch, channels, height, width]`, in the order of their weights.
-fn taps(filter: Filter, light: Tensor<4>) -> Vec<Tensor<4>> {
+pub(super) fn taps(filter: Filter, light: Tensor<4>) -> Vec<Tensor<4>> {
     let [_, _, height, width] = light.dims();
     let (kernel, radius) = (filter.kernel, filter.kernel / 2);
     let mut taps = Vec::with_capacity(filter.tap_count());

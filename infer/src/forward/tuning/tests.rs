@@ -11,7 +11,7 @@ fn gpu() -> Gpu {
 }
 
 fn spec() -> NetSpec {
-    NetSpec { levels: 2, u0: 4, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) }
+    NetSpec::ao(ChannelOrder::Interleaved, REACH).reshaped(|net| (net.levels, net.u0) = (2, 4))
 }
 
 const SIZE: [usize; 2] = [32, 48];
@@ -134,7 +134,7 @@ fn a_network_that_fails_spoils_no_other() {
     tuning.remember(&spec(), Precision::F32, SIZE, &[works; 3]);
     let before = chosen(&tuning);
     // It begins with the same layer.
-    let deeper = NetSpec { levels: 3, ..spec() };
+    let deeper = spec().reshaped(|net| net.levels = 3);
     let layers = |spec: &NetSpec| keys(spec, Precision::F32, SIZE, &tuning.limits);
     assert_eq!(layers(&deeper)[0], layers(&spec())[0]);
     tuning.remember(&deeper, Precision::F32, SIZE, &[Measured::default(); 5]);
@@ -175,7 +175,7 @@ fn a_device_that_allows_too_little_is_an_error_and_nothing_to_remember() {
 fn a_refused_candidate_does_not_end_the_trial() {
     let gpu = gpu();
     // Too wide for the software kernels' uniform buffers.
-    let spec = NetSpec { levels: 3, u0: 128, ..spec() };
+    let spec = spec().reshaped(|net| (net.levels, net.u0) = (3, 128));
     let weights = Weights::random(&spec, 1);
     let expected = reference::layers(&spec, &weights, &noise(spec.input_channels(), PROOF[0], PROOF[1], 1));
     let precision = Precision::F32;

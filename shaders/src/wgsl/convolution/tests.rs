@@ -24,7 +24,8 @@ fn all() -> Vec<Convolution> {
     for (reading, writing) in readings.iter().flat_map(|r| writings.iter().map(move |w| (r, w))) {
         let outputs: &[u32] = match writing {
             Writing::Map | Writing::MapAndMeans => &[4, 8, 16],
-            Writing::Planes | Writing::Texture(_) => &[1, 4],
+            Writing::Planes => &[1, 4, 8, 16],
+            Writing::Texture(_) => &[1, 4],
         };
         for (outputs, pixels) in outputs.iter().flat_map(|o| [[2, 1], [2, 2], [4, 2]].map(|p| (*o, p))) {
             for (staged, half, kernel) in
@@ -34,7 +35,9 @@ fn all() -> Vec<Convolution> {
                 let (reading, writing) = (reading.clone(), *writing);
                 let (pools, arena) = (writing == Writing::MapAndMeans, half != staged);
                 if !pools || (pixels[1] == 2 && reading != Reading::Joined) {
-                    all.push(Convolution { kernel, shape, half, arena, reading, writing });
+                    let is_input = matches!(reading, Reading::Planes | Reading::Textures(_));
+                    let folded = (is_input && half).then_some(3);
+                    all.push(Convolution { kernel, shape, half, arena, reading, folded, writing });
                 }
             }
         }
@@ -57,7 +60,7 @@ fn only_maps_in_one_buffer_are_read_from_a_buffer_that_is_written() {
     for (reading, maps) in [(Reading::Map, 1), (Reading::Joined, 2)] {
         for arena in [true, false] {
             let (reading, writing) = (reading.clone(), Writing::Map);
-            let source = Convolution { kernel: 3, shape, half: false, arena, reading, writing }.source();
+            let source = Convolution { kernel: 3, shape, half: false, arena, reading, folded: None, writing }.source();
             let written = if arena { maps + 1 } else { 1 };
             assert_eq!(source.matches("var<storage, read_write>").count(), written, "{source}");
         }

@@ -76,6 +76,11 @@ fn value(attribute: Attribute) -> &'static str {
         Attribute::Emission => "seen.emission",
         Attribute::Valid => "1.0",
         Attribute::Light | Attribute::DiffuseLight => unreachable!("light has a pass of its own"),
+        Attribute::Openness
+        | Attribute::RawOpenness
+        | Attribute::Relief
+        | Attribute::PixelRadius
+        | Attribute::Border => unreachable!("no scene has it"),
     }
 }
 

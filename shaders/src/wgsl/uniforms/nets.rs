@@ -40,22 +40,4 @@ uniforms! {
         /// Which colour channel a mono network's run makes, where its input is read from textures.
         run: u32,
     }
-
-    /// What the passes of `naive` read about a layer.
-    NaiveLayer {
-        /// Columns of what the pass makes.
-        width: u32,
-        /// Rows of what the pass makes.
-        height: u32,
-        /// Width and height of the convolution's kernel.
-        kernel: u32,
-        /// Inputs of a group.
-        group_inputs: u32,
-        /// Outputs of a group.
-        group_outputs: u32,
-        /// Channels of the coarser image in a concatenation.
-        coarse: u32,
-        /// Factor of negative values in the leaky ReLU.
-        leak: f32,
-    }
 }

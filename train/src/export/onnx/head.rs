@@ -1,15 +1,66 @@
-//! The filter of [`deepshade_infer::filter`] in a graph: of every level of the light, continued by its edge and spread to the
+//! Heads in a graph, [`deepshade_infer::Head`]: of every level of the light, continued by its edge and spread to the
 //! size of level 0, a tap is a window.
 
 use super::{Graph, int, text};
-use deepshade_infer::{Filter, NetSpec, Tap};
+use deepshade_infer::{Correction, Filter, NetSpec, Tap};
 
 impl Graph {
     /// The image of what the last convolution makes and of the padded input.
     pub(super) fn filter(&mut self, spec: &NetSpec, filter: Filter, made: &str, padded: &str) -> String {
         let weights = self.node("Softmax", "weights", &[made], vec![int("axis", 1)]);
-        let weights = if filter.black { self.without_black(&weights, filter) } else { weights };
-        let lights: Vec<i64> = spec.light_channels().into_iter().map(|channel| channel as i64).collect();
+        // The weight of black is the last.
+        let taps = [0, filter.tap_count() as i64];
+        let weights = if filter.black { self.part("tap_weights", &weights, taps) } else { weights };
+        let taps = self.taps(spec, filter, padded);
+        self.weigh(&weights, &taps, spec.output_channels())
+    }
+
+    /// The image of what the last block makes of the padded input, an estimate corrected.
+    pub(super) fn correct(
+        &mut self,
+        spec: &NetSpec,
+        correction: Correction,
+        made: &str,
+        padded: &str,
+    ) -> String {
+        let channels = spec.output_channels() as i64;
+        let of: Vec<i64> = spec.channels_of(correction.of).into_iter().map(|channel| channel as i64).collect();
+        self.ints("estimate.of", &of);
+        let estimate = self.node("Gather", "estimate", &[padded, "estimate.of"], vec![int("axis", 1)]);
+        let bias = self.part("bias", made, [0, channels]);
+        let mut image = self.node("Add", "biased", &[&estimate, &bias], vec![]);
+        let filter = correction.filter();
+        if filter.tap_count() > 0 {
+            let weights = self.part("tap_weights", made, [channels, channels + filter.tap_count() as i64]);
+            let taps = self.taps(spec, filter, padded);
+            let there = self.weigh(&weights, &taps, channels as usize);
+            let sum = self.node("ReduceSum", "weight", &[&weights, "over_taps"], vec![int("keepdims", 1)]);
+            let here = self.node("Mul", "here", &[&estimate, &sum], vec![]);
+            let differences = self.node("Sub", "differences", &[&there, &here], vec![]);
+            image = self.node("Add", "corrected", &[&image, &differences], vec![]);
+        }
+        let [least, most] = spec.effect.range();
+        self.floats("least", &[], &[least]);
+        if most.is_finite() {
+            self.floats("most", &[], &[most]);
+            return self.node("Clip", "within", &[&image, "least", "most"], vec![]);
+        }
+        self.node("Clip", "within", &[&image, "least"], vec![])
+    }
+
+    /// Some channels of an image.
+    fn part(&mut self, name: &str, of: &str, [begin, end]: [i64; 2]) -> String {
+        let constants = ["begin", "end", "axis"].map(|part| format!("{name}.{part}"));
+        for (constant, value) in constants.iter().zip([begin, end, 1]) {
+            self.ints(constant, &[value]);
+        }
+        let [begin, end, axis] = &constants;
+        self.node("Slice", name, &[of, begin, end, axis], vec![])
+    }
+
+    /// What every tap reads of the pyramid of the padded input, in the order of their weights.
+    fn taps(&mut self, spec: &NetSpec, filter: Filter, padded: &str) -> Vec<String> {
+        let lights: Vec<i64> = spec.pyramid_channels().into_iter().map(|channel| channel as i64).collect();
         self.ints("lights", &lights);
         let mut level = self.node("Gather", "light0", &[padded, "lights"], vec![int("axis", 1)]);
         let frame = self.node("Shape", "frame", &[&level], vec![int("start", 2)]);
@@ -23,15 +74,7 @@ impl Graph {
                 taps.push(self.window(&wide, taps.len(), tap, filter.kernel / 2, &frame));
             }
         }
-        self.weigh(&weights, &taps, lights.len())
-    }
-
-    /// The weights of the taps, without that of black, which is the last.
-    fn without_black(&mut self, weights: &str, filter: Filter) -> String {
-        self.ints("black.begin", &[0]);
-        self.ints("black.end", &[filter.tap_count() as i64]);
-        self.ints("black.axis", &[1]);
-        self.node("Slice", "tap_weights", &[weights, "black.begin", "black.end", "black.axis"], vec![])
+        taps
     }
 
     /// A level continued by `radius` pixels on all sides, in pixels of level 0.

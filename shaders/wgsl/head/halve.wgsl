@@ -1,5 +1,6 @@
-// A coarser level of the pyramid that a network filters: the means of 2x2 pixels of the level above. The frame is that of
-// the means; levels lie one after the other, planar `[CHANNELS, height, width]`.
+// A coarser level of the pyramid that a head reads: the means of 2x2 pixels of the level above. The frame is that of
+// the means; levels lie one after the other, planar `[CHANNELS, height, width]`,
+// after ESTIMATES planes of the finest level's frame.
 
 @group(0) @binding(0) var<uniform> layer: NetLayer;
 @group(0) @binding(3) var<storage, read_write> pyramid: array<f32>;
@@ -11,7 +12,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let pixels = layer.height * layer.width;
     // Every level above has four times the pixels of the one below it.
-    var below = 0u;
+    var below = ESTIMATES * (pixels << (2u * LEVEL));
     for (var level = LEVEL; level > 0u; level--) {
         below += CHANNELS * (pixels << (2u * level));
     }

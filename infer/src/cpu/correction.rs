@@ -1,0 +1,61 @@
+//! A [`Correction`] on the processor: rows in parallel.
+
+use super::filter::{Light, padded, planar, unfold_row};
+use crate::spec::channels;
+use crate::{Correction, NetSpec};
+use deepshade_shaders::Planes;
+use rayon::prelude::*;
+
+/// The network's image of its input, given what its last block makes, on its level.
+pub fn corrected(spec: &NetSpec, correction: Correction, input: &Planes, made: &Planes) -> Planes {
+    let estimate = channels(input, &spec.channels_of(correction.of));
+    let pyramid = (correction.levels > 0).then(|| {
+        let over = channels(input, &spec.pyramid_channels());
+        Light::new(correction.filter(), padded(&over, spec.alignment()))
+    });
+    let row = Row {
+        range: spec.effect.range(),
+        level: spec.last_level(),
+        estimate: &estimate,
+        pyramid: pyramid.as_ref(),
+        made,
+    };
+    let (height, width) = (input.height(), input.width());
+    let rows: Vec<Vec<f32>> = (0..height).into_par_iter().map(|y| row.corrected(y)).collect();
+    Planes::from_data(estimate.channels(), height, width, planar(&rows, width))
+}
+
+/// What the rows of an image are made of.
+struct Row<'a> {
+    range: [f32; 2],
+    level: usize,
+    estimate: &'a Planes,
+    pyramid: Option<&'a Light>,
+    made: &'a Planes,
+}
+
+impl Row<'_> {
+    /// A row of the image, `[channels, width]`.
+    fn corrected(&self, y: usize) -> Vec<f32> {
+        let (channels, width) = (self.estimate.channels(), self.estimate.width());
+        let begun = |channel: usize| &self.estimate.plane(channel)[y * width..][..width];
+        let mut weights = vec![0.0; width];
+        let mut image = Vec::with_capacity(channels * width);
+        for channel in 0..channels {
+            unfold_row(self.made, self.level, channel, y, &mut weights);
+            image.extend(begun(channel).iter().zip(&weights).map(|(begun, bias)| begun + bias));
+        }
+        if let Some(pyramid) = self.pyramid {
+            pyramid.visit_taps(y, width, |tap, channel, there| {
+                unfold_row(self.made, self.level, channels + tap, y, &mut weights);
+                let (image, begun) = (&mut image[channel * width..][..width], begun(channel));
+                for x in 0..width {
+                    image[x] += weights[x] * (there[x] - begun[x]);
+                }
+            });
+        }
+        let [least, most] = self.range;
+        image.iter_mut().for_each(|value| *value = value.clamp(least, most));
+        image
+    }
+}

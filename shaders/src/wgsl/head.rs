@@ -1,0 +1,178 @@
+//! The passes of networks on GPUs whose image is not what their last block makes as it is: the pyramid of what the head works
+//! on, and the image. Every one reads a [`NetLayer`] of its level's frame.
+
+use super::TILE;
+use super::convolution::{Reading, Writing};
+use super::uniforms::NetLayer;
+use std::fmt::Write;
+
+/// How the image is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum HeadKind {
+    /// It is what the last block makes, which is on a coarser level.
+    Unfold,
+    /// It is the light weighted by a softmax.
+    Filter {
+        /// Whether the last weight is that of black.
+        black: bool,
+    },
+    /// It is an estimate corrected.
+    Correction {
+        /// Which of the network's input channels the estimate begins with.
+        estimate: u32,
+        /// The least and the greatest number of the image.
+        range: [f32; 2],
+    },
+}
+
+/// What the passes of a network have in common.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Head {
+    /// How the image is made.
+    pub kind: HeadKind,
+    /// Levels of the pyramid.
+    pub levels: u32,
+    /// Width and height of the kernel on every level.
+    pub kernel: u32,
+    /// Channels of the image, and of each level of the pyramid.
+    pub channels: u32,
+    /// Which of the network's input channels the pyramid is of, the first of them.
+    pub first: u32,
+    /// Width and height of the squares of pixels whose channels the last block makes together.
+    pub square: u32,
+}
+
+impl Head {
+    /// Channels that the last block makes for a pixel.
+    pub const fn count(&self) -> u32 {
+        let taps = self.levels * self.kernel * self.kernel;
+        match self.kind {
+            HeadKind::Unfold => self.channels,
+            HeadKind::Filter { black } => taps + black as u32,
+            HeadKind::Correction { .. } => self.channels + taps,
+        }
+    }
+
+    /// Whether there is anything for the passes before the last one to make.
+    pub const fn has_pyramid(&self) -> bool {
+        !matches!(self.kind, HeadKind::Unfold)
+    }
+
+    /// Planes of the finest level's frame before the pyramid.
+    const fn estimates(&self) -> u32 {
+        if matches!(self.kind, HeadKind::Correction { .. }) { self.channels } else { 0 }
+    }
+
+    /// Numbers of the estimate and all levels, the finest of which has a frame of that size: a multiple of what levels divide
+    /// it by.
+    pub const fn pyramid_numbers(&self, [height, width]: [usize; 2]) -> usize {
+        let (mut numbers, mut level) = (self.estimates() as usize * height * width, 0);
+        while level < self.levels {
+            numbers += self.channels as usize * (height >> level) * (width >> level);
+            level += 1;
+        }
+        numbers
+    }
+
+    /// The pass that writes the estimate and the finest level from the network's input.
+    pub fn light(&self, reading: &Reading) -> String {
+        let estimate = match self.kind {
+            HeadKind::Correction { estimate, .. } => estimate,
+            _ => 0,
+        };
+        let levels = if self.levels > 0 { self.channels } else { 0 };
+        // Where there is an estimate alone, it is read as the level is where there is a level alone.
+        let first = if levels == 0 { estimate } else { self.first };
+        let constants = [
+            ("CHANNELS", self.channels),
+            ("FIRST", first),
+            ("ESTIMATE", estimate),
+            ("PLANES", self.estimates() + levels),
+        ];
+        [prelude(&constants), reading.input(), include_str!("../../wgsl/head/light.wgsl").to_owned()]
+            .join("\n")
+    }
+
+    /// The pass that writes a coarser level.
+    pub fn halve(&self, level: u32) -> String {
+        let constants = [("CHANNELS", self.channels), ("LEVEL", level), ("ESTIMATES", self.estimates())];
+        [&prelude(&constants), include_str!("../../wgsl/head/halve.wgsl")].join("\n")
+    }
+
+    /// The pass that makes the image, in planes or in a texture.
+    pub fn image(&self, writing: Writing) -> String {
+        let black = matches!(self.kind, HeadKind::Filter { black: true });
+        let constants = [
+            ("CHANNELS", self.channels),
+            ("LEVELS", self.levels),
+            ("KERNEL", self.kernel),
+            ("BLACK", u32::from(black)),
+            ("COUNT", self.count()),
+            ("SQUARE", self.square),
+        ];
+        let (target, write) = match writing {
+            Writing::Texture(format) => (target(format), include_str!("../../wgsl/head/write_texture.wgsl")),
+            _ => (String::new(), include_str!("../../wgsl/head/write_planes.wgsl")),
+        };
+        let (range, kind) = match self.kind {
+            HeadKind::Unfold => (String::new(), include_str!("../../wgsl/head/unfold.wgsl")),
+            HeadKind::Filter { .. } => (String::new(), include_str!("../../wgsl/head/filter.wgsl")),
+            HeadKind::Correction { range: [least, most], .. } => {
+                // No shader knows infinity.
+                let range = format!("const LEAST = {least:?};\nconst MOST = {:?};\n", most.min(f32::MAX));
+                (range, include_str!("../../wgsl/head/correction.wgsl"))
+            }
+        };
+        let shared = include_str!("../../wgsl/head/pyramid.wgsl");
+        [&prelude(&constants), &range, &target, shared, kind, write].join("\n")
+    }
+}
+
+/// The type of a texture that an image goes into.
+pub(super) fn target(format: &str) -> String {
+    format!("alias Target = texture_storage_2d<{format}, write>;\n")
+}
+
+fn prelude(constants: &[(&str, u32)]) -> String {
+    let mut prelude = String::new();
+    for (name, value) in [("TILE", TILE)].iter().chain(constants) {
+        writeln!(prelude, "const {name} = {value}u;").expect("writing to a string");
+    }
+    prelude + &NetLayer::LAYOUT.declaration()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wgsl::convolution::{Scale, TextureChannel};
+    use crate::wgsl::tests::{agrees, parse};
+
+    #[test]
+    fn every_pass_is_valid_and_reads_the_layer_as_rust_wrote_it() {
+        let channel = |component| TextureChannel { component, scale: Scale::Light, exponent: 0 };
+        let textures = Reading::Textures(vec![vec![channel(Some(1))], vec![channel(None)]]);
+        let kinds = [
+            HeadKind::Filter { black: false },
+            HeadKind::Filter { black: true },
+            HeadKind::Correction { estimate: 0, range: [0.0, 1.0] },
+            HeadKind::Correction { estimate: 0, range: [0.0, f32::INFINITY] },
+            HeadKind::Unfold,
+        ];
+        for (levels, kernel, channels, square) in [(1, 5, 1, 1), (5, 1, 3, 2), (0, 3, 1, 4)] {
+            for kind in kinds.into_iter().filter(|kind| levels > 0 || !matches!(kind, HeadKind::Filter { .. })) {
+                let head = Head { kind, levels, kernel, channels, first: 1, square };
+                let sources = [
+                    head.light(&Reading::Planes),
+                    head.light(&textures),
+                    head.halve(1),
+                    head.image(Writing::Planes),
+                    head.image(Writing::Texture("rgba16float")),
+                ];
+                for source in sources {
+                    let module = parse(&source).map_err(|e| format!("{head:?}: {e}")).expect("valid");
+                    assert_eq!(agrees(&NetLayer::LAYOUT, &module), Ok(()), "{head:?}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! A [`Correction`] written with burn's tensors. What it is of and what its pyramid is of are data and need no gradient.
+
+use super::filter::taps;
+use burn::tensor::Tensor;
+use deepshade_infer::Correction;
+
+/// The image, unbounded, of an estimate, of what the pyramid is of, both padded, and of what the last block makes.
+///
+/// # Shapes
+/// `estimate` and `over` `[batch, channels, height, width]`, `made` `[batch, channels + taps, height, width]`, to
+/// `[batch, channels, height, width]`.
+pub fn corrected(correction: Correction, estimate: Tensor<4>, over: Tensor<4>, made: Tensor<4>) -> Tensor<4> {
+    let [_, channels, _, _] = estimate.dims();
+    let bias = made.clone().narrow(1, 0, channels);
+    let begun = estimate.clone() + bias;
+    let count = correction.filter().tap_count();
+    if count == 0 {
+        return begun;
+    }
+    let weights = made.narrow(1, channels, count);
+    let taps = taps(correction.filter(), over);
+    let sum = |channel: usize| {
+        let there = Tensor::cat(taps.iter().map(|tap| tap.clone().narrow(1, channel, 1)).collect(), 1);
+        (weights.clone() * (there - estimate.clone().narrow(1, channel, 1))).sum_dim(1)
+    };
+    begun + Tensor::cat((0..channels).map(sum).collect(), 1)
+}
