@@ -1,9 +1,9 @@
 //! What runs a network: WGSL on a graphics card, vector instructions on the processor where there is none.
 
-use crate::figures::processor_name;
 use crate::kernels;
 use deepshade_infer::forward::{self, ForwardError, Precision};
 use deepshade_infer::{Model, NetSpec, cpu};
+use deepshade_render::processor_name;
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::{self, Gpu, Timing};
 use std::cell::RefCell;

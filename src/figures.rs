@@ -2,6 +2,7 @@
 //! stable names.
 
 use anyhow::{Context, Result};
+use deepshade_render::processor_name;
 use deepshade_shaders::atomic_file;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -77,13 +78,6 @@ pub fn machine() -> Value {
         "threads": rayon::current_num_threads(),
         "version": env!("CARGO_PKG_VERSION"),
     })
-}
-
-/// The processor's name, where the system tells it.
-pub fn processor_name() -> Option<String> {
-    let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").ok()?;
-    let line = cpuinfo.lines().find(|line| line.starts_with("model name"))?;
-    Some(line.split_once(':')?.1.trim().to_owned())
 }
 
 /// Resident memory of the program, megabytes; `None` where the system does not say.

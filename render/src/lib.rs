@@ -15,8 +15,11 @@ pub mod nearest;
 pub mod past;
 pub mod path;
 pub mod phosphor;
+mod processor;
 pub mod raster;
 pub mod scene;
 pub mod scotopic;
 pub mod screen;
 pub mod surfels;
+
+pub use processor::processor_name;

@@ -8,6 +8,7 @@
 mod compiled;
 mod gbuffer;
 mod plan;
+mod processor;
 pub mod reprojection;
 pub mod upsampling;
 
@@ -121,6 +122,17 @@ pub trait ScreenMethod: Send + Sync {
     /// # Errors
     /// If the g-buffer lacks an attribute.
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute>;
+
+    /// What its passes write, as [`ScreenMethod::reference`] has it, by vector instructions of the processor, of methods that
+    /// have such a version. [`Method::shade`] takes it where the device is the processor anyway.
+    ///
+    /// # Errors
+    /// If the g-buffer lacks an attribute.
+    fn on_processor(
+        &self,
+        inputs: &PlainInputs<'_>,
+        view: &View,
+    ) -> Option<Result<Written, MissingAttribute>>;
 }
 
 impl<M: ScreenMethod + ?Sized> Method for M {
@@ -136,18 +148,25 @@ impl<M: ScreenMethod + ?Sized> Method for M {
         ScreenMethod::wants_even_fog(self)
     }
 
-    /// The time is that of the passes on the GPU, without sending the g-buffer there and the image back.
+    /// The time is that of the passes on the GPU, without sending the g-buffer there and the image back, or that of the
+    /// [version for the processor](ScreenMethod::on_processor) where that is taken.
     fn shade(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Shaded, MethodError> {
         let method = ScreenMethod::name(self);
         let failed = |source: GpuError| MethodError::Gpu { method, source };
         let Gpu { device, queue, .. } = self.gpu();
         let seen = seen(self, frame);
+        let view = View::from(frame);
+        let environment = frame.scene.scene().environment.as_deref();
+        if self.gpu().is_software() {
+            let inputs = PlainInputs { gbuffer: &seen, environment, scene: Some(frame.scene) };
+            if let Some(shaded) = processor::shade(self, &inputs, &view, repeats) {
+                return shaded.map_err(|source| MethodError::Missing { method, source });
+            }
+        }
         let gbuffer =
             GpuGBuffer::upload(device, &seen, self.attributes()).map_err(|error| error.of_method(method))?;
-        let view = View::from(frame);
         let world = self.looks_beyond().then(|| remembered(self.gpu(), frame.scene, &view));
         let world = world.transpose().map_err(failed)?;
-        let environment = frame.scene.scene().environment.as_deref();
         let inputs = Inputs { gbuffer: &gbuffer, environment, world: world.as_ref() };
         let plan = Plan::new(self, &inputs, &view).map_err(failed)?;
         let timing = gpu::time(device, queue, method, repeats.warm_up, repeats.timed, |encoder| {
@@ -256,5 +275,13 @@ impl<M: ScreenMethod + ?Sized> ScreenMethod for Box<M> {
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
         (**self).reference(inputs, view)
+    }
+
+    fn on_processor(
+        &self,
+        inputs: &PlainInputs<'_>,
+        view: &View,
+    ) -> Option<Result<Written, MissingAttribute>> {
+        (**self).on_processor(inputs, view)
     }
 }

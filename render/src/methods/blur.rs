@@ -7,6 +7,7 @@
 
 #[cfg(test)]
 mod tests;
+pub mod vector;
 
 use super::Surface;
 use crate::screen::{GpuGBuffer, MethodStep, View};

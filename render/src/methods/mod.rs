@@ -38,6 +38,7 @@ pub mod subsurface;
 mod surface;
 pub mod surfel;
 mod translucent;
+pub mod vectors;
 pub mod volume_shell;
 
 #[cfg(test)]

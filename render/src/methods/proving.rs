@@ -11,7 +11,9 @@ use crate::methods::{gtao, ring_gather};
 use crate::path::sampler::{cosine_hemisphere, frame};
 use crate::scene::procedural::Family;
 use crate::scene::{Camera, Environment, Lens, Material, Mesh, Scene};
-use crate::screen::{GpuGBuffer, Inputs, MethodStep, PlainInputs, Plan, ScreenMethod, View, Written};
+use crate::screen::{
+    GpuGBuffer, Inputs, MethodStep, PlainInputs, Plan, ScreenMethod, Technique, View, Written,
+};
 use deepshade_shaders::gpu;
 use deepshade_shaders::{Attribute, GBuffer, Planes};
 use glam::{IVec2, Mat3, Vec2, Vec3};
@@ -265,6 +267,20 @@ pub fn prove_twin(
     let found = written_on_gpu(method, gbuffer, environment, view);
     let compared = passes_agree(&found, &wanted, tolerance);
     assert_eq!(compared, Ok(()), "{} at {}x{}", method.name(), view.width, view.height);
+}
+
+/// Compares what a method's version for the processor writes of a g-buffer with its plain version.
+pub fn prove_twin_on_processor(
+    method: &impl Technique,
+    gbuffer: &GBuffer,
+    view: &View,
+    tolerance: Tolerance,
+) {
+    let inputs = PlainInputs { gbuffer, environment: None, scene: None };
+    let wanted = method.reference(&inputs, view).expect("all attributes");
+    let found = method.on_processor(&inputs, view).expect("such a version").expect("all attributes");
+    let compared = passes_agree(&found, &wanted, tolerance);
+    assert_eq!(compared, Ok(()), "{}x{} at a radius of {}", view.width, view.height, view.radius);
 }
 
 /// Whether what passes write agrees, buffer by buffer.

@@ -25,6 +25,7 @@
 
 #[cfg(test)]
 mod tests;
+pub mod vector;
 
 use super::Surface;
 use crate::screen::View;

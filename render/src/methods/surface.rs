@@ -34,6 +34,16 @@ impl Surface {
         })
     }
 
+    /// The planes of positions: x, y, z.
+    pub fn position_planes(&self) -> [&[f32]; 3] {
+        [0, 1, 2].map(|axis| self.position.plane(axis))
+    }
+
+    /// The planes of normals: x, y, z.
+    pub fn normal_planes(&self) -> [&[f32]; 3] {
+        [0, 1, 2].map(|axis| self.normal.plane(axis))
+    }
+
     /// Whether a pixel is inside the image.
     pub fn contains(&self, at: IVec2) -> bool {
         at.cmpge(IVec2::ZERO).all() && (at.x as usize) < self.width && (at.y as usize) < self.height

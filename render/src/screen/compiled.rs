@@ -46,6 +46,18 @@ pub trait Technique: Copy + Send + Sync {
     /// # Errors
     /// If the g-buffer lacks an attribute.
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute>;
+
+    /// As [`ScreenMethod::on_processor`].
+    ///
+    /// # Errors
+    /// If the g-buffer lacks an attribute.
+    fn on_processor(
+        &self,
+        _inputs: &PlainInputs<'_>,
+        _view: &View,
+    ) -> Option<Result<Written, MissingAttribute>> {
+        None
+    }
 }
 
 /// A method, compiled for a device.
@@ -112,5 +124,13 @@ impl<T: Technique> ScreenMethod for Compiled<T> {
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
         self.parameters.reference(inputs, view)
+    }
+
+    fn on_processor(
+        &self,
+        inputs: &PlainInputs<'_>,
+        view: &View,
+    ) -> Option<Result<Written, MissingAttribute>> {
+        self.parameters.on_processor(inputs, view)
     }
 }

@@ -14,9 +14,12 @@
 //! Unlike [`hbao`](super::hbao) it weighs directions by their cosine as truth does, needs neither falloff nor strength,
 //! and lets light pass behind thin things.
 
+mod processor;
 pub mod reference;
 #[cfg(test)]
 mod tests;
+
+pub use processor::on_processor;
 
 use super::{Quality, Surface, blur, images, march, slices};
 use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
@@ -99,5 +102,14 @@ impl Technique for Parameters {
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
         Ok(images(reference::shade(&Surface::of(inputs.gbuffer)?, &self.settings(view))))
+    }
+
+    fn on_processor(
+        &self,
+        inputs: &PlainInputs<'_>,
+        view: &View,
+    ) -> Option<Result<Written, MissingAttribute>> {
+        let surface = Surface::of(inputs.gbuffer);
+        Some(surface.map(|surface| images(on_processor(&surface, &self.settings(view)))))
     }
 }
