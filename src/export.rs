@@ -5,6 +5,7 @@ use crate::figures::{Figures, write_atomically};
 use crate::place::Place;
 use crate::wgsl_folder;
 use anyhow::{Context, Result, ensure};
+use deepshade_dataset::recipe::FieldOfView;
 use deepshade_dataset::vary::Surroundings;
 use deepshade_dataset::{Manifest, Recipe};
 use deepshade_infer::Model;
@@ -167,7 +168,7 @@ fn scenes(recipe: &Recipe) -> String {
 
 /// What a network cannot do: what none can that sees one frame of a screen, and what the data keep from this one.
 fn limits(recipe: &Recipe) -> Vec<String> {
-    let field_of_view = recipe.field_of_view.unwrap_or(FIELD_OF_VIEW);
+    let field_of_view = recipe.field_of_view.unwrap_or(FieldOfView::Fixed(FIELD_OF_VIEW));
     let mut limits = vec![
         "It sees what the camera sees: what lies outside the image or behind other surfaces does nothing."
             .to_owned(),

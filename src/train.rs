@@ -280,8 +280,8 @@ fn config(args: &Args, dataset: &Path) -> Result<TrainConfig> {
     let manifest = Manifest::load(dataset)?;
     let share = match (args.diagonal_share, manifest.origin.recipe.radius) {
         (Some(share), _) | (None, Radius::Diagonal(share)) => share,
-        (None, Radius::Metres(_)) => bail!(
-            "{}: the recipe states the radius in metres; --diagonal-share says what the network's default is to be",
+        (None, _) => bail!(
+            "{}: the recipe states the radius as no share of the diagonal; --diagonal-share says what the network's default is to be",
             args.dataset
         ),
     };

@@ -93,6 +93,14 @@ pub enum DatasetError {
         /// What most of them suffer from.
         reason: &'static str,
     },
+    /// A pair of a stream that cannot be had.
+    #[error("pair {number} of the stream: {what}")]
+    Stream {
+        /// Which pair.
+        number: usize,
+        /// Why, in words.
+        what: String,
+    },
     /// A scene could not be read.
     #[error(transparent)]
     Scene(#[from] SceneError),

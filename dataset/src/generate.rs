@@ -6,6 +6,7 @@
 //! and sines are the system's, so that others may differ in last digits, and where a ray meets an edge.
 
 mod captured;
+pub(crate) mod rendered;
 
 use crate::journal::{Journal, checked};
 use crate::manifest::{MANIFEST, Manifest, PairRecord};
@@ -15,12 +16,12 @@ use crate::shard::Shard;
 use crate::target::{self, TargetMethod};
 use crate::{DatasetError, Props, Recipe, StagedScene, Subject, progress, truth};
 use deepshade_render::exr_file::{Layer, Metadata, encode};
-use deepshade_render::method::Frame;
-use deepshade_render::path::{Estimate, Goal, Sampling, Shot, Truth, render};
+use deepshade_render::path::Estimate;
 use deepshade_render::scene::procedural::Split;
 use deepshade_shaders::{GBuffer, atomic_file};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
+use rendered::Rendered;
 use serde::Serialize;
 use std::collections::HashMap;
 use std::path::Path;
@@ -193,7 +194,7 @@ impl Work<'_> {
             view: view.index,
             camera,
             // Captures know no diagonal, and their recipes state metres.
-            radius: self.recipe.radius.metres(0.0),
+            radius: self.recipe.radius.metres(0.0).unwrap_or_default(),
             seed: view.seed,
             variation: None,
         };
@@ -207,26 +208,20 @@ impl Work<'_> {
         staged: &StagedScene<'_>,
         view: &PlannedView,
     ) -> Result<PairRecord, DatasetError> {
-        let radius = self.recipe.radius.metres(staged.base().diagonal());
-        let (camera, variation) = staged.drawn(planned.key, view)?;
-        let scene = staged.shown(&camera, variation.as_ref())?;
-        let gbuffer = staged.gbuffer(&scene, &camera, view.seed);
-        let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: view.seed };
-        let Estimate { mean, variance, samples } = self.target(&frame)?;
-        let mean = truth::within_half(staged.photographed(mean, view.seed));
-        let gbuffer = truth::light_within_half(gbuffer);
+        let drawn = staged.drawn(planned.key, view)?;
+        let rendered = Rendered::new(self.recipe, self.method, staged, view.seed, drawn)?;
         let record = PairRecord {
             file: file_name(&view.name),
             blake3: String::new(),
             part: part(view),
             scene: planned.scene.clone(),
             view: view.index,
-            camera,
-            radius,
+            camera: rendered.camera,
+            radius: rendered.radius,
             seed: view.seed,
-            variation,
+            variation: rendered.variation,
         };
-        self.write(record, &gbuffer, &Estimate { mean, variance, samples })
+        self.write(record, &rendered.gbuffer, &rendered.target)
     }
 
     /// Writes a pair, and notes its file's hash.
@@ -247,21 +242,6 @@ impl Work<'_> {
         self.journal.add(&record)?;
         self.bar.inc(1);
         Ok(record)
-    }
-
-    /// Truth with as many samples as the recipe wants, or what its method makes.
-    fn target(&self, frame: &Frame<'_>) -> Result<Estimate, DatasetError> {
-        let Recipe { effect, samples, scramblings, error, resolution, .. } = *self.recipe;
-        if let Some(method) = self.method {
-            return Ok(Estimate { mean: target::image(method, frame)?, variance: None, samples: 0 });
-        }
-        let shot = Shot::new(frame.scene, frame.camera, [resolution.height, resolution.width], frame.radius);
-        Ok(match error {
-            None => render(effect, &shot, Sampling { samples, scramblings, seed: frame.seed }),
-            Some(_) => {
-                Truth::render(effect, &shot, Goal { samples, error }, frame.seed, |_, _| true).estimate
-            }
-        })
     }
 }
 

@@ -1,8 +1,10 @@
 //! Training pairs on disk: g-buffers of sampled views with the truth of an effect.
 //!
-//! A [`Recipe`] says what to make. [`generate()`] makes it: one EXR file a view and a manifest that tells where each
-//! comes from. [`verify()`] checks it, [`contact_sheet()`] shows it, [`Dataset`] reads it, [`augment()`] turns and mirrors
-//! what was read. A [`TestSet`] is for evaluation: truth with far more samples, on a share of the image's tiles.
+//! A [`Recipe`] says what to make. [`generate()`] makes it: one EXR file a view and a manifest that tells
+//! where each comes from. [`verify()`] checks it, [`contact_sheet()`] shows it, [`Dataset`] reads it,
+//! [`augment()`] turns and mirrors what was read. A [`TestSet`] is for evaluation: truth with far more
+//! samples, on a share of the image's tiles. A [`Stream`] is pairs without end that are rendered while
+//! somebody trains on them, and never lie on a disk.
 
 pub mod augment;
 pub mod capture;
@@ -27,6 +29,7 @@ pub mod shard;
 #[cfg(test)]
 mod shipped;
 pub mod stopwatch;
+pub mod stream;
 pub mod target;
 pub mod testset;
 pub mod truth;
@@ -49,6 +52,7 @@ pub use scene::{SceneRecord, Subject};
 pub use sensor::Sensor;
 pub use shard::Shard;
 pub use shard::merge::{ShardFiles, merge};
+pub use stream::Stream;
 pub use target::TargetMethod;
 pub use testset::{TestFrame, TestSet};
 pub use vary::{Props, StagedScene, Variation, Vary};

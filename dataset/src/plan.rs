@@ -55,11 +55,7 @@ impl Recipe {
             let family = Family::by_name(&share.name)?;
             for index in 0..share.scenes {
                 let seed = mix(&[u64::from(self.seed), index as u64]);
-                let scene = SceneRecord {
-                    source: Subject::Scene(SceneSource::Procedural(family, seed)),
-                    blake3: None,
-                };
-                scenes.push((text_key(&share.name) ^ seed, scene));
+                scenes.push(procedural(family, seed));
             }
         }
         for (path, identity) in self.files.iter().zip(self.file_identities()?) {
@@ -126,6 +122,19 @@ impl Recipe {
         Ok((capture, hash))
     }
 
+    /// A family's scene of a seed with its views, none of them held apart.
+    pub(crate) fn procedural_scene(&self, family: Family, seed: u64) -> PlannedScene {
+        let (key, scene) = procedural(family, seed);
+        let name = format!("{}-{seed}", family.name());
+        let view = |index| PlannedView {
+            index,
+            name: view_name(&name, index),
+            seed: self.view_seed(key, index),
+            held_apart: false,
+        };
+        PlannedScene { scene, key, views: (0..self.views_per_scene).map(view).collect() }
+    }
+
     fn planned_view(&self, scene: usize, scenes: usize, name: &str, key: u64, view: usize) -> PlannedView {
         let held_apart = if scenes > 1 {
             held_apart(scene, scenes, self.validation_share)
@@ -141,6 +150,12 @@ impl Recipe {
     pub(crate) fn view_seed(&self, key: u64, view: usize) -> u32 {
         mix(&[u64::from(self.seed), key, view as u64]) as u32
     }
+}
+
+/// The key of a family's scene, and where it comes from.
+fn procedural(family: Family, seed: u64) -> (u64, SceneRecord) {
+    let source = Subject::Scene(SceneSource::Procedural(family, seed));
+    (text_key(family.name()) ^ seed, SceneRecord { source, blake3: None })
 }
 
 fn view_name(scene: &str, view: usize) -> String {

@@ -119,8 +119,8 @@ impl Dataset {
         let path = self.folder.join(&record.file);
         let recipe = self.recipe();
         let image = exr_file::read(&path)?;
-        let (height, width) = (recipe.resolution.height, recipe.resolution.width);
-        if (image.height(), image.width()) != (height, width) {
+        let [height, width] = recipe.size(record.seed);
+        if [image.height(), image.width()] != [height, width] {
             let size = format!("{} x {} pixels", image.width(), image.height());
             return Err(DatasetError::invalid(
                 &path,

@@ -7,6 +7,7 @@
 //! answers for them.
 
 mod check;
+pub mod drawn;
 
 use crate::{DatasetError, Vary, truth};
 use deepshade_render::scene::procedural::Split;
@@ -30,8 +31,11 @@ pub struct Recipe {
     pub split: Split,
     /// Chooses scenes, views and samples.
     pub seed: u32,
-    /// Size of every image.
+    /// Size of every image; with `smallest` the largest.
     pub resolution: Resolution,
+    /// The smallest image of sizes that are drawn for each view, log-uniformly: see [`Recipe::size`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub smallest: Option<Resolution>,
     /// Samples of a pixel; with `error` the most.
     pub samples: u32,
     /// Of pairs: independent sequences that a target's samples are split over. With several of them targets come with the
@@ -46,13 +50,15 @@ pub struct Recipe {
     pub radius: Radius,
     /// Views of every scene.
     pub views_per_scene: usize,
+    /// Where sampled views are from.
+    #[serde(default, skip_serializing_if = "is_anywhere")]
+    pub views: Views,
     /// Where all views are from; without it, they are sampled.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<Viewpoint>,
-    /// Vertical field of view, degrees. With it a view is such that all fields of view can be had, the camera going
-    /// along its axis, and a scene has the same views at all of them; see [`crate::views::dolly`]. Without it 50.
+    /// Vertical field of view, degrees. Without it 50.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub field_of_view: Option<f32>,
+    pub field_of_view: Option<FieldOfView>,
     /// Views that follow each other, as the camera goes on a little, for networks that know what they made of the frame
     /// before: as many of `views_per_scene` as there are frames belong together. With `vary.timeline` time goes on, too.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -107,6 +113,37 @@ pub struct Viewpoint {
     pub target: Vec3,
 }
 
+/// Where sampled views are from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Views {
+    /// From anywhere in the scene to anywhere; see [`crate::views`].
+    #[default]
+    Anywhere,
+    /// Every other view as above, and the others from near a surface; see [`crate::views::near`].
+    NearAndFar,
+}
+
+/// A vertical field of view, degrees.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "a number of degrees, or the two that it is drawn between")]
+pub enum FieldOfView {
+    /// That of all views, each of them such that all fields of view can be had, the camera going along its
+    /// axis, so that a scene has the same views at all of them; see [`crate::views::dolly`].
+    Fixed(f32),
+    /// Drawn uniformly for each view.
+    Drawn([f32; 2]),
+}
+
+impl std::fmt::Display for FieldOfView {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Fixed(degrees) => write!(f, "{degrees}"),
+            Self::Drawn([low, high]) => write!(f, "{low} to {high}"),
+        }
+    }
+}
+
 /// A camera that goes on a little from frame to frame, always as fast.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -127,6 +164,11 @@ pub enum Radius {
     Diagonal(f32),
     /// In metres.
     Metres(f32),
+    /// Drawn log-uniformly for each view, in pixels: so many it spans at the median depth of what the view
+    /// sees. At most half the diagonal of the scene's bounds.
+    Pixels([f32; 2]),
+    /// Drawn log-uniformly for each view, in metres.
+    MetresBetween([f32; 2]),
 }
 
 /// Scenes of a procedural family.
@@ -160,21 +202,16 @@ const fn is_one(count: &u32) -> bool {
     *count == 1
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde asks")]
+const fn is_anywhere(views: &Views) -> bool {
+    matches!(views, Views::Anywhere)
+}
+
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "Split", rename_all = "kebab-case")]
 enum SplitName {
     Train,
     Test,
-}
-
-impl Radius {
-    /// The radius in metres in a scene with this diagonal.
-    pub fn metres(self, diagonal: f32) -> f32 {
-        match self {
-            Self::Diagonal(share) => share * diagonal,
-            Self::Metres(metres) => metres,
-        }
-    }
 }
 
 impl Recipe {

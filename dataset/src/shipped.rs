@@ -28,6 +28,7 @@ pub fn shrunk(name: &str) -> Recipe {
         recipe.files = vec![recipe.files[chosen].clone()];
     }
     recipe.resolution = Resolution { height: 32, width: 32 };
+    recipe.smallest.iter_mut().for_each(|size| *size = Resolution { height: 16, width: 24 });
     recipe.samples = 4;
     recipe.views_per_scene = 2;
     recipe.sequence.iter_mut().for_each(|sequence| sequence.frames = 2);

@@ -13,12 +13,15 @@
 //! - no two planes hold more than [`MOST_ON_TWO_PLANES`] (a blank wall and its floor teach nothing).
 
 pub mod dolly;
+pub mod near;
 pub mod sequence;
 
 use crate::random::{mix, uniform};
+use crate::recipe::{FieldOfView, Views};
 use crate::{DatasetError, Recipe};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::intersection::SurfacePoint;
+use deepshade_render::scene::camera::FIELD_OF_VIEW;
 use deepshade_render::scene::{Bounds, Camera};
 use glam::{Vec2, Vec3};
 
@@ -48,8 +51,24 @@ const OUTLIERS: f32 = 0.01;
 /// How much of its diagonal the box is widened by on each side.
 const MARGIN: f32 = 0.1;
 
-/// The view of an index of a recipe's scene: that of [`sample_view`], with the recipe's field of view one that
-/// [`dolly_zoom`](dolly::dolly_zoom) can make of it, and in a sequence one that [`followed`](sequence::followed) can.
+/// What is near, as shares of the diagonal.
+#[derive(Clone, Copy)]
+struct Limits {
+    /// Distance below which surfaces are too near.
+    nearest: f32,
+    /// Smallest median distance.
+    least_median: f32,
+    /// Surfaces whose planes are nearer to each other are on one plane.
+    plane: f32,
+}
+
+/// What is fit of views from anywhere.
+const LIMITS: Limits = Limits { nearest: NEAREST, least_median: LEAST_MEDIAN, plane: 1e-3 };
+
+/// The view of an index of a recipe's scene: that of [`sample_view`], with the recipe's fixed field of view
+/// one that [`dolly_zoom`](dolly::dolly_zoom) can make of it, with a drawn one one that is fit at that, and
+/// in a sequence one that [`followed`](sequence::followed) can. With [`Views::NearAndFar`] every other view
+/// is one of [`near`].
 ///
 /// # Errors
 /// If none of many sampled views is fit.
@@ -59,20 +78,27 @@ pub fn recipe_view(
     scene_key: u64,
     view: usize,
 ) -> Result<Camera, DatasetError> {
-    let size = [recipe.resolution.height, recipe.resolution.width];
+    let seed = recipe.view_seed(scene_key, view);
+    let size = recipe.size(seed);
     let stream = |view: usize| mix(&[u64::from(recipe.seed), scene_key, view as u64]);
     if let Some(sequence) = recipe.sequence {
         let stream = stream(view / sequence.frames);
         let frame = view % sequence.frames;
-        return sample(scene, size, stream, |first| {
+        return sample(scene, size, stream, FIELD_OF_VIEW, |first| {
             sequence::followed(scene, &first, size, stream, sequence, frame)
         });
     }
-    let shown = |camera: Camera| match recipe.field_of_view {
-        None => Some(camera),
-        Some(degrees) => dolly::dolly_zoom(scene, &camera, degrees),
-    };
-    sample(scene, size, stream(view), shown)
+    let degrees = recipe.degrees(seed).unwrap_or(FIELD_OF_VIEW);
+    if recipe.views == Views::NearAndFar && near::is_near(scene_key, view) {
+        return near::sample(scene, size, stream(view), degrees);
+    }
+    match recipe.field_of_view {
+        None => sample(scene, size, stream(view), FIELD_OF_VIEW, Some),
+        Some(FieldOfView::Drawn(_)) => sample(scene, size, stream(view), degrees, Some),
+        Some(FieldOfView::Fixed(degrees)) => sample(scene, size, stream(view), FIELD_OF_VIEW, |camera| {
+            dolly::dolly_zoom(scene, &camera, degrees)
+        }),
+    }
 }
 
 /// The view of an index of a scene, for an image of this size. The same for the same `seed`, `scene_key` and `view`.
@@ -86,36 +112,54 @@ pub fn sample_view(
     scene_key: u64,
     view: usize,
 ) -> Result<Camera, DatasetError> {
-    sample(scene, size, mix(&[u64::from(seed), scene_key, view as u64]), Some)
+    sample(scene, size, mix(&[u64::from(seed), scene_key, view as u64]), FIELD_OF_VIEW, Some)
 }
 
-/// The first fit view of a stream of random numbers of which `shown` makes one, as that makes it.
+/// The first view of a stream of random numbers that is fit at a vertical field of view, in degrees, and of
+/// which `shown` makes one, as that makes it.
 fn sample(
     scene: &TracedScene,
     [height, width]: [usize; 2],
     stream: u64,
+    degrees: f32,
     shown: impl Fn(Camera) -> Option<Camera>,
 ) -> Result<Camera, DatasetError> {
     let bounds = fitted_box(scene);
+    let (aspect, diagonal) = (width as f32 / height as f32, bounds.diagonal());
+    let camera = |attempt: u32| {
+        let (position, target) = candidate_from(&bounds, stream, attempt)?;
+        Some(Camera { vertical_fov: degrees.to_radians(), ..Camera::look_at(position, target) })
+    };
+    first_fit(scene, camera, |camera| match refusal(scene, &camera, aspect, diagonal, LIMITS) {
+        Some(reason) => Err(reason),
+        None => shown(camera).ok_or(NOT_SHOWN),
+    })
+}
+
+/// Two places of a box for an attempt of a stream of random numbers; `None` if they are too near to each
+/// other.
+fn candidate_from(bounds: &Bounds, stream: u64, attempt: u32) -> Option<(Vec3, Vec3)> {
+    let point = |first: u64| {
+        let share = |axis| uniform(&[stream, u64::from(attempt), first + axis]);
+        bounds.min + bounds.size() * Vec3::new(share(0), share(1), share(2))
+    };
+    let (from, to) = (point(0), point(3));
+    (from.distance(to) > 1e-3 * bounds.diagonal()).then_some((from, to))
+}
+
+/// The first camera of all attempts that passes, as `fit` gives it; that says why others do not by an index
+/// into [`REASONS`].
+fn first_fit(
+    scene: &TracedScene,
+    camera: impl Fn(u32) -> Option<Camera>,
+    fit: impl Fn(Camera) -> Result<Camera, usize>,
+) -> Result<Camera, DatasetError> {
     let mut refusals = [0; REASONS.len()];
-    for attempt in 0..ATTEMPTS {
-        let point = |first: u64| {
-            let share = |axis| uniform(&[stream, u64::from(attempt), first + axis]);
-            bounds.min + bounds.size() * Vec3::new(share(0), share(1), share(2))
-        };
-        let (position, target) = (point(0), point(3));
-        if position.distance(target) <= 1e-3 * bounds.diagonal() {
-            continue;
+    for camera in (0..ATTEMPTS).filter_map(camera) {
+        match fit(camera) {
+            Ok(camera) => return Ok(camera),
+            Err(reason) => refusals[reason] += 1,
         }
-        let camera = Camera::look_at(position, target);
-        let reason = match refusal(scene, &camera, width as f32 / height as f32, bounds.diagonal()) {
-            Some(reason) => reason,
-            None => match shown(camera) {
-                Some(camera) => return Ok(camera),
-                None => NOT_SHOWN,
-            },
-        };
-        refusals[reason] += 1;
     }
     let most = (0..REASONS.len()).max_by_key(|reason| refusals[*reason]).unwrap_or(0);
     Err(DatasetError::NoView { scene: scene.scene().name.clone(), attempts: ATTEMPTS, reason: REASONS[most] })
@@ -135,7 +179,13 @@ const REASONS: [&str; 7] = [
 const NOT_SHOWN: usize = 6;
 
 /// Index into [`REASONS`] if a view is not fit.
-fn refusal(scene: &TracedScene, camera: &Camera, aspect: f32, diagonal: f32) -> Option<usize> {
+fn refusal(
+    scene: &TracedScene,
+    camera: &Camera,
+    aspect: f32,
+    diagonal: f32,
+    limits: Limits,
+) -> Option<usize> {
     if back_share_around(scene, camera.position) > 0.5 {
         return Some(0);
     }
@@ -149,13 +199,13 @@ fn refusal(scene: &TracedScene, camera: &Camera, aspect: f32, diagonal: f32) -> 
         return Some(2);
     }
     seen.sort_by(|a, b| a.distance.total_cmp(&b.distance));
-    if seen[seen.len() / 20].distance < NEAREST * diagonal {
+    if seen[seen.len() / 20].distance < limits.nearest * diagonal {
         return Some(3);
     }
-    if !(LEAST_MEDIAN * diagonal..=diagonal).contains(&seen[seen.len() / 2].distance) {
+    if !(limits.least_median * diagonal..=diagonal).contains(&seen[seen.len() / 2].distance) {
         return Some(4);
     }
-    (share_on_two_planes(&seen, 1e-3 * diagonal) > MOST_ON_TWO_PLANES).then_some(5)
+    (share_on_two_planes(&seen, limits.plane * diagonal) > MOST_ON_TWO_PLANES).then_some(5)
 }
 
 /// Share of the probes that lie on the two planes with the most of them, up to a tolerance of the planes' offset.
@@ -230,6 +280,18 @@ fn grid(camera: &Camera, aspect: f32) -> impl Iterator<Item = Vec3> {
         let share = Vec2::new((i % GRID) as f32 + 0.5, (i / GRID) as f32 + 0.5) / GRID as f32;
         camera.direction(share * Vec2::new(width, height), 1000, width as usize)
     })
+}
+
+/// The median depth of what the rays of a grid through an image meet, metres along the camera's axis; `None`
+/// if that is nothing.
+pub(crate) fn median_depth(scene: &TracedScene, camera: &Camera, [height, width]: [usize; 2]) -> Option<f32> {
+    let depth = |direction: Vec3| {
+        let hit = scene.hit(camera.position, direction, f32::INFINITY)?;
+        Some(-hit.distance * direction.dot(camera.rotation.z_axis))
+    };
+    let mut depths: Vec<f32> = grid(camera, width as f32 / height as f32).filter_map(depth).collect();
+    depths.sort_unstable_by(f32::total_cmp);
+    depths.get(depths.len() / 2).copied()
 }
 
 /// What the rays of a grid through an image meet.

@@ -1,14 +1,17 @@
-//! `deepshade bench dataset`: training pairs an hour and a core for each effect's recipe, and where the time goes.
+//! `deepshade bench dataset`: training pairs an hour and a core for each effect's recipe, and where the time
+//! goes; and views an hour of a stream with all cores.
 //!
-//! Everything runs on one thread. Of truth, which takes the time, a seeded share of the tiles is rendered and the time is
-//! scaled; rays are timed in a second run of the same, since the stopwatch around them slows it down.
+//! Everything else runs on one thread. Of truth, which takes the time, a seeded share of the tiles is
+//! rendered and the time is scaled; rays are timed in a second run of the same, since the stopwatch around
+//! them slows it down.
 
 use crate::figures::Figures;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::plan::PlannedScene;
+use deepshade_dataset::recipe::Resolution;
 use deepshade_dataset::stopwatch::prepared_and_sampled;
 use deepshade_dataset::testset::{in_tiles, tile_indices};
-use deepshade_dataset::{Props, Recipe, StagedScene, progress, truth};
+use deepshade_dataset::{Props, Recipe, StagedScene, Stream, progress, truth};
 use deepshade_render::bvh::clock;
 use deepshade_render::exr_file::{self, Layer, Metadata};
 use deepshade_render::path::{Sampling, Shot, render};
@@ -85,7 +88,17 @@ pub fn run(args: &Args) -> Result<()> {
         bar.inc(1);
     }
     bar.finish_and_clear();
+    let streamed = rows.iter().any(|(effect, _)| *effect == STREAMED).then(|| streamed(&args.recipes));
+    let streamed = streamed.transpose()?;
+    if let Some(views) = streamed {
+        figures.set("views_per_hour_stream", views);
+    }
     figures.write(args.json.as_deref())?;
+    if let Some(views) = streamed {
+        say!(
+            "{views:.0} views of a stream an hour: {STREAMED}, {EDGE}x{EDGE}, {SAMPLES} samples, all cores"
+        )?;
+    }
     say!("pairs an hour and a core, medians of {}; shares of the time", args.pairs)?;
     say!("{:<13} {:>8}  {:>6} {:>6} {:>8} {:>6}", "effect", "pairs/h", "scene", "rays", "shading", "EXR")?;
     rows.into_iter().try_for_each(|(effect, seconds)| {
@@ -94,6 +107,26 @@ pub fn run(args: &Args) -> Result<()> {
         let pairs = 3600.0 / seconds.total();
         say!("{:<13} {pairs:>8.1}  {scene:>6} {rays:>6} {shading:>8} {exr:>6}", effect.name())
     })
+}
+
+/// The effect whose recipe's stream is timed, with images and samples of these.
+const STREAMED: Effect = Effect::Ao;
+const EDGE: usize = 256;
+const SAMPLES: u32 = 8;
+/// Rounds of its families that are timed.
+const ROUNDS: usize = 2;
+
+/// Views an hour of the stream of a recipe in a folder, that nobody keeps waiting.
+fn streamed(recipes: &Path) -> Result<f64> {
+    let mut recipe = Recipe::load(&recipes.join(format!("{STREAMED}.toml")))?;
+    recipe.resolution = Resolution { height: EDGE, width: EDGE };
+    (recipe.smallest, recipe.samples) = (None, SAMPLES);
+    recipe.families.iter_mut().for_each(|family| family.scenes = 1);
+    let views = ROUNDS * recipe.families.len() * recipe.views_per_scene;
+    let start = Instant::now();
+    let stream = Stream::start(&recipe, 0, views)?;
+    (0..views).try_for_each(|number| stream.pair(number).map(drop))?;
+    Ok(3600.0 * views as f64 / start.elapsed().as_secs_f64())
 }
 
 /// Medians over some pairs of a recipe.
@@ -116,8 +149,8 @@ fn measured(path: &Path, args: &Args) -> Result<Seconds> {
 
 /// Times the making of a scene's first pair.
 fn pair(recipe: &Recipe, props: &Props, scene: &PlannedScene, args: &Args) -> Result<Seconds> {
-    let size @ [height, width] = [recipe.resolution.height, recipe.resolution.width];
     let view = &scene.views[0];
+    let size @ [height, width] = recipe.size(view.seed);
     let start = Instant::now();
     let staged = StagedScene::load(&scene.scene, recipe, props)?;
     let loading = start.elapsed().as_secs_f64();
@@ -130,7 +163,7 @@ fn pair(recipe: &Recipe, props: &Props, scene: &PlannedScene, args: &Args) -> Re
     let in_tiles = in_tiles(&tiles, width);
     let share = (0..height * width).filter(|pixel| in_tiles(pixel % width, pixel / width)).count() as f64
         / (height * width) as f64;
-    let radius = recipe.radius.metres(shown.diagonal());
+    let radius = staged.radius(&camera, view.seed);
     let shot = Shot::new(&shown, &camera, size, radius);
     let render_gbuffer = || staged.gbuffer(&shown, &camera, view.seed);
     let drawn = twice(&mut || drop(black_box(render_gbuffer())));

@@ -115,9 +115,13 @@ fn check(run: &Run) -> Result<()> {
     let samples = run.goal().samples;
     ensure!((1..=MAX_SAMPLES).contains(&samples), "`samples`: {samples} is not within 1 to {MAX_SAMPLES}");
     let radius = run.radius.map(|radius| match radius {
-        Radius::Diagonal(share) => share,
-        Radius::Metres(metres) => metres,
+        Radius::Diagonal(share) => Ok(share),
+        Radius::Metres(metres) => Ok(metres),
+        Radius::Pixels(_) | Radius::MetresBetween(_) => {
+            bail!("`radius`: all images of a comparison have one, as `diagonal` or `metres` says")
+        }
     });
+    let radius = radius.transpose()?;
     for (key, value) in
         [("error", run.error), ("radius", radius), ("aperture", run.aperture), ("focus", run.focus)]
     {

@@ -211,7 +211,7 @@ impl Run {
 
     /// How far effects reach in a scene of a diagonal, metres, where it is stated.
     pub fn reach(&self, diagonal: f32) -> Option<f32> {
-        self.radius.map(|radius| radius.metres(diagonal))
+        self.radius.and_then(|radius| radius.metres(diagonal))
     }
 
     /// What is put into each scene.

@@ -7,6 +7,7 @@ use super::table::{Row, Table};
 use crate::plot::{Line, Plot};
 use anyhow::Result;
 use deepshade_dataset::Recipe;
+use deepshade_dataset::recipe::FieldOfView;
 
 /// Vertical fields of view, degrees.
 const DEGREES: [u8; 8] = [20, 30, 40, 50, 60, 70, 80, 90];
@@ -19,8 +20,11 @@ pub fn run(lab: &Lab) -> Result<Table> {
     let network = lab.base_network()?;
     let (mut rows, mut learned, mut nothing) = (Vec::new(), Vec::new(), Vec::new());
     for degrees in DEGREES {
-        let recipe =
-            Recipe { field_of_view: Some(degrees.into()), views_per_scene: 1, ..lab.test_recipe.clone() };
+        let recipe = Recipe {
+            field_of_view: Some(FieldOfView::Fixed(degrees.into())),
+            views_per_scene: 1,
+            ..lab.test_recipe.clone()
+        };
         let exam = lab.exam(&format!("field-of-view-{degrees}"), &recipe)?;
         let (scores, trivial) = (scores(&exam, &network)?, exam.trivial()?);
         learned.push((f64::from(degrees), scores.dssim()));

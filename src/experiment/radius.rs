@@ -7,8 +7,8 @@ use super::lab::{Lab, scores};
 use super::table::{Row, Table};
 use crate::plot::{Line, Plot};
 use anyhow::Result;
+use deepshade_dataset::Recipe;
 use deepshade_dataset::recipe::Resolution;
-use deepshade_dataset::{Radius, Recipe};
 
 /// Resolutions over that of training, and radii over that of training, with their names in figures.
 const FACTORS: [(f32, &str); 3] = [(0.5, "half"), (1.0, "one"), (2.0, "two")];
@@ -55,13 +55,9 @@ pub fn run(lab: &Lab) -> Result<Table> {
 
 /// A recipe for testing of one view a scene, at a resolution and with its radius times a factor.
 fn cell(recipe: &Recipe, edge: usize, wider: f32) -> Recipe {
-    let radius = match recipe.radius {
-        Radius::Diagonal(share) => Radius::Diagonal(wider * share),
-        Radius::Metres(metres) => Radius::Metres(wider * metres),
-    };
     Recipe {
         resolution: Resolution { height: edge, width: edge },
-        radius,
+        radius: recipe.radius.times(wider),
         views_per_scene: 1,
         ..recipe.clone()
     }

@@ -5,7 +5,8 @@ use crate::shipped::{contents, shrunk};
 use crate::{Dataset, contact_sheet, data_version, verify};
 use deepshade_render::exr_file;
 use deepshade_render::gbuffer;
-use deepshade_render::method::{Clock, Method, MethodError, Repeats, Shaded};
+use deepshade_render::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
+use deepshade_render::path::{Sampling, Shot, render};
 use deepshade_render::scene::procedural::{Family, Split};
 use deepshade_shaders::{Attribute, Effect, Planes};
 

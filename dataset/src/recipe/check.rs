@@ -1,7 +1,8 @@
 //! What makes a recipe sound: values within limits, keys that mean something, families and scene files that are for
 //! what the recipe is for.
 
-use super::{FamilyShare, Radius, Recipe, Resolution, Sequence, Viewpoint, split_name};
+use super::drawn::SIZE_STEP;
+use super::{FamilyShare, FieldOfView, Radius, Recipe, Resolution, Sequence, Viewpoint, Views, split_name};
 use crate::DatasetError;
 use crate::identity::Identity;
 use crate::views::dolly::FIELDS_OF_VIEW;
@@ -17,6 +18,12 @@ const MAX_PIXELS: usize = 1 << 25;
 const MAX_PAIRS: usize = 1_000_000;
 const MAX_RADIUS: f32 = 1e5;
 const MAX_DIAGONAL_SHARE: f32 = 10.0;
+const MAX_RADIUS_PIXELS: f32 = 8192.0;
+
+/// Whether what `holds` says of a key is so; else that it must be within its limits.
+fn between(key: &str, holds: bool, limits: &str) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(format!("`{key}` must be {limits}")) }
+}
 
 impl Recipe {
     /// Checks all but the scene files of a recipe that `path` holds.
@@ -28,9 +35,6 @@ impl Recipe {
 
     fn check_limits(&self) -> Result<(), String> {
         let Resolution { height, width } = self.resolution;
-        let between = |key: &str, holds: bool, limits: &str| {
-            if holds { Ok(()) } else { Err(format!("`{key}` must be {limits}")) }
-        };
         let edge = format!("{} to {} pixels", EDGE.start(), EDGE.end());
         between("resolution.height", EDGE.contains(&height), &edge)?;
         between("resolution.width", EDGE.contains(&width), &edge)?;
@@ -42,22 +46,20 @@ impl Recipe {
         between("scramblings", holds, &format!("1 to {SCRAMBLINGS}, and a divisor of `samples`"))?;
         between("error", self.error.is_none_or(|error| error > 0.0 && error < 1.0), "above 0 and below 1")?;
         between("validation_share", (0.0..=0.5).contains(&self.validation_share), "0 to 0.5")?;
-        match self.radius {
-            Radius::Diagonal(share) => {
-                let holds = share > 0.0 && share <= MAX_DIAGONAL_SHARE;
-                between("radius.diagonal", holds, &format!("above 0 and at most {MAX_DIAGONAL_SHARE}"))?;
-            }
-            Radius::Metres(metres) => {
-                let holds = metres > 0.0 && metres <= MAX_RADIUS;
-                between("radius.metres", holds, &format!("above 0 and at most {MAX_RADIUS}"))?;
-            }
-        }
+        self.check_smallest()?;
+        self.check_radius()?;
         if let Some(Viewpoint { position, target }) = self.camera {
             let away = (position - target).length();
             between("camera", away.is_finite() && away > 1e-3, "two places that are finite and apart")?;
         }
         let degrees = format!("{} to {} degrees", FIELDS_OF_VIEW.start(), FIELDS_OF_VIEW.end());
-        let holds = self.field_of_view.is_none_or(|degrees| FIELDS_OF_VIEW.contains(&degrees));
+        let holds = match self.field_of_view {
+            None => true,
+            Some(FieldOfView::Fixed(degrees)) => FIELDS_OF_VIEW.contains(&degrees),
+            Some(FieldOfView::Drawn([low, high])) => {
+                low <= high && [low, high].iter().all(|degrees| FIELDS_OF_VIEW.contains(degrees))
+            }
+        };
         between("field_of_view", holds, &degrees)?;
         if let Some(Sequence { frames, turn, step }) = self.sequence {
             let holds = (2..=1000).contains(&frames) && self.views_per_scene.is_multiple_of(frames);
@@ -81,6 +83,37 @@ impl Recipe {
         between("views_per_scene", (1..=MAX_PAIRS).contains(&pairs), &limits)
     }
 
+    fn check_smallest(&self) -> Result<(), String> {
+        let Some(Resolution { height, width }) = self.smallest else { return Ok(()) };
+        let most = self.resolution;
+        let edges = [height, width, most.height, most.width];
+        let holds = height >= *EDGE.start()
+            && width >= *EDGE.start()
+            && height <= most.height
+            && width <= most.width
+            && edges.iter().all(|edge| edge.is_multiple_of(SIZE_STEP));
+        let limits = format!(
+            "{} pixels or more and no more than `resolution`, both in multiples of {SIZE_STEP}",
+            EDGE.start()
+        );
+        between("smallest", holds, &limits)?;
+        if self.split == Split::Test {
+            return Err("`smallest` is for training: frames of a test set have one size".to_owned());
+        }
+        Ok(())
+    }
+
+    fn check_radius(&self) -> Result<(), String> {
+        let (key, range, most) = match self.radius {
+            Radius::Diagonal(share) => ("radius.diagonal", [share; 2], MAX_DIAGONAL_SHARE),
+            Radius::Metres(metres) => ("radius.metres", [metres; 2], MAX_RADIUS),
+            Radius::Pixels(range) => ("radius.pixels", range, MAX_RADIUS_PIXELS),
+            Radius::MetresBetween(range) => ("radius.metres-between", range, MAX_RADIUS),
+        };
+        let holds = range[0] > 0.0 && range[0] <= range[1] && range[1] <= most;
+        between(key, holds, &format!("above 0 and at most {most}"))
+    }
+
     /// Whether no key is there that means nothing in this recipe, and none is missing that its effect needs.
     fn check_use(&self) -> Result<(), String> {
         if !self.captures.is_empty() {
@@ -92,6 +125,8 @@ impl Recipe {
             ("camera", self.camera.is_some()),
             ("field_of_view", self.field_of_view.is_some()),
             ("vary", self.vary.is_some() && !self.is_timeline()),
+            ("views", self.views != Views::Anywhere),
+            (self.drawn_key().unwrap_or_default(), self.drawn_key().is_some()),
         ];
         if self.is_timeline() && self.sequence.is_none() {
             return Err("`vary.timeline` is of the frames of a `sequence`".to_owned());
@@ -101,6 +136,13 @@ impl Recipe {
             return Err(format!(
                 "`sequence` moves the camera through a scene as it is: without `{key}`{but}"
             ));
+        }
+        let draws_camera =
+            self.views != Views::Anywhere || matches!(self.field_of_view, Some(FieldOfView::Drawn(_)));
+        if self.camera.is_some() && draws_camera {
+            return Err(
+                "`camera` is that of all views: without `views` and a drawn `field_of_view`".to_owned()
+            );
         }
         if self.split == Split::Test && self.validation_share > 0.0 {
             return Err(
@@ -154,6 +196,8 @@ impl Recipe {
             ("error", self.error.is_some()),
             ("scramblings", self.scramblings > 1),
             ("radius.diagonal", matches!(self.radius, Radius::Diagonal(_))),
+            ("views", self.views != Views::Anywhere),
+            (self.drawn_key().unwrap_or_default(), self.drawn_key().is_some()),
         ];
         if let Some((key, _)) = for_scenes.into_iter().find(|(_, given)| *given) {
             return Err(format!("`{key}` is for scenes, and `captures` are none"));

@@ -33,9 +33,36 @@ fn a_recipe_is_read() {
     let folder = tempfile::tempdir().expect("a folder");
     let recipe = load(folder.path(), "a.toml", |text| text).expect("a sound recipe");
     assert_eq!(recipe.radius, Radius::Diagonal(0.05));
-    assert_eq!((recipe.radius.metres(20.0), recipe.scene_count()), (1.0, 3));
+    assert_eq!((recipe.radius.metres(20.0), recipe.scene_count()), (Some(1.0), 3));
     let metres = load(folder.path(), "b.toml", |text| text.replace("diagonal = 0.05", "metres = 0.5"));
-    assert_eq!(metres.expect("a sound recipe").radius.metres(20.0), 0.5);
+    assert_eq!(metres.expect("a sound recipe").radius.metres(20.0), Some(0.5));
+}
+
+#[test]
+fn recipes_that_draw_nothing_are_described_as_before_and_those_that_do_are_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let described = |recipe: &Recipe| serde_json::to_value(recipe).expect("JSON");
+    let plain = load(folder.path(), "a.toml", |text| format!("field_of_view = 60.0\n{text}"));
+    let plain = described(&plain.expect("a sound recipe"));
+    // What their hashes are made of.
+    assert!(plain.get("smallest").is_none() && plain.get("views").is_none());
+    assert_eq!(plain["field_of_view"], 60.0);
+    assert!(plain["radius"]["diagonal"].is_number(), "{plain}");
+    let drawn = load(folder.path(), "b.toml", |text| {
+        let text = text.replace("diagonal = 0.05", "pixels = [8.0, 160.0]");
+        format!(
+            "field_of_view = [35, 90]\nviews = \"near-and-far\"\nsmallest = {{ height = 16, width = 32 }}\n{text}"
+        )
+    });
+    let drawn = drawn.expect("a sound recipe");
+    assert_eq!((drawn.radius, drawn.views), (Radius::Pixels([8.0, 160.0]), Views::NearAndFar));
+    assert_eq!(drawn.field_of_view, Some(FieldOfView::Drawn([35.0, 90.0])));
+    let again: Recipe = serde_json::from_value(described(&drawn)).expect("the same recipe");
+    assert_eq!((again.smallest, again.field_of_view), (drawn.smallest, drawn.field_of_view));
+    let test = refusal(|text| {
+        for_testing(&text).replace("seed = 1", "seed = 1\nsmallest = { height = 16, width = 32 }")
+    });
+    assert!(test.contains("`smallest` is for training"), "{test}");
 }
 
 #[test]
@@ -91,6 +118,30 @@ fn absurd_values_are_refused_with_their_limits() {
         ),
         ("seed = 1", "seed = 1\nfield_of_view = 19.0", "`field_of_view` must be 20 to 90 degrees"),
         ("seed = 1", "seed = 1\nfield_of_view = nan", "`field_of_view` must be 20 to 90 degrees"),
+        ("seed = 1", "seed = 1\nfield_of_view = [50.0, 40.0]", "`field_of_view` must be 20 to 90 degrees"),
+        ("seed = 1", "seed = 1\nfield_of_view = [40.0, 91.0]", "`field_of_view` must be 20 to 90 degrees"),
+        ("seed = 1", "seed = 1\nfield_of_view = \"wide\"", "a number of degrees, or the two"),
+        ("seed = 1", "seed = 1\nviews = \"near\"", "unknown variant `near`"),
+        (
+            "seed = 1",
+            "seed = 1\nsmallest = { height = 12, width = 96 }",
+            "`smallest` must be 16 pixels or more",
+        ),
+        ("seed = 1", "seed = 1\nsmallest = { height = 72, width = 96 }", "no more than `resolution`"),
+        ("seed = 1", "seed = 1\nsmallest = { height = 60, width = 96 }", "in multiples of 8"),
+        ("diagonal = 0.05", "pixels = [0.0, 9.0]", "`radius.pixels` must be above 0"),
+        ("diagonal = 0.05", "pixels = [9.0, 8.0]", "`radius.pixels` must be above 0"),
+        ("diagonal = 0.05", "metres-between = [1.0, nan]", "`radius.metres-between` must be above 0"),
+        (
+            "diagonal = 0.05 }",
+            "pixels = [8.0, 9.0] }\nsequence = { frames = 2, turn = 1.0, step = 0.0 }",
+            "without `radius`",
+        ),
+        (
+            "seed = 1",
+            "seed = 1\nviews = \"near-and-far\"\ncamera = { position = [1.0, 1.0, 1.0], target = [0.0, 0.0, 0.0] }",
+            "without `views`",
+        ),
         ("share = 0.25", "share = 0.75", "`validation_share` must be 0 to 0.5"),
         ("scenes = 3", "scenes = 0", "so that there is a scene"),
     ];

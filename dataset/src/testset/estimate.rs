@@ -81,7 +81,8 @@ fn probe(recipe: &Recipe, props: &Props, planned: &PlannedScene) -> Result<Secon
     let view = start.elapsed().as_secs_f64();
     let (one_in, samples) = PROBE;
     let tiles = tile_indices(recipe.seed, height, width, one_in);
-    let shot = Shot::new(&shown, &camera, size, recipe.radius.metres(shown.diagonal()));
+    let radius = staged.radius(&camera, planned.views[0].seed);
+    let shot = Shot::new(&shown, &camera, size, radius);
     let seconds = |work: &mut dyn FnMut()| {
         let start = Instant::now();
         work();

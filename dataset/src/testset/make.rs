@@ -122,8 +122,8 @@ impl Work<'_> {
         whole: bool,
     ) -> Result<FrameRecord, DatasetError> {
         let Resolution { height, width } = self.recipe.resolution;
-        let radius = self.recipe.radius.metres(staged.base().diagonal());
         let (camera, variation) = staged.drawn(planned.key, view)?;
+        let radius = staged.radius(&camera, view.seed);
         let scene = staged.shown(&camera, variation.as_ref())?;
         let tiles = tile_indices(view.seed, height, width, self.tiles.one_in);
         let gbuffer = staged.gbuffer(&scene, &camera, view.seed);

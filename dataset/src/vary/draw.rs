@@ -38,6 +38,9 @@ pub(crate) mod purpose {
     pub const POOL: u64 = 9;
     pub const SENSOR_DEPTH: u64 = 10;
     pub const SENSOR_COLOUR: u64 = 11;
+    pub const SIZE: u64 = 12;
+    pub const FIELD_OF_VIEW: u64 = 13;
+    pub const RADIUS: u64 = 14;
 }
 
 /// Whether an effect shows light that lamps may be the source of.

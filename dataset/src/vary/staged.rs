@@ -81,7 +81,7 @@ impl<'a> StagedScene<'a> {
     /// What is known of an image's surfaces, with [`Recipe::attributes`]: what is seen, or what the recipe's sensor
     /// measures of that, by the image's seed. In a timeline direct light is that of lamps that shine at the image's moment.
     pub fn gbuffer(&self, shown: &TracedScene, camera: &Camera, seed: u32) -> GBuffer {
-        let [height, width] = self.size();
+        let [height, width] = self.size(seed);
         let lit = self.timeline().map(|_| timeline::shining(shown));
         let lit = lit.as_ref().unwrap_or(shown);
         let seen = gbuffer::render(lit, camera, height, width, &self.recipe.attributes());
@@ -99,8 +99,18 @@ impl<'a> StagedScene<'a> {
         }
     }
 
-    pub(super) const fn size(&self) -> [usize; 2] {
-        [self.recipe.resolution.height, self.recipe.resolution.width]
+    /// How far the effect reaches in the image of a camera with this seed, metres.
+    pub fn radius(&self, camera: &Camera, seed: u32) -> f32 {
+        let size @ [height, _] = self.size(seed);
+        let pixel = || {
+            let depth = views::median_depth(&self.base, camera, size);
+            depth.map_or(f32::INFINITY, |depth| depth / camera.focal_length(height))
+        };
+        self.recipe.radius.of_view(seed, self.base.diagonal(), pixel)
+    }
+
+    pub(super) fn size(&self, seed: u32) -> [usize; 2] {
+        self.recipe.size(seed)
     }
 
     fn timeline(&self) -> Option<&Timeline> {
@@ -135,7 +145,7 @@ impl<'a> StagedScene<'a> {
 
     /// Draws by a seed what an image gets: the lens of its camera, and the rest.
     pub(crate) fn draw(&self, camera: Camera, seed: u32) -> (Camera, Option<Variation>) {
-        draw::draw(self.recipe.vary.as_ref(), self.recipe.effect, &self.base, camera, self.size(), seed)
+        draw::draw(self.recipe.vary.as_ref(), self.recipe.effect, &self.base, camera, self.size(seed), seed)
     }
 
     /// The scene as an image shows it. Images share triangles and hierarchies, but for those of moving objects.
@@ -157,7 +167,8 @@ impl<'a> StagedScene<'a> {
         let posed = self.posed(variation.seed)?;
         let scene = posed.with_look(look::look(&posed, vary, variation, self.props)?)?;
         let Some(range) = vary.motion else { return Ok(Arc::new(scene)) };
-        let displacements = motion::displacements(&posed, camera, self.size(), range, variation.seed);
+        let displacements =
+            motion::displacements(&posed, camera, self.size(variation.seed), range, variation.seed);
         Ok(Arc::new(scene.with_motion(displacements)?))
     }
 

@@ -139,7 +139,8 @@ impl StagedScene<'_> {
             rigs.flat_map(|rig| &rig.parts).any(|part| part.mesh == mesh)
         };
         let drawn = |range| {
-            let ways = motion::displacements(base, &moment.first, self.size(), range, variation.seed);
+            let ways =
+                motion::displacements(base, &moment.first, self.size(variation.seed), range, variation.seed);
             let own = ways.into_iter().enumerate();
             own.map(|(mesh, ways)| if animated(mesh) { Vec::new() } else { ways }).collect()
         };

@@ -35,6 +35,7 @@ pub fn dolly_zoom(scene: &TracedScene, camera: &Camera, degrees: f32) -> Option<
 mod tests {
     use super::*;
     use crate::Recipe;
+    use crate::recipe::FieldOfView;
     use crate::views::recipe_view;
     use deepshade_render::scene::{Material, Mesh, Scene};
     use glam::{Vec2, Vec3};
@@ -79,7 +80,7 @@ mod tests {
         let planned = &recipe.plan().expect("scenes")[0];
         let scene = planned.scene.load(&recipe.folder).expect("a scene");
         let view = |degrees: f32| {
-            let recipe = Recipe { field_of_view: Some(degrees), ..recipe.clone() };
+            let recipe = Recipe { field_of_view: Some(FieldOfView::Fixed(degrees)), ..recipe.clone() };
             recipe_view(&recipe, &scene, planned.key, 0).expect("a view")
         };
         let [narrow, usual, wide] = [20.0, 50.0, 90.0].map(view);

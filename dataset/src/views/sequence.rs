@@ -1,7 +1,7 @@
 //! Views that follow each other: the camera goes on from a sampled one and turns, always as fast, in directions of the
 //! sequence's own.
 
-use super::refusal;
+use super::{LIMITS, refusal};
 use crate::random::uniform;
 use crate::recipe::Sequence;
 use deepshade_render::bvh::TracedScene;
@@ -21,7 +21,8 @@ pub fn followed(
 ) -> Option<Camera> {
     let diagonal = scene.diagonal();
     let camera = |frame: usize| moved(first, stream, sequence, diagonal, frame);
-    let is_fit = |frame| refusal(scene, &camera(frame), width as f32 / height as f32, diagonal).is_none();
+    let is_fit =
+        |frame| refusal(scene, &camera(frame), width as f32 / height as f32, diagonal, LIMITS).is_none();
     (1..sequence.frames).all(is_fit).then(|| camera(frame))
 }
 

@@ -57,7 +57,7 @@ pub struct Parameters {
 
 impl Default for Parameters {
     /// 16 directions of 24 steps as in the thesis (7.4); the rest is what `deepshade tune` found best on validation views
-    /// of `dataset/recipes/ao.toml`.
+    /// of `dataset/recipes/ao-thesis.toml`.
     fn default() -> Self {
         Self {
             radius_scale: 1.2,
