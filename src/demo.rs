@@ -167,7 +167,6 @@ mod short_training {
     use crate::methods::LEARNED;
     use anyhow::{Result, bail, ensure};
     use deepshade_dataset::{Dataset, Origin, Radius, Recipe, generate};
-    use deepshade_infer::ChannelOrder;
     use deepshade_infer::parity::Comparison as Agreement;
     use deepshade_infer::{forward, reference};
     use deepshade_render::method::{Frame, Method};
@@ -193,24 +192,14 @@ mod short_training {
 
         note!("3. training for {} minutes", args.minutes);
         let dataset = Dataset::open(&data)?;
-        let Radius::Diagonal(diagonal_share) = dataset.recipe().radius else {
-            bail!(
-                "{}: the demo's recipe states its radius as a share of the diagonal",
-                args.recipe.display()
-            );
-        };
         let config = TrainConfig {
-            minutes: Some(args.minutes),
             batch: BATCH,
             crop: CROP,
             validate_every: 100,
-            ..crate::train::default_config(
-                dataset.manifest(),
-                &data,
-                ChannelOrder::Interleaved,
-                diagonal_share,
-            )?
+            ..crate::train::usual_config(dataset.recipe(), &data)?
         };
+        let steps = crate::train::fitting_steps(&config, args.minutes)?;
+        let config = TrainConfig { steps, ..config };
         // A run of an earlier demo would be resumed; the demo starts afresh.
         deepshade_train::discard(&run)?;
         let outcome = deepshade_train::train(&config, &run)?;
@@ -234,8 +223,7 @@ mod short_training {
     fn check(dataset: &Dataset, gpu: &Gpu, model: &Model, figures: &mut Figures) -> Result<()> {
         let index = dataset.validation()[0];
         let (pair, record) = (dataset.pair(index)?, dataset.record(index));
-        let scaling = model.spec.scaling(&pair.gbuffer, pair.radius)?;
-        let input = model.spec.input(&pair.gbuffer, scaling, 0)?;
+        let input = Learned::input(&model.spec, &pair.gbuffer, pair.radius)?;
         let mut expected = reference::forward(&model.spec, &model.weights, &input);
         model.spec.set_background(&pair.gbuffer, &mut expected)?;
         let scene = record.scene.load(&dataset.recipe().folder)?;

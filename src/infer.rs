@@ -1,13 +1,14 @@
 //! `deepshade infer`: a network on a g-buffer file, whichever renderer wrote it.
 
 use crate::arguments::positive;
-use crate::engine::Engine;
 use crate::figures::Figures;
+use crate::learned::{self, Learned};
 use crate::place::Place;
 use crate::radius::{self, Space};
 use anyhow::{Context, Result, anyhow, ensure};
 use deepshade_infer::{Model, NetSpec};
 use deepshade_render::exr_file::{self, ExrImage, Layer, Metadata};
+use deepshade_render::method::{Repeats, Shaded};
 use deepshade_render::scene::Bounds;
 use deepshade_shaders::{Attribute, GBuffer, Planes, gpu::Gpu};
 use glam::Vec3;
@@ -55,15 +56,14 @@ pub fn run(args: &Args) -> Result<()> {
         None => default_radius(&file, &gbuffer, &model.spec)
             .with_context(|| args.gbuffer.display().to_string())?,
     };
-    let scaling = model.spec.scaling(&gbuffer, radius)?;
-    let length = scaling.length;
+    let length = model.spec.reach.position_scale(radius);
     ensure!(length.is_finite(), "radius {radius} m is too small: positions cannot be multiplied by {length}");
     let gpu = Gpu::new().inspect_err(|error| note!("{error}; the processor runs the network")).ok();
-    let engine = Engine::new(gpu.as_ref(), &model)?;
-    let run = |run| Ok(engine.run(&model.spec.input(&gbuffer, scaling, run)?, 0, 1)?.0);
-    let runs = (0..model.spec.runs()).map(run).collect::<Result<Vec<_>>>()?;
-    let mut image = model.spec.image(&runs, scaling);
-    model.spec.set_background(&gbuffer, &mut image)?;
+    let learned = gpu.as_ref().map_or_else(|| Learned::on_processor(&model), |gpu| Learned::new(gpu, &model))?;
+    if let Some(warning) = learned::outside(&model.spec, &gbuffer, radius) {
+        note!("{warning}");
+    }
+    let Shaded { image, device, .. } = learned.image(&gbuffer, radius, Repeats::ONCE)?;
     let effect = model.spec.effect;
     let metadata = Metadata::from([
         ("gbuffer".to_owned(), args.gbuffer.display().to_string()),
@@ -76,15 +76,16 @@ pub fn run(args: &Args) -> Result<()> {
     let mut figures = Figures::new("infer");
     figures.set("radius", f64::from(radius));
     figures.set("mean", mean);
-    figures.detail("device", engine.device().into());
+    figures.detail("device", device.as_str().into());
     figures.write(args.json.as_deref())?;
     say!("{}: {effect}, {} x {}, radius {radius} m", args.out.display(), image.width(), image.height())?;
-    say!("{}, mean {mean:.4}", engine.device())
+    say!("{device}, mean {mean:.4}")
 }
 
-/// The network's inputs and validity.
+/// What the network's inputs are made of, and validity.
 fn gbuffer(file: &ExrImage, spec: &NetSpec) -> Result<GBuffer> {
-    let mut attributes = spec.inputs.clone();
+    let mut attributes = learned::reads(spec)?;
+    attributes.retain(|attribute| *attribute != Attribute::Valid || spec.inputs.contains(attribute));
     if !attributes.contains(&Attribute::Valid) && file.attributes().contains(&Attribute::Valid) {
         attributes.push(Attribute::Valid);
     }

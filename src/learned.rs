@@ -13,7 +13,8 @@ use deepshade_infer::model::{SPEC, WEIGHTS};
 use deepshade_infer::{Model, NetSpec};
 use deepshade_render::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
 use deepshade_shaders::gpu::{self, Gpu};
-use deepshade_shaders::{Effect, GBuffer, MissingAttribute};
+use deepshade_render::methods::estimate::Estimator;
+use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
 use std::path::{Path, PathBuf};
 
 /// The folder in which an effect's network lies unless another one is named: below `models` here, else among those that were
@@ -93,6 +94,34 @@ pub fn network(folder: &Path, effect: Option<Effect>) -> Result<Model> {
     Ok(model)
 }
 
+/// What a network reads of a renderer's g-buffer: its inputs, and what the others are made of.
+///
+/// # Errors
+/// If it names a method that makes no estimates.
+pub fn reads(spec: &NetSpec) -> Result<Vec<Attribute>> {
+    let mut reads: Vec<Attribute> = spec.inputs.iter().copied().filter(|a| !Attribute::MADE.contains(a)).collect();
+    let mut add = |attribute: &Attribute| {
+        if !reads.contains(attribute) {
+            reads.push(*attribute);
+        }
+    };
+    if spec.inputs.iter().any(|input| Attribute::MADE.contains(input)) {
+        add(&Attribute::Position);
+    }
+    for estimate in &spec.estimates {
+        Estimator::named(&estimate.method, &estimate.quality)?.reads().iter().for_each(&mut add);
+    }
+    Ok(reads)
+}
+
+/// What is to be said of a frame that is unlike those that a network was trained on; nothing where it is like them, or where that
+/// is not known.
+pub fn outside(spec: &NetSpec, gbuffer: &GBuffer, radius: f32) -> Option<String> {
+    let trained = spec.trained?;
+    let outside = trained.outside(gbuffer, radius).ok()?;
+    outside.warning(&trained)
+}
+
 /// A trained network on a device.
 pub struct Learned {
     engine: Engine,
@@ -120,6 +149,19 @@ impl Learned {
     fn on(gpu: Option<&Gpu>, model: &Model) -> Result<Self, MethodError> {
         let estimates = Estimates::new(gpu, &model.spec)?;
         Ok(Self { engine: Engine::new(gpu, model).map_err(failed)?, estimates })
+    }
+
+    /// What the first of a network's runs reads of a g-buffer, with what methods estimate for it on the processor.
+    ///
+    /// # Errors
+    /// If the g-buffer lacks something.
+    #[cfg(feature = "train")]
+    pub fn input(spec: &NetSpec, gbuffer: &GBuffer, radius: f32) -> Result<Planes, MethodError> {
+        let missing = |source: MissingAttribute| MethodError::Missing { method: LEARNED, source };
+        let (estimated, _) = Estimates::new(None, spec)?.of(gbuffer, radius, Repeats::ONCE)?;
+        let prepared = spec.prepared(estimated.as_ref().unwrap_or(gbuffer), radius).map_err(missing)?;
+        let scaling = spec.scaling(&prepared, radius).map_err(missing)?;
+        spec.input(&prepared, scaling, 0).map_err(missing)
     }
 
     /// The network's spec.

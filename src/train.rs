@@ -6,12 +6,13 @@ use crate::place::Place;
 use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use deepshade_dataset::recipe::Resolution;
-use deepshade_dataset::{Manifest, Radius};
-use deepshade_infer::{ChannelOrder, NetSpec, Reach};
+use deepshade_dataset::{Manifest, Radius, Recipe};
+use deepshade_infer::{ChannelOrder, Estimate, NetSpec, Reach};
+use deepshade_render::methods::estimate::Estimator;
 use deepshade_shaders::Effect;
 use deepshade_shaders::similarity::TILE;
 use deepshade_train::config::MOST_MINUTES;
-use deepshade_train::{Ending, Loss, Optimiser, Outcome, TrainConfig};
+use deepshade_train::{Ending, Endless, Loss, Optimiser, Outcome, TrainConfig};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -19,11 +20,29 @@ use std::path::{Path, PathBuf};
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  deepshade dataset generate dataset/recipes/ao.toml --out data/ao\n  \
     deepshade train --dataset data/ao --out runs/ao --steps 20000\n\n\
+    Views that are rendered while the network trains, and are on no disk:\n  \
+    deepshade train --recipe dataset/recipes/ao.toml --out runs/ao\n  \
+    deepshade train --recipe dataset/recipes/ao.toml --network corrected --channels 12 --estimate gtao:low --out runs/small\n\n\
     The run's folder gets `config.json`, checkpoints, `metrics.jsonl` and a plot of the loss.")]
 pub struct Args {
     /// What `deepshade dataset generate` made: its folder or address.
+    #[arg(long, required_unless_present = "recipe", conflicts_with = "recipe")]
+    dataset: Option<Place>,
+    /// A recipe whose views are rendered while the network trains, without end, in place of a dataset.
     #[arg(long)]
-    dataset: Place,
+    recipe: Option<PathBuf>,
+    /// How often a view of --recipe is used, on average.
+    #[arg(long, default_value_t = Endless::USUAL.uses, requires = "recipe")]
+    uses: usize,
+    /// The network [default: corrected where an analytic method estimates the effect, else paper].
+    #[arg(long, value_enum)]
+    network: Option<Network>,
+    /// Channels of the corrected network at half the resolution.
+    #[arg(long, default_value_t = CHANNELS)]
+    channels: usize,
+    /// The estimate that the corrected network reads, METHOD:QUALITY.
+    #[arg(long, default_value = ESTIMATE, value_parser = estimate)]
+    estimate: Estimate,
     /// Folder of the run, or an address such as s3://bucket/runs/ao.
     #[arg(long)]
     out: Place,
@@ -34,7 +53,7 @@ pub struct Args {
     #[arg(long, value_enum)]
     last: Option<LastLayer>,
     /// What is made small.
-    #[arg(long, value_enum, default_value_t = LossName::Dssim)]
+    #[arg(long, value_enum, default_value_t = LossName::DssimL2)]
     loss: LossName,
     /// Model whose weights the run begins with, in place of random ones; its last layer must be that of --last.
     #[arg(long, value_name = "FOLDER")]
@@ -54,9 +73,8 @@ pub struct Args {
     devices: usize,
     #[arg(long, help = crop_help())]
     crop: Option<usize>,
-    /// Steps of the whole run.
-    #[arg(long, default_value_t = defaults().steps)]
-    steps: usize,
+    #[arg(long, help = steps_help())]
+    steps: Option<usize>,
     /// At most so many of the pairs held apart are used for validation.
     #[arg(long, default_value_t = defaults().validation_pairs)]
     validation_pairs: usize,
@@ -69,7 +87,8 @@ pub struct Args {
     /// Chooses first weights, order, crops and symmetries.
     #[arg(long, default_value_t = defaults().seed)]
     seed: u64,
-    /// Minutes after which the run stops; the same command goes on.
+    /// Minutes that the run may take. Without --steps it has as many steps as fit into them; with --steps it stops then, and
+    /// the same command goes on.
     #[arg(long, value_parser = minutes)]
     minutes: Option<f64>,
     /// Threads that decode pairs.
@@ -89,6 +108,43 @@ pub struct Args {
 /// Radius of the effect in the units of the network's input: positions, some ten radii away, then are about as large
 /// as the components of normals.
 pub const INPUT_RADIUS: f32 = 0.25;
+
+/// Radius of the effect in the units of the input of corrected networks: lengths are in radii.
+const RADII: f32 = 1.0;
+/// The default radius of networks that know all radii, as a share of the scene's diagonal.
+const USUAL_SHARE: f32 = 0.03;
+/// Channels of the corrected network at half the resolution.
+const CHANNELS: usize = 24;
+/// The estimate that the corrected network reads.
+const ESTIMATE: &str = "gtao:high";
+
+/// Which network.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Network {
+    /// The paper's U-net, from positions alone.
+    Paper,
+    /// One that reads what an analytic method estimates, and corrects it.
+    Corrected,
+}
+
+impl Network {
+    /// The one that is nearer to truth.
+    fn best(effect: Effect) -> Self {
+        let estimate = Estimate { method: String::new(), quality: String::new() };
+        let reach = Reach { radius: RADII, diagonal_share: USUAL_SHARE, height: 1 };
+        match NetSpec::corrected(effect, CHANNELS, estimate, reach) {
+            Some(_) => Self::Corrected,
+            None => Self::Paper,
+        }
+    }
+}
+
+/// Reads an estimate.
+fn estimate(text: &str) -> Result<Estimate, String> {
+    let (method, quality) = text.split_once(':').ok_or_else(|| format!("`{text}` is not METHOD:QUALITY"))?;
+    Estimator::named(method, quality).map_err(|error| error.to_string())?;
+    Ok(Estimate { method: method.to_owned(), quality: quality.to_owned() })
+}
 
 /// Order of the channels after a concatenation.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -212,6 +268,10 @@ fn rate_help() -> String {
     format!("The optimiser's rate, at its highest [default: {adamw} for adamw, {adadelta} for adadelta]")
 }
 
+fn steps_help() -> String {
+    format!("Steps of the whole run [default: as many as fit into --minutes, else {}]", defaults().steps)
+}
+
 fn crop_help() -> String {
     let most = defaults().crop;
     format!(
@@ -240,11 +300,26 @@ pub fn run(args: &Args) -> Result<()> {
         args.weight_decay.is_none() || args.optimiser == Method::Adamw,
         "--weight-decay is adamw's, and the optimiser is adadelta"
     );
-    let (folder, pairs) = args.dataset.pairs()?;
     let start = args.from.as_ref().map(Place::read).transpose()?;
-    let config = TrainConfig { start: start.as_deref().map(Path::to_owned), ..config(args, &folder)? };
+    let from = start.as_deref().map(Path::to_owned);
     let out = args.out.begin()?;
-    let Outcome { ending, progress, images_per_second } = deepshade_train::train_on(&config, pairs, &out)?;
+    let (config, outcome) = match (&args.recipe, &args.dataset) {
+        (Some(path), _) => {
+            let recipe = Recipe::load(path)?;
+            let config = TrainConfig { start: from, ..config(args, &recipe, path)? };
+            let config = within_minutes(config, args, &out)?;
+            (config.clone(), deepshade_train::train_streamed(&config, &recipe, &out)?)
+        }
+        (None, Some(dataset)) => {
+            let (folder, pairs) = dataset.pairs()?;
+            let recipe = Manifest::load(&folder)?.origin.recipe;
+            let config = TrainConfig { start: from, ..config(args, &recipe, &folder)? };
+            let config = within_minutes(config, args, &out)?;
+            (config.clone(), deepshade_train::train_on(&config, pairs, &out)?)
+        }
+        (None, None) => bail!("--dataset or --recipe says what is trained on"),
+    };
+    let Outcome { ending, progress, waiting, images_per_second } = outcome;
     out.finish()?;
     let what = match ending {
         Ending::Finished => "all steps are done",
@@ -257,13 +332,44 @@ pub fn run(args: &Args) -> Result<()> {
     figures.set("best_step", best.map_or(f64::NAN, |(step, _)| step as f64));
     figures.set("best_loss", best.map_or(f64::NAN, |(_, loss)| loss.into()));
     figures.set("images_per_second", images_per_second);
+    figures.set("waiting_share", waiting);
     figures.detail("config", json!(config));
     figures.write(args.json.as_deref())?;
     say!("{}: {what}, step {} of {}", args.out, progress.step, config.steps)?;
     if let Some((step, loss)) = best {
         say!("best validation DSSIM {loss:.5} at step {step}")?;
     }
+    if config.stream.is_some() {
+        say!("{:.1} % of the time went by waiting for views to be rendered", 100.0 * waiting)?;
+    }
     say!("{images_per_second:.2} images a second, {}", deepshade_train::device_name()?)
+}
+
+/// The settings with as many steps as fit into the minutes that are stated, where no number of them is; a run that goes on has
+/// those that it began with.
+fn within_minutes(config: TrainConfig, args: &Args, run: &Path) -> Result<TrainConfig> {
+    let Some(minutes) = args.minutes.filter(|_| args.steps.is_none()) else { return Ok(config) };
+    let steps = match TrainConfig::load(run) {
+        Ok(begun) => begun.steps,
+        Err(_) => fitting_steps(&config, minutes)?,
+    };
+    Ok(TrainConfig { steps, minutes: None, ..config })
+}
+
+/// Steps that are tried to tell how long one takes.
+const TRIED: usize = 4;
+/// The shares of the time that steps take, beside validation, and beside views that are rendered at the same time.
+const STEPS_SHARE: f64 = 0.9;
+const STREAMED_SHARE: f64 = 0.6;
+
+/// How many steps fit into so many minutes.
+///
+/// # Errors
+/// If the device fails.
+pub fn fitting_steps(config: &TrainConfig, minutes: f64) -> Result<usize> {
+    let speed = deepshade_train::bench::bench(config, TRIED)?.images_per_second;
+    let share = if config.stream.is_some() { STREAMED_SHARE } else { STEPS_SHARE };
+    Ok(((60.0 * minutes * share * speed / config.batch as f64) as usize).max(1))
 }
 
 /// Reads a number of minutes that a run may take.
@@ -275,38 +381,35 @@ pub fn minutes(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The defaults with what the command line changes.
-fn config(args: &Args, dataset: &Path) -> Result<TrainConfig> {
-    let manifest = Manifest::load(dataset)?;
-    let share = match (args.diagonal_share, manifest.origin.recipe.radius) {
-        (Some(share), _) | (None, Radius::Diagonal(share)) => share,
-        (None, _) => bail!(
-            "{}: the recipe states the radius as no share of the diagonal; --diagonal-share says what the network's default is to be",
-            args.dataset
-        ),
-    };
+/// The defaults with what the command line changes, for data that a recipe makes.
+fn config(args: &Args, recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
+    let network = args.network.unwrap_or_else(|| Network::best(recipe.effect));
     // Before the run's folder is claimed: what is refused leaves no folder that remembers it.
-    let resolution = manifest.origin.recipe.resolution;
+    let resolution = recipe.smallest.unwrap_or(recipe.resolution);
     let Resolution { height, width } = resolution;
     let crop = args.crop.unwrap_or_else(|| usual_crop(resolution));
     ensure!(
         crop <= height.min(width),
-        "--crop {crop}: the pairs of {} are {width} x {height} pixels",
-        args.dataset
+        "--crop {crop}: pairs of {} may have {width} x {height} pixels",
+        data.display()
     );
-    let base = default_config(&manifest, dataset, args.order.into(), share)?;
+    let base = match network {
+        Network::Paper => default_config(recipe, data, args.order.into(), share(args, recipe, data)?)?,
+        Network::Corrected => corrected_config(args, recipe, data)?,
+    };
     let last = args.last.unwrap_or(LastLayer::best(base.spec.effect));
     let optimiser = args.optimiser.defaults();
     let optimiser = args.rate.map_or(optimiser, |rate| optimiser.with_rate(rate));
     let decay = args.weight_decay.or(last.weight_decay());
     Ok(TrainConfig {
-        spec: last.of(base.spec)?,
+        spec: if network == Network::Paper { last.of(base.spec)? } else { base.spec },
+        stream: args.recipe.is_some().then_some(Endless { uses: args.uses, ..Endless::USUAL }),
         loss: args.loss.into(),
         optimiser: decay.map_or(optimiser, |decay| optimiser.with_weight_decay(decay)),
         batch: args.batch,
         devices: args.devices,
         crop,
-        steps: args.steps,
+        steps: args.steps.unwrap_or(defaults().steps),
         validation_pairs: args.validation_pairs,
         validate_every: args.validate_every,
         patience: args.patience,
@@ -318,15 +421,47 @@ fn config(args: &Args, dataset: &Path) -> Result<TrainConfig> {
     })
 }
 
-/// The defaults for a dataset, and a network that reaches `diagonal_share` of a scene's diagonal.
+/// The default radius of a network of the paper's: the recipe's, where it has one.
+fn share(args: &Args, recipe: &Recipe, data: &Path) -> Result<f32> {
+    match (args.diagonal_share, recipe.radius) {
+        (Some(share), _) | (None, Radius::Diagonal(share)) => Ok(share),
+        (None, Radius::Pixels(_) | Radius::MetresBetween(_)) => Ok(USUAL_SHARE),
+        (None, Radius::Metres(_)) => bail!(
+            "{}: the recipe states the radius in metres; --diagonal-share says what the network's default is to be",
+            data.display()
+        ),
+    }
+}
+
+/// The defaults for data that a recipe makes, and the network that is nearest to truth.
+pub fn usual_config(recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
+    let reach = |share| Reach { radius: RADII, diagonal_share: share, height: recipe.resolution.height };
+    let estimate = estimate(ESTIMATE).map_err(anyhow::Error::msg)?;
+    match (NetSpec::corrected(recipe.effect, CHANNELS, estimate, reach(USUAL_SHARE)), recipe.radius) {
+        (Some(spec), _) => Ok(TrainConfig::new(spec, data.to_owned())),
+        (None, Radius::Diagonal(share)) => default_config(recipe, data, ChannelOrder::Interleaved, share),
+        (None, _) => bail!("the paper's networks want a recipe that states its radius as a share of the diagonal"),
+    }
+}
+
+/// The defaults for a network that corrects an estimate.
+fn corrected_config(args: &Args, recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
+    let effect = recipe.effect;
+    let diagonal_share = args.diagonal_share.unwrap_or(USUAL_SHARE);
+    let reach = Reach { radius: RADII, diagonal_share, height: recipe.smallest.unwrap_or(recipe.resolution).height };
+    let spec = NetSpec::corrected(effect, args.channels, args.estimate.clone(), reach)
+        .with_context(|| format!("--network corrected: no method estimates `{effect}` for networks"))?;
+    Ok(TrainConfig::new(spec, data.to_owned()))
+}
+
+/// The defaults for data that a recipe makes, and a network that reaches `diagonal_share` of a scene's diagonal.
 pub fn default_config(
-    manifest: &Manifest,
+    recipe: &Recipe,
     dataset: &Path,
     order: ChannelOrder,
     diagonal_share: f32,
 ) -> Result<TrainConfig> {
-    let recipe = &manifest.origin.recipe;
-    let reach = Reach { radius: INPUT_RADIUS, diagonal_share, height: recipe.resolution.height };
+    let reach = Reach { radius: INPUT_RADIUS, diagonal_share, height: recipe.smallest.unwrap_or(recipe.resolution).height };
     let effect = recipe.effect;
     let spec = NetSpec::published(effect, order, reach)
         .with_context(|| format!("no network is laid out for effect `{effect}`"))?;

@@ -85,6 +85,14 @@ impl Drop for Stream {
     }
 }
 
+/// What tells the pairs of a recipe's stream from those of others: a hash of the recipe and of the version of the data.
+pub fn hash(recipe: &Recipe) -> String {
+    let recipe = serde_json::to_vec(recipe).expect("a recipe is plain data");
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(&recipe).update(&data_version(recipe.effect).to_le_bytes());
+    hasher.finalize().to_hex().to_string()
+}
+
 /// The first pairs for validation: always the same, of scenes that the recipe's stream never has.
 ///
 /// # Errors

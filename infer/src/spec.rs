@@ -130,6 +130,20 @@ pub enum SpecError {
 }
 
 impl NetSpec {
+    /// The network that corrects what a method estimates of an effect, in the form of [`trunk`] with so many channels at half the
+    /// resolution; none where no method does.
+    pub fn corrected(effect: Effect, channels: usize, estimate: Estimate, reach: Reach) -> Option<Self> {
+        use Attribute::{Border, Normal, Openness, PixelRadius, RawOpenness, Relief};
+        let (inputs, of, over) = match effect {
+            Effect::Ao => {
+                (vec![Normal, Relief, PixelRadius, Border, Openness, RawOpenness], Openness, RawOpenness)
+            }
+            _ => return None,
+        };
+        let correction = Correction { of, over, levels: 2, kernel: 3 };
+        Some(Self::correcting(effect, inputs, vec![estimate], correction, channels, reach))
+    }
+
     /// A network of the form of [`trunk`], with so many channels at half the resolution, that corrects an estimate.
     pub fn correcting(
         effect: Effect,

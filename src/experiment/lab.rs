@@ -161,17 +161,6 @@ impl Lab {
         Ok(self.size.settings(spec, data.dataset.folder().to_owned()))
     }
 
-    /// A model with random weights for a run to begin with in place of the usual first ones.
-    ///
-    /// # Errors
-    /// If it cannot be written.
-    pub fn random_start(&self, settings: &TrainConfig) -> Result<PathBuf> {
-        let folder = self.folder.join("starts").join(settings.spec.effect.name());
-        let weights = random_weights(&settings.spec, settings.seed);
-        Model { spec: settings.spec.clone(), weights }.save(&folder)?;
-        Ok(folder)
-    }
-
     /// The network of some settings, under a name.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 use deepshade_dataset::Recipe;
 use deepshade_dataset::recipe::{Resolution, Tiles};
 use deepshade_infer::NetSpec;
+use deepshade_train::Loss;
 use deepshade_train::{Optimiser, TrainConfig};
 use std::path::PathBuf;
 
@@ -102,6 +103,8 @@ impl Size {
         let usual = TrainConfig::new(spec, dataset);
         let validate_every = self.steps.div_ceil(VALIDATIONS);
         TrainConfig {
+            // The thesis'.
+            loss: Loss::Dssim,
             optimiser: warm(usual.optimiser, self.steps / 10),
             batch: BATCH,
             crop: self.crop,
