@@ -42,8 +42,8 @@ pub struct Args {
     /// What is computed; by default what the network computes.
     #[arg(long)]
     effect: Option<Effect>,
-    /// Which methods: names, or all. `learned` is one of them where there is a network. With --all, each network is held against
-    /// those of them that its effect has.
+    /// Which methods: names, or all, which `screen-truth` is none of. `learned` is one where there is a
+    /// network. With --all, each network is held against those of them that its effect has.
     #[arg(long, value_delimiter = ',', default_value = "all")]
     methods: Vec<String>,
     /// How much time analytic methods may take for a better image: one or several of low, medium, high, ultra.

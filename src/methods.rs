@@ -11,8 +11,8 @@ use deepshade_render::methods::subsurface::FromScreen;
 use deepshade_render::methods::surfel::Surfel;
 use deepshade_render::methods::{
     Quality, aov, bounced_z, epipolar, epipolar_sampling, fog_march, froxel, fxaa, gather, gpu_epipolar,
-    gtao, hbao, lpv, min_max, phosphor, prefiltered, ray_march, reconstruction, ring_gather, separable, ssdo,
-    ssgi, surfel, volume_shell,
+    gtao, hbao, lpv, min_max, phosphor, prefiltered, ray_march, reconstruction, ring_gather, screen_truth,
+    separable, ssdo, ssgi, surfel, volume_shell,
 };
 use deepshade_render::screen::{Compiled, ScreenMethod, Technique};
 use deepshade_shaders::Effect;
@@ -26,6 +26,10 @@ pub const LEARNED: &str = "learned";
 
 /// The method that takes minutes where others take seconds: it takes part where it is asked for.
 pub const SLOW: &str = "aov";
+
+/// The method that shows how far methods could get, which no program can run without the scene: it is none of
+/// all, and takes part where it is asked for.
+pub const STUDY: &str = screen_truth::NAME;
 
 /// What methods are opened with.
 #[derive(Clone, Copy)]
@@ -72,7 +76,7 @@ impl Entry {
 }
 
 /// Every method; a new one is a line here.
-const ALL: [Entry; 49] = [
+const ALL: [Entry; 50] = [
     learned(Effect::Ao),
     learned(Effect::Do),
     learned(Effect::Gi),
@@ -118,10 +122,11 @@ const ALL: [Entry; 49] = [
     screen::<surfel::Parameters, Surfel<surfel::indirect::KeptLight>>(),
     screen::<bounced_z::Parameters, BouncedZ<bounced_z::indirect::KeptLight>>(),
     screen::<lpv::Parameters, lpv::KeptLight>(),
-    processor::<epipolar::Parameters>(),
-    processor::<min_max::Parameters>(),
-    processor::<epipolar_sampling::Parameters>(),
-    processor::<ray_march::Parameters>(),
+    processor::<screen_truth::Parameters, screen_truth::Parameters>(STUDY, Effect::Ao),
+    shafts::<epipolar::Parameters>(),
+    shafts::<min_max::Parameters>(),
+    shafts::<epipolar_sampling::Parameters>(),
+    shafts::<ray_march::Parameters>(),
 ];
 
 /// A trained network for an effect.
@@ -135,8 +140,13 @@ const fn screen<P: Tunable, T: Technique + From<P> + 'static>() -> Entry {
 }
 
 /// A method that runs on the processor, by the parameters that can be set.
-const fn processor<P: Tunable + Integration + 'static>() -> Entry {
-    Entry { name: P::NAME, effect: Effect::FogDirect, kind: Kind::Processor(shafts::<P>, dials::dials::<P>) }
+const fn processor<P: Tunable, M: Method + From<P> + 'static>(name: &'static str, effect: Effect) -> Entry {
+    Entry { name, effect, kind: Kind::Processor(on_processor::<P, M>, dials::dials::<P>) }
+}
+
+/// A way to integrate scattered light as such a method.
+const fn shafts<P: Tunable + Integration + 'static>() -> Entry {
+    processor::<P, Shafts<P>>(P::NAME, Effect::FogDirect)
 }
 
 fn compiled<P: Tunable, T: Technique + From<P> + 'static>(
@@ -146,8 +156,8 @@ fn compiled<P: Tunable, T: Technique + From<P> + 'static>(
     Ok(Box::new(Compiled::<T>::new(gpu, tuning.parameters::<P>()?.into())?))
 }
 
-fn shafts<P: Tunable + Integration + 'static>(tuning: &Tuning) -> Result<Box<dyn Method>> {
-    Ok(Box::new(Shafts(tuning.parameters::<P>()?)))
+fn on_processor<P: Tunable, M: Method + From<P> + 'static>(tuning: &Tuning) -> Result<Box<dyn Method>> {
+    Ok(Box::new(M::from(tuning.parameters::<P>()?)))
 }
 
 /// What can be set of an effect's method, in a quality; nothing of trained networks.
@@ -275,7 +285,7 @@ mod tests {
         let error = checked(&["hbao", "ssao"]).expect_err("no such method");
         assert_eq!(
             error,
-            "effect `ao` has no method `ssao`; there are learned, gtao, hbao, surfel, bounced-z, aov, aov-bounced-z, truth"
+            "effect `ao` has no method `ssao`; there are learned, gtao, hbao, surfel, bounced-z, aov, aov-bounced-z, screen-truth, truth"
         );
         assert!(checked(&["hbao", "hbao"]).expect_err("twice").contains("twice"));
     }

@@ -73,6 +73,13 @@ impl SurfacePoint {
     pub fn ray_origin(&self) -> Vec3 {
         self.position + self.geometric_normal * self.clearance
     }
+
+    /// The same point, above which rays start at least so many metres: for a copy of its surface that is less
+    /// exact.
+    #[must_use]
+    pub fn raised(self, by: f32) -> Self {
+        Self { clearance: self.clearance.max(by), ..self }
+    }
 }
 
 /// How far above a triangle rays start, metres.

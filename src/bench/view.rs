@@ -3,7 +3,7 @@
 
 use crate::figures::Figures;
 use crate::learned;
-use crate::methods::{self, LEARNED, SLOW, TRUTH};
+use crate::methods::{self, LEARNED, SLOW, STUDY, TRUTH};
 use anyhow::{Context, Result, bail};
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
@@ -131,10 +131,11 @@ fn steps(args: &Args, broken: &Path, shots: Option<&Path>) -> String {
     steps
 }
 
-/// Methods that can be opened: a trained network only where there is one, and not [`SLOW`], which takes minutes a picture.
+/// Methods that can be opened: a trained network only where there is one, and neither [`SLOW`] nor [`STUDY`],
+/// which take long.
 fn opened(effect: Effect) -> Vec<&'static str> {
     let there = |name: &&str| {
-        ![TRUTH, SLOW].contains(name)
+        ![TRUTH, SLOW, STUDY].contains(name)
             && (*name != LEARNED || learned::is_network(&learned::usual_folder(effect)))
     };
     methods::names_of(effect).into_iter().filter(there).collect()

@@ -171,7 +171,8 @@ fn name_networks(contests: &mut [Contest]) {
     }
 }
 
-/// All methods of the effects, but for [`methods::SLOW`], and for `learned` where nobody names a network and none lies where it would.
+/// All methods of the effects, but for [`methods::SLOW`] and [`methods::STUDY`], and for `learned` where nobody
+/// names a network and none lies where it would.
 fn default_methods(run: &Run) -> Vec<MethodChoice> {
     let mut names = Vec::new();
     for effect in run.effects() {
@@ -183,7 +184,8 @@ fn default_methods(run: &Run) -> Vec<MethodChoice> {
         }
         names.extend(of);
     }
-    let names = distinct(names).into_iter().filter(|name| ![methods::SLOW, TRUTH].contains(name));
+    let asked_for = [methods::SLOW, methods::STUDY, TRUTH];
+    let names = distinct(names).into_iter().filter(|name| !asked_for.contains(name));
     names.chain([TRUTH]).map(MethodChoice::named).collect()
 }
 

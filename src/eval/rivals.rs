@@ -1,6 +1,6 @@
 //! Who is evaluated: an effect's methods at their qualities, and the image of whoever does nothing.
 
-use crate::methods::{self, LEARNED, Setup, TRUTH};
+use crate::methods::{self, LEARNED, STUDY, Setup, TRUTH};
 use anyhow::{Result, ensure};
 use deepshade_infer::Model;
 use deepshade_render::method::Method;
@@ -24,8 +24,8 @@ pub struct Rival {
     pub method: Box<dyn Method>,
 }
 
-/// Opens methods by name, `all` for all that there are, each at some tunings; those that have no qualities are opened once.
-/// `learned` is left out of `all` where there is no network.
+/// Opens methods by name, `all` for all that there are but [`STUDY`], each at some tunings; those that have no
+/// qualities are opened once. `learned` is left out of `all` where there is no network.
 ///
 /// # Errors
 /// If there is no such method, or one cannot be opened.
@@ -40,7 +40,7 @@ pub fn rivals(
     let mut asked: Vec<&str> = names.iter().map(String::as_str).collect();
     if all {
         asked = methods::names_of(effect);
-        asked.retain(|name| *name != LEARNED || model.is_some());
+        asked.retain(|name| *name != STUDY && (*name != LEARNED || model.is_some()));
     }
     asked.retain(|name| *name != TRUTH);
     methods::check(effect, &asked)?;
@@ -178,6 +178,9 @@ mod tests {
             names.contains(&"hbao") && names.contains(&"hbao_low") && !names.contains(&"learned"),
             "{names:?}"
         );
+        assert!(!names.iter().any(|name| name.starts_with("screen_truth")), "for studies: {names:?}");
+        let study = rivals(Effect::Ao, &[STUDY.to_owned()], &tunings, &gpu, None).expect("a method");
+        assert_eq!(study.len(), tunings.len(), "where it is asked for");
         let error = rivals(Effect::Ao, &["sharp".to_owned()], &tunings, &gpu, None).err().expect("none");
         assert!(error.to_string().contains("no method `sharp`"), "{error}");
         let refused = |effect, name: &str| {

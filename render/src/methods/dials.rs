@@ -50,6 +50,7 @@ tunable!(
     super::ray_march::Parameters,
     super::reconstruction::Parameters,
     super::ring_gather::Parameters,
+    super::screen_truth::Parameters,
     super::separable::Parameters,
     super::ssdo::Parameters,
     super::ssgi::Parameters,

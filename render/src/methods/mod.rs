@@ -28,6 +28,7 @@ pub mod prefiltered;
 pub mod ray_march;
 pub mod reconstruction;
 pub mod ring_gather;
+pub mod screen_truth;
 pub mod separable;
 pub mod shafts;
 pub mod single_scattering;
