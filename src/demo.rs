@@ -165,8 +165,8 @@ mod short_training {
     use super::{Args, Figures, Gpu, Model, Repeats};
     use crate::learned::Learned;
     use crate::methods::LEARNED;
-    use anyhow::{Result, bail, ensure};
-    use deepshade_dataset::{Dataset, Origin, Radius, Recipe, generate};
+    use anyhow::{Result, ensure};
+    use deepshade_dataset::{Dataset, Origin, Recipe, generate};
     use deepshade_infer::parity::Comparison as Agreement;
     use deepshade_infer::{forward, reference};
     use deepshade_render::method::{Frame, Method};

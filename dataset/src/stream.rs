@@ -14,7 +14,7 @@
 mod ring;
 mod scenes;
 
-use crate::{DatasetError, Pair, Recipe};
+use crate::{DatasetError, Pair, Recipe, data_version};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use ring::Ring;
@@ -87,9 +87,9 @@ impl Drop for Stream {
 
 /// What tells the pairs of a recipe's stream from those of others: a hash of the recipe and of the version of the data.
 pub fn hash(recipe: &Recipe) -> String {
-    let recipe = serde_json::to_vec(recipe).expect("a recipe is plain data");
+    let described = serde_json::to_vec(recipe).expect("a recipe is plain data");
     let mut hasher = blake3::Hasher::new();
-    hasher.update(&recipe).update(&data_version(recipe.effect).to_le_bytes());
+    hasher.update(&described).update(&data_version(recipe.effect).to_le_bytes());
     hasher.finalize().to_hex().to_string()
 }
 

@@ -6,7 +6,7 @@ use super::table::{Row, Table};
 use crate::engine::Engine;
 use crate::plot::{Line, Plot};
 use anyhow::Result;
-use deepshade_infer::{NetSpec, parity};
+use deepshade_infer::parity;
 
 /// Width and height of kernels.
 const KERNELS: [usize; 2] = [3, 5];

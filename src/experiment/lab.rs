@@ -12,7 +12,6 @@ use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach};
 use deepshade_render::method::Repeats;
 use deepshade_shaders::Effect;
 use deepshade_train::checkpoint::Checkpoint;
-use deepshade_train::first_weights::random_weights;
 use deepshade_train::metrics::{self, Line};
 use deepshade_train::{Loss, TrainConfig, train};
 use std::cell::RefCell;

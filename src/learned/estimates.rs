@@ -105,7 +105,7 @@ fn on_card(
     let missing = |source| MethodError::Missing { method: LEARNED, source };
     let Gpu { device, queue, .. } = method.gpu();
     let seen = GpuGBuffer::upload(device, gbuffer, method.attributes())
-        .map_err(|error| error.of_method(LEARNED))?;
+        .map_err(|error| MethodError::Other { method: LEARNED, what: error.to_string() })?;
     let (height, width) = (gbuffer.height(), gbuffer.width());
     let vertical_fov = 2.0 * (0.5 * height as f32 / gbuffer.focal_length().map_err(missing)?).atan();
     let camera = Camera { vertical_fov, ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z) };

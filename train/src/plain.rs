@@ -1,12 +1,14 @@
 //! The network's operations written with burn's tensors: what the kernels of processor (`kernels`) and GPU (`gpu`) are tested
-//! against, and pieces for networks of other shapes (`options`).
+//! against, and the head that corrects an estimate, of which data alone have no gradient.
 
 #[cfg(test)]
 mod convolve;
 mod correction;
 mod filter;
 
+#[cfg(any(test, feature = "vulkan"))]
 use burn::tensor::Tensor;
+#[cfg(test)]
 use burn::tensor::activation::leaky_relu;
 #[cfg(any(test, feature = "vulkan"))]
 use burn::tensor::{module::avg_pool2d, ops::AvgPoolOptions};
@@ -18,6 +20,7 @@ pub use {
 pub use correction::corrected;
 
 /// Leaky ReLU.
+#[cfg(test)]
 pub fn leaky(x: Tensor<4>, leak: f32) -> Tensor<4> {
     leaky_relu(x, leak.into())
 }
@@ -28,8 +31,8 @@ pub fn pooled(x: Tensor<4>) -> Tensor<4> {
     avg_pool2d(x, AvgPoolOptions::new([2, 2]))
 }
 
-/// Doubling and concatenation. burn's `interpolate` has no gradient on its GPU backends; slices and blends, which
-/// `options::masked` runs there, have.
+/// Doubling and concatenation, as slices and blends.
+#[cfg(test)]
 pub fn join(coarse: Tensor<4>, fine: Tensor<4>, groups: usize) -> Tensor<4> {
     let doubled = double_along(double_along(coarse, 2), 3);
     let [batch, channels, height, width] = fine.dims();
@@ -42,6 +45,7 @@ pub fn join(coarse: Tensor<4>, fine: Tensor<4>, groups: usize) -> Tensor<4> {
 }
 
 /// Doubles one dimension: every value's two children lean a quarter towards its neighbour on their side.
+#[cfg(test)]
 fn double_along(x: Tensor<4>, dimension: usize) -> Tensor<4> {
     let mut dims = x.dims();
     let size = dims[dimension];

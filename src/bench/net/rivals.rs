@@ -8,7 +8,7 @@ use super::turns::{Effort, FEWEST, Work, in_turns};
 use crate::onnxruntime;
 use anyhow::{Result, ensure};
 use deepshade_infer::forward::Precision;
-use deepshade_infer::{Cost, Model, cpu, forward, parity};
+use deepshade_infer::{Cost, Model, cpu, parity};
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::{self, Gpu, Timing};
 use serde_json::json;

@@ -73,7 +73,7 @@ fn add(sum: &mut [f32], terms: &[f32]) {
 
 fn images<'a, 'b>(operand: &'b Operand<'a>) -> impl Iterator<Item = &'b Image<'a>> {
     match operand {
-        Operand::Plain(image) | Operand::Pooled(image) => [Some(image), None],
+        Operand::Plain(image) | Operand::Folded(image) | Operand::Pooled(image) => [Some(image), None],
         Operand::Joined { coarse, fine, .. } => [Some(coarse), Some(fine)],
     }
     .into_iter()
@@ -182,7 +182,10 @@ impl WithSimd for Job<'_, '_> {
                     Operand::Joined { coarse, order, .. } if order[first + input] < coarse.channels => {
                         double_backward(made, shape.width, stripe.top - top, blend, out);
                     }
-                    Operand::Plain(_) | Operand::Joined { .. } => out.copy_from_slice(&made[inner.clone()]),
+                    // What is folded is the network's input, whose gradient nobody wants.
+                    Operand::Plain(_) | Operand::Folded(_) | Operand::Joined { .. } => {
+                        out.copy_from_slice(&made[inner.clone()]);
+                    }
                 }
             }
         }

@@ -254,6 +254,7 @@ fn shape(operand: &Operand<'_>, weight: &Cpu) -> ConvShape {
     let [outputs, inputs, kernel, _] = dims(weight);
     let (of, channels, [height, width]) = match operand {
         Operand::Plain(x) => (x, x.channels, [x.height, x.width]),
+        Operand::Folded(x) => (x, 4 * x.channels, [x.height / 2, x.width / 2]),
         Operand::Pooled(x) => (x, x.channels, [x.height / 2, x.width / 2]),
         Operand::Joined { fine, order, .. } => (fine, order.len(), [fine.height, fine.width]),
     };

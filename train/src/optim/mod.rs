@@ -95,7 +95,7 @@ impl Optimiser {
         match *self {
             Self::Adadelta { rate, .. } => rate,
             Self::Adamw { rate, warm_up, .. } if step < warm_up => rate * (step + 1) as f64 / warm_up as f64,
-            Self::Adamw { rate, warm_up, .. } => {
+            Self::Adamw { rate, .. } => {
                 let share = step as f64 / steps.max(1) as f64;
                 rate * ((1.0 - share) / (1.0 - FLAT)).clamp(0.0, 1.0)
             }
