@@ -1,7 +1,7 @@
 //! What networks read that no renderer gives: made of positions and the effect's radius, for the whole image, before any
 //! part is cut out of it. A network so reads nothing that depends on where the camera stands or how large the scene is.
 //!
-//! In a shader each of them is a few lines: `shaders/wgsl/input`.
+//! In a shader each of them is a few lines: `forward/host.md` says for other engines what they hold.
 
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute};
 use rayon::prelude::*;
