@@ -1,5 +1,5 @@
 //! The network's operations written with burn's tensors: what the kernels of processor (`kernels`) and GPU (`gpu`) are tested
-//! against, and pieces for networks of other shapes (`options`).
+//! against, and what networks compute that has no kernel of its own.
 
 #[cfg(test)]
 mod convolve;
@@ -28,8 +28,7 @@ pub fn pooled(x: Tensor<4>) -> Tensor<4> {
     avg_pool2d(x, AvgPoolOptions::new([2, 2]))
 }
 
-/// Doubling and concatenation. burn's `interpolate` has no gradient on its GPU backends; slices and blends, which
-/// `options::masked` runs there, have.
+/// Doubling and concatenation. burn's `interpolate` has no gradient on its GPU backends; slices and blends have.
 pub fn join(coarse: Tensor<4>, fine: Tensor<4>, groups: usize) -> Tensor<4> {
     let doubled = double_along(double_along(coarse, 2), 3);
     let [batch, channels, height, width] = fine.dims();
