@@ -59,7 +59,8 @@ pub fn run(args: &Args) -> Result<()> {
     let length = model.spec.reach.position_scale(radius);
     ensure!(length.is_finite(), "radius {radius} m is too small: positions cannot be multiplied by {length}");
     let gpu = Gpu::new().inspect_err(|error| note!("{error}; the processor runs the network")).ok();
-    let learned = gpu.as_ref().map_or_else(|| Learned::on_processor(&model), |gpu| Learned::new(gpu, &model))?;
+    let learned =
+        gpu.as_ref().map_or_else(|| Learned::on_processor(&model), |gpu| Learned::new(gpu, &model))?;
     if let Some(warning) = learned::outside(&model.spec, &gbuffer, radius) {
         note!("{warning}");
     }

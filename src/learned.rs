@@ -5,16 +5,16 @@ mod estimates;
 pub mod run;
 
 use crate::engine::Engine;
-use estimates::Estimates;
 use crate::methods::LEARNED;
 use anyhow::{Result, ensure};
 use deepshade_infer::forward::ForwardError;
 use deepshade_infer::model::{SPEC, WEIGHTS};
 use deepshade_infer::{Model, NetSpec};
 use deepshade_render::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
-use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_render::methods::estimate::Estimator;
+use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
+use estimates::Estimates;
 use std::path::{Path, PathBuf};
 
 /// The folder in which an effect's network lies unless another one is named: below `models` here, else among those that were
@@ -99,7 +99,8 @@ pub fn network(folder: &Path, effect: Option<Effect>) -> Result<Model> {
 /// # Errors
 /// If it names a method that makes no estimates.
 pub fn reads(spec: &NetSpec) -> Result<Vec<Attribute>> {
-    let mut reads: Vec<Attribute> = spec.inputs.iter().copied().filter(|a| !Attribute::MADE.contains(a)).collect();
+    let mut reads: Vec<Attribute> =
+        spec.inputs.iter().copied().filter(|a| !Attribute::MADE.contains(a)).collect();
     let mut add = |attribute: &Attribute| {
         if !reads.contains(attribute) {
             reads.push(*attribute);

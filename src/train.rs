@@ -440,7 +440,9 @@ pub fn usual_config(recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
     match (NetSpec::corrected(recipe.effect, CHANNELS, estimate, reach(USUAL_SHARE)), recipe.radius) {
         (Some(spec), _) => Ok(TrainConfig::new(spec, data.to_owned())),
         (None, Radius::Diagonal(share)) => default_config(recipe, data, ChannelOrder::Interleaved, share),
-        (None, _) => bail!("the paper's networks want a recipe that states its radius as a share of the diagonal"),
+        (None, _) => {
+            bail!("the paper's networks want a recipe that states its radius as a share of the diagonal")
+        }
     }
 }
 
@@ -448,7 +450,8 @@ pub fn usual_config(recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
 fn corrected_config(args: &Args, recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
     let effect = recipe.effect;
     let diagonal_share = args.diagonal_share.unwrap_or(USUAL_SHARE);
-    let reach = Reach { radius: RADII, diagonal_share, height: recipe.smallest.unwrap_or(recipe.resolution).height };
+    let reach =
+        Reach { radius: RADII, diagonal_share, height: recipe.smallest.unwrap_or(recipe.resolution).height };
     let spec = NetSpec::corrected(effect, args.channels, args.estimate.clone(), reach)
         .with_context(|| format!("--network corrected: no method estimates `{effect}` for networks"))?;
     Ok(TrainConfig::new(spec, data.to_owned()))
@@ -461,7 +464,11 @@ pub fn default_config(
     order: ChannelOrder,
     diagonal_share: f32,
 ) -> Result<TrainConfig> {
-    let reach = Reach { radius: INPUT_RADIUS, diagonal_share, height: recipe.smallest.unwrap_or(recipe.resolution).height };
+    let reach = Reach {
+        radius: INPUT_RADIUS,
+        diagonal_share,
+        height: recipe.smallest.unwrap_or(recipe.resolution).height,
+    };
     let effect = recipe.effect;
     let spec = NetSpec::published(effect, order, reach)
         .with_context(|| format!("no network is laid out for effect `{effect}`"))?;

@@ -34,7 +34,8 @@ impl Stream {
     /// pairs are in memory that were not forgotten, and as scenes are rendered whole, at least `room -
     /// views_per_scene + 1` can be asked for at any time.
     ///
-    /// # Errors If the recipe is for testing, holds files or aims at a method's images, `room` is below
+    /// # Errors
+    /// If the recipe is for testing, holds files or aims at a method's images, `room` is below
     /// `views_per_scene`, or what the recipe's images are given cannot be read.
     pub fn start(recipe: &Recipe, first: usize, room: usize) -> Result<Self, DatasetError> {
         Self::on_threads(recipe, first, room, 0)

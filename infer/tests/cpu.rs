@@ -57,7 +57,10 @@ fn numbers_of_channels_that_fill_no_block() {
     let ao = NetSpec::ao(ChannelOrder::Interleaved, REACH);
     for (u0, levels) in [(1, 1), (3, 1), (5, 1), (2, 2), (6, 2), (10, 2), (12, 2)] {
         for kernel in [3, 5, 7] {
-            assert_agrees(&ao.clone().reshaped(|net| (net.u0, net.levels, net.kernel) = (u0, levels, kernel)), &[(19, 37)]);
+            assert_agrees(
+                &ao.clone().reshaped(|net| (net.u0, net.levels, net.kernel) = (u0, levels, kernel)),
+                &[(19, 37)],
+            );
         }
     }
 }

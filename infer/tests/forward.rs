@@ -5,7 +5,8 @@ use deepshade_infer::forward::{
 };
 use deepshade_infer::parity::{TOLERANCE, first_difference, first_difference_within, noise, rms};
 use deepshade_infer::{
-    Activation, ChannelOrder, Colour, Comparison, Correction, Filter, Head, Model, NetSpec, Network, Reach, Weights, reference,
+    Activation, ChannelOrder, Colour, Comparison, Correction, Filter, Head, Model, NetSpec, Network, Reach,
+    Weights, reference,
 };
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, Effect, Planes};
@@ -97,7 +98,11 @@ fn one_and_three_levels_in_both_channel_orders() {
 fn kernels_of_other_sizes() {
     let gpu = gpu();
     for (kernel, levels) in [(1, 3), (5, 3), (7, 2)] {
-        assert_agrees(&gpu, ao().reshaped(|net| (net.kernel, net.levels) = (kernel, levels)), &[(40, 56), (19, 21)]);
+        assert_agrees(
+            &gpu,
+            ao().reshaped(|net| (net.kernel, net.levels) = (kernel, levels)),
+            &[(40, 56), (19, 21)],
+        );
     }
 }
 
@@ -106,7 +111,11 @@ fn numbers_of_channels_that_fill_no_block() {
     let gpu = gpu();
     for channel_order in [ChannelOrder::Contiguous, ChannelOrder::Interleaved] {
         for u0 in [2, 6, 10, 12] {
-            assert_agrees(&gpu, ao().reshaped(|net| (net.u0, net.levels, net.order) = (u0, 4, channel_order)), &[(37, 53)]);
+            assert_agrees(
+                &gpu,
+                ao().reshaped(|net| (net.u0, net.levels, net.order) = (u0, 4, channel_order)),
+                &[(37, 53)],
+            );
         }
     }
 }
@@ -203,7 +212,11 @@ fn every_shape_of_kernels() {
     let gpu = gpu();
     let rgb = NetSpec::published(Effect::Do, ChannelOrder::Contiguous, REACH).expect("it has one");
     // Of three levels, so that layers join maps and are themselves joined.
-    for spec in [ao().reshaped(|net| net.u0 = 16), ao().reshaped(|net| (net.u0, net.kernel) = (8, 5)), rgb.reshaped(|net| net.u0 = 8)] {
+    for spec in [
+        ao().reshaped(|net| net.u0 = 16),
+        ao().reshaped(|net| (net.u0, net.kernel) = (8, 5)),
+        rgb.reshaped(|net| net.u0 = 8),
+    ] {
         let model = random_model(spec.reshaped(|net| net.levels = 3));
         let input = noise(model.spec.input_channels(), 21, 39, 7);
         let expected = reference::layers(&model.spec, &model.weights, &input);

@@ -2,7 +2,9 @@
 
 use deepshade_infer::forward::{HALF_TOLERANCE, Input, InputKind, Options, Output, OutputKind, Precision};
 use deepshade_infer::parity::{Comparison, TOLERANCE, Tolerance, noise};
-use deepshade_infer::{ChannelOrder, Colour, Filter, Head, NetSpec, Network, Reach, Scaling, Weights, reference};
+use deepshade_infer::{
+    ChannelOrder, Colour, Filter, Head, NetSpec, Network, Reach, Scaling, Weights, reference,
+};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, AttributeKind, Effect, GBuffer, Planes};
 use half::f16;

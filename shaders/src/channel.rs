@@ -209,8 +209,12 @@ mod tests {
 
     #[test]
     fn every_channel_has_a_name_of_its_own() {
-        let names: Vec<String> =
-            Attribute::ALL.iter().chain(&Attribute::MADE).flat_map(|a| a.channels()).map(|c| c.to_string()).collect();
+        let names: Vec<String> = Attribute::ALL
+            .iter()
+            .chain(&Attribute::MADE)
+            .flat_map(|a| a.channels())
+            .map(|c| c.to_string())
+            .collect();
         let distinct: HashSet<&String> = names.iter().collect();
         assert_eq!(names.len(), distinct.len());
         assert!(names.contains(&"position.X".to_owned()));

@@ -7,7 +7,6 @@ use deepshade_dataset::testset::gather;
 use deepshade_dataset::{SceneRecord, StagedScene, TestFrame, TestSet, truth};
 use deepshade_render::gbuffer;
 use deepshade_render::metrics::{exposed, flip, ssim};
-use deepshade_render::scene::Camera;
 use deepshade_shaders::{Effect, GBuffer, Planes};
 
 /// The frames of a test set.
@@ -21,8 +20,6 @@ struct Question {
     /// Which scene it is from.
     scene: usize,
     gbuffer: GBuffer,
-    /// Where it is seen from.
-    camera: Camera,
     /// How far the effect reaches, metres.
     radius: f32,
     /// What images are multiplied by before they are compared.
@@ -31,15 +28,6 @@ struct Question {
     truth: TestFrame,
     /// How far the halves of truth agree.
     ceiling: f64,
-}
-
-/// A frame that is kept whole: its g-buffer, camera, how far the effect reaches in metres, and truth.
-pub type WholeFrame<'a> = (&'a GBuffer, &'a Camera, f32, &'a Planes);
-
-impl Question {
-    fn whole(&self) -> Option<WholeFrame<'_>> {
-        Some((&self.gbuffer, &self.camera, self.radius, self.truth.whole.as_ref()?))
-    }
 }
 
 /// How near to truth images are: means over scenes.
@@ -95,7 +83,6 @@ impl Exam {
             questions.push(Question {
                 scene: scenes,
                 gbuffer: gbuffer::render(&scene, &record.camera, height, width, attributes),
-                camera: record.camera,
                 radius: record.radius,
                 exposure: record.exposure,
                 truth: set.frame(index)?,
@@ -139,11 +126,6 @@ impl Exam {
             false => estimate(&values).mean,
         });
         Ok(Scores { ssim: estimate(&ssims), l1, l2, flip })
-    }
-
-    /// The frames that are kept whole.
-    pub fn whole_frames(&self) -> Vec<WholeFrame<'_>> {
-        self.questions.iter().filter_map(Question::whole).collect()
     }
 
     /// Scores of whoever computes nothing.

@@ -103,15 +103,6 @@ impl Lab {
         })
     }
 
-    /// The recipes for training and for testing with another effect.
-    pub fn recipes_of(&self, effect: Effect, vary: Vary) -> [Recipe; 2] {
-        [&self.recipe, &self.test_recipe].map(|recipe| Recipe {
-            effect,
-            vary: Some(vary.clone()),
-            ..recipe.clone()
-        })
-    }
-
     /// The dataset of a recipe, under a name.
     ///
     /// # Errors

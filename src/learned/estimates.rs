@@ -7,8 +7,8 @@ use deepshade_render::methods::Quality;
 use deepshade_render::methods::estimate::{EstimateError, Estimator};
 use deepshade_render::scene::Camera;
 use deepshade_render::screen::{GpuGBuffer, Inputs, Plan, ScreenMethod, View};
-use deepshade_shaders::{GBuffer, lists};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
+use deepshade_shaders::{GBuffer, lists};
 use glam::Vec3;
 use web_time::Instant;
 
@@ -118,6 +118,7 @@ fn on_card(
     .map_err(failed)?;
     let image: Vec<f32> = gpu::read(device, queue, plan.output()).map_err(failed)?;
     let raw = plan.steps().first().and_then(|step| step.writes.first());
-    let raw: Vec<f32> = raw.map_or_else(|| Ok(image.clone()), |raw| gpu::read(device, queue, raw)).map_err(failed)?;
+    let raw: Vec<f32> =
+        raw.map_or_else(|| Ok(image.clone()), |raw| gpu::read(device, queue, raw)).map_err(failed)?;
     Ok(([image, raw[..height * width].to_vec()].concat(), timing.milliseconds))
 }

@@ -53,7 +53,8 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let folder = folder.path();
         let reach = Reach { radius: 0.25, diagonal_share: 0.1, height: 64 };
-        let spec = NetSpec::ao(ChannelOrder::Interleaved, reach).reshaped(|net| (net.levels, net.u0) = (2, 4));
+        let spec =
+            NetSpec::ao(ChannelOrder::Interleaved, reach).reshaped(|net| (net.levels, net.u0) = (2, 4));
         let error = network(folder, None).expect_err("no network").to_string();
         assert!(error.starts_with("no network in"), "{error}");
         let config = TrainConfig::new(spec.clone(), "data".into());

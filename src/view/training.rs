@@ -157,7 +157,8 @@ mod tests {
     fn training(step: usize, stopped: bool) -> Training {
         let progress = Progress { step, best_step: 0, best_loss: None, waited: 0, stopped, pause_loss: None };
         let reach = Reach { radius: 0.25, diagonal_share: 0.1, height: 64 };
-        let spec = NetSpec::ao(ChannelOrder::Interleaved, reach).reshaped(|net| (net.levels, net.u0) = (2, 4));
+        let spec =
+            NetSpec::ao(ChannelOrder::Interleaved, reach).reshaped(|net| (net.levels, net.u0) = (2, 4));
         let model = Arc::new(Model { weights: Weights::random(&spec, 1), spec });
         let lines: Vec<Line> =
             (1..=20).map(|line_of| line(20 * line_of, if line_of > 10 { 8.0 } else { 1.0 })).collect();

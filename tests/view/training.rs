@@ -18,7 +18,8 @@ impl Run {
     fn begin(folder: PathBuf) -> Self {
         std::fs::create_dir_all(&folder).expect("a folder");
         let reach = Reach { radius: 0.25, diagonal_share: 0.1, height: 48 };
-        let spec = NetSpec::ao(ChannelOrder::Interleaved, reach).reshaped(|net| (net.levels, net.u0) = (2, 4));
+        let spec =
+            NetSpec::ao(ChannelOrder::Interleaved, reach).reshaped(|net| (net.levels, net.u0) = (2, 4));
         let config = TrainConfig { steps: 100, ..TrainConfig::new(spec.clone(), "data".into()) };
         let config = serde_json::to_vec(&config).expect("plain data");
         std::fs::write(folder.join("config.json"), config).expect("written");

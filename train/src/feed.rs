@@ -75,7 +75,8 @@ impl Streamed {
     ) -> Result<Self, TrainError> {
         let first = endless.first(position);
         let room = AHEAD.max(2 * recipe.views_per_scene);
-        let stream = Stream::start(recipe, first, room).map_err(|error| TrainError::Data(error.to_string()))?;
+        let stream =
+            Stream::start(recipe, first, room).map_err(|error| TrainError::Data(error.to_string()))?;
         Ok(Self { stream, spec, endless, kept: Mutex::new(Kept { first, pairs: VecDeque::new() }) })
     }
 
@@ -95,14 +96,16 @@ impl Streamed {
         while kept.first + kept.pairs.len() <= number {
             let next = kept.first + kept.pairs.len();
             let pair = self.stream.pair(next).map_err(|error| failed(next, error.to_string()))?;
-            let half = HalfPair::new(&pair, &self.spec, next as u32).map_err(|problem| failed(next, problem))?;
+            let half =
+                HalfPair::new(&pair, &self.spec, next as u32).map_err(|problem| failed(next, problem))?;
             kept.pairs.push_back(Arc::new(half));
             self.stream.forget_before(next + 1);
         }
         let index = number.checked_sub(kept.first);
-        index.and_then(|index| kept.pairs.get(index)).cloned().ok_or_else(|| {
-            failed(number, "was forgotten: workers are too far apart".to_owned())
-        })
+        index
+            .and_then(|index| kept.pairs.get(index))
+            .cloned()
+            .ok_or_else(|| failed(number, "was forgotten: workers are too far apart".to_owned()))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Training: the U-net of a spec in burn, its loss and optimisers, the loop with its checkpoints, and the export of
+//! Training: the network of a spec in burn, its loss and optimisers, the loop with its checkpoints, and the export of
 //! what was learned.
 
 pub mod bench;

@@ -1,7 +1,7 @@
 //! Batches: pairs decoded, cropped and turned on threads of their own, in an order that depends on seed and step only.
 
-use crate::loss::Target;
 use crate::feed::Feed;
+use crate::loss::Target;
 use crate::pairs::{HalfPair, Scale};
 use crate::rng::{Purpose, Rng};
 use crate::{TrainConfig, TrainError};

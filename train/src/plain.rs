@@ -12,12 +12,12 @@ use burn::tensor::Tensor;
 use burn::tensor::activation::leaky_relu;
 #[cfg(any(test, feature = "vulkan"))]
 use burn::tensor::{module::avg_pool2d, ops::AvgPoolOptions};
+pub use correction::corrected;
 #[cfg(test)]
 pub use {
     convolve::{convolve, convolve_joined},
     filter::filtered,
 };
-pub use correction::corrected;
 
 /// Leaky ReLU.
 #[cfg(test)]

@@ -204,8 +204,20 @@ impl<'a> Run<'a> {
         let metrics = Metrics::open(folder, metrics, progress.step)?;
         let meter = Meter::default();
         let feed = Arc::new(feed(progress.step)?);
-        let run =
-            Self { config, folder, devices, feed, validation, net, mean, best, optimiser, progress, metrics, meter };
+        let run = Self {
+            config,
+            folder,
+            devices,
+            feed,
+            validation,
+            net,
+            mean,
+            best,
+            optimiser,
+            progress,
+            metrics,
+            meter,
+        };
         Ok(run)
     }
 

@@ -103,7 +103,9 @@ impl Passes {
         room: &Room,
         input: Input<'_>,
     ) -> Result<(Vec<Bound>, Option<Told>), GpuError> {
-        let (Some(light), Some(pyramid)) = (&self.light, &room.pyramid) else { return Ok((Vec::new(), None)) };
+        let (Some(light), Some(pyramid)) = (&self.light, &room.pyramid) else {
+            return Ok((Vec::new(), None));
+        };
         let workgroups = |level: usize| {
             let [height, width] = room.frame.map(|size| size >> level);
             gpu::groups(height, width, TILE)

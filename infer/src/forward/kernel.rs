@@ -1,7 +1,7 @@
 //! Which kernel a layer has on a GPU: a function of the spec and of what the caller wants, without a device.
 
-use super::io::{self, InputKind};
 use super::head;
+use super::io::{self, InputKind};
 use super::maps::has_means;
 use super::packing::BLOCK;
 use super::{ForwardError, Options, Precision};
@@ -34,7 +34,9 @@ pub fn convolution(
 fn reading(spec: &NetSpec, layer: &Layer, options: &Options<'_>) -> Reading {
     match (layer.source, options.input) {
         (Source::Input | Source::Folded, InputKind::Buffer) => Reading::Planes,
-        (Source::Input | Source::Folded, InputKind::Textures) => Reading::Textures(io::texture_channels(spec)),
+        (Source::Input | Source::Folded, InputKind::Textures) => {
+            Reading::Textures(io::texture_channels(spec))
+        }
         (Source::Plain(_) | Source::Pooled(_), _) => Reading::Map,
         (Source::Joined { .. }, _) => Reading::Joined,
     }

@@ -1,7 +1,7 @@
 //! A network on images of one size.
 
-use super::head;
 use super::fit::{check_size, largest};
+use super::head;
 use super::maps::{self, MapId};
 use super::stage::{Stage, StagePart};
 use super::storage::Storage;

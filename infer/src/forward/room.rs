@@ -105,7 +105,8 @@ mod tests {
     /// The maps of a random network on a random image.
     fn sized() -> impl Strategy<Value = Vec<SizedMap>> {
         (1usize..7, 1usize..5, 1usize..5, 1usize..5).prop_map(|(levels, u0, rows, columns)| {
-            let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH).reshaped(|net| (net.levels, net.u0) = (levels, 4 * u0));
+            let spec = NetSpec::ao(ChannelOrder::Interleaved, REACH)
+                .reshaped(|net| (net.levels, net.u0) = (levels, 4 * u0));
             let whole = [rows, columns].map(|size| size * spec.alignment());
             let sized = |map: Map| SizedMap {
                 blocks: map.channels.div_ceil(BLOCK),

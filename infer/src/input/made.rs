@@ -1,7 +1,7 @@
 //! What networks read that no renderer gives: made of positions and the effect's radius, for the whole image, before any
 //! part is cut out of it. A network so reads nothing that depends on where the camera stands or how large the scene is.
 //!
-//! In a shader each of them is a few lines: `shaders/wgsl/input`.
+//! In a shader each of them is a few lines: `forward/host.md` says for other engines what they hold.
 
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute};
 use rayon::prelude::*;
@@ -18,11 +18,7 @@ const LEAST_PIXELS: f32 = 0.25;
 ///
 /// # Errors
 /// If something is wanted and positions or validity are not there to make it of.
-pub fn with_made(
-    gbuffer: &GBuffer,
-    wanted: &[Attribute],
-    radius: f32,
-) -> Result<GBuffer, MissingAttribute> {
+pub fn with_made(gbuffer: &GBuffer, wanted: &[Attribute], radius: f32) -> Result<GBuffer, MissingAttribute> {
     let is_missing = |attribute: &&Attribute| {
         matches!(attribute, Attribute::Relief | Attribute::PixelRadius | Attribute::Border)
             && !gbuffer.attributes().contains(attribute)
@@ -140,7 +136,8 @@ impl Between<'_> {
             upper.iter().zip(lower).map(|(upper, lower)| (1.0 - low) * upper + low * lower).collect()
         };
         let (sums, weights) = (row(depth), row(weight));
-        let at = |of: &[f32], (left, right, far): (usize, usize, f32)| (1.0 - far) * of[left] + far * of[right];
+        let at =
+            |of: &[f32], (left, right, far): (usize, usize, f32)| (1.0 - far) * of[left] + far * of[right];
         for ((out, depth), columns) in out.iter_mut().zip(depths).zip(&self.columns) {
             let mean = at(&sums, *columns) / at(&weights, *columns).max(f32::MIN_POSITIVE);
             *out = if *depth > 0.0 { compressed((depth - mean) / radius) } else { 0.0 };
@@ -188,7 +185,12 @@ mod tests {
 
     #[test]
     fn a_wall_has_no_relief_and_a_step_has_that_of_its_height() {
-        assert!(made(&wall(70, 90, 3.0, 80.0, true), Attribute::Relief, 0.5).data().iter().all(|v| v.abs() < 1e-5));
+        assert!(
+            made(&wall(70, 90, 3.0, 80.0, true), Attribute::Relief, 0.5)
+                .data()
+                .iter()
+                .all(|v| v.abs() < 1e-5)
+        );
         let mut planes = wall(128, 128, 2.0, 80.0, false).planes().clone();
         // The right half is a metre further away.
         (0..128 * 128).filter(|i| i % 128 >= 64).for_each(|i| planes.plane_mut(2)[i] = -3.0);

@@ -15,7 +15,8 @@ const STEP: usize = 4;
 
 /// The blocks of the trunk of so many channels at half the resolution, whose last one makes `last`.
 pub fn blocks(channels: usize, last: usize) -> Vec<Block> {
-    let width = |level: usize| ((WIDTHS[level] * channels as f32 / STEP as f32).round() as usize).max(1) * STEP;
+    let width =
+        |level: usize| ((WIDTHS[level] * channels as f32 / STEP as f32).round() as usize).max(1) * STEP;
     let block = |name: String, reads, kernel, outputs| Block { name, reads, kernel, groups: 1, outputs };
     let mut blocks = vec![block("fold".to_owned(), Source::Folded, 1, width(0))];
     let mut ways_down = Vec::new();

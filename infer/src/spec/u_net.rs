@@ -37,12 +37,9 @@ impl UNet {
     pub const fn of(effect: Effect, order: ChannelOrder) -> Option<Self> {
         let (u0, levels, kernel, image_groups) = match effect {
             Effect::Ao => (8, 6, 3, 1),
-            Effect::Gi
-            | Effect::Dof
-            | Effect::MotionBlur
-            | Effect::Sss
-            | Effect::Multi
-            | Effect::Do => (16, 5, 3, 1),
+            Effect::Gi | Effect::Dof | Effect::MotionBlur | Effect::Sss | Effect::Multi | Effect::Do => {
+                (16, 5, 3, 1)
+            }
             Effect::Aa => (8, 1, 5, 1),
             Effect::Ibl => (300, 1, 1, 3),
             Effect::Real => (16, 5, 5, 1),

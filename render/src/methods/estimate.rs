@@ -130,13 +130,12 @@ mod tests {
     #[test]
     fn what_is_not_there_is_named() {
         let gbuffer = still_life(8, 8);
-        let refused = |method, quality| with_estimates(&gbuffer, [(method, quality)], 1.0, 1).map_err(|e| e.to_string());
+        let refused = |method, quality| {
+            with_estimates(&gbuffer, [(method, quality)], 1.0, 1).map_err(|e| e.to_string())
+        };
         assert!(refused("ssao", "low").is_err_and(|error| error.contains("`ssao`")));
         assert!(refused("gtao", "best").is_err_and(|error| error.contains("`best`")));
         let blind = GBuffer::new(vec![Attribute::Valid], deepshade_shaders::Planes::filled(1, 2, 2, 1.0));
-        assert!(matches!(
-            with_estimates(&blind, [("gtao", "low")], 1.0, 1),
-            Err(EstimateError::Missing(_))
-        ));
+        assert!(matches!(with_estimates(&blind, [("gtao", "low")], 1.0, 1), Err(EstimateError::Missing(_))));
     }
 }

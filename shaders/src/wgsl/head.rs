@@ -159,7 +159,9 @@ mod tests {
             HeadKind::Unfold,
         ];
         for (levels, kernel, channels, square) in [(1, 5, 1, 1), (5, 1, 3, 2), (0, 3, 1, 4)] {
-            for kind in kinds.into_iter().filter(|kind| levels > 0 || !matches!(kind, HeadKind::Filter { .. })) {
+            for kind in
+                kinds.into_iter().filter(|kind| levels > 0 || !matches!(kind, HeadKind::Filter { .. }))
+            {
                 let head = Head { kind, levels, kernel, channels, first: 1, square };
                 let sources = [
                     head.light(&Reading::Planes),

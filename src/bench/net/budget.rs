@@ -141,7 +141,8 @@ fn largest(
 
 /// Networks like one, of other widths and depths.
 fn kin(spec: &NetSpec) -> Vec<NetSpec> {
-    let of = |levels: usize| WIDTHS.map(|u0| spec.clone().reshaped(|net| (net.u0, net.levels) = (u0, levels)));
+    let of =
+        |levels: usize| WIDTHS.map(|u0| spec.clone().reshaped(|net| (net.u0, net.levels) = (u0, levels)));
     let most = if spec.levels() == 1 { 1 } else { MOST_LEVELS };
     let sensible = |spec: &NetSpec| {
         spec.validate().is_ok() && multiply_adds(spec, [1024, 1024]) <= MOST_WORK * 1024 * 1024

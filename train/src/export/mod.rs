@@ -65,7 +65,9 @@ pub fn export(run: &Path, folder: &Path, facts: &Facts) -> Result<Model, TrainEr
 fn ranges(run: &Path) -> Result<Option<deepshade_infer::Trained>, TrainError> {
     let path = run.join(RANGES_FILE);
     match std::fs::read(&path) {
-        Ok(bytes) => serde_json::from_slice(&bytes).map(Some).map_err(|error| TrainError::damaged(&path, error)),
+        Ok(bytes) => {
+            serde_json::from_slice(&bytes).map(Some).map_err(|error| TrainError::damaged(&path, error))
+        }
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(TrainError::io("read", &path)(error)),
     }

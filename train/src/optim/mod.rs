@@ -22,10 +22,10 @@ pub enum Optimiser {
         epsilon: f64,
     },
     /// AdamW (Loshchilov and Hutter 2019) with betas 0.9 and 0.99 and epsilon 1e-8. The rate rises linearly, stays until
-    /// [`FLAT`] of the steps are done, and falls linearly to 0 at the last one. Gradients are clipped to a norm of 1 a tensor.
-    /// Where an image is dark structural similarity has gradients
-    /// many times as large as elsewhere: with a second beta of 0.999 such a step goes three times the rate and the next ones on
-    /// in its direction, from which the network for indirect light did not come back.
+    /// [`FLAT`] of the steps are done, and falls linearly to 0 at the last one. Gradients are clipped to a norm of 1 a
+    /// tensor. Where an image is dark, structural similarity has gradients many times as large as elsewhere. With a second
+    /// beta of 0.999 such a step went three times the rate, and the next ones went on in its direction. The network for
+    /// indirect light did not come back from that.
     Adamw {
         /// The highest rate.
         rate: f64,
@@ -110,7 +110,10 @@ impl std::fmt::Display for Optimiser {
                 write!(f, "ADADELTA, decay {decay}, epsilon {epsilon}, rate {rate}")
             }
             Self::Adamw { rate, weight_decay, warm_up } => {
-                write!(f, "AdamW, rate {rate} (warm-up {warm_up} steps, flat, then to 0), weight decay {weight_decay}")
+                write!(
+                    f,
+                    "AdamW, rate {rate} (warm-up {warm_up} steps, flat, then to 0), weight decay {weight_decay}"
+                )
             }
         }
     }

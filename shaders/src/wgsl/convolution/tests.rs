@@ -60,7 +60,8 @@ fn only_maps_in_one_buffer_are_read_from_a_buffer_that_is_written() {
     for (reading, maps) in [(Reading::Map, 1), (Reading::Joined, 2)] {
         for arena in [true, false] {
             let (reading, writing) = (reading.clone(), Writing::Map);
-            let source = Convolution { kernel: 3, shape, half: false, arena, reading, folded: None, writing }.source();
+            let source =
+                Convolution { kernel: 3, shape, half: false, arena, reading, folded: None, writing }.source();
             let written = if arena { maps + 1 } else { 1 };
             assert_eq!(source.matches("var<storage, read_write>").count(), written, "{source}");
         }

@@ -24,7 +24,8 @@ impl Graph {
         padded: &str,
     ) -> String {
         let channels = spec.output_channels() as i64;
-        let of: Vec<i64> = spec.channels_of(correction.of).into_iter().map(|channel| channel as i64).collect();
+        let of: Vec<i64> =
+            spec.channels_of(correction.of).into_iter().map(|channel| channel as i64).collect();
         self.ints("estimate.of", &of);
         let estimate = self.node("Gather", "estimate", &[padded, "estimate.of"], vec![int("axis", 1)]);
         let bias = self.part("bias", made, [0, channels]);
