@@ -96,9 +96,8 @@ pub struct Args {
     /// Columns of the images; 512 by default.
     #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(16..=8192))]
     width: Option<usize>,
-    /// How far the effect reaches, metres. By default a share of the scene's diagonal, divided by N in images N times
-    /// as high as those that it is meant for: share and height are those that the network of `learned` was trained with,
-    /// else 15 % at 512 rows. In lower images it is more, up to half the diagonal.
+    /// How far the effect reaches, metres. By default a share of the scene's diagonal, that of the network of `learned` or
+    /// else 3 %, and at most a quarter of the median depth of what is seen: each view has its own.
     #[arg(long, value_parser = positive)]
     radius: Option<f32>,
     #[command(flatten)]

@@ -13,7 +13,7 @@ use crate::learned::{self, Learned};
 use crate::live::{Live, Wanted};
 use crate::methods::{self, LEARNED, Setup};
 use crate::output::message;
-use crate::radius::{self, Space};
+use crate::radius;
 use crate::render::picture::Exposure;
 use anyhow::{Context, Result};
 use deepshade_dataset::truth;
@@ -198,9 +198,8 @@ impl Set {
             let setup = Setup { gpu: &gpu, model: None, tuning: &show.tuning(name) };
             on_processor.extend(methods::open(show.effect, &[name], setup)?);
         }
-        let space = Space { diagonal: subject.diagonal, height: show.size[0] };
         let reach = learned.as_ref().map(|learned| learned.spec().reach);
-        let radius = radius::wanted(show.radius, reach, &[show.effect], space);
+        let radius = radius::wanted(show.radius, reach, &[show.effect], subject.space);
         let mut attributes = vec![Attribute::Valid];
         attributes.extend(show.inspected);
         if !on_processor.is_empty() {
