@@ -10,8 +10,8 @@ use deepshade_shaders::Effect;
 /// The default radius as a share of the scene's diagonal, where no network states its own.
 const USUAL_SHARE: f32 = 0.03;
 
-/// Most of the median depth of what is seen that a default radius is: from nearby the share of a large scene would be most of the
-/// image.
+/// Most of the median depth of what is seen that a default radius is: from nearby the share of a large scene
+/// would be most of the image.
 const MOST_OF_DEPTH: f32 = 0.25;
 
 /// What a default radius depends on.
@@ -29,8 +29,8 @@ impl Space {
         Self { diagonal: scene.diagonal(), depth: median_depth(scene, camera, size) }
     }
 
-    /// The default radius, metres, whatever the resolution: the network's share of the diagonal, or that of methods without one,
-    /// and at most a share of the depth.
+    /// The default radius, metres, whatever the resolution: the network's share of the diagonal, or that of
+    /// methods without one, and at most a share of the depth.
     fn usual_radius(self, reach: Option<Reach>) -> f32 {
         let share = reach.map_or(USUAL_SHARE, |reach| reach.diagonal_share);
         let most = self.depth.map_or(f32::INFINITY, |depth| MOST_OF_DEPTH * depth);

@@ -75,8 +75,9 @@ pub struct Args {
     /// Columns.
     #[arg(long, default_value_t = 768, value_parser = RangedU64ValueParser::<usize>::new().range(1..=8192))]
     width: usize,
-    /// How far effects with a radius reach, metres, or inf; by default 3 % of the scene's diagonal, and at most a
-    /// quarter of the median depth of what is seen; of a network of --animate the share of the diagonal that it states.
+    /// How far effects with a radius reach, metres, or inf; by default 3 % of the scene's diagonal, and at
+    /// most a quarter of the median depth of what is seen; of a network of --animate the share of the
+    /// diagonal that it states.
     #[arg(long, value_parser = reach)]
     radius: Option<f32>,
     #[command(flatten)]

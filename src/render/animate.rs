@@ -189,6 +189,11 @@ fn write_sequence(
     for frame in 0..frames {
         let time = staged.time(frame, args.time.time());
         times.extend(live.make(time, args.seed.wrapping_add(frame), &staged.camera(frame))?);
+        if frame == 0
+            && let Some(warning) = live.outside()?
+        {
+            note!("first frame: {warning}");
+        }
         let image = match shown.attribute {
             Some(attribute) => live.attribute(attribute)?,
             None => live.image(0)?,
