@@ -1,5 +1,5 @@
-//! What an evaluation has come to: scores of all test sets together and of each, the network against its strongest rival, and the
-//! scenes in which it is worse than doing nothing.
+//! What an evaluation has come to: scores of all test sets together and of each, the network against its
+//! strongest rival, and the scenes in which it is worse than doing nothing.
 
 use super::names::of_set;
 use super::paired::Pair;
@@ -71,7 +71,8 @@ impl Judgement {
         each.chain(of(title, Some(String::new()), &self.evaluation)).collect()
     }
 
-    /// Scenes in which the network is worse than the image of whoever does nothing, set by set; none without a network.
+    /// Scenes in which the network is worse than the image of whoever does nothing, set by set; none without
+    /// a network.
     pub fn below_trivial(&self, effect: Effect) -> Option<Vec<String>> {
         let [own, trivial] = [LEARNED, trivial_name(effect)].map(|name| format!("ssim_{name}"));
         let is_there = self.sets.iter().any(|set| !set.evaluation.values(&own).is_empty());

@@ -1,5 +1,6 @@
-//! A network against its strongest rival at equal time: the difference of the two frame by frame, whose interval is narrower than those
-//! of both, since what makes a scene hard for one makes it hard for the other.
+//! A network against its strongest rival at equal time: the difference of the two frame by frame, whose
+//! interval is narrower than those of both, since what makes a scene hard for one makes it hard for the
+//! other.
 
 use super::rivals::Rival;
 use super::score::Evaluation;
@@ -31,7 +32,8 @@ struct Candidate<'a> {
 }
 
 impl<'a> Pair<'a> {
-    /// The pair of an evaluation; none without a network, or without a rival that was measured on the same frames.
+    /// The pair of an evaluation; none without a network, or without a rival that was measured on the same
+    /// frames.
     pub fn new(evaluation: &Evaluation, rivals: &'a [Rival]) -> Option<Self> {
         let analytic = rivals.iter().filter(|rival| rival.method_name != LEARNED);
         let names: Vec<&str> = analytic.map(|rival| rival.name.as_str()).collect();
@@ -45,7 +47,8 @@ impl<'a> Pair<'a> {
         })
     }
 
-    /// Sets `paired_ssim`, `paired_ssim_low` and `paired_ssim_high` (the ends of the interval), and so on, each with a suffix.
+    /// Sets `paired_ssim`, `paired_ssim_low` and `paired_ssim_high` (the ends of the interval), and so on,
+    /// each with a suffix.
     pub fn set_figures(&self, figures: &mut Figures, suffix: &str) {
         for (metric, difference) in METRICS.iter().zip(self.differences) {
             let Some(Estimate { mean, low, high }) = difference else { continue };
@@ -80,7 +83,8 @@ fn candidate<'a>(evaluation: &Evaluation, name: &'a str) -> Option<Candidate<'a>
     Some(Candidate { name, milliseconds: mean("ms")?, ssim: mean("ssim")? })
 }
 
-/// Of those that take at least as long as a network the one of the highest similarity; where none does, the slowest.
+/// Of those that take at least as long as a network the one of the highest similarity; where none does, the
+/// slowest.
 fn strongest<'a>(milliseconds: f64, candidates: &[Candidate<'a>]) -> Option<Candidate<'a>> {
     let as_slow = candidates.iter().filter(|candidate| candidate.milliseconds >= milliseconds);
     let best = as_slow.max_by(|a, b| a.ssim.total_cmp(&b.ssim));

@@ -1,4 +1,5 @@
-//! The test sets that methods are evaluated on: `testset` and `testset-*` in a network's folder, or one that is asked for.
+//! The test sets that methods are evaluated on: `testset` and `testset-*` in a network's folder, or one that
+//! is asked for.
 
 use anyhow::{Result, ensure};
 use deepshade_dataset::{Subject, TestSet};
@@ -49,10 +50,12 @@ fn suffix(folder: &str) -> Option<&str> {
     }
 }
 
-/// Opens the test sets in some folders. Of several, those whose scene files are not there are passed over, which is said.
+/// Opens the test sets in some folders. Of several, those whose scene files are not there are passed over,
+/// which is said.
 ///
 /// # Errors
-/// If one cannot be read, is for another effect or has a name that figures have for something else, or all are passed over.
+/// If one cannot be read, is for another effect or has a name that figures have for something else, or all
+/// are passed over.
 pub fn open(folders: &[PathBuf], effect: Effect, scenes: Option<&Path>) -> Result<Vec<NamedSet>> {
     let several = folders.len() > 1;
     let mut sets = Vec::new();
@@ -82,8 +85,8 @@ pub fn open(folders: &[PathBuf], effect: Effect, scenes: Option<&Path>) -> Resul
 fn read(folder: &Path, effect: Effect) -> Result<TestSet> {
     ensure!(
         TestSet::is_in(folder),
-        "no test set in {0}; `deepshade dataset testset dataset/recipes/{effect}-rivals.toml --out {0}` makes a small one of \
-         six scenes, {effect}-test.toml a large one, and --testset says where another is",
+        "no test set in {0}; `deepshade dataset testset dataset/recipes/{effect}-rivals.toml --out {0}` makes \
+         a small one of six scenes, {effect}-test.toml a large one, and --testset says where another is",
         folder.display()
     );
     let set = TestSet::open(folder)?;
@@ -92,8 +95,8 @@ fn read(folder: &Path, effect: Effect) -> Result<TestSet> {
     Ok(set)
 }
 
-/// A set with its scene files where they are: in the folder that is asked for, else where the set remembers them, else among the
-/// open scenes.
+/// A set with its scene files where they are: in the folder that is asked for, else where the set remembers
+/// them, else among the open scenes.
 fn located(set: TestSet, scenes: Option<&Path>) -> TestSet {
     if let Some(scenes) = scenes {
         return set.with_scenes(scenes);

@@ -1,5 +1,5 @@
-//! What an evaluation prints: a table for each test set, one of the network against its strongest rivals, and the scenes in which it
-//! is worse than doing nothing.
+//! What an evaluation prints: a table for each test set, one of the network against its strongest rivals, and
+//! the scenes in which it is worse than doing nothing.
 
 use super::outcome::{Judgement, Scored, Versus};
 use super::rivals::{Rival, trivial_name};
@@ -18,8 +18,8 @@ pub fn print(effect: Effect, judgement: &Judgement) -> Result<()> {
     for set in &judgement.sets {
         let of = if judgement.is_divided() { format!(", {}", set.title) } else { String::new() };
         say!(
-            "{effect}{of}: {} frames of {} scenes; means over scenes with 95 % confidence intervals, milliseconds on the \
-             device that is named",
+            "{effect}{of}: {} frames of {} scenes; means over scenes with 95 % confidence intervals, \
+             milliseconds on the device that is named",
             set.evaluation.frames,
             set.evaluation.scenes.len()
         )?;
@@ -28,8 +28,8 @@ pub fn print(effect: Effect, judgement: &Judgement) -> Result<()> {
     let pairs = judgement.pairs();
     if !pairs.is_empty() {
         say!(
-            "\n`{LEARNED}` less the best by SSIM of the methods that take as long, or the slowest where none does, on the same \
-             frames; better is more of SSIM and PSNR, less of FLIP and relMSE"
+            "\n`{LEARNED}` less the best by SSIM of the methods that take as long, or the slowest where none \
+             does, on the same frames; better is more of SSIM and PSNR, less of FLIP and relMSE"
         )?;
         say!("{}", differences(&pairs))?;
     }
