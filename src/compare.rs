@@ -27,6 +27,7 @@ use crate::place::Place;
 use crate::props;
 use crate::report::Report;
 use crate::report::folder::{self, DESCRIPTION, Folder};
+use crate::report::record::FrameRecord;
 use crate::samples;
 use crate::views::{self, View};
 use anyhow::{Context, Result};
@@ -40,6 +41,7 @@ use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
 use description::distinct;
+use make::OUTSIDE;
 use plan::{Planned, Stages, completed, plan};
 use serde_json::json;
 use std::cell::Cell;
@@ -96,9 +98,9 @@ pub struct Args {
     /// Columns of the images; 512 by default.
     #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(16..=8192))]
     width: Option<usize>,
-    /// How far the effect reaches, metres. By default a share of the scene's diagonal, divided by N in images N times
-    /// as high as those that it is meant for: share and height are those that the network of `learned` was trained with,
-    /// else 15 % at 512 rows. In lower images it is more, up to half the diagonal.
+    /// How far the effect reaches, metres. By default a share of the scene's diagonal, that of the network of
+    /// `learned` or else 3 %, and at most a quarter of the median depth of what is seen: each view has its
+    /// own.
     #[arg(long, value_parser = positive)]
     radius: Option<f32>,
     #[command(flatten)]
@@ -165,6 +167,9 @@ pub fn run(args: &Args) -> Result<()> {
     let folder = Folder::open(&args.out)?;
     folder.write(DESCRIPTION, &comparison.to_toml(&args.out)?)?;
     let mut frames = make_all(&comparison, &contests, &planned, &mut stages, &folder)?;
+    if let Some(warning) = outside(&frames) {
+        note!("{warning}");
+    }
     let effects = comparison.effects();
     frames.sort_by_key(|frame| effects.iter().position(|effect| *effect == frame.effect));
     let report = Report { frames, quality: quality(&comparison), machine };
@@ -180,7 +185,7 @@ fn make_all(
     planned: &[Planned],
     stages: &mut Stages,
     folder: &Folder,
-) -> Result<Vec<crate::report::record::FrameRecord>> {
+) -> Result<Vec<FrameRecord>> {
     let whole = planned.iter().filter(|frame| frame.head.is_whole()).count();
     if whole > 0 {
         note!("{whole} of {} frames are there from an earlier run", planned.len());
@@ -220,6 +225,15 @@ fn make_all(
     }
     bar.finish_and_clear();
     Ok(frames)
+}
+
+/// What is to be said of frames that are unlike those that networks were trained on, once for all of them.
+fn outside(frames: &[FrameRecord]) -> Option<String> {
+    let of = |frame: &&FrameRecord| frame.facts.iter().any(|(name, _)| name == OUTSIDE);
+    let count = frames.iter().filter(of).count();
+    let first = frames.iter().find(of)?;
+    let (_, warning) = first.facts.iter().find(|(name, _)| name == OUTSIDE)?;
+    Some(format!("{count} of {} frames, such as {}: {warning}", frames.len(), first.name))
 }
 
 /// The qualities of all methods, in words.

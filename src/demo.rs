@@ -5,6 +5,7 @@ use crate::compare::{self, Comparison, Contest, Digest, Head, MethodChoice, Run,
 use crate::figures::Figures;
 use crate::methods;
 use crate::place::Place;
+use crate::radius::{self, Space};
 use crate::report::Report;
 use crate::report::folder::{self, DESCRIPTION, Folder};
 use crate::report::record::FrameRecord;
@@ -110,11 +111,12 @@ fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model, folder: &Folder
     for (family, scene, camera) in stages {
         let view = View { name: family.name().to_owned(), camera };
         note!("   {}, {} triangles", view.name, scene.scene().triangle_count());
+        let space = Space::seen(&scene, &view.camera, [height, height]);
         let settings = Settings {
             effect,
             height,
             width: height,
-            radius: model.spec.reach.radius(scene.diagonal(), height),
+            radius: radius::wanted(None, Some(model.spec.reach), &[effect], space),
             goal: Goal::samples(args.samples),
             seed: SEED,
             repeats: Repeats { warm_up: 1, timed: 3 },

@@ -3,30 +3,32 @@
 mod curve;
 pub mod names;
 mod networks;
+mod outcome;
 mod page;
+mod paired;
 mod paper;
 mod results;
 pub mod rivals;
 mod score;
+mod sets;
+mod tables;
 
 use crate::figures::Figures;
 use crate::learned;
 use crate::methods::{self, LEARNED, TRUTH};
 use crate::place::{Folder, Place};
-use crate::statistics::Estimate;
-use crate::table;
 use anyhow::{Result, bail, ensure};
-use deepshade_dataset::TestSet;
 use deepshade_infer::Model;
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::dials::{Changes, Tuning};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, lists};
+use outcome::{Judgement, Scored};
 use results::Entry;
-use rivals::{Rival, rivals, trivial_name};
-use score::{Evaluation, evaluate};
+use rivals::rivals;
+use score::evaluate;
 use serde_json::json;
-use std::collections::BTreeMap;
+use sets::NamedSet;
 use std::path::{Path, PathBuf};
 
 /// Evaluates an effect's methods, learned and analytic, on a test set, or all networks beside the paper's figures.
@@ -37,7 +39,15 @@ use std::path::{Path, PathBuf};
     deepshade eval --effect gi --methods lpv --set cells=32,iterations=8 --set cells=64,iterations=16 --testset testsets/gi\n  \
     deepshade eval --all --testsets testsets --methods learned,gtao,ssgi,fxaa --json all.json --markdown all.md --page report\n  \
     deepshade eval --model models/gi --testset testsets/gi --results models/results.json\n\nTest sets are made by \
-    `deepshade dataset testset`; that of a model that is shipped lies in its folder.")]
+    `deepshade dataset testset`; that of a model that is shipped lies in its folder, \
+    or several, `testset-NAME`.\n\n\
+    Figures in the JSON file: METRIC_METHOD (ssim_learned, ssim_gtao, ssim_gtao_low, ...), of one of several \
+    test sets METRIC_METHOD_NAME; where NAME is also a quality's, as in testset-medium, what has qualities \
+    has its own before that: ssim_gtao_high_medium. paired_METRIC is how far the network is above the best, \
+    by SSIM, of the methods that take at least as long, or above the slowest where none does, frame by \
+    frame; paired_METRIC_low and _high are the ends of its 95 % interval; details.paired_against says which \
+    method that is. scenes_below_trivial counts the scenes in which the network is worse than the image of \
+    whoever does nothing.")]
 pub struct Args {
     /// What is computed; by default what the network computes.
     #[arg(long)]
@@ -46,8 +56,10 @@ pub struct Args {
     /// network. With --all, each network is held against those of them that its effect has.
     #[arg(long, value_delimiter = ',', default_value = "all")]
     methods: Vec<String>,
-    /// How much time analytic methods may take for a better image: one or several of low, medium, high, ultra.
-    #[arg(long, value_delimiter = ',', default_value = "high")]
+    /// How much time analytic methods may take for a better image: one or several of low, medium, high,
+    /// ultra; of several high is always one. By default all where a network is evaluated, so that its rivals
+    /// are at their best, else high.
+    #[arg(long, value_delimiter = ',')]
     quality: Vec<Quality>,
     /// What of the methods is set otherwise than their quality has it, NAME=VALUE,NAME=VALUE; `deepshade methods` lists what can
     /// be. Several times for several ways, each of which is evaluated.
@@ -56,7 +68,8 @@ pub struct Args {
     /// Folder or address of the network; by default models/EFFECT, and models/ao without --effect.
     #[arg(long)]
     model: Option<Place>,
-    /// Folder or address of the test set; by default `testset` in the model's folder.
+    /// Folder or address of the test set; by default all in the model's folder, `testset` and `testset-NAME`,
+    /// each by itself and, but for `testset-artists`, together.
     #[arg(long)]
     testset: Option<Place>,
     /// All networks of the folder `models` that have a test set, beside the figures of the paper's Table 7.1.
@@ -65,7 +78,8 @@ pub struct Args {
     /// Folder with a test set for each network, under its name; by default the one in the network's folder.
     #[arg(long, requires = "all")]
     testsets: Option<PathBuf>,
-    /// Folder that the recipe's scene files are relative to, where it is not the one that the test set remembers.
+    /// Folder that the recipe's scene files are relative to, where it is not the one that the test set
+    /// remembers. Of several test sets those whose files are not there are passed over.
     #[arg(long)]
     scenes: Option<PathBuf>,
     /// Only so many frames, spread over all of them. FLIP and pictures are of those whose truth is whole, maybe none of these.
@@ -103,6 +117,23 @@ fn changes(text: &str) -> Result<Changes, String> {
     Ok(changes)
 }
 
+/// The qualities of analytic methods: those that are asked for, else all where a network is held against
+/// them, so that they are at their best. Of several the default one is always among them: figures have it
+/// under plain names.
+fn qualities(asked: &[Quality], network: bool) -> Vec<Quality> {
+    let mut qualities = match asked {
+        [] if network => Quality::ALL.to_vec(),
+        [] => vec![Quality::default()],
+        asked => asked.to_vec(),
+    };
+    qualities.sort_unstable();
+    qualities.dedup();
+    if qualities.len() > 1 && !qualities.contains(&Quality::default()) {
+        qualities.push(Quality::default());
+    }
+    qualities
+}
+
 /// Each quality with each of what is set, or as it is: all once, however often they are asked for.
 fn tunings(qualities: &[Quality], set: &[Changes]) -> Vec<Tuning> {
     let mut qualities = qualities.to_vec();
@@ -127,18 +158,13 @@ struct Contest {
     effect: Effect,
     /// The network, if there is one, under the name that figures have for it.
     network: Option<(String, Model)>,
-    set: TestSet,
+    /// At least one.
+    sets: Vec<NamedSet>,
     /// Where frames are read from as they are wanted.
     _kept: Vec<Folder>,
 }
 
-/// What an evaluation has come to.
-struct Judgement {
-    rivals: Vec<Rival>,
-    evaluation: Evaluation,
-}
-
-/// Evaluates, prints the table.
+/// Evaluates, prints the tables.
 ///
 /// # Errors
 /// If the model or the test set cannot be read, or a method fails.
@@ -159,70 +185,64 @@ pub fn run(args: &Args) -> Result<()> {
     let gpu = Gpu::new()?;
     let contest = contest(args)?;
     if args.results.is_some() {
-        let is_among = args.methods.iter().any(|name| name == "all" || name == LEARNED);
+        let is_among = is_learned_among(&args.methods);
         ensure!(contest.network.is_some() && is_among, "--results is of networks, and there is none");
     }
-    let Judgement { rivals, evaluation } = judge(&contest, &args.methods, args, &gpu)?;
-    let (effect, estimates) = (contest.effect, evaluation.estimates());
+    let judgement = judge(&contest, &args.methods, args, &gpu)?;
+    let (effect, evaluation) = (contest.effect, &judgement.evaluation);
     let mut figures = Figures::new("eval");
-    for (name, estimate) in &estimates {
-        figures.set(name, estimate.mean);
-    }
-    figures.set("frames", evaluation.frames as f64);
-    figures.set("scenes", evaluation.scenes as f64);
+    judgement.set_figures(&mut figures, effect);
     if let Some((network, _)) = &contest.network {
-        names::set_figures(&mut figures, network, &evaluation);
+        names::set_figures(&mut figures, network, evaluation);
         figures.detail("network", json!(network));
     }
-    let interval = |(name, e): (&&str, &Estimate)| ((*name).to_owned(), json!([e.low, e.high]));
-    figures.detail("confidence_95", estimates.iter().map(interval).collect());
-    for (by, parts) in evaluation.parts() {
-        figures.detail(by, json!(parts));
-    }
     figures.detail("effect", json!(effect.name()));
-    figures.detail("target", json!(target(&contest.set)));
+    figures.detail("target", json!(target(&contest.sets)));
     figures.detail("adapter", json!(gpu.info.name));
-    figures.detail("devices", json!(evaluation.devices));
     figures.write(args.json.as_deref())?;
     if let (Some(path), Some((network, _))) = (&args.results, &contest.network) {
-        let entry = Entry { network: network.clone(), evaluation: &evaluation, target: target(&contest.set) };
+        let entry = Entry { network: network.clone(), evaluation, target: target(&contest.sets) };
         results::add(path, &entry, &gpu)?;
     }
     if let Some(path) = &args.curve {
-        curve::write(path, effect, &rivals, &estimates)?;
+        curve::write(path, effect, &judgement.rivals, &evaluation.estimates())?;
     }
-    say!(
-        "{effect}: {} frames of {} scenes; means over scenes with 95 % confidence intervals, milliseconds on the device \
-         that is named",
-        evaluation.frames,
-        evaluation.scenes
-    )?;
-    say!("{}", table(effect, &rivals, &estimates, &evaluation.devices))
+    tables::print(effect, &judgement)
 }
 
-/// What methods are scored against.
-fn target(set: &TestSet) -> &str {
-    set.recipe().target.as_deref().unwrap_or(TRUTH)
+/// What methods are scored against, in the first set.
+fn target(sets: &[NamedSet]) -> &str {
+    sets.first().and_then(|set| set.set.recipe().target.as_deref()).unwrap_or(TRUTH)
 }
 
 /// Runs methods by name on the frames that the command line asks for.
 fn judge(contest: &Contest, names: &[String], args: &Args, gpu: &Gpu) -> Result<Judgement> {
-    let Contest { effect, network, set, .. } = contest;
+    let Contest { effect, network, sets, .. } = contest;
     let model = network.as_ref().map(|(_, model)| model);
-    let tunings = tunings(&args.quality, &args.set);
+    let tunings = tunings(&qualities(&args.quality, model.is_some() && is_learned_among(names)), &args.set);
     let mut rivals = rivals(*effect, names, &tunings, gpu, model)?;
-    let fog = set.recipe().vary.as_ref().and_then(|vary| vary.fog);
-    if fog.is_some_and(|fog| fog.smoke_share > 0.0) {
+    let fog = |set: &NamedSet| set.set.recipe().vary.as_ref().and_then(|vary| vary.fog);
+    if sets.iter().filter_map(fog).any(|fog| fog.smoke_share > 0.0) {
         let by_name = !names.iter().any(|name| name == "all");
         rivals = methods::through_grids(rivals, by_name, |rival| rival.method.as_ref())?;
     }
-    let chosen = spread(set.frames().len(), args.frames.map_or(usize::MAX, |frames| frames as usize));
-    ensure!(!chosen.is_empty(), "the test set has no frame");
-    if let Some(target) = &set.recipe().target {
-        note!("what methods are scored against is not truth but the images of `{target}`");
+    let mut scored = Vec::new();
+    for named in sets {
+        let (set, title) = (&named.set, named.title().to_owned());
+        let chosen = spread(set.frames().len(), args.frames.map_or(usize::MAX, |frames| frames as usize));
+        ensure!(!chosen.is_empty(), "the test set has no frame");
+        if let Some(target) = &set.recipe().target {
+            note!("what methods are scored against is not truth but the images of `{target}`");
+        }
+        let evaluation = evaluate(set, &chosen, *effect, &rivals)?;
+        scored.push(Scored { name: named.name.clone(), title, evaluation });
     }
-    let evaluation = evaluate(set, &chosen, *effect, &rivals)?;
-    Ok(Judgement { rivals, evaluation })
+    Ok(Judgement::new(rivals, scored))
+}
+
+/// Whether names of methods ask for the network.
+fn is_learned_among(names: &[String]) -> bool {
+    names.iter().any(|name| name == "all" || name == LEARNED)
 }
 
 /// Numbers of frames, ascending, that lie evenly among all and end with the last, as those do whose truth is whole.
@@ -240,69 +260,18 @@ fn contest(args: &Args) -> Result<Contest> {
     let optional = args.model.is_none() && args.effect.is_some() && !learned::is_network(&folder);
     let model = (!optional).then(|| learned::network(&folder, args.effect)).transpose()?;
     let effect = args.effect.or(model.as_ref().map(|model| model.spec.effect)).unwrap_or(Effect::Ao);
-    let beside = || Ok(Folder::of(&folder.join("testset")));
-    let testset_folder = args.testset.as_ref().map_or_else(beside, Place::read)?;
-    let set = testset(&testset_folder, effect, args)?;
+    let mut kept = vec![folder.clone()];
+    let folders = match &args.testset {
+        Some(testset) => {
+            let testset = testset.read()?;
+            kept.push(testset.clone());
+            vec![testset.to_path_buf()]
+        }
+        None => sets::folders(&folder),
+    };
+    let sets = sets::open(&folders, effect, args.scenes.as_deref())?;
     let name = names::figure_name(Path::new(&place.to_string()));
-    Ok(Contest {
-        effect,
-        network: model.map(|model| (name, model)),
-        set,
-        _kept: vec![folder, testset_folder],
-    })
-}
-
-fn testset(folder: &Path, effect: Effect, args: &Args) -> Result<TestSet> {
-    ensure!(
-        TestSet::is_in(folder),
-        "no test set in {0}; `deepshade dataset testset dataset/recipes/{effect}-rivals.toml --out {0}` makes a small one of \
-         six scenes, {effect}-test.toml a large one, and --testset says where another is",
-        folder.display()
-    );
-    let set = TestSet::open(folder)?;
-    let set = match &args.scenes {
-        Some(scenes) => set.with_scenes(scenes),
-        None => set,
-    };
-    let made = set.recipe().effect;
-    ensure!(made == effect, "{} is for {made}, not for {effect}", folder.display());
-    Ok(set)
-}
-
-/// One row a method.
-fn table(
-    effect: Effect,
-    rivals: &[Rival],
-    estimates: &BTreeMap<&str, Estimate>,
-    devices: &BTreeMap<String, String>,
-) -> String {
-    let head = ["method", "quality", "SSIM", "PSNR (dB)", "FLIP", "relMSE", "bias", "ms", "on"];
-    let row = |name: &str, method: &str, quality: String| {
-        let found = |metric: &str| estimates.get(format!("{metric}_{name}").as_str());
-        let interval = |metric: &str| found(metric).map_or(String::new(), Estimate::to_string);
-        let number = |metric: &str, digits: usize| {
-            found(metric).map_or(String::new(), |estimate| format!("{:.digits$}", estimate.mean))
-        };
-        vec![
-            method.to_owned(),
-            quality,
-            interval("ssim"),
-            interval("psnr"),
-            interval("flip"),
-            number("relmse", 4),
-            number("bias", 4),
-            number("ms", 2),
-            devices.get(name).cloned().unwrap_or_default(),
-        ]
-    };
-    let tuned = |rival: &Rival| {
-        let quality = rival.quality.map_or("", Quality::name);
-        [quality, &rival.changes.to_string()].join(" ").trim().to_owned()
-    };
-    let methods = rivals.iter().map(|rival| row(&rival.name, rival.method_name, tuned(rival)));
-    let others = [trivial_name(effect), "ceiling"].map(|name| row(name, name, String::new()));
-    let rows: Vec<_> = [head.map(str::to_owned).to_vec()].into_iter().chain(methods).chain(others).collect();
-    table::aligned(&rows)
+    Ok(Contest { effect, network: model.map(|model| (name, model)), sets, _kept: kept })
 }
 
 #[cfg(test)]
@@ -331,5 +300,15 @@ mod tests {
         let [low, high] = [Quality::Low, Quality::High];
         assert_eq!(all, [tuned(low, &few), tuned(low, &many), tuned(high, &few), tuned(high, &many)]);
         assert_eq!(tunings(&[high], &[]), [Tuning::from(high)]);
+    }
+
+    #[test]
+    fn a_network_s_rivals_are_at_their_best_and_at_the_default_quality() {
+        use Quality::{High, Low, Medium, Ultra};
+        assert_eq!(qualities(&[], true), [Low, Medium, High, Ultra]);
+        assert_eq!(qualities(&[], false), [High]);
+        assert_eq!(qualities(&[Low], true), [Low], "what is asked for");
+        assert_eq!(qualities(&[Ultra, Low], false), [Low, Ultra, High], "for the plain names");
+        assert_eq!(qualities(&[High, Low, High], true), [Low, High]);
     }
 }

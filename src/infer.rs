@@ -34,8 +34,7 @@ pub struct Args {
     #[arg(long, value_parser = crate::arguments::exr_file)]
     out: PathBuf,
     /// How far the effect reaches, metres; by default what the file's attribute `radius_metres` says, else a share of the
-    /// diagonal of what is seen: the one that the network was trained with, divided by N in images N times as high as
-    /// its training images; up to half the diagonal.
+    /// diagonal of what is seen, the one that the network states, and at most a quarter of its median depth.
     #[arg(long, value_parser = positive)]
     radius: Option<f32>,
     /// Writes the figures here as JSON.
@@ -115,7 +114,7 @@ fn default_radius(file: &ExrImage, gbuffer: &GBuffer, spec: &NetSpec) -> Result<
         diagonal > 0.0 && diagonal.is_finite(),
         "no radius is stated and what is seen has a diagonal of {diagonal} m; use --radius"
     );
-    let space = Space { diagonal, height: gbuffer.height() };
+    let space = Space { diagonal, depth: median_depth(gbuffer)? };
     Ok(radius::wanted(None, Some(spec.reach), &[spec.effect], space))
 }
 
@@ -128,6 +127,16 @@ fn visible_diagonal(gbuffer: &GBuffer) -> Result<f32> {
     let bounds = seen.map(position).fold(Bounds::EMPTY, Bounds::grow);
     ensure!(bounds != Bounds::EMPTY, "no surface is seen");
     Ok(bounds.diagonal())
+}
+
+/// Median depth of what is seen, metres; none where nothing is in front of the camera.
+fn median_depth(gbuffer: &GBuffer) -> Result<Option<f32>> {
+    let planes = gbuffer.select(&[Attribute::Position])?;
+    let seen = gbuffer.seen()?;
+    let in_front = planes.plane(2).iter().zip(&seen).filter(|(z, seen)| **seen && **z < 0.0);
+    let mut depths: Vec<f32> = in_front.map(|(z, _)| -z).collect();
+    depths.sort_unstable_by(f32::total_cmp);
+    Ok(depths.get(depths.len() / 2).copied())
 }
 
 fn mean(image: &Planes) -> f64 {

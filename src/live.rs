@@ -7,7 +7,7 @@
 pub mod pilot;
 pub mod stage;
 
-use crate::learned::Learned;
+use crate::learned::{self, Learned};
 use crate::methods::LEARNED;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::truth;
@@ -299,6 +299,21 @@ impl Live {
         let channels = attributes.iter().map(|attribute| attribute.width()).sum();
         let planes = Planes::from_data(channels, self.view.height, self.view.width, planes);
         Ok(GBuffer::new(attributes.to_vec(), planes))
+    }
+
+    /// What is to be said of the last frame where it is unlike those that the network was trained on; nothing
+    /// without a network.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn outside(&self) -> Result<Option<String>> {
+        let network = self.shading.iter().find_map(|shading| match &shading.method {
+            Running::Network(learned) => Some(learned.spec()),
+            Running::Passes(..) => None,
+        });
+        let Some(spec) = network.filter(|spec| spec.trained.is_some()) else { return Ok(None) };
+        let gbuffer = gpu::wait(self.gbuffer_async(truth::attributes(spec.effect)))??;
+        Ok(learned::outside(spec, &gbuffer, self.view.radius))
     }
 
     /// How far each pixel's surface moved since the frame before (x to the right, y up, pixels), its depth, and the

@@ -75,8 +75,9 @@ pub struct Args {
     /// Columns.
     #[arg(long, default_value_t = 768, value_parser = RangedU64ValueParser::<usize>::new().range(1..=8192))]
     width: usize,
-    /// How far effects with a radius reach, metres, or inf; by default 15 % of the scene's diagonal, divided by N in
-    /// pictures N times as high as 512 rows, so that lower pictures have a larger one, of up to half the diagonal.
+    /// How far effects with a radius reach, metres, or inf; by default 3 % of the scene's diagonal, and at
+    /// most a quarter of the median depth of what is seen; of a network of --animate the share of the
+    /// diagonal that it states.
     #[arg(long, value_parser = reach)]
     radius: Option<f32>,
     #[command(flatten)]
@@ -142,7 +143,7 @@ pub fn run(args: &Args) -> Result<()> {
     if completed.scene.scene().glow.is_some() {
         completed.scene = remembered(completed.scene, &args.scene, &args.props)?;
     }
-    let space = Space { diagonal: completed.scene.diagonal(), height: size[0] };
+    let space = Space::seen(&completed.scene, &completed.camera, size);
     let radius = radius::wanted(args.radius, None, &[args.effect], space);
     let shot = Shot {
         footprint: Footprint::Box,

@@ -2,6 +2,7 @@
 //! the interval is a bootstrap over scene means (Efron 1979).
 
 use deepshade_shaders::split_mix::{STEP, finalised};
+use std::collections::BTreeMap;
 
 /// A mean and the interval that holds it with 95 % confidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +29,7 @@ const RESAMPLES: usize = 2000;
 /// # Panics
 /// If there is no value.
 pub fn estimate(values: &[(usize, f64)]) -> Estimate {
-    let means = scene_means(values);
+    let means: Vec<f64> = scene_means(values).into_values().collect();
     assert!(!means.is_empty(), "at least one value");
     let mut resampled: Vec<f64> =
         (0..RESAMPLES as u64).map(|resample| resampled_mean(&means, resample)).collect();
@@ -37,13 +38,23 @@ pub fn estimate(values: &[(usize, f64)]) -> Estimate {
     Estimate { mean: mean(&means), low: percentile(0.025), high: percentile(0.975) }
 }
 
-fn scene_means(values: &[(usize, f64)]) -> Vec<f64> {
-    let mut sums = std::collections::BTreeMap::<usize, (f64, f64)>::new();
+/// The estimate of what one series is above another, frame by frame: what makes a scene hard for both does
+/// not widen the interval. None where they are not of the same frames, or of none.
+pub fn paired(values: &[(usize, f64)], others: &[(usize, f64)]) -> Option<Estimate> {
+    let scenes = |values: &[(usize, f64)]| values.iter().map(|(scene, _)| *scene).collect::<Vec<_>>();
+    let same = !values.is_empty() && scenes(values) == scenes(others);
+    let difference = |((scene, value), (_, other)): (&(usize, f64), &(usize, f64))| (*scene, value - other);
+    same.then(|| estimate(&values.iter().zip(others).map(difference).collect::<Vec<_>>()))
+}
+
+/// The mean of each scene's values.
+pub fn scene_means(values: &[(usize, f64)]) -> BTreeMap<usize, f64> {
+    let mut sums = BTreeMap::<usize, (f64, f64)>::new();
     for (scene, value) in values {
         let sum = sums.entry(*scene).or_default();
         *sum = (sum.0 + value, sum.1 + 1.0);
     }
-    sums.values().map(|(sum, count)| sum / count).collect()
+    sums.into_iter().map(|(scene, (sum, count))| (scene, sum / count)).collect()
 }
 
 /// The mean of as many scenes as there are, each drawn at random.
@@ -74,6 +85,33 @@ mod tests {
         let estimate = estimate(&values);
         assert!((estimate.low - (0.5 - 0.098)).abs() < 0.02, "{estimate}");
         assert!((estimate.high - (0.5 + 0.098)).abs() < 0.02, "{estimate}");
+    }
+
+    #[test]
+    fn differences_are_of_the_same_frames() {
+        // Two frames of scene 0 differ by 0.1 and 0.3, the one of scene 4 by -0.4.
+        let own = [(0, 0.5), (0, 0.9), (4, 0.1)];
+        let other = [(0, 0.4), (0, 0.6), (4, 0.5)];
+        let difference = paired(&own, &other).expect("the same frames");
+        assert!((difference.mean + 0.1).abs() < 1e-12, "{difference}");
+        assert!(
+            (difference.low + 0.4).abs() < 1e-12 && (difference.high - 0.2).abs() < 1e-12,
+            "{difference}"
+        );
+        assert_eq!(paired(&own, &other[..2]), None);
+        assert_eq!(paired(&own, &[(0, 0.4), (4, 0.6), (4, 0.5)]), None, "frames of other scenes");
+        assert_eq!(paired(&[], &[]), None);
+    }
+
+    #[test]
+    fn what_makes_scenes_hard_for_both_does_not_widen_the_interval() {
+        let own: Vec<(usize, f64)> = (0..40).map(|scene| (scene, 0.02 * scene as f64)).collect();
+        let other: Vec<(usize, f64)> = own.iter().map(|(scene, value)| (*scene, value - 0.01)).collect();
+        let difference = paired(&own, &other).expect("the same frames");
+        assert!(difference.low > 0.0099 && difference.high < 0.0101, "{difference}");
+        assert!(estimate(&own).low < estimate(&other).high, "which intervals of their own do not tell");
+        let none = paired(&own, &own).expect("the same frames");
+        assert_eq!((none.low, none.mean, none.high), (0.0, 0.0, 0.0));
     }
 
     #[test]

@@ -88,7 +88,8 @@ pub struct Args {
     /// Columns of the images.
     #[arg(long, default_value_t = 448)]
     width: usize,
-    /// How far effects with a radius reach, metres, or inf; by default 15 % of the scene's diagonal at 512 rows.
+    /// How far effects with a radius reach, metres, or inf; by default 3 % of the scene's diagonal, or what
+    /// the network states, and at most a quarter of the median depth of what is seen first.
     #[arg(long, value_parser = reach)]
     radius: Option<f32>,
     /// Samples of a pixel at which truth rests.

@@ -284,7 +284,7 @@ fn grid(camera: &Camera, aspect: f32) -> impl Iterator<Item = Vec3> {
 
 /// The median depth of what the rays of a grid through an image meet, metres along the camera's axis; `None`
 /// if that is nothing.
-pub(crate) fn median_depth(scene: &TracedScene, camera: &Camera, [height, width]: [usize; 2]) -> Option<f32> {
+pub fn median_depth(scene: &TracedScene, camera: &Camera, [height, width]: [usize; 2]) -> Option<f32> {
     let depth = |direction: Vec3| {
         let hit = scene.hit(camera.position, direction, f32::INFINITY)?;
         Some(-hit.distance * direction.dot(camera.rotation.z_axis))

@@ -4,11 +4,12 @@ use serde::{Deserialize, Serialize};
 
 /// What a network was trained to reach: fixed by its training data, adjusted by scaling what it reads.
 ///
-/// A network is a function of pixels. In an image N times as high as the training images the pixels that it reaches
-/// cover 1/N of the world that they covered there. As in the thesis, the effect's radius is therefore divided by N
-/// unless one is asked for ([`Reach::radius`]): the default keeps its size in pixels, not in the world. Whatever radius
-/// is wanted, positions are multiplied by the trained over the wanted one, so that it looks to the network like the one
-/// it knows ([`Reach::position_scale`]); with the default radius that is N times as much as at the trained height.
+/// A network is a function of pixels. In an image N times as high as the training images the pixels that it
+/// reaches cover 1/N of the world that they covered there. The thesis therefore divides the effect's radius
+/// by N ([`Reach::radius`]): it keeps its size in pixels, not in the world. The program's default is
+/// `diagonal_share` of the scene at every height. Whatever radius is wanted, positions are multiplied by the
+/// trained over the wanted one, so that it looks to the network like the one it knows
+/// ([`Reach::position_scale`]); with the thesis' radius that is N times as much as at the trained height.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Reach {
@@ -20,14 +21,14 @@ pub struct Reach {
     pub height: usize,
 }
 
-/// Most of the diagonal that a radius is by default in images lower than the training images: with half of it, a point
+/// Most of the diagonal that a radius is in images lower than the training images: with half of it, a point
 /// in the middle is reached by the whole scene.
 const MOST_OF_DIAGONAL: f32 = 0.5;
 
 impl Reach {
-    /// The radius, in metres, of a scene with this diagonal in an image of this height: what every method of a
-    /// comparison uses unless a radius is asked for. Where images are lower than the training images it grows up to half
-    /// the diagonal, or up to the trained share where that is more.
+    /// The radius, in metres, that the thesis gives a scene with this diagonal in an image of this height.
+    /// Where images are lower than the training images it grows up to half the diagonal, or up to the trained
+    /// share where that is more.
     pub fn radius(&self, diagonal: f32, height: usize) -> f32 {
         let share = self.diagonal_share * self.height as f32 / height as f32;
         diagonal * share.min(self.diagonal_share.max(MOST_OF_DIAGONAL))

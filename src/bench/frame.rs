@@ -10,7 +10,7 @@ use crate::live::{Live, Wanted};
 use crate::methods::{self, LEARNED};
 use crate::place::Place;
 use crate::props;
-use crate::radius::{self, Space};
+use crate::radius;
 use crate::views::Viewpoint;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::progress;
@@ -136,7 +136,6 @@ fn measure(args: &Args, gpu: &Gpu, size: Size) -> Result<Measured> {
         seed: 0,
     };
     let staged = args.stage.stage(&seen)?;
-    let space = Space { diagonal: staged.diagonal, height: size.height };
     let (methods, learned) = opened(args, &chosen, gpu)?;
     let reach = learned.as_ref().map(|learned| learned.spec().reach);
     let wanted = Wanted {
@@ -145,7 +144,7 @@ fn measure(args: &Args, gpu: &Gpu, size: Size) -> Result<Measured> {
         learned,
         attributes: vec![Attribute::Light, Attribute::Valid],
         temporal: false,
-        radius: radius::wanted(None, reach, &effects, space),
+        radius: radius::wanted(None, reach, &effects, staged.space()),
         shutter: args.shutter,
     };
     let mut live = Live::new(gpu, &staged.animated, &staged.camera, wanted)?;

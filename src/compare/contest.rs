@@ -9,10 +9,10 @@ use crate::learned;
 use crate::methods::{self, LEARNED, TRUTH};
 use crate::place::{Folder, Place};
 use anyhow::{Result, ensure};
-use deepshade_infer::{Model, Reach};
+use deepshade_infer::{Model, NetSpec, Reach};
 use deepshade_render::methods::dials::Tuning;
-use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{Effect, GBuffer};
 use std::path::Path;
 
 /// A method that takes part.
@@ -27,6 +27,8 @@ pub struct Contestant {
     pub fingerprint: String,
     /// Where its network is, if it is one.
     network: Option<Place>,
+    /// What that is.
+    spec: Option<NetSpec>,
 }
 
 /// Everybody who takes part in a run.
@@ -48,6 +50,11 @@ impl Contestant {
     /// The name of its files.
     pub fn file_name(&self) -> String {
         self.rival.name.replace('_', "-")
+    }
+
+    /// What is to be said of a frame that is unlike those that its network was trained on.
+    pub fn outside(&self, gbuffer: &GBuffer, radius: f32) -> Option<String> {
+        learned::outside(self.spec.as_ref()?, gbuffer, radius)
     }
 }
 
@@ -225,10 +232,11 @@ fn opened(
     let rivals = rivals(effect, &names, &tunings, gpu, network.map(|network| &network.model))?;
     let weights = network.map(|network| weights(&network.folder)).transpose()?;
     let contestants = rivals.into_iter().map(|rival| {
-        let network = network.map(|network| network.place.clone());
+        let (network, spec) =
+            network.map(|network| (network.place.clone(), network.model.spec.clone())).unzip();
         let label = rival.method_name.to_owned();
         let fingerprint = format!("{} {:?} {weights:?}{changes}", rival.method_name, rival.quality);
-        Contestant { effect, rival, label, fingerprint, network }
+        Contestant { effect, rival, label, fingerprint, network, spec }
     });
     Ok(contestants.collect())
 }

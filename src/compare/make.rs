@@ -16,8 +16,11 @@ use deepshade_render::exr_file::Metadata;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Repeats};
 use deepshade_render::path::{Goal, Shot, Truth};
-use deepshade_shaders::{Effect, Planes};
+use deepshade_shaders::{Effect, GBuffer, Planes};
 use std::time::Instant;
+
+/// Name of the fact that a frame is unlike those that networks were trained on.
+pub const OUTSIDE: &str = "warning";
 
 /// How a frame is made.
 #[derive(Clone, Copy, Debug)]
@@ -115,6 +118,8 @@ pub fn make(folder: &Folder, head: &Head, subject: &Subject<'_>, at: &impl Fn(&s
             make_truth(folder, head, subject)?
         }
     };
+    record.facts.retain(|(name, _)| name != OUTSIDE);
+    record.facts.extend(outside(subject, &gbuffer));
     // An image's file is written anew only when no record vouches for the older one.
     record.write(&folder.path)?;
     let lit = Lit { effect, image: &image, exposure: record.truth.exposure };
@@ -141,6 +146,15 @@ pub fn make(folder: &Folder, head: &Head, subject: &Subject<'_>, at: &impl Fn(&s
     record.images.sort_by_key(place);
     record.write(&folder.path)?;
     Ok(record)
+}
+
+/// The fact that a frame is unlike those that networks were trained on, if it is.
+fn outside(subject: &Subject<'_>, gbuffer: &GBuffer) -> Option<(String, String)> {
+    let said = |one: &&Contestant| {
+        Some(format!("{}: {}", one.label, one.outside(gbuffer, subject.settings.radius)?))
+    };
+    let all: Vec<String> = subject.contestants.iter().filter_map(said).collect();
+    (!all.is_empty()).then(|| (OUTSIDE.to_owned(), all.join("; ")))
 }
 
 /// Renders truth, no brighter than half floats can hold, and writes it.

@@ -166,15 +166,15 @@ fn frames_of(
     let stage = Stage::of(run, source, effect);
     let scene = stages.get(&stage)?;
     let [height, width] = run.size();
-    let space = Space { diagonal: scene.diagonal(), height };
-    let radius = radius::wanted(run.reach(scene.diagonal()), contest.reach(effect), &[effect], space);
-    let settings =
-        Settings { effect, height, width, radius, goal: run.goal(), seed: run.seed(), repeats: REPEATS };
     let contents = scene_hash(scene.scene());
     let views = views::views(run.views.as_ref(), scene, run.size(), run.seed())?;
     let mut frames = Vec::new();
     for view in views {
         let Completed { scene: shown, camera, added } = completed(run, scene, &view, effect)?;
+        let space = Space::seen(&shown, &camera, run.size());
+        let radius = radius::wanted(run.reach(scene.diagonal()), contest.reach(effect), &[effect], space);
+        let settings =
+            Settings { effect, height, width, radius, goal: run.goal(), seed: run.seed(), repeats: REPEATS };
         let shown = shown.scene();
         if frames.is_empty() {
             added.iter().for_each(|line| note!("{line}"));

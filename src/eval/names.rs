@@ -3,6 +3,7 @@
 use super::score::Evaluation;
 use crate::figures::Figures;
 use crate::methods::LEARNED;
+use deepshade_render::methods::Quality;
 use std::path::Path;
 
 /// The name of a network's folder.
@@ -33,9 +34,37 @@ pub fn of_network(network: &str, figure: &str) -> String {
     }
 }
 
+/// What a figure is called that is of one test set. Where the set is called like a quality, figures of the
+/// methods that have their `plain` name at the default one say that, too: `ssim_gtao_medium` is of a quality,
+/// `ssim_gtao_high_medium` of a set.
+pub fn of_set(figure: &str, set: &str, plain: &[&str]) -> String {
+    let is_quality = Quality::ALL.into_iter().any(|quality| quality.name() == set);
+    let (_, method) = figure.split_once('_').unwrap_or_default();
+    match is_quality && plain.contains(&method) {
+        true => format!("{figure}_{}_{set}", Quality::default().name()),
+        false => format!("{figure}_{set}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn figures_of_sets_are_told_from_those_of_qualities() {
+        let plain = ["gtao", "bounced_z"];
+        for (figure, set, expected) in [
+            ("ssim_learned", "small", "ssim_learned_small"),
+            ("ssim_gtao", "artists", "ssim_gtao_artists"),
+            ("ssim_learned", "medium", "ssim_learned_medium"),
+            ("ssim_gtao", "medium", "ssim_gtao_high_medium"),
+            ("ms_bounced_z", "medium", "ms_bounced_z_high_medium"),
+            ("ssim_gtao_medium", "medium", "ssim_gtao_medium_medium"),
+            ("ssim_white", "medium", "ssim_white_medium"),
+        ] {
+            assert_eq!(of_set(figure, set, &plain), expected);
+        }
+    }
 
     #[test]
     fn figures_of_networks_have_names_of_their_own() {

@@ -1,10 +1,11 @@
 //! `deepshade eval --all`: every network beside what the thesis reports of its own, as a table, figures and a page.
 
 use super::names::{figure_name, name_of, set_figures};
+use super::outcome::Judgement;
 use super::paper::{Published, published};
 use super::results::{self, Entry};
 use super::rivals::trivial_name;
-use super::{Args, Contest, Judgement, judge, page, target, testset};
+use super::{Args, Contest, judge, page, sets, target};
 use crate::figures::{Figures, write_atomically};
 use crate::methods::{LEARNED, names_of};
 use crate::statistics::Estimate;
@@ -51,15 +52,15 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let gpu = Gpu::new()?;
     let mut rows = Vec::new();
-    for (folder, set) in networks(args)? {
+    for (folder, sets) in networks(args)? {
         let name = name_of(&folder);
         note!("{name}");
         let model = learned::network(&folder, None)?;
         let effect = model.spec.effect;
-        let set = testset(&set, effect, args)?;
-        let (weights, target) = (model.spec.weight_count(), target(&set).to_owned());
+        let sets = sets::open(&sets, effect, args.scenes.as_deref())?;
+        let (weights, target) = (model.spec.weight_count(), target(&sets).to_owned());
         let contest =
-            Contest { effect, network: Some((figure_name(&folder), model)), set, _kept: Vec::new() };
+            Contest { effect, network: Some((figure_name(&folder), model)), sets, _kept: Vec::new() };
         let judgement = judge(&contest, &methods_for(effect, &args.methods), args, &gpu)?;
         let row = Row {
             published: published(&name),
@@ -108,21 +109,21 @@ fn methods_for(effect: Effect, asked: &[String]) -> Vec<String> {
     std::iter::once(LEARNED.to_owned()).chain(asked.iter().filter(is_rival).cloned()).collect()
 }
 
-/// The folders of networks, each with that of its test set; networks without one are named and left out.
-fn networks(args: &Args) -> Result<Vec<(PathBuf, PathBuf)>> {
+/// The folders of networks, each with those of its test sets; networks without one are named and left out.
+fn networks(args: &Args) -> Result<Vec<(PathBuf, Vec<PathBuf>)>> {
     let entries = std::fs::read_dir(MODELS).with_context(|| format!("no folder `{MODELS}` here"))?;
     let mut folders: Vec<PathBuf> = entries.map(|entry| Ok(entry?.path())).collect::<Result<_>>()?;
     folders.retain(|folder| folder.join("net.json").is_file());
     folders.sort();
     let mut found = Vec::new();
     for folder in folders {
-        let set = match &args.testsets {
-            Some(sets) => sets.join(name_of(&folder)),
-            None => folder.join("testset"),
+        let sets = match &args.testsets {
+            Some(sets) => vec![sets.join(name_of(&folder))],
+            None => sets::folders(&folder),
         };
-        match TestSet::is_in(&set) {
-            true => found.push((folder, set)),
-            false => note!("{}: left out, there is no test set in {}", folder.display(), set.display()),
+        match sets.iter().find(|set| !TestSet::is_in(set)) {
+            None => found.push((folder, sets)),
+            Some(set) => note!("{}: left out, there is no test set in {}", folder.display(), set.display()),
         }
     }
     ensure!(!found.is_empty(), "no network in `{MODELS}` has a test set; --testsets says where they are");
@@ -148,7 +149,7 @@ const HEAD: [&str; 13] = [
 
 /// A network's line of the table.
 fn line(row: &Row) -> Vec<String> {
-    let Judgement { rivals, evaluation } = &row.judgement;
+    let Judgement { rivals, evaluation, .. } = &row.judgement;
     let estimates = evaluation.estimates();
     let found = |metric: &str, of: &str| estimates.get(format!("{metric}_{of}").as_str()).copied();
     let ssim = |of: &str| found("ssim", of);

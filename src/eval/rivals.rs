@@ -24,8 +24,8 @@ pub struct Rival {
     pub method: Box<dyn Method>,
 }
 
-/// Opens methods by name, `all` for all that there are but [`STUDY`], each at some tunings; those that have no
-/// qualities are opened once. `learned` is left out of `all` where there is no network.
+/// Opens methods by name, `all` for all that there are but [`STUDY`], each at some tunings; those of which nothing can be
+/// set are opened once. `learned` is left out of `all` where there is no network.
 ///
 /// # Errors
 /// If there is no such method, or one cannot be opened.
@@ -58,7 +58,8 @@ pub fn rivals(
     let mut rivals = Vec::new();
     for name in asked {
         let by_quality = tunable.contains(&name);
-        for tuning in if by_quality { tunings } else { &tunings[..1] } {
+        let alike = methods::dials(effect, name, Quality::default())?.is_empty();
+        for tuning in if alike { once(tunings) } else { tunings } {
             let setup = Setup { gpu, model, tuning };
             for method in methods::open(effect, &[name], setup)? {
                 let method_name = method.name();
@@ -74,6 +75,12 @@ pub fn rivals(
         }
     }
     Ok(rivals)
+}
+
+/// The tuning of what is the same in all of them: the one at the default quality, else the first.
+fn once(tunings: &[Tuning]) -> &[Tuning] {
+    let usual = tunings.iter().position(|tuning| tuning.quality == Quality::default()).unwrap_or(0);
+    tunings.get(usual..=usual).unwrap_or_default()
 }
 
 /// A method's name in figures, with what is not as it is by default.
@@ -181,6 +188,8 @@ mod tests {
         assert!(!names.iter().any(|name| name.starts_with("screen_truth")), "for studies: {names:?}");
         let study = rivals(Effect::Ao, &[STUDY.to_owned()], &tunings, &gpu, None).expect("a method");
         assert_eq!(study.len(), tunings.len(), "where it is asked for");
+        let aov = names.iter().filter(|name| **name == "aov" || **name == "aov_low");
+        assert_eq!(aov.count(), 1, "nothing of it can be set: {names:?}");
         let error = rivals(Effect::Ao, &["sharp".to_owned()], &tunings, &gpu, None).err().expect("none");
         assert!(error.to_string().contains("no method `sharp`"), "{error}");
         let refused = |effect, name: &str| {

@@ -2,7 +2,7 @@
 
 use super::rivals::{Rival, trivial_image, trivial_name};
 use crate::methods::LEARNED;
-use crate::statistics::{Estimate, estimate};
+use crate::statistics::{Estimate, estimate, scene_means};
 use anyhow::{Context, Result};
 use deepshade_dataset::progress;
 use deepshade_dataset::testset::{FrameRecord, gather};
@@ -20,20 +20,23 @@ const REPEATS: Repeats = Repeats { warm_up: 1, timed: 3 };
 /// Scores by figure name (`ssim_learned`), each with the scene it is from.
 type Table = BTreeMap<String, Vec<(usize, f64)>>;
 
+/// Of a part of the scenes: what parts there are by, and which one it is.
+type Part = (&'static str, String);
+
 /// Scores of all frames.
 #[derive(Default)]
 pub struct Evaluation {
     /// Number of frames.
     pub frames: usize,
-    /// Number of scenes.
-    pub scenes: usize,
+    /// The scenes, by name.
+    pub scenes: Vec<String>,
     /// What each method ran on, by its figures' name.
     pub devices: BTreeMap<String, String>,
     /// Frames of which there is the whole truth, if a network was among the methods.
     pub sights: Vec<Sight>,
     overall: Table,
-    /// The same for a part of the scenes: what parts there are by, and which one it is.
-    parts: BTreeMap<(&'static str, String), Table>,
+    /// The same for parts of the scenes.
+    parts: BTreeMap<Part, Table>,
 }
 
 /// A frame to look at.
@@ -64,13 +67,66 @@ impl Evaluation {
         parts
     }
 
+    /// Several test sets as one. A scene that is in several of them stays one, since its frames resemble each
+    /// other. Frames to look at are moved.
+    pub fn together<'a>(sets: impl IntoIterator<Item = &'a mut Self>) -> Self {
+        let mut all = Self::default();
+        for set in sets {
+            let scenes: Vec<usize> = set.scenes.iter().map(|name| all.scene(name)).collect();
+            all.frames += set.frames;
+            all.devices.extend(set.devices.clone());
+            all.sights.append(&mut set.sights);
+            extend(&mut all.overall, &set.overall, &scenes);
+            for (part, table) in &set.parts {
+                extend(all.parts.entry(part.clone()).or_default(), table, &scenes);
+            }
+        }
+        all
+    }
+
+    /// The values of a figure, each with its scene, frame by frame; none where nothing was measured under
+    /// that name.
+    pub fn values(&self, name: &str) -> &[(usize, f64)] {
+        self.overall.get(name).map(Vec::as_slice).unwrap_or_default()
+    }
+
+    /// The mean over scenes of a figure's values; none where nothing was measured under that name.
+    pub fn mean(&self, name: &str) -> Option<f64> {
+        let means = scene_means(self.values(name));
+        (!means.is_empty()).then(|| means.values().sum::<f64>() / means.len() as f64)
+    }
+
+    /// Names of the scenes in which the mean of one figure is below that of another.
+    pub fn scenes_below(&self, figure: &str, other: &str) -> Vec<&str> {
+        let means = |name: &str| scene_means(self.values(name));
+        let (own, others) = (means(figure), means(other));
+        let below = own.iter().filter(|(scene, mean)| others.get(*scene).is_some_and(|other| *mean < other));
+        below.map(|(scene, _)| self.scenes[*scene].as_str()).collect()
+    }
+
+    /// The number of a scene, which is a new one where the name is.
+    fn scene(&mut self, name: &str) -> usize {
+        self.scenes.iter().position(|known| known == name).unwrap_or_else(|| {
+            self.scenes.push(name.to_owned());
+            self.scenes.len() - 1
+        })
+    }
+
     fn add(&mut self, source: &Subject, name: &str, value: f64) {
         let parts = [("origins", origin(source)), ("kinds", kind(source)), ("scenes", source.to_string())];
-        let entry = (self.scenes, value);
+        let entry = (self.scene(&source.to_string()), value);
         self.overall.entry(name.to_owned()).or_default().push(entry);
         for part in parts {
             self.parts.entry(part).or_default().entry(name.to_owned()).or_default().push(entry);
         }
+    }
+}
+
+/// Adds values to a table, whose scenes have other numbers.
+fn extend(table: &mut Table, more: &Table, scenes: &[usize]) {
+    for (name, values) in more {
+        let values = values.iter().map(|(scene, value)| (scenes[*scene], *value));
+        table.entry(name.clone()).or_default().extend(values);
     }
 }
 
@@ -89,7 +145,6 @@ pub fn evaluate(set: &TestSet, chosen: &[usize], effect: Effect, rivals: &[Rival
         let scene = match current.take() {
             Some((source, scene)) if source == record.scene => scene,
             _ => {
-                evaluation.scenes += 1;
                 let scene = StagedScene::load(&record.scene, set.recipe(), &props);
                 scene
                     .with_context(|| format!("frame {}; --scenes says where scene files are", record.name))?
@@ -175,13 +230,55 @@ fn mean(image: &Planes) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
+
+    /// Scores by hand: scenes with frames, of which each has values under some names.
+    pub fn evaluation(scenes: &[(&str, &[&[(&str, f64)]])]) -> Evaluation {
+        let mut evaluation = Evaluation::default();
+        for (scene, frames) in scenes {
+            let source = Subject::try_from((*scene).to_owned()).expect("a scene");
+            for frame in *frames {
+                evaluation.frames += 1;
+                frame.iter().for_each(|(name, value)| evaluation.add(&source, name, *value));
+            }
+        }
+        evaluation
+    }
 
     #[test]
     fn scenes_are_grouped_by_family_and_by_file() {
         let kind = |text: &str| kind(&Subject::try_from(text.to_owned()).expect("a scene"));
         assert_eq!((kind("drapery:7"), kind("drapery:8")), ("drapery".to_owned(), "drapery".to_owned()));
         assert_eq!(kind("../some:where/hall.gltf"), "hall.gltf");
+    }
+
+    #[test]
+    fn a_scene_of_several_test_sets_stays_one() {
+        let mut small = evaluation(&[("cave:1", &[&[("ssim_learned", 0.2)], &[("ssim_learned", 0.4)]])]);
+        let frames: [&[(&str, f64)]; 1] = [&[("ssim_learned", 0.9)]];
+        let mut large = evaluation(&[("drapery:1", &frames), ("cave:1", &frames)]);
+        let all = Evaluation::together([&mut small, &mut large]);
+        assert_eq!(
+            (all.frames, all.scenes.as_slice()),
+            (4, &["cave:1".to_owned(), "drapery:1".to_owned()][..])
+        );
+        assert_eq!(all.values("ssim_learned"), [(0, 0.2), (0, 0.4), (1, 0.9), (0, 0.9)]);
+        // The mean of 0.5 and 0.9, not that of four frames, nor of three scenes.
+        assert!((all.estimates()["ssim_learned"].mean - 0.7).abs() < 1e-12);
+        assert!(
+            (all.parts()["kinds"]["cave"]["ssim_learned"].as_f64().expect("a number") - 0.5).abs() < 1e-12
+        );
+    }
+
+    #[test]
+    fn scenes_are_below_by_the_mean_of_their_frames() {
+        let scores = |own: f64| [("ssim_learned", own), ("ssim_white", 0.5)];
+        let (low, high, same) = (scores(0.1), scores(0.8), scores(0.5));
+        let found =
+            evaluation(&[("cave:1", &[&low, &high]), ("drapery:1", &[&high, &high]), ("bridge:2", &[&same])]);
+        assert_eq!(found.scenes_below("ssim_learned", "ssim_white"), ["cave:1"]);
+        assert_eq!(found.scenes_below("ssim_white", "ssim_learned"), ["drapery:1"]);
+        assert!(found.scenes_below("ssim_learned", "ssim_black").is_empty(), "nothing was measured");
     }
 }

@@ -4,8 +4,10 @@
 use crate::arguments::within;
 use crate::complete::{Additions, Wants, complete};
 use crate::props;
+use crate::radius::Space;
 use crate::views::Viewpoint;
 use anyhow::{Context, Result};
+use deepshade_dataset::views::median_depth;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::{AnimatedScene, Camera, SceneSource};
 use deepshade_shaders::Effect;
@@ -37,6 +39,8 @@ pub struct Staged {
     pub added: Vec<String>,
     /// Diagonal of the scene, metres.
     pub diagonal: f32,
+    /// Median depth of what the first frame sees, metres, where it sees anything.
+    pub depth: Option<f32>,
     pivot: Vec3,
     orbit: f32,
     frames: u32,
@@ -117,6 +121,7 @@ impl Args {
             camera,
             added,
             diagonal: traced.diagonal(),
+            depth: median_depth(&traced, &camera, seen.size),
             orbit: self.orbit.unwrap_or(0.0).to_radians(),
             frames: self.frames(),
             fps: self.fps.unwrap_or(25.0),
@@ -125,6 +130,11 @@ impl Args {
 }
 
 impl Staged {
+    /// What a default radius depends on: it stays that of the first frame wherever the camera goes.
+    pub const fn space(&self) -> Space {
+        Space { diagonal: self.diagonal, depth: self.depth }
+    }
+
     /// When a frame is, seconds after the beginning.
     pub fn seconds(&self, frame: u32) -> f32 {
         frame as f32 / self.fps

@@ -10,7 +10,7 @@ use crate::live::stage::{Seen, Staged};
 use crate::live::{Live, Wanted};
 use crate::methods::{self, LEARNED};
 use crate::place::Place;
-use crate::radius::{self, Space};
+use crate::radius;
 use crate::report::images::write_png;
 use anyhow::{Context, Result, bail, ensure};
 use clap::builder::RangedU64ValueParser;
@@ -120,8 +120,7 @@ pub fn run(args: &Args) -> Result<()> {
     staged.added.iter().for_each(|line| note!("{line}"));
     let (methods, learned) = opened(args, &gpu)?;
     let reach = learned.as_ref().map(|learned| learned.spec().reach);
-    let space = Space { diagonal: staged.diagonal, height: size[0] };
-    let radius = radius::wanted(args.radius, reach, &[effect], space);
+    let radius = radius::wanted(args.radius, reach, &[effect], staged.space());
     let wanted = Wanted {
         size,
         methods,
@@ -190,6 +189,11 @@ fn write_sequence(
     for frame in 0..frames {
         let time = staged.time(frame, args.time.time());
         times.extend(live.make(time, args.seed.wrapping_add(frame), &staged.camera(frame))?);
+        if frame == 0
+            && let Some(warning) = live.outside()?
+        {
+            note!("first frame: {warning}");
+        }
         let image = match shown.attribute {
             Some(attribute) => live.attribute(attribute)?,
             None => live.image(0)?,

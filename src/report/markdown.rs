@@ -2,7 +2,7 @@
 
 use super::folder::DESCRIPTION;
 use super::record::FrameRecord;
-use super::summary::{COLUMNS, Line, lines};
+use super::summary::{COLUMNS, Line, lines, said_behind};
 use super::{Report, title};
 use crate::table;
 use deepshade_shaders::Effect;
@@ -24,6 +24,7 @@ pub fn text(report: &Report) -> String {
         text.push(format!("On {} frame{plural}:", frames.len()));
         text.push(String::new());
         text.extend(table(effect, None, &[("", frames.clone())]));
+        text.extend(said_behind(effect, &frames).into_iter().flat_map(|said| [String::new(), said]));
         if scenes.len() > 1 {
             text.extend([String::new(), "By scene:".to_owned(), String::new()]);
             text.extend(table(effect, Some("scene"), &scenes));

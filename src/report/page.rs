@@ -3,7 +3,7 @@
 use super::folder::{DESCRIPTION, MARKDOWN};
 use super::record::{FrameRecord, TRUTH};
 use super::scatter::{self, MEASURES};
-use super::summary::{Line, lines};
+use super::summary::{Line, lines, said_behind};
 use super::{Report, colour_map, floor_name, images, title};
 use anyhow::Result;
 use askama::Template;
@@ -62,6 +62,8 @@ struct EffectPart {
     title: &'static str,
     frames: usize,
     rows: Vec<Row>,
+    /// Which methods are behind doing nothing, in a sentence; empty where none is.
+    behind: String,
     /// Of each measure, if there is something to draw.
     plots: Vec<(&'static str, String)>,
     /// Empty of one scene.
@@ -132,6 +134,7 @@ impl EffectPart {
             title: title(effect),
             frames: frames.len(),
             rows: means.iter().map(|line| Row::new("", line, None)).collect(),
+            behind: said_behind(effect, &frames).unwrap_or_default(),
             plots,
             scenes: by_scene.collect(),
         }

@@ -115,6 +115,27 @@ fn method_line(label: &str, frames: &[&FrameRecord]) -> Line {
     }
 }
 
+/// Labels of methods of which the mean SSIM is below that of an image of background on the same frames:
+/// whoever does nothing is better.
+pub fn behind_nothing<'a>(frames: &[&'a FrameRecord]) -> Vec<&'a str> {
+    let mut sums: Vec<(&str, f64)> = Vec::new();
+    for (frame, image) in frames.iter().flat_map(|frame| frame.images.iter().map(move |image| (frame, image)))
+    {
+        let ahead = image.scores.ssim - frame.truth.floor.ssim;
+        match sums.iter_mut().find(|(label, _)| *label == image.label) {
+            Some((_, sum)) => *sum += ahead,
+            None => sums.push((&image.label, ahead)),
+        }
+    }
+    sums.into_iter().filter(|(_, sum)| *sum < 0.0).map(|(label, _)| label).collect()
+}
+
+/// That in a sentence, where there are some.
+pub fn said_behind(effect: Effect, frames: &[&FrameRecord]) -> Option<String> {
+    let behind = behind_nothing(frames);
+    (!behind.is_empty()).then(|| format!("behind the {} by SSIM: {}", floor_name(effect), behind.join(", ")))
+}
+
 /// The mean of some numbers, of which there is one at least.
 pub fn mean(values: impl Iterator<Item = f64> + Clone) -> f64 {
     let count = values.clone().count();
@@ -236,7 +257,9 @@ impl fmt::Display for Report {
                 let cells = line.cells();
                 [line.name].into_iter().chain(cells).chain([line.device]).collect()
             }));
-            writeln!(f, "{}\n", table::aligned(&rows))?;
+            writeln!(f, "{}", table::aligned(&rows))?;
+            said_behind(effect, &frames).iter().try_for_each(|said| writeln!(f, "{said}"))?;
+            writeln!(f)?;
         }
         Ok(())
     }

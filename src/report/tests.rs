@@ -101,6 +101,22 @@ fn noise_is_between_the_halves() {
 }
 
 #[test]
+fn methods_that_are_behind_doing_nothing_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut frames = ["hall", "cave"].map(|name| frame(folder.path(), EFFECT, name, &["near", "far"]));
+    // Over both frames `near` is 0.1 below, `far` 0.1 above.
+    for (frame, (floor, ssims)) in frames.iter_mut().zip([(0.5, [0.6, 0.5]), (0.7, [0.5, 0.8])]) {
+        frame.truth.floor.ssim = floor;
+        frame.images.iter_mut().zip(ssims).for_each(|(image, ssim)| image.scores.ssim = ssim);
+    }
+    let all: Vec<&FrameRecord> = frames.iter().collect();
+    assert_eq!(summary::behind_nothing(&all), ["near"]);
+    assert!(summary::behind_nothing(&all[..1]).is_empty(), "in the first neither is");
+    let printed = report(frames.to_vec()).to_string();
+    assert!(printed.contains("behind the white image by SSIM: near\n"), "{printed}");
+}
+
+#[test]
 fn a_perfect_image_scores_better_than_half_against_half() {
     let noisy = |seed: u32| {
         let image = wave(0.0);

@@ -170,6 +170,9 @@ fn effect(ui: &mut Ui, window: &mut Window) {
             }
         });
     }
+    if let Some(warning) = &picture.warning {
+        ui.label(RichText::new(warning).small().weak());
+    }
 }
 
 fn look(ui: &mut Ui, window: &mut Window) {

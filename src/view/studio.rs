@@ -13,7 +13,7 @@ use crate::learned::{self, Learned};
 use crate::live::{Live, Wanted};
 use crate::methods::{self, LEARNED, Setup};
 use crate::output::message;
-use crate::radius::{self, Space};
+use crate::radius;
 use crate::render::picture::Exposure;
 use anyhow::{Context, Result};
 use deepshade_dataset::truth;
@@ -124,6 +124,8 @@ struct Set {
     live_names: Vec<&'static str>,
     on_processor: Vec<Box<dyn Method>>,
     radius: f32,
+    /// What is to be said of what a camera sees where it is unlike what the network was trained on.
+    outside: Option<(Camera, Option<String>)>,
 }
 
 impl Studio {
@@ -148,6 +150,7 @@ impl Studio {
         if let Some(times) = set.live.make(order.time, order.number, &camera)? {
             self.passes = set.live.passes().into_iter().zip(times).collect();
         }
+        let warning = set.warning(&camera)?;
         let (images, of_processor) = set.images(&subject, &order, &camera, &lights)?;
         let exposure = order.exposed(images.first().map(|(_, first)| first));
         let developed = exposure.unwrap_or(Exposure::Plain);
@@ -158,7 +161,7 @@ impl Studio {
             inspected.transpose()?.map(|(attribute, values)| Developed::of_attribute(attribute, values));
         let passes = self.passes.iter().cloned().chain(of_processor).collect();
         let radius = set.radius;
-        Ok(Picture { subject, camera, lights, radius, exposure, images, inspected, passes, order })
+        Ok(Picture { subject, camera, lights, radius, warning, exposure, images, inspected, passes, order })
     }
 
     /// The scene, read anew where another one is wanted, another effect of it, or the same as its files are now.
@@ -198,9 +201,8 @@ impl Set {
             let setup = Setup { gpu: &gpu, model: None, tuning: &show.tuning(name) };
             on_processor.extend(methods::open(show.effect, &[name], setup)?);
         }
-        let space = Space { diagonal: subject.diagonal, height: show.size[0] };
         let reach = learned.as_ref().map(|learned| learned.spec().reach);
-        let radius = radius::wanted(show.radius, reach, &[show.effect], space);
+        let radius = radius::wanted(show.radius, reach, &[show.effect], subject.space);
         let mut attributes = vec![Attribute::Valid];
         attributes.extend(show.inspected);
         if !on_processor.is_empty() {
@@ -218,7 +220,20 @@ impl Set {
             shutter: args.shutter(),
         };
         let live = Live::new(&gpu, &subject.animated, camera, wanted)?;
-        Ok(Self { show: show.clone(), live, live_names, on_processor, radius })
+        Ok(Self { show: show.clone(), live, live_names, on_processor, radius, outside: None })
+    }
+
+    /// What is to be said of the last frame where it is unlike what the network was trained on, found out
+    /// anew where the camera is another one.
+    fn warning(&mut self, camera: &Camera) -> Result<Option<String>> {
+        if let Some((seen, warning)) = &self.outside
+            && seen == camera
+        {
+            return Ok(warning.clone());
+        }
+        let warning = self.live.outside()?;
+        self.outside = Some((*camera, warning.clone()));
+        Ok(warning)
     }
 
     /// Itself, where it makes what is wanted, or comes to by newer weights of its network.

@@ -5,6 +5,7 @@ use super::stamp::stamp;
 use crate::compare::Digest;
 use crate::live::pilot::Pilot;
 use crate::live::stage::{self, Seen};
+use crate::radius::Space;
 use crate::views::Viewpoint;
 use anyhow::Result;
 use deepshade_dataset::identity::scene_hash;
@@ -31,6 +32,8 @@ pub struct Subject {
     pub contents: String,
     /// Diagonal of the scene, metres.
     pub diagonal: f32,
+    /// What a default radius depends on.
+    pub space: Space,
     /// Which of its lights animations move.
     rigged: Vec<bool>,
     /// How long the shutter is open, seconds; 0 for effects that do not show it.
@@ -66,6 +69,7 @@ impl Subject {
             added: staged.added,
             contents: contents(args, &staged.animated),
             diagonal: staged.diagonal,
+            space: staged.space(),
             rigged: rigged(&staged.animated),
             animated: staged.animated,
             shutter: if effect == Effect::MotionBlur { args.shutter() } else { 0.0 },

@@ -5,7 +5,7 @@ use crate::learned::Learned;
 use crate::live::stage::{self, Seen, Staged};
 use crate::live::{Live, Wanted};
 use crate::methods::{self, LEARNED};
-use crate::radius::{self, Space};
+use crate::radius;
 use crate::report::images::Lit;
 use crate::{complete, props, views};
 use anyhow::{Context, Result, ensure};
@@ -106,8 +106,7 @@ impl Showing {
         let mut names: Vec<&'static str> = opened.iter().map(|method| method.name()).collect();
         names.extend(learned.as_ref().map(|_| LEARNED));
         let reach = learned.as_ref().map(|learned| learned.spec().reach);
-        let space = Space { diagonal: staged.diagonal, height: wish.size[0] };
-        let radius = radius::wanted(None, reach, &[wish.effect], space);
+        let radius = radius::wanted(None, reach, &[wish.effect], staged.space());
         let wanted = Wanted {
             size: wish.size,
             methods: opened,

@@ -1,7 +1,6 @@
 //! The rays: those of a camera, those that ask for ambient occlusion, and those that leave a surface after one diffuse
 //! bounce.
 
-use crate::radius::DEFAULT_REACH;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::bvh::bundle::BUNDLE;
 use deepshade_render::intersection::SurfacePoint;
@@ -12,6 +11,9 @@ use glam::{Vec2, Vec3};
 
 /// Every which surface ambient occlusion rays start from: neighbours tell nothing new.
 const STRIDE: usize = 16;
+
+/// How far rays for ambient occlusion go, as a share of the scene's diagonal.
+const AO_SHARE: f32 = 0.15;
 
 /// Why rays are traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,7 +70,7 @@ pub fn all<'a>(scene: &TracedScene, cameras: impl Iterator<Item = &'a Camera>, s
         Some(SurfacePoint::new(scene, &hit, ray.direction))
     };
     let points: Vec<SurfacePoint> = primary.rays.iter().filter_map(seen).collect();
-    let reach = DEFAULT_REACH.diagonal_share * scene.diagonal();
+    let reach = AO_SHARE * scene.diagonal();
     let occlusion = |(i, point): (usize, &SurfacePoint)| {
         let directions = hemisphere(&PixelSampler::new(i, 0, 0), BUNDLE as u32, point.geometric_normal);
         Bundle { origin: point.ray_origin(), directions, reach }

@@ -28,6 +28,7 @@ fn moment(line: &str, turn: f32) -> Moment {
         camera,
         lights: subject.lights(None),
         radius: 0.5,
+        warning: None,
         exposure: None,
         images: vec![image],
         inspected: None,

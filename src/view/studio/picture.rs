@@ -46,6 +46,8 @@ pub struct Picture {
     pub lights: Vec<Light>,
     /// How far the effect reached, metres.
     pub radius: f32,
+    /// What is to be said of it where it is unlike what the network was trained on.
+    pub warning: Option<String>,
     /// How it was exposed, if there was anything to expose.
     pub exposure: Option<Exposure>,
     /// What each method made.
@@ -106,6 +108,7 @@ mod tests {
             camera,
             lights,
             radius: 0.5,
+            warning: None,
             exposure: Some(exposure),
             images: vec![Developed::new("ssgi", values, exposure)],
             inspected: None,

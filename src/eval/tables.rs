@@ -1,0 +1,98 @@
+//! What an evaluation prints: a table for each test set, one of the network against its strongest rivals, and
+//! the scenes in which it is worse than doing nothing.
+
+use super::outcome::{Judgement, Scored, Versus};
+use super::rivals::{Rival, trivial_name};
+use crate::methods::LEARNED;
+use crate::statistics::Estimate;
+use crate::table;
+use anyhow::Result;
+use deepshade_render::methods::Quality;
+use deepshade_shaders::Effect;
+
+/// Prints everything.
+///
+/// # Errors
+/// If nobody reads it.
+pub fn print(effect: Effect, judgement: &Judgement) -> Result<()> {
+    for set in &judgement.sets {
+        let of = if judgement.is_divided() { format!(", {}", set.title) } else { String::new() };
+        say!(
+            "{effect}{of}: {} frames of {} scenes; means over scenes with 95 % confidence intervals, \
+             milliseconds on the device that is named",
+            set.evaluation.frames,
+            set.evaluation.scenes.len()
+        )?;
+        say!("{}", methods(effect, &judgement.rivals, set))?;
+    }
+    let pairs = judgement.pairs();
+    if !pairs.is_empty() {
+        say!(
+            "\n`{LEARNED}` less the best by SSIM of the methods that take as long, or the slowest where none \
+             does, on the same frames; better is more of SSIM and PSNR, less of FLIP and relMSE"
+        )?;
+        say!("{}", differences(&pairs))?;
+    }
+    match judgement.below_trivial(effect) {
+        Some(scenes) if !scenes.is_empty() => {
+            let (count, names) = (scenes.len(), scenes.join(", "));
+            say!("\n`{LEARNED}` is behind the {} image in {count} scenes: {names}", trivial_name(effect))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// One row a method.
+fn methods(effect: Effect, rivals: &[Rival], set: &Scored) -> String {
+    let head = ["method", "quality", "SSIM", "PSNR (dB)", "FLIP", "relMSE", "bias", "ms", "on"];
+    let (estimates, devices) = (set.evaluation.estimates(), &set.evaluation.devices);
+    let row = |name: &str, method: &str, quality: String| {
+        let found = |metric: &str| estimates.get(format!("{metric}_{name}").as_str());
+        let interval = |metric: &str| found(metric).map_or(String::new(), Estimate::to_string);
+        let number = |metric: &str, digits: usize| {
+            found(metric).map_or(String::new(), |estimate| format!("{:.digits$}", estimate.mean))
+        };
+        vec![
+            method.to_owned(),
+            quality,
+            interval("ssim"),
+            interval("psnr"),
+            interval("flip"),
+            number("relmse", 4),
+            number("bias", 4),
+            number("ms", 2),
+            devices.get(name).cloned().unwrap_or_default(),
+        ]
+    };
+    let methods = rivals.iter().map(|rival| row(&rival.name, rival.method_name, tuned(rival)));
+    let others = [trivial_name(effect), "ceiling"].map(|name| row(name, name, String::new()));
+    let rows: Vec<_> = [head.map(str::to_owned).to_vec()].into_iter().chain(methods).chain(others).collect();
+    table::aligned(&rows)
+}
+
+/// A rival's quality, and what of it is set by hand.
+fn tuned(rival: &Rival) -> String {
+    let quality = rival.quality.map_or("", Quality::name);
+    [quality, &rival.changes.to_string()].join(" ").trim().to_owned()
+}
+
+/// One row a pair.
+fn differences(pairs: &[Versus<'_>]) -> String {
+    let head = ["test set", "against", "its ms", "ms", "SSIM", "PSNR (dB)", "FLIP", "relMSE"];
+    let row = |versus: &Versus<'_>| {
+        let pair = &versus.pair;
+        let [own, rival] = pair.milliseconds.map(|time| format!("{time:.2}"));
+        let against = format!("{} {}", pair.rival.method_name, tuned(pair.rival)).trim().to_owned();
+        let [ssim, psnr, flip, relmse] = pair.differences;
+        let text = |difference: Option<Estimate>, digits: usize| {
+            difference.map_or(String::new(), |Estimate { mean, low, high }| {
+                format!("{mean:+.digits$} [{low:+.digits$}, {high:+.digits$}]")
+            })
+        };
+        let numbers = [text(ssim, 3), text(psnr, 2), text(flip, 3), text(relmse, 4)];
+        [versus.title.to_owned(), against, rival, own].into_iter().chain(numbers).collect()
+    };
+    let rows: Vec<Vec<String>> =
+        [head.map(str::to_owned).to_vec()].into_iter().chain(pairs.iter().map(row)).collect();
+    table::aligned(&rows)
+}
