@@ -62,6 +62,7 @@ impl Subject {
             seed: args.seed,
         };
         let staged = stage::Args::default().stage(&seen)?;
+        let space = staged.space();
         Ok(Self {
             source: source.clone(),
             effect,
@@ -69,7 +70,7 @@ impl Subject {
             added: staged.added,
             contents: contents(args, &staged.animated),
             diagonal: staged.diagonal,
-            space: staged.space(),
+            space,
             rigged: rigged(&staged.animated),
             animated: staged.animated,
             shutter: if effect == Effect::MotionBlur { args.shutter() } else { 0.0 },
