@@ -7,7 +7,7 @@ use crate::wgsl_folder;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::recipe::FieldOfView;
 use deepshade_dataset::vary::Surroundings;
-use deepshade_dataset::{Manifest, Recipe};
+use deepshade_dataset::{Manifest, Radius, Recipe, stream};
 use deepshade_infer::Model;
 use deepshade_infer::forward::{Precision, wgsl_files};
 use deepshade_render::scene::camera::FIELD_OF_VIEW;
@@ -106,6 +106,9 @@ fn measure(place: &Place, model: &Model, file: &Path) -> Result<()> {
 /// The model of a training run, written to its folder.
 fn exported(args: &Args, run: &Path, out: &Path) -> Result<Model> {
     let config = TrainConfig::load(run)?;
+    if config.stream.is_some() {
+        return exported_of_stream(args, &config, run, out);
+    }
     let context = "the card names the training data; --dataset says where they are now";
     // The manifest alone is asked for: from a store no pair is fetched.
     let moved = args.dataset.as_ref().map(Place::pairs).transpose().context(context)?;
@@ -117,15 +120,40 @@ fn exported(args: &Args, run: &Path, out: &Path) -> Result<Model> {
         dataset.display(),
         run.display()
     );
-    let metrics = args.metrics.as_deref().map(|file| metrics(file, manifest.origin.recipe.effect));
-    let metrics = metrics.transpose()?.unwrap_or_default();
-    let facts = facts(&manifest, metrics);
+    let facts = facts(&manifest, wanted_metrics(args, manifest.origin.recipe.effect)?);
     Ok(export(run, out, &facts)?)
+}
+
+/// The model of a run on a stream, whose recipe is asked for in place of data.
+fn exported_of_stream(args: &Args, config: &TrainConfig, run: &Path, out: &Path) -> Result<Model> {
+    let recipe = Recipe::load(&config.dataset).context("the card names the recipe that the run was trained on")?;
+    ensure!(
+        stream::hash(&recipe) == config.data_hash,
+        "{}: not the recipe that {} was trained on",
+        config.dataset.display(),
+        run.display()
+    );
+    let file = config.dataset.file_name().unwrap_or_default().to_string_lossy();
+    let frames = "views rendered while it trained".to_owned();
+    let facts = facts_of(&recipe, &file, &frames, wanted_metrics(args, recipe.effect)?);
+    Ok(export(run, out, &facts)?)
+}
+
+/// What the command line brings of results.
+fn wanted_metrics(args: &Args, effect: Effect) -> Result<Vec<(String, String)>> {
+    let metrics = args.metrics.as_deref().map(|file| metrics(file, effect));
+    Ok(metrics.transpose()?.unwrap_or_default())
 }
 
 /// What the card says about the data, and about what the network cannot do.
 pub fn facts(manifest: &Manifest, metrics: Vec<(String, String)>) -> Facts {
     let recipe = &manifest.origin.recipe;
+    let frames = format!("{} frames of {} scenes", manifest.pairs.len(), recipe.scene_count());
+    facts_of(recipe, &manifest.origin.recipe_file, &frames, metrics)
+}
+
+/// The same, of a recipe in a file and of what was made of it.
+fn facts_of(recipe: &Recipe, file: &str, frames: &str, metrics: Vec<(String, String)>) -> Facts {
     let (height, width) = (recipe.resolution.height, recipe.resolution.width);
     let target = match &recipe.target {
         Some(method) => format!("images of `{method}`"),
@@ -137,11 +165,8 @@ pub fn facts(manifest: &Manifest, metrics: Vec<(String, String)>) -> Facts {
     };
     Facts {
         recipe: format!(
-            "`{}`: {} frames of {width} x {height}, {target}, seed {}, of {} scenes ({})",
-            manifest.origin.recipe_file,
-            manifest.pairs.len(),
+            "`{file}`: {frames}, {width} x {height}, {target}, seed {} ({})",
             recipe.seed,
-            recipe.scene_count(),
             scenes(recipe)
         ),
         metrics,
@@ -177,7 +202,10 @@ fn limits(recipe: &Recipe) -> Vec<String> {
         ),
         "Frames are independent; nothing keeps them steady over time.".to_owned(),
     ];
+    // A network that was shown all radii is as good at any of them.
+    let one_radius = matches!(recipe.radius, Radius::Diagonal(_) | Radius::Metres(_));
     limits.extend(match recipe.effect {
+        Effect::Ao if !one_radius => None,
         Effect::Ao | Effect::Do | Effect::Gi | Effect::Glossy | Effect::Multi => {
             Some("Its radius is fixed; other radii work by scaling lengths and get worse the further they are from the trained one.")
         }

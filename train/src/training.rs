@@ -374,7 +374,7 @@ fn first_weights(config: &TrainConfig) -> Result<Option<Weights>, TrainError> {
     let own = &config.spec;
     let (its, wanted) = (last_layer(&spec), last_layer(own));
     // Weights mean the same in a network that reads the same in the same order, whatever it learns to make of it.
-    if (NetSpec { effect: own.effect, reach: own.reach, ..spec }) == *own && weights.fit(own) {
+    if (NetSpec { effect: own.effect, reach: own.reach, trained: None, ..spec }) == *own && weights.fit(own) {
         return Ok(Some(weights));
     }
     let problem = match its == wanted {
