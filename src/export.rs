@@ -126,7 +126,8 @@ fn exported(args: &Args, run: &Path, out: &Path) -> Result<Model> {
 
 /// The model of a run on a stream, whose recipe is asked for in place of data.
 fn exported_of_stream(args: &Args, config: &TrainConfig, run: &Path, out: &Path) -> Result<Model> {
-    let recipe = Recipe::load(&config.dataset).context("the card names the recipe that the run was trained on")?;
+    let recipe =
+        Recipe::load(&config.dataset).context("the card names the recipe that the run was trained on")?;
     ensure!(
         stream::hash(&recipe) == config.data_hash,
         "{}: not the recipe that {} was trained on",

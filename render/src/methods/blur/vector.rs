@@ -105,6 +105,6 @@ fn fading<S: Simd>(x: Lanes<S>) -> Lanes<S> {
     for factor in [1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0] {
         series = series.mul_add(part, x.all(factor));
     }
-    let bits = series.bits() + power.floor_to_words().shl(series.bits().all(23));
+    let bits = series.bits() + power.floor_to_words().shifted_left(series.bits().all(23));
     x.below(x.all(85.0)).choose(bits.as_float(), x.all(0.0))
 }

@@ -386,7 +386,7 @@ impl<S: Simd> Plane<S> {
 fn beyond<S: Simd>(sector: Lanes<S>) -> Words<S> {
     // Numbers of [64, 128) have their whole part at bits 17 and higher, and only that below the sixth of these.
     let bits = sector.bits();
-    let from = bits.all(u32::MAX).shl(bits.shr(bits.all(17)));
+    let from = bits.all(u32::MAX).shifted_left(bits.shifted_right(bits.all(17)));
     sector.below(sector.all(ALL)).only(from)
 }
 

@@ -240,13 +240,13 @@ impl<S: Simd> Words<S> {
 
     /// Shifted to the left, by an amount taken modulo 32.
     #[inline(always)]
-    pub fn shl(self, amount: Self) -> Self {
+    pub fn shifted_left(self, amount: Self) -> Self {
         self.with(self.simd.wrapping_dyn_shl_u32s(self.words, amount.words))
     }
 
     /// Shifted to the right, by an amount taken modulo 32.
     #[inline(always)]
-    pub fn shr(self, amount: Self) -> Self {
+    pub fn shifted_right(self, amount: Self) -> Self {
         self.with(self.simd.wrapping_dyn_shr_u32s(self.words, amount.words))
     }
 

@@ -14,8 +14,8 @@ pub fn random_row(y: u32, seed: u32, dimension: u32) -> u32 {
 pub fn random<S: Simd>(columns: Words<S>, row: u32) -> Lanes<S> {
     let bits = hash(columns + columns.all(row));
     // 24 bits, of which one more than fits is added for itself.
-    let high = bits.shr(bits.all(9)).to_float();
-    let lowest = (bits.shr(bits.all(8)) & bits.all(1)).to_float();
+    let high = bits.shifted_right(bits.all(9)).to_float();
+    let lowest = (bits.shifted_right(bits.all(8)) & bits.all(1)).to_float();
     high.mul_add(high.all(2.0), lowest) * high.all(1.0 / 16_777_216.0)
 }
 
@@ -23,9 +23,9 @@ pub fn random<S: Simd>(columns: Words<S>, row: u32) -> Lanes<S> {
 #[inline(always)]
 fn hash<S: Simd>(value: Words<S>) -> Words<S> {
     let state = value * value.all(747_796_405) + value.all(2_891_336_453);
-    let amount = state.shr(state.all(28)) + state.all(4);
-    let word = (state.shr(amount) ^ state) * state.all(277_803_737);
-    word.shr(word.all(22)) ^ word
+    let amount = state.shifted_right(state.all(28)) + state.all(4);
+    let word = (state.shifted_right(amount) ^ state) * state.all(277_803_737);
+    word.shifted_right(word.all(22)) ^ word
 }
 
 #[cfg(test)]
