@@ -4,7 +4,7 @@
 #![cfg(feature = "train")]
 
 use deepshade_infer::{
-    ChannelOrder, Colour, Filter, Model, NetSpec, Parity, Reach, Weights, parity, reference,
+    ChannelOrder, Colour, Estimate, Filter, Head, Model, NetSpec, Parity, Reach, Weights, parity, reference,
 };
 use deepshade_shaders::Effect;
 use serde_json::Value;
@@ -52,18 +52,17 @@ fn networks_of_other_kinds_agree() {
 }
 
 #[test]
-fn a_network_that_predicts_kernels_agrees() {
+fn networks_with_other_heads_than_the_image_agree() {
     let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
     let published = NetSpec::published(Effect::Dof, ChannelOrder::Interleaved, reach).expect("it has one");
-    let of_pixels = NetSpec {
-        filter: Some(Filter { levels: 5, kernel: 1, black: false }),
-        colour: Colour::Mono,
-        ..published.clone()
-    };
+    let of_pixels = NetSpec { colour: Colour::Mono, ..published.clone() };
+    let of_pixels = of_pixels.with_head(Head::Filter(Filter { levels: 5, kernel: 1, black: false }));
     let multi = NetSpec::published(Effect::Multi, ChannelOrder::Interleaved, reach).expect("it has one");
     let [of_light, of_black] =
         [published, multi].map(|spec| spec.predicting_kernels().expect("it reads light"));
-    for spec in [of_light, of_black, of_pixels] {
+    let estimate = Estimate { method: "gtao".to_owned(), quality: "low".to_owned() };
+    let corrected = NetSpec::corrected(Effect::Ao, 8, estimate, reach).expect("gtao estimates it");
+    for spec in [of_light, of_black, of_pixels, corrected] {
         let folder = tempfile::tempdir().expect("a folder");
         let model = Model { weights: Weights::random(&spec, 5), spec };
         write(&model, folder.path());

@@ -40,7 +40,7 @@ fn dear(folder: &Path) -> BTreeMap<PathBuf, SystemTime> {
 /// The table of a study, after asserting what holds for every one.
 fn table(study: Study, folder: &Path) -> Table {
     let lab = Lab::open(folder, TINY).expect("a lab");
-    let table = study.run(&lab, Effect::Dof).expect("runs");
+    let table = study.run(&lab).expect("runs");
     let figures: BTreeSet<&str> = table.rows.iter().map(|row| row.figure.as_str()).collect();
     assert_eq!(figures.len(), table.rows.len(), "every row has a figure of its own");
     for row in &table.rows {

@@ -36,7 +36,7 @@ pub fn newest(folder: &Path) -> Result<Model> {
     let spec = spec(folder)?;
     let checkpoint = Checkpoint::load(folder, &spec)?;
     let nothing = || format!("{}: {NOTHING_YET}", folder.display());
-    let weights = checkpoint.with_context(nothing)?.weights;
+    let weights = checkpoint.with_context(nothing)?.mean;
     Ok(Model { spec, weights })
 }
 
@@ -74,8 +74,13 @@ mod tests {
             pause_loss: None,
         };
         let [newest, best] = [1, 2].map(|seed| Weights::random(&spec, seed));
-        let checkpoint =
-            Checkpoint { progress, weights: newest.clone(), best: Some(best), optimiser: Vec::new() };
+        let checkpoint = Checkpoint {
+            progress,
+            weights: best.clone(),
+            mean: newest.clone(),
+            best: Some(best),
+            optimiser: Vec::new(),
+        };
         checkpoint.save(folder, &spec).expect("saves");
         let model = network(folder, Some(Effect::Ao)).expect("a network");
         assert_eq!((model.spec, model.weights), (spec, newest));

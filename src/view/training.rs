@@ -215,7 +215,8 @@ mod tests {
         write(METRICS_FILE, (log(&line(20, 1.0)) + &log(&line(40, 1.0))).as_bytes());
         let progress = Progress { step: 60, ..training(0, false).checkpoint.expect("some").0 };
         let weights = trained.0.weights.clone();
-        let checkpoint = Checkpoint { progress, weights, best: None, optimiser: Vec::new() };
+        let mean = weights.clone();
+        let checkpoint = Checkpoint { progress, weights, mean, best: None, optimiser: Vec::new() };
         checkpoint.save(&place, &config.spec).expect("saves");
         follower.look(&tell);
         let told = told.into_inner().expect("no panic");

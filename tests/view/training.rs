@@ -47,7 +47,8 @@ impl Run {
         };
         let weights = Weights::random(&self.spec, step as u32);
         let best = Some(weights.clone());
-        let checkpoint = Checkpoint { progress, weights, best, optimiser: Vec::new() };
+        let mean = weights.clone();
+        let checkpoint = Checkpoint { progress, weights, mean, best, optimiser: Vec::new() };
         checkpoint.save(&self.folder, &self.spec).expect("saves");
     }
 }
