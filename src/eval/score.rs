@@ -233,8 +233,11 @@ fn mean(image: &Planes) -> f64 {
 pub mod tests {
     use super::*;
 
-    /// Scores by hand: scenes with frames, of which each has values under some names.
-    pub fn evaluation(scenes: &[(&str, &[&[(&str, f64)]])]) -> Evaluation {
+    /// Values under some names.
+    type Values<'a> = &'a [(&'a str, f64)];
+
+    /// Scores by hand: scenes with frames, of which each has values.
+    pub fn evaluation(scenes: &[(&str, &[Values<'_>])]) -> Evaluation {
         let mut evaluation = Evaluation::default();
         for (scene, frames) in scenes {
             let source = Subject::try_from((*scene).to_owned()).expect("a scene");
