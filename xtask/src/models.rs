@@ -28,7 +28,18 @@ struct Budget {
     rate: &'static str,
     /// The network's default radius as a share of a scene's diagonal, where the recipe has metres.
     share: Option<&'static str>,
+    /// Of a network that is trained on views that are rendered while it trains: which one it is. None where pairs are made
+    /// before, of the recipe of its name.
+    streamed: Option<&'static [&'static str]>,
 }
+
+/// The recipe of views without end, and those of the test sets by radius, with the names of their folders.
+const STREAM: &str = "ao";
+const RADII: [(&str, &str); 3] = [
+    ("testset-small", "ao-small-radius-test"),
+    ("testset-medium", "ao-medium-radius-test"),
+    ("testset-large", "ao-large-radius-test"),
+];
 
 /// A network of the thesis' Table 7.1 each, cheap ones first. One core trains some 60 crops of 128 x 128 pixels a
 /// second for networks with 16 first kernels, 28 where these predict kernels, 40 for `ibl`, 200 for `ao`, 500 for `aa`,
@@ -39,19 +50,49 @@ struct Budget {
 /// the others, two hours, and gained little by them. Indirect
 /// light, most of which is dark, wants a lower rate: at 0.004 the weights grew without bound, to where structural similarity has
 /// no gradient.
-const BUDGETS: [Budget; 11] = [
-    Budget { name: "aa", steps: 16_000, batch: 8, crop: 128, rate: "0.005", share: None },
-    Budget { name: "dof", steps: 10_000, batch: 32, crop: 128, rate: "0.003", share: None },
-    Budget { name: "motion-blur", steps: 10_000, batch: 32, crop: 128, rate: "0.003", share: None },
-    Budget { name: "sss", steps: 20_000, batch: 4, crop: 128, rate: "0.002", share: None },
-    Budget { name: "gi", steps: 16_000, batch: 4, crop: 128, rate: "0.003", share: None },
-    Budget { name: "gi-paper", steps: 16_000, batch: 4, crop: 128, rate: "0.003", share: None },
-    Budget { name: "do", steps: 20_000, batch: 4, crop: 128, rate: "0.004", share: None },
-    Budget { name: "multi", steps: 9_000, batch: 32, crop: 128, rate: "0.003", share: None },
-    Budget { name: "real", steps: 20_000, batch: 4, crop: 128, rate: "0.004", share: Some("0.04") },
-    Budget { name: "ao", steps: 20_000, batch: 4, crop: 256, rate: "0.002", share: None },
-    Budget { name: "ibl", steps: 64_000, batch: 4, crop: 128, rate: "0.005", share: None },
+const BUDGETS: [Budget; 13] = [
+    Budget { name: "aa", steps: 16_000, batch: 8, crop: 128, rate: "0.005", share: None, streamed: None },
+    Budget { name: "dof", steps: 10_000, batch: 32, crop: 128, rate: "0.003", share: None, streamed: None },
+    Budget {
+        name: "motion-blur",
+        steps: 10_000,
+        batch: 32,
+        crop: 128,
+        rate: "0.003",
+        share: None,
+        streamed: None,
+    },
+    Budget { name: "sss", steps: 20_000, batch: 4, crop: 128, rate: "0.002", share: None, streamed: None },
+    Budget { name: "gi", steps: 16_000, batch: 4, crop: 128, rate: "0.003", share: None, streamed: None },
+    Budget {
+        name: "gi-paper",
+        steps: 16_000,
+        batch: 4,
+        crop: 128,
+        rate: "0.003",
+        share: None,
+        streamed: None,
+    },
+    Budget { name: "do", steps: 20_000, batch: 4, crop: 128, rate: "0.004", share: None, streamed: None },
+    Budget { name: "multi", steps: 9_000, batch: 32, crop: 128, rate: "0.003", share: None, streamed: None },
+    Budget {
+        name: "real",
+        steps: 20_000,
+        batch: 4,
+        crop: 128,
+        rate: "0.004",
+        share: Some("0.04"),
+        streamed: None,
+    },
+    Budget { name: "ao", streamed: Some(&["corrected", "24", "gtao:high"]), ..CORRECTED },
+    Budget { name: "ao-small", streamed: Some(&["corrected", "12", "gtao:low"]), ..CORRECTED },
+    Budget { name: "ao-paper", streamed: Some(&["paper", "24", "gtao:high"]), ..CORRECTED },
+    Budget { name: "ibl", steps: 64_000, batch: 4, crop: 128, rate: "0.005", share: None, streamed: None },
 ];
+
+/// What networks on views without end have in common: some two hours on two cores, most of them for the views.
+const CORRECTED: Budget =
+    Budget { name: "", steps: 20_000, batch: 4, crop: 256, rate: "0.002", share: None, streamed: None };
 
 /// What the command line says.
 struct Args {
@@ -93,7 +134,10 @@ pub fn run(args: &[String]) -> Result<()> {
 
 /// The steps from a recipe to a model with its figures.
 fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
-    let Budget { name, steps, batch, crop, rate, share } = budget;
+    if let Some(network) = budget.streamed {
+        return streamed_steps(budget, network, work);
+    }
+    let Budget { name, steps, batch, crop, rate, share, .. } = budget;
     let recipe = |suffix: &str| format!("dataset/recipes/{name}{suffix}.toml");
     let folder = |of: &str| work.join(of).join(name).display().to_string();
     let (data, run, testset) = (folder("data"), folder("runs"), folder("testsets"));
@@ -131,6 +175,36 @@ fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
         ("quarter", training(&quarter, steps / 4)),
         ("forecast", deepshade(&[&["forecast", &run, &half, &quarter][..], &forecast].concat())),
     ]
+}
+
+/// The steps of a network on views without end: its model's folder gets a test set for each radius.
+fn streamed_steps(budget: &Budget, network: &[&str], work: &Path) -> Vec<(&'static str, Command)> {
+    let Budget { name, steps, batch, crop, rate, .. } = budget;
+    let recipe = |name: &str| format!("dataset/recipes/{name}.toml");
+    let run = work.join("runs").join(name).display().to_string();
+    let (model, metrics) = (format!("models/{name}"), format!("{run}.json"));
+    let deepshade = |words: &[&str]| command(&program(), words);
+    let [steps, batch, crop] = [steps, batch, crop].map(u32::to_string);
+    let words = ["--steps", &steps, "--batch", &batch, "--crop", &crop, "--rate", rate, "--patience", "0"];
+    let options = ["--network", "--channels", "--estimate"];
+    let which: Vec<&str> =
+        options.into_iter().zip(network).flat_map(|(option, value)| [option, *value]).collect();
+    let train = ["train", "--recipe", &recipe(STREAM), "--out", &run];
+    let mut all = vec![
+        ("training", deepshade(&[&train[..], &which, &words].concat())),
+        ("export", deepshade(&["export", "--run", &run, "--out", &model])),
+    ];
+    for (folder, test) in RADII {
+        let testset = format!("{model}/{folder}");
+        all.push(("test set", deepshade(&["dataset", "testset", &recipe(test), "--out", &testset])));
+    }
+    let evaluation = ["eval", "--model", &model, "--methods", "learned,gtao,hbao", "--json", &metrics];
+    all.extend([
+        ("evaluation", deepshade(&[&evaluation[..], &["--results", "models/results.json"]].concat())),
+        ("card", deepshade(&["export", "--model", &model, "--metrics", &metrics])),
+        ("parity", deepshade(&["parity", "--model", &model])),
+    ]);
+    all
 }
 
 /// The program that was built.
@@ -175,14 +249,17 @@ mod tests {
 
     #[test]
     fn every_network_has_its_recipes_and_crops_that_fit() {
-        for Budget { name, crop, share, .. } in &BUDGETS {
-            for suffix in ["", "-test"] {
-                let recipe = root().join(format!("dataset/recipes/{name}{suffix}.toml"));
-                let text = std::fs::read_to_string(&recipe).expect("a recipe of that name");
+        for Budget { name, crop, share, streamed, .. } in &BUDGETS {
+            let own = vec![(*name).to_owned(), format!("{name}-test")];
+            let shared =
+                || [STREAM].into_iter().chain(RADII.map(|(_, test)| test)).map(str::to_owned).collect();
+            for recipe in streamed.map_or(own, |_| shared()) {
+                let file = root().join(format!("dataset/recipes/{recipe}.toml"));
+                let text = std::fs::read_to_string(&file).expect("a recipe of that name");
                 let height = text.split("height = ").nth(1).and_then(|rest| rest.split(',').next());
                 let height: u32 = height.and_then(|number| number.trim().parse().ok()).expect("a height");
-                assert!(*crop <= height && crop.is_multiple_of(8), "{name}{suffix}");
-                assert_eq!(text.contains("radius = { metres"), share.is_some(), "{name}{suffix}");
+                assert!(*crop <= height && crop.is_multiple_of(8), "{name}: {recipe}");
+                assert_eq!(text.contains("radius = { metres"), share.is_some(), "{name}: {recipe}");
             }
         }
     }
