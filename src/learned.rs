@@ -206,9 +206,7 @@ impl Learned {
             milliseconds += timing.milliseconds;
             clock = if timing.by_gpu { clock } else { Clock::Cpu };
         }
-        if clock == Clock::Cpu {
-            milliseconds += time;
-        }
+        milliseconds += time;
         let mut image = spec.image(&runs, scaling);
         spec.set_background(gbuffer, &mut image).map_err(missing)?;
         Ok(Shaded { image, milliseconds, clock, device: self.engine.device() })

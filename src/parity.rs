@@ -233,10 +233,10 @@ impl Check<'_> {
 fn kernels(gpu: &Gpu, model: &Model) -> Result<Vec<Wgsl>> {
     let Model { spec, weights } = model;
     let for_cards = || Variant::gpu(&gpu.device.limits(), spec, OutputKind::Buffer);
-    let mut kinds = vec![
-        ("wgsl", Variant::Software, Precision::F32, TOLERANCE),
-        ("wgsl_gpu", for_cards(), Precision::F32, TOLERANCE),
-    ];
+    // The kernels for software adapters are for U-nets.
+    let software = spec.u_net().map(|_| ("wgsl", Variant::Software, Precision::F32, TOLERANCE));
+    let mut kinds: Vec<_> = software.into_iter().collect();
+    kinds.push(("wgsl_gpu", for_cards(), Precision::F32, TOLERANCE));
     if gpu.device.features().contains(wgpu::Features::SHADER_F16) {
         kinds.push(("wgsl_half", for_cards(), Precision::F16, HALF_TOLERANCE));
     }

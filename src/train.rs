@@ -1,18 +1,23 @@
 //! `deepshade train`: a network from a dataset.
 
+mod choices;
+mod network;
+
+pub use choices::LossName;
+pub use network::{INPUT_RADIUS, default_config, usual_config};
+
 use crate::arguments::positive;
 use crate::figures::Figures;
 use crate::place::Place;
-use anyhow::{Context, Result, bail, ensure};
-use clap::ValueEnum;
+use anyhow::{Result, bail, ensure};
+use choices::{KERNELS_DECAY, LastLayer, Method, Order};
 use deepshade_dataset::recipe::Resolution;
-use deepshade_dataset::{Manifest, Radius, Recipe};
+use deepshade_dataset::{Manifest, Recipe};
 use deepshade_infer::{ChannelOrder, Estimate, NetSpec, Reach};
-use deepshade_render::methods::estimate::Estimator;
-use deepshade_shaders::Effect;
 use deepshade_shaders::similarity::TILE;
 use deepshade_train::config::MOST_MINUTES;
-use deepshade_train::{Ending, Endless, Loss, Optimiser, Outcome, TrainConfig};
+use deepshade_train::{Ending, Endless, Optimiser, Outcome, TrainConfig};
+use network::{CHANNELS, ESTIMATE, Network, channels, corrected_config, estimate, share};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -38,7 +43,7 @@ pub struct Args {
     #[arg(long, value_enum)]
     network: Option<Network>,
     /// Channels of the corrected network at half the resolution.
-    #[arg(long, default_value_t = CHANNELS)]
+    #[arg(long, default_value_t = CHANNELS, value_parser = channels)]
     channels: usize,
     /// The estimate that the corrected network reads, METHOD:QUALITY.
     #[arg(long, default_value = ESTIMATE, value_parser = estimate)]
@@ -103,155 +108,6 @@ pub struct Args {
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
-}
-
-/// Radius of the effect in the units of the network's input: positions, some ten radii away, then are about as large
-/// as the components of normals.
-pub const INPUT_RADIUS: f32 = 0.25;
-
-/// Radius of the effect in the units of the input of corrected networks: lengths are in radii.
-const RADII: f32 = 1.0;
-/// The default radius of networks that know all radii, as a share of the scene's diagonal.
-const USUAL_SHARE: f32 = 0.03;
-/// Channels of the corrected network at half the resolution.
-const CHANNELS: usize = 24;
-/// The estimate that the corrected network reads.
-const ESTIMATE: &str = "gtao:high";
-
-/// Which network.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Network {
-    /// The paper's U-net, from positions alone.
-    Paper,
-    /// One that reads what an analytic method estimates, and corrects it.
-    Corrected,
-}
-
-impl Network {
-    /// The one that is nearer to truth.
-    fn best(effect: Effect) -> Self {
-        let estimate = Estimate { method: String::new(), quality: String::new() };
-        let reach = Reach { radius: RADII, diagonal_share: USUAL_SHARE, height: 1 };
-        match NetSpec::corrected(effect, CHANNELS, estimate, reach) {
-            Some(_) => Self::Corrected,
-            None => Self::Paper,
-        }
-    }
-}
-
-/// Reads an estimate.
-fn estimate(text: &str) -> Result<Estimate, String> {
-    let (method, quality) = text.split_once(':').ok_or_else(|| format!("`{text}` is not METHOD:QUALITY"))?;
-    Estimator::named(method, quality).map_err(|error| error.to_string())?;
-    Ok(Estimate { method: method.to_owned(), quality: quality.to_owned() })
-}
-
-/// Order of the channels after a concatenation.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Order {
-    /// Every group sees both sources.
-    Interleaved,
-    /// As in the paper's framework: most groups see one source.
-    Contiguous,
-}
-
-impl From<Order> for ChannelOrder {
-    fn from(order: Order) -> Self {
-        match order {
-            Order::Interleaved => Self::Interleaved,
-            Order::Contiguous => Self::Contiguous,
-        }
-    }
-}
-
-/// The weight decay of networks that predict kernels.
-const KERNELS_DECAY: f64 = 0.05;
-
-/// What the last layer makes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum LastLayer {
-    /// The image, as in the paper.
-    Image,
-    /// Weights of the light, which the image is the sum of: of 3x3 pixels at several resolutions, for aa 5x5 at one, for multi
-    /// of black too, for sss of each colour by itself.
-    Kernels,
-}
-
-impl LastLayer {
-    /// What came nearer to truth in equal steps. For anti-aliasing kernels do, too, but by little, with ten times the weights.
-    const fn best(effect: Effect) -> Self {
-        match effect {
-            Effect::Dof | Effect::MotionBlur | Effect::Multi | Effect::Sss => Self::Kernels,
-            _ => Self::Image,
-        }
-    }
-
-    /// The weight decay that it wants, if not the usual one. Without more of it what it makes grows until what half floats round
-    /// away, which goes into exponents, shows.
-    const fn weight_decay(self) -> Option<f64> {
-        match self {
-            Self::Image => None,
-            Self::Kernels => Some(KERNELS_DECAY),
-        }
-    }
-
-    /// The paper's network with that last layer.
-    fn of(self, paper: NetSpec) -> Result<NetSpec> {
-        match self {
-            Self::Image => Ok(paper),
-            Self::Kernels => paper.predicting_kernels().with_context(|| {
-                format!("--last kernels: the network for `{}` reads no light", paper.effect)
-            }),
-        }
-    }
-}
-
-/// What is made small.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum LossName {
-    /// Structural dissimilarity, the paper's.
-    Dssim,
-    /// Mean absolute difference.
-    L1,
-    /// Mean squared difference.
-    L2,
-    /// Dissimilarity plus mean absolute difference.
-    DssimL1,
-    /// Dissimilarity plus mean squared difference.
-    DssimL2,
-    /// 0.84 of dissimilarity at five resolutions, 0.16 of the mean absolute difference.
-    MsSsimL1,
-}
-
-impl From<LossName> for Loss {
-    fn from(name: LossName) -> Self {
-        match name {
-            LossName::Dssim => Self::Dssim,
-            LossName::L1 => Self::L1,
-            LossName::L2 => Self::L2,
-            LossName::DssimL1 => Self::DssimL1,
-            LossName::DssimL2 => Self::DssimL2,
-            LossName::MsSsimL1 => Self::MsSsimL1,
-        }
-    }
-}
-
-/// How weights follow gradients.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Method {
-    #[value(help = format!("The practical default: {}", Optimiser::ADAMW))]
-    Adamw,
-    #[value(help = format!("As in the paper: {}", Optimiser::ADADELTA))]
-    Adadelta,
-}
-
-impl Method {
-    const fn defaults(self) -> Optimiser {
-        match self {
-            Self::Adamw => Optimiser::ADAMW,
-            Self::Adadelta => Optimiser::ADADELTA,
-        }
-    }
 }
 
 fn decay_help() -> String {
@@ -397,10 +253,15 @@ fn config(args: &Args, recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
         Network::Paper => default_config(recipe, data, args.order.into(), share(args, recipe, data)?)?,
         Network::Corrected => corrected_config(args, recipe, data)?,
     };
+    ensure!(
+        network == Network::Paper || args.last.is_none(),
+        "--last is of the paper's networks, and the network is the corrected one"
+    );
     let last = args.last.unwrap_or(LastLayer::best(base.spec.effect));
     let optimiser = args.optimiser.defaults();
     let optimiser = args.rate.map_or(optimiser, |rate| optimiser.with_rate(rate));
-    let decay = args.weight_decay.or(last.weight_decay());
+    let usual_decay = if network == Network::Paper { last.weight_decay() } else { None };
+    let decay = args.weight_decay.or(usual_decay);
     Ok(TrainConfig {
         spec: if network == Network::Paper { last.of(base.spec)? } else { base.spec },
         stream: args.recipe.is_some().then_some(Endless { uses: args.uses, ..Endless::USUAL }),
@@ -421,63 +282,10 @@ fn config(args: &Args, recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
     })
 }
 
-/// The default radius of a network of the paper's: the recipe's, where it has one.
-fn share(args: &Args, recipe: &Recipe, data: &Path) -> Result<f32> {
-    match (args.diagonal_share, recipe.radius) {
-        (Some(share), _) | (None, Radius::Diagonal(share)) => Ok(share),
-        (None, Radius::Pixels(_) | Radius::MetresBetween(_)) => Ok(USUAL_SHARE),
-        (None, Radius::Metres(_)) => bail!(
-            "{}: the recipe states the radius in metres; --diagonal-share says what the network's default is to be",
-            data.display()
-        ),
-    }
-}
-
-/// The defaults for data that a recipe makes, and the network that is nearest to truth.
-pub fn usual_config(recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
-    let reach = |share| Reach { radius: RADII, diagonal_share: share, height: recipe.resolution.height };
-    let estimate = estimate(ESTIMATE).map_err(anyhow::Error::msg)?;
-    match (NetSpec::corrected(recipe.effect, CHANNELS, estimate, reach(USUAL_SHARE)), recipe.radius) {
-        (Some(spec), _) => Ok(TrainConfig::new(spec, data.to_owned())),
-        (None, Radius::Diagonal(share)) => default_config(recipe, data, ChannelOrder::Interleaved, share),
-        (None, _) => {
-            bail!("the paper's networks want a recipe that states its radius as a share of the diagonal")
-        }
-    }
-}
-
-/// The defaults for a network that corrects an estimate.
-fn corrected_config(args: &Args, recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
-    let effect = recipe.effect;
-    let diagonal_share = args.diagonal_share.unwrap_or(USUAL_SHARE);
-    let reach =
-        Reach { radius: RADII, diagonal_share, height: recipe.smallest.unwrap_or(recipe.resolution).height };
-    let spec = NetSpec::corrected(effect, args.channels, args.estimate.clone(), reach)
-        .with_context(|| format!("--network corrected: no method estimates `{effect}` for networks"))?;
-    Ok(TrainConfig::new(spec, data.to_owned()))
-}
-
-/// The defaults for data that a recipe makes, and a network that reaches `diagonal_share` of a scene's diagonal.
-pub fn default_config(
-    recipe: &Recipe,
-    dataset: &Path,
-    order: ChannelOrder,
-    diagonal_share: f32,
-) -> Result<TrainConfig> {
-    let reach = Reach {
-        radius: INPUT_RADIUS,
-        diagonal_share,
-        height: recipe.smallest.unwrap_or(recipe.resolution).height,
-    };
-    let effect = recipe.effect;
-    let spec = NetSpec::published(effect, order, reach)
-        .with_context(|| format!("no network is laid out for effect `{effect}`"))?;
-    Ok(TrainConfig::new(spec, dataset.to_owned()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use deepshade_shaders::Effect;
 
     #[test]
     fn kernels_are_for_effects_that_filter_light() {

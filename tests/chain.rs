@@ -20,7 +20,7 @@ tiles = { samples = 16, one_in = 2, whole_frames = 1 }
 families = [{ name = "cave", scenes = 1 }, { name = "drapery", scenes = 1 }]
 "#;
 
-const TRAIN: &str = "train --dataset data --out run --steps 4 --batch 2 --crop 64 --validate-every 2 \
+const TRAIN: &str = "train --dataset data --out run --network paper --steps 4 --batch 2 --crop 64 --validate-every 2 \
     --validation-pairs 2";
 
 /// A folder in which the program runs.

@@ -69,7 +69,8 @@ fn networks_with_other_heads_than_the_image_agree() {
         let json = folder.path().join("parity.json");
         let output = parity_of(Some(folder.path()), "16x16,64x48,67x45", &json);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        for form in ["reference", "wgsl", "wgsl_gpu", "cpu", "burn", "onnxruntime"] {
+        let software = model.spec.u_net().map(|_| "wgsl");
+        for form in ["reference", "wgsl_gpu", "cpu", "burn", "onnxruntime"].into_iter().chain(software) {
             assert!(figures(&json)[format!("max_abs_{form}")].as_f64().expect("a number") > 0.0, "{form}");
         }
     }

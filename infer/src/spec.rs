@@ -200,7 +200,10 @@ impl NetSpec {
             |name, found: usize, allowed| SpecError::Range { name, found: found.to_string(), allowed };
         for (index, block) in self.blocks.iter().enumerate() {
             let wrong = |problem| SpecError::Block { block: block.name.clone(), problem };
-            if block.name.is_empty() || self.blocks[..index].iter().any(|other| other.name == block.name) {
+            if !is_name(&block.name) {
+                return Err(wrong("has a name that is not of up to 64 small letters, digits, - and _"));
+            }
+            if self.blocks[..index].iter().any(|other| other.name == block.name) {
                 return Err(wrong("has no name of its own"));
             }
             if !matches!(block.kernel, 1 | 3 | 5 | 7) {
@@ -218,12 +221,20 @@ impl NetSpec {
             if index == 0 && !block.reads.is_input() {
                 return Err(wrong("is the first and does not read the input"));
             }
+            if index + 1 == self.blocks.len() && block.reads.is_input() {
+                return Err(wrong("is the last and reads the input"));
+            }
         }
         let layers = self.layers();
         for layer in &layers {
             let wrong = |problem| SpecError::Block { block: layer.name.clone(), problem };
             if layer.level > MOST_LEVEL {
                 return Err(wrong("is on a level below the seventh"));
+            }
+            if let Source::Pooled(from) = layer.source
+                && matches!(layers[from].source, Source::Joined { .. })
+            {
+                return Err(wrong("pools a block that joins two"));
             }
             let Layer { groups, inputs, outputs, .. } = *layer;
             let mut divides = inputs % groups == 0 && outputs % groups == 0;
@@ -298,6 +309,13 @@ impl NetSpec {
     pub fn weight_count(&self) -> usize {
         self.layers().iter().map(Layer::weight_count).sum()
     }
+}
+
+/// Whether a block may be called that: names go into file names and sources of shaders.
+fn is_name(text: &str) -> bool {
+    let known =
+        |letter: u8| letter.is_ascii_lowercase() || letter.is_ascii_digit() || b"-_".contains(&letter);
+    (1..=64).contains(&text.len()) && text.bytes().all(known)
 }
 
 #[cfg(test)]

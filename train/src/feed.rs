@@ -1,9 +1,10 @@
 //! Which pair each image of a training is cut from, and where it comes from: a folder, or a stream that never ends. Both depend
 //! on seed and position alone, not on who is fast.
 
-use crate::TrainError;
+use crate::loader;
 use crate::pairs::{Cache, HalfPair};
 use crate::rng::{Purpose, Rng};
+use crate::{TrainConfig, TrainError};
 use deepshade_dataset::Stream;
 use deepshade_infer::NetSpec;
 use serde::{Deserialize, Serialize};
@@ -12,8 +13,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Pairs that a stream may be ahead of those that are kept.
 const AHEAD: usize = 16;
-/// Pairs that are kept though the window has left them: workers are some batches apart.
-const BEHIND: usize = 64;
 
 /// How a run takes pairs from a stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -53,6 +52,8 @@ pub struct Streamed {
     stream: Stream,
     spec: NetSpec,
     endless: Endless,
+    /// Pairs that are kept though the window has left them: workers are some batches apart.
+    behind: usize,
     kept: Mutex<Kept>,
 }
 
@@ -69,7 +70,7 @@ impl Streamed {
     /// If the stream does not begin.
     pub fn start(
         recipe: &deepshade_dataset::Recipe,
-        spec: NetSpec,
+        config: &TrainConfig,
         endless: Endless,
         position: usize,
     ) -> Result<Self, TrainError> {
@@ -77,7 +78,10 @@ impl Streamed {
         let room = AHEAD.max(2 * recipe.views_per_scene);
         let stream =
             Stream::start(recipe, first, room).map_err(|error| TrainError::Data(error.to_string()))?;
-        Ok(Self { stream, spec, endless, kept: Mutex::new(Kept { first, pairs: VecDeque::new() }) })
+        let batches = (loader::AHEAD + 2) * config.workers;
+        let behind = (batches * config.batch).div_ceil(endless.uses) + 1;
+        let spec = config.spec.clone();
+        Ok(Self { stream, spec, endless, behind, kept: Mutex::new(Kept { first, pairs: VecDeque::new() }) })
     }
 
     /// How long the training waited for pairs to be rendered, seconds.
@@ -89,7 +93,7 @@ impl Streamed {
     fn pair(&self, first: usize, number: usize) -> Result<Arc<HalfPair>, TrainError> {
         let failed = |index, problem| TrainError::Pair { index, problem };
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        while kept.first + BEHIND < first && !kept.pairs.is_empty() {
+        while kept.first + self.behind < first && !kept.pairs.is_empty() {
             kept.pairs.pop_front();
             kept.first += 1;
         }

@@ -71,6 +71,9 @@ fn pass_light(layers: &[Layer], lights: &[usize], weights: &mut Weights) {
     if first.groups != 1 || last.groups != 1 || lights.len() != last.outputs || lights.len() > first.outputs {
         return;
     }
+    if first.kernel != last.kernel || last.inputs < first.outputs {
+        return;
+    }
     let area = first.kernel * first.kernel;
     // Channels of the first layer, among those that the last one reads.
     let skip = match last.source {

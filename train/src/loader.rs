@@ -14,7 +14,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
 /// Batches that a worker may be ahead.
-const AHEAD: usize = 2;
+pub const AHEAD: usize = 2;
 /// A crop that shows fewer surfaces is drawn again, ...
 const VALID_SHARE: f32 = 0.25;
 /// ... so many times.

@@ -103,7 +103,7 @@ pub fn train_streamed(config: &TrainConfig, recipe: &Recipe, folder: &Path) -> R
     };
     let validation = pairs.iter().enumerate().map(half).collect::<Result<_, _>>()?;
     let feed = |step: usize| {
-        let streamed = Streamed::start(recipe, config.spec.clone(), endless, step * config.batch)?;
+        let streamed = Streamed::start(recipe, config, endless, step * config.batch)?;
         Ok(Feed::Streamed(streamed))
     };
     Run::open(config, folder, metrics, feed, validation)?.go()
@@ -277,7 +277,8 @@ impl<'a> Run<'a> {
         let now = self.net.weights();
         for (mean, now) in self.mean.0.iter_mut().zip(&now.0) {
             for (mean, now) in [(&mut mean.weight, &now.weight), (&mut mean.bias, &now.bias)] {
-                mean.iter_mut().zip(now).for_each(|(mean, now)| *mean = kept * *mean + (1.0 - kept) * now);
+                // So that a mean of equal numbers is that number.
+                mean.iter_mut().zip(now).for_each(|(mean, now)| *mean += (1.0 - kept) * (now - *mean));
             }
         }
     }

@@ -96,7 +96,7 @@ fn assert_same(a: &Checkpoint, b: &Checkpoint) {
     assert_eq!(a.progress, b.progress);
     let bits = |c: &Checkpoint| -> Vec<u32> {
         let best = c.best.as_ref().expect("validated");
-        let layers = c.weights.0.iter().chain(&best.0);
+        let layers = c.weights.0.iter().chain(&c.mean.0).chain(&best.0);
         layers.flat_map(|l| l.weight.iter().chain(&l.bias)).map(|w| w.to_bits()).collect()
     };
     assert!(bits(a) == bits(b), "the weights differ");
@@ -228,7 +228,7 @@ fn a_pause_is_validated_exported_and_forgotten() {
     assert_eq!(outcome.progress.best(), pause_loss.map(|loss| (step, loss)));
 
     let model = export(&run, &folder.path().join("model"), &facts()).expect("exports");
-    let weights = checkpoint(&run, &config).weights;
+    let weights = checkpoint(&run, &config).mean;
     assert!(model.weights == weights.balanced(&config.spec), "the checkpoint's, balanced");
     let card = std::fs::read_to_string(folder.path().join("model/card.md")).expect("a card");
     assert!(card.contains(&format!("| Steps | {step} (best of {step}) |")), "{card}");

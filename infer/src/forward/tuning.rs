@@ -71,7 +71,8 @@ impl Tuning {
         }
         let software: Option<f64> = layers.iter().map(|layer| layer.software).sum();
         let gpu: Option<f64> = fastest.as_ref().map(|all| all.iter().map(|one| one.milliseconds).sum());
-        if let Some(software) = software.filter(|_| options.buffers() && !fails.software)
+        if let Some(software) =
+            software.filter(|_| options.buffers() && !fails.software && spec.u_net().is_some())
             && gpu.is_none_or(|gpu| software < gpu)
         {
             return Ok(Some(Variant::Software));

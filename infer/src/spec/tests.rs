@@ -62,6 +62,12 @@ fn the_papers_network_is_valid_and_absurd_ones_are_named() {
             block(6, |block| block.reads = Source::Joined { coarse: 5, skip: 3, groups: 1 }),
             "block `up4` joins blocks that are not one level apart",
         ),
+        (
+            block(2, |block| block.name = "../down".to_owned()),
+            "block `../down` has a name that is not of up to 64 small letters",
+        ),
+        (block(10, |block| block.reads = Source::Input), "block `up0` is the last and reads the input"),
+        (block(8, |block| block.reads = Source::Pooled(6)), "block `up2` pools a block that joins two"),
         (block(10, |block| block.outputs = 2), "the last block makes 2 channels; its head needs 1"),
         (NetSpec { leak: -1.0, ..ao.clone() }, "`leak` is -1"),
         (NetSpec { leak: f32::NAN, ..ao.clone() }, "`leak` is NaN"),

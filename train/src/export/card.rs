@@ -102,6 +102,10 @@ pub fn measured(card: &str, metrics: &[(String, String)]) -> Option<String> {
 pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> String {
     let spec = &config.spec;
     let inputs: Vec<&str> = spec.inputs.iter().map(|attribute| attribute.name()).collect();
+    let hashed = match config.stream {
+        Some(_) => "the recipe and the version of its data",
+        None => "the dataset's manifest.json",
+    };
     let rows = [
         ("Effect", spec.effect.to_string()),
         ("Reads", inputs.join(", ")),
@@ -109,12 +113,9 @@ pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> Str
         ("Last layer", last_layer(spec)),
         ("Weights", spec.weight_count().to_string()),
         ("Trained radius", format!("{} (in scaled positions)", spec.reach.radius)),
-        (
-            "Default radius",
-            format!("{} of the scene's diagonal at {} rows", spec.reach.diagonal_share, spec.reach.height),
-        ),
+        ("Default radius", format!("{} of the scene's diagonal", spec.reach.diagonal_share)),
         ("Data", facts.recipe.clone()),
-        ("Data hash", format!("`{}` (BLAKE3 of the dataset's manifest.json)", config.data_hash)),
+        ("Data hash", format!("`{}` (BLAKE3 of {hashed})", config.data_hash)),
         ("Seed", config.seed.to_string()),
         ("Loss", config.loss.to_string()),
         ("Optimiser", config.optimiser.to_string()),

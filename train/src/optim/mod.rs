@@ -94,7 +94,9 @@ impl Optimiser {
     pub fn rate(&self, step: usize, steps: usize) -> f64 {
         match *self {
             Self::Adadelta { rate, .. } => rate,
-            Self::Adamw { rate, warm_up, .. } if step < warm_up => rate * (step + 1) as f64 / warm_up as f64,
+            Self::Adamw { rate, warm_up, .. } if step < warm_up.min(steps / 10) => {
+                rate * (step + 1) as f64 / warm_up.min(steps / 10) as f64
+            }
             Self::Adamw { rate, .. } => {
                 let share = step as f64 / steps.max(1) as f64;
                 rate * ((1.0 - share) / (1.0 - FLAT)).clamp(0.0, 1.0)
@@ -129,6 +131,7 @@ mod tests {
         let close = |step, expected: f64| (adamw.rate(step, 100) - expected).abs() < 1e-12;
         assert!(close(0, 0.1) && close(9, 1.0) && close(10, 1.0) && close(60, 1.0) && close(80, 0.5));
         assert!(close(100, 0.0));
+        assert!((adamw.rate(1, 50) - 0.4).abs() < 1e-12, "a short run warms up for a tenth of it");
         assert_eq!(Optimiser::ADADELTA.rate(7, 110), 1.0);
     }
 }

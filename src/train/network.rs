@@ -1,0 +1,112 @@
+//! Which network `deepshade train` trains, and its defaults.
+
+use super::Args;
+use anyhow::{Context, Result, bail};
+use clap::ValueEnum;
+use deepshade_dataset::{Radius, Recipe};
+use deepshade_infer::{ChannelOrder, Estimate, NetSpec, Reach};
+use deepshade_render::methods::estimate::Estimator;
+use deepshade_shaders::Effect;
+use deepshade_train::TrainConfig;
+use std::path::Path;
+
+/// Radius of the effect in the units of the network's input: positions, some ten radii away, then are about as large
+/// as the components of normals.
+pub const INPUT_RADIUS: f32 = 0.25;
+
+/// Radius of the effect in the units of the input of corrected networks: lengths are in radii.
+const RADII: f32 = 1.0;
+/// The default radius of networks that know all radii, as a share of the scene's diagonal.
+const USUAL_SHARE: f32 = 0.03;
+/// Channels of the corrected network at half the resolution.
+pub const CHANNELS: usize = 24;
+/// The estimate that the corrected network reads.
+pub const ESTIMATE: &str = "gtao:high";
+
+/// Which network.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Network {
+    /// The paper's U-net, from positions alone.
+    Paper,
+    /// One that reads what an analytic method estimates, and corrects it.
+    Corrected,
+}
+
+impl Network {
+    /// The one that is nearer to truth.
+    pub fn best(effect: Effect) -> Self {
+        let estimate = Estimate { method: String::new(), quality: String::new() };
+        let reach = Reach { radius: RADII, diagonal_share: USUAL_SHARE, height: 1 };
+        match NetSpec::corrected(effect, CHANNELS, estimate, reach) {
+            Some(_) => Self::Corrected,
+            None => Self::Paper,
+        }
+    }
+}
+
+/// Reads a number of channels.
+pub fn channels(text: &str) -> Result<usize, String> {
+    let channels = text.parse().map_err(|_| format!("`{text}` is no whole number"))?;
+    if (4..=1024).contains(&channels) { Ok(channels) } else { Err(format!("{channels} is not 4 to 1024")) }
+}
+
+/// Reads an estimate.
+pub fn estimate(text: &str) -> Result<Estimate, String> {
+    let (method, quality) = text.split_once(':').ok_or_else(|| format!("`{text}` is not METHOD:QUALITY"))?;
+    Estimator::named(method, quality).map_err(|error| error.to_string())?;
+    Ok(Estimate { method: method.to_owned(), quality: quality.to_owned() })
+}
+
+/// The default radius of a network of the paper's: the recipe's, where it has one.
+pub fn share(args: &Args, recipe: &Recipe, data: &Path) -> Result<f32> {
+    match (args.diagonal_share, recipe.radius) {
+        (Some(share), _) | (None, Radius::Diagonal(share)) => Ok(share),
+        (None, Radius::Pixels(_) | Radius::MetresBetween(_)) => Ok(USUAL_SHARE),
+        (None, Radius::Metres(_)) => bail!(
+            "{}: the recipe states the radius in metres; --diagonal-share says what the network's default is to be",
+            data.display()
+        ),
+    }
+}
+
+/// The defaults for data that a recipe makes, and the network that is nearest to truth.
+pub fn usual_config(recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
+    let reach = |share| Reach { radius: RADII, diagonal_share: share, height: recipe.resolution.height };
+    let estimate = estimate(ESTIMATE).map_err(anyhow::Error::msg)?;
+    match (NetSpec::corrected(recipe.effect, CHANNELS, estimate, reach(USUAL_SHARE)), recipe.radius) {
+        (Some(spec), _) => Ok(TrainConfig::new(spec, data.to_owned())),
+        (None, Radius::Diagonal(share)) => default_config(recipe, data, ChannelOrder::Interleaved, share),
+        (None, _) => {
+            bail!("the paper's networks want a recipe that states its radius as a share of the diagonal")
+        }
+    }
+}
+
+/// The defaults for a network that corrects an estimate.
+pub fn corrected_config(args: &Args, recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
+    let effect = recipe.effect;
+    let diagonal_share = args.diagonal_share.unwrap_or(USUAL_SHARE);
+    let reach =
+        Reach { radius: RADII, diagonal_share, height: recipe.smallest.unwrap_or(recipe.resolution).height };
+    let spec = NetSpec::corrected(effect, args.channels, args.estimate.clone(), reach)
+        .with_context(|| format!("--network corrected: no method estimates `{effect}` for networks"))?;
+    Ok(TrainConfig::new(spec, data.to_owned()))
+}
+
+/// The defaults for data that a recipe makes, and a network that reaches `diagonal_share` of a scene's diagonal.
+pub fn default_config(
+    recipe: &Recipe,
+    dataset: &Path,
+    order: ChannelOrder,
+    diagonal_share: f32,
+) -> Result<TrainConfig> {
+    let reach = Reach {
+        radius: INPUT_RADIUS,
+        diagonal_share,
+        height: recipe.smallest.unwrap_or(recipe.resolution).height,
+    };
+    let effect = recipe.effect;
+    let spec = NetSpec::published(effect, order, reach)
+        .with_context(|| format!("no network is laid out for effect `{effect}`"))?;
+    Ok(TrainConfig::new(spec, dataset.to_owned()))
+}
