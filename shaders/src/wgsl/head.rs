@@ -6,9 +6,6 @@ use super::convolution::{Reading, Writing};
 use super::uniforms::NetLayer;
 use std::fmt::Write;
 
-/// What is as good as no bound.
-const LARGEST: f32 = 3.4e38;
-
 /// How the image is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HeadKind {
@@ -122,7 +119,7 @@ impl Head {
             HeadKind::Filter { .. } => (String::new(), include_str!("../../wgsl/head/filter.wgsl")),
             HeadKind::Correction { range: [least, most], .. } => {
                 // No shader knows infinity.
-                let range = format!("const LEAST = {least:?};\nconst MOST = {:?};\n", most.min(LARGEST));
+                let range = format!("const LEAST = {least:?};\nconst MOST = {:?};\n", most.min(f32::MAX));
                 (range, include_str!("../../wgsl/head/correction.wgsl"))
             }
         };
