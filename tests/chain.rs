@@ -213,7 +213,7 @@ fn the_help_of_training_states_its_defaults() {
         "[default: 0.05 where kernels are predicted, else 0.0001]",
         "[default: 4]",
         "[default: 256, or the largest that fits into the pairs]",
-        "[default: 20000]",
+        "[default: as many as fit into --minutes, else 20000]",
         "[default: 32]",
         "[default: 500]",
         "[default: 20]",
