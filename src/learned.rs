@@ -13,7 +13,9 @@ use deepshade_infer::{Model, NetSpec};
 use deepshade_render::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
 use deepshade_render::methods::estimate::Estimator;
 use deepshade_shaders::gpu::{self, Gpu};
-use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
+#[cfg(feature = "train")]
+use deepshade_shaders::Planes;
+use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
 use estimates::Estimates;
 use std::path::{Path, PathBuf};
 
@@ -142,7 +144,6 @@ impl Learned {
     ///
     /// # Errors
     /// If the weights are not the spec's.
-    #[cfg(feature = "train")]
     pub fn on_processor(model: &Model) -> Result<Self, MethodError> {
         Self::on(None, model)
     }
