@@ -12,9 +12,9 @@ use deepshade_infer::model::{SPEC, WEIGHTS};
 use deepshade_infer::{Model, NetSpec};
 use deepshade_render::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
 use deepshade_render::methods::estimate::Estimator;
-use deepshade_shaders::gpu::{self, Gpu};
 #[cfg(feature = "train")]
 use deepshade_shaders::Planes;
+use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
 use estimates::Estimates;
 use std::path::{Path, PathBuf};
