@@ -1,6 +1,6 @@
 //! The weights of a network, layer by layer, as plain arrays.
 
-use crate::{Layer, NetSpec, Source, parity, reference};
+use crate::{Head, Layer, NetSpec, Source, parity, reference};
 use deepshade_shaders::random::random;
 
 /// Weights and biases of one layer.
@@ -36,7 +36,12 @@ impl Weights {
             // The leaky ReLU scales with what it is given, so dividing by the rms makes the rms 1.
             let rms =
                 parity::rms(&reference::layer(spec, layer, &weight, &noise, &made)).max(f32::MIN_POSITIVE);
-            weight.weight.iter_mut().chain(&mut weight.bias).for_each(|value| *value /= rms);
+            // Weights of many taps that are each as large as the image would make anything of it.
+            let share = match spec.head {
+                Head::Correction(_) if !layer.activation => spec.head_channels() as f32,
+                _ => 1.0,
+            };
+            weight.weight.iter_mut().chain(&mut weight.bias).for_each(|value| *value /= rms * share);
             made.push(reference::layer(spec, layer, &weight, &noise, &made));
             weights.0.push(weight);
         }
