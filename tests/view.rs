@@ -244,7 +244,7 @@ fn an_animation_is_recorded_at_its_own_times_with_and_without_a_program_for_vide
     let path = |name: &str| folder.path().join(name);
     write_moving_tile(folder.path());
     let script = "truth off\nwait picture\narrange tiles\nrecord film 10\nscreenshot film.png\nquit\n";
-    let options = "--scene tile.gltf --eye 1,2,2 --look-at 0,0,0 --methods gtao,hbao";
+    let options = "--scene tile.gltf --eye 1,2,2 --look-at 0,0,0 --methods gtao,hbao --radius 1";
     let screen = Screen::new();
     let film = |path: Option<&Path>| {
         let mut command = screen.command(folder.path(), options, script);
