@@ -5,7 +5,7 @@ use deepshade_infer::forward::{self, ForwardError, Precision};
 use deepshade_infer::{Model, NetSpec, cpu};
 use deepshade_render::processor_name;
 use deepshade_shaders::Planes;
-use deepshade_shaders::gpu::{self, Gpu, Timing};
+use deepshade_shaders::gpu::{Gpu, Timing};
 use std::cell::RefCell;
 use web_time::Instant;
 
@@ -67,13 +67,14 @@ impl Engine {
     ///
     /// # Errors
     /// If the input is not the network's, or the device fails.
+    #[cfg(any(feature = "train", test))]
     pub fn run(
         &self,
         input: &Planes,
         warm_up: usize,
         timed: usize,
     ) -> Result<(Planes, Timing), ForwardError> {
-        gpu::wait(self.run_async(input, warm_up, timed))?
+        deepshade_shaders::gpu::wait(self.run_async(input, warm_up, timed))?
     }
 
     /// As [`Engine::run`], awaited.
