@@ -79,7 +79,8 @@ pub struct Args {
     effect: Vec<Effect>,
     /// Which methods, each for those of the effects that have it; by default all that compute the effects, `learned` only
     /// where there is a network, and neither `aov`, which takes minutes where the radius is large, nor
-    /// `screen-truth`, which is for studies. Truth is always rendered, since the others are measured against it.
+    /// `screen-truth`, which is for studies. Truth is always rendered, since the others are measured against
+    /// it.
     #[arg(long, value_delimiter = ',')]
     methods: Vec<String>,
     /// How much time analytic methods may take for a better image: one or several of low, medium, high, ultra; high by

@@ -117,8 +117,8 @@ pub fn reads(spec: &NetSpec) -> Result<Vec<Attribute>> {
     Ok(reads)
 }
 
-/// What is to be said of a frame that is unlike those that a network was trained on; nothing where it is like them, or where that
-/// is not known.
+/// What is to be said of a frame that is unlike those that a network was trained on; nothing where it is like
+/// them, or where that is not known.
 pub fn outside(spec: &NetSpec, gbuffer: &GBuffer, radius: f32) -> Option<String> {
     let trained = spec.trained?;
     let outside = trained.outside(gbuffer, radius).ok()?;
@@ -153,7 +153,8 @@ impl Learned {
         Ok(Self { engine: Engine::new(gpu, model).map_err(failed)?, estimates })
     }
 
-    /// What the first of a network's runs reads of a g-buffer, with what methods estimate for it on the processor.
+    /// What the first of a network's runs reads of a g-buffer, with what methods estimate for it on the
+    /// processor.
     ///
     /// # Errors
     /// If the g-buffer lacks something.
@@ -171,9 +172,9 @@ impl Learned {
         self.engine.spec()
     }
 
-    /// What the network makes of a g-buffer, for an effect that reaches so many metres. The time is that of all that its image
-    /// takes: what methods estimate for it, what else is made for it to read, and the network, without sending the g-buffer to
-    /// a card and the image back.
+    /// What the network makes of a g-buffer, for an effect that reaches so many metres. The time is that of
+    /// all that its image takes: what methods estimate for it, what else is made for it to read, and the
+    /// network, without sending the g-buffer to a card and the image back.
     ///
     /// # Errors
     /// If the g-buffer lacks something or the device fails.

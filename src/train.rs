@@ -92,8 +92,8 @@ pub struct Args {
     /// Chooses first weights, order, crops and symmetries.
     #[arg(long, default_value_t = defaults().seed)]
     seed: u64,
-    /// Minutes that the run may take. Without --steps it has as many steps as fit into them; with --steps it stops then, and
-    /// the same command goes on.
+    /// Minutes that the run may take. Without --steps it has as many steps as fit into them; with --steps it
+    /// stops then, and the same command goes on.
     #[arg(long, value_parser = minutes)]
     minutes: Option<f64>,
     /// Threads that decode pairs.
@@ -201,8 +201,8 @@ pub fn run(args: &Args) -> Result<()> {
     say!("{images_per_second:.2} images a second, {}", deepshade_train::device_name()?)
 }
 
-/// The settings with as many steps as fit into the minutes that are stated, where no number of them is; a run that goes on has
-/// those that it began with.
+/// The settings with as many steps as fit into the minutes that are stated, where no number of them is; a run
+/// that goes on has those that it began with.
 fn within_minutes(config: TrainConfig, args: &Args, run: &Path) -> Result<TrainConfig> {
     let Some(minutes) = args.minutes.filter(|_| args.steps.is_none()) else { return Ok(config) };
     let steps = match TrainConfig::load(run) {
@@ -214,7 +214,8 @@ fn within_minutes(config: TrainConfig, args: &Args, run: &Path) -> Result<TrainC
 
 /// Steps that are tried to tell how long one takes.
 const TRIED: usize = 4;
-/// The shares of the time that steps take, beside validation, and beside views that are rendered at the same time.
+/// The shares of the time that steps take, beside validation, and beside views that are rendered at the same
+/// time.
 const STEPS_SHARE: f64 = 0.9;
 const STREAMED_SHARE: f64 = 0.6;
 

@@ -86,7 +86,8 @@ impl Drop for Stream {
     }
 }
 
-/// What tells the pairs of a recipe's stream from those of others: a hash of the recipe and of the version of the data.
+/// What tells the pairs of a recipe's stream from those of others: a hash of the recipe and of the version of
+/// the data.
 pub fn hash(recipe: &Recipe) -> String {
     let described = serde_json::to_vec(recipe).expect("a recipe is plain data");
     let mut hasher = blake3::Hasher::new();

@@ -9,7 +9,8 @@
 //! - for software adapters (`shaders/wgsl/net`): feature maps in texture arrays, weights in uniform buffers, which
 //!   lavapipe reads many times as fast as storage buffers.
 //!
-//! Where what the last block makes is not the image, further passes make it of that ([`crate::Head`]), for both sets.
+//! Where what the last block makes is not the image, further passes make it of that ([`crate::Head`]), for
+//! both sets.
 //!
 //! [`Variant`] is the choice between them and between the shapes of the first set's kernels; [`Tuning`] makes it by
 //! measuring. [`Network`] is what depends on the device, [`Plan`] what depends on the image's size, [`Recording`] what

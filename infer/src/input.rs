@@ -25,8 +25,8 @@ pub struct Scaling {
 }
 
 impl NetSpec {
-    /// A g-buffer with what the network reads that is made of it, for an effect that reaches `radius` metres. What methods
-    /// estimate must be there already.
+    /// A g-buffer with what the network reads that is made of it, for an effect that reaches `radius` metres.
+    /// What methods estimate must be there already.
     ///
     /// # Errors
     /// If what it is made of is not there.

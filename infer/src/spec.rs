@@ -1,5 +1,5 @@
-//! The shape of a network: one list of blocks that drives burn's module, the WGSL passes, the ONNX writer and the
-//! reference forward pass; what it reads, and how its image follows from what the last block makes.
+//! The shape of a network: one list of blocks that drives burn's module, the WGSL passes, the ONNX writer and
+//! the reference forward pass; what it reads, and how its image follows from what the last block makes.
 
 mod block;
 mod head;
@@ -130,8 +130,8 @@ pub enum SpecError {
 }
 
 impl NetSpec {
-    /// The network that corrects what a method estimates of an effect, in the form of [`trunk`] with so many channels at half the
-    /// resolution; none where no method does.
+    /// The network that corrects what a method estimates of an effect, in the form of [`trunk`] with so many
+    /// channels at half the resolution; none where no method does.
     pub fn corrected(effect: Effect, channels: usize, estimate: Estimate, reach: Reach) -> Option<Self> {
         use Attribute::{Border, Normal, Openness, PixelRadius, RawOpenness, Relief};
         let (inputs, of, over) = match effect {
@@ -144,7 +144,8 @@ impl NetSpec {
         Some(Self::correcting(effect, inputs, vec![estimate], correction, channels, reach))
     }
 
-    /// A network of the form of [`trunk`], with so many channels at half the resolution, that corrects an estimate.
+    /// A network of the form of [`trunk`], with so many channels at half the resolution, that corrects an
+    /// estimate.
     pub fn correcting(
         effect: Effect,
         inputs: Vec<Attribute>,
@@ -171,8 +172,8 @@ impl NetSpec {
     /// Checks what a file or a recipe may get wrong, before anything is computed from it.
     ///
     /// # Errors
-    /// If a number is out of its range, a block reads what is not there, a layer's groups do not divide its channels, or the
-    /// last block does not make what the head needs.
+    /// If a number is out of its range, a block reads what is not there, a layer's groups do not divide its
+    /// channels, or the last block does not make what the head needs.
     pub fn validate(&self) -> Result<(), SpecError> {
         let range = |name, fits: bool, found: &dyn std::fmt::Display, allowed| match fits {
             true => Ok(()),
@@ -194,7 +195,8 @@ impl NetSpec {
         if found == needed { Ok(()) } else { Err(SpecError::Last { found, needed }) }
     }
 
-    /// Whether every block reads earlier ones, of levels that go together, in groups that divide its channels.
+    /// Whether every block reads earlier ones, of levels that go together, in groups that divide its
+    /// channels.
     fn validate_blocks(&self) -> Result<(), SpecError> {
         let range =
             |name, found: usize, allowed| SpecError::Range { name, found: found.to_string(), allowed };
@@ -274,13 +276,15 @@ impl NetSpec {
         }
     }
 
-    /// Number of channels that the last block makes: those of the head for each pixel of a square of its level.
+    /// Number of channels that the last block makes: those of the head for each pixel of a square of its
+    /// level.
     pub fn last_channels(&self) -> usize {
         self.head_channels() << (2 * self.last_level())
     }
 
-    /// The level of the last block. Its channels are those of the pixels of a square, `1 << level` along an axis: channel `c` of
-    /// the pixel `(x, y)` of the square is channel `((y << level) + x) C + c`, where the head works on `C`.
+    /// The level of the last block. Its channels are those of the pixels of a square, `1 << level` along an
+    /// axis: channel `c` of the pixel `(x, y)` of the square is channel `((y << level) + x) C + c`, where the
+    /// head works on `C`.
     pub fn last_level(&self) -> usize {
         self.layers().last().map_or(0, |layer| layer.level)
     }

@@ -123,8 +123,9 @@ pub trait ScreenMethod: Send + Sync {
     /// If the g-buffer lacks an attribute.
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute>;
 
-    /// What its passes write, as [`ScreenMethod::reference`] has it, by vector instructions of the processor, of methods that
-    /// have such a version. [`Method::shade`] takes it where the device is the processor anyway.
+    /// What its passes write, as [`ScreenMethod::reference`] has it, by vector instructions of the processor,
+    /// of methods that have such a version. [`Method::shade`] takes it where the device is the processor
+    /// anyway.
     ///
     /// # Errors
     /// If the g-buffer lacks an attribute.
@@ -148,8 +149,8 @@ impl<M: ScreenMethod + ?Sized> Method for M {
         ScreenMethod::wants_even_fog(self)
     }
 
-    /// The time is that of the passes on the GPU, without sending the g-buffer there and the image back, or that of the
-    /// [version for the processor](ScreenMethod::on_processor) where that is taken.
+    /// The time is that of the passes on the GPU, without sending the g-buffer there and the image back, or
+    /// that of the [version for the processor](ScreenMethod::on_processor) where that is taken.
     fn shade(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Shaded, MethodError> {
         let method = ScreenMethod::name(self);
         let failed = |source: GpuError| MethodError::Gpu { method, source };

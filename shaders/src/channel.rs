@@ -68,8 +68,8 @@ pub enum Attribute {
     Openness,
     /// The same before the method's blur.
     RawOpenness,
-    /// Depth against its means over some pixels, over the effect's radius, compressed to (-1, 1). It follows from
-    /// `Position` and the radius, as the next two do.
+    /// Depth against its means over some pixels, over the effect's radius, compressed to (-1, 1). It follows
+    /// from `Position` and the radius, as the next two do.
     Relief,
     /// Logarithm of the effect's radius in pixels at the point, to the base of 2, divided by 8.
     PixelRadius,

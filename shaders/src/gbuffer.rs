@@ -78,8 +78,8 @@ impl GBuffer {
         Ok(valid.iter().map(|valid| shows_surface(*valid)).collect())
     }
 
-    /// Distance in pixels, at depth 1, of two points one unit apart, as the positions have it: the one that fits best. 1 where
-    /// they do not say.
+    /// Distance in pixels, at depth 1, of two points one unit apart, as the positions have it: the one that
+    /// fits best. 1 where they do not say.
     ///
     /// # Errors
     /// If the g-buffer has no positions or no `valid`.

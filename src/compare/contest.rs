@@ -178,8 +178,8 @@ fn name_networks(contests: &mut [Contest]) {
     }
 }
 
-/// All methods of the effects, but for [`methods::SLOW`] and [`methods::STUDY`], and for `learned` where nobody
-/// names a network and none lies where it would.
+/// All methods of the effects, but for [`methods::SLOW`] and [`methods::STUDY`], and for `learned` where
+/// nobody names a network and none lies where it would.
 fn default_methods(run: &Run) -> Vec<MethodChoice> {
     let mut names = Vec::new();
     for effect in run.effects() {

@@ -24,8 +24,8 @@ pub struct Rival {
     pub method: Box<dyn Method>,
 }
 
-/// Opens methods by name, `all` for all that there are but [`STUDY`], each at some tunings; those of which nothing can be
-/// set are opened once. `learned` is left out of `all` where there is no network.
+/// Opens methods by name, `all` for all that there are but [`STUDY`], each at some tunings; those of which
+/// nothing can be set are opened once. `learned` is left out of `all` where there is no network.
 ///
 /// # Errors
 /// If there is no such method, or one cannot be opened.

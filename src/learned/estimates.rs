@@ -1,4 +1,5 @@
-//! What methods estimate for a network to read: in their passes on a card, in vector instructions on the processor.
+//! What methods estimate for a network to read: in their passes on a card, in vector instructions on the
+//! processor.
 
 use crate::methods::{LEARNED, open_screen};
 use deepshade_infer::NetSpec;
@@ -41,7 +42,8 @@ impl Estimates {
         Ok(Self { methods: spec.estimates.iter().map(open).collect::<Result<_, _>>()? })
     }
 
-    /// The g-buffer with what they make, and how many milliseconds that took; none where a network reads no estimates.
+    /// The g-buffer with what they make, and how many milliseconds that took; none where a network reads no
+    /// estimates.
     ///
     /// # Errors
     /// If the g-buffer lacks something or the device fails.

@@ -32,13 +32,14 @@ pub const KERNELS_DECAY: f64 = 0.05;
 pub enum LastLayer {
     /// The image, as in the paper.
     Image,
-    /// Weights of the light, which the image is the sum of: of 3x3 pixels at several resolutions, for aa 5x5 at one, for multi
-    /// of black too, for sss of each colour by itself.
+    /// Weights of the light, which the image is the sum of: of 3x3 pixels at several resolutions, for aa 5x5
+    /// at one, for multi of black too, for sss of each colour by itself.
     Kernels,
 }
 
 impl LastLayer {
-    /// What came nearer to truth in equal steps. For anti-aliasing kernels do, too, but by little, with ten times the weights.
+    /// What came nearer to truth in equal steps. For anti-aliasing kernels do, too, but by little, with ten
+    /// times the weights.
     pub const fn best(effect: Effect) -> Self {
         match effect {
             Effect::Dof | Effect::MotionBlur | Effect::Multi | Effect::Sss => Self::Kernels,
@@ -46,8 +47,8 @@ impl LastLayer {
         }
     }
 
-    /// The weight decay that it wants, if not the usual one. Without more of it what it makes grows until what half floats round
-    /// away, which goes into exponents, shows.
+    /// The weight decay that it wants, if not the usual one. Without more of it what it makes grows until
+    /// what half floats round away, which goes into exponents, shows.
     pub const fn weight_decay(self) -> Option<f64> {
         match self {
             Self::Image => None,

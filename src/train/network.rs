@@ -10,8 +10,8 @@ use deepshade_shaders::Effect;
 use deepshade_train::TrainConfig;
 use std::path::Path;
 
-/// Radius of the effect in the units of the network's input: positions, some ten radii away, then are about as large
-/// as the components of normals.
+/// Radius of the effect in the units of the network's input: positions, some ten radii away, then are about
+/// as large as the components of normals.
 pub const INPUT_RADIUS: f32 = 0.25;
 
 /// Radius of the effect in the units of the input of corrected networks: lengths are in radii.
@@ -93,7 +93,8 @@ pub fn corrected_config(args: &Args, recipe: &Recipe, data: &Path) -> Result<Tra
     Ok(TrainConfig::new(spec, data.to_owned()))
 }
 
-/// The defaults for data that a recipe makes, and a network that reaches `diagonal_share` of a scene's diagonal.
+/// The defaults for data that a recipe makes, and a network that reaches `diagonal_share` of a scene's
+/// diagonal.
 pub fn default_config(
     recipe: &Recipe,
     dataset: &Path,

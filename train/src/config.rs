@@ -34,7 +34,8 @@ const fn one() -> usize {
 pub struct TrainConfig {
     /// The network.
     pub spec: NetSpec,
-    /// Folder of the dataset, or the recipe of a stream. Does not change what is learned, as long as the data are the same.
+    /// Folder of the dataset, or the recipe of a stream. Does not change what is learned, as long as the data
+    /// are the same.
     pub dataset: PathBuf,
     /// How pairs are taken from a stream; none where they are a folder's.
     #[serde(default, skip_serializing_if = "Option::is_none")]

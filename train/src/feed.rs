@@ -1,5 +1,5 @@
-//! Which pair each image of a training is cut from, and where it comes from: a folder, or a stream that never ends. Both depend
-//! on seed and position alone, not on who is fast.
+//! Which pair each image of a training is cut from, and where it comes from: a folder, or a stream that never
+//! ends. Both depend on seed and position alone, not on who is fast.
 
 use crate::loader;
 use crate::pairs::{Cache, HalfPair};
@@ -25,7 +25,8 @@ pub struct Endless {
 }
 
 impl Endless {
-    /// A pair that is used often teaches little more, and one that is used once costs as much as rendering it.
+    /// A pair that is used often teaches little more, and one that is used once costs as much as rendering
+    /// it.
     pub const USUAL: Self = Self { uses: 8, window: 192 };
 
     /// The first pair of the window at a position of the training.

@@ -14,10 +14,10 @@ const RESIDUAL_SCALE: f64 = 0.3;
 /// Random weights: normal, of variance `2 / ((1 + leak^2) * fan-in)` (He et al. 2015, equation 15); biases are 0. The layer
 /// that makes the image starts near the effect's background, with weights a hundredth of that and the background as its
 /// bias: far from the target, structural similarity hardly has a gradient. For the same reason a network whose effect
-/// filters light starts with the image that it is given, and one that corrects an estimate with the estimate. Where kernels are
-/// predicted all weights are random: a softmax that starts near that image, with one weight far above all others, has no
-/// gradient by which to leave it. A layer of kernels that reads a layer as wide as itself is residual: it starts near the
-/// identity.
+/// filters light starts with the image that it is given, and one that corrects an estimate with the estimate.
+/// Where kernels are predicted all weights are random: a softmax that starts near that image, with one weight
+/// far above all others, has no gradient by which to leave it. A layer of kernels that reads a layer as wide
+/// as itself is residual: it starts near the identity.
 pub fn first_weights(spec: &NetSpec, seed: u64) -> Weights {
     let mut weights = random_weights(spec, seed);
     if spec.effect.filters_light() && spec.head == Head::Image {

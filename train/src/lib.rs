@@ -1,5 +1,5 @@
-//! Training: the network of a spec in burn, its loss and optimisers, the loop with its checkpoints, and the export of
-//! what was learned.
+//! Training: the network of a spec in burn, its loss and optimisers, the loop with its checkpoints, and the
+//! export of what was learned.
 
 pub mod bench;
 pub mod checkpoint;

@@ -122,8 +122,8 @@ impl Sampler {
         Ok(batch)
     }
 
-    /// The crop at a position in the training, what its numbers are multiplied by, and which of the network's runs is trained on
-    /// it.
+    /// The crop at a position in the training, what its numbers are multiplied by, and which of the network's
+    /// runs is trained on it.
     fn crop(&self, position: usize) -> Result<(Pair, Scale, usize), TrainError> {
         let (index, pair) = self.feed.pair(self.config.seed, position)?;
         let mut rng = Rng::new(self.config.seed, Purpose::Crop, position as u64);

@@ -89,7 +89,8 @@ impl Scale {
 }
 
 impl HalfPair {
-    /// A pair with what the network's estimates and its other inputs are made of; `seed` chooses the estimates' random numbers.
+    /// A pair with what the network's estimates and its other inputs are made of; `seed` chooses the
+    /// estimates' random numbers.
     pub fn new(pair: &Pair, spec: &NetSpec, seed: u32) -> Result<Self, String> {
         if !(pair.radius.is_finite() && pair.radius > 0.0) {
             return Err(format!("its radius is {}", pair.radius));

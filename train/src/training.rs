@@ -24,7 +24,8 @@ use std::time::{Duration, Instant};
 
 /// Name of the file in a run's folder that says what its frames are like: [`Trained`].
 pub const RANGES_FILE: &str = "trained_on.json";
-/// The share that the mean of the weights keeps of itself in a step, and how fast it comes to that: early weights say little.
+/// The share that the mean of the weights keeps of itself in a step, and how fast it comes to that: early
+/// weights say little.
 const KEPT: f32 = 0.999;
 /// Steps between lines of metrics.
 const LINE_EVERY: usize = 20;

@@ -112,8 +112,8 @@ fn a_run_that_failed_anywhere_goes_on_to_the_same_weights() {
     for optimiser in [ADAMW, Optimiser::ADADELTA] {
         let config = config(optimiser);
         let expected = straight(&config);
-        // Without a cache every crop is a read, beside the two for validation: runs that break off before the first step, early,
-        // between checkpoints, and late.
+        // Without a cache every crop is a read, beside the two for validation: runs that break off before the
+        // first step, early, between checkpoints, and late.
         let uncached = TrainConfig { cache_megabytes: 0, ..config.clone() };
         for reads in [1, 9, 17, 25, 29] {
             let folder = tempfile::tempdir().expect("a folder");

@@ -28,8 +28,8 @@ struct Budget {
     rate: &'static str,
     /// The network's default radius as a share of a scene's diagonal, where the recipe has metres.
     share: Option<&'static str>,
-    /// Of a network that is trained on views that are rendered while it trains: which one it is. None where pairs are made
-    /// before, of the recipe of its name.
+    /// Of a network that is trained on views that are rendered while it trains: which one it is. None where
+    /// pairs are made before, of the recipe of its name.
     streamed: Option<&'static [&'static str]>,
 }
 
@@ -90,7 +90,8 @@ const BUDGETS: [Budget; 13] = [
     Budget { name: "ibl", steps: 64_000, batch: 4, crop: 128, rate: "0.005", share: None, streamed: None },
 ];
 
-/// What networks on views without end have in common: some two hours on two cores, most of them for the views.
+/// What networks on views without end have in common: some two hours on two cores, most of them for the
+/// views.
 const CORRECTED: Budget =
     Budget { name: "", steps: 20_000, batch: 4, crop: 256, rate: "0.002", share: None, streamed: None };
 

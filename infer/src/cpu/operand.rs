@@ -32,7 +32,8 @@ impl<'a> Image<'a> {
 pub enum Operand<'a> {
     /// Images, continued at bottom and right by their last row and column where the frame is larger.
     Plain(Image<'a>),
-    /// The pixels of squares of four as channels, space to depth, of images that are continued like those of [`Self::Plain`].
+    /// The pixels of squares of four as channels, space to depth, of images that are continued like those of
+    /// [`Self::Plain`].
     Folded(Image<'a>),
     /// The 2x2 means of images.
     Pooled(Image<'a>),

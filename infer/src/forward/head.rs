@@ -1,5 +1,5 @@
-//! The passes of a [`crate::Head`] on a device: the pyramid of what it works on, which is that of the whole image, and what a
-//! tile keeps of the image, made of it by what the tile's last block has left.
+//! The passes of a [`crate::Head`] on a device: the pyramid of what it works on, which is that of the whole
+//! image, and what a tile keeps of the image, made of it by what the tile's last block has left.
 
 use super::io;
 use super::recording::Told;

@@ -62,8 +62,8 @@ impl Packed {
     }
 }
 
-/// For each channel that a convolution reads of an input of so many, space to depth, where a kernel has it: the channels of
-/// each of four pixels begin with a block.
+/// For each channel that a convolution reads of an input of so many, space to depth, where a kernel has it:
+/// the channels of each of four pixels begin with a block.
 fn folded_order(channels: usize) -> Vec<usize> {
     let each = channels.next_multiple_of(BLOCK);
     (0..4).flat_map(|pixel| (0..channels).map(move |channel| pixel * each + channel)).collect()

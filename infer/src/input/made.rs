@@ -1,20 +1,22 @@
-//! What networks read that no renderer gives: made of positions and the effect's radius, for the whole image, before any
-//! part is cut out of it. A network so reads nothing that depends on where the camera stands or how large the scene is.
+//! What networks read that no renderer gives: made of positions and the effect's radius, for the whole image,
+//! before any part is cut out of it. A network so reads nothing that depends on where the camera stands or
+//! how large the scene is.
 //!
 //! In a shader each of them is a few lines: `forward/host.md` says for other engines what they hold.
 
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute};
 use rayon::prelude::*;
 
-/// Levels of the pyramid of depth whose means [`Attribute::Relief`] is against: of 4, 16 and 64 pixels squared.
+/// Levels of the pyramid of depth whose means [`Attribute::Relief`] is against: of 4, 16 and 64 pixels
+/// squared.
 pub const RELIEF_LEVELS: [usize; 3] = [2, 4, 6];
 /// What logarithms of pixels are divided by in [`Attribute::PixelRadius`].
 const OCTAVES: f32 = 8.0;
 /// The smallest radius in pixels that is told from smaller ones.
 const LEAST_PIXELS: f32 = 0.25;
 
-/// The g-buffer with what is made of it, as far as `wanted` has it and the g-buffer has not, for an effect that reaches
-/// `radius` metres. What was there before comes first.
+/// The g-buffer with what is made of it, as far as `wanted` has it and the g-buffer has not, for an effect
+/// that reaches `radius` metres. What was there before comes first.
 ///
 /// # Errors
 /// If something is wanted and positions or validity are not there to make it of.
@@ -118,7 +120,8 @@ impl Pyramid {
     }
 }
 
-/// The two squares between whose middles a pixel lies, beyond the outermost that one twice, and the share of the second.
+/// The two squares between whose middles a pixel lies, beyond the outermost that one twice, and the share of
+/// the second.
 fn between(at: usize, side: usize, size: usize) -> (usize, usize, f32) {
     let position = (at as f32 + 0.5) / side as f32 - 0.5;
     let inside = |index: isize| index.clamp(0, size as isize - 1) as usize;
@@ -196,7 +199,8 @@ mod tests {
         (0..128 * 128).filter(|i| i % 128 >= 64).for_each(|i| planes.plane_mut(2)[i] = -3.0);
         let step = GBuffer::new(vec![Attribute::Position, Attribute::Valid], planes);
         let relief = made(&step, Attribute::Relief, 0.5);
-        // Just left of the edge the mean over the coarsest squares is about half a metre further away: -1 radius.
+        // Just left of the edge the mean over the coarsest squares is about half a metre further away: -1
+        // radius.
         let at_edge = relief.at(2, 64, 63);
         assert!((at_edge + 0.5).abs() < 0.02, "{at_edge}");
         assert!(relief.at(0, 64, 20).abs() < 1e-6 && relief.at(2, 64, 63) < -0.4);

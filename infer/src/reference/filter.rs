@@ -16,8 +16,8 @@ pub fn filtered(filter: Filter, light: &Planes, made: &Planes) -> Planes {
     })
 }
 
-/// The image, `[channels, height, width]`, of an estimate of that shape, of what its pyramid is of, padded, and of what the last
-/// block makes of the image's pixels, `[channels + taps, height, width]`.
+/// The image, `[channels, height, width]`, of an estimate of that shape, of what its pyramid is of, padded,
+/// and of what the last block makes of the image's pixels, `[channels + taps, height, width]`.
 pub fn corrected(
     correction: Correction,
     [least, most]: [f32; 2],

@@ -34,8 +34,8 @@ const fn is_one(count: &usize) -> bool {
 pub enum Source {
     /// The network's input.
     Input,
-    /// The network's input at half the resolution: the four pixels of a square as channels, space to depth. Channel `c` of
-    /// the pixel `(x, y)` of the square is channel `(2 y + x) C + c`, where the input has `C`.
+    /// The network's input at half the resolution: the four pixels of a square as channels, space to depth.
+    /// Channel `c` of the pixel `(x, y)` of the square is channel `(2 y + x) C + c`, where the input has `C`.
     Folded,
     /// A block's image as it is.
     Plain(usize),
@@ -47,8 +47,8 @@ pub enum Source {
         coarse: usize,
         /// A block of the same level on the way down.
         skip: usize,
-        /// Their channels are dealt out in so many groups: a share of the coarser block, then the same share of the skip
-        /// connection. One group is all of the coarser block, then all of the skip connection.
+        /// Their channels are dealt out in so many groups: a share of the coarser block, then the same share
+        /// of the skip connection. One group is all of the coarser block, then all of the skip connection.
         #[serde(default = "one", skip_serializing_if = "is_one")]
         groups: usize,
     },
@@ -93,7 +93,8 @@ pub struct Layer {
 }
 
 impl Layer {
-    /// The layers of blocks of which each reads earlier ones only, the first of them an input of so many channels.
+    /// The layers of blocks of which each reads earlier ones only, the first of them an input of so many
+    /// channels.
     pub(super) fn of_blocks(blocks: &[Block], input_channels: usize) -> Vec<Self> {
         let mut layers: Vec<Self> = Vec::with_capacity(blocks.len());
         for (index, block) in blocks.iter().enumerate() {
@@ -130,8 +131,8 @@ impl Layer {
         [self.outputs, self.inputs / self.groups, self.kernel, self.kernel]
     }
 
-    /// For each channel that the convolution reads, in order: which channel it is of what it reads as that lies in memory,
-    /// of two blocks one after the other.
+    /// For each channel that the convolution reads, in order: which channel it is of what it reads as that
+    /// lies in memory, of two blocks one after the other.
     pub fn read_order(&self, layers: &[Self]) -> Vec<usize> {
         match self.source {
             Source::Joined { coarse, skip, groups } => {
@@ -142,7 +143,8 @@ impl Layer {
     }
 }
 
-/// For each channel of two images concatenated group by group: which channel of the plain concatenation it is.
+/// For each channel of two images concatenated group by group: which channel of the plain concatenation it
+/// is.
 pub fn joined_order(coarse: usize, skip: usize, groups: usize) -> Vec<usize> {
     let (a, b) = (coarse / groups, skip / groups);
     let group = |group| (group * a..(group + 1) * a).chain(coarse + group * b..coarse + (group + 1) * b);

@@ -24,9 +24,9 @@ pub enum Head {
 /// image = E + bias + sum over taps t of w(t) * (S(t) - E)
 /// ```
 ///
-/// within the effect's range, where S(t) are pixels of a pyramid of `over`, laid out and read as those of a [`Filter`]. Weights
-/// that are 0 leave the estimate as it is. The last block makes the bias of each channel, then the weights, which all
-/// channels share.
+/// within the effect's range, where S(t) are pixels of a pyramid of `over`, laid out and read as those of a
+/// [`Filter`]. Weights that are 0 leave the estimate as it is. The last block makes the bias of each channel,
+/// then the weights, which all channels share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Correction {

@@ -1,10 +1,11 @@
 //! A network of today's form: at half the resolution and coarser, dense, with skip connections.
 //!
-//! The input is folded, space to depth, so that no convolution runs at full resolution (Shi et al. 2016, "Real-time single
-//! image and video super-resolution using an efficient sub-pixel convolutional neural network", the other way round). Each
-//! level has a convolution and a residual one (He et al. 2016, "Deep residual learning for image recognition"); a residual
-//! convolution of one layer is one whose kernel begins as the identity, so that no form of the network knows of it. The
-//! last block is at half the resolution as well, its channels the four pixels of a square.
+//! The input is folded, space to depth, so that no convolution runs at full resolution (Shi et al. 2016,
+//! "Real-time single image and video super-resolution using an efficient sub-pixel convolutional neural
+//! network", the other way round). Each level has a convolution and a residual one (He et al. 2016, "Deep
+//! residual learning for image recognition"); a residual convolution of one layer is one whose kernel begins
+//! as the identity, so that no form of the network knows of it. The last block is at half the resolution as
+//! well, its channels the four pixels of a square.
 
 use super::{Block, Source};
 

@@ -1,7 +1,8 @@
-//! The networks of the thesis (7.3.2): on the way down, level l has `u0 * 2^l` kernels in `2^l` groups, a leaky ReLU and
-//! 2x2 mean pooling; on the way up, the coarser level is doubled bilinearly, joined with the same level's way down, and
-//! convolved. The step upwards on level 0 makes the image itself, without an activation: with it ambient occlusion has
-//! 71,089 weights, Table 7.1's 71 k. On a single level that step reads the way down alone.
+//! The networks of the thesis (7.3.2): on the way down, level l has `u0 * 2^l` kernels in `2^l` groups, a
+//! leaky ReLU and 2x2 mean pooling; on the way up, the coarser level is doubled bilinearly, joined with the
+//! same level's way down, and convolved. The step upwards on level 0 makes the image itself, without an
+//! activation: with it ambient occlusion has 71,089 weights, Table 7.1's 71 k. On a single level that step
+//! reads the way down alone.
 
 use super::{Block, Colour, Head, NetSpec, Source};
 use crate::Reach;
@@ -10,10 +11,11 @@ use deepshade_shaders::{Attribute, Effect};
 /// Order of the channels after a concatenation, which decides what each group of the next convolution sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChannelOrder {
-    /// All of the coarser level, then all of the skip connection, as in the paper's framework: the first groups see
-    /// the coarser level only, the last ones the skip only.
+    /// All of the coarser level, then all of the skip connection, as in the paper's framework: the first
+    /// groups see the coarser level only, the last ones the skip only.
     Contiguous,
-    /// Group by group: a share of the coarser level, then the same share of the skip, so that every group sees both.
+    /// Group by group: a share of the coarser level, then the same share of the skip, so that every group
+    /// sees both.
     Interleaved,
 }
 
@@ -161,7 +163,8 @@ mod tests {
 
     #[test]
     fn networks_have_the_papers_numbers_of_weights() {
-        // Table 7.1 says 71 k, 134 k, 133 k, 133 k, 133 k, 135 k, 135 k, 370 k; for aa it says 1.2 k and for ibl
+        // Table 7.1 says 71 k, 134 k, 133 k, 133 k, 133 k, 135 k, 135 k, 370 k; for aa it says 1.2 k and for
+        // ibl
         // 3.9 k, which what the text says of them does not give.
         let weights = [
             (Effect::Ao, 71_089),

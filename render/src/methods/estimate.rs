@@ -97,7 +97,8 @@ pub fn with_estimates<'a>(
     Ok(with)
 }
 
-/// The view of a g-buffer whose camera is not known: what positions say of it, which is all that these methods want to know.
+/// The view of a g-buffer whose camera is not known: what positions say of it, which is all that these
+/// methods want to know.
 fn view(gbuffer: &GBuffer, radius: f32, seed: u32) -> Result<View, MissingAttribute> {
     let (height, width) = (gbuffer.height(), gbuffer.width());
     let vertical_fov = 2.0 * (0.5 * height as f32 / gbuffer.focal_length()?).atan();

@@ -1,4 +1,5 @@
-//! Arithmetic on neighbouring pixels in vector instructions, for methods that have a version for the processor.
+//! Arithmetic on neighbouring pixels in vector instructions, for methods that have a version for the
+//! processor.
 
 mod lanes;
 mod random;

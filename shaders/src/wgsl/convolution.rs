@@ -24,8 +24,8 @@ pub struct Convolution {
     pub arena: bool,
     /// Where it reads from.
     pub reading: Reading,
-    /// Whether the network's input is read space to depth: of a square of four pixels the channels of each, so many blocks of
-    /// four; none where it is read as it is.
+    /// Whether the network's input is read space to depth: of a square of four pixels the channels of each,
+    /// so many blocks of four; none where it is read as it is.
     pub folded: Option<u32>,
     /// Where it writes to.
     pub writing: Writing,

@@ -1,5 +1,5 @@
-//! The passes of networks on GPUs whose image is not what their last block makes as it is: the pyramid of what the head works
-//! on, and the image. Every one reads a [`NetLayer`] of its level's frame.
+//! The passes of networks on GPUs whose image is not what their last block makes as it is: the pyramid of
+//! what the head works on, and the image. Every one reads a [`NetLayer`] of its level's frame.
 
 use super::TILE;
 use super::convolution::{Reading, Writing};
@@ -63,8 +63,8 @@ impl Head {
         if matches!(self.kind, HeadKind::Correction { .. }) { self.channels } else { 0 }
     }
 
-    /// Numbers of the estimate and all levels, the finest of which has a frame of that size: a multiple of what levels divide
-    /// it by.
+    /// Numbers of the estimate and all levels, the finest of which has a frame of that size: a multiple of
+    /// what levels divide it by.
     pub const fn pyramid_numbers(&self, [height, width]: [usize; 2]) -> usize {
         let (mut numbers, mut level) = (self.estimates() as usize * height * width, 0);
         while level < self.levels {

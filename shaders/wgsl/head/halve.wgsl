@@ -1,5 +1,5 @@
-// A coarser level of the pyramid that a head reads: the means of 2x2 pixels of the level above. The frame is that of
-// the means; levels lie one after the other, planar `[CHANNELS, height, width]`,
+// A coarser level of the pyramid that a head reads: the means of 2x2 pixels of the level above. The frame is
+// that of the means; levels lie one after the other, planar `[CHANNELS, height, width]`,
 // after ESTIMATES planes of the finest level's frame.
 
 @group(0) @binding(0) var<uniform> layer: NetLayer;

@@ -1,9 +1,11 @@
-// What heads read: what the last block makes, and a pyramid of an input at pixels between those of its levels.
+// What heads read: what the last block makes, and a pyramid of an input at pixels between those of its
+// levels.
 
 @group(0) @binding(0) var<uniform> layer: NetLayer;
 // Planar, of the tile's frame on the last block's level: `layer.channels` rows of `layer.stride` columns.
 @group(0) @binding(1) var<storage, read> kernels: array<f32>;
-// The estimate where there is one, then level after level, planar `[CHANNELS, height, width]` of the level's frame.
+// The estimate where there is one, then level after level, planar `[CHANNELS, height, width]` of the level's
+// frame.
 @group(0) @binding(2) var<storage, read> pyramid: array<f32>;
 
 const AREA = KERNEL * KERNEL;
@@ -45,7 +47,8 @@ fn offset_of(tap: u32) -> vec2<i32> {
     return vec2(i32(tap % KERNEL), i32(tap / KERNEL)) - RADIUS;
 }
 
-// A channel of what the last block makes for a pixel, of the COUNT that it makes for each of a square of SQUARE x SQUARE.
+// A channel of what the last block makes for a pixel, of the COUNT that it makes for each of a square of
+// SQUARE x SQUARE.
 fn made_by_net(channel: u32, pixel: vec2<u32>) -> f32 {
     let local = pixel - vec2(layer.origin_x, layer.origin_y);
     let at = local / SQUARE;

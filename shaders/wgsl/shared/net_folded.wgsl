@@ -1,5 +1,6 @@
-// Reads the network's input at half the resolution, the pixels of a square of four as channels: BLOCKS blocks of four channels
-// of each. The input is continued at bottom and right by its last row and column up to the layer's frame.
+// Reads the network's input at half the resolution, the pixels of a square of four as channels: BLOCKS blocks
+// of four channels of each. The input is continued at bottom and right by its last row and column up to the
+// layer's frame.
 
 fn texel(block: u32, at: vec2<i32>) -> vec4<f32> {
     let square = i32(block / BLOCKS);

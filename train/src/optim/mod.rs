@@ -21,11 +21,11 @@ pub enum Optimiser {
         /// Keeps roots away from 0, and sets how far the first steps go.
         epsilon: f64,
     },
-    /// AdamW (Loshchilov and Hutter 2019) with betas 0.9 and 0.99 and epsilon 1e-8. The rate rises linearly, stays until
-    /// [`FLAT`] of the steps are done, and falls linearly to 0 at the last one. Gradients are clipped to a norm of 1 a
-    /// tensor. Where an image is dark, structural similarity has gradients many times as large as elsewhere. With a second
-    /// beta of 0.999 such a step went three times the rate, and the next ones went on in its direction. The network for
-    /// indirect light did not come back from that.
+    /// AdamW (Loshchilov and Hutter 2019) with betas 0.9 and 0.99 and epsilon 1e-8. The rate rises linearly,
+    /// stays until [`FLAT`] of the steps are done, and falls linearly to 0 at the last one. Gradients are
+    /// clipped to a norm of 1 a tensor. Where an image is dark, structural similarity has gradients many
+    /// times as large as elsewhere. With a second beta of 0.999 such a step went three times the rate, and
+    /// the next ones went on in its direction. The network for indirect light did not come back from that.
     Adamw {
         /// The highest rate.
         rate: f64,

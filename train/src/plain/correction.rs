@@ -1,14 +1,16 @@
-//! A [`Correction`] written with burn's tensors. What it is of and what its pyramid is of are data and need no gradient.
+//! A [`Correction`] written with burn's tensors. What it is of and what its pyramid is of are data and need
+//! no gradient.
 
 use super::filter::taps;
 use burn::tensor::Tensor;
 use deepshade_infer::Correction;
 
-/// The image, unbounded, of an estimate, of what the pyramid is of, both padded, and of what the last block makes.
+/// The image, unbounded, of an estimate, of what the pyramid is of, both padded, and of what the last block
+/// makes.
 ///
 /// # Shapes
-/// `estimate` and `over` `[batch, channels, height, width]`, `made` `[batch, channels + taps, height, width]`, to
-/// `[batch, channels, height, width]`.
+/// `estimate` and `over` `[batch, channels, height, width]`, `made`
+/// `[batch, channels + taps, height, width]`, to `[batch, channels, height, width]`.
 pub fn corrected(correction: Correction, estimate: Tensor<4>, over: Tensor<4>, made: Tensor<4>) -> Tensor<4> {
     let [_, channels, _, _] = estimate.dims();
     let bias = made.clone().narrow(1, 0, channels);

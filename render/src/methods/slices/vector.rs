@@ -1,11 +1,11 @@
-//! The march of [`super::gather`] for as many neighbouring pixels of a row as a vector has lanes: what is open, without
-//! light.
+//! The march of [`super::gather`] for as many neighbouring pixels of a row as a vector has lanes: what is
+//! open, without light.
 //!
-//! It is the same arithmetic, written for what vectors are good at. A pixel has a frame of its own: to the right and up
-//! as the eye sees it, and towards the eye. There a direction across is two numbers, and the plane of a sample holds its
-//! front, its back and the normal's projection as pairs: across, towards the eye. What is a fraction of the length
-//! across is not divided by it, as that cancels between a place and the extent of its slice. Positions in the image are
-//! rounded as there, so that samples are the same ones.
+//! It is the same arithmetic, written for what vectors are good at. A pixel has a frame of its own: to the
+//! right and up as the eye sees it, and towards the eye. There a direction across is two numbers, and the
+//! plane of a sample holds its front, its back and the normal's projection as pairs: across, towards the eye.
+//! What is a fraction of the length across is not divided by it, as that cancels between a place and the
+//! extent of its slice. Positions in the image are rounded as there, so that samples are the same ones.
 
 use super::{Surface, uniforms};
 use crate::methods::vectors::{Lanes, Mask, Words, random, random_row};
@@ -36,8 +36,8 @@ pub fn openness(surface: &Surface, slices: &uniforms::Slices) -> Planes {
     Planes::from_data(1, height, width, image)
 }
 
-/// Rows that are made by one task, and columns that it makes before the next ones: what they read of the table stays in
-/// the cache of a core.
+/// Rows that are made by one task, and columns that it makes before the next ones: what they read of the
+/// table stays in the cache of a core.
 const BAND: usize = 16;
 const BLOCK: usize = 64;
 
@@ -78,7 +78,8 @@ struct Pixels<S: Simd> {
     normal: [Lanes<S>; 3],
     /// The last, but never away from the eye.
     upright: Lanes<S>,
-    /// [`LOW`], or beyond all numbers for normals that look away from the eye, whose slices are not what is above them.
+    /// [`LOW`], or beyond all numbers for normals that look away from the eye, whose slices are not what is
+    /// above them.
     low: Lanes<S>,
     valid: Mask<S>,
 }
@@ -343,10 +344,11 @@ impl March<'_> {
     }
 }
 
-/// In the plane of a slice, sectors beyond a direction on the outer side of the normal are at most this times the square
-/// of the sine of its angle with the horizon, as long as they are at most one: `32 (1 - sqrt(1 - x)) < 16.5 x`, of an
-/// integrand that is at most the cosine and an extent that is at least 1. Where they are fewer than the jitter, no sector
-/// begins there: of surfaces that are nearly flat that is all there is to know.
+/// In the plane of a slice, sectors beyond a direction on the outer side of the normal are at most this times
+/// the square of the sine of its angle with the horizon, as long as they are at most one:
+/// `32 (1 - sqrt(1 - x)) < 16.5 x`, of an integrand that is at most the cosine and an extent that is at least
+/// 1. Where they are fewer than the jitter, no sector begins there: of surfaces that are nearly flat that is
+/// all there is to know.
 const LOW: f32 = 16.5;
 
 /// What is added to a sector's number, so that it stands at the same bits of any.
@@ -384,7 +386,8 @@ impl<S: Simd> Plane<S> {
 /// The sectors from one on.
 #[inline(always)]
 fn beyond<S: Simd>(sector: Lanes<S>) -> Words<S> {
-    // Numbers of [64, 128) have their whole part at bits 17 and higher, and only that below the sixth of these.
+    // Numbers of [64, 128) have their whole part at bits 17 and higher, and only that below the sixth of
+    // these.
     let bits = sector.bits();
     let from = bits.all(u32::MAX).shifted_left(bits.shifted_right(bits.all(17)));
     sector.below(sector.all(ALL)).only(from)

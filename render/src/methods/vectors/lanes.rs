@@ -1,7 +1,7 @@
 //! Numbers of neighbouring pixels in one vector register, with the operators that scalars have.
 //!
-//! `pulp` says how many there are and by which instructions; whatever uses them is to be `#[inline(always)]` and without
-//! closures, or else it is not compiled for those instructions.
+//! `pulp` says how many there are and by which instructions; whatever uses them is to be `#[inline(always)]`
+//! and without closures, or else it is not compiled for those instructions.
 
 use pulp::Simd;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};

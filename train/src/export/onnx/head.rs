@@ -1,5 +1,5 @@
-//! Heads in a graph, [`deepshade_infer::Head`]: of every level of the light, continued by its edge and spread to the
-//! size of level 0, a tap is a window.
+//! Heads in a graph, [`deepshade_infer::Head`]: of every level of the light, continued by its edge and spread
+//! to the size of level 0, a tap is a window.
 
 use super::{Graph, int, text};
 use deepshade_infer::{Correction, Filter, NetSpec, Tap};
