@@ -118,8 +118,9 @@ impl Head {
             HeadKind::Unfold => (String::new(), include_str!("../../wgsl/head/unfold.wgsl")),
             HeadKind::Filter { .. } => (String::new(), include_str!("../../wgsl/head/filter.wgsl")),
             HeadKind::Correction { range: [least, most], .. } => {
-                // No shader knows infinity.
-                let range = format!("const LEAST = {least:?};\nconst MOST = {:?};\n", most.min(f32::MAX));
+                // No shader knows infinity. All digits: the fewest that name the largest `f32` are beyond it.
+                let [least, most] = [least, most.min(f32::MAX)].map(f64::from);
+                let range = format!("const LEAST = {least:?};\nconst MOST = {most:?};\n");
                 (range, include_str!("../../wgsl/head/correction.wgsl"))
             }
         };
