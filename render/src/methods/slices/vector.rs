@@ -346,9 +346,9 @@ impl March<'_> {
 
 /// In the plane of a slice, sectors beyond a direction on the outer side of the normal are at most this times
 /// the square of the sine of its angle with the horizon, as long as they are at most one:
-/// `32 (1 - sqrt(1 - x)) < 16.5 x`, of an integrand that is at most the cosine and an extent that is at least
-/// 1. Where they are fewer than the jitter, no sector begins there: of surfaces that are nearly flat that is
-///    all there is to know.
+/// `32 (1 - sqrt(1 - x)) < 16.5 x`, of an integrand that is at most the cosine and an extent that is at
+/// least 1. Where they are fewer than the jitter, no sector begins there. Of surfaces that are nearly flat
+/// that is all there is to know.
 const LOW: f32 = 16.5;
 
 /// What is added to a sector's number, so that it stands at the same bits of any.
