@@ -73,9 +73,11 @@ pub fn png_file(text: &str) -> Result<PathBuf, String> {
     file_of_kind(text, "png")
 }
 
-/// Reads the name of an EXR file to be written.
-pub fn exr_file(text: &str) -> Result<PathBuf, String> {
+/// Reads the name of an image to be written, an EXR or a PNG file.
+pub fn image_file(text: &str) -> Result<PathBuf, String> {
     file_of_kind(text, "exr")
+        .or_else(|_| file_of_kind(text, "png"))
+        .map_err(|error| if error.ends_with(".png") { format!("{error} or .exr") } else { error })
 }
 
 /// Reads the name of an SVG file to be written.
@@ -239,8 +241,11 @@ mod tests {
     #[test]
     fn files_are_named_for_what_they_hold() {
         assert_eq!(png_file("a/b.PNG"), Ok(PathBuf::from("a/b.PNG")));
-        assert_eq!(exr_file("/dev/stdout"), Ok(PathBuf::from("/dev/stdout")));
-        assert_eq!(exr_file("out.png"), Err("what is written is of the kind .exr".to_owned()));
+        assert_eq!(image_file("/dev/stdout"), Ok(PathBuf::from("/dev/stdout")));
+        assert_eq!(image_file("out.EXR"), Ok(PathBuf::from("out.EXR")));
+        assert_eq!(image_file("out.png"), Ok(PathBuf::from("out.png")));
+        assert_eq!(image_file("out.jpg"), Err("what is written is of the kind .png or .exr".to_owned()));
+        assert_eq!(png_file("out.exr"), Err("what is written is of the kind .png".to_owned()));
         assert!(png_file("sheet.jpg").is_err() && svg_file("curve.png").is_err());
         assert_eq!(svg_file("curve.svg"), Ok(PathBuf::from("curve.svg")));
     }

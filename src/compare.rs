@@ -13,7 +13,7 @@ mod values;
 
 pub use contest::Contest;
 pub use description::Comparison;
-pub use key::{Digest, maker};
+pub use key::{Digest, file_digest, maker};
 pub use make::{Head, Settings, Subject, make, wanted};
 pub use plan::folder_name;
 pub use run::Run;
@@ -47,8 +47,10 @@ use serde_json::json;
 use std::cell::Cell;
 use std::path::PathBuf;
 
-/// Methods are timed as the median of so many runs.
-pub const REPEATS: Repeats = Repeats { warm_up: 2, timed: 11 };
+/// Methods are timed as the median of so many runs: of fewer where the adapter is software, where one takes seconds.
+fn repeats(gpu: &Gpu) -> Repeats {
+    if gpu.is_software() { Repeats { warm_up: 1, timed: 3 } } else { Repeats { warm_up: 2, timed: 11 } }
+}
 
 /// Compares methods on scenes: images, errors, milliseconds and a page to look at.
 #[derive(clap::Args)]
@@ -161,7 +163,8 @@ pub fn run(args: &Args) -> Result<()> {
     let contests = comparison.runs.iter_mut().map(|run| Contest::open(run, &gpu));
     let mut contests = contests.collect::<Result<Vec<_>>>()?;
     let (mut stages, maker) = (Stages::default(), maker(&machine)?);
-    let planned = plan(&comparison, &mut contests, &mut stages, &by_name, (&maker, &args.out))?;
+    let making = (maker.as_str(), repeats(&gpu), args.out.as_path());
+    let planned = plan(&comparison, &mut contests, &mut stages, &by_name, making)?;
     for (run, contest) in comparison.runs.iter_mut().zip(&contests) {
         contest.state(run);
     }
@@ -204,7 +207,7 @@ fn make_all(
         }
         let (effect, contest) = (settings.effect, &contests[*run]);
         let run = &comparison.runs[*run];
-        let mut completed = completed(run, stages.get(stage)?, view, effect)?;
+        let mut completed = completed(run, contest, stages.get(stage)?, view, effect)?;
         if completed.scene.scene().glow.is_some() {
             completed.scene = stage.remembered(completed.scene)?;
         }

@@ -3,14 +3,16 @@
 mod additions;
 pub mod listeners;
 mod past;
+pub mod sky;
+mod unseen;
 
 pub use additions::Additions;
 pub use past::remembered;
 
 use anyhow::{Result, ensure};
 use deepshade_dataset::vary::Lamp;
+use deepshade_infer::TrainedUnder;
 use deepshade_render::bvh::TracedScene;
-use deepshade_render::scene::procedural::sky;
 use deepshade_render::scene::{Camera, Environment, Lens, Look, Medium};
 use deepshade_shaders::Effect;
 use glam::{Vec2, Vec3};
@@ -35,8 +37,10 @@ pub struct Wants<'a> {
     pub size: [usize; 2],
     /// What is given.
     pub additions: &'a Additions,
-    /// Chooses the lamp and the sky.
+    /// Chooses the lamp, and the sky where no network says which.
     pub seed: u32,
+    /// The environment that the effect's network knows by heart.
+    pub learned: Option<&'a TrainedUnder>,
     /// Whether something moves beside what the scene's displacements say.
     pub animated: bool,
     /// The moment at which a medium that changes is seen, seconds.
@@ -60,10 +64,12 @@ const PROBES: u32 = 32;
 pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Result<Completed> {
     let Wants { effect, additions, .. } = *wants;
     additions.check(effect)?;
-    let (mut camera, mut added) = (*camera, Vec::new());
+    let (mut camera, mut added) = (*camera, scene.scene().warnings.clone());
     let mut look = scene.scene().look();
     if let Some(path) = &additions.environment {
-        look.environment = Some(Arc::new(Environment::load(path)?));
+        let environment = Environment::load(path)?;
+        added.extend(environment.warning().map(str::to_owned));
+        look.environment = Some(Arc::new(environment));
     }
     add_light(scene, &camera, wants, &mut look, &mut added);
     let opaque = look.materials.iter().all(|material| material.mean_free_path == Vec3::ZERO);
@@ -110,7 +116,9 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
     } else {
         ensure!(additions.focus.is_none(), "--focus means nothing to {effect} without --aperture");
     }
-    Ok(Completed { scene: scene.with_look(look)?, camera, added })
+    let scene = scene.with_look(look)?;
+    added.extend(unseen::light(effect, scene.scene()));
+    Ok(Completed { scene, camera, added })
 }
 
 /// Adds a sky for effects that are lit by one alone, and a lamp for others in a scene where nothing shines for them.
@@ -122,9 +130,8 @@ fn add_light(
     added: &mut Vec<String>,
 ) {
     let by_sky = matches!(wants.effect, Effect::Do | Effect::Ibl);
-    if by_sky && look.environment.is_none() {
-        look.environment = Some(Arc::new(sky(u64::from(wants.seed))));
-        added.push(format!("no environment is given: a clear sky, number {}", wants.seed));
+    if by_sky {
+        sky::add(look, wants, added);
     }
     let dark = if wants.effect.lit_by_lamps_alone() {
         look.lights.is_empty()
@@ -132,7 +139,7 @@ fn add_light(
         look.environment.is_none() && scene.scene().is_dark()
     };
     if dark && !by_sky && wants.effect != Effect::Ao {
-        let lamp = Lamp::drawn(scene, camera, wants.size, wants.seed);
+        let lamp = Lamp::of_view(scene, camera, wants.size, wants.seed);
         look.lights.push(lamp.light());
         let Lamp { position, intensity } = lamp;
         added.push(format!("{LAMP_ADDED} at {position:.2} m of {intensity:.3} W/sr"));
@@ -176,7 +183,7 @@ fn meets(scene: &TracedScene, camera: &Camera, [height, width]: [usize; 2], medi
 mod tests {
     use super::*;
     use clap::Parser as _;
-    use deepshade_render::scene::{Material, Mesh, Scene};
+    use deepshade_render::scene::{Material, Mesh, Scene, procedural};
 
     /// A wall of 4 m at z = 0, with nothing that shines.
     fn wall() -> TracedScene {
@@ -202,7 +209,7 @@ mod tests {
 
     /// A small picture of an effect with what is given.
     fn wants(effect: Effect, additions: &Additions) -> Wants<'_> {
-        Wants { effect, size: [16, 16], additions, seed: 1, animated: false, time: 0.0 }
+        Wants { effect, size: [16, 16], additions, seed: 1, learned: None, animated: false, time: 0.0 }
     }
 
     #[test]
@@ -221,6 +228,41 @@ mod tests {
             assert_eq!(camera.lens.map(|lens| lens.focus), lens.then_some(3.0), "{effect}");
             assert_eq!(added.is_empty(), effect == Effect::Ao, "{effect}: {added:?}");
         }
+    }
+
+    #[test]
+    fn a_network_is_given_the_environment_that_it_knows_and_another_one_is_said() {
+        let (scene, camera) = (wall(), Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO));
+        let under = |scene: &TracedScene, learned: Option<&TrainedUnder>, seed: u32| {
+            let additions = additions(&[]);
+            let wants = Wants { learned, seed, ..wants(Effect::Ibl, &additions) };
+            let Completed { scene, added, .. } = complete(scene, &camera, &wants).expect("completed");
+            (scene.scene().environment.clone().expect("an environment"), added.join("; "))
+        };
+        let known = TrainedUnder::Sky(7);
+        let (own, said) = under(&scene, Some(&known), 0);
+        assert_eq!(*own, procedural::sky(7), "whatever the seed is");
+        assert!(
+            said.contains("number 7, which the network was trained under") && !said.contains("another"),
+            "{said}"
+        );
+        let (plain, said) = under(&scene, None, 0);
+        assert_eq!(*plain, procedural::sky(0));
+        assert!(!said.contains("network"), "{said}");
+        let lit = |number: u64| {
+            let scene = Scene { environment: Some(procedural::sky(number).into()), ..scene.scene().clone() };
+            TracedScene::new(scene).expect("a wall")
+        };
+        let (_, said) = under(&lit(7), Some(&known), 0);
+        assert_eq!(said, "", "the sky that it knows");
+        let (kept, said) = under(&lit(8), Some(&known), 0);
+        assert_eq!(*kept, procedural::sky(8), "the scene's own");
+        assert!(
+            said.contains("another environment than the network was trained under, a clear sky, number 7"),
+            "{said}"
+        );
+        let (_, said) = under(&scene, Some(&TrainedUnder::File("0a".repeat(32))), 0);
+        assert!(said.contains("another environment") && said.contains(&"0a".repeat(32)), "{said}");
     }
 
     #[test]

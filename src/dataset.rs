@@ -12,6 +12,7 @@ use deepshade_dataset::{
     merge, test_sheet, verify,
 };
 use deepshade_render::method::{Frame, Method, MethodError, Repeats, Shaded};
+use deepshade_render::scene::Scene;
 use deepshade_render::scene::procedural::Split;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, lists};
@@ -211,6 +212,15 @@ pub fn made(recipe: &Recipe, place: &Place, shard: Option<Shard>) -> Result<Summ
     })
 }
 
+/// Says what of the recipe's scene files is passed over, before hours go by on them.
+fn warn_of_files(recipe: &Recipe) -> Result<()> {
+    for file in &recipe.files {
+        let scene = Scene::load(&recipe.folder.join(file), 0.0)?;
+        scene.warnings.iter().for_each(|warning| note!("{warning}"));
+    }
+    Ok(())
+}
+
 fn generate_pairs(args: &Generate) -> Result<()> {
     let recipe = args.recipe.load()?;
     // Pairs to test with, or for others to train with, may all be of one part.
@@ -220,6 +230,7 @@ fn generate_pairs(args: &Generate) -> Result<()> {
             recipe.path.display()
         );
     }
+    warn_of_files(&recipe)?;
     let start = Instant::now();
     let summary = made(&recipe, &args.out, args.shard)?;
     let seconds = start.elapsed().as_secs_f64();

@@ -9,11 +9,17 @@ use deepshade_shaders::gpu::{Gpu, Timing};
 use std::cell::RefCell;
 use web_time::Instant;
 
-/// A network on the fastest device there is.
+/// The adapter where networks are fastest on it: the processor is faster where the adapter is software, as software Vulkan
+/// is. A web page has the adapter alone: it has one thread of the processor, and no vector instructions.
+pub fn card(gpu: &Gpu) -> Option<&Gpu> {
+    (cfg!(target_arch = "wasm32") || !gpu.is_software()).then_some(gpu)
+}
+
+/// A network on a device.
 pub struct Engine {
     /// On the processor: its packed weights.
     processor: cpu::Network,
-    /// On a graphics card: the device, and the model whose kernels are chosen by the size of the images.
+    /// On an adapter: the device, and the model whose kernels are chosen by the size of the images.
     card: Option<(Gpu, Model)>,
     /// What ran the last image, with its size: `[height, width]`.
     runner: RefCell<Option<([usize; 2], Runner)>>,
@@ -26,16 +32,13 @@ enum Runner {
 }
 
 impl Engine {
-    /// Prepares a network: on the processor where the device is none of its own, as software Vulkan is, or makes wrong
-    /// images. A web page has the device alone: it has one thread of the processor, and no vector instructions.
+    /// Prepares a network: on the processor where there is no adapter, or that one makes wrong images.
     ///
     /// # Errors
     /// If the weights are not the spec's.
     pub fn new(gpu: Option<&Gpu>, model: &Model) -> Result<Self, ForwardError> {
         let processor = cpu::Network::new(&model.spec, &model.weights)?;
-        let card = gpu
-            .filter(|gpu| cfg!(target_arch = "wasm32") || !gpu.is_software())
-            .map(|gpu| (gpu.clone(), model.clone()));
+        let card = gpu.map(|gpu| (gpu.clone(), model.clone()));
         Ok(Self { processor, card, runner: RefCell::new(None) })
     }
 

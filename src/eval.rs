@@ -13,9 +13,10 @@ mod score;
 mod sets;
 mod tables;
 
+use crate::complete::sky;
 use crate::figures::Figures;
 use crate::learned;
-use crate::methods::{self, LEARNED, TRUTH};
+use crate::methods::{self, LEARNED, Runs, TRUTH};
 use crate::place::{Folder, Place};
 use anyhow::{Result, bail, ensure};
 use deepshade_infer::Model;
@@ -220,7 +221,7 @@ fn judge(contest: &Contest, names: &[String], args: &Args, gpu: &Gpu) -> Result<
     let Contest { effect, network, sets, .. } = contest;
     let model = network.as_ref().map(|(_, model)| model);
     let tunings = tunings(&qualities(&args.quality, model.is_some() && is_learned_among(names)), &args.set);
-    let mut rivals = rivals(*effect, names, &tunings, gpu, model)?;
+    let mut rivals = rivals(*effect, names, &tunings, (gpu, Runs::Fastest), model)?;
     let fog = |set: &NamedSet| set.set.recipe().vary.as_ref().and_then(|vary| vary.fog);
     if sets.iter().filter_map(fog).any(|fog| fog.smoke_share > 0.0) {
         let by_name = !names.iter().any(|name| name == "all");
@@ -233,6 +234,12 @@ fn judge(contest: &Contest, names: &[String], args: &Args, gpu: &Gpu) -> Result<
         ensure!(!chosen.is_empty(), "the test set has no frame");
         if let Some(target) = &set.recipe().target {
             note!("what methods are scored against is not truth but the images of `{target}`");
+        }
+        let learned = model.and_then(|model| model.spec.environment.as_ref());
+        if let Some(learned) = learned.filter(|_| is_learned_among(names))
+            && sky::of_recipe(set.recipe()).as_ref() != Some(learned)
+        {
+            note!("test set {title}: {}", sky::said_of_another(learned));
         }
         let evaluation = evaluate(set, &chosen, *effect, &rivals)?;
         scored.push(Scored { name: named.name.clone(), title, evaluation });

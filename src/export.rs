@@ -1,5 +1,6 @@
 //! `deepshade export`: from a training run to a model folder.
 
+use crate::complete::sky;
 use crate::eval::names::of_network;
 use crate::figures::{Figures, write_atomically};
 use crate::place::Place;
@@ -173,6 +174,7 @@ fn facts_of(recipe: &Recipe, file: &str, frames: &str, metrics: Vec<(String, Str
         metrics,
         limits: limits(recipe),
         licence: LICENCE.to_owned(),
+        environment: sky::of_recipe(recipe),
     }
 }
 

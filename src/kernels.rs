@@ -8,7 +8,8 @@ use etcetera::BaseStrategy;
 use std::path::PathBuf;
 
 /// A network from buffers to buffers with its fastest kernels for images of about `[height, width]`, in 32-bit floats where
-/// no kernel in half floats works. What cannot be remembered is measured again next time.
+/// no kernel in half floats works. What cannot be remembered is measured again next time. On software adapters nothing is
+/// measured: they have kernels made for them, and measuring all others takes minutes.
 ///
 /// # Errors
 /// If the device refuses the network; [`ForwardError::NoKernel`] if no kernel works there.
@@ -19,7 +20,7 @@ pub fn fastest(
     size: [usize; 2],
 ) -> Result<Network, ForwardError> {
     let Model { spec, weights } = model;
-    let Some(folder) = folder() else {
+    let Some(folder) = folder().filter(|_| !gpu.is_software()) else {
         return Network::with(&gpu.device, spec, weights, &Options { precision, ..Options::default() });
     };
     let (cache, note) = PipelineCache::open(&gpu.device, &folder.join("pipelines.bin"));

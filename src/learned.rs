@@ -4,9 +4,11 @@ mod estimates;
 #[cfg(feature = "train")]
 pub mod run;
 
-use crate::engine::Engine;
+use crate::engine::{self, Engine};
 use crate::methods::LEARNED;
 use anyhow::{Result, ensure};
+#[cfg(feature = "view")]
+use deepshade_infer::TrainedUnder;
 use deepshade_infer::forward::ForwardError;
 use deepshade_infer::model::{SPEC, WEIGHTS};
 use deepshade_infer::{Model, NetSpec};
@@ -77,6 +79,14 @@ pub fn effect(folder: &Path) -> Result<Effect> {
     Ok(network(folder, None)?.spec.effect)
 }
 
+/// The environment that the model of an effect in a folder knows by heart; `None` where there is no such model, or that is not
+/// known.
+#[cfg(feature = "view")]
+pub fn environment(folder: &Path, effect: Effect) -> Option<TrainedUnder> {
+    let spec = Model::load(folder).ok()?.spec;
+    spec.environment.filter(|_| spec.effect == effect)
+}
+
 /// The network in a folder: a model, or what a training run has come to.
 ///
 /// # Errors
@@ -137,6 +147,14 @@ impl Learned {
     /// # Errors
     /// If the device refuses.
     pub fn new(gpu: &Gpu, model: &Model) -> Result<Self, MethodError> {
+        Self::on(engine::card(gpu), model)
+    }
+
+    /// Prepares the network for the device, whatever it is, so that times of several methods are of one device.
+    ///
+    /// # Errors
+    /// If the device refuses.
+    pub fn on_adapter(gpu: &Gpu, model: &Model) -> Result<Self, MethodError> {
         Self::on(Some(gpu), model)
     }
 

@@ -179,8 +179,12 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if output::nobody_reads(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            note!("error: {}", output::message(&error));
-            ExitCode::FAILURE
+            let Some(interrupted) = error.downcast_ref::<interrupt::Interrupted>() else {
+                note!("error: {}", output::message(&error));
+                return ExitCode::FAILURE;
+            };
+            note!("{interrupted}");
+            ExitCode::from(interrupted.code())
         }
     }
 }

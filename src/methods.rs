@@ -3,7 +3,7 @@
 use crate::learned::Learned;
 use anyhow::{Context, Result, bail, ensure};
 use deepshade_infer::Model;
-use deepshade_render::method::Method;
+use deepshade_render::method::{Frame, Method, MethodError, Repeats, Shaded};
 use deepshade_render::methods::bounced_z::BouncedZ;
 use deepshade_render::methods::dials::{self, Dial, Tunable, Tuning};
 use deepshade_render::methods::shafts::{Integration, Shafts};
@@ -14,9 +14,10 @@ use deepshade_render::methods::{
     gtao, hbao, lpv, min_max, phosphor, prefiltered, ray_march, reconstruction, ring_gather, screen_truth,
     separable, ssdo, ssgi, surfel, volume_shell,
 };
-use deepshade_render::screen::{Compiled, ScreenMethod, Technique};
+use deepshade_render::screen::{Compiled, ScreenMethod, Technique, shade_in_passes};
 use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::names::did_you_mean;
 
 /// The name of truth, which is no [`Method`]: it is always rendered, and the others are measured against it.
 pub const TRUTH: &str = "truth";
@@ -31,11 +32,22 @@ pub const SLOW: &str = "aov";
 /// all, and takes part where it is asked for.
 pub const STUDY: &str = screen_truth::NAME;
 
+/// Where methods run that have a version for the processor beside that for adapters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Runs {
+    /// Where it is faster: on the processor where the adapter is software.
+    Fastest,
+    /// On the adapter, whatever it is, so that times of several methods are of one device.
+    OnAdapter,
+}
+
 /// What methods are opened with.
 #[derive(Clone, Copy)]
 pub struct Setup<'a> {
-    /// Where they run.
+    /// The adapter that they run on.
     pub gpu: &'a Gpu,
+    /// Whether all that can do.
+    pub runs: Runs,
     /// The network of `learned`.
     pub model: Option<&'a Model>,
     /// How much time analytic methods may take, and what is set by hand.
@@ -59,14 +71,20 @@ enum Kind {
     Processor(fn(&Tuning) -> Result<Box<dyn Method>>, Dials),
 }
 
+/// A method that runs in its passes, be the adapter software.
+struct InPasses(Box<dyn ScreenMethod>);
+
 /// What can be set of a method, in a quality.
 type Dials = fn(Quality) -> Vec<Dial>;
 
 impl Entry {
     fn open(&self, setup: Setup<'_>) -> Result<Box<dyn Method>> {
         let method: Box<dyn Method> = match self.kind {
-            Kind::Learned => Box::new(Learned::new(setup.gpu, setup.model.context("no model is given")?)?),
-            Kind::Screen(open, _) => Box::new(open(setup.gpu, setup.tuning)?),
+            Kind::Learned => Box::new(opened_network(setup)?),
+            Kind::Screen(open, _) => match setup.runs {
+                Runs::Fastest => Box::new(open(setup.gpu, setup.tuning)?),
+                Runs::OnAdapter => Box::new(InPasses(open(setup.gpu, setup.tuning)?)),
+            },
             Kind::Processor(open, _) => open(setup.tuning)?,
         };
         let (made, wanted) = (method.effect(), self.effect);
@@ -160,6 +178,32 @@ fn on_processor<P: Tunable, M: Method + From<P> + 'static>(tuning: &Tuning) -> R
     Ok(Box::new(M::from(tuning.parameters::<P>()?)))
 }
 
+fn opened_network(setup: Setup<'_>) -> Result<Learned> {
+    let model = setup.model.context("no model is given")?;
+    Ok(match setup.runs {
+        Runs::Fastest => Learned::new(setup.gpu, model)?,
+        Runs::OnAdapter => Learned::on_adapter(setup.gpu, model)?,
+    })
+}
+
+impl Method for InPasses {
+    fn name(&self) -> &'static str {
+        ScreenMethod::name(self.0.as_ref())
+    }
+
+    fn effect(&self) -> Effect {
+        ScreenMethod::effect(self.0.as_ref())
+    }
+
+    fn wants_even_fog(&self) -> bool {
+        ScreenMethod::wants_even_fog(self.0.as_ref())
+    }
+
+    fn shade(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Shaded, MethodError> {
+        shade_in_passes(self.0.as_ref(), frame, repeats)
+    }
+}
+
 /// What can be set of an effect's method, in a quality; nothing of trained networks.
 ///
 /// # Errors
@@ -187,10 +231,12 @@ pub fn open_screen(
         Kind::Screen(open, _) if entry.effect == effect && entry.name == name => Some(open),
         _ => None,
     });
-    let known = screen_names(effect).join(", ");
     let open = found.with_context(|| {
+        let known = screen_names(effect);
+        let meant = did_you_mean(name, known.iter().copied());
         format!(
-            "effect `{effect}` has no method `{name}` that shades the screen in passes; there are: {known}"
+            "effect `{effect}` has no method `{name}`{meant} that shades the screen in passes; there are: {}",
+            known.join(", ")
         )
     })?;
     open(gpu, &tuning.into()).with_context(|| format!("method `{name}`"))
@@ -249,13 +295,20 @@ pub fn check(effect: Effect, names: &[&str]) -> Result<()> {
     let known = names_of(effect);
     for (index, name) in names.iter().enumerate() {
         if !known.contains(name) {
-            bail!("effect `{effect}` has no method `{name}`; there are {}", known.join(", "));
+            bail!("{}", unknown(effect, name));
         }
         if names[..index].contains(name) {
             bail!("method `{name}` is asked for twice");
         }
     }
     Ok(())
+}
+
+/// What is said of a name that is none of an effect's methods.
+pub fn unknown(effect: Effect, name: &str) -> String {
+    let known = names_of(effect);
+    let meant = did_you_mean(name, known.iter().copied());
+    format!("effect `{effect}` has no method `{name}`{meant}; there are {}", known.join(", "))
 }
 
 /// Names of an effect's methods, and of truth.
@@ -269,7 +322,6 @@ mod tests {
     use deepshade_infer::{ChannelOrder, NetSpec, Reach, Weights};
     use deepshade_render::bvh::TracedScene;
     use deepshade_render::gbuffer;
-    use deepshade_render::method::{Frame, Repeats};
     use deepshade_render::methods::dials::Changes;
     use deepshade_render::scene::{Camera, Material, Mesh, Scene, SceneSource};
     use deepshade_shaders::Attribute;
@@ -288,6 +340,11 @@ mod tests {
             "effect `ao` has no method `ssao`; there are learned, gtao, hbao, surfel, bounced-z, aov, aov-bounced-z, screen-truth, truth"
         );
         assert!(checked(&["hbao", "hbao"]).expect_err("twice").contains("twice"));
+        let error = checked(&["gtoa"]).expect_err("mistyped");
+        assert!(
+            error.starts_with("effect `ao` has no method `gtoa` (did you mean `gtao`?); there are "),
+            "{error}"
+        );
     }
 
     /// A floor whose far edge is in view, with nothing behind it.
@@ -307,7 +364,8 @@ mod tests {
         let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
         let model = Model { weights: Weights::random(&spec, 1), spec };
         let names = names_of(Effect::Ao);
-        let setup = Setup { gpu: &gpu, model: Some(&model), tuning: &Quality::High.into() };
+        let setup =
+            Setup { gpu: &gpu, runs: Runs::Fastest, model: Some(&model), tuning: &Quality::High.into() };
         let methods = open(Effect::Ao, &names, setup).expect("methods");
         let opened: Vec<&str> = methods.iter().map(|method| method.name()).collect();
         assert_eq!(opened, names[..names.len() - 1]);
@@ -326,6 +384,33 @@ mod tests {
             assert!(pairs().all(|(value, valid)| *valid == 1.0 || *value == 1.0), "{}", method.name());
             assert!(shaded.image.data().iter().all(|value| value.is_finite()), "{}", method.name());
         }
+    }
+
+    #[test]
+    fn methods_whose_times_stand_side_by_side_run_on_one_device() {
+        let gpu = Gpu::new().expect("an adapter");
+        let reach = Reach { radius: 1.0, diagonal_share: 0.1, height: 24 };
+        let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
+        let model = Model { weights: Weights::random(&spec, 1), spec };
+        let scene = floor();
+        let camera = Camera::look_at(Vec3::new(0.3, 1.0, 1.0), Vec3::new(0.0, 0.4, -4.0));
+        let gbuffer = gbuffer::render(&scene, &camera, 24, 40, &Attribute::ALL);
+        let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius: 0.5, seed: 1 };
+        let shaded = |runs| {
+            let setup = Setup { gpu: &gpu, runs, model: Some(&model), tuning: &Quality::High.into() };
+            let methods = open(Effect::Ao, &[LEARNED, "gtao", "hbao"], setup).expect("methods");
+            methods.iter().map(|method| method.shade(&frame, Repeats::ONCE).expect("an image")).collect()
+        };
+        let [adapter, fastest]: [Vec<Shaded>; 2] = [Runs::OnAdapter, Runs::Fastest].map(shaded);
+        assert!(adapter.iter().all(|shaded| shaded.device == gpu.info.name));
+        for (one, other) in adapter.iter().zip(&fastest) {
+            let pairs = one.image.data().iter().zip(other.image.data());
+            let far = pairs.filter(|(a, b)| (*a - *b).abs() > 0.02).count();
+            assert!(far * 50 < one.image.data().len(), "{far} pixels are others on {}", other.device);
+        }
+        // Where the adapter is software the processor is faster, so that only what is stated keeps them together.
+        let on_processor = fastest.iter().filter(|shaded| shaded.device != gpu.info.name).count();
+        assert_eq!(on_processor, if gpu.is_software() { 2 } else { 0 });
     }
 
     #[test]
@@ -357,7 +442,7 @@ mod tests {
         let image = |name: &str, value: f64| {
             let changes = Changes([(name.to_owned(), value.into())].into());
             let tuning = Tuning { quality: Quality::Low, changes };
-            let setup = Setup { gpu: &gpu, model: None, tuning: &tuning };
+            let setup = Setup { gpu: &gpu, runs: Runs::Fastest, model: None, tuning: &tuning };
             let method = open(Effect::Ao, &["hbao"], setup)?.remove(0);
             Ok::<_, anyhow::Error>(method.shade(&frame, Repeats::ONCE)?.image)
         };
@@ -365,13 +450,16 @@ mod tests {
         assert!(image("directions", 4.0).expect("an image") == usual, "what it is anyway");
         assert!(image("strength", 0.2).expect("an image") != usual, "less of the shadow");
         let error = format!("{:#}", image("strenght", 1.0).expect_err("no such number"));
-        assert!(error.contains("no parameter `strenght`; there are: bias"), "{error}");
+        assert!(
+            error.contains("no parameter `strenght` (did you mean `strength`?); there are: bias"),
+            "{error}"
+        );
     }
 
     #[test]
     fn the_learned_method_needs_a_model() {
         let gpu = Gpu::new().expect("an adapter");
-        let setup = Setup { gpu: &gpu, model: None, tuning: &Quality::High.into() };
+        let setup = Setup { gpu: &gpu, runs: Runs::Fastest, model: None, tuning: &Quality::High.into() };
         let error = open(Effect::Ao, &["learned"], setup).err().expect("no model");
         assert_eq!(format!("{error:#}"), "method `learned`: no model is given");
     }

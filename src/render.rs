@@ -136,6 +136,7 @@ pub fn run(args: &Args) -> Result<()> {
         size,
         additions: &args.additions,
         seed: args.seed,
+        learned: None,
         animated: false,
         time: args.time.time(),
     };

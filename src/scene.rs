@@ -32,7 +32,8 @@ pub fn run(args: &Args) -> Result<()> {
     let mut figures = Figures::new("scene");
     let text = match &args.scene {
         Some(source) if !args.list => {
-            let summary = SceneSummary::of(&source.scene(args.time)?);
+            let scene = source.scene(args.time)?;
+            let summary = SceneSummary::of(&scene);
             figures.set("triangles", summary.triangles as f64);
             figures.set("meshes", summary.meshes as f64);
             figures.set("diagonal", f64::from(summary.bounds.diagonal()));
@@ -40,7 +41,8 @@ pub fn run(args: &Args) -> Result<()> {
             figures.detail("scene", json!(source.to_string()));
             let material = |it: &MaterialSummary| json!({ "name": it.name, "triangles": it.triangles });
             figures.detail("materials", summary.materials.iter().map(material).collect());
-            summary.to_string()
+            figures.detail("warnings", json!(scene.warnings));
+            scene.warnings.iter().fold(summary.to_string(), |text, warning| format!("{text}\nwarning: {warning}"))
         }
         _ => {
             figures.set("families", Family::ALL.len() as f64);

@@ -2,23 +2,28 @@
 
 mod choices;
 mod network;
+mod share;
+mod source;
+mod words;
 
 pub use choices::LossName;
 pub use network::{INPUT_RADIUS, default_config, usual_config};
 
 use crate::arguments::positive;
 use crate::figures::Figures;
+use crate::interrupt::{self, Interrupted};
 use crate::place::Place;
-use anyhow::{Result, bail, ensure};
+use anyhow::{Result, ensure};
 use choices::{KERNELS_DECAY, LastLayer, Method, Order};
 use deepshade_dataset::recipe::Resolution;
-use deepshade_dataset::{Manifest, Recipe};
+use deepshade_dataset::Recipe;
 use deepshade_infer::{ChannelOrder, Estimate, NetSpec, Reach};
 use deepshade_shaders::similarity::TILE;
 use deepshade_train::config::MOST_MINUTES;
 use deepshade_train::{Ending, Endless, Optimiser, Outcome, TrainConfig};
-use network::{CHANNELS, ESTIMATE, Network, channels, corrected_config, estimate, share};
+use network::{CHANNELS, ESTIMATE, Network, channels, corrected_config, diagonal_share, estimate};
 use serde_json::json;
+use source::Source;
 use std::path::{Path, PathBuf};
 
 /// Trains a network on a dataset; the same command resumes a run that was interrupted.
@@ -158,29 +163,25 @@ pub fn run(args: &Args) -> Result<()> {
     );
     let start = args.from.as_ref().map(Place::read).transpose()?;
     let from = start.as_deref().map(Path::to_owned);
+    let source = Source::open(args)?;
+    // Before the run's folder is begun: what is refused leaves nothing.
+    let config = TrainConfig { start: from, ..config(args, &source.recipe, &source.path)? };
+    note!("{}", words::beginning(&config, &source.path));
+    if let Some(warning) = source.warning(&config) {
+        note!("{warning}");
+    }
     let out = args.out.begin()?;
-    let (config, outcome) = match (&args.recipe, &args.dataset) {
-        (Some(path), _) => {
-            let recipe = Recipe::load(path)?;
-            let config = TrainConfig { start: from, ..config(args, &recipe, path)? };
-            let config = within_minutes(config, args, &out)?;
-            (config.clone(), deepshade_train::train_streamed(&config, &recipe, &out)?)
-        }
-        (None, Some(dataset)) => {
-            let (folder, pairs) = dataset.pairs()?;
-            let recipe = Manifest::load(&folder)?.origin.recipe;
-            let config = TrainConfig { start: from, ..config(args, &recipe, &folder)? };
-            let config = within_minutes(config, args, &out)?;
-            (config.clone(), deepshade_train::train_on(&config, pairs, &out)?)
-        }
-        (None, None) => bail!("--dataset or --recipe says what is trained on"),
-    };
+    let config = within_minutes(config, args, &out)?;
+    let stop = config.stop.clone();
+    interrupt::ask_first(move || stop.ask());
+    let outcome = source.train(&config, &out)?;
     let Outcome { ending, progress, waiting, images_per_second } = outcome;
     out.finish()?;
     let what = match ending {
         Ending::Finished => "all steps are done",
         Ending::Stopped => "validation has stopped becoming better",
         Ending::OutOfTime => "the time is up; the same command goes on",
+        Ending::Interrupted => return Err(interrupted(args, progress.step, &config)),
     };
     let mut figures = Figures::new("train");
     figures.set("steps", progress.step as f64);
@@ -201,15 +202,24 @@ pub fn run(args: &Args) -> Result<()> {
     say!("{images_per_second:.2} images a second, {}", deepshade_train::device_name()?)
 }
 
+/// Why a run ended that was asked to, and what it has kept.
+fn interrupted(args: &Args, step: usize, config: &TrainConfig) -> anyhow::Error {
+    let (run, steps) = (&args.out, config.steps);
+    Interrupted { kept: format!("{run}: interrupted at step {step} of {steps}, which is kept; the same command goes on") }.into()
+}
+
 /// The settings with as many steps as fit into the minutes that are stated, where no number of them is; a run
 /// that goes on has those that it began with.
 fn within_minutes(config: TrainConfig, args: &Args, run: &Path) -> Result<TrainConfig> {
     let Some(minutes) = args.minutes.filter(|_| args.steps.is_none()) else { return Ok(config) };
     let steps = match TrainConfig::load(run) {
         Ok(begun) => begun.steps,
-        Err(_) => fitting_steps(&config, minutes)?,
+        Err(_) => {
+            note!("trying how many steps fit into {minutes} minutes");
+            fitting_steps(&config, minutes)?
+        }
     };
-    Ok(TrainConfig { steps, minutes: None, ..config })
+    Ok(TrainConfig { steps, minutes: None, fitted: Some(minutes), ..config })
 }
 
 /// Steps that are tried to tell how long one takes.
@@ -251,7 +261,7 @@ fn config(args: &Args, recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
         data.display()
     );
     let base = match network {
-        Network::Paper => default_config(recipe, data, args.order.into(), share(args, recipe, data)?)?,
+        Network::Paper => default_config(recipe, data, args.order.into(), diagonal_share(args, recipe, data)?)?,
         Network::Corrected => corrected_config(args, recipe, data)?,
     };
     ensure!(

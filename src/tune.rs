@@ -4,7 +4,7 @@
 mod views;
 
 use crate::figures::Figures;
-use crate::methods::{self, Setup};
+use crate::methods::{self, Runs, Setup};
 use crate::place::Place;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::{Dataset, progress};
@@ -12,6 +12,7 @@ use deepshade_render::method::Method;
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::dials::{Changes, Dial, Tuning, Values};
 use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::names::did_you_mean;
 use deepshade_shaders::{Effect, lists};
 use serde_json::json;
 use std::path::PathBuf;
@@ -148,7 +149,8 @@ fn chosen(dials: Vec<Dial>, args: &Args) -> Result<Vec<Dial>> {
         let method = &args.method;
         ensure!(
             dials.iter().any(|dial| dial.name == *name),
-            "`{method}` has no parameter `{name}`; there are: {known}"
+            "`{method}` has no parameter `{name}`{}; there are: {known}",
+            did_you_mean(name, known.split(", "))
         );
     }
     let is_chosen = |dial: &Dial| match args.parameters.is_empty() {
@@ -167,7 +169,11 @@ fn chosen(dials: Vec<Dial>, args: &Args) -> Result<Vec<Dial>> {
 /// The method with some changes.
 fn opened(gpu: &Gpu, effect: Effect, args: &Args, changes: &Changes) -> Result<Box<dyn Method>> {
     let tuning = Tuning { quality: args.quality, changes: changes.clone() };
-    let opened = methods::open(effect, &[&args.method], Setup { gpu, model: None, tuning: &tuning })?;
+    let opened = methods::open(
+        effect,
+        &[&args.method],
+        Setup { gpu, runs: Runs::Fastest, model: None, tuning: &tuning },
+    )?;
     opened.into_iter().next().with_context(|| format!("`{}` is what others are tuned to", args.method))
 }
 

@@ -168,7 +168,7 @@ pub fn run(args: &Args) -> Result<()> {
             }),
         )
     };
-    made.map_err(|error| anyhow!("no window: {error}"))?;
+    made.map_err(|error| no_window(&error))?;
     let outcome = outcome.lock().unwrap_or_else(PoisonError::into_inner).clone();
     let mut figures = Figures::new("view");
     outcome.set(&mut figures);
@@ -177,6 +177,23 @@ pub fn run(args: &Args) -> Result<()> {
         Some(failure) => bail!("{failure}"),
         None => Ok(()),
     }
+}
+
+/// Why there is no window, and what gives one to a machine without a screen.
+fn no_window(error: &eframe::Error) -> anyhow::Error {
+    match error {
+        eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => anyhow!(
+            "no window: {}; on a machine without a screen `xvfb-run -a deepshade view` has one (package xvfb)",
+            without_source(&error.to_string())
+        ),
+        other => anyhow!("no window: {other}"),
+    }
+}
+
+/// A message of winit's without the source file and the line that it names.
+fn without_source(message: &str) -> &str {
+    let Some((_, rest)) = message.split_once(".rs:") else { return message };
+    rest.trim_start_matches(|letter: char| letter.is_ascii_digit()).trim_start_matches([':', ' '])
 }
 
 /// Counts how often there was no surface to paint on, whatever is done about it.
@@ -209,6 +226,32 @@ fn fonts() -> egui::FontDefinitions {
 mod tests {
     use super::*;
     use clap::Parser as _;
+
+    #[test]
+    fn what_is_said_where_there_is_no_screen_names_no_source_file() {
+        let said = "winit EventLoopError: os error at /home/a/winit-0.30/src/linux/mod.rs:765: no DISPLAY is set";
+        assert_eq!(without_source(said), "no DISPLAY is set");
+        assert_eq!(without_source("another: error"), "another: error");
+    }
+
+    #[test]
+    fn every_control_says_what_it_does() {
+        for (name, text) in [
+            ("panel", include_str!("view/panel.rs")),
+            ("lights", include_str!("view/lights.rs")),
+            ("layers", include_str!("view/layers.rs")),
+            ("film", include_str!("view/film.rs")),
+            #[cfg(feature = "train")]
+            ("trainer", include_str!("view/trainer.rs")),
+        ] {
+            let text = text.split("#[cfg(test)]").next().unwrap_or_default();
+            let count = |what: &[&str]| what.iter().map(|what| text.matches(what).count()).sum::<usize>();
+            let pressed = count(&["ui.button(", "ui.small_button(", "ui.checkbox(", "ui.selectable_label("]);
+            let set = count(&["ui.add(", "ui.add_enabled(", "ui.selectable_value(", ".show_ui(", "ui.collapsing("]);
+            let explained = count(&[".on_hover_text("]);
+            assert!(pressed + set > 0 && pressed + set == explained, "{name}: {pressed} + {set}, {explained}");
+        }
+    }
 
     /// What a command line says.
     pub fn args(line: &str) -> Args {

@@ -1,15 +1,19 @@
 //! Which views of a scene a command works on: the cameras that its file brings, or sampled ones.
 
-mod lone;
+mod outside;
 
 use crate::arguments::place;
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use clap::builder::RangedU64ValueParser;
+use deepshade_dataset::views::whole::is_place;
 use deepshade_dataset::views::{inside_geometry, sample_view};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::Camera;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+
+/// What helps where no view is fit.
+const STATE_ONE: &str = "--eye X,Y,Z and --look-at X,Y,Z state a view";
 
 /// A camera with a name.
 #[derive(Clone, Debug)]
@@ -47,8 +51,8 @@ pub enum Choice {
     Stated(Vec<Viewpoint>),
 }
 
-/// Which views; without any of these, the file's own cameras, or one sampled view where it has none, of a lone object one from
-/// outside.
+/// Which views; without any of these, the file's own cameras, or where it has none one sampled view of a place that
+/// people stand in, such as a room, and one from outside of all else.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
@@ -146,7 +150,7 @@ impl Args {
 }
 
 /// The views of a scene that are chosen, for images of `[height, width]`; else its file's own cameras, or one view where it
-/// has none: a lone object's from outside, or a sampled one.
+/// has none.
 ///
 /// # Errors
 /// As [`Viewpoint::of`], and if a camera stands inside of geometry.
@@ -164,22 +168,29 @@ pub fn views(choice: Option<&Choice>, scene: &TracedScene, size: [usize; 2], see
         None => own.iter().map(view).collect(),
     };
     for View { name, camera } in &views {
-        ensure!(!inside_geometry(scene, camera.position), "camera `{name}` stands inside of geometry");
+        ensure!(
+            !inside_geometry(scene, camera.position),
+            "camera `{name}` stands inside of geometry; {STATE_ONE}"
+        );
     }
     Ok(views)
 }
 
-/// The view of a scene that brings none: of a lone object from outside, else a sampled one.
+/// The view of a scene that brings none: a sampled one of a place, where one is fit for use, else one from outside.
 fn first(scene: &TracedScene, size: [usize; 2], seed: u32) -> Result<View> {
-    let outside = lone::from_outside(scene, size);
-    let outside =
-        outside.map(|camera| View { name: format!("{}, from outside", scene.scene().name), camera });
-    outside.map_or_else(|| sampled(scene, size, seed, 0), Ok)
+    let sampled = is_place(scene).then(|| sampled(scene, size, seed, 0));
+    if let Some(Ok(view)) = sampled {
+        return Ok(view);
+    }
+    let name = &scene.scene().name;
+    let camera = outside::from_outside(scene, size);
+    let camera = camera.with_context(|| format!("no view shows anything of scene `{name}`; {STATE_ONE}"))?;
+    Ok(View { name: format!("{name}, from outside"), camera })
 }
 
 /// A view that a dataset could hold.
 fn sampled(scene: &TracedScene, size: [usize; 2], seed: u32, index: usize) -> Result<View> {
-    let camera = sample_view(scene, size, seed, 0, index)?;
+    let camera = sample_view(scene, size, seed, 0, index).with_context(|| STATE_ONE)?;
     Ok(View { name: format!("{}, view {index}", scene.scene().name), camera })
 }
 
@@ -204,6 +215,7 @@ fn view((name, camera): &(String, Camera)) -> View {
 mod tests {
     use super::*;
     use deepshade_render::scene::procedural::Family;
+    use deepshade_render::scene::{Material, Mesh, Scene};
 
     const SIZE: [usize; 2] = [32, 32];
 
@@ -252,6 +264,43 @@ mod tests {
         let nowhere = Viewpoint { look_at: viewpoint.eye, ..viewpoint };
         let error = nowhere.of(&scene, SIZE, 3).expect_err("no direction").to_string();
         assert!(error.contains("the same point"), "{error}");
+    }
+
+    /// Squares that lie above each other and face upwards, each 4 m wide, which no sampled view is fit for.
+    fn squares(count: usize) -> TracedScene {
+        let square = |index: usize| {
+            let corner = |(x, z)| Vec3::new(x, 0.2 * index as f32, z);
+            let positions = [(-2.0, -2.0), (-2.0, 2.0), (2.0, 2.0), (2.0, -2.0)].map(corner).to_vec();
+            Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() }
+        };
+        let meshes: Vec<Mesh> = (0..count).map(square).collect();
+        let materials = vec![Material::default()];
+        TracedScene::new(Scene { meshes: meshes.into(), materials, ..Scene::default() }).expect("squares")
+    }
+
+    #[test]
+    fn a_scene_of_which_no_sampled_view_is_fit_is_seen_from_outside_and_asked_for_names_the_option() {
+        for count in [1, 2] {
+            let scene = squares(count);
+            let views = args(None, None).of(&scene, SIZE).expect("a view");
+            assert!(views[0].name.ends_with("from outside"), "{}", views[0].name);
+            for corner in scene.bounds().corners() {
+                let seen = views[0].camera.to_camera(corner);
+                assert!((seen / seen.z).truncate().abs().max_element() < 0.5, "all of it: {seen}");
+            }
+        }
+        let error = format!("{:#}", args(None, Some(1)).of(&squares(1), SIZE).expect_err("none is fit"));
+        assert!(error.contains("--eye") && error.contains("none of 2048"), "{error}");
+    }
+
+    #[test]
+    fn a_family_is_stood_in_as_ever() {
+        for family in Family::ALL {
+            let scene = TracedScene::new(family.scene(1)).expect("a scene");
+            let view = args(None, None).of(&scene, SIZE).expect("a view").remove(0);
+            let sampled = args(None, Some(1)).of(&scene, SIZE).expect("a view").remove(0);
+            assert_eq!((view.name, view.camera), (sampled.name, sampled.camera), "{}", family.name());
+        }
     }
 
     #[test]

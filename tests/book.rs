@@ -17,6 +17,52 @@ fn text(file: &str) -> String {
     std::fs::read_to_string(source().join(file)).expect(file)
 }
 
+/// A count below twenty in words.
+fn in_words(count: usize) -> &'static str {
+    let words = [
+        "none",
+        "one",
+        "two",
+        "three",
+        "four",
+        "five",
+        "six",
+        "seven",
+        "eight",
+        "nine",
+        "ten",
+        "eleven",
+        "twelve",
+        "thirteen",
+        "fourteen",
+        "fifteen",
+        "sixteen",
+        "seventeen",
+        "eighteen",
+        "nineteen",
+    ];
+    words[count]
+}
+
+#[test]
+fn readme_and_book_count_the_same_effects_and_hours() {
+    let unwrapped = |file: &str| text(file).split_whitespace().collect::<Vec<_>>().join(" ");
+    let [readme, effects, concepts, introduction] =
+        ["../../README.md", "effects.md", "concepts.md", "introduction.md"].map(unwrapped);
+    let count = in_words(Effect::ALL.len());
+    assert!(readme.contains(&format!("There are {count} effects.")));
+    assert!(
+        effects.contains(&format!("There are {count}.")) && concepts.contains(&format!("lists all {count}"))
+    );
+    for effect in Effect::ALL {
+        for (name, text) in [("README.md", &readme), ("effects.md", &effects)] {
+            assert!(text.contains(&format!("| `{effect}` | ")), "{name} has no row of {effect}");
+        }
+    }
+    let hours = "raining took one core half an hour (`ao`) to two hours (`ibl`)";
+    assert!(readme.contains(hours) && introduction.contains(hours));
+}
+
 /// Names of all files below a folder, relative to the chapters.
 fn files(folder: &Path) -> BTreeSet<String> {
     let mut names = BTreeSet::new();

@@ -186,7 +186,7 @@ fn a_method_takes_part_with_numbers_set_by_hand_beside_itself() {
     );
 
     for (parameters, named) in [
-        ("strenght = 1", "no parameter `strenght`; there are: bias"),
+        ("strenght = 1", "no parameter `strenght` (did you mean `strength`?); there are: bias"),
         ("steps = 2.5", "`steps`: 2.5 is not a whole number"),
         ("strength = 1e9", "`strength`: 1000000000 is not within"),
     ] {

@@ -118,6 +118,53 @@ fn send(signal: &str, child: &Child) {
     assert!(sent.is_ok_and(|status| status.success()), "{signal}");
 }
 
+#[cfg(all(unix, feature = "train"))]
+#[test]
+fn a_training_that_is_interrupted_says_which_step_it_keeps_and_goes_on_from_there() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (data, run) = (folder.path().join("data"), folder.path().join("run"));
+    finish(&data);
+    let train = |more: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_deepshade"));
+        command.args([
+            "train",
+            "--steps",
+            "1000000",
+            "--batch",
+            "2",
+            "--crop",
+            "64",
+            "--validation-pairs",
+            "2",
+        ]);
+        command.args(more).arg("--dataset").arg(&data).arg("--out").arg(&run);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("starts")
+    };
+    let lines = || std::fs::read_to_string(run.join("metrics.jsonl")).map_or(0, |text| text.lines().count());
+    let first = train(&[]);
+    while lines() < 1 {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    send("-INT", &first);
+    let ended = first.wait_with_output().expect("ends");
+    let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+    assert_eq!(ended.status.code(), Some(130), "{said}");
+    assert!(said.starts_with("training a network for ao on "), "the first line comes at once: {said}");
+    let number = |text: &str, before: &str| -> usize {
+        let (_, rest) = text.rsplit_once(before).expect(text);
+        rest.split(|letter: char| !letter.is_ascii_digit()).next().unwrap_or_default().parse().expect(text)
+    };
+    let kept = number(&said, "interrupted at step ");
+    assert!(said.contains("of 1000000, which is kept; the same command goes on"), "{said}");
+    // A line of the log is written each twenty steps, and checkpoints are rarer.
+    assert!((20..250).contains(&kept), "{said}");
+    let second = train(&["--minutes", "0.0001"]).wait_with_output().expect("ends");
+    let said = String::from_utf8_lossy(&second.stdout).into_owned();
+    assert!(second.status.success() && number(&said, "step ") >= kept, "{said}");
+    let bar = String::from_utf8_lossy(&second.stderr).into_owned();
+    assert!(bar.contains(&format!("training 0:00 of 0:00, 0s left, step {kept} of 1000000")), "{bar}");
+}
+
 #[cfg(unix)]
 #[test]
 fn ctrl_c_has_its_code_and_whoever_comes_second_is_told_who_has_the_folder() {

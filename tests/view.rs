@@ -398,4 +398,5 @@ fn what_cannot_be_is_said_and_ends_the_program() {
         .expect("starts");
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(!output.status.success() && said.contains("no window") && !said.contains("panicked"), "{said}");
+    assert!(said.contains("`xvfb-run -a deepshade view`") && !said.contains(".rs:"), "{said}");
 }

@@ -2,7 +2,7 @@
 //! noticed, and so is a scene that was exported anew.
 
 use crate::random::mix;
-use deepshade_render::scene::{Bounds, Material, Scene};
+use deepshade_render::scene::{Bounds, Filter, Material, Scene};
 
 /// Cells along the diagonal of a scene's box that corners are rounded to: exporting moves them by far less.
 const CELLS: f32 = 16_384.0;
@@ -59,6 +59,10 @@ pub fn scene_hash(scene: &Scene) -> String {
     for texture in &scene.textures {
         list(format!("{:?} {:?} {:?}", texture.size(), texture.encoding(), texture.wrap()).into_bytes());
         list(texture.texels().as_flattened().to_vec());
+        // Hashes from before there were two ways stay what they were.
+        if texture.filter() == Filter::Nearest {
+            list(b"nearest".to_vec());
+        }
     }
     list(format!("{:?}", scene.lights).into_bytes());
     if let Some(medium) = &scene.medium {

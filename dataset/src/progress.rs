@@ -1,6 +1,10 @@
 //! Progress on stderr, with the time left: a bar where that is a terminal, else a plain line now and then. The one way in
 //! which the project shows it.
 
+mod gauge;
+
+pub use gauge::Gauge;
+
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle, TermLike};
 use std::fmt::{self, Debug, Formatter};
 use std::io::{self, IsTerminal, Write};
@@ -15,10 +19,20 @@ const LINE: &str = "{prefix} {pos}/{len}, {left} left {msg}";
 /// A bar over `total` of something, of which `done` are done already, or lines that say the same. A bar's message is shown
 /// at the end.
 pub fn bar(what: &'static str, total: usize, done: usize) -> ProgressBar {
+    bar_of(what, total, done, false)
+}
+
+/// As [`bar`]; where lines are written, the first of them `at_once` or only when the work takes long.
+fn bar_of(what: &'static str, total: usize, done: usize, at_once: bool) -> ProgressBar {
     if io::stderr().is_terminal() {
         return styled(ProgressDrawTarget::stderr(), BAR, what, total, done);
     }
-    styled(Lines::new(io::stderr(), LINE_EVERY).target(), LINE, what, total, done)
+    let lines = if at_once { Lines::at_once } else { Lines::new };
+    let bar = styled(lines(io::stderr(), LINE_EVERY).target(), LINE, what, total, done);
+    if at_once {
+        bar.tick();
+    }
+    bar
 }
 
 /// How long something takes, for people.
@@ -37,7 +51,11 @@ fn styled(
     let left = move |state: &ProgressState, out: &mut dyn fmt::Write| {
         let (made, rest) =
             (state.pos().saturating_sub(done as u64), (total as u64).saturating_sub(state.pos()));
-        let _ = out.write_str(&left(state.elapsed(), made, rest));
+        // Nothing says how long the rest takes before something is made.
+        let _ = match made {
+            0 => out.write_str("?"),
+            _ => out.write_str(&short_left(left(state.elapsed(), made, rest))),
+        };
     };
     let style = ProgressStyle::with_template(template).expect("a valid template").with_key("left", left);
     let bar = ProgressBar::with_draw_target(Some(total as u64), target).with_prefix(what);
@@ -48,11 +66,13 @@ fn styled(
 
 /// How long the rest takes if it goes on as it went on the whole. What indicatif says of itself is by how long the last
 /// pieces took, and grows without bound while a piece takes longer than those before.
-fn left(elapsed: Duration, made: u64, rest: u64) -> String {
-    if made == 0 {
-        return "?".to_owned();
-    }
-    format!("{:#}", HumanDuration(elapsed.mul_f64(rest as f64 / made as f64)))
+fn left(elapsed: Duration, made: u64, rest: u64) -> Duration {
+    elapsed.mul_f64(rest as f64 / made as f64)
+}
+
+/// How long the rest takes, in the unit that suits.
+fn short_left(left: Duration) -> String {
+    format!("{:#}", HumanDuration(left))
 }
 
 /// What draws a bar as lines, of which it leaves out those that come too soon after another.
@@ -61,15 +81,20 @@ struct Lines<W>(Mutex<Said<W>>);
 struct Said<W> {
     out: W,
     every: Duration,
-    /// When a line was written, or the bar began.
-    last: Instant,
+    /// When a line was written, or the bar began; nothing where the first line is to come at once.
+    last: Option<Instant>,
     /// What is drawn.
     line: String,
 }
 
 impl<W: Write + Send + 'static> Lines<W> {
     fn new(out: W, every: Duration) -> Self {
-        Self(Mutex::new(Said { out, every, last: Instant::now(), line: String::new() }))
+        Self(Mutex::new(Said { out, every, last: Some(Instant::now()), line: String::new() }))
+    }
+
+    /// Lines of which the first is written as soon as there is something to say.
+    fn at_once(out: W, every: Duration) -> Self {
+        Self(Mutex::new(Said { out, every, last: None, line: String::new() }))
     }
 
     /// It draws once a second at most.
@@ -124,8 +149,8 @@ impl<W: Write + Send + 'static> TermLike for Lines<W> {
         let mut said = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let drawn = std::mem::take(&mut said.line);
         let line = drawn.trim();
-        if !line.is_empty() && said.last.elapsed() >= said.every {
-            said.last = Instant::now();
+        if !line.is_empty() && said.last.is_none_or(|last| last.elapsed() >= said.every) {
+            said.last = Some(Instant::now());
             let _ = writeln!(said.out, "{line}");
         }
         Ok(())
@@ -152,9 +177,10 @@ mod tests {
     }
 
     /// What is said of four frames that take 20 ms each, after one that was there.
-    fn said(every: Duration) -> String {
+    fn said(lines: fn(Text, Duration) -> Lines<Text>, every: Duration) -> String {
         let text = Text::default();
-        let bar = styled(Lines::new(text.clone(), every).target(), LINE, "frames", 5, 1);
+        let bar = styled(lines(text.clone(), every).target(), LINE, "frames", 5, 1);
+        bar.tick();
         for _ in 0..4 {
             std::thread::sleep(Duration::from_millis(20));
             bar.set_message("of a hall");
@@ -167,7 +193,7 @@ mod tests {
 
     #[test]
     fn lines_say_what_is_done_and_how_long_the_rest_takes() {
-        let text = said(Duration::ZERO);
+        let text = said(Lines::new, Duration::ZERO);
         assert!(!text.is_empty() && !text.contains(['\r', '\x1b']), "{text:?}");
         for line in text.lines() {
             assert!(line.starts_with("frames ") && line.contains("/5, ") && line.contains(" left"), "{line}");
@@ -176,14 +202,15 @@ mod tests {
 
     #[test]
     fn lines_that_come_too_soon_are_left_out() {
-        assert_eq!(said(Duration::from_secs(60)), "");
-        assert!(said(Duration::from_millis(30)).lines().count() < 3);
+        assert_eq!(said(Lines::new, Duration::from_secs(60)), "");
+        assert!(said(Lines::new, Duration::from_millis(30)).lines().count() < 3);
+        assert_eq!(said(Lines::at_once, Duration::from_secs(60)), "frames 1/5, ? left\n");
     }
 
     #[test]
-    fn what_is_left_takes_as_long_as_what_is_done_and_nothing_says_how_long_before() {
+    fn what_is_left_takes_as_long_as_what_is_done() {
         let minute = Duration::from_secs(60);
-        assert_eq!([left(minute, 2, 8), left(minute, 8, 2), left(minute, 0, 8)], ["4m", "15s", "?"]);
+        assert_eq!([left(minute, 2, 8), left(minute, 8, 2)].map(short_left), ["4m", "15s"]);
     }
 
     #[test]

@@ -11,7 +11,7 @@ pub mod drawn;
 
 use crate::{DatasetError, Vary, truth};
 use deepshade_render::scene::procedural::Split;
-use deepshade_shaders::{Attribute, Effect};
+use deepshade_shaders::{Attribute, Effect, names};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -241,7 +241,7 @@ impl Recipe {
         let text = std::fs::read_to_string(path).map_err(|source| DatasetError::io(path, source))?;
         let parsed: Result<Self, _> = toml::from_str(&text);
         let mut recipe = parsed
-            .map_err(|error| DatasetError::Recipe { path: path.to_owned(), what: error.to_string() })?;
+            .map_err(|error| DatasetError::Recipe { path: path.to_owned(), what: names::with_meant(&error.to_string()) })?;
         recipe.path = path.to_owned();
         recipe.folder = path.parent().unwrap_or(Path::new("")).to_owned();
         recipe.check(path)?;

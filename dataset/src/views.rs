@@ -15,6 +15,7 @@
 pub mod dolly;
 pub mod near;
 pub mod sequence;
+pub mod whole;
 
 use crate::random::{mix, uniform};
 use crate::recipe::{FieldOfView, Views};
@@ -256,11 +257,6 @@ fn back_share_around(scene: &TracedScene, position: Vec3) -> f32 {
     ball(scene, position).filter(|probe| probe.back).count() as f32 / BALL as f32
 }
 
-/// Share of all directions that end on the front of a triangle: nearly all of them inside of a room, none inside of an object.
-pub fn front_share_around(scene: &TracedScene, position: Vec3) -> f32 {
-    ball(scene, position).filter(|probe| !probe.back).count() as f32 / BALL as f32
-}
-
 /// What rays in all directions meet.
 fn ball(scene: &TracedScene, position: Vec3) -> impl Iterator<Item = Probe> {
     (0..BALL).filter_map(move |i| {
@@ -352,12 +348,12 @@ fn widened(bounds: Bounds) -> Bounds {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use deepshade_render::scene::{Material, Mesh, Scene};
 
     /// An axis-aligned box whose triangles face outwards, or inwards.
-    fn block(min: Vec3, max: Vec3, outwards: bool) -> Mesh {
+    pub fn block(min: Vec3, max: Vec3, outwards: bool) -> Mesh {
         let corner = |i: usize| Vec3::select(glam::BVec3::new(i & 1 == 1, i & 2 == 2, i & 4 == 4), max, min);
         let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
         let mut triangles: Vec<[u32; 3]> =
@@ -368,7 +364,7 @@ mod tests {
         Mesh { positions: (0..8).map(corner).collect(), triangles, ..Mesh::default() }
     }
 
-    fn traced(meshes: Vec<Mesh>) -> TracedScene {
+    pub fn traced(meshes: Vec<Mesh>) -> TracedScene {
         let scene = Scene {
             name: "boxes".into(),
             meshes: meshes.into(),

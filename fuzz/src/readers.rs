@@ -124,8 +124,10 @@ fn traced(scene: Scene) -> bool {
 fn exr(folder: &Path) -> bool {
     let Ok(image) = exr_file::read(&folder.join("frame.exr")) else { return false };
     let attributes = image.attributes();
-    let gbuffer = image.gbuffer(&attributes).expect("attributes that are there");
-    assert_eq!([gbuffer.planes().height(), gbuffer.planes().width()], [image.height(), image.width()]);
+    if let (Ok(gbuffer), Ok(windows)) = (image.gbuffer(&attributes), image.windows(&attributes)) {
+        let planes = gbuffer.planes();
+        assert_eq!([planes.height(), planes.width()], [windows.data.height, windows.data.width]);
+    }
     let _ = (image.gbuffer(&Attribute::ALL), image.colour(), image.image("target.ao", 1));
     true
 }

@@ -9,7 +9,7 @@ mod u_net;
 
 pub use block::{Block, Layer, Source, joined_order};
 pub use head::{Correction, Head, channels};
-pub use trained::{Outside, Trained};
+pub use trained::{Outside, Trained, TrainedUnder};
 pub use u_net::{ChannelOrder, UNet};
 
 use crate::Reach;
@@ -64,6 +64,9 @@ pub struct NetSpec {
     /// What it was trained on, where that is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trained: Option<Trained>,
+    /// The environment that it knows by heart, of effects that are lit by one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub environment: Option<TrainedUnder>,
 }
 
 /// An analytic method whose image a network reads.
@@ -164,6 +167,7 @@ impl NetSpec {
             head: Head::Correction(correction),
             reach,
             trained: None,
+            environment: None,
         };
         spec.blocks = trunk::blocks(channels, spec.last_channels());
         spec

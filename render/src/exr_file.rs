@@ -2,15 +2,23 @@
 //! `target.ao`, which tev, Blender and OpenImageIO show as layers. Text attributes carry where an image is from.
 //!
 //! Files of other renderers are read too: 16-bit and 32-bit floats and whole numbers, one part or several, upper or
-//! lower case, any prefix before the layer's name (`ViewLayer.Normal.X`).
+//! lower case, any prefix before the layer's name (`ViewLayer.Normal.X`). What nobody asks for does not matter.
 
+mod blocks;
+mod check;
+mod deep;
+mod image;
 mod layers;
 mod names;
+mod nothing;
 mod read;
+mod windows;
 mod write;
 
-pub use read::{ExrImage, read};
-pub use write::{Layer, encode, write};
+pub use image::ExrImage;
+pub use read::{read, read_colour, read_gbuffer};
+pub use windows::{Window, Windows};
+pub use write::{Layer, encode, write, write_within};
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -51,6 +59,26 @@ pub enum ExrError {
         /// Names of all channels there are.
         held: String,
     },
+    /// A channel could be one of several of the file's.
+    #[error("{path}: `{wanted}` is ambiguous: {candidates}")]
+    Ambiguous {
+        /// Which file.
+        path: PathBuf,
+        /// What was looked for.
+        wanted: String,
+        /// Names of the channels that it could be.
+        candidates: String,
+    },
+    /// The file lacks the layer that was chosen of several.
+    #[error("{path}: no layer `{layer}`; the file holds the channels {held}")]
+    MissingLayer {
+        /// Which file.
+        path: PathBuf,
+        /// The name that was looked for in vain.
+        layer: String,
+        /// Names of all channels there are.
+        held: String,
+    },
     /// A value that half floats cannot hold.
     #[error("{path}: channel `{channel}` has the value {value}, which a half float cannot hold")]
     NotHalf {
@@ -58,7 +86,7 @@ pub enum ExrError {
         path: PathBuf,
         /// Which of its channels.
         channel: String,
-        /// Not finite, or beyond 65,504.
+        /// It is not finite.
         value: f32,
     },
 }

@@ -1,17 +1,13 @@
 //! What is known of the point where a ray met a surface.
 
+mod bent;
+mod start;
+
+pub(crate) use start::{Start, blended};
+
 use crate::bvh::{Hit, corner_weights, moment::Moment};
 use crate::scene::{Mesh, Surface};
 use glam::{Mat3, Quat, Vec2, Vec3, Vec4};
-
-/// How far above the surface rays start, in parts of the largest coordinate of the triangle's corners: 67 roundings of
-/// f32 (6e-8), of which the hit point, blended from the corners, and the triangle's plane, seen from there, make fewer
-/// than 30 (Pharr, Jakob and Humphreys, "Physically Based Rendering", 6.8). The hit point's own coordinates say
-/// nothing: near the world's origin they are small, however far away the corners are.
-const RAY_OFFSET: f32 = 4e-6;
-
-/// Smallest scale of that offset, metres, for triangles at the world's origin.
-const SMALLEST_SCALE: f32 = 1e-3;
 
 /// A point of a surface, seen from one side; both normals face that side.
 #[derive(Clone, Copy, Debug)]
@@ -28,8 +24,8 @@ pub struct SurfacePoint {
     pub mesh: u32,
     /// How far the point moves during the exposure, world space, metres.
     pub displacement: Vec3,
-    /// How far above the surface rays must start so that they do not meet it, metres.
-    clearance: f32,
+    /// Where rays start so that they do not meet the surface.
+    start: Start,
 }
 
 impl SurfacePoint {
@@ -41,10 +37,10 @@ impl SurfacePoint {
         let mesh = &scene.meshes[hit.mesh as usize];
         let corners = mesh.triangles[hit.triangle as usize];
         let weights = corner_weights(hit.barycentric);
-        let [a, b, c] = moment.corners(mesh, hit.triangle as usize);
+        let placed = moment.corners(mesh, hit.triangle as usize);
         let material = scene.material(mesh.material);
         let (uvs, colour) = (uvs(mesh, corners, weights), colour(mesh, corners, weights));
-        let geometric = plane_normal([a, b, c]).unwrap_or(-direction);
+        let geometric = plane_normal(placed).unwrap_or(-direction);
         let resting = plane_normal(mesh.corners(hit.triangle as usize)).unwrap_or(geometric);
         let smooth = interpolated_normal(mesh, corners, weights).unwrap_or(resting);
         let mapped = material.normal_texture.zip(material.tangent_normal(&scene.textures, uvs)).map(
@@ -58,34 +54,37 @@ impl SurfacePoint {
         let side = if smooth.dot(geometric_normal) < 0.0 { -1.0 } else { 1.0 };
         let normal = leaning_to(side * mapped, -direction, geometric_normal);
         Self {
-            // From one corner, so that rounding of the weights does not leave the triangle's plane.
-            position: a + (b - a) * weights[1] + (c - a) * weights[2],
+            position: blended(placed, weights),
             geometric_normal,
             normal,
             surface: material.surface(&scene.textures, uvs, colour),
             mesh: hit.mesh,
             displacement: interpolated(&mesh.displacements, corners, weights).unwrap_or(Vec3::ZERO),
-            clearance: clearance([a, b, c]),
+            start: Start::new(placed, weights, geometric_normal),
         }
     }
 
     /// Where rays into the upper hemisphere start so that they do not meet their own surface.
     pub fn ray_origin(&self) -> Vec3 {
-        self.position + self.geometric_normal * self.clearance
+        self.start.above(self.geometric_normal)
+    }
+
+    /// The same point with a shading normal in which nothing is mirrored into the surface: bent as far as
+    /// that needs, towards the viewer at `to_viewer`, where the surface mirrors at all.
+    #[must_use]
+    pub fn reflecting(self, to_viewer: Vec3) -> Self {
+        if self.surface.specular == Vec3::ZERO {
+            return self;
+        }
+        Self { normal: bent::mirroring_above(self.normal, self.geometric_normal, to_viewer), ..self }
     }
 
     /// The same point, above which rays start at least so many metres: for a copy of its surface that is less
     /// exact.
     #[must_use]
     pub fn raised(self, by: f32) -> Self {
-        Self { clearance: self.clearance.max(by), ..self }
+        Self { start: self.start.raised(by), ..self }
     }
-}
-
-/// How far above a triangle rays start, metres.
-pub(crate) fn clearance(corners: [Vec3; 3]) -> f32 {
-    let largest = corners.iter().map(|corner| corner.abs().max_element()).fold(SMALLEST_SCALE, f32::max);
-    largest * RAY_OFFSET
 }
 
 /// Unit normal of a triangle's front; `None` of one without an area.
@@ -258,13 +257,6 @@ mod tests {
             shadowed += directions.iter().filter(|d| scene.blocked(origin, **d, 1e4)).count() as u32;
         }
         assert_eq!(shadowed, 0, "of {} rays", 400 * 2 * BUNDLE);
-    }
-
-    #[test]
-    fn clearance_follows_the_corners_and_not_the_point() {
-        let far = [Vec3::new(-500.0, 1.0, 2.0), Vec3::new(3.0, 400.0, 0.0), Vec3::X];
-        assert_eq!(clearance(far), 500.0 * RAY_OFFSET);
-        assert_eq!(clearance([Vec3::ZERO; 3]), SMALLEST_SCALE * RAY_OFFSET);
     }
 
     #[test]

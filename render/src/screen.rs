@@ -152,34 +152,47 @@ impl<M: ScreenMethod + ?Sized> Method for M {
     /// The time is that of the passes on the GPU, without sending the g-buffer there and the image back, or
     /// that of the [version for the processor](ScreenMethod::on_processor) where that is taken.
     fn shade(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Shaded, MethodError> {
-        let method = ScreenMethod::name(self);
-        let failed = |source: GpuError| MethodError::Gpu { method, source };
-        let Gpu { device, queue, .. } = self.gpu();
-        let seen = seen(self, frame);
-        let view = View::from(frame);
-        let environment = frame.scene.scene().environment.as_deref();
         if self.gpu().is_software() {
-            let inputs = PlainInputs { gbuffer: &seen, environment, scene: Some(frame.scene) };
-            if let Some(shaded) = processor::shade(self, &inputs, &view, repeats) {
+            let environment = frame.scene.scene().environment.as_deref();
+            let inputs = PlainInputs { gbuffer: &seen(self, frame), environment, scene: Some(frame.scene) };
+            if let Some(shaded) = processor::shade(self, &inputs, &View::from(frame), repeats) {
+                let method = ScreenMethod::name(self);
                 return shaded.map_err(|source| MethodError::Missing { method, source });
             }
         }
-        let gbuffer =
-            GpuGBuffer::upload(device, &seen, self.attributes()).map_err(|error| error.of_method(method))?;
-        let world = self.looks_beyond().then(|| remembered(self.gpu(), frame.scene, &view));
-        let world = world.transpose().map_err(failed)?;
-        let inputs = Inputs { gbuffer: &gbuffer, environment, world: world.as_ref() };
-        let plan = Plan::new(self, &inputs, &view).map_err(failed)?;
-        let timing = gpu::time(device, queue, method, repeats.warm_up, repeats.timed, |encoder| {
-            plan.encode(encoder);
-        })
-        .map_err(failed)?;
-        let image = gpu::read(device, queue, plan.output()).map_err(failed)?;
-        let image = Planes::from_data(ScreenMethod::effect(self).channels(), view.height, view.width, image);
-        let clock = if timing.by_gpu { Clock::Gpu } else { Clock::Cpu };
-        let device = self.gpu().info.name.clone();
-        Ok(Shaded { image, milliseconds: timing.milliseconds, clock, device })
+        shade_in_passes(self, frame, repeats)
     }
+}
+
+/// As [`Method::shade`], in passes whatever the adapter is, so that times of several methods are of one device.
+///
+/// # Errors
+/// If the frame lacks something or the GPU fails.
+pub fn shade_in_passes<M: ScreenMethod + ?Sized>(
+    shading: &M,
+    frame: &Frame<'_>,
+    repeats: Repeats,
+) -> Result<Shaded, MethodError> {
+    let method = ScreenMethod::name(shading);
+    let failed = |source: GpuError| MethodError::Gpu { method, source };
+    let Gpu { device, queue, .. } = shading.gpu();
+    let view = View::from(frame);
+    let gbuffer = GpuGBuffer::upload(device, &seen(shading, frame), shading.attributes())
+        .map_err(|error| error.of_method(method))?;
+    let world = shading.looks_beyond().then(|| remembered(shading.gpu(), frame.scene, &view));
+    let world = world.transpose().map_err(failed)?;
+    let environment = frame.scene.scene().environment.as_deref();
+    let inputs = Inputs { gbuffer: &gbuffer, environment, world: world.as_ref() };
+    let plan = Plan::new(shading, &inputs, &view).map_err(failed)?;
+    let timing = gpu::time(device, queue, method, repeats.warm_up, repeats.timed, |encoder| {
+        plan.encode(encoder);
+    })
+    .map_err(failed)?;
+    let image = gpu::read(device, queue, plan.output()).map_err(failed)?;
+    let image = Planes::from_data(ScreenMethod::effect(shading).channels(), view.height, view.width, image);
+    let clock = if timing.by_gpu { Clock::Gpu } else { Clock::Cpu };
+    let device = shading.gpu().info.name.clone();
+    Ok(Shaded { image, milliseconds: timing.milliseconds, clock, device })
 }
 
 /// What a method reads of a frame's g-buffer: one that looks beyond the screen knows the scene, so that what the g-buffer does not

@@ -13,13 +13,14 @@ pub fn srgb_byte(linear: f32) -> u8 {
     (255.0 * srgb_encoded(linear)).round() as u8
 }
 
-/// Linear values of the 256 sRGB bytes (IEC 61966-2-1), from 0 to 1.
-pub static LINEAR_OF_SRGB: LazyLock<[f32; 256]> = LazyLock::new(|| {
-    std::array::from_fn(|byte| {
-        let value = byte as f32 / 255.0;
-        if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
-    })
-});
+/// The linear value of an sRGB encoded one (IEC 61966-2-1), both in [0, 1].
+pub fn srgb_decoded(encoded: f32) -> f32 {
+    if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
+
+/// Linear values of the 256 sRGB bytes, from 0 to 1.
+pub static LINEAR_OF_SRGB: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|byte| srgb_decoded(byte as f32 / 255.0)));
 
 /// Luminance of a linear colour, relative to that of white.
 pub fn luminance([red, green, blue]: [f32; 3]) -> f32 {

@@ -1,5 +1,6 @@
 //! The one list of effects. An effect is a quantity at a pixel; a method is one way to compute it.
 
+use crate::names;
 use serde::{Deserialize, Serialize};
 
 /// A quantity at a pixel that methods compute.
@@ -254,7 +255,8 @@ impl std::str::FromStr for Effect {
     fn from_str(name: &str) -> Result<Self, String> {
         Self::ALL.into_iter().find(|effect| effect.name() == name).ok_or_else(|| {
             let known: Vec<_> = Self::ALL.iter().map(|effect| effect.name()).collect();
-            format!("no effect `{name}`; there are {}", known.join(", "))
+            let meant = names::did_you_mean(name, known.iter().copied());
+            format!("no effect `{name}`{meant}; there are {}", known.join(", "))
         })
     }
 }

@@ -13,6 +13,7 @@ pub mod exposure;
 pub mod gbuffer;
 pub mod gpu;
 pub mod lists;
+pub mod names;
 pub mod own_file;
 pub mod planes;
 pub mod random;

@@ -134,6 +134,7 @@ fn measure(args: &Args, gpu: &Gpu, size: Size) -> Result<Measured> {
         viewpoint: &args.viewpoint,
         additions: &Additions::default(),
         seed: 0,
+        learned: None,
     };
     let staged = args.stage.stage(&seen)?;
     let (methods, learned) = opened(args, &chosen, gpu)?;

@@ -6,10 +6,10 @@ use super::run::Run;
 use super::values::MethodChoice;
 use crate::eval::rivals::{Rival, rivals};
 use crate::learned;
-use crate::methods::{self, LEARNED, TRUTH};
+use crate::methods::{self, LEARNED, Runs, TRUTH};
 use crate::place::{Folder, Place};
 use anyhow::{Result, ensure};
-use deepshade_infer::{Model, NetSpec, Reach};
+use deepshade_infer::{Model, NetSpec, Reach, TrainedUnder};
 use deepshade_render::methods::dials::Tuning;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, GBuffer};
@@ -101,6 +101,11 @@ impl Contest {
     /// How far an effect reaches by its first network.
     pub fn reach(&self, effect: Effect) -> Option<Reach> {
         self.reaches.iter().find(|(of, _)| *of == effect).map(|(_, reach)| *reach)
+    }
+
+    /// The environment that an effect's first network knows by heart.
+    pub fn environment(&self, effect: Effect) -> Option<&TrainedUnder> {
+        self.of(effect).find_map(|one| one.spec.as_ref())?.environment.as_ref()
     }
 
     /// States those methods in their run that take part, so that it can be said again by name: networks with the folders that they were
@@ -229,7 +234,9 @@ fn opened(
     let changes = &choice.parameters;
     let tunings: Vec<Tuning> =
         qualities.iter().map(|quality| Tuning { quality: *quality, changes: changes.clone() }).collect();
-    let rivals = rivals(effect, &names, &tunings, gpu, network.map(|network| &network.model))?;
+    // Their times stand side by side.
+    let device = (gpu, Runs::OnAdapter);
+    let rivals = rivals(effect, &names, &tunings, device, network.map(|network| &network.model))?;
     let weights = network.map(|network| weights(&network.folder)).transpose()?;
     let contestants = rivals.into_iter().map(|rival| {
         let (network, spec) =

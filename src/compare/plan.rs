@@ -1,7 +1,6 @@
 //! What frames a comparison has, and which of their images are there: found out for all scenes before the first image is
 //! made, so that what is wrong with the last scene is said at once.
 
-use super::REPEATS;
 use super::contest::Contest;
 use super::description::{Comparison, distinct, short_name};
 use super::key::{Digest, file_digest};
@@ -16,6 +15,7 @@ use crate::{exposure_time, props};
 use anyhow::{Context, Result};
 use deepshade_dataset::identity::scene_hash;
 use deepshade_render::bvh::TracedScene;
+use deepshade_render::method::Repeats;
 use deepshade_render::scene::{Density, SceneSource};
 use deepshade_shaders::Effect;
 use std::path::Path;
@@ -96,13 +96,20 @@ impl Stages {
 ///
 /// # Errors
 /// If something that the run states cannot be read or is impossible.
-pub fn completed(run: &Run, scene: &TracedScene, view: &View, effect: Effect) -> Result<Completed> {
+pub fn completed(
+    run: &Run,
+    contest: &Contest,
+    scene: &TracedScene,
+    view: &View,
+    effect: Effect,
+) -> Result<Completed> {
     let additions = run.additions().heard_by(effect);
     let wants = Wants {
         effect,
         size: run.size(),
         additions: &additions,
         seed: run.seed(),
+        learned: contest.environment(effect),
         animated: false,
         time: run.moment(effect).time(),
     };
@@ -119,14 +126,15 @@ pub fn plan(
     contests: &mut [Contest],
     stages: &mut Stages,
     by_name: &[bool],
-    (maker, out): (&str, &Path),
+    (maker, repeats, out): (&str, Repeats, &Path),
 ) -> Result<Vec<Planned>> {
     let mut all = Vec::new();
     for (index, run) in comparison.runs.iter().enumerate() {
         let mut frames = Vec::new();
         for source in run.scenes() {
             for effect in run.effects() {
-                frames.extend(frames_of(index, run, source, *effect, &contests[index], stages, maker)?);
+                let by = (maker, repeats);
+                frames.extend(frames_of(index, run, source, *effect, &contests[index], stages, by)?);
             }
         }
         for effect in run.effects() {
@@ -161,7 +169,7 @@ fn frames_of(
     effect: Effect,
     contest: &Contest,
     stages: &mut Stages,
-    maker: &str,
+    (maker, repeats): (&str, Repeats),
 ) -> Result<Vec<Planned>> {
     let stage = Stage::of(run, source, effect);
     let scene = stages.get(&stage)?;
@@ -170,11 +178,11 @@ fn frames_of(
     let views = views::views(run.views.as_ref(), scene, run.size(), run.seed())?;
     let mut frames = Vec::new();
     for view in views {
-        let Completed { scene: shown, camera, added } = completed(run, scene, &view, effect)?;
+        let Completed { scene: shown, camera, added } = completed(run, contest, scene, &view, effect)?;
         let space = Space::seen(&shown, &camera, run.size());
         let radius = radius::wanted(run.reach(scene.diagonal()), contest.reach(effect), &[effect], space);
         let settings =
-            Settings { effect, height, width, radius, goal: run.goal(), seed: run.seed(), repeats: REPEATS };
+            Settings { effect, height, width, radius, goal: run.goal(), seed: run.seed(), repeats };
         let shown = shown.scene();
         if frames.is_empty() {
             added.iter().for_each(|line| note!("{line}"));

@@ -1,6 +1,6 @@
 //! Who is evaluated: an effect's methods at their qualities, and the image of whoever does nothing.
 
-use crate::methods::{self, LEARNED, STUDY, Setup, TRUTH};
+use crate::methods::{self, LEARNED, Runs, STUDY, Setup, TRUTH};
 use anyhow::{Result, ensure};
 use deepshade_infer::Model;
 use deepshade_render::method::Method;
@@ -33,7 +33,7 @@ pub fn rivals(
     effect: Effect,
     names: &[String],
     tunings: &[Tuning],
-    gpu: &Gpu,
+    (gpu, runs): (&Gpu, Runs),
     model: Option<&Model>,
 ) -> Result<Vec<Rival>> {
     let all = names.iter().any(|name| name == "all");
@@ -60,7 +60,7 @@ pub fn rivals(
         let by_quality = tunable.contains(&name);
         let alike = methods::dials(effect, name, Quality::default())?.is_empty();
         for tuning in if alike { once(tunings) } else { tunings } {
-            let setup = Setup { gpu, model, tuning };
+            let setup = Setup { gpu, runs, model, tuning };
             for method in methods::open(effect, &[name], setup)? {
                 let method_name = method.name();
                 let name = if by_quality { tuned_name(method_name, tuning) } else { figure(method_name) };
@@ -166,7 +166,7 @@ mod tests {
         let tunings = [Tuning { quality: Quality::Low, changes: changes.clone() }];
         let opened = |names: &[&str]| {
             let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
-            rivals(Effect::Ao, &names, &tunings, &gpu, Some(&model))
+            rivals(Effect::Ao, &names, &tunings, (&gpu, Runs::Fastest), Some(&model))
         };
         let both = opened(&[LEARNED, "gtao"]).expect("methods");
         assert!(both[0].changes.is_empty() && both[0].name == LEARNED);
@@ -179,21 +179,28 @@ mod tests {
     fn qualities_have_names_of_their_own() {
         let gpu = Gpu::new().expect("an adapter");
         let tunings = [Quality::Low, Quality::High].map(Tuning::from);
-        let all = rivals(Effect::Ao, &["all".to_owned()], &tunings, &gpu, None).expect("methods");
+        let all =
+            rivals(Effect::Ao, &["all".to_owned()], &tunings, (&gpu, Runs::Fastest), None).expect("methods");
         let names: Vec<&str> = all.iter().map(|rival| rival.name.as_str()).collect();
         assert!(
             names.contains(&"hbao") && names.contains(&"hbao_low") && !names.contains(&"learned"),
             "{names:?}"
         );
         assert!(!names.iter().any(|name| name.starts_with("screen_truth")), "for studies: {names:?}");
-        let study = rivals(Effect::Ao, &[STUDY.to_owned()], &tunings, &gpu, None).expect("a method");
+        let study =
+            rivals(Effect::Ao, &[STUDY.to_owned()], &tunings, (&gpu, Runs::Fastest), None).expect("a method");
         assert_eq!(study.len(), tunings.len(), "where it is asked for");
         let aov = names.iter().filter(|name| **name == "aov" || **name == "aov_low");
         assert_eq!(aov.count(), 1, "nothing of it can be set: {names:?}");
-        let error = rivals(Effect::Ao, &["sharp".to_owned()], &tunings, &gpu, None).err().expect("none");
+        let error = rivals(Effect::Ao, &["sharp".to_owned()], &tunings, (&gpu, Runs::Fastest), None)
+            .err()
+            .expect("none");
         assert!(error.to_string().contains("no method `sharp`"), "{error}");
         let refused = |effect, name: &str| {
-            rivals(effect, &[name.to_owned()], &tunings, &gpu, None).err().expect("none").to_string()
+            rivals(effect, &[name.to_owned()], &tunings, (&gpu, Runs::Fastest), None)
+                .err()
+                .expect("none")
+                .to_string()
         };
         assert!(refused(Effect::Path, "all").contains("no method yet but truth"));
         assert!(refused(Effect::Ao, "truth").contains("scored against"));

@@ -22,10 +22,10 @@ pub struct Estimates {
 }
 
 impl Estimates {
-    /// Opens them: for a card where there is one, else for the processor.
+    /// Opens them: for an adapter where there is one, else for the processor.
     ///
     /// # Errors
-    /// If there is no such method, or the card refuses its passes.
+    /// If there is no such method, or the adapter refuses its passes.
     pub fn new(gpu: Option<&Gpu>, spec: &NetSpec) -> Result<Self, MethodError> {
         let other = |what: String| MethodError::Other { method: LEARNED, what };
         let open = |estimate: &deepshade_infer::Estimate| {
@@ -34,7 +34,7 @@ impl Estimates {
             let quality = Quality::ALL.into_iter().find(|quality| quality.name() == estimate.quality);
             // A web page may not wait for a card.
             let waits = !cfg!(target_arch = "wasm32");
-            let card = gpu.filter(|gpu| waits && !gpu.is_software()).zip(quality);
+            let card = gpu.filter(|_| waits).zip(quality);
             let passes = card.map(|(gpu, quality)| open_screen(spec.effect, &estimate.method, gpu, quality));
             let passes = passes.transpose().map_err(|error| other(format!("{error:#}")))?;
             Ok((estimator, passes))

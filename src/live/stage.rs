@@ -8,6 +8,7 @@ use crate::radius::Space;
 use crate::views::Viewpoint;
 use anyhow::{Context, Result};
 use deepshade_dataset::views::median_depth;
+use deepshade_infer::TrainedUnder;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::{AnimatedScene, Camera, SceneSource};
 use deepshade_shaders::Effect;
@@ -65,6 +66,8 @@ pub struct Seen<'a> {
     pub additions: &'a Additions,
     /// Chooses views and added lights.
     pub seed: u32,
+    /// The environment that the network knows by heart.
+    pub learned: Option<&'a TrainedUnder>,
 }
 
 impl Args {
@@ -104,6 +107,7 @@ impl Args {
                 size: seen.size,
                 additions: seen.additions,
                 seed: seen.seed,
+                learned: seen.learned,
                 animated: animated.span().is_some(),
                 time: seen.time,
             };
@@ -190,6 +194,7 @@ mod tests {
             viewpoint: &Viewpoint::default(),
             additions: &Additions::default(),
             seed: 0,
+            learned: None,
         };
         let staged = line.args.stage(&seen).expect("a room");
         let from_pivot = |frame: u32| staged.camera(frame).position - staged.pivot;

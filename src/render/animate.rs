@@ -106,6 +106,7 @@ pub fn run(args: &Args) -> Result<()> {
     let direct = sequence.method(args.effect) == LIGHT;
     // Direct light is what anti-aliasing shows, too.
     let effect = if direct { Effect::Aa } else { args.effect };
+    let (methods, learned) = opened(args, &gpu)?;
     let seen = Seen {
         source: &args.scene,
         time: args.time.time(),
@@ -115,10 +116,10 @@ pub fn run(args: &Args) -> Result<()> {
         viewpoint: &args.viewpoint,
         additions: &args.additions,
         seed: args.seed,
+        learned: learned.as_ref().and_then(|learned| learned.spec().environment.as_ref()),
     };
     let staged = sequence.stage.stage(&seen)?;
     staged.added.iter().for_each(|line| note!("{line}"));
-    let (methods, learned) = opened(args, &gpu)?;
     let reach = learned.as_ref().map(|learned| learned.spec().reach);
     let radius = radius::wanted(args.radius, reach, &[effect], staged.space());
     let wanted = Wanted {

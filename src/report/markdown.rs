@@ -2,8 +2,8 @@
 
 use super::folder::DESCRIPTION;
 use super::record::FrameRecord;
-use super::summary::{COLUMNS, Line, lines, said_behind};
-use super::{Report, title};
+use super::summary::{COLUMNS, lines, remarks};
+use super::{Report, times, title};
 use crate::table;
 use deepshade_shaders::Effect;
 
@@ -23,17 +23,19 @@ pub fn text(report: &Report) -> String {
         text.extend([String::new(), format!("## {} (`{effect}`)", title(effect)), String::new()]);
         text.push(format!("On {} frame{plural}:", frames.len()));
         text.push(String::new());
-        text.extend(table(effect, None, &[("", frames.clone())]));
-        text.extend(said_behind(effect, &frames).into_iter().flat_map(|said| [String::new(), said]));
+        let means = lines(effect, &frames);
+        let device = times::device(&means);
+        text.extend(table(effect, None, &[("", frames.clone())], device));
+        text.extend(remarks(effect, &frames).into_iter().flat_map(|said| [String::new(), said]));
         if scenes.len() > 1 {
             text.extend([String::new(), "By scene:".to_owned(), String::new()]);
-            text.extend(table(effect, Some("scene"), &scenes));
+            text.extend(table(effect, Some("scene"), &scenes, device));
         }
         if frames.len() > scenes.len() {
             let of_frame = |frame| (frame_name(frame), vec![frame]);
             let frames: Vec<(&str, Vec<&FrameRecord>)> = frames.into_iter().map(of_frame).collect();
             text.extend([String::new(), "By frame:".to_owned(), String::new()]);
-            text.extend(table(effect, Some("frame"), &frames));
+            text.extend(table(effect, Some("frame"), &frames, device));
         }
     }
     text.push(String::new());
@@ -44,30 +46,23 @@ fn frame_name(frame: &FrameRecord) -> &str {
     &frame.name
 }
 
-/// A table of groups of frames, whose names are a column where there is a name for it.
-fn table(effect: Effect, column: Option<&str>, groups: &[(&str, Vec<&FrameRecord>)]) -> Vec<String> {
-    let row = |group: &str, name: String, cells: [String; 5], device: String| {
+/// A table of groups of frames, whose names are a column where there is a name for it, with the times of a device.
+fn table(
+    effect: Effect,
+    column: Option<&str>,
+    groups: &[(&str, Vec<&FrameRecord>)],
+    device: Option<&str>,
+) -> Vec<String> {
+    let row = |group: &str, name: &str, cells: [String; 5]| {
         let group = column.map(|_| group.to_owned());
-        group
-            .into_iter()
-            .chain([name])
-            .chain(cells)
-            .chain([device])
-            .map(|cell| cell.replace('|', "\\|"))
-            .collect()
+        let cells = group.into_iter().chain([name.to_owned()]).chain(cells);
+        cells.map(|cell| cell.replace('|', "\\|")).collect()
     };
-    let mut rows: Vec<Vec<String>> = vec![row(
-        column.unwrap_or_default(),
-        "method".to_owned(),
-        COLUMNS.map(str::to_owned),
-        "on".to_owned(),
-    )];
+    let mut rows: Vec<Vec<String>> =
+        vec![row(column.unwrap_or_default(), "method", COLUMNS.map(str::to_owned))];
     for (group, frames) in groups {
-        let line = |line: Line| {
-            let cells = line.cells();
-            row(group, line.name, cells, line.device)
-        };
-        rows.extend(lines(effect, frames).into_iter().map(line));
+        let lines = lines(effect, frames);
+        rows.extend(lines.iter().map(|line| row(group, &line.name, line.cells(device))));
     }
     table::markdown(&rows)
 }

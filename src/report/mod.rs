@@ -5,11 +5,13 @@ pub mod colour_map;
 pub mod folder;
 pub mod images;
 mod markdown;
+pub mod noise;
 mod page;
 mod pareto;
 pub mod record;
 mod scatter;
 mod summary;
+mod times;
 
 use anyhow::{Context, Result, ensure};
 use deepshade_render::metrics::{Scores, exposed, exposure};

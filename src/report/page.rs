@@ -3,8 +3,8 @@
 use super::folder::{DESCRIPTION, MARKDOWN};
 use super::record::{FrameRecord, TRUTH};
 use super::scatter::{self, MEASURES};
-use super::summary::{Line, lines, said_behind};
-use super::{Report, colour_map, floor_name, images, title};
+use super::summary::{Line, lines, remarks};
+use super::{Report, colour_map, floor_name, images, times, title};
 use anyhow::Result;
 use askama::Template;
 use serde::Serialize;
@@ -62,8 +62,8 @@ struct EffectPart {
     title: &'static str,
     frames: usize,
     rows: Vec<Row>,
-    /// Which methods are behind doing nothing, in a sentence; empty where none is.
-    behind: String,
+    /// What is to be said of the means; nothing of one frame, whose own part says it.
+    remarks: Vec<String>,
     /// Of each measure, if there is something to draw.
     plots: Vec<(&'static str, String)>,
     /// Empty of one scene.
@@ -79,6 +79,8 @@ struct FramePart<'a> {
     name: &'a str,
     facts: &'a [(String, String)],
     rows: Vec<Row>,
+    /// What is to be said of its lines.
+    remarks: Vec<String>,
     width: usize,
     height: usize,
     /// Labels and names of files, truth last.
@@ -94,7 +96,6 @@ struct Row {
     kind: &'static str,
     /// Texts, and numbers to sort by.
     cells: Vec<(String, String)>,
-    measured_by: String,
     /// Where the values are, if they are one image's.
     exr: Option<String>,
 }
@@ -122,19 +123,21 @@ impl EffectPart {
     fn new(report: &Report, effect: deepshade_shaders::Effect) -> Self {
         let (frames, scenes) = (report.frames_of(effect), report.scenes_of(effect));
         let means = lines(effect, &frames);
+        let device = times::device(&means);
         let plots = MEASURES
             .iter()
             .filter_map(|measure| Some((measure.name, scatter::svg(&means, measure)?)))
             .collect();
         let by_scene = scenes.iter().filter(|_| scenes.len() > 1).flat_map(|(scene, frames)| {
-            lines(effect, frames).into_iter().map(|line| Row::new(scene, &line, None)).collect::<Vec<_>>()
+            let row = |line| Row::new(scene, &line, None, device);
+            lines(effect, frames).into_iter().map(row).collect::<Vec<_>>()
         });
         Self {
             name: effect.name(),
             title: title(effect),
             frames: frames.len(),
-            rows: means.iter().map(|line| Row::new("", line, None)).collect(),
-            behind: said_behind(effect, &frames).unwrap_or_default(),
+            rows: means.iter().map(|line| Row::new("", line, None, device)).collect(),
+            remarks: if frames.len() > 1 { remarks(effect, &frames) } else { Vec::new() },
             plots,
             scenes: by_scene.collect(),
         }
@@ -143,7 +146,8 @@ impl EffectPart {
 
 impl<'a> FramePart<'a> {
     fn new(index: usize, frame: &'a FrameRecord) -> Self {
-        let row = |line: Line| Row::new("", &line, Some(&frame.folder));
+        let lines = lines(frame.effect, &[frame]);
+        let row = |line: &Line| Row::new("", line, Some(&frame.folder), times::device(&lines));
         Self {
             index,
             folder: &frame.folder,
@@ -151,7 +155,8 @@ impl<'a> FramePart<'a> {
             title: title(frame.effect),
             name: &frame.name,
             facts: &frame.facts,
-            rows: lines(frame.effect, &[frame]).into_iter().map(row).collect(),
+            rows: lines.iter().map(row).collect(),
+            remarks: remarks(frame.effect, &[frame]),
             width: frame.width,
             height: frame.height,
             images: images_of(frame),
@@ -160,18 +165,17 @@ impl<'a> FramePart<'a> {
 }
 
 impl Row {
-    fn new(scene: &str, line: &Line, folder: Option<&str>) -> Self {
+    fn new(scene: &str, line: &Line, folder: Option<&str>, device: Option<&str>) -> Self {
         let scores = line.scores;
         let values = [scores.ssim, scores.psnr, scores.flip, scores.relative_mse].map(Some);
-        let values = values.into_iter().chain([line.milliseconds]);
+        let values = values.into_iter().chain([line.time_on(device)]);
         let value = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
         let exr = folder.zip(line.file.as_ref()).map(|(folder, file)| format!("{folder}/{file}.exr"));
         Self {
             scene: scene.to_owned(),
             name: line.name.clone(),
             kind: line.kind.name(),
-            cells: line.cells().into_iter().zip(values.map(value)).collect(),
-            measured_by: line.measured_by.clone(),
+            cells: line.cells(device).into_iter().zip(values.map(value)).collect(),
             exr,
         }
     }

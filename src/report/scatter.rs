@@ -1,8 +1,8 @@
 //! Error against time as an inline SVG: both axes logarithmic, a method's qualities joined by a line, and the Pareto front,
 //! than which nothing is both faster and better, drawn as the steps that it is.
 
-use super::pareto;
 use super::summary::{Kind, Line};
+use super::{pareto, times};
 use std::fmt::Write;
 use std::ops::Range;
 
@@ -57,9 +57,11 @@ struct Axis {
 /// A rectangle that something is drawn in: left, top, right, bottom.
 type Room = [f64; 4];
 
-/// The plot of some lines; nothing where no method has both time and error.
+/// The plot of some lines' times on the device that most of them have theirs from; nothing where no method has both time
+/// and error.
 pub fn svg(lines: &[Line], measure: &Measure) -> Option<String> {
-    let points = points(lines, measure);
+    let device = times::device(lines)?;
+    let points = points(lines, measure, device);
     let times = Axis::of(points.iter().map(|point| point.time), LEFT..WIDTH - RIGHT)?;
     let own = points.iter().map(|point| point.error);
     let alone = Axis::of(own.clone(), HEIGHT - BOTTOM..TOP)?;
@@ -74,7 +76,7 @@ pub fn svg(lines: &[Line], measure: &Measure) -> Option<String> {
         "<svg class=\"plot\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{} against milliseconds\">",
         escaped(measure.axis)
     );
-    draw_axes(&mut svg, &times, &errors, measure);
+    draw_axes(&mut svg, &times, &errors, measure, device);
     for (name, error) in levels {
         let y = errors.place(error);
         let _ = write!(
@@ -94,7 +96,7 @@ pub fn svg(lines: &[Line], measure: &Measure) -> Option<String> {
     Some(svg)
 }
 
-fn points<'a>(lines: &'a [Line], measure: &Measure) -> Vec<Point<'a>> {
+fn points<'a>(lines: &'a [Line], measure: &Measure, device: &str) -> Vec<Point<'a>> {
     let mut families: Vec<&str> = Vec::new();
     let mut points: Vec<Point<'a>> = Vec::new();
     for line in lines.iter().filter(|line| line.kind == Kind::Method) {
@@ -102,7 +104,7 @@ fn points<'a>(lines: &'a [Line], measure: &Measure) -> Vec<Point<'a>> {
             families.push(&line.method);
             families.len() - 1
         });
-        let (time, error) = (line.milliseconds.unwrap_or(f64::NAN), (measure.error)(line));
+        let (time, error) = (line.time_on(Some(device)).unwrap_or(f64::NAN), (measure.error)(line));
         if time > 0.0 && time.is_finite() && error.is_finite() {
             let error = error.max(LEAST);
             points.push(Point { name: &line.name, family, time, error, on_front: false });
@@ -156,7 +158,7 @@ fn round_step(step: f64) -> f64 {
     [1.0, 2.0, 5.0, 10.0].map(|digit| digit * power).into_iter().find(|round| *round >= step).unwrap_or(step)
 }
 
-fn draw_axes(svg: &mut String, times: &Axis, errors: &Axis, measure: &Measure) {
+fn draw_axes(svg: &mut String, times: &Axis, errors: &Axis, measure: &Measure, device: &str) {
     let bottom = HEIGHT - BOTTOM;
     for time in times.ticks() {
         let x = times.place(time);
@@ -183,9 +185,10 @@ fn draw_axes(svg: &mut String, times: &Axis, errors: &Axis, measure: &Measure) {
     let (middle, centre) = (0.5 * (LEFT + WIDTH - RIGHT), 0.5 * (TOP + bottom));
     let _ = write!(
         svg,
-        "<text class=\"quiet\" x=\"{middle}\" y=\"{:.1}\" text-anchor=\"middle\">milliseconds</text><text class=\"quiet\" \
+        "<text class=\"quiet\" x=\"{middle}\" y=\"{:.1}\" text-anchor=\"middle\">milliseconds on {}</text><text class=\"quiet\" \
          transform=\"translate(14 {centre}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
         HEIGHT - 10.0,
+        escaped(device),
         escaped(measure.axis)
     );
 }
@@ -304,9 +307,9 @@ mod tests {
     fn line(name: &str, kind: Kind, milliseconds: Option<f64>, error: f64) -> Line {
         let scores = Scores { ssim: 1.0 - error, psnr: 20.0, flip: error, relative_mse: error };
         let method = name.split('-').next().unwrap_or_default().to_owned();
-        let (measured_by, device) = (String::new(), String::new());
+        let (clock, device) = ("wall clock", "<a card>".to_owned());
         let (label, name) = (name.to_owned(), name.to_owned());
-        Line { name, label, kind, method, file: None, scores, milliseconds, measured_by, device }
+        Line { name, label, kind, method, file: None, scores, milliseconds, clock, device }
     }
 
     #[test]
@@ -322,10 +325,24 @@ mod tests {
         assert_eq!(svg.matches("class=\"ring\"").count(), 2, "who is slower and worse is beaten");
         assert_eq!(svg.matches("<polyline").count(), 1, "qualities of one method are joined");
         assert_eq!(svg.matches("class=\"front\"").count(), 1);
-        for name in [">fast-low<", ">fast<", ">slow&lt;<", ">white image<", "milliseconds"] {
+        for name in
+            [">fast-low<", ">fast<", ">slow&lt;<", ">white image<", ">milliseconds on &lt;a card&gt;<"]
+        {
             assert!(svg.contains(name), "{name} in {svg}");
         }
         assert!(!svg.contains("NaN"));
+    }
+
+    #[test]
+    fn times_of_two_devices_are_not_joined() {
+        let here = [line("gtao", Kind::Method, Some(10.0), 0.1), line("hbao", Kind::Method, Some(5.0), 0.2)];
+        let elsewhere =
+            Line { device: "a processor".to_owned(), ..line("fast", Kind::Method, Some(1.0), 0.05) };
+        let all = [here.to_vec(), vec![elsewhere]].concat();
+        let plot = |lines: &[Line]| svg(lines, &MEASURES[0]).expect("a plot");
+        assert_eq!(plot(&all), plot(&here), "who ran elsewhere beats nobody and has no dot");
+        let same = [here.to_vec(), vec![line("fast", Kind::Method, Some(1.0), 0.05)]].concat();
+        assert_eq!(plot(&same).matches("class=\"ring\"").count(), 1, "on the same device it beats both");
     }
 
     #[test]

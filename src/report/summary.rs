@@ -1,7 +1,7 @@
 //! A comparison's means, line by line: what the terminal, the page, the Markdown file and the JSON file all show.
 
 use super::record::FrameRecord;
-use super::{Report, floor_colour, floor_name};
+use super::{Report, floor_colour, floor_name, noise, times};
 use crate::figures::Figures;
 use crate::table;
 use deepshade_render::method::Clock;
@@ -39,9 +39,9 @@ pub struct Line {
     pub scores: Scores,
     /// Mean time of a run, milliseconds.
     pub milliseconds: Option<f64>,
-    /// Which clock it is from, and of what.
-    pub measured_by: String,
-    /// What it ran on.
+    /// Which clock that is from; empty without one.
+    pub clock: &'static str,
+    /// What it ran on; of frames that ran on several devices, that in words.
     pub device: String,
 }
 
@@ -75,7 +75,7 @@ pub fn lines(effect: Effect, frames: &[&FrameRecord]) -> Vec<Line> {
         file: Some(super::record::TRUTH.to_owned()),
         scores: all(|frame| frame.truth.noise),
         milliseconds: Some(time),
-        measured_by: clock_name(Clock::Cpu).to_owned(),
+        clock: clock_name(Clock::Cpu),
         device: "the processor".to_owned(),
     });
     lines.push(Line {
@@ -86,7 +86,7 @@ pub fn lines(effect: Effect, frames: &[&FrameRecord]) -> Vec<Line> {
         file: None,
         scores: all(|frame| frame.truth.floor),
         milliseconds: None,
-        measured_by: String::new(),
+        clock: "",
         device: String::new(),
     });
     lines
@@ -101,7 +101,7 @@ fn method_line(label: &str, frames: &[&FrameRecord]) -> Line {
         false => label.to_owned(),
     };
     let clocks: BTreeSet<_> = images.iter().map(|image| clock_name(image.clock)).collect();
-    let clock = if clocks.len() == 1 { clock_name(images[0].clock) } else { "mixed" };
+    let devices: BTreeSet<_> = images.iter().map(|image| image.device.as_str()).collect();
     Line {
         name,
         label: label.to_owned(),
@@ -110,8 +110,8 @@ fn method_line(label: &str, frames: &[&FrameRecord]) -> Line {
         file: Some(images[0].file.clone()),
         scores: mean_scores(images.iter().map(|image| image.scores)),
         milliseconds: Some(mean(images.iter().map(|image| image.milliseconds))),
-        measured_by: format!("{clock}, {}", images[0].device),
-        device: images[0].device.clone(),
+        clock: if clocks.len() == 1 { clock_name(images[0].clock) } else { "several clocks" },
+        device: if devices.len() == 1 { images[0].device.clone() } else { "several devices".to_owned() },
     }
 }
 
@@ -130,8 +130,15 @@ pub fn behind_nothing<'a>(frames: &[&'a FrameRecord]) -> Vec<&'a str> {
     sums.into_iter().filter(|(_, sum)| *sum < 0.0).map(|(label, _)| label).collect()
 }
 
-/// That in a sentence, where there are some.
-pub fn said_behind(effect: Effect, frames: &[&FrameRecord]) -> Option<String> {
+/// What is to be said of the lines of some frames of an effect: whose times they have, who is not told apart, and who is
+/// behind doing nothing.
+pub fn remarks(effect: Effect, frames: &[&FrameRecord]) -> Vec<String> {
+    let lines = lines(effect, frames);
+    times::said(&lines).into_iter().chain(noise::said(&lines)).chain(said_behind(effect, frames)).collect()
+}
+
+/// Who is behind doing nothing in a sentence, where there are some.
+fn said_behind(effect: Effect, frames: &[&FrameRecord]) -> Option<String> {
     let behind = behind_nothing(frames);
     (!behind.is_empty()).then(|| format!("behind the {} by SSIM: {}", floor_name(effect), behind.join(", ")))
 }
@@ -163,10 +170,16 @@ const fn clock_name(clock: Clock) -> &'static str {
 pub const COLUMNS: [&str; 5] = ["SSIM", "PSNR", "FLIP", "relMSE", "ms"];
 
 impl Line {
-    /// Its numbers as [`COLUMNS`] name them, with as many digits as tables show.
-    pub fn cells(&self) -> [String; 5] {
+    /// Its time, if that is a method's on a device.
+    pub fn time_on(&self, device: Option<&str>) -> Option<f64> {
+        let there = self.kind == Kind::Method && device == Some(self.device.as_str());
+        self.milliseconds.filter(|_| there)
+    }
+
+    /// Its numbers as [`COLUMNS`] name them, with as many digits as tables show; the time if it is of a device.
+    pub fn cells(&self, device: Option<&str>) -> [String; 5] {
         let Scores { ssim, psnr, flip, relative_mse } = self.scores;
-        let milliseconds = self.milliseconds.map_or_else(String::new, |value| format!("{value:.2}"));
+        let milliseconds = self.time_on(device).map_or_else(String::new, |value| format!("{value:.2}"));
         [
             format!("{ssim:.3}"),
             format!("{psnr:.1}"),
@@ -190,7 +203,8 @@ impl Report {
     /// Sets `ssim_<method>`, `psnr_<method>`, `flip_<method>`, `relmse_<method>` and `ms_<method>`, means over
     /// frames, with underscores for hyphens; the same of truth's noise (`ssim_ceiling`, ...) and of the image of background
     /// (`ssim_white` or `ssim_black`, ...); and every frame's own as a detail. Of several effects each figure has the
-    /// effect's name in it: `ssim_gi_<method>`.
+    /// effect's name in it: `ssim_gi_<method>`. A frame's detail names the device of each time, and the detail `remarks` has
+    /// what tables say of an effect.
     pub fn set_figures(&self, figures: &mut Figures) {
         let effects = self.effects();
         for effect in &effects {
@@ -211,6 +225,10 @@ impl Report {
         }
         figures.set("frames", self.frames.len() as f64);
         figures.detail("frames", self.frames.iter().map(frame_detail).collect());
+        let remarks = effects
+            .iter()
+            .map(|effect| (effect.name().to_owned(), json!(remarks(*effect, &self.frames_of(*effect)))));
+        figures.detail("remarks", remarks.collect::<serde_json::Map<_, _>>().into());
         figures.detail("machine", pairs(&self.machine));
     }
 }
@@ -251,14 +269,14 @@ impl fmt::Display for Report {
         for effect in self.effects() {
             let frames = self.frames_of(effect);
             let head = format!("{effect} on {} frame(s), quality {}", frames.len(), self.quality);
-            let head = [head].into_iter().chain(COLUMNS.map(str::to_owned)).chain(["on".to_owned()]);
+            let head = [head].into_iter().chain(COLUMNS.map(str::to_owned));
             let mut rows: Vec<Vec<String>> = vec![head.collect()];
-            rows.extend(lines(effect, &frames).into_iter().map(|line| {
-                let cells = line.cells();
-                [line.name].into_iter().chain(cells).chain([line.device]).collect()
-            }));
+            let lines = lines(effect, &frames);
+            let device = times::device(&lines);
+            let row = |line: &Line| [line.name.clone()].into_iter().chain(line.cells(device)).collect();
+            rows.extend(lines.iter().map(row));
             writeln!(f, "{}", table::aligned(&rows))?;
-            said_behind(effect, &frames).iter().try_for_each(|said| writeln!(f, "{said}"))?;
+            remarks(effect, &frames).iter().try_for_each(|said| writeln!(f, "{said}"))?;
             writeln!(f)?;
         }
         Ok(())

@@ -151,7 +151,7 @@ fn everything_that_the_page_shows_and_leads_to_is_there() {
         "half against half",
         "1234",
         "2.50",
-        "GPU timestamps",
+        "ms on a card, GPU timestamps",
         "0.5 m",
         "mean over 2",
         "Scene by scene",
@@ -339,8 +339,44 @@ fn the_table_has_a_line_for_everything() {
     let folder = tempfile::tempdir().expect("a folder");
     let text = report(vec![frame(folder.path(), EFFECT, "a", &["learned", "hbao"])]).to_string();
     let starts: Vec<&str> =
-        text.trim().lines().map(|line| line.split([' ', ',']).next().unwrap_or_default()).collect();
-    assert_eq!(starts, ["ao", "learned", "hbao", "truth", "white"]);
+        text.trim().lines().map(|line| line.split([' ', ',', ':']).next().unwrap_or_default()).collect();
+    assert_eq!(starts, ["ao", "learned", "hbao", "truth", "white", "ms", "truth"]);
+}
+
+#[test]
+fn the_device_is_named_once_and_what_ran_elsewhere_has_no_time_beside_the_others() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut one = frame(folder.path(), EFFECT, "a", &["learned", "hbao", "march"]);
+    one.images[2].device = "a processor".to_owned();
+    let report = report(vec![one]);
+    let (printed, page) = (report.to_string(), page::render(&report).expect("a page"));
+    for text in [&printed, &markdown::text(&report)] {
+        assert_eq!(text.matches("a card").count(), 1, "{text}");
+        let march =
+            text.lines().find(|line| line.trim_start_matches("| ").starts_with("march ")).expect("a line");
+        assert!(!march.contains("7.50"), "{march}");
+        assert!(text.contains("march: 7.50 ms on a processor, which is not to be compared"), "{text}");
+    }
+    assert_eq!(page.matches("milliseconds on a card<").count(), 3, "each plot names it");
+    assert_eq!(page.matches("class=\"dot ").count(), 3 * 2, "and has those that ran there");
+}
+
+#[test]
+fn methods_within_truths_noise_are_named_in_tables_and_on_the_page() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut one = frame(folder.path(), EFFECT, "a", &["learned", "hbao"]);
+    let mut said = |ceiling: f64| {
+        one.truth.noise.ssim = ceiling;
+        one.images.iter_mut().zip([0.95, 0.94]).for_each(|(image, ssim)| image.scores.ssim = ssim);
+        let report = report(vec![one.clone()]);
+        [report.to_string(), markdown::text(&report), page::render(&report).expect("a page")]
+    };
+    for text in said(0.98) {
+        assert!(text.contains(" 0.020 of SSIM: learned and hbao;") && text.contains("--error"), "{text}");
+    }
+    for text in said(0.995) {
+        assert!(!text.contains("0.005 of SSIM"), "{text}");
+    }
 }
 
 #[test]

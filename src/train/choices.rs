@@ -80,6 +80,8 @@ pub enum LossName {
     DssimL1,
     /// Dissimilarity plus mean squared difference.
     DssimL2,
+    /// That plus the mean absolute difference of the means of 8x8 pixels.
+    DssimL2Means,
     /// 0.84 of dissimilarity at five resolutions, 0.16 of the mean absolute difference.
     MsSsimL1,
 }
@@ -92,6 +94,7 @@ impl From<LossName> for Loss {
             LossName::L2 => Self::L2,
             LossName::DssimL1 => Self::DssimL1,
             LossName::DssimL2 => Self::DssimL2,
+            LossName::DssimL2Means => Self::DssimL2Means,
             LossName::MsSsimL1 => Self::MsSsimL1,
         }
     }

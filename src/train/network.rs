@@ -1,6 +1,6 @@
 //! Which network `deepshade train` trains, and its defaults.
 
-use super::Args;
+use super::{Args, share};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use deepshade_dataset::{Radius, Recipe};
@@ -58,14 +58,19 @@ pub fn estimate(text: &str) -> Result<Estimate, String> {
 }
 
 /// The default radius of a network of the paper's: the recipe's, where it has one.
-pub fn share(args: &Args, recipe: &Recipe, data: &Path) -> Result<f32> {
+///
+/// # Errors
+/// If it is in metres, and the recipe's scenes do not tell which share of their diagonals that is.
+pub fn diagonal_share(args: &Args, recipe: &Recipe, data: &Path) -> Result<f32> {
     match (args.diagonal_share, recipe.radius) {
         (Some(share), _) | (None, Radius::Diagonal(share)) => Ok(share),
         (None, Radius::Pixels(_) | Radius::MetresBetween(_)) => Ok(USUAL_SHARE),
-        (None, Radius::Metres(_)) => bail!(
-            "{}: the recipe states the radius in metres; --diagonal-share says what the network's default is to be",
-            data.display()
-        ),
+        (None, Radius::Metres(metres)) => share::of_metres(recipe, metres).with_context(|| {
+            format!(
+                "{}: the recipe states the radius in metres; --diagonal-share says what the network's default is to be",
+                data.display()
+            )
+        }),
     }
 }
 

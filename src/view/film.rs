@@ -204,8 +204,8 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
     if let Some(recording) = &window.recording {
         let share = recording.frame as f32 / recording.frames as f32;
         let text = format!("frame {} of {}", recording.frame, recording.frames);
-        ui.add(ProgressBar::new(share).text(text));
-        if ui.button("stop recording").clicked() {
+        ui.add(ProgressBar::new(share).text(text)).on_hover_text("frames that are written");
+        if ui.button("stop recording").on_hover_text("frames that are written stay").clicked() {
             window.stop_recording();
         }
         return;
@@ -213,9 +213,11 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
     let is_endless = window.timeline().is_some_and(|[_, end]| end.is_infinite());
     ui.horizontal(|ui| {
         let state = &mut window.state;
-        ui.add(DragValue::new(&mut state.film_rate).range(1.0..=240.0).suffix(" frames/s"));
+        let rate = DragValue::new(&mut state.film_rate).range(1.0..=240.0).suffix(" frames/s");
+        ui.add(rate).on_hover_text("of the film");
         if is_endless {
-            ui.add(DragValue::new(&mut state.film_seconds).range(0.1..=3600.0).speed(0.1).suffix(" s"));
+            let seconds = DragValue::new(&mut state.film_seconds).range(0.1..=3600.0).speed(0.1).suffix(" s");
+            ui.add(seconds).on_hover_text("how long the film is");
         }
         let hint = "every frame of the animation as PNG, and a video where ffmpeg is installed";
         if ui.button("record").on_hover_text(hint).clicked() {

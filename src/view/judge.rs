@@ -6,6 +6,7 @@ use super::mailbox::Mailbox;
 use super::pictures::{Developed, compared};
 use super::studio::Show;
 use super::truth::Sight;
+use crate::report::noise;
 use deepshade_render::metrics::{Scores, exposed, exposure};
 use deepshade_shaders::Planes;
 use eframe::egui::ColorImage;
@@ -49,6 +50,15 @@ pub struct Judged {
     pub scores: Scores,
     /// How it differs, and FLIP, in colours.
     pub maps: [Arc<ColorImage>; 2],
+}
+
+impl Verdict {
+    /// Which methods differ by less than truth does from itself, in a sentence, if some do.
+    pub fn within_noise(&self, ceiling: Scores) -> Option<String> {
+        let scores: Vec<(&str, f64)> =
+            self.judged.iter().map(|judged| (judged.name.as_str(), judged.scores.ssim)).collect();
+        noise::in_words(&scores, ceiling.ssim)
+    }
 }
 
 /// Judges until the mailbox is closed.

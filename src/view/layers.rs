@@ -126,14 +126,15 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
     ui.separator();
     ui.horizontal(|ui| {
         ui.strong(&opened.name);
-        if ui.small_button("close").clicked() {
+        if ui.small_button("close").on_hover_text("looks at the methods alone again").clicked() {
             window.close_layers();
         }
     });
     ui.horizontal_wrapped(|ui| {
         for layer in opened.layers.iter().take(LISTED) {
             let chosen = window.layers.contains(layer);
-            if ui.selectable_label(chosen, layer).clicked() {
+            let hint = "whether this layer of the file is seen beside the images";
+            if ui.selectable_label(chosen, layer).on_hover_text(hint).clicked() {
                 match chosen {
                     true => window.layers.retain(|other| other != layer),
                     false => window.layers.push(layer.clone()),

@@ -24,17 +24,20 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
     if lights.is_empty() {
         return;
     }
-    ui.collapsing(format!("lights ({})", lights.len()), |ui| {
+    let lamps = ui.collapsing(format!("lights ({})", lights.len()), |ui| {
         let step = 1e-3 * subject.diagonal;
         let own = &subject.animated.scene.lights;
         for (index, (light, own)) in lights.iter_mut().zip(own).take(LISTED).enumerate() {
             let free = !subject.is_rigged(index);
             ui.push_id(index, |ui| numbers(ui, light, own, free.then_some(step)));
         }
-        if ui.button("as they were").clicked() {
+        if ui.button("as they were").on_hover_text("all lights as the scene has them").clicked() {
             own.clone_into(lights);
         }
     });
+    lamps
+        .header_response
+        .on_hover_text("places, directions and brightness; handles on the images move them, too");
 }
 
 /// A light's numbers. Where nothing says by what steps it is moved, an animation moves it.
@@ -45,7 +48,8 @@ fn numbers(ui: &mut Ui, light: &mut Light, own: &Light, step: Option<f32>) {
     }
     let Some(before) = stops(light, own) else { return };
     let mut stops = before;
-    if ui.add(slider(&mut stops, -6.0..=6.0, " stops", "brighter")).changed() {
+    let slider = ui.add(slider(&mut stops, -6.0..=6.0, " stops", "brighter"));
+    if slider.on_hover_text("than the scene has it").changed() {
         *light = light.brighter((stops - before).exp2());
     }
 }
@@ -54,8 +58,11 @@ fn placed(ui: &mut Ui, light: &mut Light, step: f32) {
     if let Some(mut place) = light.position() {
         let mut changed = false;
         ui.horizontal(|ui| {
-            for value in place.as_mut() {
-                changed |= ui.add(DragValue::new(value).speed(step).suffix(" m")).changed();
+            for (value, hint) in
+                place.as_mut().iter_mut().zip(["x, to the right", "y, up", "z, to the front"])
+            {
+                let number = ui.add(DragValue::new(value).speed(step).suffix(" m"));
+                changed |= number.on_hover_text(hint).changed();
             }
         });
         if changed {
@@ -64,9 +71,10 @@ fn placed(ui: &mut Ui, light: &mut Light, step: f32) {
     }
     if let Some(direction) = light.direction() {
         let [mut height, mut turn] = angles(direction);
-        let raised = ui.add(slider(&mut height, -90.0..=90.0, " degrees", "height")).changed();
-        let turned = ui.add(slider(&mut turn, -180.0..=180.0, " degrees", "turn")).changed();
-        if raised || turned {
+        let raised = ui.add(slider(&mut height, -90.0..=90.0, " degrees", "height"));
+        let raised = raised.on_hover_text("how steeply light comes down").changed();
+        let turned = ui.add(slider(&mut turn, -180.0..=180.0, " degrees", "turn"));
+        if turned.on_hover_text("where it goes, around the vertical").changed() || raised {
             *light = light.moved(|place| place, |_| towards([height, turn]));
         }
     }

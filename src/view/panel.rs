@@ -15,13 +15,19 @@ use deepshade_render::methods::Quality;
 use deepshade_shaders::{Attribute, Effect};
 use eframe::egui::{
     Button, Color32, ComboBox, DragValue, Grid, Key, RichText, ScrollArea, Slider, SliderClamping, Ui,
+    style::ScrollStyle,
 };
+
+/// The share of the panel's height that words may take above what can be chosen.
+const SAID: f32 = 0.3;
 
 /// Shows everything that can be chosen and everything that is known.
 pub fn show(ui: &mut Ui, window: &mut Window) {
     keys(ui, window);
     said(ui, window);
-    ScrollArea::vertical().show(ui, |ui| {
+    // A bar that is always there tells that there is more below, and what is too wide can be reached.
+    ui.spacing_mut().scroll = ScrollStyle::solid();
+    ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         scene(ui, window);
         lights::show(ui, window);
         ui.separator();
@@ -39,16 +45,21 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
     });
 }
 
-/// What could not be done and what was done last, above all that scrolls.
+/// What could not be done and what was done last, above all that scrolls; long words scroll by themselves.
 fn said(ui: &mut Ui, window: &Window) {
-    if let Some(message) = &window.message {
-        ui.label(RichText::new(message).color(Color32::from_rgb(255, 120, 90)));
-        ui.separator();
+    let red = |message: &String| RichText::new(message).color(Color32::from_rgb(255, 120, 90));
+    let words: Vec<RichText> =
+        window.message.iter().map(red).chain(window.note.iter().map(RichText::new)).collect();
+    if words.is_empty() {
+        return;
     }
-    if let Some(note) = &window.note {
-        ui.label(note);
-        ui.separator();
-    }
+    let most = SAID * ui.available_height();
+    ScrollArea::vertical().id_salt("said").max_height(most).show(ui, |ui| {
+        for words in words {
+            ui.label(words);
+            ui.separator();
+        }
+    });
 }
 
 /// What keys do that no text field takes.
@@ -80,7 +91,7 @@ fn scene(ui: &mut Ui, window: &mut Window) {
     if !cameras.is_empty() {
         ui.horizontal_wrapped(|ui| {
             for (name, camera) in cameras {
-                if ui.button(name).clicked()
+                if ui.button(name).on_hover_text("look through this camera of the scene").clicked()
                     && let Some(pilot) = &mut window.state.pilot
                 {
                     pilot.camera.position = camera.position;
@@ -91,17 +102,15 @@ fn scene(ui: &mut Ui, window: &mut Window) {
         });
     }
     ui.horizontal(|ui| {
-        if ui.button("back to the first view").clicked() {
+        let hint = "the camera where it was when the scene was opened";
+        if ui.button("back to the first view").on_hover_text(hint).clicked() {
             window.state.pilot = Some(subject.pilot);
         }
-        if ui
-            .button("save")
-            .on_hover_text("every image, and a comparison that makes them without a window")
-            .clicked()
-        {
+        let hint = "every image, and a comparison that makes them without a window";
+        if ui.button("save").on_hover_text(hint).clicked() {
             window.save(None);
         }
-        if ui.button("screenshot").on_hover_text("the whole window as PNG").clicked() {
+        if ui.button("screenshot").on_hover_text("the whole window as PNG: P").clicked() {
             window.shoot(ui.ctx(), None);
         }
     });
@@ -111,16 +120,20 @@ fn scene(ui: &mut Ui, window: &mut Window) {
     }
 }
 
+const MOMENT: &str = "the moment of the animation that is shown";
+
 /// The moment that is shown: on a line where time has an end, else as a number.
 fn timeline(ui: &mut Ui, state: &mut State, [begin, end]: [f32; 2]) {
     ui.horizontal(|ui| {
-        ui.checkbox(&mut state.playing, "plays");
+        ui.checkbox(&mut state.playing, "plays").on_hover_text("whether time goes on: space");
         if end.is_finite() {
-            ui.add(Slider::new(&mut state.time, begin..=end).clamping(SliderClamping::Edits).suffix(" s"));
+            let slider =
+                Slider::new(&mut state.time, begin..=end).clamping(SliderClamping::Edits).suffix(" s");
+            ui.add(slider).on_hover_text(MOMENT);
             return;
         }
         let moment = DragValue::new(&mut state.time).range(begin..=end).clamp_existing_to_range(false);
-        ui.add(moment.speed(0.02).suffix(" s"));
+        ui.add(moment.speed(0.02).suffix(" s")).on_hover_text(MOMENT);
         if ui.button("anew").on_hover_text("back to when time begins").clicked() {
             state.time = begin;
         }
@@ -129,11 +142,15 @@ fn timeline(ui: &mut Ui, state: &mut State, [begin, end]: [f32; 2]) {
 
 fn effect(ui: &mut Ui, window: &mut Window) {
     let mut wanted = window.state.show.effect;
-    ComboBox::from_label("effect").selected_text(wanted.name()).show_ui(ui, |ui| {
+    let choice = ComboBox::from_label("effect").selected_text(wanted.name()).show_ui(ui, |ui| {
         for effect in Effect::ALL {
-            ui.selectable_value(&mut wanted, effect, effect.name());
+            let hint = format!("its image is {}", effect.unit());
+            ui.selectable_value(&mut wanted, effect, effect.name()).on_hover_text(hint);
         }
     });
+    choice
+        .response
+        .on_hover_text("what is computed; a radius and methods that were chosen stay where it has them");
     if wanted != window.state.show.effect {
         window.state.choose_effect(wanted);
         window.changed();
@@ -145,28 +162,35 @@ fn effect(ui: &mut Ui, window: &mut Window) {
     }
     for name in names.into_iter().filter(|name| *name != TRUTH) {
         let mut chosen = state.show.methods.contains(&name);
-        if ui.checkbox(&mut chosen, name).changed() {
+        let hint = format!("whether {name} is shown; what it costs stands under the figures");
+        if ui.checkbox(&mut chosen, name).on_hover_text(hint).changed() {
             state.toggle(name);
         }
     }
     let show = &mut state.show;
-    ComboBox::from_label("quality").selected_text(show.quality.name()).show_ui(ui, |ui| {
+    let choice = ComboBox::from_label("quality").selected_text(show.quality.name()).show_ui(ui, |ui| {
         for quality in Quality::ALL {
-            ui.selectable_value(&mut show.quality, quality, quality.name());
+            let hint = format!("analytic methods with {} quality", quality.name());
+            ui.selectable_value(&mut show.quality, quality, quality.name()).on_hover_text(hint);
         }
     });
-    ui.checkbox(&mut show.temporal, "mixed with frames before");
+    choice.response.on_hover_text("how much time analytic methods may take for a better image");
+    let hint = "less noise, by what of frames before is seen again; it follows what moves late";
+    ui.checkbox(&mut show.temporal, "mixed with frames before").on_hover_text(hint);
     let (Some(picture), Some(subject)) = (&window.picture, &window.subject) else { return };
     if listeners::RADIUS.contains(&wanted) {
-        let mut radius = show.radius.unwrap_or(picture.radius);
+        let mut radius = state.show.radius.unwrap_or(picture.radius);
         ui.horizontal(|ui| {
             let range = 1e-3 * subject.diagonal..=subject.diagonal;
             let slider = Slider::new(&mut radius, range).clamping(SliderClamping::Edits);
-            if ui.add(slider.logarithmic(true).suffix(" m").text("radius")).changed() {
-                show.radius = Some(radius);
+            let slider = ui.add(slider.logarithmic(true).suffix(" m").text("radius"));
+            if slider.on_hover_text("how far the effect reaches").changed() {
+                state.set_radius(Some(radius));
             }
-            if ui.add_enabled(show.radius.is_some(), Button::new("usual")).clicked() {
-                show.radius = None;
+            let usual = ui.add_enabled(state.show.radius.is_some(), Button::new("usual"));
+            let usual = usual.on_disabled_hover_text("it is as far as is usual");
+            if usual.on_hover_text("as far as suits the scene and the network").clicked() {
+                state.set_radius(None);
             }
         });
     }
@@ -179,47 +203,65 @@ fn look(ui: &mut Ui, window: &mut Window) {
     let state = &mut window.state;
     ui.horizontal(|ui| {
         for arrangement in Arrangement::ALL {
-            ui.selectable_value(&mut state.arrangement, arrangement, arrangement.name());
+            let hint = match arrangement {
+                Arrangement::Wipe => "images over each other, with borders that can be dragged",
+                Arrangement::Tiles => "images beside each other",
+            };
+            ui.selectable_value(&mut state.arrangement, arrangement, arrangement.name()).on_hover_text(hint);
         }
         ui.separator();
         for map in Map::ALL {
-            ui.selectable_value(&mut state.map, map, map.name());
+            let hint = match map {
+                Map::Image => "the images themselves: M goes through these three",
+                Map::Difference => "how far they are from what they are held against, darker or brighter",
+                Map::Flip => "how far they look from it: FLIP",
+            };
+            ui.selectable_value(&mut state.map, map, map.name()).on_hover_text(hint);
         }
     });
-    ComboBox::from_label("is held against").selected_text(state.reference()).show_ui(ui, |ui| {
-        ui.selectable_value(&mut state.against, None, TRUTH);
+    let choice = ComboBox::from_label("is held against").selected_text(state.reference()).show_ui(ui, |ui| {
+        ui.selectable_value(&mut state.against, None, TRUTH).on_hover_text("the path-traced image");
         for method in &state.show.methods {
-            ui.selectable_value(&mut state.against, Some(*method), *method);
+            let hint = format!("the image of {method}");
+            ui.selectable_value(&mut state.against, Some(*method), *method).on_hover_text(hint);
         }
     });
+    choice.response.on_hover_text("what differences and figures are measured against");
     let stops = Slider::new(&mut state.stops, -6.0..=6.0).clamping(SliderClamping::Edits);
-    ui.add(stops.suffix(" stops").text("brighter"));
+    let hint = "how much brighter images are shown";
+    ui.add(stops.suffix(" stops").text("brighter")).on_hover_text(hint);
     if ui.button("expose anew").on_hover_text("as suits what is shown now").clicked() {
         window.expose_anew();
     }
     let state = &mut window.state;
     let inspected = &mut state.show.inspected;
     let name = inspected.map_or("none", Attribute::name);
-    ComboBox::from_label("of the g-buffer").selected_text(name).show_ui(ui, |ui| {
-        ui.selectable_value(inspected, None, "none");
+    let choice = ComboBox::from_label("of the g-buffer").selected_text(name).show_ui(ui, |ui| {
+        ui.selectable_value(inspected, None, "none").on_hover_text("the methods' images alone");
         for attribute in Attribute::ALL {
-            ui.selectable_value(inspected, Some(attribute), attribute.name());
+            let hint = format!("{} of what is seen, beside the images", attribute.name());
+            ui.selectable_value(inspected, Some(attribute), attribute.name()).on_hover_text(hint);
         }
     });
+    choice.response.on_hover_text("what methods read, as an image beside theirs");
     ui.horizontal(|ui| {
         let [height, width] = &mut state.show.size;
-        ui.add(DragValue::new(width).range(*EDGES.start()..=3840).clamp_existing_to_range(false));
+        let edge =
+            |value, most| DragValue::new(value).range(*EDGES.start()..=most).clamp_existing_to_range(false);
+        ui.add(edge(width, 3840)).on_hover_text("columns of the images");
         ui.label("x");
-        ui.add(DragValue::new(height).range(*EDGES.start()..=2160).clamp_existing_to_range(false));
+        ui.add(edge(height, 2160)).on_hover_text("rows of the images");
         ui.label("pixels");
     });
 }
 
 fn truth(ui: &mut Ui, window: &mut Window) {
     ui.horizontal(|ui| {
-        ui.checkbox(&mut window.state.truth, "truth, up to");
-        let samples = &mut window.state.samples;
-        ui.add(DragValue::new(samples).range(8..=16_384).clamp_existing_to_range(false).suffix(" samples"));
+        let hint = "whether truth is path-traced while nothing moves: T";
+        ui.checkbox(&mut window.state.truth, "truth, up to").on_hover_text(hint);
+        let samples = DragValue::new(&mut window.state.samples).range(8..=16_384);
+        let samples = samples.clamp_existing_to_range(false).suffix(" samples");
+        ui.add(samples).on_hover_text("samples of a pixel at which truth rests");
     });
     if let Some(truth) = window.truth_of_picture() {
         let noise = 100.0 * truth.noise;
@@ -234,14 +276,19 @@ fn figures(ui: &mut Ui, window: &Window) {
             ui.strong(head);
         }
         ui.end_row();
-        for judged in &verdict.judged {
-            ui.label(&judged.name);
-            ui.monospace(format!("{:.3}", judged.scores.ssim));
-            ui.monospace(format!("{:.3}", judged.scores.flip));
-            ui.monospace(format!("{:.4}", judged.scores.relative_mse));
+        let judged = verdict.judged.iter().map(|judged| (judged.name.as_str(), judged.scores));
+        let ceiling = window.ceiling().map(|ceiling| ("half against half", ceiling));
+        for (name, scores) in judged.chain(ceiling) {
+            ui.label(name);
+            ui.monospace(format!("{:.3}", scores.ssim));
+            ui.monospace(format!("{:.3}", scores.flip));
+            ui.monospace(format!("{:.4}", scores.relative_mse));
             ui.end_row();
         }
     });
+    if let Some(said) = window.ceiling().and_then(|ceiling| verdict.within_noise(ceiling)) {
+        ui.label(RichText::new(said).small());
+    }
 }
 
 fn passes(ui: &mut Ui, window: &Window) {

@@ -11,7 +11,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         let (effect, quality) = (state.show.effect, state.show.quality);
         let is_changed = state.show.changes.contains_key(method);
         let title = if is_changed { format!("{method}, changed") } else { method.to_owned() };
-        CollapsingHeader::new(title).id_salt(method).show(ui, |ui| {
+        let header = CollapsingHeader::new(title).id_salt(method).show(ui, |ui| {
             let dials = methods::dials(effect, method, quality).unwrap_or_default();
             if dials.is_empty() {
                 ui.label(RichText::new("nothing to set").weak());
@@ -20,6 +20,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
                 row(ui, state, method, &dial);
             }
         });
+        header.header_response.on_hover_text(format!("what can be set of {method}"));
     }
 }
 
@@ -49,7 +50,9 @@ fn row(ui: &mut Ui, state: &mut State, method: &'static str, dial: &Dial) {
         if response.on_hover_text(&dial.text).changed() {
             state.set(method, dial, value);
         }
-        if ui.add_enabled(changed.is_some(), Button::new("usual")).clicked() {
+        let usual = ui.add_enabled(changed.is_some(), Button::new("usual"));
+        let usual = usual.on_disabled_hover_text("it is as the quality has it");
+        if usual.on_hover_text("as the quality has it").clicked() {
             state.set(method, dial, dial.usual);
         }
     });

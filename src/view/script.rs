@@ -127,7 +127,7 @@ impl Script {
             Step::Methods(wanted) => state.choose_methods(wanted)?,
             Step::Quality(quality) => state.show.quality = *quality,
             Step::Set(method, name, value) => return set(state, method, name, value),
-            Step::Radius(radius) => state.show.radius = Some(*radius),
+            Step::Radius(radius) => state.set_radius(Some(*radius)),
             Step::Time(time) => state.time = *time,
             Step::Play(on) => state.playing = *on,
             Step::Truth(on) => state.truth = *on,

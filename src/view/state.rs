@@ -1,6 +1,7 @@
 //! What hands have chosen.
 
 mod networks;
+mod stated;
 
 use super::Args;
 use super::studio::Show;
@@ -15,6 +16,7 @@ use deepshade_render::scene::{Light, SceneSource};
 use deepshade_shaders::Effect;
 #[cfg(feature = "train")]
 use networks::Promised;
+use stated::{Stated, first_methods, is_network};
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -113,6 +115,8 @@ pub struct State {
     pub samples: u32,
     /// Frames a second of films.
     pub film_rate: f32,
+    /// Methods and a radius that stay when another effect is shown.
+    stated: Stated,
     /// Folders of networks that hands have chosen, by what they compute.
     networks: HashMap<Effect, PathBuf>,
     /// Whether the method `learned` is to be shown as soon as there are weights.
@@ -137,11 +141,17 @@ impl State {
         let chosen = chosen_methods(args.effect, &args.methods)?;
         let none_wanted = args.methods.is_empty();
         let model = args.model.as_ref().map(Place::read).transpose()?;
+        let mut stated = Stated::default();
+        stated.state_radius(args.radius);
+        if !none_wanted {
+            stated.state_methods(args.effect, &chosen);
+        }
+        let first = || first_methods(args.effect, is_network(model.as_deref(), args.effect));
         let show = Show {
             source: args.scene.clone(),
             scenes_opened: 0,
             effect: args.effect,
-            methods: if none_wanted { first_methods(model.as_deref(), args.effect) } else { chosen },
+            methods: if none_wanted { first() } else { chosen },
             quality: args.quality,
             changes: BTreeMap::new(),
             radius: args.radius,
@@ -178,6 +188,7 @@ impl State {
             #[cfg(feature = "train")]
             promised: None,
             networks,
+            stated,
             film_seconds: 10.0,
             before: None,
             fetched: model,
@@ -207,19 +218,27 @@ impl State {
         true
     }
 
-    /// Computes another effect, by its first methods.
+    /// Computes another effect, by what was stated of methods and radius, else by its first methods.
     pub fn choose_effect(&mut self, effect: Effect) {
         // A network computes one effect.
         (self.show.model, self.show.trained) = (self.networks.get(&effect).cloned(), None);
         self.show.effect = effect;
-        self.show.radius = None;
+        self.show.radius = self.stated.radius(effect);
         self.show.changes.clear();
-        self.show.methods = first_methods(self.show.model.as_deref(), effect);
+        let is_network = is_network(self.show.model.as_deref(), effect);
+        let stated = self.stated.methods(effect, is_network);
         #[cfg(feature = "train")]
         {
-            self.awaits_network = awaits_network(&self.show);
+            self.awaits_network = stated.is_none() && self.show.model.is_some() && !is_network;
         }
+        self.show.methods = stated.unwrap_or_else(|| first_methods(effect, is_network));
         self.stops = 0.0;
+    }
+
+    /// Has effects reach so far, metres or infinitely; without a radius as far as is usual.
+    pub const fn set_radius(&mut self, radius: Option<f32>) {
+        self.show.radius = radius;
+        self.stated.state_radius(radius);
     }
 
     /// Sets a dial of a method by hand, or, where it is what the quality has anyway, no longer.
@@ -239,11 +258,18 @@ impl State {
     /// If the effect does not have one.
     pub fn choose_methods(&mut self, wanted: &[String]) -> Result<()> {
         self.show.methods = chosen_methods(self.show.effect, wanted)?;
+        self.stated.state_methods(self.show.effect, &self.show.methods);
         Ok(())
     }
 
-    /// Adds a method or takes it away; methods keep the order of their list.
+    /// Adds a method or takes it away.
     pub fn toggle(&mut self, method: &'static str) {
+        self.switch(method);
+        self.stated.state_methods(self.show.effect, &self.show.methods);
+    }
+
+    /// As [`Self::toggle`], without hands having asked for it; methods keep the order of their list.
+    fn switch(&mut self, method: &'static str) {
         let chosen = &mut self.show.methods;
         match chosen.iter().position(|name| *name == method) {
             Some(index) => drop(chosen.remove(index)),
@@ -289,13 +315,6 @@ fn chosen_methods(effect: Effect, wanted: &[String]) -> Result<Vec<&'static str>
     methods::check(effect, &wanted)?;
     let known = methods::names_of(effect).into_iter();
     Ok(known.filter(|name| wanted.contains(name) && *name != TRUTH).collect())
-}
-
-/// The first two methods of an effect; the trained network only where there is one.
-fn first_methods(model: Option<&Path>, effect: Effect) -> Vec<&'static str> {
-    let folder = model.map_or_else(|| learned::usual_folder(effect), Path::to_owned);
-    let there = |name: &&str| *name != TRUTH && (*name != LEARNED || learned::is_network(&folder));
-    methods::names_of(effect).into_iter().filter(there).take(2).collect()
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use super::pictures::Developed;
 use super::subject::Subject;
 use crate::learned::{self, Learned};
 use crate::live::{Live, Wanted};
-use crate::methods::{self, LEARNED, Setup};
+use crate::methods::{self, LEARNED, Runs, Setup};
 use crate::output::message;
 use crate::radius;
 use crate::render::picture::Exposure;
@@ -198,7 +198,7 @@ impl Set {
         let processor: Vec<&str> = others.into_iter().filter(|name| *name != LEARNED).collect();
         let mut on_processor = Vec::new();
         for name in processor {
-            let setup = Setup { gpu: &gpu, model: None, tuning: &show.tuning(name) };
+            let setup = Setup { gpu: &gpu, runs: Runs::Fastest, model: None, tuning: &show.tuning(name) };
             on_processor.extend(methods::open(show.effect, &[name], setup)?);
         }
         let reach = learned.as_ref().map(|learned| learned.spec().reach);

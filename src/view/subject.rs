@@ -3,8 +3,10 @@
 use super::Args;
 use super::stamp::stamp;
 use crate::compare::Digest;
+use crate::learned;
 use crate::live::pilot::Pilot;
 use crate::live::stage::{self, Seen};
+use crate::place::Place;
 use crate::radius::Space;
 use crate::views::Viewpoint;
 use anyhow::Result;
@@ -51,6 +53,11 @@ impl Subject {
         // Another scene than the one of the command line has other cameras.
         let elsewhere = Viewpoint::default();
         let viewpoint = if *source == args.scene { &args.viewpoint } else { &elsewhere };
+        let stated = match &args.model {
+            Some(Place::Folder(folder)) => learned::environment(folder, effect),
+            _ => None,
+        };
+        let learned = stated.or_else(|| learned::environment(&learned::usual_folder(effect), effect));
         let seen = Seen {
             source,
             time: args.time,
@@ -60,6 +67,7 @@ impl Subject {
             viewpoint,
             additions: &args.additions.heard_by(effect),
             seed: args.seed,
+            learned: learned.as_ref(),
         };
         let staged = stage::Args::default().stage(&seen)?;
         let space = staged.space();

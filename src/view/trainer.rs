@@ -167,9 +167,11 @@ fn train(wish: &Wish, folder: &Path, running: &Mutex<Running>, tell: &impl Fn(Ne
     let place = folder.display();
     match (is_done, stopped) {
         (true, _) => Ok(format!("{place} is trained")),
-        (false, true) => {
+        (false, true) if said.is_empty() => {
             Ok(format!("training in {place} was stopped; it goes on from its newest checkpoint"))
         }
+        // It says at which step.
+        (false, true) => Ok(said),
         (false, false) => bail!("{said}"),
     }
 }
@@ -239,16 +241,22 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
         });
         return;
     }
-    ui.collapsing("train a network", |ui| {
+    let training = ui.collapsing("train a network", |ui| {
         let usual = window.wish.folder().display().to_string();
         let Wish { dataset, run, options } = &mut window.wish;
-        ui.add(TextEdit::singleline(dataset).hint_text("folder of a dataset"));
-        ui.add(TextEdit::singleline(run).hint_text(format!("folder of the run: {usual}")));
-        ui.add(TextEdit::singleline(options).hint_text("options, such as --steps 20000"));
-        if ui.add_enabled(!dataset.trim().is_empty(), Button::new("train")).clicked() {
+        let field = |text, hint: &str| TextEdit::singleline(text).hint_text(hint.to_owned());
+        ui.add(field(dataset, "folder of a dataset")).on_hover_text("what `deepshade dataset generate` made");
+        let run = ui.add(field(run, &format!("folder of the run: {usual}")));
+        run.on_hover_text("where checkpoints are kept; a run that lies there goes on");
+        let options = ui.add(field(options, "options, such as --steps 20000"));
+        options.on_hover_text("what else `deepshade train` is told");
+        let train = ui.add_enabled(!dataset.trim().is_empty(), Button::new("train"));
+        let train = train.on_disabled_hover_text("the folder of a dataset is missing");
+        if train.on_hover_text("begins; the network is shown as it learns").clicked() {
             window.train();
         }
     });
+    training.header_response.on_hover_text("of a dataset, beside the images, by `deepshade train`");
 }
 
 #[cfg(test)]

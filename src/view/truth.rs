@@ -9,7 +9,7 @@ use crate::methods::TRUTH;
 use crate::output::message;
 use crate::render::picture::Exposure;
 use anyhow::Result;
-use deepshade_render::metrics::exposure;
+use deepshade_render::metrics::{Scores, exposed, exposure};
 use deepshade_render::path::estimate::SCRAMBLINGS;
 use deepshade_render::path::{Refinement, Shot, Taken};
 use deepshade_render::scene::{Camera, Light, SceneSource};
@@ -88,6 +88,8 @@ pub struct Truth {
     pub samples: u32,
     /// Its noise as a share of its values.
     pub noise: f64,
+    /// One half of it against the other.
+    pub ceiling: Scores,
     /// Seconds that it took.
     pub seconds: f64,
 }
@@ -196,10 +198,13 @@ fn refine(
         if estimate.samples <= known {
             continue;
         }
-        let noise = estimate.noise_relmse(exposure(sight.effect, &estimate.mean)).unwrap_or(f64::NAN).sqrt();
+        let scale = exposure(sight.effect, &estimate.mean);
+        let noise = estimate.noise_relmse(scale).unwrap_or(f64::NAN).sqrt();
+        let [one, other] = refinement.halves().map(|half| exposed(&half, scale));
+        let ceiling = Scores::new(&one, &other);
         let samples = estimate.samples;
         let image = order.developed(estimate.mean);
-        let truth = Truth { sight: sight.clone(), image, samples, noise, seconds };
+        let truth = Truth { sight: sight.clone(), image, samples, noise, ceiling, seconds };
         tell(News::Truth(truth.clone()));
         *kept = Some(Kept { truth, taken: None, seed: order.seed });
     }

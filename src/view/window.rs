@@ -28,6 +28,7 @@ use super::training::Training;
 use super::truth::{self, Truth};
 use crate::methods::TRUTH;
 use crate::render::picture::Exposure;
+use deepshade_render::metrics::Scores;
 use eframe::egui::{self, CentralPanel, ColorImage, Context, Frame, Panel, TextureHandle};
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -218,6 +219,12 @@ impl Window {
         let suits =
             |verdict: &&Verdict| (&verdict.sight, &verdict.show, verdict.against) == (&sight, show, against);
         self.verdict.as_ref().filter(suits).filter(|_| self.reference().is_some())
+    }
+
+    /// How far the newest picture's truth is from itself, where that is what its images are held against.
+    pub fn ceiling(&self) -> Option<Scores> {
+        let truth = self.truth_of_picture().filter(|_| self.state.reference() == TRUTH);
+        truth.map(|truth| truth.ceiling)
     }
 
     /// Keeps a figure that a script measured.

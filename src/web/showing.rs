@@ -77,6 +77,7 @@ impl Wish {
             viewpoint: &views::Viewpoint::sampled(self.view),
             additions: &complete::Additions::default(),
             seed: SEED,
+            learned: None,
         })
     }
 

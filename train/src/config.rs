@@ -3,7 +3,7 @@
 use crate::feed::Endless;
 use crate::loss::Loss;
 use crate::optim::Optimiser;
-use crate::{TrainError, files};
+use crate::{Stop, TrainError, files};
 use deepshade_infer::NetSpec;
 use deepshade_shaders::similarity::TILE;
 use serde::{Deserialize, Serialize};
@@ -73,6 +73,12 @@ pub struct TrainConfig {
     pub seed: u64,
     /// Minutes after which the run stops, to be resumed by the same command. Does not change what is learned.
     pub minutes: Option<f64>,
+    /// Minutes that `steps` were chosen to fit into, by which progress is shown; not kept.
+    #[serde(skip)]
+    pub fitted: Option<f64>,
+    /// How the run is asked to end; not kept.
+    #[serde(skip)]
+    pub stop: Stop,
     /// Threads that decode pairs. Does not change what is learned.
     pub workers: usize,
     /// Megabytes (2^20 bytes) of decoded pairs kept in memory. Does not change what is learned.
@@ -100,6 +106,8 @@ impl TrainConfig {
             checkpoint_every: 250,
             seed: 1,
             minutes: None,
+            fitted: None,
+            stop: Stop::default(),
             workers: 1,
             cache_megabytes: 4096,
         }

@@ -24,6 +24,7 @@ mod parallel;
 mod plain;
 pub mod regressors;
 mod rng;
+mod stop;
 pub mod training;
 
 pub use config::TrainConfig;
@@ -36,4 +37,5 @@ pub use loss::Loss;
 pub use net::{UNet, forward_burn, layers_burn};
 pub use optim::Optimiser;
 pub use pairs::PairSource;
+pub use stop::Stop;
 pub use training::{Ending, Outcome, train, train_on, train_streamed};

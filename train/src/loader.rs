@@ -4,17 +4,20 @@ use crate::feed::Feed;
 use crate::loss::Target;
 use crate::pairs::{HalfPair, Scale};
 use crate::rng::{Purpose, Rng};
-use crate::{TrainConfig, TrainError};
+use crate::{Stop, TrainConfig, TrainError};
 use burn::tensor::{Device, Tensor, TensorData};
 use deepshade_dataset::{Pair, Symmetry, augment};
 use deepshade_infer::NetSpec;
 use deepshade_shaders::Planes;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread;
+use std::time::Duration;
 
 /// Batches that a worker may be ahead.
 pub const AHEAD: usize = 2;
+/// How often whoever waits for a batch looks whether it is still wanted.
+const GLANCE: Duration = Duration::from_millis(100);
 /// A crop that shows fewer surfaces is drawn again, ...
 const VALID_SHARE: f32 = 0.25;
 /// ... so many times.
@@ -173,14 +176,23 @@ impl Loader {
         Self { batches: (0..workers).map(start).collect(), step }
     }
 
-    /// The next step's batch.
+    /// The next step's batch; none where the run is asked to end while it is waited for.
     ///
     /// # Errors
     /// If one of its pairs cannot be read.
-    pub fn next(&mut self) -> Result<Batch, TrainError> {
+    pub fn next(&mut self, stop: &Stop) -> Result<Option<Batch>, TrainError> {
         let worker = self.step % self.batches.len();
         self.step += 1;
-        self.batches[worker].recv().expect("a worker lives until its last step or error was taken")
+        while !stop.is_asked() {
+            match self.batches[worker].recv_timeout(GLANCE) {
+                Ok(batch) => return batch.map(Some),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => {
+                    unreachable!("a worker lives until its last step or error was taken")
+                }
+            }
+        }
+        Ok(None)
     }
 }
 

@@ -12,6 +12,8 @@ use std::path::{Path, PathBuf};
 pub const METRICS_FILE: &str = "metrics.jsonl";
 /// Name of the curve in the run's folder.
 pub const CURVE_FILE: &str = "curve.svg";
+/// Height of the legend, pixels.
+const LEGEND: i32 = 24;
 
 /// A line of the metrics.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -123,8 +125,10 @@ fn draw(
 ) -> Result<(), DrawError> {
     let area = SVGBackend::with_string(svg, (900, 500)).into_drawing_area();
     area.fill(&WHITE)?;
-    let mut chart = ChartBuilder::on(&area)
-        .caption("Training", ("sans-serif", 20))
+    let area = area.titled("Training", ("sans-serif", 20))?;
+    // Above the axes, where no curve comes.
+    let (legend, axes) = area.split_vertically(LEGEND);
+    let mut chart = ChartBuilder::on(&axes)
         .margin(15)
         .x_label_area_size(40)
         .y_label_area_size(70)
@@ -137,17 +141,16 @@ fn draw(
         .y_label_formatter(&|loss| format!("{loss:.3}"))
         .light_line_style(WHITE)
         .draw()?;
-    let grey = RGBColor(150, 150, 150);
-    chart
-        .draw_series(LineSeries::new(training.iter().copied(), grey))?
-        .label("loss of training crops")
-        .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], grey));
-    let blue = RGBColor(0, 90, 200);
-    chart
-        .draw_series(LineSeries::new(validation.iter().copied(), blue.stroke_width(2)))?
-        .label("DSSIM of validation")
-        .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], blue.stroke_width(2)));
-    chart.configure_series_labels().background_style(WHITE).border_style(grey).draw()?;
+    let (grey, blue) = (RGBColor(150, 150, 150), RGBColor(0, 90, 200));
+    let curves = [
+        (training, grey.stroke_width(1), "loss of training crops", 85),
+        (validation, blue.stroke_width(2), "DSSIM of validation", 305),
+    ];
+    for (points, stroke, name, x) in curves {
+        chart.draw_series(LineSeries::new(points.iter().copied(), stroke))?;
+        legend.draw(&PathElement::new([(x, LEGEND / 2), (x + 24, LEGEND / 2)], stroke))?;
+        legend.draw(&Text::new(name, (x + 32, LEGEND / 2 - 8), ("sans-serif", 14)))?;
+    }
     area.present()?;
     Ok(())
 }
@@ -194,5 +197,22 @@ mod tests {
         let svg = curve(&lines).expect("draws");
         assert!(svg.contains("validation") && svg.matches("<polyline").count() >= 2, "{svg}");
         assert!(curve(&[]).is_ok(), "a curve without points");
+    }
+
+    #[test]
+    fn the_legend_lies_above_all_that_is_drawn() {
+        // At the right end the curve is as high as it gets, where a legend would cover it.
+        let rising = |step: usize| Line { loss: step as f32, ..line(step, Some(0.5 * step as f32)) };
+        let svg = curve(&(1..50).map(rising).collect::<Vec<_>>()).expect("draws");
+        let lines = svg.split("<polyline").skip(1);
+        let points = lines.map(|line| line.split("points=\"").nth(1).and_then(|rest| rest.split('"').next()));
+        let heights = |points: &str| -> Vec<f64> {
+            points.split_whitespace().filter_map(|point| point.split(',').nth(1)?.parse().ok()).collect()
+        };
+        let curves: Vec<Vec<f64>> = points.flatten().map(heights).filter(|points| points.len() > 9).collect();
+        let highest = curves.iter().flatten().copied().fold(f64::MAX, f64::min);
+        let legend = svg.split("<text").find(|text| text.contains("DSSIM of validation")).expect("a legend");
+        let y = legend.split(" y=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("a place");
+        assert!(curves.len() == 2 && y.parse::<f64>().expect("a number") + 20.0 < highest, "{y} {highest}");
     }
 }

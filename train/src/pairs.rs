@@ -62,6 +62,8 @@ pub struct HalfPair {
     height: usize,
     width: usize,
     gbuffer: Vec<f16>,
+    /// What the g-buffer's planes were divided by, powers of two: half floats do not hold a position 100 km away.
+    divisors: Vec<f32>,
     target: Vec<f16>,
     deviation: Option<Vec<f16>>,
     radius: f32,
@@ -113,11 +115,17 @@ impl HalfPair {
         if pair.variance.as_ref().is_some_and(|variance| !variance.same_shape(&pair.target)) {
             return Err(format!("its variance is not of the target's shape, {shape:?}"));
         }
+        let divisors: Vec<f32> =
+            (0..planes.channels()).map(|channel| divisor(planes.plane(channel))).collect();
+        let divided = (0..planes.channels())
+            .flat_map(|channel| planes.plane(channel).iter().map(move |value| (channel, *value)));
+        let divided = divided.map(|(channel, value)| value / divisors[channel]).collect();
         Ok(Self {
             attributes,
             height,
             width,
-            gbuffer: halves(&planes),
+            gbuffer: halves(&Planes::from_data(planes.channels(), height, width, divided)),
+            divisors,
             target: halves(&pair.target),
             deviation: pair.variance.as_ref().map(|variance| halves(&variance.map(deviation))),
             radius: pair.radius,
@@ -165,8 +173,12 @@ impl HalfPair {
             let data = planes.flat_map(|plane| window(plane, self.width, [y, x, height, width])).collect();
             Planes::from_data(channels, height, width, data)
         };
+        let mut planes = cut(&self.gbuffer);
+        for (channel, divisor) in self.divisors.iter().enumerate().filter(|(_, divisor)| **divisor != 1.0) {
+            planes.plane_mut(channel).iter_mut().for_each(|value| *value *= divisor);
+        }
         Pair {
-            gbuffer: GBuffer::new(self.attributes.clone(), cut(&self.gbuffer)),
+            gbuffer: GBuffer::new(self.attributes.clone(), planes),
             target: cut(&self.target),
             variance: self.deviation.as_ref().map(|deviation| cut(deviation).map(|value| value * value)),
             radius: self.radius,
@@ -177,6 +189,13 @@ impl HalfPair {
 /// The root of a variance, at most the largest half float.
 fn deviation(variance: f32) -> f32 {
     variance.sqrt().min(f16::MAX.to_f32())
+}
+
+/// The power of two by which half floats hold a plane; 1 wherever they hold it as it is.
+fn divisor(plane: &[f32]) -> f32 {
+    let most = plane.iter().fold(0.0f32, |most, value| most.max(value.abs()));
+    let over = most / f16::MAX.to_f32();
+    if over > 1.0 && over.is_finite() { over.log2().ceil().exp2() } else { 1.0 }
 }
 
 fn halves(planes: &Planes) -> Vec<f16> {
@@ -262,6 +281,27 @@ mod tests {
             let attributes = vec![Attribute::Normal, Attribute::Position, Attribute::Valid];
             let gbuffer = GBuffer::new(attributes, Planes::filled(7, 4, 4, 1.0));
             Ok(Pair { gbuffer, target: Planes::filled(1, 4, 4, 0.5), variance: None, radius: 1.0 })
+        }
+    }
+
+    #[test]
+    fn positions_beyond_half_floats_are_kept() {
+        let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 4 };
+        let spec = NetSpec::ao(ChannelOrder::Interleaved, reach);
+        let pair = Meeting(Barrier::new(1)).read(0).expect("a pair");
+        for (far, divisor) in [(1e3, 1.0), (65_504.0, 1.0), (65_505.0, 2.0), (3e7, 512.0)] {
+            let mut planes = pair.gbuffer.planes().clone();
+            planes.plane_mut(5).iter_mut().enumerate().for_each(|(at, z)| *z = -far / (1 + at) as f32);
+            let gbuffer = GBuffer::new(pair.gbuffer.attributes().to_vec(), planes.clone());
+            let half = HalfPair::new(&Pair { gbuffer, ..pair.clone() }, &spec, 0).expect("a pair");
+            let channel = |attribute: Attribute| half.attributes.iter().position(|one| *one == attribute);
+            let z = half.attributes[..channel(Attribute::Position).expect("it is read")].iter();
+            let z = z.map(|attribute| attribute.width()).sum::<usize>() + 2;
+            assert_eq!(half.divisors[z], divisor, "{far}");
+            let kept = half.window(0, 0, 4, 4).gbuffer;
+            for (kept, value) in kept.planes().plane(z).iter().zip(planes.plane(5)) {
+                assert!((kept / value - 1.0).abs() < 1e-3, "{kept}, {value}");
+            }
         }
     }
 

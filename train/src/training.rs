@@ -13,10 +13,10 @@ use crate::{TrainConfig, TrainError, files};
 use burn::optim::ModuleOptimizer;
 use burn::tensor::{Bytes, Device};
 use deepshade_dataset::holder::Holder;
-use deepshade_dataset::{Dataset, DatasetError, Pair, Recipe, progress, stream};
+use deepshade_dataset::progress::Gauge;
+use deepshade_dataset::{Dataset, DatasetError, Pair, Recipe, stream};
 use deepshade_infer::{Model, NetSpec, Trained, Weights};
 use deepshade_shaders::lists;
-use indicatif::ProgressBar;
 use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
@@ -39,6 +39,8 @@ pub enum Ending {
     Stopped,
     /// The time was up; the same command goes on.
     OutOfTime,
+    /// It was asked to end, by [`Stop`](crate::Stop); the same command goes on.
+    Interrupted,
 }
 
 /// What a run has come to.
@@ -227,7 +229,8 @@ impl<'a> Run<'a> {
         let config = self.config;
         let deadline = config.minutes.map(|minutes| Instant::now() + Duration::from_secs_f64(60.0 * minutes));
         let mut loader = Loader::start(&self.feed, config, self.progress.step);
-        let bar = progress::bar("steps", config.steps, self.progress.step);
+        let gauge = self.gauge();
+        let _listening = config.stop.listen();
         let mut ending = if self.progress.stopped { Ending::Stopped } else { Ending::Finished };
         while self.progress.step < config.steps && !self.progress.stopped {
             if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
@@ -236,14 +239,19 @@ impl<'a> Run<'a> {
                 break;
             }
             let began = Instant::now();
-            let loss = self.step(loader.next()?)?;
+            let Some(batch) = loader.next(&config.stop)? else {
+                ending = Ending::Interrupted;
+                self.save()?;
+                break;
+            };
+            let loss = self.step(batch)?;
             self.meter.add(loss, config.batch, began.elapsed());
-            self.show(&bar, loss);
+            self.show(&gauge, loss);
             if self.after_step()? {
                 ending = Ending::Stopped;
             }
         }
-        bar.abandon();
+        gauge.end();
         self.metrics.draw()?;
         let images_per_second = self.meter.images_per_second();
         let waiting = self.feed.waited() / self.meter.time.as_secs_f64().max(1e-9);
@@ -251,11 +259,24 @@ impl<'a> Run<'a> {
     }
 
     /// Shows a step: its loss, the best validation so far, the speed.
-    fn show(&self, bar: &ProgressBar, loss: f32) {
+    fn show(&self, gauge: &Gauge, loss: f32) {
         let validation = self.progress.best_loss.map(|loss| format!(", best validation {loss:.4}"));
         let speed = self.meter.images_per_second();
-        bar.set_position(self.progress.step as u64);
-        bar.set_message(format!("loss {loss:.4}{}, {speed:.1} images/s", validation.unwrap_or_default()));
+        let message = format!("loss {loss:.4}{}, {speed:.1} images/s", validation.unwrap_or_default());
+        gauge.show(self.progress.step, message);
+    }
+
+    /// What shows how far the run is: by time where that is what it has, else by steps.
+    fn gauge(&self) -> Gauge {
+        let TrainConfig { minutes, fitted, steps, .. } = *self.config;
+        let (done, seconds) = (self.progress.step, |minutes: f64| Duration::from_secs_f64(60.0 * minutes));
+        // Of a run that goes on the rest of the steps is left, and as much of the time that all of them were to take.
+        let rest = steps.saturating_sub(done) as f64 / steps as f64;
+        match (minutes, fitted) {
+            (Some(minutes), _) => Gauge::until(steps, done, seconds(minutes)),
+            (None, Some(minutes)) => Gauge::about(steps, done, seconds(minutes * rest)),
+            (None, None) => Gauge::steps(steps, done),
+        }
     }
 
     /// One step of the optimiser; the loss before it.
@@ -376,7 +397,8 @@ fn first_weights(config: &TrainConfig) -> Result<Option<Weights>, TrainError> {
     let own = &config.spec;
     let (its, wanted) = (last_layer(&spec), last_layer(own));
     // Weights mean the same in a network that reads the same in the same order, whatever it learns to make of it.
-    if (NetSpec { effect: own.effect, reach: own.reach, trained: None, ..spec }) == *own && weights.fit(own) {
+    let alike = NetSpec { effect: own.effect, reach: own.reach, trained: None, environment: None, ..spec };
+    if alike == *own && weights.fit(own) {
         return Ok(Some(weights));
     }
     let problem = match its == wanted {

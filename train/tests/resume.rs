@@ -2,12 +2,12 @@
 //! bit; and what of a run is exported.
 
 use deepshade_dataset::Pair;
-use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, Weights};
+use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, TrainedUnder, Weights};
 use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
 use deepshade_train::checkpoint::{Checkpoint, Progress};
 use deepshade_train::export::{Facts, export};
 use deepshade_train::metrics::Line;
-use deepshade_train::{Ending, Optimiser, PairSource, TrainConfig, TrainError, discard, train_on};
+use deepshade_train::{Ending, Optimiser, PairSource, Stop, TrainConfig, TrainError, discard, train_on};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
@@ -208,7 +208,13 @@ fn a_run_killed_by_the_system_goes_on_to_the_same_weights() {
 
 fn facts() -> Facts {
     let words = || "made up".to_owned();
-    Facts { recipe: words(), metrics: Vec::new(), limits: vec![words()], licence: words() }
+    Facts {
+        recipe: words(),
+        metrics: Vec::new(),
+        limits: vec![words()],
+        licence: words(),
+        environment: Some(TrainedUnder::Sky(3)),
+    }
 }
 
 #[test]
@@ -231,6 +237,8 @@ fn a_pause_is_validated_exported_and_forgotten() {
     let model = export(&run, &folder.path().join("model"), &facts()).expect("exports");
     let weights = checkpoint(&run, &config).mean;
     assert!(model.weights == weights.balanced(&config.spec), "the checkpoint's, balanced");
+    let loaded = Model::load(&folder.path().join("model")).expect("a model");
+    assert_eq!(loaded.spec.environment, Some(TrainedUnder::Sky(3)), "what it was trained under");
     let card = std::fs::read_to_string(folder.path().join("model/card.md")).expect("a card");
     assert!(card.contains(&format!("| Steps | {step} (best of {step}) |")), "{card}");
     assert!(card.contains("| Data hash | `waves`"), "{card}");
@@ -410,6 +418,36 @@ fn a_start_that_cannot_be_leaves_the_folder_to_another_command() {
     starting(&ours).expect("trains");
     std::fs::remove_dir_all(&ours).expect("deleted");
     starting(&ours).expect("a run that has begun does not read it again");
+}
+
+#[test]
+fn a_run_that_is_asked_to_end_keeps_the_step_that_it_is_at() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // No checkpoint is due before the end, and reading for all steps would take three seconds.
+    let config = TrainConfig { validate_every: 100, checkpoint_every: 100, ..config(ADAMW) };
+    let stop = Stop::default();
+    let asked = TrainConfig { cache_megabytes: 0, stop: stop.clone(), ..config.clone() };
+    let slow = Arc::new(Synthetic {
+        while_reading: Duration::from_millis(100),
+        ..Arc::into_inner(Synthetic::new(ENOUGH)).expect("one")
+    });
+    let read = |reads: usize| ENOUGH - slow.reads.load(Ordering::SeqCst) >= reads;
+    let outcome = std::thread::scope(|scope| {
+        let run = scope.spawn(|| train_on(&asked, slow.clone(), folder.path()));
+        // Two pairs for validation, and those of four steps.
+        while !read(10) {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        assert!(stop.ask(), "it is at its steps");
+        run.join().expect("no panic").expect("ends")
+    });
+    let step = outcome.progress.step;
+    assert_eq!(outcome.ending, Ending::Interrupted);
+    assert!((1..config.steps).contains(&step), "{outcome:?}");
+    assert_eq!(checkpoint(folder.path(), &config).progress, outcome.progress);
+    assert!(!stop.ask(), "nobody hears any more");
+    train_on(&config, Synthetic::new(ENOUGH), folder.path()).expect("goes on");
+    assert_same(&checkpoint(folder.path(), &config), &straight(&config));
 }
 
 #[test]

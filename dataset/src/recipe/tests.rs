@@ -67,7 +67,8 @@ fn recipes_that_draw_nothing_are_described_as_before_and_those_that_do_are_read(
 
 #[test]
 fn unknown_keys_are_named() {
-    assert!(refusal(|text| format!("sample = 3\n{text}")).contains("unknown field `sample`"));
+    let mistyped = refusal(|text| format!("sample = 3\n{text}"));
+    assert!(mistyped.contains("unknown field `sample` (did you mean `samples`?), expected"), "{mistyped}");
     assert!(refusal(|text| format!("{text}seed = 3\n")).contains("unknown field `seed`"));
     assert!(refusal(|text| text.replace("diagonal", "feet")).contains("unknown variant `feet`"));
     assert!(refusal(|text| text.replace("samples = 16\n", "")).contains("missing field `samples`"));

@@ -6,7 +6,7 @@ use crate::random::uniform;
 use crate::views;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::intersection::SurfacePoint;
-use deepshade_render::scene::{Camera, Light};
+use deepshade_render::scene::{Bounds, Camera, Light};
 use deepshade_shaders::lists;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -28,6 +28,12 @@ const ATTEMPTS: u64 = 256;
 const LEAST_DISTANCE: f32 = 0.02;
 /// Share of what the camera sees that must be lit.
 const LEAST_LIT: f32 = 0.1;
+
+/// Places beside a camera, to its right and above it, in parts of the distance of what it sees; the best one
+/// first.
+const BESIDE: [[f32; 2]; 5] = [[-0.35, 0.35], [0.35, 0.35], [0.0, 0.45], [-0.45, 0.0], [0.45, 0.0]];
+/// Share of what the camera sees that a lamp there must light.
+const LEAST_LIT_BESIDE: f32 = 0.7;
 
 impl Lamp {
     /// A lamp of a seed: at a place that is uniform in the box that views are sampled in, given that it is not inside of
@@ -51,17 +57,49 @@ impl Lamp {
             let distances = seen.iter().map(|point| f64::from(point.position.distance(camera.position)));
             (camera.position, distances.chain([f64::from(bounds.diagonal())]).collect())
         });
-        let distance = lists::median(distances) as f32;
-        let brightness = between([0.7, 1.5], draw(0, 3));
-        let warmth = draw(0, 4);
-        let colour = Vec3::new(1.0, 0.97 - 0.2 * warmth, 0.94 - 0.4 * warmth);
-        Self { position, intensity: colour * brightness * PI * distance * distance }
+        Self { position, intensity: intensity(distances, &draw) }
+    }
+
+    /// A lamp for a picture that somebody looks at: [`Lamp::drawn`] where the camera is among what is seen.
+    /// Where it looks at things from outside, a place in their box would light one spot of them from within
+    /// or from too near; the lamp is then beside the camera, where a photographer would put it, as bright as
+    /// one that is drawn.
+    pub fn of_view(scene: &TracedScene, camera: &Camera, size: [usize; 2], seed: u32) -> Self {
+        let Bounds { min, max } = views::fitted_box(scene);
+        if camera.position.cmpge(min).all() && camera.position.cmple(max).all() {
+            return Self::drawn(scene, camera, size, seed);
+        }
+        let seen = views::seen_points(scene, camera, size);
+        let away = seen.iter().map(|point| f64::from(point.position.distance(camera.position)));
+        let away = lists::median(away.chain([f64::from(scene.diagonal())]).collect()) as f32;
+        let place = |[right, up]: [f32; 2]| {
+            camera.position + (camera.rotation.x_axis * right + camera.rotation.y_axis * up) * away
+        };
+        let places = BESIDE.into_iter().map(place).filter(|place| views::is_open(scene, *place, 0.0));
+        let lit = places.map(|place| (place, lit_distances(scene, place, &seen)));
+        let (position, distances) = lit
+            .filter(|(_, distances)| distances.len() as f32 >= LEAST_LIT_BESIDE * seen.len() as f32)
+            .chain([(camera.position, vec![f64::from(away)])])
+            .find(|(_, distances)| !distances.is_empty())
+            .expect("the camera's place has a distance");
+        let draw = |attempt: u64, which: u64| uniform(&[u64::from(seed), purpose::LAMP, attempt, which]);
+        Self { position, intensity: intensity(distances, &draw) }
     }
 
     /// The light.
     pub const fn light(&self) -> Light {
         Light::Point { position: self.position, intensity: self.intensity, range: f32::INFINITY }
     }
+}
+
+/// Intensity of which a white surface that faces the lamp from the median of some distances, metres, shines
+/// with a radiance of 0.7 to 1.5.
+fn intensity(distances: Vec<f64>, draw: &impl Fn(u64, u64) -> f32) -> Vec3 {
+    let distance = lists::median(distances) as f32;
+    let brightness = between([0.7, 1.5], draw(0, 3));
+    let warmth = draw(0, 4);
+    let colour = Vec3::new(1.0, 0.97 - 0.2 * warmth, 0.94 - 0.4 * warmth);
+    colour * brightness * PI * distance * distance
 }
 
 /// Distances, metres, from a place to those points that it shines on.

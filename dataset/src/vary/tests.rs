@@ -3,7 +3,7 @@ use crate::recipe::Recipe;
 use crate::{SceneRecord, Subject, views};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
-use deepshade_render::scene::{AlphaMode, Camera, Density, Gloss, Light, Scene, SceneSource};
+use deepshade_render::scene::{AlphaMode, Camera, Density, Gloss, Light, Material, Mesh, Scene, SceneSource};
 use deepshade_shaders::{Attribute, Effect};
 use glam::Vec3;
 use std::path::Path;
@@ -123,6 +123,48 @@ fn a_dark_scene_gets_a_lamp_that_lights_what_is_seen() {
         point.normal.dot(to_lamp) > 0.0 && !shown.blocked(point.ray_origin(), to_lamp, 1.0)
     });
     assert!(lit.count() > 20);
+}
+
+/// A ring, through whose hole a lamp could hang: a place in its box is no place for the lamp of a picture of
+/// it.
+#[test]
+fn a_lamp_for_a_view_of_an_object_stands_beside_the_camera() {
+    let ring = |i: usize| {
+        let (sin, cos) = (std::f32::consts::TAU * (i / 2 % 16) as f32 / 16.0).sin_cos();
+        Vec3::new(cos, if i.is_multiple_of(2) { -0.5 } else { 0.5 }, sin)
+    };
+    let triangle = |i: usize| if i.is_multiple_of(2) { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] };
+    let mesh = Mesh {
+        positions: (0..34).map(ring).collect(),
+        triangles: (0..32).map(|i| triangle(i).map(|vertex| vertex as u32)).collect(),
+        ..Mesh::default()
+    };
+    let scene = TracedScene::new(Scene {
+        meshes: vec![mesh].into(),
+        materials: vec![Material::default()],
+        ..Scene::default()
+    })
+    .expect("a ring");
+    let eye = Vec3::new(0.5, 1.0, 5.0);
+    let camera = Camera::look_at(eye, Vec3::ZERO);
+    let seen = views::seen_points(&scene, &camera, [24, 32]);
+    for seed in 0..8 {
+        let Lamp { position, intensity } = Lamp::of_view(&scene, &camera, [24, 32], seed);
+        assert!(position.distance(eye) < 0.6 * eye.length(), "{position} is far from the camera");
+        assert!(position.length() > 3.0, "{position} is in the ring");
+        let lit = seen.iter().filter(|point| {
+            let to_lamp = position - point.position;
+            point.normal.dot(to_lamp) > 0.0 && !scene.blocked(point.ray_origin(), to_lamp, 1.0)
+        });
+        assert!(lit.count() * 10 >= seen.len() * 7);
+        // A white surface that faces it shines with 0.7 to 1.5, from about where the ring is.
+        let radiance = intensity.x * std::f32::consts::FRAC_1_PI / position.length_squared();
+        assert!((0.4..2.5).contains(&radiance), "{radiance}");
+        // Somebody who stands in the ring gets the lamp of the ring's box.
+        let inside = Camera::look_at(Vec3::new(0.0, 0.1, 0.2), Vec3::X);
+        let drawn = Lamp::drawn(&scene, &inside, [24, 32], seed);
+        assert_eq!(Lamp::of_view(&scene, &inside, [24, 32], seed), drawn);
+    }
 }
 
 #[test]

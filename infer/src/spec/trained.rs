@@ -2,6 +2,17 @@
 
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute};
 use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// The environment that all images of training had, which the network knows by heart.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TrainedUnder {
+    /// The clear sky of a number.
+    Sky(u32),
+    /// The map in a file of this BLAKE3 hash, in hexadecimal.
+    File(String),
+}
 
 /// Ranges of the training data: of pixels all but the outermost hundredth at each end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,6 +43,15 @@ const LEFT_OUT: f32 = 0.01;
 const SLACK: f32 = 1.25;
 /// From this share of the pixels on it is said.
 const NOTICEABLE: f32 = 0.05;
+
+impl fmt::Display for TrainedUnder {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sky(number) => write!(f, "a clear sky, number {number}"),
+            Self::File(hash) => write!(f, "an environment map whose file has the BLAKE3 hash {hash}"),
+        }
+    }
+}
 
 impl Trained {
     /// The ranges of some frames, each with its effect's radius, metres; none where no surface is seen.

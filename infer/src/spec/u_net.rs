@@ -119,6 +119,7 @@ impl NetSpec {
             head: Head::Image,
             reach,
             trained: None,
+            environment: None,
         };
         spec.blocks = UNet::of(effect, order)?.blocks(spec.head_channels());
         Some(spec)

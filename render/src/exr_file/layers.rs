@@ -1,5 +1,6 @@
 //! What a file shows, layer by layer, whoever wrote it: for looking at, where [`ExrImage::image`] knows what it wants.
 
+use super::names::Found;
 use super::{ExrError, ExrImage};
 use deepshade_shaders::Planes;
 
@@ -21,9 +22,10 @@ impl ExrImage {
         let mut layers = self.grouped();
         let channels = match layers.iter().position(|(other, _)| other == name) {
             Some(index) => layers.swap_remove(index).1,
-            None => return self.gathered(vec![(name.to_owned(), None)]),
+            None => return self.gathered(&[(name.to_owned(), Found::Nothing)]),
         };
-        self.gathered(channels.into_iter().map(|index| (name.to_owned(), Some(index))).collect())
+        let found = channels.into_iter().map(|index| (name.to_owned(), Found::One(index)));
+        self.gathered(&found.collect::<Vec<_>>())
     }
 
     /// Every layer with the indices of its channels.

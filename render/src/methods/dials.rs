@@ -2,6 +2,7 @@
 //! names, is a [`Dial`], with the field's documentation for a text. [`Tuning`] is a quality with some of its dials changed.
 
 use super::Quality;
+use deepshade_shaders::names::did_you_mean;
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde::de::{DeserializeOwned, Error as _, MapAccess, Visitor};
@@ -132,7 +133,7 @@ pub struct Dial {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DialError {
     /// There is none of that name.
-    #[error("no parameter `{name}`; there are: {known}")]
+    #[error("no parameter `{name}`{}; there are: {known}", did_you_mean(name, known.split(", ")))]
     Unknown {
         /// The name.
         name: String,
@@ -434,9 +435,10 @@ mod tests {
     fn what_cannot_be_set_is_refused_by_name() {
         let refused =
             |changes: &str| changed(changes).parameters::<gtao::Parameters>().expect_err(changes).to_string();
-        assert!(
-            refused(r#"{ "slices.stepz": 5 }"#).starts_with("no parameter `slices.stepz`; there are: blur")
-        );
+        let mistyped = refused(r#"{ "slices.stepz": 5 }"#);
+        let said = "no parameter `slices.stepz` (did you mean `slices.steps`?); there are: blur";
+        assert!(mistyped.starts_with(said), "{mistyped}");
+        assert!(refused(r#"{ "quux": 5 }"#).starts_with("no parameter `quux`; there are: blur"));
         assert!(refused(r#"{ "blur.radius": 1.5 }"#).contains("1.5 is not a whole number from 0 to"));
         assert!(refused(r#"{ "blur.radius": -1 }"#).contains("`blur.radius`: -1 is not"));
         assert!(refused(r#"{ "slices.thickness": 1e9 }"#).contains("is not within"));

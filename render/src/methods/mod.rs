@@ -47,6 +47,7 @@ pub(crate) mod proving;
 
 use crate::screen::Written;
 use deepshade_shaders::Planes;
+use deepshade_shaders::names::did_you_mean;
 
 pub use picture::Picture;
 pub use surface::Surface;
@@ -96,6 +97,9 @@ impl std::str::FromStr for Quality {
         Self::ALL
             .into_iter()
             .find(|quality| quality.name() == name)
-            .ok_or_else(|| format!("no quality `{name}`; there are {}", Self::ALL.map(Self::name).join(", ")))
+            .ok_or_else(|| {
+                let known = Self::ALL.map(Self::name);
+                format!("no quality `{name}`{}; there are {}", did_you_mean(name, known), known.join(", "))
+            })
     }
 }

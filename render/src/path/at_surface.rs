@@ -2,7 +2,7 @@
 
 use super::appearance::seen;
 use super::sampler::{PixelSampler, Stream};
-use super::{Footprint, Integrator, Shot};
+use super::{Footprint, Integrator, Shot, mean_of};
 use crate::intersection::SurfacePoint;
 use glam::{Vec2, Vec3};
 
@@ -34,8 +34,7 @@ pub trait SurfaceEffect: Sync {
 
     /// Mean of the samples `0..count` of one sequence. Effects that trace many rays at once override this.
     fn mean(&self, visible: &Visible, sampler: PixelSampler, count: u32) -> Vec3 {
-        let sample = |i| self.sample(visible, &mut Stream::new(sampler, i));
-        (0..count).map(sample).sum::<Vec3>() / count as f32
+        mean_of(count, |i| self.sample(visible, &mut Stream::new(sampler, i)))
     }
 }
 

@@ -25,14 +25,15 @@ pub fn direct_light<'a>(scene: impl Into<Moment<'a>>, point: &SurfacePoint, to_c
     let lobe = Phong::new(point.surface.roughness);
     let mirrored = point.normal * (2.0 * point.normal.dot(to_camera)) - to_camera;
     let mut sum = DirectLight::default();
+    let origin = point.ray_origin();
     for light in &scene.scene().lights {
-        let Arrival { direction, distance, irradiance } = Arrival::new(scene.scene(), light, point.position);
+        let Arrival { direction, distance, irradiance } = Arrival::new(scene.scene(), light, origin);
         let cosine = point.normal.dot(direction);
         let lit = cosine > 0.0 && point.geometric_normal.dot(direction) > 0.0 && irradiance != Vec3::ZERO;
         if !lit {
             continue;
         }
-        let received = irradiance * cosine * scene.let_through(point.ray_origin(), direction, distance);
+        let received = irradiance * cosine * scene.let_through(origin, direction, distance);
         sum.diffuse += received * point.surface.diffuse * FRAC_1_PI;
         sum.specular += received * point.surface.specular * lobe.reflectance(mirrored.dot(direction));
     }

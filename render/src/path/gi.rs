@@ -111,6 +111,7 @@ impl SurfaceEffect for Gi<'_> {
                 self.bounced(&point, direction, stream)
             }
             Receiver::Glossy => {
+                point = point.reflecting(to_viewer);
                 point.surface.diffuse = Vec3::ZERO;
                 let sample = Bsdf::new(&point).sample(to_viewer, stream);
                 sample.map_or(Vec3::ZERO, |sample| {

@@ -31,6 +31,7 @@ pub enum Vertex {
 impl Vertex {
     /// On a surface that the path came to along `direction`.
     pub fn surface(point: SurfacePoint, direction: Vec3) -> Self {
+        let point = point.reflecting(-direction);
         Self::Surface { bsdf: Bsdf::new(&point), point, to_viewer: -direction }
     }
 

@@ -1,6 +1,6 @@
-//! A scene's textures on the GPU, as their files hold them: bilinear reads decode sRGB.
+//! A scene's textures on the GPU, as their files hold them: reads decode sRGB.
 
-use crate::scene::{Encoding, Texture, Wrap};
+use crate::scene::{Encoding, Filter, Texture, Wrap};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -9,8 +9,9 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Textures {
     views: Vec<wgpu::TextureView>,
-    samplers: BTreeMap<[u8; 2], wgpu::Sampler>,
-    wraps: Vec<[Wrap; 2]>,
+    samplers: BTreeMap<[u8; 3], wgpu::Sampler>,
+    /// How each texture is read, by the key of its sampler.
+    keys: Vec<[u8; 3]>,
     white: wgpu::TextureView,
     /// Textures that the device cannot hold in their size and that were halved, with the size they have now.
     pub reduced: Vec<[usize; 2]>,
@@ -32,38 +33,43 @@ impl Textures {
             views.push(send(gpu, &fitting)?);
         }
         let white = Texture::new(1, 1, vec![[255; 4]], Encoding::Linear, [Wrap::Repeat; 2]);
-        let wraps: Vec<[Wrap; 2]> = textures.iter().map(|texture| texture.wrap()).collect();
-        let all = wraps.iter().copied().chain([[Wrap::Repeat; 2]]);
-        let samplers = all.map(|wrap| (key(wrap), sampler(&gpu.device, wrap))).collect();
-        Ok(Self { views, samplers, wraps, white: send(gpu, &white)?, reduced })
+        let readings = || textures.iter().map(Arc::as_ref).chain([&white]);
+        let samplers = readings().map(|texture| (key(texture), sampler(&gpu.device, texture))).collect();
+        let keys = readings().map(key).collect();
+        Ok(Self { views, samplers, keys, white: send(gpu, &white)?, reduced })
     }
 
     /// A texture with how it is read; white where there is none.
     pub fn get(&self, texture: Option<usize>) -> (&wgpu::TextureView, &wgpu::Sampler) {
-        match texture {
-            Some(index) => (&self.views[index], &self.samplers[&key(self.wraps[index])]),
-            None => (&self.white, &self.samplers[&key([Wrap::Repeat; 2])]),
-        }
+        // The white one's key is the last.
+        let view = texture.map_or(&self.white, |index| &self.views[index]);
+        (view, &self.samplers[&self.keys[texture.unwrap_or(self.views.len())]])
     }
 }
 
-/// Orders ways to wrap.
-fn key(wrap: [Wrap; 2]) -> [u8; 2] {
-    wrap.map(|wrap| wrap as u8)
+/// Orders ways to read textures.
+fn key(texture: &Texture) -> [u8; 3] {
+    let [u, v] = texture.wrap().map(|wrap| wrap as u8);
+    [u, v, texture.filter() as u8]
 }
 
-fn sampler(device: &wgpu::Device, wrap: [Wrap; 2]) -> wgpu::Sampler {
+fn sampler(device: &wgpu::Device, texture: &Texture) -> wgpu::Sampler {
     let mode = |wrap| match wrap {
         Wrap::Repeat => wgpu::AddressMode::Repeat,
         Wrap::Mirror => wgpu::AddressMode::MirrorRepeat,
         Wrap::Clamp => wgpu::AddressMode::ClampToEdge,
     };
+    let filter = match texture.filter() {
+        Filter::Linear => wgpu::FilterMode::Linear,
+        Filter::Nearest => wgpu::FilterMode::Nearest,
+    };
+    let [u, v] = texture.wrap();
     device.create_sampler(&wgpu::SamplerDescriptor {
         label: Some("deepshade.texture"),
-        address_mode_u: mode(wrap[0]),
-        address_mode_v: mode(wrap[1]),
-        mag_filter: wgpu::FilterMode::Linear,
-        min_filter: wgpu::FilterMode::Linear,
+        address_mode_u: mode(u),
+        address_mode_v: mode(v),
+        mag_filter: filter,
+        min_filter: filter,
         ..Default::default()
     })
 }

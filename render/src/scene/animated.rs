@@ -110,6 +110,7 @@ impl Scene {
         let (materials, textures) = (self.materials.len() as u32, self.textures.len() as u32);
         let moved = |texture: TextureId| TextureId(texture.0 + textures);
         self.textures.extend(other.textures);
+        self.warnings.extend(other.warnings);
         self.materials.extend(other.materials.into_iter().map(|mut material| {
             let normal = material.normal_texture.as_mut().map(|(slot, _)| slot);
             let slots = [

@@ -1,4 +1,4 @@
-//! Images that materials read, from the bytes of PNG and JPEG files, within what memory holds. What a header promises is looked
+//! Images that materials read, from the bytes of PNG, JPEG, BMP and TGA files, within what memory holds. What a header promises is looked
 //! at first, of all images of a scene together: a file of some kilobytes may stand for a gigabyte of one colour.
 
 use crate::memory;
@@ -17,6 +17,10 @@ const LARGEST_EDGE: u32 = 16_384;
 const TEXELS_PER_BYTE_PNG: u64 = 8 * 1032;
 /// The same of a JPEG file: each block of 8 x 8 takes a bit.
 const TEXELS_PER_BYTE_JPEG: u64 = 8 * 64;
+/// The same of a BMP file: two bytes repeat a texel 255 times.
+const TEXELS_PER_BYTE_BMP: u64 = 128;
+/// The same of a TGA file: two bytes repeat a texel 128 times.
+const TEXELS_PER_BYTE_TGA: u64 = 64;
 /// What a texel takes while an image is decoded, bytes: as the file has it, up to eight, and twice as we do.
 const BYTES_WHILE_DECODED: u64 = 16;
 /// What a texel takes then, bytes.
@@ -40,13 +44,15 @@ pub(super) struct Encoded<'a> {
 }
 
 impl<'a> Encoded<'a> {
-    /// Looks at the header of a PNG or JPEG image; the error says what is wrong with it.
+    /// Looks at the header of an image; the error says what is wrong with it.
     pub fn new(bytes: impl Into<Cow<'a, [u8]>>) -> Result<Self, String> {
         let bytes = bytes.into();
         let (format, texels_per_byte) = match image::guess_format(&bytes) {
             Ok(format @ ImageFormat::Png) => (format, TEXELS_PER_BYTE_PNG),
             Ok(format @ ImageFormat::Jpeg) => (format, TEXELS_PER_BYTE_JPEG),
-            _ => return Err("is neither a PNG nor a JPEG image".to_owned()),
+            Ok(format @ ImageFormat::Bmp) => (format, TEXELS_PER_BYTE_BMP),
+            _ if is_tga(&bytes) => (ImageFormat::Tga, TEXELS_PER_BYTE_TGA),
+            _ => return Err("is no PNG, JPEG, BMP or TGA image".to_owned()),
         };
         let (width, height) = decoder(&bytes, format)?.dimensions();
         if u64::from(width) * u64::from(height) > bytes.len() as u64 * texels_per_byte {
@@ -71,6 +77,18 @@ impl<'a> Encoded<'a> {
     }
 }
 
+/// Whether bytes begin as a TGA file does, which has no mark of its own: a colour map or none, a kind of image
+/// that there is, a size, and a depth that there is (Truevision TGA File Format Specification 2.0, "Field 1" to 5).
+fn is_tga(bytes: &[u8]) -> bool {
+    let Some(header) = bytes.first_chunk::<18>() else { return false };
+    let edge = |at: usize| u16::from_le_bytes([header[at], header[at + 1]]);
+    header[1] <= 1
+        && matches!(header[2], 1..=3 | 9..=11)
+        && edge(12) > 0
+        && edge(14) > 0
+        && matches!(header[16], 8 | 15 | 16 | 24 | 32)
+}
+
 fn decoder(bytes: &[u8], format: ImageFormat) -> Result<impl ImageDecoder, String> {
     let mut limits = Limits::default();
     limits.max_image_width = Some(LARGEST_EDGE);
@@ -84,7 +102,7 @@ fn damaged(error: image::ImageError) -> String {
     format!("is a damaged image: {error}")
 }
 
-/// Decodes a PNG or JPEG image; the error says what is wrong with it.
+/// Decodes an image; the error says what is wrong with it.
 pub(super) fn decode(bytes: &[u8]) -> Result<Image, String> {
     let image = all(&[Encoded::new(bytes)?]).map_err(|(_, what)| what)?.pop();
     Ok(image.expect("one image of one"))

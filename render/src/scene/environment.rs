@@ -38,6 +38,8 @@ pub struct Environment {
     mean: Vec3,
     /// Which texel to look in; `None` without any light.
     distribution: Option<Distribution>,
+    /// What was put right where it was read.
+    warning: Option<String>,
 }
 
 /// Choice of a row, then of a column in it.
@@ -63,16 +65,22 @@ impl Environment {
     /// Reads an equirectangular image: Radiance (.hdr) or OpenEXR (.exr; scan lines, tiles or mip maps, channels R, G
     /// and B or Y alone).
     ///
-    /// # Errors
-    /// If the file is missing, damaged, taller than wide, absurdly large or of another format, or if a texel is
-    /// negative or not finite; the file and the texel are named.
+    /// # Errors If the file is missing, damaged, taller than wide, absurdly large or of another format, or if
+    /// a texel is not finite; the file and the texel are named. Texels below 0 are taken as 0, which
+    /// [`Environment::warning`] says.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
-        let file::Image { width, height, texels } = file::read(path)?;
+        let file::Image { width, height, mut texels } = file::read(path)?;
         if height > width {
             let what = format!("is {width} x {height}, not equirectangular, which is wider than tall");
             return Err(SceneError::invalid(path, what));
         }
-        Self::new(path, width, height, texels)
+        let warning = without_negative_light(&mut texels).map(|what| format!("{}: {what}", path.display()));
+        Ok(Self { warning, ..Self::new(path, width, height, texels)? })
+    }
+
+    /// What was put right where it was read, in a sentence that names the file.
+    pub fn warning(&self) -> Option<&str> {
+        self.warning.as_deref()
     }
 
     /// The same from every direction.
@@ -101,8 +109,15 @@ impl Environment {
             let what = format!("texel ({column}, {row}) is ({r}, {g}, {b}), not a radiance");
             return Err(SceneError::invalid(name, what));
         }
-        let mut environment =
-            Self { width, height, texels, rotation: 0.0, mean: Vec3::ZERO, distribution: None };
+        let mut environment = Self {
+            width,
+            height,
+            texels,
+            rotation: 0.0,
+            mean: Vec3::ZERO,
+            distribution: None,
+            warning: None,
+        };
         environment.mean = environment.measured_mean();
         environment.distribution = environment.measured_distribution();
         Ok(environment)
@@ -238,6 +253,17 @@ impl Environment {
         };
         tent(across(row - 1), across(row), across(row + 1)).as_dvec3().element_sum() / 3.0
     }
+}
+
+/// Takes numbers below 0 as 0, such as filters with negative lobes leave beside bright spots; says how many
+/// texels there were, if any.
+fn without_negative_light(texels: &mut [Vec3]) -> Option<String> {
+    let (mut count, mut least) = (0, 0.0f32);
+    for texel in texels.iter_mut().filter(|texel| texel.is_finite() && texel.min_element() < 0.0) {
+        (count, least) = (count + 1, least.min(texel.min_element()));
+        *texel = texel.max(Vec3::ZERO);
+    }
+    (count > 0).then(|| format!("{count} texels below 0, down to {least:e}, are taken as 0"))
 }
 
 /// Whether a map of that size is accepted.

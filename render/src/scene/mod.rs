@@ -36,8 +36,9 @@ pub use mesh::{Bounds, Mesh};
 pub use mesh_list::Meshes;
 pub use source::SceneSource;
 pub use summary::SceneSummary;
-pub use texture::{Encoding, Texture, Wrap};
+pub use texture::{Encoding, Filter, Texture, Wrap};
 
+use deepshade_shaders::names::did_you_mean;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use thiserror::Error;
@@ -71,6 +72,8 @@ pub struct Scene {
     pub glow: Option<Arc<Glow>>,
     /// Cameras that the file brings, with their names.
     pub cameras: Vec<(String, Camera)>,
+    /// What of the file was passed over or put right, each a sentence that names the file and the line or the thing.
+    pub warnings: Vec<String>,
 }
 
 /// Why a scene could not be had; each names the file and the thing in it.
@@ -123,7 +126,7 @@ pub enum SceneError {
         text: String,
     },
     /// No procedural family of that name.
-    #[error("no procedural family `{name}`; there are {known}")]
+    #[error("no procedural family `{name}`{}; there are {known}", did_you_mean(name, known.split(", ")))]
     UnknownFamily {
         /// What was asked for.
         name: String,

@@ -1,4 +1,4 @@
-//! Textures: 8-bit texels, sampled bilinearly as linear values.
+//! Textures: 8-bit texels, sampled as linear values.
 
 use super::SceneError;
 use super::decode::{Image, decode};
@@ -28,6 +28,16 @@ pub enum Wrap {
     Clamp,
 }
 
+/// What stands between the middles of texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Filter {
+    /// The bilinear mean of the four texels around.
+    #[default]
+    Linear,
+    /// The texel that is nearest, for images whose texels are to be seen.
+    Nearest,
+}
+
 /// An image that materials read, origin top left, `[height][width]` texels of four bytes, which copies share.
 #[derive(Clone, Debug)]
 pub struct Texture {
@@ -36,10 +46,11 @@ pub struct Texture {
     texels: Arc<[[u8; 4]]>,
     encoding: Encoding,
     wrap: [Wrap; 2],
+    filter: Filter,
 }
 
 impl Texture {
-    /// A texture around `texels`, row by row from the top left.
+    /// A bilinear texture around `texels`, row by row from the top left.
     ///
     /// # Panics
     /// If it has no texel or not `width * height` of them.
@@ -51,13 +62,19 @@ impl Texture {
         wrap: [Wrap; 2],
     ) -> Self {
         assert!(!texels.is_empty() && texels.len() == width * height, "{width} x {height} texels");
-        Self { width, height, texels: texels.into(), encoding, wrap }
+        Self { width, height, texels: texels.into(), encoding, wrap, filter: Filter::Linear }
     }
 
-    /// An image, read in one of several ways; all share its texels.
+    /// An image, read bilinearly in one of several ways; all share its texels.
     pub(super) fn of(image: &Image, encoding: Encoding, wrap: [Wrap; 2]) -> Self {
         let Image { width, height, texels } = image.clone();
-        Self { width, height, texels, encoding, wrap }
+        Self { width, height, texels, encoding, wrap, filter: Filter::Linear }
+    }
+
+    /// The same texels with something else between their middles.
+    #[must_use]
+    pub fn with_filter(self, filter: Filter) -> Self {
+        Self { filter, ..self }
     }
 
     /// Reads a PNG or JPEG image, whose colours are taken as sRGB, to be repeated.
@@ -89,6 +106,11 @@ impl Texture {
         self.wrap
     }
 
+    /// What stands between the middles of texels.
+    pub const fn filter(&self) -> Filter {
+        self.filter
+    }
+
     /// Half as large: means of two by two texels, of light where they are sRGB; the last column and row of odd sizes count
     /// twice.
     #[must_use]
@@ -106,10 +128,11 @@ impl Texture {
             [r, g, b, byte(mean.w)]
         };
         let texels = (0..width * height).map(mean).collect();
-        Self { width, height, texels, encoding: self.encoding, wrap: self.wrap }
+        Self { width, height, texels, ..self.clone() }
     }
 
-    /// The linear value at `uv`, bilinear between texel middles. Coordinates that are not finite are taken as 0.
+    /// The linear value at `uv`, between texel middles as [`Texture::filter`] says. Coordinates that are not
+    /// finite are taken as 0.
     pub fn sample(&self, uv: Vec2) -> Vec4 {
         self.sample_wrapped(uv, self.wrap)
     }
@@ -117,8 +140,11 @@ impl Texture {
     /// [`Texture::sample`] where something else is to happen outside [0, 1].
     pub fn sample_wrapped(&self, uv: Vec2, wrap: [Wrap; 2]) -> Vec4 {
         let finite = |coordinate: f32| if coordinate.is_finite() { coordinate } else { 0.0 };
-        let x = finite(uv.x * self.width as f32) - 0.5;
-        let y = finite(uv.y * self.height as f32) - 0.5;
+        let (x, y) = (finite(uv.x * self.width as f32), finite(uv.y * self.height as f32));
+        if self.filter == Filter::Nearest {
+            return self.texel(x.floor(), y.floor(), wrap);
+        }
+        let (x, y) = (x - 0.5, y - 0.5);
         let (x0, y0) = (x.floor(), y.floor());
         let (fx, fy) = (x - x0, y - y0);
         let texel = |x: f32, y: f32| self.texel(x, y, wrap);
@@ -169,6 +195,16 @@ mod tests {
         let texture = ramp(Wrap::Clamp);
         assert!((texture.sample(Vec2::new(0.375, 0.5)).x * 255.0 - 10.0).abs() < 1e-3);
         assert!((texture.sample(Vec2::new(0.5, 0.5)).x * 255.0 - 15.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn the_nearest_texel_reaches_half_way_to_the_next() {
+        let nearest = ramp(Wrap::Repeat).with_filter(Filter::Nearest);
+        let at = |u: f32| (nearest.sample(Vec2::new(u, 0.5)).x * 255.0).round();
+        assert_eq!([0.01, 0.24, 0.26, 0.49, 0.51, 0.99].map(at), [0.0, 0.0, 10.0, 10.0, 20.0, 30.0]);
+        assert_eq!([-0.01, 1.01, 1.3].map(at), [30.0, 0.0, 10.0]);
+        // Bilinear, that would be almost the mean of two.
+        assert!((ramp(Wrap::Repeat).sample(Vec2::new(0.26, 0.5)).x * 255.0 - 5.4).abs() < 1e-3);
     }
 
     #[test]

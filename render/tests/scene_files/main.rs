@@ -19,3 +19,4 @@ mod shaded;
 mod shapes;
 mod since;
 mod surfels;
+mod tolerated;

@@ -5,7 +5,7 @@
 use super::rivals::WAKING;
 use super::subjects::{self, random};
 use super::{Args, PAPER, layers};
-use crate::engine::Engine;
+use crate::engine::{self, Engine};
 use crate::figures::Figures;
 use anyhow::Result;
 use deepshade_infer::{Cost, Model, NetSpec, parity};
@@ -164,7 +164,7 @@ struct Timed {
 
 fn timed(gpu: &Gpu, tried: &Candidate, [width, height]: [usize; 2]) -> Result<Timed> {
     let Candidate { spec, predicted, .. } = tried;
-    let engine = Engine::new(Some(gpu), &random(spec.clone()))?;
+    let engine = Engine::new(engine::card(gpu), &random(spec.clone()))?;
     let input = parity::noise(spec.input_channels(), height, width, 1);
     gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
     engine.run(&input, 0, 1)?;

@@ -37,6 +37,7 @@ pub fn staged(args: &Args, effects: &[Effect]) -> Result<Staged> {
         viewpoint: &args.viewpoint,
         additions: &Additions::default(),
         seed: 0,
+        learned: None,
     };
     stage::Args::default().stage(&seen)
 }

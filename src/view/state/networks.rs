@@ -2,7 +2,6 @@
 
 use super::State;
 use crate::learned;
-#[cfg(feature = "train")]
 use crate::methods::LEARNED;
 use crate::place::Place;
 #[cfg(feature = "train")]
@@ -37,6 +36,15 @@ impl State {
         self.networks.insert(effect, folder.to_owned());
         self.show.models_opened += 1;
         self.choose_effect(effect);
+        // Whoever opens a network wants to see it, whatever else was stated.
+        let is_shown = self.show.methods.contains(&LEARNED);
+        if !is_shown && learned::is_network(folder) {
+            self.switch(LEARNED);
+        }
+        #[cfg(feature = "train")]
+        {
+            self.awaits_network = !self.show.methods.contains(&LEARNED);
+        }
     }
 
     /// Where the network in a folder is from: the address that was given, where it was fetched from there.
@@ -89,7 +97,7 @@ impl State {
         }
         self.show.trained = Some(trained);
         if std::mem::take(&mut self.awaits_network) && !self.show.methods.contains(&LEARNED) {
-            self.toggle(LEARNED);
+            self.switch(LEARNED);
         }
     }
 }

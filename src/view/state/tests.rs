@@ -32,6 +32,32 @@ fn a_network_stays_that_of_its_effect() {
 }
 
 #[test]
+fn a_stated_radius_and_stated_methods_survive_a_change_of_effect() {
+    let seen = |state: &State| (state.show.methods.clone(), state.show.radius);
+    let mut state = State::new(&args("--effect ao --methods hbao,surfel --radius 0.5")).expect("methods");
+    state.choose_effect(Effect::Gi);
+    assert_eq!(seen(&state), (vec!["surfel"], Some(0.5)));
+    state.choose_effect(Effect::Aa);
+    assert_eq!(state.show.radius, None, "it has none");
+    assert!(!state.show.methods.is_empty(), "its first ones");
+    state.set_radius(Some(2.0));
+    state.choose_effect(Effect::Ao);
+    assert_eq!(seen(&state), (vec!["hbao", "surfel"], Some(2.0)));
+    state.toggle("hbao");
+    state.set_radius(None);
+    state.choose_effect(Effect::Gi);
+    state.choose_effect(Effect::Ao);
+    assert_eq!(seen(&state), (vec!["surfel"], None));
+    // A network that hands open is seen beside them.
+    state.open_model(&Path::new(env!("CARGO_MANIFEST_DIR")).join("models/ao")).expect("a network");
+    assert_eq!(state.show.methods, [LEARNED, "surfel"]);
+    // What nobody has stated does not stay.
+    let mut free = State::new(&args("--effect ao")).expect("methods");
+    free.choose_effect(Effect::Gi);
+    assert_ne!(free.show.methods, ["surfel"]);
+}
+
+#[test]
 fn a_scene_that_is_opened_again_is_read_anew_and_seen_from_the_same_place() {
     let mut state = State::new(&args("--scene room:7")).expect("methods");
     let camera = deepshade_render::scene::Camera::look_at(glam::Vec3::ONE, glam::Vec3::ZERO);

@@ -33,7 +33,8 @@ fn truth_that_comes_back_goes_on_from_its_samples() {
     of_seed_1.refine(4, |_, _| true, |_| {});
     let order = |samples| Order { sight: sight.clone(), exposure: None, stops: 0.0, samples, seed: 2 };
     let image = order(0).developed(of_seed_1.estimate().mean);
-    let truth = Truth { sight: sight.clone(), image, samples: of_seed_1.samples(), noise: 0.1, seconds: 7.0 };
+    let (samples, ceiling) = (of_seed_1.samples(), Scores::new(&image.values, &image.values));
+    let truth = Truth { sight: sight.clone(), image, samples, noise: 0.1, ceiling, seconds: 7.0 };
     let mut kept = Some(Kept { truth, taken: Some(of_seed_1.taken()), seed: 2 });
     let told = Arc::new(Mutex::new(Vec::new()));
     let tell = {
@@ -51,6 +52,8 @@ fn truth_that_comes_back_goes_on_from_its_samples() {
     assert_eq!(samples, [64], "one pass was left to do");
     assert_eq!(*told[0].image.values, of_seed_1.estimate().mean);
     assert!(told[0].seconds > 7.0);
+    let [one, other] = of_seed_1.halves();
+    assert_eq!(told[0].ceiling, Scores::new(&one, &other));
     let taken = |kept: &Option<Kept>| kept.as_ref().and_then(|kept| kept.taken.as_ref().map(Taken::samples));
     assert_eq!(taken(&kept), Some(64));
     // Who wants other truth meanwhile takes nothing of it away.
@@ -78,9 +81,16 @@ fn what_is_kept_fits_into_its_room_and_the_newest_stays() {
     let image = order.developed(refinement.estimate().mean);
     // A value and a colour, four bytes each.
     assert_eq!(image.size(), 12 * 16 * 8);
+    let ceiling = Scores::new(&image.values, &image.values);
     let kept = |seed: u32| {
-        let truth =
-            Truth { sight: sight.clone(), image: image.clone(), samples: 8, noise: 0.1, seconds: 1.0 };
+        let truth = Truth {
+            sight: sight.clone(),
+            image: image.clone(),
+            samples: 8,
+            noise: 0.1,
+            ceiling,
+            seconds: 1.0,
+        };
         Kept { truth, taken: Some(refinement.taken()), seed }
     };
     let (own, taken) = (image.size(), refinement.taken().size());

@@ -1,7 +1,7 @@
 //! A model's card: what it was made from, how good it is, what it is not good for.
 
 use crate::TrainConfig;
-use deepshade_infer::{Correction, Filter, Head, NetSpec, Scaling};
+use deepshade_infer::{Correction, Filter, Head, NetSpec, Scaling, TrainedUnder};
 use deepshade_shaders::Channel;
 use std::fmt::Write;
 
@@ -16,6 +16,8 @@ pub struct Facts {
     pub limits: Vec<String>,
     /// Licence of the weights.
     pub licence: String,
+    /// The environment of all images of training, where they had one.
+    pub environment: Option<TrainedUnder>,
 }
 
 /// How a network was chosen.

@@ -43,7 +43,8 @@ pub fn export(run: &Path, folder: &Path, facts: &Facts) -> Result<Model, TrainEr
     };
     // Features that half floats hold.
     let weights = weights.clone().balanced(&config.spec);
-    let spec = NetSpec { trained: ranges(run)?, ..config.spec.clone() };
+    let environment = facts.environment.clone();
+    let spec = NetSpec { trained: ranges(run)?, environment, ..config.spec.clone() };
     let model = Model { spec, weights };
     let trained = Trained { step, of: checkpoint.progress.step, loss };
     std::fs::create_dir_all(folder).map_err(TrainError::io("create", folder))?;

@@ -120,8 +120,16 @@ fn every_loss_is_what_its_name_says() {
     let count = differences.len() as f64;
     let (l1, l2) =
         (differences.iter().sum::<f64>() / count, differences.iter().map(|d| d * d).sum::<f64>() / count);
+    // Tiles lie one after the other within bands of eight rows.
+    let (tiles, width) = (differences.len() / 64, shape[3]);
+    let mut of_tiles = vec![0.0; tiles];
+    for (i, (a, b)) in numbers(&a).iter().zip(numbers(&b)).enumerate() {
+        of_tiles[i / width / TILE * (width / TILE) + i % width / TILE] += f64::from(a - b) / 64.0;
+    }
+    let of_means = of_tiles.iter().map(|mean| mean.abs()).sum::<f64>() / tiles as f64;
     let dssim = naive(&a, &b);
     let expected = [
+        (Loss::DssimL2Means, dssim + l2 + of_means),
         (Loss::Dssim, dssim),
         (Loss::L1, l1),
         (Loss::L2, l2),
@@ -164,7 +172,7 @@ fn every_loss_falls_along_its_gradient_and_masks_what_is_not_seen() {
     let shape = [1, 2, 128, 128];
     let valid = image([1, 1, 128, 128], |i| if i % 128 < 64 { 1.0 } else { 0.0 }, &device);
     let target = Target { valid, ..exact(&noise(shape, 2, &device)) };
-    for loss in [Loss::Dssim, Loss::L1, Loss::L2, Loss::DssimL1, Loss::DssimL2, Loss::MsSsimL1] {
+    for loss in [Loss::Dssim, Loss::L1, Loss::L2, Loss::DssimL1, Loss::DssimL2, Loss::DssimL2Means, Loss::MsSsimL1] {
         let start = noise(shape, 1, &device).require_grad();
         let before = loss.of(start.clone(), target.clone());
         let gradient = start.grad(&before.backward()).expect("a gradient");

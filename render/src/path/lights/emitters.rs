@@ -1,7 +1,7 @@
 //! Emissive triangles: chosen by their power, then sampled uniformly by area. They shine to both sides, as surfaces do.
 
 use crate::bvh::{Hit, TracedScene, corner_weights};
-use crate::intersection::{clearance, colour, uvs};
+use crate::intersection::{Start, colour, uvs};
 use crate::scene::{Cumulative, Mesh, Scene};
 use glam::{Vec2, Vec3};
 
@@ -80,11 +80,9 @@ impl Emitters {
         let mesh = &scene.meshes[mesh as usize];
         let corners = mesh.corners(triangle as usize);
         let barycentric = uniform_in_triangle(square);
-        let [a, b, c] = corners;
         let (area, normal) = area_and_normal(corners);
-        let on_triangle = a + (b - a) * barycentric.x + (c - a) * barycentric.y;
-        let side = normal * (point - on_triangle).dot(normal).signum();
-        let position = on_triangle + side * clearance(corners);
+        let side = normal * (point - corners[0]).dot(normal).signum();
+        let position = Start::new(corners, corner_weights(barycentric), normal).above(side);
         let density = self.shares.probability(index) * per_steradian(area, normal, position - point);
         let radiance = emitted(scene, mesh, triangle as usize, barycentric);
         let usable = density.is_finite() && density > 0.0 && radiance != Vec3::ZERO;

@@ -1,7 +1,7 @@
 //! The excited shares of surfaces at any point, by the light of lamps in all of the past.
 
 use crate::bvh::{Hit, TracedScene, corner_weights};
-use crate::intersection::clearance;
+use crate::intersection::{Start, blended};
 use crate::path::lights::Arrival;
 use crate::phosphor::paint::{Lit, MOST_STATES, Paint, Steps};
 use crate::scene::glow::{FOR_LONG, Piece};
@@ -29,7 +29,7 @@ pub struct Place {
     pub geometric_normal: Vec3,
     /// As the vertices have it, on the side of the geometric one.
     pub normal: Vec3,
-    clearance: f32,
+    start: Start,
 }
 
 impl Place {
@@ -43,10 +43,10 @@ impl Place {
         let smooth: Vec3 = normals.into_iter().zip(weights).map(|(normal, weight)| normal * weight).sum();
         let smooth = smooth.normalize_or(geometric_normal);
         Self {
-            position: a + (b - a) * weights[1] + (c - a) * weights[2],
+            position: blended(corners, weights),
             geometric_normal,
             normal: if smooth.dot(geometric_normal) < 0.0 { -smooth } else { smooth },
-            clearance: clearance(corners),
+            start: Start::new(corners, weights, geometric_normal),
         }
     }
 }
@@ -103,7 +103,7 @@ impl<'a> Afterglow<'a> {
             if cosine <= 0.0 || is_behind || irradiance == Vec3::ZERO {
                 continue;
             }
-            let origin = place.position + side * place.geometric_normal * place.clearance;
+            let origin = place.start.above(side * place.geometric_normal);
             let shown =
                 traced.let_through(origin, direction, distance) * passed(traced, origin, direction, distance);
             received[self.glow.schedule_of(index)] += irradiance * cosine * shown;

@@ -2,7 +2,7 @@
 //! coordinates of both sets, vertex colours, holes.
 
 use super::*;
-use crate::scene::{AlphaMode, Encoding, Mesh, Texture, TextureId, TextureSlot, Wrap};
+use crate::scene::{AlphaMode, Encoding, Filter, Mesh, Texture, TextureId, TextureSlot, Wrap};
 use glam::{Affine2, Vec2, Vec4};
 
 /// Colours that change smoothly and are symmetric in nothing.
@@ -96,5 +96,29 @@ fn materials_are_rasterised_as_they_are_traced_on_both_sides() {
             assert!(wrong > 0.5 * seen, "{what}: {wrong} with green upside down");
             assert!((0.1..0.9).contains(&seen), "{what}: {seen} are seen");
         }
+    }
+}
+
+#[test]
+fn single_texels_are_rasterised_as_they_are_traced() {
+    let gpu = Gpu::new().expect("an adapter");
+    let slot = TextureSlot { texture: TextureId(0), uv_set: 0, transform: Affine2::IDENTITY };
+    let linear = scene(square(true), slot, AlphaMode::Opaque);
+    let mut nearest = linear.clone();
+    for texture in &mut nearest.textures {
+        *texture = Texture::clone(texture).with_filter(Filter::Nearest).into();
+    }
+    let camera = Camera::look_at(Vec3::new(0.3, 0.4, 2.0), Vec3::ZERO);
+    let found = rasterised(&gpu, &nearest, &camera);
+    let share = |scene: Scene, attribute| {
+        let traced = TracedScene::new(scene).expect("a square");
+        let expected =
+            gbuffer::render(&traced, &camera, HEIGHT, WIDTH, &[Attribute::Normal, Attribute::Diffuse]);
+        share_outside(&found, &expected, attribute, 0.02)
+    };
+    for attribute in [Attribute::Normal, Attribute::Diffuse] {
+        // Where texels meet, the last digit of a coordinate decides.
+        let [same, blended] = [&nearest, &linear].map(|scene| share(scene.clone(), attribute));
+        assert!(same < 0.02 && blended > 0.1, "{}: {same}, {blended} if bilinear", attribute.name());
     }
 }

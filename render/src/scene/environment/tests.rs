@@ -171,6 +171,31 @@ fn files_hold_what_was_written() {
     is_as_written(&Environment::load(&hdr).expect("an environment"));
 }
 
+/// Such as a sharpening filter leaves beside the sun.
+#[test]
+fn texels_below_0_are_taken_as_0_and_that_is_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sharp.exr");
+    let value = |x: usize, y: usize| match (x, y) {
+        (1, 0) => (-1e-5, 2.0, 0.5),
+        (3, 1) => (-0.25, -3.5, -0.0),
+        _ => (1.0, 0.5, 0.0),
+    };
+    exr::prelude::write_rgb_file(&path, 4, 2, value).expect("written");
+    let environment = Environment::load(&path).expect("an environment");
+    for (index, texel) in environment.texels().iter().enumerate() {
+        let (r, g, b) = value(index % 4, index / 4);
+        assert_eq!(*texel, Vec3::new(r.max(0.0), g.max(0.0), b.max(0.0)));
+    }
+    let said = environment.warning().expect("a warning");
+    assert!(said.ends_with("sharp.exr: 2 texels below 0, down to -3.5e0, are taken as 0"), "{said}");
+    exr::prelude::write_rgb_file(&path, 4, 2, |_, _| (1.0, 0.0, 2.0)).expect("written");
+    assert_eq!(Environment::load(&path).expect("an environment").warning(), None);
+    exr::prelude::write_rgb_file(&path, 4, 2, |x, _| (-1.0, f32::INFINITY * (x as f32 - 0.5), 2.0))
+        .expect("written");
+    assert!(Environment::load(&path).expect_err("infinite").to_string().contains("not a radiance"));
+}
+
 #[test]
 fn files_that_are_no_environments_are_refused_by_name() {
     let folder = tempfile::tempdir().expect("a folder");

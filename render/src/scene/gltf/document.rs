@@ -125,12 +125,17 @@ fn validate(root: &Root) -> Result<(), String> {
     let mut problem = None;
     root.validate(root, JsonPath::new, &mut |path: &dyn Fn() -> JsonPath, error| {
         let path = path().0;
-        // Extensions were checked above, nothing here reads the declared bounds of positions, and an accessor without
-        // a buffer view holds zeros (3.6.2.1), which the validator does not know.
+        // Extensions were checked above, nothing here reads the declared bounds of positions, an accessor
+        // without a buffer view holds zeros (3.6.2.1), which the validator does not know, and primitives
+        // without positions are left out (3.7.2.1).
         let zeros =
             path.starts_with("accessors[") && path.ends_with("].bufferView") && error == Error::Missing;
-        let harmless =
-            zeros || error == Error::Unsupported || path.ends_with(".min") || path.ends_with(".max");
+        let unplaced = path.ends_with("attributes[\"POSITION\"]") && error == Error::Missing;
+        let harmless = zeros
+            || unplaced
+            || error == Error::Unsupported
+            || path.ends_with(".min")
+            || path.ends_with(".max");
         if !harmless && problem.is_none() {
             problem = Some(format!("{path}: {error}"));
         }

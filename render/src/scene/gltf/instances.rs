@@ -26,7 +26,8 @@ pub(super) struct Instance<'a> {
     pub local: Mat4,
 }
 
-/// All primitives made of triangles that the scene shows. Points and lines have no surface and are left out.
+/// All primitives made of triangles that the scene shows. Points and lines have no surface and are left out,
+/// as is what has no positions.
 pub(super) fn instances<'a>(
     file: &'a File<'_>,
     hierarchy: &Hierarchy,
@@ -39,7 +40,7 @@ pub(super) fn instances<'a>(
         let name =
             mesh.name().or(node.name()).map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
         let locals = locals(file, &node)?;
-        for primitive in mesh.primitives().filter(|primitive| is_surface(primitive.mode())) {
+        for primitive in mesh.primitives().filter(is_surface) {
             let positions = primitive.get(&Semantic::Positions).map_or(0, |accessor| accessor.count());
             let indices = primitive.indices().map_or(positions, |accessor| accessor.count());
             vertices = vertices.saturating_add(positions.saturating_mul(locals.len()));
@@ -62,8 +63,14 @@ pub(super) fn instances<'a>(
     Ok(instances)
 }
 
-fn is_surface(mode: Mode) -> bool {
-    matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
+fn is_surface(primitive: &Primitive<'_>) -> bool {
+    has_positions(primitive)
+        && matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
+}
+
+/// Whether it is known where a primitive's vertices are; else it should be left out (3.7.2.1).
+pub(super) fn has_positions(primitive: &Primitive<'_>) -> bool {
+    primitive.get(&Semantic::Positions).is_some()
 }
 
 /// The places of a mesh beside its node: the node's own, or one for each of its instances.

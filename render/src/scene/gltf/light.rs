@@ -58,7 +58,7 @@ fn picture(
     let count = file.document.textures().len();
     let index = index.filter(|index| *index < count);
     let index = index.ok_or_else(|| format!("its {key} is {value}, none of the file's {count} textures"))?;
-    Ok(Some(textures.add(file, index, Encoding::Srgb)))
+    Ok(textures.add(file, index, Encoding::Srgb))
 }
 
 /// The metres after which a directional light's pattern repeats.
@@ -95,10 +95,11 @@ fn read_light(
             Ok(Light::Directional { direction: direction()?, irradiance: power, pattern })
         }
         Kind::Spot { inner_cone_angle: inner, outer_cone_angle: outer } => {
-            if !(0.0..outer).contains(&inner) || outer > 0.5 * PI + 1e-4 {
+            // Angles that differ in the file's decimals may be the same in f32.
+            if !(0.0..=outer).contains(&inner) || outer == 0.0 || outer > 0.5 * PI + 1e-4 {
                 return Err(format!("cone angles {inner} and {outer} are not 0 <= inner < outer <= pi/2"));
             }
-            // Of cones that are nearly alike, the cosines may be the same.
+            // Of cones that are alike or nearly, the cosines may be the same; their edge is hard.
             let (cos_inner, cos_outer) = (inner.cos(), outer.cos().min(inner.cos().next_down()));
             let direction = direction()?;
             Ok(Light::Spot {

@@ -30,9 +30,10 @@ pub(super) fn read(file: &File<'_>, textures: &mut TextureList) -> Result<Vec<Ma
     Ok(materials)
 }
 
-/// The material of primitives without one: what glTF gives where a file says nothing (3.7.2.1).
+/// The material of primitives without one: rough, white and no metal. By glTF's defaults it would be a metal
+/// (3.7.2.1), which reflects no diffuse light.
 fn without_material() -> Material {
-    Material { name: "none".to_owned(), metallic: 1.0, ..Material::default() }
+    Material { name: "none".to_owned(), ..Material::default() }
 }
 
 fn read_one(
@@ -48,7 +49,7 @@ fn read_one(
     let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
     let error = |what: String| file.invalid(format!("material `{name}`: {what}"));
     let mut slot = |info: Option<&Info>, encoding| {
-        info.map(|info| plain_slot(file, info, encoding, textures)).transpose()
+        info.map_or(Ok(None), |info| plain_slot(file, info, encoding, textures))
     };
     let read = Material {
         base_colour: base.base_color_factor.0.into(),
@@ -62,8 +63,7 @@ fn read_one(
         normal_texture: material
             .normal_texture
             .as_ref()
-            .map(|info| normal_slot(file, info, textures))
-            .transpose()
+            .map_or(Ok(None), |info| normal_slot(file, info, textures))
             .map_err(error)?,
         alpha: match material.alpha_mode {
             Checked::Valid(FileAlphaMode::Mask) => {
@@ -80,23 +80,23 @@ fn read_one(
     finite.then_some(read).ok_or_else(|| error("holds a value that is not finite".to_owned()))
 }
 
-/// The slot of a texture other than a normal map.
+/// The slot of a texture other than a normal map, if it has an image.
 fn plain_slot(
     file: &File<'_>,
     info: &Info,
     encoding: Encoding,
     textures: &mut TextureList,
-) -> Result<TextureSlot, String> {
+) -> Result<Option<TextureSlot>, String> {
     let transform = info.extensions.as_ref().and_then(|extensions| extensions.texture_transform.clone());
     slot(file, info.index.value(), info.tex_coord, transform.unwrap_or_default(), encoding, textures)
 }
 
-/// The slot of a normal map, with the map's strength.
+/// The slot of a normal map, if it has an image, with the map's strength.
 fn normal_slot(
     file: &File<'_>,
     info: &NormalTexture,
     textures: &mut TextureList,
-) -> Result<(TextureSlot, f32), String> {
+) -> Result<Option<(TextureSlot, f32)>, String> {
     let transform = info.extensions.as_ref().and_then(|extensions| extensions.others.get(TEXTURE_TRANSFORM));
     let transform = match transform {
         Some(value) => {
@@ -108,7 +108,7 @@ fn normal_slot(
     if !info.scale.is_finite() {
         return Err("the strength of its normal map is not finite".to_owned());
     }
-    Ok((slot, info.scale))
+    Ok(slot.map(|slot| (slot, info.scale)))
 }
 
 fn slot(
@@ -118,7 +118,7 @@ fn slot(
     transform: TextureTransform,
     encoding: Encoding,
     textures: &mut TextureList,
-) -> Result<TextureSlot, String> {
+) -> Result<Option<TextureSlot>, String> {
     let uv_set = transform.tex_coord.unwrap_or(uv_set) as usize;
     if uv_set > 1 {
         return Err(format!("reads texture coordinates {uv_set}; sets 0 and 1 are supported"));
@@ -127,7 +127,8 @@ fn slot(
     if !transform.is_finite() {
         return Err(format!("{TEXTURE_TRANSFORM} holds a value that is not finite"));
     }
-    Ok(TextureSlot { texture: textures.add(file, texture, encoding), uv_set, transform })
+    let texture = textures.add(file, texture, encoding);
+    Ok(texture.map(|texture| TextureSlot { texture, uv_set, transform }))
 }
 
 /// What KHR_texture_transform does to coordinates: scale, then rotate, then move. With v pointing down, as in glTF,

@@ -4,7 +4,8 @@
 //!
 //! A file is untrusted: the JSON is validated as a whole, every accessor is held against its buffer before it is read,
 //! and sizes are added up before anything is instantiated. Extensions that a file uses without requiring them, and that
-//! are not in the list, are left out as the specification allows (clear coat, transmission, ...).
+//! are not in the list, are left out as the specification allows (clear coat, transmission, ...), which
+//! [`Scene::warnings`] say.
 
 mod animation;
 mod buffers;
@@ -22,6 +23,7 @@ mod reach;
 mod rig;
 mod skin;
 mod texture;
+mod warnings;
 
 pub use morph::MorphTarget;
 pub use rig::{Rig, RigPart, RigPose};
@@ -54,6 +56,7 @@ pub fn load(path: &Path, time: f32, shutter: f32) -> Result<Scene, SceneError> {
     if shutter > 0.0 && file.document.animations().len() > 0 {
         displace(&file, &mut meshes, [time - 0.5 * shutter, time + 0.5 * shutter])?;
     }
+    let warnings = warnings::warnings(&file, &textures, &meshes, &materials);
     Ok(Scene {
         name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         meshes: meshes.into(),
@@ -64,6 +67,7 @@ pub fn load(path: &Path, time: f32, shutter: f32) -> Result<Scene, SceneError> {
         environment: None,
         medium: None,
         glow: None,
+        warnings,
     })
 }
 

@@ -4,17 +4,25 @@ use super::{
     super::{
         SceneError, Texture, TextureId,
         decode::{self, Encoded, Image},
-        texture::{Encoding, Wrap},
+        texture::{Encoding, Filter, Wrap},
     },
     document::File,
 };
-use gltf::texture::WrappingMode;
-use std::collections::BTreeMap;
+use gltf::json;
+use gltf::texture::{MagFilter, WrappingMode};
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
+
+/// Endings of images that extensions of glTF bring, and that are not read here.
+const UNREAD_ENDINGS: [&str; 6] = [".webp", ".avif", ".ktx", ".ktx2", ".basis", ".dds"];
 
 /// The textures that materials read, in the order in which they were asked for.
 #[derive(Debug, Default)]
-pub(super) struct TextureList(Vec<Wanted>);
+pub(super) struct TextureList {
+    wanted: Vec<Wanted>,
+    /// Textures of the file that were asked for and have no image that can be read.
+    without_image: BTreeSet<usize>,
+}
 
 /// One way of reading an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,34 +30,61 @@ struct Wanted {
     image: usize,
     encoding: Encoding,
     wrap: [Wrap; 2],
+    filter: Filter,
 }
 
 impl TextureList {
-    /// The index of a texture of the file, read as `encoding`.
-    pub fn add(&mut self, file: &File<'_>, texture: usize, encoding: Encoding) -> TextureId {
+    /// The index of a texture of the file, read as `encoding`; `None` of one without an image that can be
+    /// read, which [`TextureList::without_image`] names.
+    pub fn add(&mut self, file: &File<'_>, texture: usize, encoding: Encoding) -> Option<TextureId> {
         let texture = file.document.textures().nth(texture).expect("texture indices are validated");
         let sampler = texture.sampler();
         let wrap = [sampler.wrap_s(), sampler.wrap_t()].map(wrap);
-        let wanted = Wanted { image: texture.source().index(), encoding, wrap };
-        let known = self.0.iter().position(|known| *known == wanted);
+        // Rays see single texels or means of four; there are no smaller copies to choose among.
+        let filter = match sampler.mag_filter() {
+            Some(MagFilter::Nearest) => Filter::Nearest,
+            Some(MagFilter::Linear) | None => Filter::Linear,
+        };
+        let images = &file.document.as_json().images;
+        let Some(image) = texture.source().filter(|image| is_read(&images[image.index()])) else {
+            self.without_image.insert(texture.index());
+            return None;
+        };
+        let wanted = Wanted { image: image.index(), encoding, wrap, filter };
+        let known = self.wanted.iter().position(|known| *known == wanted);
         let index = known.unwrap_or_else(|| {
-            self.0.push(wanted);
-            self.0.len() - 1
+            self.wanted.push(wanted);
+            self.wanted.len() - 1
         });
-        TextureId(index as u32)
+        Some(TextureId(index as u32))
+    }
+
+    /// What was asked for and is not there: a sentence a texture.
+    pub fn without_image<'a>(&'a self, file: &'a File<'_>) -> impl Iterator<Item = String> + 'a {
+        self.without_image.iter().map(|index| {
+            let texture = &file.document.as_json().textures[*index];
+            let others = texture.extensions.iter().flat_map(|extensions| extensions.others.keys());
+            let others: Vec<&str> = others.map(String::as_str).collect();
+            let why = match others.as_slice() {
+                [] => "has no PNG or JPEG image".to_owned(),
+                _ => format!("has its image by {}, which is not supported,", others.join(" and ")),
+            };
+            format!("texture {index} {why} and is left out")
+        })
     }
 
     /// Reads and decodes all of them, each image once.
     pub fn load(self, file: &File<'_>) -> Result<Vec<Arc<Texture>>, SceneError> {
-        let mut indices: Vec<_> = self.0.iter().map(|wanted| wanted.image).collect();
+        let mut indices: Vec<_> = self.wanted.iter().map(|wanted| wanted.image).collect();
         indices.sort_unstable();
         indices.dedup();
         let encoded = indices.iter().map(|index| encoded(file, *index)).collect::<Result<Vec<_>, _>>()?;
         let images = decode::all(&encoded).map_err(|(place, what)| invalid(file, indices[place], &what))?;
         let images: BTreeMap<usize, Image> = indices.into_iter().zip(images).collect();
-        let texture =
-            |Wanted { image, encoding, wrap }| Arc::new(Texture::of(&images[&image], encoding, wrap));
-        Ok(self.0.into_iter().map(texture).collect())
+        let texture = |Wanted { image, encoding, wrap, filter }| {
+            Arc::new(Texture::of(&images[&image], encoding, wrap).with_filter(filter))
+        };
+        Ok(self.wanted.into_iter().map(texture).collect())
     }
 }
 
@@ -59,6 +94,14 @@ fn wrap(mode: WrappingMode) -> Wrap {
         WrappingMode::MirroredRepeat => Wrap::Mirror,
         WrappingMode::Repeat => Wrap::Repeat,
     }
+}
+
+/// Whether an image is of a kind that glTF itself has, as far as its name and type say.
+fn is_read(image: &json::Image) -> bool {
+    let uri = image.uri.as_deref().unwrap_or_default().to_ascii_lowercase();
+    let kind = image.mime_type.as_ref().map_or("", |kind| kind.0.as_str());
+    let unread = |ending: &str| uri.ends_with(ending) || kind.ends_with(&ending[1..]);
+    !UNREAD_ENDINGS.into_iter().any(unread) && !uri.starts_with("data:image/webp")
 }
 
 /// An image of a file, a data URI or a buffer view.

@@ -1,215 +1,153 @@
-//! MTL material libraries, and what their Phong materials become.
-//!
-//! Read are `Kd`, `d`, `Tr`, `Ke`, `Ks` and `Ns` as the width of the highlight, `map_Kd`, `map_d`, and of the extension
-//! for physically based rendering `Pr`, `Pm`, `map_Ke` and `norm`. Left out are what the g-buffer has no channel for
-//! (`Ka`, `Ni`, `Tf`, `illum`, `sharpness`, `Ps`, `Pc`, `Pcr`, `aniso`, `anisor`, `map_Ka`, `refl`), a highlight that
-//! varies over a surface (`map_Ks`, `map_Ns`, `map_Pr`, `map_Pm`), and relief (`bump`, `map_Bump`, `disp`): those images
-//! hold heights in units that the file does not state, where `norm` holds normals.
+//! What Phong materials become, and the images that they read.
 
-use super::{
-    super::{
-        AlphaMode, Material, SceneError, Texture, TextureId, TextureSlot,
-        decode::{self, Image},
-        file,
-        texture::{Encoding, Wrap},
-    },
-    lines::check_colours,
-};
-use glam::{Affine2, Vec3};
+use super::library::Stated;
+use super::map::Map;
+use crate::scene::decode::{self, Image};
+use crate::scene::file;
+use crate::scene::texture::{Encoding, Wrap};
+use crate::scene::{AlphaMode, Material, SceneError, Texture, TextureId, TextureSlot};
+use glam::Vec3;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::{
-    cell::RefCell,
-    collections::BTreeMap,
-    path::{Path, PathBuf},
-};
-use tobj::LoadError;
 
 /// Alpha below which a texel of a dissolve map is a hole.
 const CUTOFF: f32 = 0.5;
 
-/// Keywords of maps that the parser does not know.
-const EMISSION_MAP: &str = "map_Ke";
-const NORMAL_MAP: &str = "norm";
-
-/// Reads the material libraries of an OBJ file and remembers the first failure, which the parser has no words for.
+/// A library's materials, and where its maps are.
 pub(super) struct Library {
-    folder: PathBuf,
-    failure: RefCell<Option<SceneError>>,
+    pub path: PathBuf,
+    pub materials: Vec<Stated>,
 }
 
-impl Library {
-    pub fn new(obj: &Path) -> Self {
-        let folder = obj.parent().unwrap_or(Path::new("")).to_owned();
-        Self { folder, failure: RefCell::new(None) }
-    }
-
-    /// Reads one library; texture names become paths, from the library's folder.
-    pub fn read(&self, name: &Path) -> tobj::MTLLoadResult {
-        let name = name.to_string_lossy().replace('\\', "/");
-        let path = file::beside(&self.folder, Path::new(""), &name)
-            .map_err(|what| self.remember(SceneError::invalid(&self.folder, what)))?;
-        let text = text(&path).map_err(|error| self.remember(error))?;
-        let parsed = tobj::load_mtl_buf(&mut text.as_bytes());
-        let (mut materials, names) =
-            parsed.map_err(|error| self.remember(SceneError::invalid(&path, error.to_string())))?;
-        find_textures(&self.folder, &path, &mut materials).map_err(|error| self.remember(error))?;
-        Ok((materials, names))
-    }
-
-    /// Keeps an error for [`Self::failure`]; the parser gets one without words.
-    fn remember(&self, error: SceneError) -> LoadError {
-        self.failure.borrow_mut().get_or_insert(error);
-        LoadError::GenericFailure
-    }
-
-    /// The first failure, if there was one.
-    pub fn failure(self) -> Result<(), SceneError> {
-        self.failure.into_inner().map_or(Ok(()), Err)
-    }
-}
-
-/// The text of a library, whose colours were looked at.
-fn text(path: &Path) -> Result<String, SceneError> {
-    let text = String::from_utf8_lossy(&file::read(path)?).into_owned();
-    check_colours(&text).map_err(|what| SceneError::invalid(path, what))?;
-    Ok(text)
-}
-
-/// Makes the texture names of the materials of a library, which is below the scene's folder, paths.
-fn find_textures(folder: &Path, library: &Path, materials: &mut [tobj::Material]) -> Result<(), SceneError> {
-    for tobj::Material { name, diffuse_texture, dissolve_texture, unknown_param, .. } in materials {
-        for texture in [diffuse_texture, dissolve_texture].into_iter().flatten() {
-            *texture = texture_path([folder, library], name, texture)?;
-        }
-        for map in [EMISSION_MAP, NORMAL_MAP] {
-            if let Some(texture) = unknown_param.get_mut(map) {
-                *texture = texture_path([folder, library], name, texture)?;
-            }
-        }
-    }
-    Ok(())
-}
-
-fn texture_path([folder, library]: [&Path; 2], material: &str, texture: &str) -> Result<String, SceneError> {
-    let invalid = |what: String| SceneError::invalid(library, format!("material `{material}`: {what}"));
-    if texture.starts_with('-') {
-        return Err(invalid(format!("texture options are not supported: `{texture}`")));
-    }
-    let below = library.strip_prefix(folder).ok().and_then(Path::parent).unwrap_or(Path::new(""));
-    let path = file::beside(folder, below, texture.replace('\\', "/")).map_err(invalid)?;
-    Ok(path.to_string_lossy().into_owned())
-}
-
-/// The materials and textures of a scene. `obj` is named in errors.
+/// Materials and textures of some libraries in a scene's folder, in their order.
+///
+/// # Errors
+/// If an image is missing, damaged, or outside of the folder.
 pub(super) fn convert(
-    obj: &Path,
-    materials: &[tobj::Material],
+    folder: &Path,
+    libraries: &[Library],
 ) -> Result<(Vec<Material>, Vec<Arc<Texture>>), SceneError> {
     let mut textures = Textures::default();
-    let converted = materials.iter().map(|material| {
-        let invalid = |what: String| SceneError::invalid(obj, format!("material `{}` {what}", material.name));
-        let converted = constants(material).map_err(invalid)?;
-        let values = [converted.roughness, converted.metallic];
-        if !converted.base_colour.is_finite() || !values.iter().all(|value| value.is_finite()) {
-            return Err(invalid("holds a value that is not finite".to_owned()));
+    let mut converted = Vec::new();
+    for Library { path, materials } in libraries {
+        let below = path.strip_prefix(folder).ok().and_then(Path::parent).unwrap_or(Path::new(""));
+        for stated in materials {
+            let invalid = |what| SceneError::invalid(path, format!("material `{}`: {what}", stated.name));
+            let find = |map: &Option<Map>| -> Result<Option<Found>, SceneError> {
+                let Some(map) = map.clone() else { return Ok(None) };
+                let path = file::beside(folder, below, map.file.replace('\\', "/")).map_err(invalid)?;
+                Ok(Some(Found { path, map }))
+            };
+            let (colour, alpha) = (find(&stated.diffuse_map)?, find(&stated.dissolve_map)?);
+            let (emission, normal) = (find(&stated.emission_map)?, find(&stated.normal_map)?);
+            let strength = normal.as_ref().map_or(1.0, |normal| normal.map.strength);
+            converted.push(Material {
+                base_colour_texture: textures.slot(colour, alpha, Encoding::Srgb)?,
+                emission_texture: textures.slot(emission, None, Encoding::Srgb)?,
+                normal_texture: textures.slot(normal, None, Encoding::Linear)?.map(|slot| (slot, strength)),
+                ..constants(stated)
+            });
         }
-        let map = |name: &str| material.unknown_param.get(name).map(String::as_str);
-        let (colour, alpha) = (material.diffuse_texture.as_deref(), material.dissolve_texture.as_deref());
-        Ok(Material {
-            base_colour_texture: textures.slot(colour, alpha, Encoding::Srgb)?,
-            emission_texture: textures.slot(map(EMISSION_MAP), None, Encoding::Srgb)?,
-            normal_texture: textures.slot(map(NORMAL_MAP), None, Encoding::Linear)?.map(|slot| (slot, 1.0)),
-            ..converted
-        })
-    });
-    let converted = converted.collect::<Result<_, _>>()?;
+    }
     Ok((converted, textures.read))
+}
+
+/// A map with the place of its image.
+#[derive(Clone)]
+struct Found {
+    path: PathBuf,
+    map: Map,
+}
+
+/// What a texture is made of: one image's colours, another's alpha, and how it is read.
+#[derive(PartialEq)]
+struct Kind {
+    colour: Option<PathBuf>,
+    alpha: Option<PathBuf>,
+    encoding: Encoding,
+    wrap: Wrap,
 }
 
 /// The textures of a scene, each made once, of images that are read once.
 #[derive(Default)]
-struct Textures<'a> {
-    known: Vec<(Option<&'a str>, Option<&'a str>, Encoding)>,
+struct Textures {
+    known: Vec<Kind>,
     read: Vec<Arc<Texture>>,
-    images: BTreeMap<&'a str, Image>,
+    images: BTreeMap<PathBuf, Image>,
 }
 
-impl<'a> Textures<'a> {
-    /// A texture of one image's colours and another's alpha, if there is either.
+impl Textures {
+    /// A texture of one image's colours and another's alpha, if there is either, placed as the first of them.
     fn slot(
         &mut self,
-        colour: Option<&'a str>,
-        alpha: Option<&'a str>,
+        colour: Option<Found>,
+        alpha: Option<Found>,
         encoding: Encoding,
     ) -> Result<Option<TextureSlot>, SceneError> {
-        let wanted = (colour, alpha, encoding);
-        if wanted.0.or(wanted.1).is_none() {
+        let Some(map) = colour.as_ref().or(alpha.as_ref()).map(|found| found.map.clone()) else {
             return Ok(None);
-        }
-        let index = self.known.iter().position(|known| *known == wanted).unwrap_or(self.known.len());
+        };
+        let wrap = if map.is_clamped { Wrap::Clamp } else { Wrap::Repeat };
+        let path = |found: Option<Found>| found.map(|found| found.path);
+        let kind = Kind { colour: path(colour), alpha: path(alpha), encoding, wrap };
+        let index = self.known.iter().position(|known| *known == kind).unwrap_or(self.known.len());
         if index == self.known.len() {
-            let image = self.image(colour, alpha)?;
-            self.read.push(Arc::new(Texture::of(&image, encoding, [Wrap::Repeat; 2])));
-            self.known.push(wanted);
+            let image = self.image(kind.colour.as_deref(), kind.alpha.as_deref())?;
+            self.read.push(Arc::new(Texture::of(&image, encoding, [wrap; 2])));
+            self.known.push(kind);
         }
         let texture = TextureId(index as u32);
-        Ok(Some(TextureSlot { texture, uv_set: 0, transform: Affine2::IDENTITY }))
+        Ok(Some(TextureSlot { texture, uv_set: 0, transform: map.transform() }))
     }
 
     /// One image's colours, white without one, with another as its alpha.
-    fn image(&mut self, colour: Option<&'a str>, alpha: Option<&'a str>) -> Result<Image, SceneError> {
+    fn image(&mut self, colour: Option<&Path>, alpha: Option<&Path>) -> Result<Image, SceneError> {
         let white = Image { width: 1, height: 1, texels: [[255; 4]].into() };
         let colour = colour.map(|path| self.read_image(path)).transpose()?;
         let Some(path) = alpha else { return Ok(colour.unwrap_or(white)) };
         let alpha = self.read_image(path)?;
         let [width, height] =
             colour.as_ref().map_or([alpha.width, alpha.height], |colour| [colour.width, colour.height]);
-        decode::check(width, height).map_err(|what| SceneError::invalid(Path::new(path), what))?;
+        decode::check(width, height).map_err(|what| SceneError::invalid(path, what))?;
         Ok(with_alpha(&colour.unwrap_or(white), &alpha, width, height))
     }
 
-    fn read_image(&mut self, path: &'a str) -> Result<Image, SceneError> {
+    fn read_image(&mut self, path: &Path) -> Result<Image, SceneError> {
         if let Some(image) = self.images.get(path) {
             return Ok(image.clone());
         }
-        let place = Path::new(path);
-        let image = decode::decode(&file::read(place)?).map_err(|what| SceneError::invalid(place, what))?;
-        self.images.insert(path, image.clone());
+        let image = decode::decode(&file::read(path)?).map_err(|what| SceneError::invalid(path, what))?;
+        self.images.insert(path.to_owned(), image.clone());
         Ok(image)
     }
 }
 
-/// What a material says without textures; the error says which value is no number.
-fn constants(material: &tobj::Material) -> Result<Material, String> {
-    let transparency = || material.unknown_param.get("Tr").and_then(|text| text.parse::<f32>().ok());
-    let alpha = material.dissolve.or_else(|| transparency().map(|value| 1.0 - value)).unwrap_or(1.0);
-    let emission_unless_stated = if material.unknown_param.contains_key(EMISSION_MAP) { 1.0 } else { 0.0 };
-    Ok(Material {
-        name: material.name.clone(),
-        base_colour: Vec3::from(material.diffuse.unwrap_or([1.0; 3])).extend(alpha),
-        metallic: number(material, "Pm")?.unwrap_or(0.0),
-        roughness: number(material, "Pr")?.unwrap_or_else(|| roughness(material)),
-        emission: Vec3::from(material.emissive.unwrap_or([emission_unless_stated; 3])),
-        alpha: match (&material.dissolve_texture, alpha) {
+/// What a material says without textures.
+fn constants(stated: &Stated) -> Material {
+    let alpha = stated.dissolve.unwrap_or(1.0);
+    let emission_unless_stated = if stated.emission_map.is_some() { Vec3::ONE } else { Vec3::ZERO };
+    Material {
+        name: stated.name.clone(),
+        base_colour: stated.diffuse.unwrap_or(Vec3::ONE).extend(alpha),
+        metallic: stated.metallic.unwrap_or(0.0),
+        roughness: stated.roughness.unwrap_or_else(|| roughness(stated)),
+        emission: stated.emission.unwrap_or(emission_unless_stated),
+        alpha: match (&stated.dissolve_map, alpha) {
             (Some(_), _) => AlphaMode::Mask(CUTOFF),
             (None, alpha) if alpha < 1.0 => AlphaMode::Blend,
             _ => AlphaMode::Opaque,
         },
         ..Material::default()
-    })
+    }
 }
 
-/// A number that the parser does not know the meaning of.
-fn number(material: &tobj::Material, keyword: &str) -> Result<Option<f32>, String> {
-    let parse = |text: &String| text.parse().map_err(|_| format!("has the {keyword} `{text}`, no number"));
-    material.unknown_param.get(keyword).map(parse).transpose()
-}
-
-/// Perceptual roughness from a Phong exponent n: the microfacet width alpha is sqrt(2 / (n + 2)) (Walter et al. 2007,
-/// "Microfacet Models for Refraction"), and glTF's roughness its square root. No highlight is as rough as can be.
-fn roughness(material: &tobj::Material) -> f32 {
-    let has_highlight = material.specular.is_some_and(|specular| specular.iter().any(|value| *value > 0.0));
-    let exponent = material.shininess.filter(|_| has_highlight).unwrap_or(0.0);
+/// Perceptual roughness from a Phong exponent n: the microfacet width alpha is sqrt(2 / (n + 2)) (Walter et al.
+/// 2007, "Microfacet Models for Refraction"), and glTF's roughness its square root. No highlight is as rough as
+/// can be.
+fn roughness(stated: &Stated) -> f32 {
+    let has_highlight = stated.specular.is_some_and(|specular| specular.max_element() > 0.0);
+    let exponent = stated.exponent.filter(|_| has_highlight).unwrap_or(0.0);
     (2.0 / (exponent.max(0.0) + 2.0)).powf(0.25)
 }
 
@@ -233,13 +171,13 @@ mod tests {
 
     #[test]
     fn a_sharp_highlight_is_smooth_and_none_is_rough() {
-        let material = |specular, shininess| tobj::Material {
-            specular: Some(specular),
-            shininess: Some(shininess),
-            ..tobj::Material::default()
+        let stated = |specular, exponent| Stated {
+            specular: Some(Vec3::splat(specular)),
+            exponent: Some(exponent),
+            ..Stated::default()
         };
-        assert_eq!(roughness(&material([0.0; 3], 100.0)), 1.0);
-        assert!((roughness(&material([0.5; 3], 30.0)) - 0.5).abs() < 1e-6);
+        assert_eq!(roughness(&stated(0.0, 100.0)), 1.0);
+        assert!((roughness(&stated(0.5, 30.0)) - 0.5).abs() < 1e-6);
     }
 
     #[test]

@@ -1,68 +1,107 @@
-//! Wavefront OBJ with MTL materials, parsed by `tobj`. Polygons become fans of triangles. Source: "Object Files (.obj)" and
-//! "MTL material format", Alias|Wavefront Advanced Visualizer manual.
+//! Wavefront OBJ with MTL materials. Source: "Object Files (.obj)" and "MTL material format", Alias|Wavefront
+//! Advanced Visualizer manual.
 //!
-//! The parser trusts its input in a few places and does not say where an error is, so [`lines`] looks at the text first.
+//! What is wrong in one line does not lose the scene: what has a meaning is read, the rest is passed over with a
+//! warning. A face with a corner that there is not, and a vertex without a position, refuse the file, since they
+//! are what damage looks like.
 
-mod lines;
+mod library;
+mod map;
 mod material;
+mod mesh;
+mod parse;
+mod polygon;
+mod statement;
+mod warnings;
 
-use super::{Material, MaterialId, Mesh, Scene, SceneError, file, finish::finish};
+use super::finish::finish;
+use super::{Material, MaterialId, Scene, SceneError, file};
 use crate::memory;
-use glam::{Vec2, Vec3};
 use material::Library;
-use std::path::Path;
+use parse::{Named, Obj};
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+use warnings::Warnings;
 
-/// One index a vertex, triangles only.
-const OPTIONS: tobj::LoadOptions =
-    tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
-
-/// Reads an OBJ file and its material libraries. Faces of a material that is in no library are white and rough.
+/// Reads an OBJ file and its material libraries. Faces of a material that is in no library are white and rough;
+/// the scene's warnings name it.
 ///
 /// # Errors
 /// If the file, a library or a texture is missing or damaged, or if there are more triangles than memory holds.
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
     let bytes = file::read(path)?;
-    let text = String::from_utf8_lossy(&bytes);
+    let text = text(&bytes);
     let most = memory::most_triangles(memory::available());
-    lines::check_faces(&text, most).map_err(|what| SceneError::invalid(path, what))?;
-    let library = Library::new(path);
-    let parsed = tobj::load_obj_buf(&mut text.as_bytes(), &OPTIONS, |name| library.read(name));
-    library.failure()?;
-    let (models, materials) = parsed.map_err(|error| SceneError::invalid(path, error.to_string()))?;
-    let materials = materials.map_err(|error| SceneError::invalid(path, error.to_string()))?;
-    let (mut materials, textures) = material::convert(path, &materials)?;
-    let without = materials.len();
-    if models.iter().any(|model| model.mesh.material_id.is_none()) {
+    let mut warnings = Warnings::default();
+    let obj = parse::parse(&text, most, &mut warnings).map_err(|what| SceneError::invalid(path, what))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut about_libraries = Vec::new();
+    let libraries = libraries(folder, path, &obj.libraries, &mut about_libraries)?;
+    let (mut materials, textures) = material::convert(folder, &libraries)?;
+    let ids = ids(&obj, &materials, &mut warnings);
+    let without = MaterialId(materials.len() as u32);
+    let id = |run: &parse::Run| run.material.and_then(|material| ids[material]).unwrap_or(without);
+    if obj.runs.iter().any(|run| id(run) == without) {
         materials.push(Material { name: "none".to_owned(), ..Material::default() });
     }
-    let meshes = models
-        .into_iter()
-        .map(|model| finish(mesh(model, without)).map_err(|what| SceneError::invalid(path, what)))
-        .collect::<Result<_, _>>()?;
+    let meshes = obj
+        .runs
+        .iter()
+        .map(|run| finish(mesh::mesh(&obj, run, id(run))).map_err(|what| SceneError::invalid(path, what)));
+    let meshes = meshes.collect::<Result<_, _>>()?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(Scene { name, meshes, materials, textures, ..Scene::default() })
+    let mut warnings = warnings.about(path);
+    warnings.append(&mut about_libraries);
+    Ok(Scene { name, meshes, materials, textures, warnings, ..Scene::default() })
 }
 
-/// A mesh from the parser's rows of numbers. Normals, coordinates and colours that only some of the vertices have are
-/// left out. `v` points up in OBJ, down here.
-fn mesh(model: tobj::Model, without_material: usize) -> Mesh {
-    let tobj::Model { mesh, name } = model;
-    let vertices = mesh.positions.len() / 3;
-    let vectors =
-        |values: &[f32]| -> Vec<Vec3> { values.as_chunks::<3>().0.iter().map(|v| Vec3::from(*v)).collect() };
-    let complete = |vectors: Vec<Vec3>| if vectors.len() == vertices { vectors } else { Vec::new() };
-    let uvs: Vec<_> = mesh.texcoords.as_chunks::<2>().0.iter().map(|[u, v]| Vec2::new(*u, 1.0 - v)).collect();
-    let usable = uvs.len() == vertices && uvs.iter().all(|uv| uv.is_finite());
-    let colours = complete(vectors(&mesh.vertex_color));
-    let colours = if colours.iter().all(|colour| colour.is_finite()) { colours } else { Vec::new() };
-    Mesh {
-        name,
-        material: MaterialId(mesh.material_id.unwrap_or(without_material) as u32),
-        positions: vectors(&mesh.positions),
-        normals: complete(vectors(&mesh.normals)),
-        uvs: [if usable { uvs } else { Vec::new() }, Vec::new()],
-        colours: colours.into_iter().map(|colour| colour.extend(1.0)).collect(),
-        triangles: mesh.indices.as_chunks::<3>().0.to_vec(),
-        ..Mesh::default()
+/// Text of a file; what is no UTF-8 in it, as names in older encodings, is replaced.
+fn text(bytes: &[u8]) -> Cow<'_, str> {
+    String::from_utf8_lossy(bytes)
+}
+
+/// The libraries that a file names, each read once.
+fn libraries(
+    folder: &Path,
+    obj: &Path,
+    named: &[Named],
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Library>, SceneError> {
+    let mut libraries: Vec<Library> = Vec::new();
+    for Named { name, line } in named {
+        for path in
+            paths(folder, name).map_err(|what| SceneError::invalid(obj, format!("line {line}: {what}")))?
+        {
+            if libraries.iter().any(|library| library.path == path) {
+                continue;
+            }
+            let mut about = Warnings::default();
+            let materials = library::parse(&text(&file::read(&path)?), &mut about);
+            warnings.append(&mut about.about(&path));
+            libraries.push(Library { path, materials });
+        }
     }
+    Ok(libraries)
+}
+
+/// The files that follow `mtllib`: one whose name has spaces, where there is one, or else several.
+fn paths(folder: &Path, names: &str) -> Result<Vec<PathBuf>, String> {
+    let beside = |name: &str| file::beside(folder, Path::new(""), name.replace('\\', "/"));
+    match beside(names.trim_matches('"')) {
+        Ok(path) if path.is_file() => Ok(vec![path]),
+        _ => names.split_whitespace().map(beside).collect(),
+    }
+}
+
+/// The material of each name that faces use: that of the first library that has it.
+fn ids(obj: &Obj, materials: &[Material], warnings: &mut Warnings) -> Vec<Option<MaterialId>> {
+    let id = |Named { name, line }: &Named| {
+        let found = materials.iter().position(|material| material.name == *name);
+        if found.is_none() {
+            let name = parse::short(name);
+            warnings.add(*line, format!("no library has the material `{name}`; its faces are white"));
+        }
+        found.map(|index| MaterialId(index as u32))
+    };
+    obj.materials.iter().map(id).collect()
 }

@@ -1,6 +1,6 @@
 //! Seeded families of scenes: every seed of a family is another scene of its kind, the same on every run.
 //!
-//! Eleven families are for training and five, of other natures, for testing only; one of each is a table with neutral
+//! Twelve families are for training and five, of other natures, for testing only; one of each is a table with neutral
 //! things, of which synthetic captures are made. Scenes are in metres, compact, and rich
 //! in corners, contacts and thin things, since those are what ambient occlusion is about. Counts and choices rest on
 //! whole numbers; positions use the platform's sine and cosine, so they may differ in the last bit between systems.
@@ -27,6 +27,7 @@ mod shape;
 mod shelves;
 mod sky;
 mod solids;
+mod specimens;
 mod stage;
 mod stairs;
 mod still_life;
@@ -80,6 +81,8 @@ pub enum Family {
     Tabletop,
     /// Things of other shapes in greys on the same table.
     Workbench,
+    /// Things on their own, wide apart on a plain floor.
+    Specimens,
 }
 
 /// What a family may be used for.
@@ -96,7 +99,7 @@ type Build = fn(&mut Stage, &mut Random);
 
 impl Family {
     /// All families, those for training first.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Room,
         Self::Colonnade,
         Self::City,
@@ -108,6 +111,7 @@ impl Family {
         Self::Blobs,
         Self::Stairs,
         Self::Tabletop,
+        Self::Specimens,
         Self::Drapery,
         Self::Cave,
         Self::Playground,
@@ -138,6 +142,7 @@ impl Family {
             Self::Playground => "slides, climbing frames and vehicles",
             Self::Bridge => "truss, trestle and suspension bridges",
             Self::Tabletop => "plain things in greys on a table",
+            Self::Specimens => "things on their own, wide apart",
             Self::Workbench => "things of other shapes in greys on the same table",
         }
     }
@@ -184,6 +189,7 @@ impl Family {
             Self::Playground => ("playground", Split::Test, playground::build),
             Self::Bridge => ("bridge", Split::Test, bridge::build),
             Self::Tabletop => ("tabletop", Split::Train, tabletop::build),
+            Self::Specimens => ("specimens", Split::Train, specimens::build),
             Self::Workbench => ("workbench", Split::Test, workbench::build),
         }
     }

@@ -1,0 +1,106 @@
+//! Radiance HDR images. What a header says of exposure and colour correction was multiplied into the pixels,
+//! and is divided out again, so that texels are radiance (Ward, "The RADIANCE Picture File Format", in the
+//! manual's filefmts). Primaries, view and software mean nothing here.
+
+use super::super::check_size;
+use super::Image;
+use crate::scene::{SceneError, file};
+use glam::Vec3;
+use image::{DynamicImage, ImageDecoder, codecs::hdr::HdrDecoder};
+use std::io::Read;
+use std::path::Path;
+
+/// The most texels that a byte of a file stands for: two bytes repeat one of four values up to 127 times.
+const TEXELS_PER_BYTE: u64 = 16;
+
+/// What the first line of a file says, that of Radiance first.
+const SIGNATURES: [&[u8]; 2] = [b"#?RADIANCE", b"#?RGBE"];
+
+/// Reads a file.
+pub(super) fn read(path: &Path) -> Result<Image, SceneError> {
+    let bytes = file::read(path)?;
+    decoded(&bytes).map_err(|what| SceneError::invalid(path, what))
+}
+
+fn decoded(bytes: &[u8]) -> Result<Image, String> {
+    let damaged = |error: image::ImageError| format!("not a usable Radiance HDR image: {error}");
+    let decoder = HdrDecoder::new(with_the_first_signature(bytes)).map_err(damaged)?;
+    let (width, height) = decoder.dimensions();
+    // Before memory is taken for what the header promises.
+    check_size(width as usize, height as usize)?;
+    if u64::from(width) * u64::from(height) > bytes.len() as u64 * TEXELS_PER_BYTE {
+        return Err(format!("promises {width} x {height} texels in {} bytes", bytes.len()));
+    }
+    let header = decoder.metadata();
+    let exposure = Vec3::splat(header.exposure.unwrap_or(1.0));
+    let correction = header.color_correction.map_or(Vec3::ONE, Vec3::from);
+    let multiplied = exposure * correction;
+    if !(multiplied.is_finite() && multiplied.min_element() > 0.0) {
+        return Err(format!("its EXPOSURE and COLORCORR multiply to {multiplied}, not to numbers above 0"));
+    }
+    let image = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb32f();
+    let texels = image.pixels().map(|pixel| Vec3::from_array(pixel.0) / multiplied).collect();
+    Ok(Image { width: width as usize, height: height as usize, texels })
+}
+
+/// The bytes of a file of any of the signatures as if it had the first, the only one that the decoder knows.
+fn with_the_first_signature(bytes: &[u8]) -> impl Read {
+    let end = bytes.iter().position(|byte| *byte == b'\n').unwrap_or(bytes.len());
+    let (line, rest) = bytes.split_at(end);
+    let known = SIGNATURES.contains(&line.trim_ascii_end());
+    let first = if known { SIGNATURES[0] } else { line };
+    first.chain(rest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two texels of (1, 0.5, 0.25), below a header.
+    fn image(header: &str) -> Result<Vec<Vec3>, String> {
+        let texel = [128, 64, 32, 129];
+        let bytes = [header.as_bytes(), b"\n-Y 1 +X 2\n", &texel, &texel].concat();
+        decoded(&bytes).map(|image| image.texels)
+    }
+
+    #[test]
+    fn exposure_and_colour_correction_are_divided_out() {
+        let texel = Vec3::new(1.0, 0.5, 0.25);
+        for (lines, expected) in [
+            ("", texel),
+            ("EXPOSURE=2\n", texel / 2.0),
+            ("EXPOSURE= 2.0\nEXPOSURE=4\n", texel / 8.0),
+            ("EXPOSURE=1e-3\n", texel * 1e3),
+            ("COLORCORR=1 2 4\n", texel / Vec3::new(1.0, 2.0, 4.0)),
+            ("COLORCORR=2 1 1\nEXPOSURE=0.5\nCOLORCORR=1 1 4\n", texel * Vec3::new(1.0, 2.0, 0.5)),
+            ("PRIMARIES=0.64 0.33 0.3 0.6 0.15 0.06 0.3127 0.329\nGAMMA=2.2\npfilt -e 3\n", texel),
+        ] {
+            let header = format!("#?RADIANCE\n{lines}FORMAT=32-bit_rle_rgbe\n");
+            let found = image(&header).expect("an image");
+            assert!(
+                found.iter().all(|found| (*found / expected - 1.0).abs().max_element() < 1e-6),
+                "{lines}: {found:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn both_signatures_are_known_and_no_other() {
+        for signature in ["#?RADIANCE", "#?RGBE", "#?RGBE\r", "#?RADIANCE "] {
+            let found = image(&format!("{signature}\n# a comment\nFORMAT=32-bit_rle_rgbe\n"));
+            assert_eq!(found.expect(signature), [Vec3::new(1.0, 0.5, 0.25); 2]);
+        }
+        for signature in ["#?NOTRAD", "RGBE", "#?RGBEX", ""] {
+            let error = image(&format!("{signature}\nFORMAT=32-bit_rle_rgbe\n")).expect_err(signature);
+            assert!(error.contains("signature"), "{signature}: {error}");
+        }
+    }
+
+    #[test]
+    fn an_exposure_that_is_none_is_refused_by_name() {
+        for line in ["EXPOSURE=0", "EXPOSURE=-1", "EXPOSURE=inf", "COLORCORR=1 0 1", "EXPOSURE=bright"] {
+            let error = image(&format!("#?RADIANCE\n{line}\n")).expect_err(line);
+            assert!(error.contains("EXPOSURE") || error.contains("COLORCORR"), "{line}: {error}");
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! The statements of an OBJ file: vertices, and faces in runs of one object and one material.
+
+use super::statement::{parts, statements};
+use super::warnings::Warnings;
+use glam::{Vec2, Vec3, Vec4};
+
+/// Stands for a texture coordinate or a normal that a corner does not have.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// A corner of a face: places in the lists of the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Corner {
+    pub position: u32,
+    /// Or [`NONE`].
+    pub uv: u32,
+    /// Or [`NONE`].
+    pub normal: u32,
+}
+
+/// Faces of one object and one material.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub(super) struct Run {
+    /// What the file calls the object or the group.
+    pub name: String,
+    /// Place in [`Obj::materials`].
+    pub material: Option<usize>,
+    /// Corners of all faces, one face after the other.
+    pub corners: Vec<Corner>,
+    /// How many of them each face has, three at least.
+    pub sides: Vec<u32>,
+}
+
+/// A name in a file, and the line that it is in.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Named {
+    pub name: String,
+    pub line: usize,
+}
+
+/// An OBJ file.
+#[derive(Debug, Default)]
+pub(super) struct Obj {
+    /// As the file has them, maybe not finite.
+    pub positions: Vec<Vec3>,
+    /// Of each vertex, not a number where it has none; empty where no vertex has one. As the file has them.
+    pub colours: Vec<Vec4>,
+    /// `v` up.
+    pub uvs: Vec<Vec2>,
+    pub normals: Vec<Vec3>,
+    pub runs: Vec<Run>,
+    /// Names that `usemtl` uses, each once.
+    pub materials: Vec<Named>,
+    /// What follows `mtllib`: a name, or several.
+    pub libraries: Vec<Named>,
+}
+
+/// How many elements a file has.
+#[derive(Clone, Copy, Debug, Default)]
+struct Counts {
+    positions: usize,
+    uvs: usize,
+    normals: usize,
+}
+
+/// Reads a file of at most so many triangles.
+///
+/// # Errors
+/// If a face has a corner that there is not, a vertex has no position, or there are more triangles; the line is
+/// named.
+pub(super) fn parse(text: &str, most: usize, warnings: &mut Warnings) -> Result<Obj, String> {
+    let counts = counts(text, most)?;
+    let mut reader = Reader { counts, warnings, obj: Obj::default(), run: Run::default() };
+    for (line, statement) in statements(text) {
+        let (keyword, rest) = parts(&statement);
+        reader.read(line, keyword, rest)?;
+    }
+    reader.end_run();
+    let mut obj = reader.obj;
+    if !obj.colours.is_empty() {
+        obj.colours.resize(obj.positions.len(), Vec4::NAN);
+    }
+    Ok(obj)
+}
+
+/// How many elements there are: faces may name those below them.
+fn counts(text: &str, most: usize) -> Result<Counts, String> {
+    let (mut counts, mut triangles) = (Counts::default(), 0);
+    for (line, statement) in statements(text) {
+        let (keyword, rest) = parts(&statement);
+        match keyword {
+            "v" => counts.positions += 1,
+            "vt" => counts.uvs += 1,
+            "vn" => counts.normals += 1,
+            "f" | "fo" => triangles += rest.split_ascii_whitespace().count().saturating_sub(2),
+            _ => {}
+        }
+        if triangles > most {
+            return Err(format!("line {line}: there are more triangles than the {most} that memory holds"));
+        }
+    }
+    Ok(counts)
+}
+
+struct Reader<'a> {
+    counts: Counts,
+    warnings: &'a mut Warnings,
+    obj: Obj,
+    /// Faces since the last object, group or material.
+    run: Run,
+}
+
+impl Reader<'_> {
+    fn read(&mut self, line: usize, keyword: &str, rest: &str) -> Result<(), String> {
+        match keyword {
+            "v" => self.vertex(line, rest)?,
+            "vt" => {
+                let [u, v] = self.numbers(line, keyword, rest);
+                self.obj.uvs.push(Vec2::new(u, v));
+            }
+            "vn" => {
+                let normal = self.numbers(line, keyword, rest);
+                self.obj.normals.push(Vec3::from(normal));
+            }
+            "f" | "fo" => self.face(line, rest)?,
+            "o" | "g" => {
+                self.end_run();
+                self.run.name = rest.to_owned();
+            }
+            "usemtl" if rest.is_empty() => self.warnings.add(line, "`usemtl` without a name is passed over"),
+            "usemtl" => self.material(line, rest),
+            "mtllib" if rest.is_empty() => self.warnings.add(line, "`mtllib` without a name is passed over"),
+            "mtllib" => self.obj.libraries.push(Named { name: rest.to_owned(), line }),
+            "l" | "p" => self.warnings.add(line, "lines and points have no surface and are left out"),
+            "curv" | "curv2" | "surf" => self.warnings.add(line, "free-form geometry is left out"),
+            // Smoothing, levels of detail, grouping, and what belongs to free-form geometry.
+            "s" | "mg" | "lod" | "bevel" | "c_interp" | "d_interp" | "vp" | "cstype" | "deg" | "bmat"
+            | "step" | "parm" | "trim" | "hole" | "scrv" | "sp" | "end" | "con" | "shadow_obj"
+            | "trace_obj" | "ctech" | "stech" | "maplib" | "usemap" => {}
+            _ => self.warnings.add(line, format!("`{}` is passed over", short(keyword))),
+        }
+        Ok(())
+    }
+
+    /// A vertex: position; a weight, which polygons do not have, where one number follows; a colour where three
+    /// or more do.
+    fn vertex(&mut self, line: usize, rest: &str) -> Result<(), String> {
+        let mut numbers = [f32::NAN; 7];
+        let mut count = 0;
+        for (number, word) in numbers.iter_mut().zip(rest.split_ascii_whitespace()) {
+            let Ok(read) = word.parse() else { break };
+            *number = read;
+            count += 1;
+        }
+        let [x, y, z, r, g, b, a] = numbers;
+        if count < 3 {
+            return Err(format!("line {line}: `v {}` is no position of three numbers", short(rest)));
+        }
+        if count == 5 || rest.split_ascii_whitespace().nth(count).is_some() {
+            self.warnings.add(line, "what follows a vertex's position is passed over where it is no colour");
+        }
+        if count >= 6 {
+            self.obj.colours.resize(self.obj.positions.len(), Vec4::NAN);
+            self.obj.colours.push(Vec4::new(r, g, b, if count == 7 { a } else { 1.0 }));
+        }
+        self.obj.positions.push(Vec3::new(x, y, z));
+        Ok(())
+    }
+
+    /// The first numbers of a line, 0 for those that are missing or are none.
+    fn numbers<const N: usize>(&mut self, line: usize, keyword: &str, rest: &str) -> [f32; N] {
+        let words = rest.split_ascii_whitespace();
+        let read = |word: &str| word.parse().ok().filter(|number: &f32| number.is_finite());
+        let (mut numbers, mut count, mut is_whole) = ([0.0; N], 0, true);
+        for (number, word) in numbers.iter_mut().zip(words) {
+            is_whole &= read(word).is_some();
+            *number = read(word).unwrap_or(0.0);
+            count += 1;
+        }
+        // A texture coordinate may be of one number.
+        is_whole &= count == N || (keyword == "vt" && count == 1);
+        if !is_whole {
+            self.warnings.add(line, format!("`{keyword}` is read as 0 where it has no number"));
+        }
+        numbers
+    }
+
+    fn face(&mut self, line: usize, rest: &str) -> Result<(), String> {
+        let begin = self.run.corners.len();
+        for word in rest.split_ascii_whitespace() {
+            let unknown = || format!("line {line}: there is no vertex `{}`", short(word));
+            let corner = self.corner(word).ok_or_else(unknown)?;
+            self.run.corners.push(corner);
+        }
+        let sides = self.run.corners.len() - begin;
+        if sides < 3 {
+            self.run.corners.truncate(begin);
+            self.warnings.add(line, "faces of fewer than three corners are left out");
+        } else {
+            self.run.sides.push(sides as u32);
+        }
+        Ok(())
+    }
+
+    /// A corner `v`, `v/vt`, `v//vn` or `v/vt/vn`; nothing where one of them is not there.
+    fn corner(&self, word: &str) -> Option<Corner> {
+        let mut indices = word.split('/');
+        let position = index(indices.next()?, self.counts.positions, self.obj.positions.len())?;
+        let optional = |text: Option<&str>, total: usize, above: usize| match text {
+            None | Some("") => Some(NONE),
+            Some(text) => index(text, total, above),
+        };
+        let uv = optional(indices.next(), self.counts.uvs, self.obj.uvs.len())?;
+        let normal = optional(indices.next(), self.counts.normals, self.obj.normals.len())?;
+        indices.next().is_none().then_some(Corner { position, uv, normal })
+    }
+
+    fn material(&mut self, line: usize, name: &str) {
+        let known = self.obj.materials.iter().position(|material| material.name == name);
+        let material = known.unwrap_or(self.obj.materials.len());
+        if known.is_none() {
+            self.obj.materials.push(Named { name: name.to_owned(), line });
+        }
+        if self.run.material != Some(material) {
+            self.end_run();
+            self.run.material = Some(material);
+        }
+    }
+
+    /// Puts the run with the others, if it has a face, and begins one of the same object and material.
+    fn end_run(&mut self) {
+        let (name, material) = (self.run.name.clone(), self.run.material);
+        if !self.run.sides.is_empty() {
+            self.obj.runs.push(std::mem::take(&mut self.run));
+        }
+        self.run = Run { name, material, ..Run::default() };
+    }
+}
+
+/// The place of an element that counts from 1, or, where negative, back from the last one above the line.
+fn index(text: &str, total: usize, above: usize) -> Option<u32> {
+    let index: i64 = text.parse().ok()?;
+    let place = if index < 0 { above as i64 + index } else { index - 1 };
+    let last = if index < 0 { above } else { total };
+    (0..last as i64).contains(&place).then_some(place).and_then(|place| u32::try_from(place).ok())
+}
+
+/// The beginning of a text, for messages.
+pub(super) fn short(text: &str) -> &str {
+    text.char_indices().nth(40).map_or(text, |(at, _)| &text[..at])
+}
+
+#[cfg(test)]
+mod tests;

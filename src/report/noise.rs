@@ -1,0 +1,63 @@
+//! Which methods cannot be told apart, since truth differs from itself by more than they do.
+
+use super::summary::{Kind, Line};
+
+/// Groups of methods, given by name and SSIM, of which no two differ by as much as truth's own noise: by what its halves
+/// lack of an SSIM of 1. The best is in the first group; who is alike to nobody is in none.
+pub fn alike<'a>(scores: &[(&'a str, f64)], ceiling: f64) -> Vec<Vec<&'a str>> {
+    let mut sorted: Vec<(&str, f64)> = scores.iter().copied().filter(|(_, ssim)| ssim.is_finite()).collect();
+    sorted.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut groups: Vec<(f64, Vec<&str>)> = Vec::new();
+    for (name, ssim) in sorted {
+        match groups.last_mut() {
+            Some((best, names)) if *best - ssim < 1.0 - ceiling => names.push(name),
+            _ => groups.push((ssim, vec![name])),
+        }
+    }
+    groups.into_iter().map(|(_, names)| names).filter(|names| names.len() > 1).collect()
+}
+
+/// That in a sentence, with what makes truth's noise less; `None` where all are told apart.
+pub fn in_words(scores: &[(&str, f64)], ceiling: f64) -> Option<String> {
+    let groups: Vec<String> = alike(scores, ceiling).into_iter().map(|names| names.join(" and ")).collect();
+    (!groups.is_empty()).then(|| {
+        format!(
+            "within truth's noise, {:.3} of SSIM: {}; truth has less of it with a smaller --error or more --samples",
+            1.0 - ceiling,
+            groups.join("; ")
+        )
+    })
+}
+
+/// As [`in_words`], of the lines of a table.
+pub fn said(lines: &[Line]) -> Option<String> {
+    let ceiling = lines.iter().find(|line| line.kind == Kind::Ceiling)?.scores.ssim;
+    let methods = lines.iter().filter(|line| line.kind == Kind::Method);
+    let scores: Vec<(&str, f64)> = methods.map(|line| (line.name.as_str(), line.scores.ssim)).collect();
+    in_words(&scores, ceiling)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn methods_that_differ_by_less_than_truths_halves_are_not_told_apart() {
+        let scores = [("hbao", 0.90), ("learned", 0.95), ("gtao", 0.94), ("ssao", 0.80), ("aov", 0.925)];
+        assert_eq!(alike(&scores, 0.995), Vec::<Vec<&str>>::new(), "truth is sharp enough for all");
+        assert_eq!(alike(&scores, 0.985), [["learned", "gtao"]]);
+        // A group reaches as far below its best as the noise, so that any two of it are within the noise.
+        assert_eq!(alike(&scores, 0.97), [vec!["learned", "gtao", "aov"]]);
+        assert_eq!(alike(&scores, 0.94), [vec!["learned", "gtao", "aov", "hbao"]]);
+        assert_eq!(alike(&[("a", 0.9), ("b", 0.9)], 1.0), Vec::<Vec<&str>>::new(), "truth has no noise");
+        assert_eq!(alike(&[("a", f64::NAN), ("b", 0.9)], 0.5), Vec::<Vec<&str>>::new());
+    }
+
+    #[test]
+    fn what_is_within_noise_is_said_with_the_option_that_lessens_it() {
+        let said = in_words(&[("gtao", 0.95), ("hbao", 0.94)], 0.9).expect("within noise");
+        assert!(said.starts_with("within truth's noise, 0.100 of SSIM: gtao and hbao"), "{said}");
+        assert!(said.contains("--error"), "{said}");
+        assert_eq!(in_words(&[("gtao", 0.95), ("hbao", 0.94)], 0.999), None);
+    }
+}

@@ -1,0 +1,66 @@
+//! What is trained on: pairs that are there, or a recipe's views as they are rendered.
+
+use super::{Args, words};
+use crate::place::Folder;
+use anyhow::{Result, bail};
+use deepshade_dataset::{Manifest, Recipe};
+use deepshade_train::{Outcome, PairSource, TrainConfig};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What is trained on.
+pub struct Source {
+    /// What makes the pairs, or has made them.
+    pub recipe: Recipe,
+    /// The recipe's file, or the dataset's folder.
+    pub path: PathBuf,
+    /// The pairs that are there; none where they are rendered.
+    pairs: Option<Pairs>,
+}
+
+/// Pairs that are there.
+struct Pairs {
+    source: Arc<dyn PairSource>,
+    /// What is to be said of those held apart.
+    warning: Option<String>,
+    /// What was fetched stays where it is as long as this does.
+    _folder: Folder,
+}
+
+impl Source {
+    /// What the command line names.
+    ///
+    /// # Errors
+    /// If it cannot be read, or nothing is named.
+    pub fn open(args: &Args) -> Result<Self> {
+        if let Some(path) = &args.recipe {
+            return Ok(Self { recipe: Recipe::load(path)?, path: path.clone(), pairs: None });
+        }
+        let Some(dataset) = &args.dataset else { bail!("--dataset or --recipe says what is trained on") };
+        let (folder, source) = dataset.pairs()?;
+        let manifest = Manifest::load(&folder)?;
+        let warning = words::held_apart(&manifest.pairs);
+        let path = folder.to_path_buf();
+        let pairs = Some(Pairs { source, warning, _folder: folder });
+        Ok(Self { recipe: manifest.origin.recipe, path, pairs })
+    }
+
+    /// What is to be said of the pairs held apart, where they tell little.
+    pub fn warning(&self, config: &TrainConfig) -> Option<String> {
+        match &self.pairs {
+            Some(pairs) => pairs.warning.clone(),
+            None => words::held_apart_of_stream(&self.recipe, config.validation_pairs),
+        }
+    }
+
+    /// Trains on it, in the folder of a run.
+    ///
+    /// # Errors
+    /// As [`deepshade_train::train_on`] and [`deepshade_train::train_streamed`].
+    pub fn train(&self, config: &TrainConfig, run: &Path) -> Result<Outcome> {
+        Ok(match &self.pairs {
+            Some(pairs) => deepshade_train::train_on(config, Arc::clone(&pairs.source), run)?,
+            None => deepshade_train::train_streamed(config, &self.recipe, run)?,
+        })
+    }
+}
