@@ -15,8 +15,8 @@ use crate::interrupt::{self, Interrupted};
 use crate::place::Place;
 use anyhow::{Result, ensure};
 use choices::{KERNELS_DECAY, LastLayer, Method, Order};
-use deepshade_dataset::recipe::Resolution;
 use deepshade_dataset::Recipe;
+use deepshade_dataset::recipe::Resolution;
 use deepshade_infer::{ChannelOrder, Estimate, NetSpec, Reach};
 use deepshade_shaders::similarity::TILE;
 use deepshade_train::config::MOST_MINUTES;
@@ -205,7 +205,12 @@ pub fn run(args: &Args) -> Result<()> {
 /// Why a run ended that was asked to, and what it has kept.
 fn interrupted(args: &Args, step: usize, config: &TrainConfig) -> anyhow::Error {
     let (run, steps) = (&args.out, config.steps);
-    Interrupted { kept: format!("{run}: interrupted at step {step} of {steps}, which is kept; the same command goes on") }.into()
+    Interrupted {
+        kept: format!(
+            "{run}: interrupted at step {step} of {steps}, which is kept; the same command goes on"
+        ),
+    }
+    .into()
 }
 
 /// The settings with as many steps as fit into the minutes that are stated, where no number of them is; a run
@@ -261,7 +266,9 @@ fn config(args: &Args, recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
         data.display()
     );
     let base = match network {
-        Network::Paper => default_config(recipe, data, args.order.into(), diagonal_share(args, recipe, data)?)?,
+        Network::Paper => {
+            default_config(recipe, data, args.order.into(), diagonal_share(args, recipe, data)?)?
+        }
         Network::Corrected => corrected_config(args, recipe, data)?,
     };
     ensure!(

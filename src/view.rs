@@ -184,7 +184,7 @@ fn no_window(error: &eframe::Error) -> anyhow::Error {
     match error {
         eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => anyhow!(
             "no window: {}; on a machine without a screen `xvfb-run -a deepshade view` has one (package xvfb)",
-            without_source(&error.to_string())
+            without_source(&error.to_string()).trim_end_matches('.')
         ),
         other => anyhow!("no window: {other}"),
     }
@@ -229,7 +229,8 @@ mod tests {
 
     #[test]
     fn what_is_said_where_there_is_no_screen_names_no_source_file() {
-        let said = "winit EventLoopError: os error at /home/a/winit-0.30/src/linux/mod.rs:765: no DISPLAY is set";
+        let said =
+            "winit EventLoopError: os error at /home/a/winit-0.30/src/linux/mod.rs:765: no DISPLAY is set";
         assert_eq!(without_source(said), "no DISPLAY is set");
         assert_eq!(without_source("another: error"), "another: error");
     }
@@ -247,9 +248,13 @@ mod tests {
             let text = text.split("#[cfg(test)]").next().unwrap_or_default();
             let count = |what: &[&str]| what.iter().map(|what| text.matches(what).count()).sum::<usize>();
             let pressed = count(&["ui.button(", "ui.small_button(", "ui.checkbox(", "ui.selectable_label("]);
-            let set = count(&["ui.add(", "ui.add_enabled(", "ui.selectable_value(", ".show_ui(", "ui.collapsing("]);
+            let set =
+                count(&["ui.add(", "ui.add_enabled(", "ui.selectable_value(", ".show_ui(", "ui.collapsing("]);
             let explained = count(&[".on_hover_text("]);
-            assert!(pressed + set > 0 && pressed + set == explained, "{name}: {pressed} + {set}, {explained}");
+            assert!(
+                pressed + set > 0 && pressed + set == explained,
+                "{name}: {pressed} + {set}, {explained}"
+            );
         }
     }
 

@@ -3,7 +3,7 @@
 mod outside;
 
 use crate::arguments::place;
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::builder::RangedU64ValueParser;
 use deepshade_dataset::views::whole::is_place;
 use deepshade_dataset::views::{inside_geometry, sample_view};
@@ -190,7 +190,8 @@ fn first(scene: &TracedScene, size: [usize; 2], seed: u32) -> Result<View> {
 
 /// A view that a dataset could hold.
 fn sampled(scene: &TracedScene, size: [usize; 2], seed: u32, index: usize) -> Result<View> {
-    let camera = sample_view(scene, size, seed, 0, index).with_context(|| STATE_ONE)?;
+    let camera = sample_view(scene, size, seed, 0, index);
+    let camera = camera.map_err(|error| anyhow!("{error}; {STATE_ONE}"))?;
     Ok(View { name: format!("{}, view {index}", scene.scene().name), camera })
 }
 

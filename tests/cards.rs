@@ -1,7 +1,8 @@
 //! What the cards of shipped networks say of their data: that they were trained and tested on scenes that are apart.
 
 use deepshade_dataset::Recipe;
-use deepshade_infer::Model;
+use deepshade_dataset::vary::Surroundings;
+use deepshade_infer::{Model, TrainedUnder};
 use deepshade_render::scene::procedural::{Family, Split};
 use deepshade_shaders::Effect;
 use serde_json::Value;
@@ -81,6 +82,23 @@ fn no_network_was_tested_on_scenes_that_it_was_trained_on() {
         assert!(frames >= LEAST_FRAMES, "{name}: {frames} frames");
         assert_eq!(row(&card, "Weights"), spec.weight_count().to_string(), "{name}");
     }
+}
+
+#[test]
+fn networks_that_know_one_environment_state_that_of_their_recipe() {
+    let mut stated = 0;
+    for (name, folder) in shipped() {
+        let card = std::fs::read_to_string(folder.join("card.md")).expect("a card");
+        let vary = recipe(&named(&card)).vary;
+        let sky = vary.and_then(|vary| vary.environment).map(|environment| match environment {
+            Surroundings::Sky(number) => TrainedUnder::Sky(number),
+            Surroundings::File(path) => panic!("{name}: {} is no file of the project", path.display()),
+        });
+        let spec = Model::load(&folder).expect("a model").spec;
+        assert_eq!(spec.environment, sky, "{name}");
+        stated += usize::from(sky.is_some());
+    }
+    assert_eq!(stated, 2, "do and ibl");
 }
 
 #[test]

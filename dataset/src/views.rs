@@ -348,12 +348,12 @@ fn widened(bounds: Bounds) -> Bounds {
 }
 
 #[cfg(test)]
-pub mod tests {
+mod tests {
     use super::*;
     use deepshade_render::scene::{Material, Mesh, Scene};
 
     /// An axis-aligned box whose triangles face outwards, or inwards.
-    pub fn block(min: Vec3, max: Vec3, outwards: bool) -> Mesh {
+    pub(super) fn block(min: Vec3, max: Vec3, outwards: bool) -> Mesh {
         let corner = |i: usize| Vec3::select(glam::BVec3::new(i & 1 == 1, i & 2 == 2, i & 4 == 4), max, min);
         let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
         let mut triangles: Vec<[u32; 3]> =
@@ -364,7 +364,7 @@ pub mod tests {
         Mesh { positions: (0..8).map(corner).collect(), triangles, ..Mesh::default() }
     }
 
-    pub fn traced(meshes: Vec<Mesh>) -> TracedScene {
+    pub(super) fn traced(meshes: Vec<Mesh>) -> TracedScene {
         let scene = Scene {
             name: "boxes".into(),
             meshes: meshes.into(),

@@ -6,11 +6,11 @@
 
 mod blocks;
 mod check;
-mod deep;
 mod image;
 mod layers;
 mod names;
 mod nothing;
+mod plain;
 mod read;
 mod windows;
 mod write;

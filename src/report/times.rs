@@ -38,12 +38,12 @@ fn in_words(milliseconds: Option<f64>) -> String {
 }
 
 #[cfg(test)]
-pub mod tests {
+mod tests {
     use super::*;
     use deepshade_render::metrics::Scores;
 
     /// A line of a method on a device.
-    pub fn line(name: &str, device: &str, milliseconds: f64, ssim: f64) -> Line {
+    fn line(name: &str, device: &str, milliseconds: f64, ssim: f64) -> Line {
         Line {
             name: name.to_owned(),
             label: name.to_owned(),

@@ -65,12 +65,17 @@ pub fn diagonal_share(args: &Args, recipe: &Recipe, data: &Path) -> Result<f32> 
     match (args.diagonal_share, recipe.radius) {
         (Some(share), _) | (None, Radius::Diagonal(share)) => Ok(share),
         (None, Radius::Pixels(_) | Radius::MetresBetween(_)) => Ok(USUAL_SHARE),
-        (None, Radius::Metres(metres)) => share::of_metres(recipe, metres).with_context(|| {
-            format!(
-                "{}: the recipe states the radius in metres; --diagonal-share says what the network's default is to be",
-                data.display()
-            )
-        }),
+        (None, Radius::Metres(metres)) => {
+            let share = share::of_metres(recipe, metres).with_context(|| {
+                let data = data.display();
+                format!("{data}: its radius is in metres; --diagonal-share states the network's default")
+            })?;
+            note!(
+                "a radius of {metres} m is {:.1} % of the diagonal of the recipe's scenes: the network's default",
+                100.0 * share
+            );
+            Ok(share)
+        }
     }
 }
 

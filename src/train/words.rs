@@ -13,7 +13,8 @@ pub fn beginning(config: &TrainConfig, data: &Path) -> String {
     format!("training a network for {effect} on {data}: {weights} weights, crops of {} pixels", config.crop)
 }
 
-/// What is to be said of pairs held apart that show too little to judge a network by; nothing where they are of several scenes.
+/// What is to be said of pairs held apart that show too little to judge a network by; nothing where they are of
+/// several scenes.
 pub fn held_apart(pairs: &[PairRecord]) -> Option<String> {
     let of = |part: Part| -> HashSet<_> {
         pairs.iter().filter(|pair| pair.part == part).map(|pair| &pair.scene.source).collect()
@@ -22,8 +23,8 @@ pub fn held_apart(pairs: &[PairRecord]) -> Option<String> {
     let scene = held.iter().next().filter(|_| held.len() == 1)?;
     let how = if trained.contains(scene) { "which is trained on, too" } else { "and no other" };
     Some(format!(
-        "warning: all pairs held apart for validation are of {scene}, {how}: the best network is chosen by it alone; \
-         more scenes, or a larger `validation_share` in the recipe, say more"
+        "warning: all pairs held apart for validation are of {scene}, {how}: \
+         the best network is chosen by it alone; more scenes, or a larger `validation_share` in the recipe, say more"
     ))
 }
 
@@ -32,8 +33,8 @@ pub fn held_apart_of_stream(recipe: &Recipe, pairs: usize) -> Option<String> {
     let views = recipe.views_per_scene;
     (pairs <= views).then(|| {
         format!(
-            "warning: {pairs} pairs held apart for validation are of one scene, since a scene has {views} views: the best network \
-             is chosen by it alone; a larger --validation-pairs says more"
+            "warning: {pairs} pairs held apart for validation are of one scene, since a scene has {views} views: \
+             the best network is chosen by it alone; a larger --validation-pairs says more"
         )
     })
 }

@@ -211,7 +211,7 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
         return;
     }
     let is_endless = window.timeline().is_some_and(|[_, end]| end.is_infinite());
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let state = &mut window.state;
         let rate = DragValue::new(&mut state.film_rate).range(1.0..=240.0).suffix(" frames/s");
         ui.add(rate).on_hover_text("of the film");

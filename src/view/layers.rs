@@ -124,7 +124,7 @@ fn attribute(layer: &str) -> Option<Attribute> {
 pub fn show(ui: &mut Ui, window: &mut Window) {
     let Some(opened) = window.opened.clone() else { return };
     ui.separator();
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.strong(&opened.name);
         if ui.small_button("close").on_hover_text("looks at the methods alone again").clicked() {
             window.close_layers();

@@ -57,7 +57,7 @@ fn numbers(ui: &mut Ui, light: &mut Light, own: &Light, step: Option<f32>) {
 fn placed(ui: &mut Ui, light: &mut Light, step: f32) {
     if let Some(mut place) = light.position() {
         let mut changed = false;
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             for (value, hint) in
                 place.as_mut().iter_mut().zip(["x, to the right", "y, up", "z, to the front"])
             {

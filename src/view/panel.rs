@@ -25,9 +25,9 @@ const SAID: f32 = 0.3;
 pub fn show(ui: &mut Ui, window: &mut Window) {
     keys(ui, window);
     said(ui, window);
-    // A bar that is always there tells that there is more below, and what is too wide can be reached.
+    // A bar that is always there tells that there is more below.
     ui.spacing_mut().scroll = ScrollStyle::solid();
-    ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         scene(ui, window);
         lights::show(ui, window);
         ui.separator();
@@ -101,7 +101,7 @@ fn scene(ui: &mut Ui, window: &mut Window) {
             }
         });
     }
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let hint = "the camera where it was when the scene was opened";
         if ui.button("back to the first view").on_hover_text(hint).clicked() {
             window.state.pilot = Some(subject.pilot);
@@ -124,7 +124,7 @@ const MOMENT: &str = "the moment of the animation that is shown";
 
 /// The moment that is shown: on a line where time has an end, else as a number.
 fn timeline(ui: &mut Ui, state: &mut State, [begin, end]: [f32; 2]) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.checkbox(&mut state.playing, "plays").on_hover_text("whether time goes on: space");
         if end.is_finite() {
             let slider =
@@ -180,7 +180,7 @@ fn effect(ui: &mut Ui, window: &mut Window) {
     let (Some(picture), Some(subject)) = (&window.picture, &window.subject) else { return };
     if listeners::RADIUS.contains(&wanted) {
         let mut radius = state.show.radius.unwrap_or(picture.radius);
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             let range = 1e-3 * subject.diagonal..=subject.diagonal;
             let slider = Slider::new(&mut radius, range).clamping(SliderClamping::Edits);
             let slider = ui.add(slider.logarithmic(true).suffix(" m").text("radius"));
@@ -201,7 +201,7 @@ fn effect(ui: &mut Ui, window: &mut Window) {
 
 fn look(ui: &mut Ui, window: &mut Window) {
     let state = &mut window.state;
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         for arrangement in Arrangement::ALL {
             let hint = match arrangement {
                 Arrangement::Wipe => "images over each other, with borders that can be dragged",
@@ -244,7 +244,7 @@ fn look(ui: &mut Ui, window: &mut Window) {
         }
     });
     choice.response.on_hover_text("what methods read, as an image beside theirs");
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let [height, width] = &mut state.show.size;
         let edge =
             |value, most| DragValue::new(value).range(*EDGES.start()..=most).clamp_existing_to_range(false);
@@ -256,7 +256,7 @@ fn look(ui: &mut Ui, window: &mut Window) {
 }
 
 fn truth(ui: &mut Ui, window: &mut Window) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let hint = "whether truth is path-traced while nothing moves: T";
         ui.checkbox(&mut window.state.truth, "truth, up to").on_hover_text(hint);
         let samples = DragValue::new(&mut window.state.samples).range(8..=16_384);

@@ -29,7 +29,7 @@ fn row(ui: &mut Ui, state: &mut State, method: &'static str, dial: &Dial) {
     let changed = state.show.changes.get(method).and_then(|changes| changes.0.get(&dial.name));
     let changed = changed.and_then(|setting| dial.number(setting).ok());
     let mut value = changed.unwrap_or(dial.usual);
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let response = match &dial.values {
             Values::Switch => {
                 let mut on = value == 1.0;

@@ -232,7 +232,7 @@ impl Window {
 /// What hands can train, or stop.
 pub fn show(ui: &mut Ui, window: &mut Window) {
     if let Some(trainer) = &window.trainer {
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             ui.label(format!("training {}", trainer.folder.display()));
             let hint = "the same wish goes on from its newest checkpoint; the window's end stops it, too";
             if ui.button("stop").on_hover_text(hint).clicked() {

@@ -270,7 +270,7 @@ impl<'a> Run<'a> {
     fn gauge(&self) -> Gauge {
         let TrainConfig { minutes, fitted, steps, .. } = *self.config;
         let (done, seconds) = (self.progress.step, |minutes: f64| Duration::from_secs_f64(60.0 * minutes));
-        // Of a run that goes on the rest of the steps is left, and as much of the time that all of them were to take.
+        // Of a run that goes on the rest of the steps is left, and as much of the time that all were to take.
         let rest = steps.saturating_sub(done) as f64 / steps as f64;
         match (minutes, fitted) {
             (Some(minutes), _) => Gauge::until(steps, done, seconds(minutes)),

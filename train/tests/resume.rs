@@ -238,7 +238,7 @@ fn a_pause_is_validated_exported_and_forgotten() {
     let weights = checkpoint(&run, &config).mean;
     assert!(model.weights == weights.balanced(&config.spec), "the checkpoint's, balanced");
     let loaded = Model::load(&folder.path().join("model")).expect("a model");
-    assert_eq!(loaded.spec.environment, Some(TrainedUnder::Sky(3)), "what it was trained under");
+    assert_eq!(loaded.spec.environment, Some(TrainedUnder::Sky(3)));
     let card = std::fs::read_to_string(folder.path().join("model/card.md")).expect("a card");
     assert!(card.contains(&format!("| Steps | {step} (best of {step}) |")), "{card}");
     assert!(card.contains("| Data hash | `waves`"), "{card}");
@@ -434,16 +434,14 @@ fn a_run_that_is_asked_to_end_keeps_the_step_that_it_is_at() {
     let read = |reads: usize| ENOUGH - slow.reads.load(Ordering::SeqCst) >= reads;
     let outcome = std::thread::scope(|scope| {
         let run = scope.spawn(|| train_on(&asked, slow.clone(), folder.path()));
-        // Two pairs for validation, and those of four steps.
         while !read(10) {
             std::thread::sleep(Duration::from_millis(5));
         }
         assert!(stop.ask(), "it is at its steps");
         run.join().expect("no panic").expect("ends")
     });
-    let step = outcome.progress.step;
     assert_eq!(outcome.ending, Ending::Interrupted);
-    assert!((1..config.steps).contains(&step), "{outcome:?}");
+    assert!((1..config.steps).contains(&outcome.progress.step), "{outcome:?}");
     assert_eq!(checkpoint(folder.path(), &config).progress, outcome.progress);
     assert!(!stop.ask(), "nobody hears any more");
     train_on(&config, Synthetic::new(ENOUGH), folder.path()).expect("goes on");

@@ -77,7 +77,6 @@ mod tests {
                 let scene = TracedScene::new(family.scene(seed)).expect("a scene");
                 let around = Around::of(&scene);
                 let what = format!("{}:{seed}, {:.1} m: {around:?}", family.name(), scene.diagonal());
-                eprintln!("{what}");
                 assert!(is_place(&scene), "{what}");
             }
         }
@@ -89,7 +88,7 @@ mod tests {
         let furniture = block(Vec3::new(1.0, 0.0, 1.0), Vec3::new(3.0, 1.5, 2.5), true);
         let room = block(low, high, false);
         assert!(is_place(&traced(vec![room.clone(), furniture])));
-        // The face of z = 5 m.
+        // The face of x = 6 m.
         let open = Mesh { triangles: [&room.triangles[..2], &room.triangles[4..]].concat(), ..room };
         assert!(is_place(&traced(vec![open])));
         assert!(!is_place(&traced(vec![block(low, high, true)])));

@@ -9,11 +9,9 @@ use exr::meta::attribute::{ChannelDescription, IntegerBounds, SampleType};
 use exr::meta::header::Header;
 use exr::prelude::{Vec2, f16};
 
-/// A chunk's values. The crate `exr` takes every channel for one of full resolution; the parts that have
-/// others are unpacked here by their true size.
-pub fn unpacked(chunk: Chunk, meta: &MetaData) -> Result<UncompressedBlock> {
-    let header =
-        meta.headers.get(chunk.layer_index).ok_or_else(|| Error::Invalid("chunk layer index".into()))?;
+/// A chunk's values, by what its part truly is, which `exr` was not told of parts with subsampled channels.
+pub fn unpacked(chunk: Chunk, meta: &MetaData, headers: &[Header]) -> Result<UncompressedBlock> {
+    let header = headers.get(chunk.layer_index).ok_or_else(|| Error::Invalid("chunk layer index".into()))?;
     if header.channels.list.iter().all(|channel| channel.sampling.area() == 1) {
         return UncompressedBlock::decompress_chunk(chunk, meta, false);
     }
@@ -37,8 +35,13 @@ pub fn unpacked(chunk: Chunk, meta: &MetaData) -> Result<UncompressedBlock> {
 
 /// A header and a section of it that make `exr` expect as many bytes as the section truly has.
 fn as_bytes(header: &Header, section: IntegerBounds) -> Result<(Header, IntegerBounds)> {
-    let rows = 0..section.size.height();
-    let bytes: usize = rows.map(|row| row_bytes(header, section.position.y() + row as i32)).sum();
+    let bytes: usize = (0..section.size.height())
+        .map(|row| {
+            let of_row =
+                |channel| samples(header, channel, section.position.y() as usize + row, section.size);
+            header.channels.list.iter().map(|channel| of_row(channel) * bytes_of(channel)).sum::<usize>()
+        })
+        .sum();
     let mut header = header.clone();
     match header.compression {
         // These do not look at what the bytes mean.
@@ -56,17 +59,18 @@ fn as_bytes(header: &Header, section: IntegerBounds) -> Result<(Header, IntegerB
     }
 }
 
-/// Bytes of all channels in a row, which is counted from the data window's first one.
-fn row_bytes(header: &Header, y: i32) -> usize {
-    let width = header.layer_size.width();
-    let bytes = |channel: &ChannelDescription| samples(channel, width, y) * bytes_of(channel);
-    header.channels.list.iter().map(bytes).sum()
-}
-
-/// How many values of a channel lie in a row of some width.
-fn samples(channel: &ChannelDescription, width: usize, y: i32) -> usize {
+/// How many values a channel has in a row of the data window, of blocks as wide as the window where it is
+/// subsampled: those whose column and row, counted from the origin, are multiples of the sampling.
+fn samples(header: &Header, channel: &ChannelDescription, row: usize, size: Vec2<usize>) -> usize {
     let Vec2(across, down) = channel.sampling;
-    if y.rem_euclid(down as i32) == 0 { width / across } else { 0 }
+    if (across, down) == (1, 1) {
+        return size.width();
+    }
+    let position = header.own_attributes.layer_position;
+    let (left, y) = (i64::from(position.x()), i64::from(position.y()) + row as i64);
+    let below = |x: i64| (x - 1).div_euclid(across as i64);
+    let count = below(left + size.width() as i64) - below(left);
+    if y.rem_euclid(down as i64) == 0 { count as usize } else { 0 }
 }
 
 fn bytes_of(channel: &ChannelDescription) -> usize {
@@ -83,7 +87,7 @@ pub fn put(block: &UncompressedBlock, header: &Header, planes: &mut [Option<Vec<
     for row in position.y()..position.y() + size.height() {
         let start = row * header.layer_size.width() + position.x();
         for (channel, plane) in header.channels.list.iter().zip(&mut *planes) {
-            let count = samples(channel, size.width(), row as i32);
+            let count = samples(header, channel, row, size);
             let line = rest.split_at_checked(count * bytes_of(channel));
             let (line, after) = line.ok_or_else(|| Error::Invalid("a block with too few values".into()))?;
             rest = after;

@@ -21,6 +21,10 @@ const MAX_RATIO: usize = 1032;
 pub fn headers(headers: &[Header], wanted: &[usize], file_bytes: u64) -> Result<(), String> {
     let (mut values, mut bytes) = (0usize, 0usize);
     for (header, wanted) in headers.iter().zip(wanted) {
+        let (width, height) = (header.layer_size.width(), header.layer_size.height());
+        if *wanted > 0 {
+            edges(width, height)?;
+        }
         // Every chunk has eight bytes in the offset table, which is read for all parts.
         if header.chunk_count as u64 * 8 > file_bytes {
             return Err(format!("{} chunks in {file_bytes} bytes", header.chunk_count));
@@ -28,8 +32,6 @@ pub fn headers(headers: &[Header], wanted: &[usize], file_bytes: u64) -> Result<
         if *wanted == 0 {
             continue;
         }
-        let (width, height) = (header.layer_size.width(), header.layer_size.height());
-        edges(width, height)?;
         let block = block_bytes(header);
         if block > MAX_BLOCK {
             return Err(format!("its blocks are of {block} bytes, where at most {MAX_BLOCK} are accepted"));

@@ -109,7 +109,7 @@ impl ExrImage {
     ///
     /// # Errors
     /// As that.
-    pub fn colour(&self) -> Result<Planes, ExrError> {
+    pub fn colour(&self) -> Result<(Planes, Windows), ExrError> {
         let is_there = |sought: &Sought| sought.1 != Found::Nothing;
         let colours = ["R", "G", "B"].map(|name| self.sought_name(name));
         let grey = self.sought_name("Y");
@@ -125,11 +125,12 @@ impl ExrImage {
     }
 
     /// Channels over the whole display window, black where their data window does not reach.
-    fn displayed(&self, sought: &[Sought]) -> Result<Planes, ExrError> {
+    fn displayed(&self, sought: &[Sought]) -> Result<(Planes, Windows), ExrError> {
         let data = self.common_window(&self.channels_of(sought)?)?;
         let planes = self.gathered(sought)?;
+        let windows = Windows { data, display: self.display };
         if data == self.display {
-            return Ok(planes);
+            return Ok((planes, windows));
         }
         let Window { width, height, .. } = self.display;
         let invalid = |what: String| ExrError::invalid(&self.path, what);
@@ -142,7 +143,7 @@ impl ExrImage {
             return Err(invalid(what));
         }
         let placed = (0..sought.len()).flat_map(|c| data.placed(planes.plane(c), &self.display)).collect();
-        Ok(Planes::from_data(sought.len(), height, width, placed))
+        Ok((Planes::from_data(sought.len(), height, width, placed), windows))
     }
 
     fn sought(&self, attributes: &[Attribute]) -> Vec<Sought> {

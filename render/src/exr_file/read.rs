@@ -1,8 +1,9 @@
 //! Reading, also what other programs wrote or damaged.
 
 use super::image::{Channel, ExrImage, Values};
-use super::windows::Window;
-use super::{ExrError, Metadata, blocks, check, deep, names};
+use super::plain::{self, Truly};
+use super::windows::{Window, Windows};
+use super::{ExrError, Metadata, blocks, check, names};
 use deepshade_shaders::{Attribute, Planes};
 use exr::meta::attribute::IntegerBounds;
 use exr::meta::header::Header;
@@ -39,44 +40,52 @@ pub fn read_gbuffer(
 }
 
 /// Reads a file's one picture, `[3, height, width]`, as large as its display window and black where its data
-/// window does not reach: channels `R`, `G` and `B`, or else `Y` three times.
+/// window does not reach: channels `R`, `G` and `B`, or else `Y` three times. Says where both windows lie.
 ///
 /// # Errors
 /// If it has neither, or as [`read`].
-pub fn read_colour(path: &Path) -> Result<Planes, ExrError> {
+pub fn read_colour(path: &Path) -> Result<(Planes, Windows), ExrError> {
     read_where(path, None, &names::may_be_colour)?.colour()
 }
 
 fn read_where(path: &Path, layer: Option<&str>, wants: Wants<'_>) -> Result<ExrImage, ExrError> {
     let mut file = File::open(path).map_err(|source| ExrError::io(path, source))?;
     let bytes = file.metadata().map_err(|source| ExrError::io(path, source))?.len();
-    let flat = deep::as_flat(&mut file).map_err(|source| ExrError::io(path, source))?;
+    let (plain, truly) = plain::described(&mut file).map_err(|source| ExrError::io(path, source))?;
     let from_exr = |error| ExrError::from_exr(path, error);
-    let deep = flat.deep.clone();
-    let reader = exr::block::read(BufReader::new(flat), false).map_err(from_exr)?;
-    let invalid = |what: String| ExrError::invalid(path, what);
-    let headers = reader.headers();
-    let is_deep = |part: usize| deep.get(part).copied().unwrap_or(false);
-    let mut image = promised(path, headers, &is_deep, layer, wants);
+    let reader = exr::block::read(BufReader::new(plain), false).map_err(from_exr)?;
+    let headers = true_headers(reader.headers(), &truly);
+    let mut image = promised(path, &headers, &truly, layer, wants);
     if let Some(layer) = layer.filter(|_| image.channels.is_empty()) {
-        let held = all_names(headers).join(", ");
+        let held = all_names(&headers).join(", ");
         return Err(ExrError::MissingLayer { path: path.to_owned(), layer: layer.to_owned(), held });
     }
-    let mut planes = image.wanted(headers);
+    let mut planes = image.wanted(&headers);
     let counts: Vec<usize> = planes.iter().map(|part| part.iter().flatten().count()).collect();
-    check::headers(headers, &counts, bytes).map_err(invalid)?;
+    check::headers(&headers, &counts, bytes).map_err(|what| ExrError::invalid(path, what))?;
     let sizes: Vec<usize> = headers.iter().map(|header| header.layer_size.area()).collect();
     for (part, size) in planes.iter_mut().zip(sizes) {
         part.iter_mut().flatten().for_each(|plane| plane.resize(size, 0.0));
     }
-    fill(reader, &mut planes).map_err(from_exr)?;
+    fill(reader, &headers, &mut planes).map_err(from_exr)?;
     image.fill(planes);
     Ok(image)
+}
+
+/// Headers with the sampling that their channels truly have.
+fn true_headers(headers: &[Header], truly: &[Truly]) -> Vec<Header> {
+    let mut headers = headers.to_vec();
+    for (header, part) in headers.iter_mut().zip(truly) {
+        let channels = header.channels.list.iter_mut().zip(&part.sampling);
+        channels.for_each(|(channel, sampling)| channel.sampling = *sampling);
+    }
+    headers
 }
 
 /// Reads the blocks of parts of which a channel is wanted.
 fn fill(
     reader: exr::block::reader::Reader<impl Read + Seek>,
+    headers: &[Header],
     planes: &mut [Vec<Option<Vec<f32>>>],
 ) -> exr::error::Result<()> {
     let wanted: Vec<bool> = planes.iter().map(|part| part.iter().any(Option::is_some)).collect();
@@ -86,11 +95,11 @@ fn fill(
         wanted.get(block.layer).copied().unwrap_or(false) && is_whole(tile.level_index)
     })?;
     for chunk in chunks {
-        let block = blocks::unpacked(chunk?, &meta)?;
+        let block = blocks::unpacked(chunk?, &meta, headers)?;
         let part = block.index.layer;
         // A damaged table of offsets may lead to a chunk of another part or level.
         if let (Some(header), Some(planes), true) =
-            (meta.headers.get(part), planes.get_mut(part), is_whole(block.index.level))
+            (headers.get(part), planes.get_mut(part), is_whole(block.index.level))
         {
             blocks::put(&block, header, planes)?;
         }
@@ -102,7 +111,7 @@ fn fill(
 fn promised(
     path: &Path,
     headers: &[Header],
-    is_deep: &dyn Fn(usize) -> bool,
+    truly: &[Truly],
     layer: Option<&str>,
     wants: Wants<'_>,
 ) -> ExrImage {
@@ -125,7 +134,7 @@ fn promised(
         for (index, channel) in header.channels.list.iter().enumerate() {
             let Some(name) = name(header, index, layer) else { continue };
             let values = match channel.sampling.area() {
-                _ if is_deep(part) => Values::Deep,
+                _ if truly.get(part).is_some_and(|part| part.deep) => Values::Deep,
                 1 if wants(&name) => Values::Read(Vec::new()),
                 1 => Values::Left,
                 _ => Values::Subsampled,

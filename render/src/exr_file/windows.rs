@@ -101,7 +101,7 @@ mod tests {
         assert_eq!(window.placed(&plane, &corner), [6.0, 0.0, 0.0, 0.0]);
         let elsewhere = Window { left: 2, top: 3, width: 1, height: 1 };
         assert_eq!(window.placed(&plane, &elsewhere), [0.0]);
-        assert!(around.contains(&window) && !window.contains(&around) && !around.contains(&corner));
+        assert!(around.contains(&window) && !window.contains(&around) && !window.contains(&corner));
         assert!(window.meets(&corner) && !window.meets(&elsewhere));
         assert_eq!(window.to_string(), "(-1, 2) to (1, 3)");
     }

@@ -145,7 +145,8 @@ fn samples(path: &Path, channel: &str, plane: &[f32], full: bool) -> Result<Flat
     }
     let halves: Vec<f16> = plane.iter().map(|value| f16::from_f32(*value)).collect();
     // The largest half float is no distance: it stands for "no surface".
-    let is_held = |(half, value): (&f16, &f32)| half.abs() < f16::MAX || half.to_f32() == *value;
+    let is_held =
+        |(half, value): (&f16, &f32)| half.to_f32().abs() < f16::MAX.to_f32() || half.to_f32() == *value;
     Ok(match halves.iter().zip(plane).all(is_held) {
         true => FlatSamples::F16(halves),
         false => FlatSamples::F32(plane.to_vec()),

@@ -69,12 +69,14 @@ impl Environment {
     /// a texel is not finite; the file and the texel are named. Texels below 0 are taken as 0, which
     /// [`Environment::warning`] says.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
-        let file::Image { width, height, mut texels } = file::read(path)?;
+        let file::Image { width, height, mut texels, cropped } = file::read(path)?;
         if height > width {
             let what = format!("is {width} x {height}, not equirectangular, which is wider than tall");
             return Err(SceneError::invalid(path, what));
         }
-        let warning = without_negative_light(&mut texels).map(|what| format!("{}: {what}", path.display()));
+        let put_right = [cropped, without_negative_light(&mut texels)].into_iter().flatten();
+        let put_right = put_right.collect::<Vec<_>>().join("; ");
+        let warning = (!put_right.is_empty()).then(|| format!("{}: {put_right}", path.display()));
         Ok(Self { warning, ..Self::new(path, width, height, texels)? })
     }
 

@@ -98,6 +98,8 @@ mod tests {
         assert!(error("stairs").starts_with("`stairs` is neither a scene file"));
         assert!(error("stairs:-1").contains("`stairs:-1`"));
         assert!(error("castles:7").contains("no procedural family `castles`; there are"));
-        assert!(error("stair:7").contains("no procedural family `stair` (did you mean `stairs`?); there are"));
+        assert!(
+            error("stair:7").contains("no procedural family `stair` (did you mean `stairs`?); there are")
+        );
     }
 }

@@ -248,11 +248,13 @@ fn a_part_of_a_picture_is_black_around() {
         (c, 2, 1 | 2) => 1.0 + c as f32,
         _ => 0.0,
     };
-    assert_eq!(read_colour(&path).expect("a picture"), Planes::from_fn(3, 4, 6, value));
+    let (picture, windows) = read_colour(&path).expect("a picture");
+    assert_eq!(picture, Planes::from_fn(3, 4, 6, value));
+    assert_eq!(windows, Windows { data: window, display: WHOLE });
     // More than is shown is cut off.
     let display = Some(Window { left: 2, top: 2, width: 1, height: 1 });
     let path = File { display, ..File::of(vec![part("map", window, &colours)]) }.write(folder.path());
-    assert_eq!(read_colour(&path).expect("a picture").data(), [1.0, 2.0, 4.0]);
+    assert_eq!(read_colour(&path).expect("a picture").0.data(), [1.0, 2.0, 4.0]);
     for display in [Window { left: 50, ..WHOLE }, Window::of_size(1, 50_000)] {
         let file = File { display: Some(display), ..File::of(vec![part("map", window, &colours)]) };
         let error = read_colour(&file.write(folder.path())).expect_err("no such frame").to_string();

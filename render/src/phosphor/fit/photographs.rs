@@ -233,7 +233,7 @@ impl Photograph {
     fn read(path: &Path) -> Result<Self, PhotographsError> {
         let is_exr = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr"));
         if is_exr {
-            let image = exr_file::read_colour(path)?;
+            let (image, _) = exr_file::read_colour(path)?;
             let pixel = |index: usize| [0, 1, 2].map(|channel| f64::from(image.plane(channel)[index]));
             let pixels = (0..image.pixels()).map(pixel).collect();
             return Ok(Self { path: path.into(), height: image.height(), width: image.width(), pixels });

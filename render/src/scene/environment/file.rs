@@ -2,7 +2,7 @@
 
 mod radiance;
 
-use crate::exr_file::{self, ExrError};
+use crate::exr_file::{self, ExrError, Windows};
 use crate::scene::SceneError;
 use glam::Vec3;
 use std::path::Path;
@@ -13,6 +13,8 @@ pub(super) struct Image {
     pub height: usize,
     /// Row by row from the top, RGB.
     pub texels: Vec<Vec3>,
+    /// What of the map the file does not hold, if so.
+    pub cropped: Option<String>,
 }
 
 /// Reads a file by its ending.
@@ -26,7 +28,7 @@ pub(super) fn read(path: &Path) -> Result<Image, SceneError> {
 }
 
 fn read_exr(path: &Path) -> Result<Image, SceneError> {
-    let image = exr_file::read_colour(path).map_err(|error| match error {
+    let (image, windows) = exr_file::read_colour(path).map_err(|error| match error {
         ExrError::Io { path, source } => SceneError::Io { path, source },
         ExrError::Invalid { path, what } => {
             SceneError::Invalid { path, what: format!("not a usable EXR file: {what}") }
@@ -43,5 +45,13 @@ fn read_exr(path: &Path) -> Result<Image, SceneError> {
     let (width, height) = (image.width(), image.height());
     super::check_size(width, height).map_err(|what| SceneError::invalid(path, what))?;
     let texel = |index: usize| Vec3::from_array([0, 1, 2].map(|channel| image.plane(channel)[index]));
-    Ok(Image { width, height, texels: (0..width * height).map(texel).collect() })
+    let texels = (0..width * height).map(texel).collect();
+    let is_part = !windows.data.contains(&windows.display);
+    let cropped = is_part.then(|| {
+        let Windows { data, display } = windows;
+        format!(
+            "its pixels, {data}, are a part of its display window, {display}; the rest of the map is black"
+        )
+    });
+    Ok(Image { width, height, texels, cropped })
 }

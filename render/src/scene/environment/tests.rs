@@ -1,6 +1,8 @@
 use super::*;
+use crate::exr_file::{self, Layer, Window, Windows};
 use crate::path::chi_square::{p_value, rejects};
 use crate::path::sampler::{PixelSampler, Stream, hash};
+use deepshade_shaders::Planes;
 use std::f32::consts::FRAC_PI_2;
 
 fn random(i: u32) -> f32 {
@@ -194,6 +196,32 @@ fn texels_below_0_are_taken_as_0_and_that_is_said() {
     exr::prelude::write_rgb_file(&path, 4, 2, |x, _| (-1.0, f32::INFINITY * (x as f32 - 0.5), 2.0))
         .expect("written");
     assert!(Environment::load(&path).expect_err("infinite").to_string().contains("not a radiance"));
+}
+
+#[test]
+fn a_part_of_a_map_stays_where_it_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("crop.exr");
+    let part = Planes::from_fn(3, 8, 16, |c, y, x| (1 + c + y + x) as f32);
+    let data = Window { left: 4, top: 2, width: 16, height: 8 };
+    let windows = Windows { data, display: Window::of_size(16, 32) };
+    // Without a layer's name, as pictures are.
+    let channels = |planes: &Planes| [0, 1, 2].map(|c| Planes::from_data(1, 8, 16, planes.plane(c).to_vec()));
+    let planes = channels(&part);
+    let layers: Vec<Layer<'_>> =
+        ["R", "G", "B"].iter().zip(&planes).map(|(name, plane)| Layer::image(name, plane)).collect();
+    exr_file::write_within(&path, &layers, &Default::default(), &windows).expect("written");
+    let environment = Environment::load(&path).expect("an environment");
+    assert_eq!((environment.width, environment.height), (32, 16));
+    for (index, texel) in environment.texels().iter().enumerate() {
+        let (x, y) = (index % 32, index / 32);
+        let expected = match ((4..20).contains(&x), (2..10).contains(&y)) {
+            (true, true) => Vec3::from_array([0, 1, 2].map(|c| part.at(c, y - 2, x - 4))),
+            _ => Vec3::ZERO,
+        };
+        assert_eq!(*texel, expected, "{x}, {y}");
+    }
+    assert!(environment.warning().is_some_and(|said| said.contains("(4, 2) to (19, 9)")));
 }
 
 #[test]

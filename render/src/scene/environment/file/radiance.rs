@@ -40,7 +40,7 @@ fn decoded(bytes: &[u8]) -> Result<Image, String> {
     }
     let image = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb32f();
     let texels = image.pixels().map(|pixel| Vec3::from_array(pixel.0) / multiplied).collect();
-    Ok(Image { width: width as usize, height: height as usize, texels })
+    Ok(Image { width: width as usize, height: height as usize, texels, cropped: None })
 }
 
 /// The bytes of a file of any of the signatures as if it had the first, the only one that the decoder knows.
