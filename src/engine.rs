@@ -9,8 +9,9 @@ use deepshade_shaders::gpu::{Gpu, Timing};
 use std::cell::RefCell;
 use web_time::Instant;
 
-/// The adapter where networks are fastest on it: the processor is faster where the adapter is software, as software Vulkan
-/// is. A web page has the adapter alone: it has one thread of the processor, and no vector instructions.
+/// The adapter where networks are fastest on it: the processor is faster where the adapter is software, as
+/// software Vulkan is. A web page has the adapter alone: it has one thread of the processor, and no vector
+/// instructions.
 pub fn card(gpu: &Gpu) -> Option<&Gpu> {
     (cfg!(target_arch = "wasm32") || !gpu.is_software()).then_some(gpu)
 }

@@ -130,7 +130,7 @@ pub fn run(args: &Args) -> Result<()> {
     let size = [args.height, args.width];
     let scene = args.time.scene(&args.scene, &args.props, args.effect)?;
     let scene = TracedScene::new(scene).with_context(|| format!("scene {}", args.scene))?;
-    let view = args.viewpoint.of(&scene, size, args.seed)?;
+    let view = args.viewpoint.of(&args.scene, &scene, size, args.seed)?;
     let wants = Wants {
         effect: args.effect,
         size,

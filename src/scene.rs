@@ -42,7 +42,10 @@ pub fn run(args: &Args) -> Result<()> {
             let material = |it: &MaterialSummary| json!({ "name": it.name, "triangles": it.triangles });
             figures.detail("materials", summary.materials.iter().map(material).collect());
             figures.detail("warnings", json!(scene.warnings));
-            scene.warnings.iter().fold(summary.to_string(), |text, warning| format!("{text}\nwarning: {warning}"))
+            scene
+                .warnings
+                .iter()
+                .fold(summary.to_string(), |text, warning| format!("{text}\nwarning: {warning}"))
         }
         _ => {
             figures.set("families", Family::ALL.len() as f64);

@@ -8,7 +8,7 @@ use clap::builder::RangedU64ValueParser;
 use deepshade_dataset::views::whole::is_place;
 use deepshade_dataset::views::{inside_geometry, sample_view};
 use deepshade_render::bvh::TracedScene;
-use deepshade_render::scene::Camera;
+use deepshade_render::scene::{Camera, SceneSource};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
@@ -104,12 +104,12 @@ impl Viewpoint {
     /// # Errors
     /// If the file has no camera of the name asked for, there is no direction to look in, or no view of the scene can be
     /// found.
-    pub fn of(&self, scene: &TracedScene, size: [usize; 2], seed: u32) -> Result<View> {
+    pub fn of(&self, source: &SceneSource, scene: &TracedScene, size: [usize; 2], seed: u32) -> Result<View> {
         Ok(match self.stated(scene, size, seed)? {
             Some(view) => view,
             None => match scene.scene().cameras.first() {
                 Some(camera) => view(camera),
-                None => first(scene, size, seed)?,
+                None => first(source, scene, size, seed)?,
             },
         })
     }
@@ -138,8 +138,8 @@ impl Args {
     ///
     /// # Errors
     /// As [`Viewpoint::of`], and if a camera stands inside of geometry.
-    pub fn of(&self, scene: &TracedScene, size: [usize; 2]) -> Result<Vec<View>> {
-        views(self.choice().as_ref(), scene, size, self.seed.unwrap_or(0))
+    pub fn of(&self, source: &SceneSource, scene: &TracedScene, size: [usize; 2]) -> Result<Vec<View>> {
+        views(self.choice().as_ref(), source, scene, size, self.seed.unwrap_or(0))
     }
 
     /// The views that are stated, if some are.
@@ -154,17 +154,24 @@ impl Args {
 ///
 /// # Errors
 /// As [`Viewpoint::of`], and if a camera stands inside of geometry.
-pub fn views(choice: Option<&Choice>, scene: &TracedScene, size: [usize; 2], seed: u32) -> Result<Vec<View>> {
+pub fn views(
+    choice: Option<&Choice>,
+    source: &SceneSource,
+    scene: &TracedScene,
+    size: [usize; 2],
+    seed: u32,
+) -> Result<Vec<View>> {
     let own = &scene.scene().cameras;
     let several = |count: usize| -> Result<Vec<View>> {
         (0..count).map(|index| sampled(scene, size, seed, index)).collect()
     };
     let views: Vec<View> = match choice {
         Some(Choice::Sampled(count)) => several(*count)?,
-        Some(Choice::Stated(viewpoints)) => {
-            viewpoints.iter().map(|viewpoint| viewpoint.of(scene, size, seed)).collect::<Result<_>>()?
-        }
-        None if own.is_empty() => vec![first(scene, size, seed)?],
+        Some(Choice::Stated(viewpoints)) => viewpoints
+            .iter()
+            .map(|viewpoint| viewpoint.of(source, scene, size, seed))
+            .collect::<Result<_>>()?,
+        None if own.is_empty() => vec![first(source, scene, size, seed)?],
         None => own.iter().map(view).collect(),
     };
     for View { name, camera } in &views {
@@ -176,9 +183,11 @@ pub fn views(choice: Option<&Choice>, scene: &TracedScene, size: [usize; 2], see
     Ok(views)
 }
 
-/// The view of a scene that brings none: a sampled one of a place, where one is fit for use, else one from outside.
-fn first(scene: &TracedScene, size: [usize; 2], seed: u32) -> Result<View> {
-    let sampled = is_place(scene).then(|| sampled(scene, size, seed, 0));
+/// The view of a scene that brings none: a sampled one of a place, where one is fit for use, else one from outside. All
+/// families are places.
+fn first(source: &SceneSource, scene: &TracedScene, size: [usize; 2], seed: u32) -> Result<View> {
+    let place = matches!(source, SceneSource::Procedural(..)) || is_place(scene);
+    let sampled = place.then(|| sampled(scene, size, seed, 0));
     if let Some(Ok(view)) = sampled {
         return Ok(view);
     }
@@ -220,6 +229,11 @@ mod tests {
 
     const SIZE: [usize; 2] = [32, 32];
 
+    /// Where scenes are from that are judged by what they are.
+    fn file() -> SceneSource {
+        SceneSource::File("scene.gltf".into())
+    }
+
     fn scene() -> TracedScene {
         let mut scene = Family::ALL[0].scene(1);
         let centre = scene.bounds().centre();
@@ -238,7 +252,7 @@ mod tests {
     fn the_files_cameras_come_before_sampled_ones() {
         let scene = scene();
         let names = |args: Args| -> Vec<String> {
-            args.of(&scene, SIZE).expect("views").into_iter().map(|view| view.name).collect()
+            args.of(&file(), &scene, SIZE).expect("views").into_iter().map(|view| view.name).collect()
         };
         assert_eq!(names(args(None, None)), ["left", "right"]);
         assert_eq!(names(args(Some("right"), None)), ["right"]);
@@ -252,18 +266,18 @@ mod tests {
         let eye = target + Vec3::new(0.0, 500.0, 900.0);
         let viewpoint = Viewpoint { eye: Some(eye), look_at: Some(target), ..Viewpoint::default() };
         let views = Args { viewpoint: viewpoint.clone(), views: None, seed: Some(3) }
-            .of(&scene, SIZE)
+            .of(&file(), &scene, SIZE)
             .expect("a view");
         assert_eq!(views.len(), 1);
         let camera = views[0].camera;
         assert_eq!(camera.position, eye);
         assert!(camera.to_camera(target).truncate().length() < 1e-2, "it looks elsewhere");
         let third = Viewpoint { view: Some(2), ..Viewpoint::default() };
-        let third = third.of(&scene, SIZE, 3).expect("a view");
-        let sampled = args(None, Some(3)).of(&scene, SIZE).expect("views");
+        let third = third.of(&file(), &scene, SIZE, 3).expect("a view");
+        let sampled = args(None, Some(3)).of(&file(), &scene, SIZE).expect("views");
         assert_eq!((third.name, third.camera), (sampled[2].name.clone(), sampled[2].camera));
         let nowhere = Viewpoint { look_at: viewpoint.eye, ..viewpoint };
-        let error = nowhere.of(&scene, SIZE, 3).expect_err("no direction").to_string();
+        let error = nowhere.of(&file(), &scene, SIZE, 3).expect_err("no direction").to_string();
         assert!(error.contains("the same point"), "{error}");
     }
 
@@ -283,30 +297,32 @@ mod tests {
     fn a_scene_of_which_no_sampled_view_is_fit_is_seen_from_outside_and_asked_for_names_the_option() {
         for count in [1, 2] {
             let scene = squares(count);
-            let views = args(None, None).of(&scene, SIZE).expect("a view");
+            let views = args(None, None).of(&file(), &scene, SIZE).expect("a view");
             assert!(views[0].name.ends_with("from outside"), "{}", views[0].name);
             for corner in scene.bounds().corners() {
                 let seen = views[0].camera.to_camera(corner);
                 assert!((seen / seen.z).truncate().abs().max_element() < 0.5, "all of it: {seen}");
             }
         }
-        let error = format!("{:#}", args(None, Some(1)).of(&squares(1), SIZE).expect_err("none is fit"));
+        let error =
+            format!("{:#}", args(None, Some(1)).of(&file(), &squares(1), SIZE).expect_err("none is fit"));
         assert!(error.contains("--eye") && error.contains("none of 2048"), "{error}");
     }
 
     #[test]
     fn a_family_is_stood_in_as_ever() {
         for family in Family::ALL {
-            let scene = TracedScene::new(family.scene(1)).expect("a scene");
-            let view = args(None, None).of(&scene, SIZE).expect("a view").remove(0);
-            let sampled = args(None, Some(1)).of(&scene, SIZE).expect("a view").remove(0);
+            let (source, scene) = (SceneSource::Procedural(family, 1), family.scene(1));
+            let scene = TracedScene::new(scene).expect("a scene");
+            let view = args(None, None).of(&source, &scene, SIZE).expect("a view").remove(0);
+            let sampled = args(None, Some(1)).of(&source, &scene, SIZE).expect("a view").remove(0);
             assert_eq!((view.name, view.camera), (sampled.name, sampled.camera), "{}", family.name());
         }
     }
 
     #[test]
     fn a_camera_that_is_not_there_is_named_with_those_that_are() {
-        let error = args(Some("middle"), None).of(&scene(), SIZE).expect_err("no such camera");
+        let error = args(Some("middle"), None).of(&file(), &scene(), SIZE).expect_err("no such camera");
         assert_eq!(error.to_string(), "no camera `middle`; the scene brings left, right");
     }
 }

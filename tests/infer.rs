@@ -18,9 +18,9 @@ struct Case {
 /// What half floats hold exactly, as they do positions.
 const NORMALS: [[f32; 3]; 3] = [[0.0, 0.0, 1.0], [0.5, -0.5, 0.707_031_25], [-0.5, 0.5, 0.707_031_25]];
 
-/// What a pinhole camera sees at a pixel: a rough surface.
+/// What a pinhole camera sees at a pixel: a surface so rough that its normals may be any.
 fn position(y: usize, x: usize) -> [f32; 3] {
-    let depth = 2.0 + ((3 * y + 5 * x) % 9) as f32 / 4.0;
+    let depth = 2.0 + ((5 * x * x + 7 * y * y + 3 * x * y) % 9) as f32 / 4.0;
     let across = |at: usize, size: usize| (2 * at + 1) as f32 / 64.0 - size as f32 / 64.0;
     [depth * across(x, WIDTH), -depth * across(y, HEIGHT), -depth]
 }

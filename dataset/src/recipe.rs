@@ -240,8 +240,10 @@ impl Recipe {
     fn parse(path: &Path) -> Result<Self, DatasetError> {
         let text = std::fs::read_to_string(path).map_err(|source| DatasetError::io(path, source))?;
         let parsed: Result<Self, _> = toml::from_str(&text);
-        let mut recipe = parsed
-            .map_err(|error| DatasetError::Recipe { path: path.to_owned(), what: names::with_meant(&error.to_string()) })?;
+        let mut recipe = parsed.map_err(|error| DatasetError::Recipe {
+            path: path.to_owned(),
+            what: names::with_meant(&error.to_string()),
+        })?;
         recipe.path = path.to_owned();
         recipe.folder = path.parent().unwrap_or(Path::new("")).to_owned();
         recipe.check(path)?;

@@ -86,7 +86,7 @@ pub fn run(args: &Args) -> Result<()> {
     let scene = TracedScene::new(scene)?;
     let build_seconds = start.elapsed().as_secs_f64();
     let size = usize::from(args.size);
-    let views = args.views.of(&scene, [size, size])?;
+    let views = args.views.of(&args.scene, &scene, [size, size])?;
     let sets = sets::all(&scene, views.iter().map(|view| &view.camera), size);
     ensure!(sets.iter().all(|set| !set.rays.is_empty()), "the views of {} see nothing", args.scene);
     let runs = usize::from(args.runs);

@@ -175,7 +175,7 @@ fn frames_of(
     let scene = stages.get(&stage)?;
     let [height, width] = run.size();
     let contents = scene_hash(scene.scene());
-    let views = views::views(run.views.as_ref(), scene, run.size(), run.seed())?;
+    let views = views::views(run.views.as_ref(), source, scene, run.size(), run.seed())?;
     let mut frames = Vec::new();
     for view in views {
         let Completed { scene: shown, camera, added } = completed(run, contest, scene, &view, effect)?;

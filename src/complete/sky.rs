@@ -17,8 +17,8 @@ pub fn of_recipe(recipe: &Recipe) -> Option<TrainedUnder> {
     })
 }
 
-/// Adds an environment where there is none: the sky that the network knows, else one that the seed chooses. Says which, and where
-/// the network knows another one than there is.
+/// Adds an environment where there is none: the sky that the network knows, else one that the seed chooses.
+/// Says which, and where the network knows another one than there is.
 pub fn add(look: &mut Look, wants: &Wants<'_>, added: &mut Vec<String>) {
     if look.environment.is_none() {
         let (number, why) = match wants.learned {

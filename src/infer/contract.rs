@@ -15,7 +15,7 @@ const FEWEST: usize = 16;
 /// The most of what is seen that may lie behind the camera.
 const BEHIND: f32 = 0.1;
 /// The least of the spread of directions that columns and rows must explain.
-const EXPLAINED: f64 = 0.5;
+const EXPLAINED: f64 = 0.95;
 /// Cosine between normal and direction from the eye above which a normal is one that faces away, and how
 /// much of what is seen may have such ones, without a word and with one.
 const AWAY: f32 = 0.1;

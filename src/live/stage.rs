@@ -99,7 +99,7 @@ impl Args {
             animated.add(load(&prop.source)?, prop.place());
         }
         let traced = TracedScene::new(animated.scene.clone())?;
-        let camera = seen.viewpoint.of(&traced, seen.size, seen.seed)?.camera;
+        let camera = seen.viewpoint.of(seen.source, &traced, seen.size, seen.seed)?.camera;
         let (mut traced, mut camera, mut added) = (traced, camera, Vec::new());
         for effect in seen.effects {
             let wants = Wants {

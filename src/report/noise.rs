@@ -2,8 +2,8 @@
 
 use super::summary::{Kind, Line};
 
-/// Groups of methods, given by name and SSIM, of which no two differ by as much as truth's own noise: by what its halves
-/// lack of an SSIM of 1. The best is in the first group; who is alike to nobody is in none.
+/// Groups of methods, given by name and SSIM, of which no two differ by as much as truth's own noise: by what
+/// its halves lack of an SSIM of 1. The best is in the first group; who is alike to nobody is in none.
 pub fn alike<'a>(scores: &[(&'a str, f64)], ceiling: f64) -> Vec<Vec<&'a str>> {
     let mut sorted: Vec<(&str, f64)> = scores.iter().copied().filter(|(_, ssim)| ssim.is_finite()).collect();
     sorted.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -22,7 +22,8 @@ pub fn in_words(scores: &[(&str, f64)], ceiling: f64) -> Option<String> {
     let groups: Vec<String> = alike(scores, ceiling).into_iter().map(|names| names.join(" and ")).collect();
     (!groups.is_empty()).then(|| {
         format!(
-            "within truth's noise, {:.3} of SSIM: {}; truth has less of it with a smaller --error or more --samples",
+            "within truth's noise, {:.3} of SSIM: {}; truth has less of it with a smaller --error or more \
+             --samples",
             1.0 - ceiling,
             groups.join("; ")
         )

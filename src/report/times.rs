@@ -2,8 +2,8 @@
 
 use super::summary::{Kind, Line};
 
-/// The device that most methods ran on, the first of several; `None` without a method. Tables and plots have times of this
-/// one alone.
+/// The device that most methods ran on, the first of several; `None` without a method. Tables and plots have
+/// times of this one alone.
 pub fn device(lines: &[Line]) -> Option<&str> {
     let methods = || lines.iter().filter(|line| line.kind == Kind::Method);
     let count = |device: &str| methods().filter(|line| line.device == device).count();

@@ -1,5 +1,5 @@
-//! The view of a scene from outside, so far away that all of it is seen. Views that are sampled for datasets stand in the
-//! scene's box, where a thing fills the image and more.
+//! The view of a scene from outside, so far away that all of it is seen. Views that are sampled for datasets
+//! stand in the scene's box, where a thing fills the image and more.
 
 use deepshade_dataset::views::median_depth;
 use deepshade_render::bvh::TracedScene;

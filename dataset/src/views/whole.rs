@@ -1,8 +1,9 @@
 //! Whether a scene is a place, in which people stand, or something that they look at from outside.
 //!
-//! That is asked of the scene as a whole: of places all over the box that views are sampled in, of which those inside of
-//! geometry do not count. A scene is a place if it surrounds whoever stands there, as a room does, or has ground below
-//! him nearly everywhere and is no smaller than a table with its room: things lie on cloths and plates, too.
+//! That is asked of the scene as a whole: of places all over the box that views are sampled in, of which
+//! those inside of geometry do not count. A scene is a place if it surrounds whoever stands there, as a room
+//! does, or has ground below him nearly everywhere and is no smaller than a table with its room: things lie
+//! on cloths and plates, too.
 
 use super::{BALL, ball, fitted_box};
 use crate::random::uniform;
@@ -71,13 +72,17 @@ mod tests {
     use deepshade_render::scene::{Mesh, Scene};
 
     #[test]
-    fn people_stand_in_every_family() {
-        for family in Family::ALL {
+    fn people_stand_in_rooms_streets_and_landscapes() {
+        for name in ["room", "city", "terrain"] {
+            let family = Family::by_name(name).expect("a family");
             for seed in 0..3 {
                 let scene = TracedScene::new(family.scene(seed)).expect("a scene");
-                let around = Around::of(&scene);
-                let what = format!("{}:{seed}, {:.1} m: {around:?}", family.name(), scene.diagonal());
-                assert!(is_place(&scene), "{what}");
+                assert!(
+                    is_place(&scene),
+                    "{name}:{seed}, {:.1} m: {:?}",
+                    scene.diagonal(),
+                    Around::of(&scene)
+                );
             }
         }
     }

@@ -94,12 +94,9 @@ impl std::str::FromStr for Quality {
     type Err = String;
 
     fn from_str(name: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|quality| quality.name() == name)
-            .ok_or_else(|| {
-                let known = Self::ALL.map(Self::name);
-                format!("no quality `{name}`{}; there are {}", did_you_mean(name, known), known.join(", "))
-            })
+        Self::ALL.into_iter().find(|quality| quality.name() == name).ok_or_else(|| {
+            let known = Self::ALL.map(Self::name);
+            format!("no quality `{name}`{}; there are {}", did_you_mean(name, known), known.join(", "))
+        })
     }
 }

@@ -172,7 +172,9 @@ fn every_loss_falls_along_its_gradient_and_masks_what_is_not_seen() {
     let shape = [1, 2, 128, 128];
     let valid = image([1, 1, 128, 128], |i| if i % 128 < 64 { 1.0 } else { 0.0 }, &device);
     let target = Target { valid, ..exact(&noise(shape, 2, &device)) };
-    for loss in [Loss::Dssim, Loss::L1, Loss::L2, Loss::DssimL1, Loss::DssimL2, Loss::DssimL2Means, Loss::MsSsimL1] {
+    for loss in
+        [Loss::Dssim, Loss::L1, Loss::L2, Loss::DssimL1, Loss::DssimL2, Loss::DssimL2Means, Loss::MsSsimL1]
+    {
         let start = noise(shape, 1, &device).require_grad();
         let before = loss.of(start.clone(), target.clone());
         let gradient = start.grad(&before.backward()).expect("a gradient");

@@ -229,7 +229,7 @@ fn what_nobody_reads_does_not_matter_and_is_named_when_it_is_read() {
     assert!(read(&path).expect_err("all of it").to_string().contains("4000000 x 1 pixels"));
 
     let mut colours = part("main", WHOLE, &[("Y", |_, _| 1.0)]);
-    colours.channels.push(("RY", 2, |x, _| x as f32));
+    colours.channels.insert(0, ("RY", 2, |x, _| x as f32));
     let path = File::of(vec![colours]).write(folder.path());
     let error = read(&path).expect("read").layer("main.RY").expect_err("subsampled").to_string();
     assert!(error.contains("channel `main.RY` is subsampled"), "{error}");
