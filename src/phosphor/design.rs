@@ -103,7 +103,7 @@ pub fn run(args: &Args) -> Result<()> {
     let first = stage.at(0.0)?;
     ensure!(!first.scene().lights.is_empty(), "{}: the scene has no lamp", args.file.display());
     let size = [args.height.into(), usize::from(args.height) * 3 / 2];
-    let camera = task.view.of(&first, size, 0)?.camera;
+    let camera = task.view.of(&task.scene, &first, size, 0)?.camera;
     let found = designs(&task, &stage, camera.position).with_context(|| args.file.display().to_string())?;
     found.iter().for_each(Designed::warn);
     let paints = spread::paints(&found, first.scene(), task.reach())?;

@@ -7,6 +7,7 @@ use crate::intersection::SurfacePoint;
 use glam::Vec3;
 
 /// A point where a path from the eye turns.
+#[expect(clippy::large_enum_variant, reason = "it lives on the stack, one a path; a box would cost more")]
 pub enum Vertex {
     /// On a surface.
     Surface {

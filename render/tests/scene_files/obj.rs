@@ -147,7 +147,7 @@ fn colour(obj: &str, library: &[u8]) -> (Vec3, Vec<String>) {
     let dot = png(1, 1, &[[255, 255, 255]]);
     let files: [(&str, &[u8]); 4] =
         [("a.obj", obj.as_bytes()), ("b.mtl", library), ("none.mtl", b"# empty\n"), ("t.png", &dot)];
-    let scene = load(&files).unwrap_or_else(|error| panic!("{obj}: {error}"));
+    let scene = load(&files).expect(obj);
     assert_eq!(scene.triangle_count(), 2, "{obj}");
     (scene.material(scene.meshes[0].material).base_colour.truncate(), scene.warnings)
 }
@@ -231,7 +231,7 @@ fn maps_are_of_four_formats() {
         let library = format!("newmtl m\nmap_Kd {name}\n");
         let files =
             [("a.obj", text.as_bytes()), ("b.mtl", library.as_bytes()), (name, bytes.get_ref().as_slice())];
-        let scene = load(&files).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let scene = load(&files).expect(name);
         let texel = scene.textures[0].sample(Vec2::splat(0.5)).truncate();
         assert!((texel - Vec3::X).length() < 0.02, "{name}: {texel}");
     }

@@ -3,6 +3,9 @@
 
 use super::*;
 
+/// A channel's value at a column and a row.
+type Value = fn(usize, usize) -> f32;
+
 /// A file written byte by byte, without compression.
 #[derive(Default)]
 struct File {
@@ -17,12 +20,12 @@ struct Part {
     kind: &'static str,
     window: Window,
     /// Name, sampling along both axes, and its value at a column and row of the window.
-    channels: Vec<(&'static str, usize, fn(usize, usize) -> f32)>,
+    channels: Vec<(&'static str, usize, Value)>,
 }
 
 const WHOLE: Window = Window::of_size(4, 6);
 
-fn part(name: &'static str, window: Window, channels: &[(&'static str, fn(usize, usize) -> f32)]) -> Part {
+fn part(name: &'static str, window: Window, channels: &[(&'static str, Value)]) -> Part {
     let channels = channels.iter().map(|(name, value)| (*name, 1, *value)).collect();
     Part { name, kind: "scanlineimage", window, channels }
 }
@@ -46,7 +49,7 @@ impl Part {
     }
 
     fn header(&self, file: &File) -> Vec<u8> {
-        let channel = |(name, sampling, _): &(&str, usize, fn(usize, usize) -> f32)| {
+        let channel = |(name, sampling, _): &(&str, usize, Value)| {
             let sampling = *sampling as i32;
             [name.as_bytes(), &[0], &numbers(&[2, 0, sampling, sampling])].concat()
         };
@@ -127,8 +130,8 @@ impl File {
     }
 }
 
-const DEPTH: (&str, fn(usize, usize) -> f32) = ("depth", |x, y| (10 * y + x + 1) as f32);
-const GLOSSINESS: (&str, fn(usize, usize) -> f32) = ("glossiness", |x, y| (10 * y + x) as f32 / 64.0);
+const DEPTH: (&str, Value) = ("depth", |x, y| (10 * y + x + 1) as f32);
+const GLOSSINESS: (&str, Value) = ("glossiness", |x, y| (10 * y + x) as f32 / 64.0);
 const BOTH: [Attribute; 2] = [Attribute::Depth, Attribute::Glossiness];
 
 fn gbuffer_of(path: &Path) -> Result<GBuffer, ExrError> {
@@ -240,8 +243,7 @@ fn what_nobody_reads_does_not_matter_and_is_named_when_it_is_read() {
 fn a_part_of_a_picture_is_black_around() {
     let folder = tempfile::tempdir().expect("a folder");
     let window = Window { left: 1, top: 2, width: 2, height: 1 };
-    let colours: [(&str, fn(usize, usize) -> f32); 3] =
-        [("B", |x, _| 3.0 + x as f32), ("G", |_, _| 2.0), ("R", |_, _| 1.0)];
+    let colours: [(&str, Value); 3] = [("B", |x, _| 3.0 + x as f32), ("G", |_, _| 2.0), ("R", |_, _| 1.0)];
     let path = File::of(vec![part("map", window, &colours)]).write(folder.path());
     let value = |c: usize, y: usize, x: usize| match (c, y, x) {
         (2, 2, 1 | 2) => 2.0 + x as f32,
@@ -265,7 +267,7 @@ fn a_part_of_a_picture_is_black_around() {
 #[test]
 fn of_two_layers_one_is_chosen() {
     let folder = tempfile::tempdir().expect("a folder");
-    let channels: [(&str, fn(usize, usize) -> f32); 4] = [
+    let channels: [(&str, Value); 4] = [
         ("ViewLayer.Depth.Z", DEPTH.1),
         ("ViewLayer.glossiness", GLOSSINESS.1),
         ("ViewLayer_001.Depth.Z", |_, _| 2.0),

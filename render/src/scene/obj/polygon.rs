@@ -98,7 +98,8 @@ mod tests {
     #[test]
     fn a_notch_stays_empty_wherever_the_polygon_begins_and_however_it_lies() {
         let flat = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [0.0, -0.5], [-1.0, 1.0]];
-        let places: [(fn(f32, f32) -> Vec3, Vec3); 3] = [
+        type Place = fn(f32, f32) -> Vec3;
+        let places: [(Place, Vec3); 3] = [
             (|x, y| Vec3::new(x, y, 3.0), Vec3::Z),
             (|x, y| Vec3::new(7.0, x, y), Vec3::X),
             (|x, y| Vec3::new(y, 100.0, x), Vec3::Y),
@@ -119,7 +120,7 @@ mod tests {
 
     #[test]
     fn a_polygon_without_an_area_or_with_infinite_corners_is_a_fan() {
-        let line: Vec<Vec3> = [0.0, 1.0, 2.0, 0.5].map(|x| Vec3::splat(x)).to_vec();
+        let line: Vec<Vec3> = [0.0, 1.0, 2.0, 0.5].map(Vec3::splat).to_vec();
         assert_eq!(cut(&line), [[0, 1, 2], [0, 2, 3]]);
         let infinite = [Vec3::ZERO, Vec3::X * f32::INFINITY, Vec3::NAN, Vec3::Y];
         assert_eq!(cut(&infinite), [[0, 1, 2], [0, 2, 3]]);

@@ -124,7 +124,7 @@ fn shell(middle: Vec3, width: f32, [rim, top]: [f32; 2], surface: impl Fn(Vec3, 
     let beside = middle.cross(across);
     sheet(64, 24, |u, v| {
         // The last two rows are the edge, and the shell's inner side for a little.
-        let (turn, reach) = (TAU * u, width * (v / 0.92).min(1.0).max(0.004));
+        let (turn, reach) = (TAU * u, width * (v / 0.92).clamp(0.004, 1.0));
         let around = across * turn.cos() + beside * turn.sin();
         let direction = middle * reach.cos() + around * reach.sin();
         let height = if v > 0.92 { rim - 0.05 } else { top + (rim - top) * (v / 0.92).powi(6) + 0.02 };
