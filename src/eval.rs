@@ -45,8 +45,8 @@ use std::path::{Path, PathBuf};
     Figures in the JSON file: METRIC_METHOD (ssim_learned, ssim_gtao, ssim_gtao_low, ...), of one of several \
     test sets METRIC_METHOD_NAME; where NAME is also a quality's, as in testset-medium, what has qualities \
     has its own before that: ssim_gtao_high_medium. paired_METRIC is how far the network is above the best, \
-    by SSIM, of the methods that take at least as long, or above the slowest where none does, frame by \
-    frame; paired_METRIC_low and _high are the ends of its 95 % interval; details.paired_against says which \
+    by SSIM, of the methods that take at least as long on the same device, or above the slowest where none \
+    does, frame by frame (where no method ran on that device, above the best of all); paired_METRIC_low and _high are the ends of its 95 % interval; details.paired_against says which \
     method that is. scenes_below_trivial counts the scenes in which the network is worse than the image of \
     whoever does nothing.")]
 pub struct Args {
@@ -206,7 +206,7 @@ pub fn run(args: &Args) -> Result<()> {
         results::add(path, &entry, &gpu)?;
     }
     if let Some(path) = &args.curve {
-        curve::write(path, effect, &judgement.rivals, &evaluation.estimates())?;
+        curve::write(path, effect, &judgement.rivals, evaluation)?;
     }
     tables::print(effect, &judgement)
 }

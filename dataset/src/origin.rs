@@ -10,12 +10,13 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
-/// Version of what a recipe for an effect gives and of how it is described. To be increased whenever the same recipe may give
-/// other pixels than before, be it by other scenes, views or samples: data of another version are refused.
+/// Version of what a recipe for an effect gives and of how it is described. To be increased whenever the same
+/// recipe may give other pixels than before, be it by other scenes, views or samples: data of another version
+/// are refused.
 pub const fn data_version(effect: Effect) -> u32 {
     match effect {
-        Effect::Subsurface => 4,
-        _ => 3,
+        Effect::Subsurface => 5,
+        _ => 4,
     }
 }
 

@@ -154,12 +154,7 @@ fn check_methods(run: &Run) -> Result<()> {
         let name = method.name.as_str();
         let known = run.effects().iter().any(|effect| methods::names_of(*effect).contains(&name));
         if !known {
-            let of = |effect: &Effect| {
-                format!(
-                    "effect `{effect}` has no method `{name}`; there are {}",
-                    methods::names_of(*effect).join(", ")
-                )
-            };
+            let of = |effect: &Effect| methods::unknown(*effect, name);
             bail!("{}", run.effects().iter().map(of).collect::<Vec<_>>().join("; "));
         }
         let before = &run.methods()[..index];

@@ -1,7 +1,10 @@
-//! Error against time: a line a method through its qualities, all axes logarithmic, a panel for each way to measure error.
+//! Error against time: a line a method through its qualities, all axes logarithmic, a panel for each way to
+//! measure error. All that is drawn ran on one device.
 
 use super::rivals::{Rival, trivial_name};
+use super::score::Evaluation;
 use crate::figures::write_atomically;
+use crate::methods::LEARNED;
 use crate::statistics::Estimate;
 use anyhow::{Result, anyhow};
 use deepshade_shaders::Effect;
@@ -40,30 +43,42 @@ struct Panel {
     errors: Range<f64>,
 }
 
-/// Draws the curves into an SVG file.
+/// Draws the curves of what ran on one device into an SVG file, and says which methods ran on others.
 ///
 /// # Errors
 /// If nothing was measured or the file cannot be written.
-pub fn write(
-    path: &Path,
-    effect: Effect,
-    rivals: &[Rival],
-    estimates: &BTreeMap<&str, Estimate>,
-) -> Result<()> {
+pub fn write(path: &Path, effect: Effect, rivals: &[Rival], evaluation: &Evaluation) -> Result<()> {
+    let estimates = &evaluation.estimates();
+    let device = device(&evaluation.devices);
+    let (drawn, others): (Vec<&Rival>, Vec<&Rival>) =
+        rivals.iter().partition(|rival| evaluation.devices.get(&rival.name).map(String::as_str) == device);
+    if !others.is_empty() {
+        let mut names: Vec<&str> = others.iter().map(|rival| rival.method_name).collect();
+        names.dedup();
+        note!("{}: not drawn, since they ran on another device: {}", path.display(), names.join(", "));
+    }
     let panel = |measure: &Measure| {
         let trivial = trivial_name(effect);
         let nothing = estimates.get(format!("{}_{trivial}", measure.figure).as_str());
         let nothing = nothing.map(|estimate| (trivial, (measure.error)(estimate.mean)));
-        Panel::new(measure.name, lines(measure, rivals, estimates), nothing)
+        Panel::new(measure.name, lines(measure, &drawn, estimates), nothing)
             .ok_or_else(|| anyhow!("{}: no times or errors above 0 to draw", path.display()))
     };
     let panels = MEASURES.iter().map(panel).collect::<Result<Vec<_>>>()?;
     let mut svg = String::new();
-    draw(&mut svg, effect, &panels).map_err(|error| anyhow!("{}: {error}", path.display()))?;
+    let title = format!("{effect}: error against time, {}", device.unwrap_or("unknown device"));
+    draw(&mut svg, &title, &panels).map_err(|error| anyhow!("{}: {error}", path.display()))?;
     write_atomically(path, svg.as_bytes())
 }
 
-fn lines(measure: &Measure, rivals: &[Rival], estimates: &BTreeMap<&str, Estimate>) -> Vec<Line> {
+/// The device that curves are of, by what each method ran on: the network's, without one that of most methods.
+fn device(devices: &BTreeMap<String, String>) -> Option<&str> {
+    let count = |device: &String| devices.values().filter(|other| *other == device).count();
+    let most = || devices.values().max_by_key(|device| count(device));
+    devices.get(LEARNED).or_else(most).map(String::as_str)
+}
+
+fn lines(measure: &Measure, rivals: &[&Rival], estimates: &BTreeMap<&str, Estimate>) -> Vec<Line> {
     let mut lines: Vec<Line> = Vec::new();
     for rival in rivals {
         let figure = |name: &str| estimates.get(format!("{name}_{}", rival.name).as_str()).map(|e| e.mean);
@@ -137,11 +152,11 @@ fn decades(values: impl Iterator<Item = f64>) -> Option<Range<f64>> {
     sound.then(|| power((low / 1.01).log10().floor())..power((high * 1.01).log10().ceil()))
 }
 
-fn draw(svg: &mut String, effect: Effect, panels: &[Panel]) -> Result<(), Box<dyn std::error::Error>> {
+fn draw(svg: &mut String, title: &str, panels: &[Panel]) -> Result<(), Box<dyn std::error::Error>> {
     let width = 720 * panels.len() as u32;
     let area = SVGBackend::with_string(svg, (width, 480)).into_drawing_area();
     area.fill(&WHITE)?;
-    let below = area.titled(&format!("{effect}: error against time"), ("sans-serif", 20))?;
+    let below = area.titled(title, ("sans-serif", 20))?;
     for (panel, area) in panels.iter().zip(below.split_evenly((1, panels.len()))) {
         panel.draw(&area)?;
     }
@@ -164,7 +179,7 @@ mod tests {
             MEASURES.iter().map(|measure| panel(measure.name, 1.0).expect("points")).collect();
         assert_eq!((panels[0].times.clone(), panels[0].errors.clone()), (0.01..10.0, 0.01..1.0));
         let mut svg = String::new();
-        draw(&mut svg, Effect::Ao, &panels).expect("a picture");
+        draw(&mut svg, "ao on a card", &panels).expect("a picture");
         for (text, count) in
             [("fast", 2), ("slow", 2), ("white", 2), ("1 - SSIM", 1), ("relative mean squared error", 1)]
         {
@@ -172,6 +187,18 @@ mod tests {
         }
         assert!(svg.matches("<polyline").count() >= 6, "{svg}");
         assert_eq!(svg.matches("<circle").count(), 6, "a dot a point");
+    }
+
+    #[test]
+    fn curves_are_of_the_network_s_device_or_of_most_methods() {
+        let devices = |of: &[(&str, &str)]| -> BTreeMap<String, String> {
+            of.iter().map(|(name, device)| ((*name).to_owned(), (*device).to_owned())).collect()
+        };
+        let analytic = [("gtao", "a processor"), ("hbao", "a card"), ("surfel", "a card")];
+        assert_eq!(device(&devices(&analytic)), Some("a card"));
+        let with_network = [&analytic[..], &[(LEARNED, "a processor")]].concat();
+        assert_eq!(device(&devices(&with_network)), Some("a processor"));
+        assert_eq!(device(&BTreeMap::new()), None);
     }
 
     #[test]

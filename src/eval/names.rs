@@ -22,6 +22,7 @@ pub fn set_figures(figures: &mut Figures, network: &str, evaluation: &Evaluation
         figures.set(&of_network(network, name), estimate.mean);
     }
     figures.set(&format!("frames_{network}"), evaluation.frames as f64);
+    figures.set(&format!("frames_of_flip_{network}"), evaluation.frames_of_flip() as f64);
 }
 
 /// What a figure of an evaluation is called where there are several networks.

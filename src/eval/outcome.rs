@@ -94,6 +94,7 @@ impl Judgement {
             figures.set(name, estimate.mean);
         }
         figures.set("frames", self.evaluation.frames as f64);
+        figures.set("frames_of_flip", self.evaluation.frames_of_flip() as f64);
         figures.set("scenes", self.evaluation.scenes.len() as f64);
         let mut intervals: Map<String, Value> = Map::new();
         intervals.extend(estimates.iter().map(|(name, estimate)| ((*name).to_owned(), interval(estimate))));
@@ -133,6 +134,7 @@ impl Judgement {
             intervals.insert(name, interval(&estimate));
         }
         figures.set(&format!("frames_{}", set.name), set.evaluation.frames as f64);
+        figures.set(&format!("frames_of_flip_{}", set.name), set.evaluation.frames_of_flip() as f64);
         figures.set(&format!("scenes_{}", set.name), set.evaluation.scenes.len() as f64);
     }
 }
@@ -147,7 +149,7 @@ mod tests {
     use super::*;
 
     fn scored(name: &str, scene: &str, learned: f64, white: f64) -> Scored {
-        let frame = [("ssim_learned", learned), ("ssim_white", white)];
+        let frame = [("flip_learned", 0.1), ("ssim_learned", learned), ("ssim_white", white)];
         let title = if name.is_empty() { "testset" } else { name }.to_owned();
         Scored { name: name.to_owned(), title, evaluation: evaluation(&[(scene, &[&frame])]) }
     }
@@ -175,6 +177,8 @@ mod tests {
             ("ssim_white_artists", 0.3),
             ("frames", 2.0),
             ("scenes_small", 1.0),
+            ("frames_of_flip", 2.0),
+            ("frames_of_flip_small", 1.0),
             ("scenes_below_trivial", 2.0),
         ] {
             assert!((figure(name) - expected).abs() < 1e-12, "{name}: {}", figure(name));
@@ -188,7 +192,16 @@ mod tests {
     fn the_only_set_has_no_other_figures() {
         let json = figures_of(vec![scored("", "cave:1", 0.6, 0.5)]);
         let names: Vec<&String> = json["figures"].as_object().expect("figures").keys().collect();
-        assert_eq!(names, ["frames", "scenes", "scenes_below_trivial", "ssim_learned", "ssim_white"]);
+        let expected = [
+            "flip_learned",
+            "frames",
+            "frames_of_flip",
+            "scenes",
+            "scenes_below_trivial",
+            "ssim_learned",
+            "ssim_white",
+        ];
+        assert_eq!(names, expected);
         assert_eq!(json["figures"]["scenes_below_trivial"], 0.0);
         let artists = figures_of(vec![scored("artists", "hall.gltf", 0.1, 0.3)]);
         assert_eq!(artists["figures"]["ssim_learned"], 0.1, "where there is nothing else");

@@ -16,8 +16,8 @@ pub const METRICS: [&str; 4] = ["ssim", "psnr", "flip", "relmse"];
 pub struct Pair<'a> {
     /// The rival.
     pub rival: &'a Rival,
-    /// Mean milliseconds of the network and of the rival.
-    pub milliseconds: [f64; 2],
+    /// Mean milliseconds of the network, and of the rival where it ran on the same device.
+    pub milliseconds: (f64, Option<f64>),
     /// How far the network is above the rival, by [`METRICS`], where both were measured.
     pub differences: [Option<Estimate>; 4],
 }
@@ -27,6 +27,8 @@ pub struct Pair<'a> {
 struct Candidate<'a> {
     /// Its name in figures.
     name: &'a str,
+    /// Whether it ran where the network did, so that their times say something of each other.
+    same_device: bool,
     milliseconds: f64,
     ssim: f64,
 }
@@ -42,7 +44,7 @@ impl<'a> Pair<'a> {
         let values = |metric: &str, name: &str| evaluation.values(&format!("{metric}_{name}"));
         Some(Self {
             rival: rivals.iter().find(|rival| rival.name == found.name)?,
-            milliseconds: [own.milliseconds, found.milliseconds],
+            milliseconds: (own.milliseconds, found.same_device.then_some(found.milliseconds)),
             differences: METRICS.map(|metric| paired(values(metric, LEARNED), values(metric, found.name))),
         })
     }
@@ -60,7 +62,7 @@ impl<'a> Pair<'a> {
 
     /// Whom the network is held against, as a detail of the figures.
     pub fn against(&self) -> Value {
-        let [own, rival] = self.milliseconds;
+        let (own, rival) = self.milliseconds;
         json!({
             "method": self.rival.method_name,
             "quality": self.rival.quality.map(|quality| quality.name()),
@@ -80,16 +82,18 @@ fn candidates<'a>(evaluation: &Evaluation, names: &[&'a str]) -> Vec<Candidate<'
 
 fn candidate<'a>(evaluation: &Evaluation, name: &'a str) -> Option<Candidate<'a>> {
     let mean = |metric: &str| evaluation.mean(&format!("{metric}_{name}"));
-    Some(Candidate { name, milliseconds: mean("ms")?, ssim: mean("ssim")? })
+    let same_device = evaluation.devices.get(name) == evaluation.devices.get(LEARNED);
+    Some(Candidate { name, same_device, milliseconds: mean("ms")?, ssim: mean("ssim")? })
 }
 
-/// Of those that take at least as long as a network the one of the highest similarity; where none does, the
-/// slowest.
+/// Of those that take at least as long as a network, on the same device, the one of the highest similarity;
+/// where none does, the slowest on that device; where all ran on others, the one of the highest similarity.
 fn strongest<'a>(milliseconds: f64, candidates: &[Candidate<'a>]) -> Option<Candidate<'a>> {
-    let as_slow = candidates.iter().filter(|candidate| candidate.milliseconds >= milliseconds);
-    let best = as_slow.max_by(|a, b| a.ssim.total_cmp(&b.ssim));
-    let slowest = || candidates.iter().max_by(|a, b| a.milliseconds.total_cmp(&b.milliseconds));
-    best.or_else(slowest).copied()
+    let comparable = || candidates.iter().filter(|candidate| candidate.same_device);
+    let most_similar = |a: &&Candidate<'_>, b: &&Candidate<'_>| a.ssim.total_cmp(&b.ssim);
+    let best = comparable().filter(|candidate| candidate.milliseconds >= milliseconds).max_by(most_similar);
+    let slowest = || comparable().max_by(|a, b| a.milliseconds.total_cmp(&b.milliseconds));
+    best.or_else(slowest).or_else(|| candidates.iter().max_by(most_similar)).copied()
 }
 
 #[cfg(test)]
@@ -103,7 +107,12 @@ mod tests {
 
     fn candidates_of(all: &[(&'static str, f64, f64)]) -> Vec<Candidate<'static>> {
         all.iter()
-            .map(|(name, milliseconds, ssim)| Candidate { name, milliseconds: *milliseconds, ssim: *ssim })
+            .map(|(name, milliseconds, ssim)| Candidate {
+                name,
+                same_device: true,
+                milliseconds: *milliseconds,
+                ssim: *ssim,
+            })
             .collect()
     }
 
@@ -121,6 +130,16 @@ mod tests {
         assert_eq!(found(4.5), Some("gtao_ultra"), "what is better and faster is none");
         assert_eq!(found(9.0), Some("hbao_ultra"), "none takes as long: the slowest");
         assert_eq!(strongest(1.0, &[]), None);
+    }
+
+    #[test]
+    fn times_on_another_device_count_for_nothing() {
+        let mut all = candidates_of(&[("gtao", 1.0, 0.7), ("hbao", 900.0, 0.8), ("surfel", 0.1, 0.9)]);
+        all[1].same_device = false;
+        all[2].same_device = false;
+        let found = |all: &[Candidate<'static>]| strongest(0.5, all).map(|candidate| candidate.name);
+        assert_eq!(found(&all), Some("gtao"), "the others are better, and elsewhere");
+        assert_eq!(found(&all[1..]), Some("surfel"), "none ran there: the best of all");
     }
 
     #[test]
@@ -187,7 +206,7 @@ mod tests {
             (pair.against()["method"].as_str(), pair.against()["quality"].as_str()),
             (Some("gtao"), Some("ultra"))
         );
-        assert_eq!(pair.milliseconds, [2.0, 3.0]);
+        assert_eq!(pair.milliseconds, (2.0, Some(3.0)));
         let mut figures = Figures::new("eval");
         pair.set_figures(&mut figures, "_small");
         let json = figures.to_json();

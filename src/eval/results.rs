@@ -93,8 +93,8 @@ mod tests {
         evaluated("gi", 300).expect("written");
         let file: Value = serde_json::from_slice(&std::fs::read(&path).expect("a file")).expect("JSON");
         let figures = |network: &str| file["networks"][network]["figures"].clone();
-        assert_eq!(figures("gi"), json!({ "frames_gi": 300.0 }));
-        assert_eq!(figures("gi_paper"), json!({ "frames_gi_paper": 40.0 }));
+        assert_eq!(figures("gi"), json!({ "frames_gi": 300.0, "frames_of_flip_gi": 0.0 }));
+        assert_eq!(figures("gi_paper"), json!({ "frames_gi_paper": 40.0, "frames_of_flip_gi_paper": 0.0 }));
         assert_eq!(file["networks"]["gi"]["target"], "truth");
         check(&path, None).expect("a file of results");
         let error = format!("{:#}", check(&path, Some(&path)).expect_err("one file for two"));

@@ -90,6 +90,12 @@ impl Evaluation {
         self.overall.get(name).map(Vec::as_slice).unwrap_or_default()
     }
 
+    /// Of how many frames FLIP was taken: of those whose truth is whole.
+    pub fn frames_of_flip(&self) -> usize {
+        let flips = self.overall.iter().filter(|(name, _)| name.starts_with("flip_"));
+        flips.map(|(_, values)| values.len()).max().unwrap_or(0)
+    }
+
     /// The mean over scenes of a figure's values; none where nothing was measured under that name.
     pub fn mean(&self, name: &str) -> Option<f64> {
         let means = scene_means(self.values(name));

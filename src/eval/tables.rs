@@ -18,18 +18,19 @@ pub fn print(effect: Effect, judgement: &Judgement) -> Result<()> {
     for set in &judgement.sets {
         let of = if judgement.is_divided() { format!(", {}", set.title) } else { String::new() };
         say!(
-            "{effect}{of}: {} frames of {} scenes; means over scenes with 95 % confidence intervals, \
-             milliseconds on the device that is named",
+            "{effect}{of}: {} frames of {} scenes, FLIP of {} of them; means over scenes with 95 % confidence \
+             intervals, milliseconds on the device that is named",
             set.evaluation.frames,
-            set.evaluation.scenes.len()
+            set.evaluation.scenes.len(),
+            set.evaluation.frames_of_flip()
         )?;
         say!("{}", methods(effect, &judgement.rivals, set))?;
     }
     let pairs = judgement.pairs();
     if !pairs.is_empty() {
         say!(
-            "\n`{LEARNED}` less the best by SSIM of the methods that take as long, or the slowest where none \
-             does, on the same frames; better is more of SSIM and PSNR, less of FLIP and relMSE"
+            "\n`{LEARNED}` less the best by SSIM of the methods that take as long on the same device, or the \
+             slowest where none does, on the same frames; better is more of SSIM and PSNR, less of FLIP and relMSE"
         )?;
         say!("{}", differences(&pairs))?;
     }
@@ -81,7 +82,9 @@ fn differences(pairs: &[Versus<'_>]) -> String {
     let head = ["test set", "against", "its ms", "ms", "SSIM", "PSNR (dB)", "FLIP", "relMSE"];
     let row = |versus: &Versus<'_>| {
         let pair = &versus.pair;
-        let [own, rival] = pair.milliseconds.map(|time| format!("{time:.2}"));
+        let milliseconds = |time: f64| format!("{time:.2}");
+        let own = milliseconds(pair.milliseconds.0);
+        let rival = pair.milliseconds.1.map_or("on another device".to_owned(), milliseconds);
         let against = format!("{} {}", pair.rival.method_name, tuned(pair.rival)).trim().to_owned();
         let [ssim, psnr, flip, relmse] = pair.differences;
         let text = |difference: Option<Estimate>, digits: usize| {

@@ -63,11 +63,11 @@ pub struct EnvironmentSample {
 
 impl Environment {
     /// Reads an equirectangular image: Radiance (.hdr) or OpenEXR (.exr; scan lines, tiles or mip maps, channels R, G
-    /// and B or Y alone).
+    /// and B or Y alone). Texels below 0 are taken as 0, which [`Environment::warning`] says.
     ///
-    /// # Errors If the file is missing, damaged, taller than wide, absurdly large or of another format, or if
-    /// a texel is not finite; the file and the texel are named. Texels below 0 are taken as 0, which
-    /// [`Environment::warning`] says.
+    /// # Errors
+    /// If the file is missing, damaged, taller than wide, absurdly large or of another format, or if a texel is
+    /// not finite; the file and the texel are named.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
         let file::Image { width, height, mut texels, cropped } = file::read(path)?;
         if height > width {
