@@ -75,13 +75,13 @@ pub fn write(path: &Path, layers: &[Layer<'_>], metadata: &Metadata) -> Result<(
     atomic_file::write(path, &bytes).map_err(|source| ExrError::io(path, source))
 }
 
-/// As [`write`], of layers whose pixels lie somewhere in a frame.
+/// As [`write()`], of layers whose pixels lie somewhere in a frame.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 ///
 /// # Panics
-/// As [`write`], and if the layers are not of the data window's size.
+/// As [`write()`], and if the layers are not of the data window's size.
 pub fn write_within(
     path: &Path,
     layers: &[Layer<'_>],
