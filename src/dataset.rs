@@ -212,8 +212,11 @@ pub fn made(recipe: &Recipe, place: &Place, shard: Option<Shard>) -> Result<Summ
     })
 }
 
-/// Says what of the recipe's scene files is passed over, before hours go by on them.
-fn warn_of_files(recipe: &Recipe) -> Result<()> {
+/// Says what of a recipe's scene files is passed over, before hours go by on them.
+///
+/// # Errors
+/// If a file is missing or damaged.
+pub fn warn_of_files(recipe: &Recipe) -> Result<()> {
     for file in &recipe.files {
         let scene = Scene::load(&recipe.folder.join(file), 0.0)?;
         scene.warnings.iter().for_each(|warning| note!("{warning}"));
@@ -311,6 +314,7 @@ fn show_pairs(args: &Show) -> Result<()> {
 
 fn make_testset(args: &Testset) -> Result<()> {
     let recipe = args.recipe.load()?;
+    warn_of_files(&recipe)?;
     // A method's images take next to no time.
     let expected = match recipe.target {
         Some(_) => Duration::ZERO,

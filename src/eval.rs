@@ -20,6 +20,7 @@ use crate::methods::{self, LEARNED, Runs, TRUTH};
 use crate::place::{Folder, Place};
 use anyhow::{Result, bail, ensure};
 use deepshade_infer::Model;
+use deepshade_render::method::Repeats;
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::dials::{Changes, Tuning};
 use deepshade_shaders::gpu::Gpu;
@@ -241,10 +242,16 @@ fn judge(contest: &Contest, names: &[String], args: &Args, gpu: &Gpu) -> Result<
         {
             note!("test set {title}: {}", sky::said_of_another(learned));
         }
-        let evaluation = evaluate(set, &chosen, *effect, &rivals)?;
+        let evaluation = evaluate(set, &chosen, *effect, &rivals, repeats(gpu))?;
         scored.push(Scored { name: named.name.clone(), title, evaluation });
     }
     Ok(Judgement::new(rivals, scored))
+}
+
+/// How often methods run on a frame, of which the median time counts: the mean over the frames is what tables
+/// have, and on a software adapter a run takes seconds.
+fn repeats(gpu: &Gpu) -> Repeats {
+    Repeats { warm_up: 1, timed: if gpu.is_software() { 1 } else { 3 } }
 }
 
 /// Whether names of methods ask for the network.

@@ -2,9 +2,11 @@
 
 mod camera;
 mod contract;
+mod normals;
 mod projection;
 mod reach;
 mod read;
+mod sky;
 mod space;
 
 use crate::arguments::{image_file, positive, written_file};
@@ -27,9 +29,11 @@ use std::path::{Path, PathBuf};
     after_help = "Example:\n  deepshade infer --model models/ao --gbuffer in.exr --out out.exr --radius 0.5\n\n\
     The file needs the network's inputs as layers, for ambient occlusion `normal.X/Y/Z` and \
     `position.X/Y/Z`: in camera space, metres, y up, the camera looking down -z. Options convert files in \
-    another space or unit; one that contradicts this is refused. No surface is seen where a layer `valid` is 0 \
-    or, in a file without that layer, where all inputs are 0; nor, in any file, where one of the inputs is not \
-    finite or a length is 65504 or at least 1e9. The README's section `Your own g-buffers` states unit, sign \
+    another space or unit; one that contradicts this is refused. No surface is seen where a layer `valid` is \
+    0 or, in a file without that layer, where all inputs are 0; nor, in any file, where one of the inputs or \
+    the depth is not finite, a length is 65504 or at least 1e9, or a normal has no length. A number that \
+    fills much of the image and is a hundred times all others is taken for the sky, with a note. The \
+    README's section `Your own g-buffers` states unit, sign \
     and space of every layer that a network may read."
 )]
 pub struct Args {

@@ -36,8 +36,8 @@ use std::time::Instant;
 ///
 /// Beside an EXR file with the linear values, their variance and where they are from, there is a PNG file to look at,
 /// which grows better while the program works. What an effect needs and the scene does not bring (light, a lens, fog)
-/// is added, and said. It is seen from the file's first camera, or from a sampled view where the file brings none, a lone
-/// object from outside, unless --camera, --view or --eye says from where.
+/// is added, and said. It is seen from the file's first camera, unless --camera, --view or --eye says from
+/// where. Where the file has none a place is seen from a sampled view, and anything else from outside.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  deepshade render --scene sponza.gltf --effect path --spp 256 --out sponza.exr\n  \

@@ -10,6 +10,7 @@ pub use choices::LossName;
 pub use network::{INPUT_RADIUS, default_config, usual_config};
 
 use crate::arguments::positive;
+use crate::dataset::warn_of_files;
 use crate::figures::Figures;
 use crate::interrupt::{self, Interrupted};
 use crate::place::Place;
@@ -62,9 +63,9 @@ pub struct Args {
     /// What the last layer makes [default: kernels for dof, motion-blur, multi and sss, else the image].
     #[arg(long, value_enum)]
     last: Option<LastLayer>,
-    /// What is made small.
-    #[arg(long, value_enum, default_value_t = LossName::DssimL2)]
-    loss: LossName,
+    /// What is made small [default: dssim-l2-means for a network that corrects an estimate, else dssim-l2].
+    #[arg(long, value_enum)]
+    loss: Option<LossName>,
     /// Model whose weights the run begins with, in place of random ones; its last layer must be that of --last.
     #[arg(long, value_name = "FOLDER")]
     from: Option<Place>,
@@ -167,6 +168,10 @@ pub fn run(args: &Args) -> Result<()> {
     // Before the run's folder is begun: what is refused leaves nothing.
     let config = TrainConfig { start: from, ..config(args, &source.recipe, &source.path)? };
     note!("{}", words::beginning(&config, &source.path));
+    // Those of a dataset were warned of when it was made.
+    if args.recipe.is_some() {
+        warn_of_files(&source.recipe)?;
+    }
     if let Some(warning) = source.warning(&config) {
         note!("{warning}");
     }
@@ -283,7 +288,7 @@ fn config(args: &Args, recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
     Ok(TrainConfig {
         spec: if network == Network::Paper { last.of(base.spec)? } else { base.spec },
         stream: args.recipe.is_some().then_some(Endless { uses: args.uses, ..Endless::USUAL }),
-        loss: args.loss.into(),
+        loss: args.loss.map_or(base.loss, Into::into),
         optimiser: decay.map_or(optimiser, |decay| optimiser.with_weight_decay(decay)),
         batch: args.batch,
         devices: args.devices,

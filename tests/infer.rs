@@ -6,6 +6,9 @@ use deepshade_shaders::{Attribute, GBuffer, Planes};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+#[path = "infer/networks.rs"]
+mod networks;
+
 const HEIGHT: usize = 36;
 const WIDTH: usize = 50;
 
@@ -234,8 +237,13 @@ fn a_file_that_states_a_wrong_radius_is_refused() {
 /// Writes a g-buffer in full, its first row showing nothing by `nothing` in its positions, and the others
 /// made of what they were: position and normal.
 fn write_changed(case: &Case, nothing: f32, change: impl Fn([f32; 3], [f32; 3]) -> [[f32; 3]; 2]) {
+    write_below(case, [[nothing; 3], [0.0; 3]], change);
+}
+
+/// The same with a first row of some position and normal.
+fn write_below(case: &Case, first: [[f32; 3]; 2], change: impl Fn([f32; 3], [f32; 3]) -> [[f32; 3]; 2]) {
     let value = |c: usize, y: usize, x: usize| match y {
-        0 => [nothing, 0.0][c / 3],
+        0 => first[c / 3][c % 3],
         _ => change(position(y, x), NORMALS[(y + 3 * x) % NORMALS.len()])[c / 3][c % 3],
     };
     let gbuffer = GBuffer::new(INPUTS.to_vec(), Planes::from_fn(6, HEIGHT, WIDTH, value));
@@ -251,7 +259,7 @@ fn no_surface_may_be_written_as_a_large_number() {
         write_changed(&case, nothing, |position, normal| [position, normal]);
         case.assert_image(&case.run(&["--radius", "2"]), &expected);
     }
-    write_changed(&case, 1e4, |position, normal| [position, normal]);
+    write_below(&case, [[1e4; 3], [0.0, 0.0, 1.0]], |position, normal| [position, normal]);
     case.run(&["--radius", "2", "--trusted"]);
     let image = exr_file::read(&case.path("out.exr")).expect("reads").image("ao", 1).expect("a layer `ao`");
     assert_ne!(image.plane(0)[..WIDTH], expected.plane(0)[..WIDTH], "ten kilometres away is something");

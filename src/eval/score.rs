@@ -14,9 +14,6 @@ use deepshade_shaders::{Effect, Planes};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// Methods are timed as the median of so many runs a frame.
-const REPEATS: Repeats = Repeats { warm_up: 1, timed: 3 };
-
 /// Scores by figure name (`ssim_learned`), each with the scene it is from.
 type Table = BTreeMap<String, Vec<(usize, f64)>>;
 
@@ -136,11 +133,17 @@ fn extend(table: &mut Table, more: &Table, scenes: &[usize]) {
     }
 }
 
-/// Runs the methods on chosen frames of a test set.
+/// Runs the methods on chosen frames of a test set, each so many times a frame.
 ///
 /// # Errors
 /// If a scene, a texture or a frame cannot be read, or a method fails.
-pub fn evaluate(set: &TestSet, chosen: &[usize], effect: Effect, rivals: &[Rival]) -> Result<Evaluation> {
+pub fn evaluate(
+    set: &TestSet,
+    chosen: &[usize],
+    effect: Effect,
+    rivals: &[Rival],
+    repeats: Repeats,
+) -> Result<Evaluation> {
     let bar = progress::bar("frames", chosen.len(), 0);
     let mut evaluation = Evaluation { frames: chosen.len(), ..Evaluation::default() };
     // Frames of a scene follow each other, so that a scene is built once.
@@ -156,7 +159,7 @@ pub fn evaluate(set: &TestSet, chosen: &[usize], effect: Effect, rivals: &[Rival
                     .with_context(|| format!("frame {}; --scenes says where scene files are", record.name))?
             }
         };
-        score_frame(&mut evaluation, record, &scene, &set.frame(*index)?, effect, rivals)?;
+        score_frame(&mut evaluation, record, &scene, &set.frame(*index)?, effect, rivals, repeats)?;
         current = Some((record.scene.clone(), scene));
         bar.inc(1);
     }
@@ -171,6 +174,7 @@ fn score_frame(
     truth: &TestFrame,
     effect: Effect,
     rivals: &[Rival],
+    repeats: Repeats,
 ) -> Result<()> {
     let scene = &staged.shown(&record.camera, record.variation.as_ref())?;
     let gbuffer = staged.gbuffer(scene, &record.camera, record.seed);
@@ -181,7 +185,7 @@ fn score_frame(
     let (expected, whole) = (shown(&truth.truth), truth.whole.as_ref().map(shown));
     let (mut images, mut times) = (Vec::new(), Vec::new());
     for Rival { name, method, .. } in rivals {
-        let shaded = method.shade(&frame, REPEATS).with_context(|| format!("frame {}", record.name))?;
+        let shaded = method.shade(&frame, repeats).with_context(|| format!("frame {}", record.name))?;
         images.push((name.clone(), shown(&shaded.image)));
         times.push((format!("ms_{name}"), shaded.milliseconds));
         evaluation.devices.insert(name.clone(), shaded.device);

@@ -4,11 +4,15 @@
 //! The thresholds let pass what is right and looks odd: the backs of leaves, normal maps, normals that were
 //! averaged over an edge and so are shorter.
 
+mod depths;
+mod normals;
+mod told;
+mod world;
+
 use super::projection::{self, Projection, Seen};
 use super::space::vectors;
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute};
 use glam::{DVec2, Vec3};
-use std::fmt;
 
 /// The fewest pixels that say something.
 const FEWEST: usize = 16;
@@ -21,16 +25,6 @@ const EXPLAINED: f64 = 0.95;
 const AWAY: f32 = 0.1;
 const SOME_AWAY: f32 = 0.2;
 const MOST_AWAY: f32 = 0.6;
-/// By how much a length may differ from 1, and how many may differ by more; being averaged lengthens none.
-const OFF_UNIT: f32 = 0.05;
-const MOST_OFF_UNIT: f32 = 0.5;
-const MOST_LONGER: f32 = 0.1;
-/// The least cosine between a normal and the surface that the positions make, and how much may have less.
-const ALONG: f32 = 0.7;
-const MOST_ASKEW: f32 = 0.4;
-/// By how much depth may differ from the positions', and how much of what is seen may differ by more.
-const OFF_DEPTH: f32 = 0.05;
-const MOST_OFF_DEPTH: f32 = 0.25;
 
 /// A way in which a g-buffer is not what it should be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,14 +37,22 @@ pub enum Contradiction {
     UpsideDown,
     /// x grows to the left.
     Mirrored,
-    /// Normals are all within 0 to 1, and are unit ones if that stands for -1 to 1.
-    UnsignedNormals,
-    /// This share of the normals is not of length 1, and the median length.
-    NotUnit(f32, f32),
+    /// The normals of this layer are all within 0 to 1, and are unit ones if that stands for -1 to 1.
+    UnsignedNormals(Attribute),
+    /// This share of the vectors of this layer is not of length 1, and the median length.
+    NotUnit(Attribute, f32, f32),
     /// This share of the normals faces away from the eye.
     FacingAway(f32),
+    /// Normals stand on the surface that the positions make once these axes of theirs are reversed.
+    Reversed([bool; 3]),
     /// This share of the normals does not stand on the surface that the positions make.
     OtherNormals(f32),
+    /// This share of pairs of pixels has another angle between world normals than between normals.
+    OtherWorldNormals(f32),
+    /// World normals are those of a mirrored scene.
+    MirroredWorldNormals,
+    /// Directions to the camera are those from the camera.
+    FromCamera,
     /// Depth is not what the positions say: their median ratio, and what depth seems to be.
     Depth(f32, DepthKind),
 }
@@ -62,105 +64,108 @@ pub enum DepthKind {
     OtherUnit,
     /// Distance from the eye.
     Distance,
-    /// Neither.
+    /// z in camera space, negative before the camera.
+    Negative,
+    /// What a rasteriser's depth buffer holds, from 0 to 1.
+    Buffer,
+    /// None of these.
     Unknown,
 }
 
 impl Contradiction {
-    /// Whether the image could not be right. Else it is worth a word.
-    pub fn is_grave(&self) -> bool {
-        !matches!(self, Self::FacingAway(share) if *share <= MOST_AWAY)
-    }
-}
-
-impl fmt::Display for Contradiction {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let percent = |share: f32| (100.0 * share).round();
-        match *self {
-            Self::LooksForward(share) => write!(
-                f,
-                "{} % of what is seen has a positive z, which is behind the camera: it looks like a camera \
-                 that looks down +z (--forward z)",
-                percent(share)
-            ),
-            Self::OtherSpace(share) => write!(
-                f,
-                "positions do not lie where their pixels see them, and {} % have a positive z, which is \
-                 behind the camera: it looks like world space (--space world, with --camera FILE where the \
-                 file has no `worldToCamera`)",
-                percent(share)
-            ),
-            Self::UpsideDown => f.write_str("y grows downwards (--up -y)"),
-            Self::Mirrored => f.write_str("x grows to the left: the image or its space is mirrored"),
-            Self::UnsignedNormals => f.write_str(
-                "no component of a normal is negative: it looks like normals of which 0 to 1 stands for -1 \
-                 to 1 (--normals unsigned)",
-            ),
-            Self::NotUnit(share, median) => write!(
-                f,
-                "{} % of the normals are not of length 1, their median length is {median} \
-                 (--normals normalised)",
-                percent(share)
-            ),
-            Self::FacingAway(share) => write!(
-                f,
-                "{} % of the normals face away from the camera (--normals turned, where these are backs of \
-                 surfaces)",
-                percent(share)
-            ),
-            Self::OtherNormals(share) => write!(
-                f,
-                "{} % of the normals do not stand on the surface that the positions make: it looks like \
-                 normals of another space than the positions'",
-                percent(share)
-            ),
-            Self::Depth(ratio, DepthKind::OtherUnit) => {
-                write!(f, "the layer `depth` is {ratio} times what the positions say: the units differ")
+    /// Whether the image could not be right, for a network that reads some attributes. Else it is worth a
+    /// word.
+    pub fn is_grave(&self, read: &[Attribute]) -> bool {
+        match self {
+            Self::FacingAway(share) => *share > MOST_AWAY,
+            // A depth that nobody reads does no harm. Nor does a unit that only such positions have.
+            Self::Depth(_, DepthKind::OtherUnit) => {
+                read.contains(&Attribute::Depth) && read.contains(&Attribute::Position)
             }
-            Self::Depth(_, DepthKind::Distance) => f.write_str(
-                "the layer `depth` is the distance from the camera and not along its viewing direction, \
-                 -position.Z",
-            ),
-            Self::Depth(ratio, DepthKind::Unknown) => {
-                write!(f, "the layer `depth` is not -position.Z, in the middle {ratio} times that")
-            }
+            Self::Depth(..) => read.contains(&Attribute::Depth),
+            _ => true,
         }
     }
 }
 
-/// In which ways a g-buffer contradicts what it should be, as far as its positions, normals and depth say. A
-/// way that follows from another one is not named.
+/// In which ways a g-buffer contradicts what it should be, as far as its positions, normals, depth and
+/// directions to the camera say. A way that follows from another one is not named. Of what is there and not
+/// among what the network reads, only what tells of that is.
 ///
 /// # Errors
 /// If it has no `valid`.
-pub fn contradictions(gbuffer: &GBuffer) -> Result<Vec<Contradiction>, MissingAttribute> {
+pub fn contradictions(gbuffer: &GBuffer, read: &[Attribute]) -> Result<Vec<Contradiction>, MissingAttribute> {
     let seen: Vec<usize> =
         gbuffer.seen()?.iter().enumerate().filter(|(_, seen)| **seen).map(|(at, _)| at).collect();
     if seen.len() < FEWEST {
         return Ok(Vec::new());
     }
-    let positions = vectors(gbuffer, Attribute::Position);
-    let normals = vectors(gbuffer, Attribute::Normal);
-    let mut found = positions.as_ref().map_or_else(Vec::new, |at| of_positions(gbuffer, at, &seen));
-    let of_their_own = normals.as_ref().and_then(|normals| of_normals(normals, &seen));
-    found.extend(of_their_own);
+    let reads = |attribute: Attribute| read.contains(&attribute);
+    let there = vectors(gbuffer, Attribute::Normal);
+    let normals = there.clone().filter(|_| reads(Attribute::Normal));
+    let (mut found, positions) = of_space(gbuffer, normals.as_deref(), &seen, reads(Attribute::Position));
+    let of_their_own = [Attribute::Normal, Attribute::WorldNormal, Attribute::ToCamera].map(|attribute| {
+        let values = vectors(gbuffer, attribute).filter(|_| reads(attribute))?;
+        normals::of_lengths(attribute, &values, &seen)
+    });
+    found.extend(of_their_own.into_iter().flatten());
     // What follows is only sound where space and normals are right as such.
-    if let (true, Some(positions)) = (found.is_empty(), &positions) {
-        found.extend(normals.and_then(|normals| of_both(gbuffer, positions, &normals, &seen)));
-        found.extend(of_depth(gbuffer, positions, &seen));
+    if !found.is_empty() {
+        return Ok(found);
+    }
+    if let Some(normals) = &normals {
+        found.extend(match &positions {
+            Some(positions) => normals::of_both(gbuffer, positions, normals, &seen),
+            None => normals::of_camera(normals, &seen),
+        });
+    }
+    if reads(Attribute::Position) || reads(Attribute::Depth) {
+        found.extend(depths::of_depth(gbuffer, positions.as_deref(), &seen));
+    }
+    if let Some(world) = vectors(gbuffer, Attribute::WorldNormal).filter(|_| reads(Attribute::WorldNormal)) {
+        let to_camera = vectors(gbuffer, Attribute::ToCamera).filter(|_| reads(Attribute::ToCamera));
+        found
+            .extend(to_camera.and_then(|to_camera| world::of_directions(gbuffer, &world, &to_camera, &seen)));
+        found.extend(there.and_then(|normals| world::of_both(&normals, &world, &seen)));
     }
     Ok(found)
 }
 
+/// What contradicts camera space, and the positions if they do not. Positions that nobody reads may be in
+/// whatever space, unless normals that are read are in that space, too.
+fn of_space(
+    gbuffer: &GBuffer,
+    normals: Option<&[Vec3]>,
+    seen: &[usize],
+    is_read: bool,
+) -> (Vec<Contradiction>, Option<Vec<Vec3>>) {
+    let Some(positions) = vectors(gbuffer, Attribute::Position) else { return (Vec::new(), None) };
+    let found = of_positions(gbuffer, &positions, seen);
+    if found.is_empty() {
+        return (found, Some(positions));
+    }
+    let are_alike = || normals.is_some_and(|normals| normals::stand_on(gbuffer, &positions, normals, seen));
+    if is_read || are_alike() { (found, None) } else { (Vec::new(), None) }
+}
+
 /// How positions fall on their pixels.
 pub fn projection(width: usize, height: usize, positions: &[Vec3], seen: &[usize]) -> Option<Projection> {
-    let middle = 0.5 * DVec2::new(width as f64 - 1.0, height as f64 - 1.0);
-    let pixel = |at: usize| {
-        let (column, row) = ((at % width) as f64, (at / width) as f64);
-        DVec2::new(column - middle.x, middle.y - row)
-    };
-    let points = seen.iter().map(|at| Seen { pixel: pixel(*at), point: positions[*at].as_dvec3() });
+    let points =
+        seen.iter().map(|at| Seen { pixel: pixel(width, height, *at), point: positions[*at].as_dvec3() });
     projection::of(&points.collect::<Vec<_>>())
+}
+
+/// Column and row of a pixel, from the middle of the image, the row upwards.
+fn pixel(width: usize, height: usize, at: usize) -> DVec2 {
+    let middle = 0.5 * DVec2::new(width as f64 - 1.0, height as f64 - 1.0);
+    DVec2::new((at % width) as f64 - middle.x, middle.y - (at / width) as f64)
+}
+
+/// Whether positions do not contradict camera space.
+pub fn is_in_camera_space(gbuffer: &GBuffer, positions: &[Vec3]) -> bool {
+    let seen = gbuffer.seen().unwrap_or_default();
+    let seen: Vec<usize> = (0..seen.len()).filter(|at| seen[*at]).collect();
+    seen.is_empty() || of_positions(gbuffer, positions, &seen).is_empty()
 }
 
 fn of_positions(gbuffer: &GBuffer, positions: &[Vec3], seen: &[usize]) -> Vec<Contradiction> {
@@ -182,76 +187,6 @@ fn of_positions(gbuffer: &GBuffer, positions: &[Vec3], seen: &[usize]) -> Vec<Co
     }
     let ways = [(upside_down, Contradiction::UpsideDown), (mirrored, Contradiction::Mirrored)];
     ways.into_iter().filter(|(is_so, _)| *is_so).map(|(_, way)| way).collect()
-}
-
-fn of_normals(normals: &[Vec3], seen: &[usize]) -> Option<Contradiction> {
-    let is_off = |normal: Vec3| (normal.length() - 1.0).abs() > OFF_UNIT;
-    let is_unsigned = |normal: Vec3| {
-        normal.min_element() >= 0.0 && normal.max_element() <= 1.0 && !is_off(2.0 * normal - 1.0)
-    };
-    let off = share(seen, |at| is_off(normals[at]));
-    if off > MOST_OFF_UNIT && share(seen, |at| is_unsigned(normals[at])) > 0.5 {
-        return Some(Contradiction::UnsignedNormals);
-    }
-    let longer = share(seen, |at| normals[at].length() > 1.0 + OFF_UNIT);
-    let lengths = || median(seen.iter().map(|at| normals[*at].length()).collect());
-    (off > MOST_OFF_UNIT || longer > MOST_LONGER).then(|| Contradiction::NotUnit(off, lengths()))
-}
-
-fn of_both(gbuffer: &GBuffer, positions: &[Vec3], normals: &[Vec3], seen: &[usize]) -> Option<Contradiction> {
-    let cosine = |at: usize| normals[at].normalize_or_zero().dot(positions[at].normalize_or_zero());
-    let away = share(seen, |at| cosine(at) > AWAY);
-    if away > MOST_AWAY {
-        return Some(Contradiction::FacingAway(away));
-    }
-    let surfaces: Vec<(usize, Vec3)> =
-        seen.iter().filter_map(|at| Some((*at, surface(gbuffer, positions, *at)?))).collect();
-    let askew = |(at, surface): &&(usize, Vec3)| normals[*at].normalize_or_zero().dot(*surface).abs() < ALONG;
-    let share = surfaces.iter().filter(askew).count() as f32 / surfaces.len().max(1) as f32;
-    if surfaces.len() >= FEWEST.max(seen.len() / 20) && share > MOST_ASKEW {
-        return Some(Contradiction::OtherNormals(share));
-    }
-    (away > SOME_AWAY).then_some(Contradiction::FacingAway(away))
-}
-
-/// The unit normal of the surface that positions make around a pixel, of either sign; none where they make
-/// none.
-fn surface(gbuffer: &GBuffer, positions: &[Vec3], at: usize) -> Option<Vec3> {
-    let (width, height) = (gbuffer.width(), gbuffer.height());
-    let (x, y) = (at % width, at / width);
-    if x == 0 || y == 0 || x + 1 == width || y + 1 == height {
-        return None;
-    }
-    // Across an edge, or where numbers are too coarse, the middle one is not between the others.
-    let step = |before: usize, after: usize| {
-        let step = positions[after] - positions[before];
-        let bend = positions[after] + positions[before] - 2.0 * positions[at];
-        (bend.length() < 0.1 * step.length()).then_some(step)
-    };
-    step(at - 1, at + 1)?.cross(step(at - width, at + width)?).try_normalize()
-}
-
-fn of_depth(gbuffer: &GBuffer, positions: &[Vec3], seen: &[usize]) -> Option<Contradiction> {
-    let depth = gbuffer.planes().plane(gbuffer.first_plane(Attribute::Depth).ok()?);
-    let seen: Vec<usize> =
-        seen.iter().copied().filter(|at| positions[*at].z < 0.0 && depth[*at] != 0.0).collect();
-    if seen.len() < FEWEST {
-        return None;
-    }
-    let ratio = |at: usize| depth[at] / -positions[at].z;
-    if share(&seen, |at| (ratio(at) - 1.0).abs() > OFF_DEPTH) <= MOST_OFF_DEPTH {
-        return None;
-    }
-    let middle = median(seen.iter().map(|at| ratio(*at)).collect());
-    let is_mostly = |agrees: &dyn Fn(usize) -> bool| share(&seen, agrees) > 1.0 - MOST_OFF_DEPTH;
-    let kind = if is_mostly(&|at| (ratio(at) / middle - 1.0).abs() < 0.02) {
-        DepthKind::OtherUnit
-    } else if is_mostly(&|at| (depth[at] / positions[at].length() - 1.0).abs() < 0.02) {
-        DepthKind::Distance
-    } else {
-        DepthKind::Unknown
-    };
-    Some(Contradiction::Depth(middle, kind))
 }
 
 fn share(seen: &[usize], is_so: impl Fn(usize) -> bool) -> f32 {

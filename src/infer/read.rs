@@ -1,12 +1,12 @@
 //! A file's g-buffer as a network reads it, or why it cannot be.
 
 use super::contract::{Contradiction, contradictions};
-use super::space;
+use super::{sky, space};
 use crate::learned;
 use anyhow::{Result, bail};
 use deepshade_infer::NetSpec;
 use deepshade_render::exr_file::{self, ExrError, ExrImage, Windows};
-use deepshade_shaders::{Attribute, GBuffer, Planes};
+use deepshade_shaders::{Attribute, GBuffer};
 use std::path::Path;
 
 /// A file that was read.
@@ -38,23 +38,59 @@ pub struct Wanted<'a> {
 pub fn read(wanted: &Wanted<'_>, spec: &NetSpec) -> Result<Read> {
     let mut attributes = learned::reads(spec)?;
     attributes.retain(|attribute| *attribute != Attribute::Valid || spec.inputs.contains(attribute));
-    // Depth that the network does not read tells whether positions are right.
-    let asked_for = [&attributes[..], &[Attribute::Valid, Attribute::Depth]].concat();
+    wanted.space.check_use(&attributes)?;
+    let for_check = for_check(&attributes);
+    let asked_for = [&attributes[..], &[Attribute::Valid], &for_check].concat();
     let file = exr_file::read_gbuffer(wanted.path, &asked_for, wanted.layer).map_err(with_option)?;
     if !attributes.contains(&Attribute::Valid) && file.attributes().contains(&Attribute::Valid) {
         attributes.push(Attribute::Valid);
     }
-    let gbuffer = file.gbuffer(&attributes).map_err(with_option)?;
-    let windows = file.windows(&attributes)?;
-    let gbuffer = wanted.space.with_signed_normals(gbuffer);
-    let gbuffer = if attributes.contains(&Attribute::Valid) { gbuffer } else { with_validity(gbuffer) };
-    let with_depth = with_depth(&gbuffer, &file, &attributes, &windows);
-    let converted = wanted.space.converted(with_depth, file.world_to_camera())?;
-    let gbuffer = without_depth(&converted, gbuffer.attributes())?;
-    if !wanted.trusted {
-        judge(&contradictions(&converted)?, gbuffer.attributes(), wanted.path)?;
+    let windows = file.windows(&attributes).map_err(with_option)?;
+    let usable = for_check.into_iter().filter(|other| is_usable(&file, &attributes, *other, &windows));
+    let all = [&attributes[..], &usable.collect::<Vec<_>>()].concat();
+    let gbuffer = wanted.space.with_signs(file.gbuffer(&all).map_err(with_option)?);
+    let gbuffer = with_validity(gbuffer, &attributes);
+    if !attributes.contains(&Attribute::Valid) {
+        attributes.push(Attribute::Valid);
     }
+    let gbuffer = sky::without_normals_of_no_length(gbuffer, &attributes)?;
+    let gbuffer = if wanted.trusted { gbuffer } else { without_sky(gbuffer, wanted)? };
+    let converted = wanted.space.converted(gbuffer, file.world_to_camera())?;
+    if !wanted.trusted {
+        judge(&contradictions(&converted, &attributes)?, &attributes, wanted.path)?;
+    }
+    let gbuffer = GBuffer::new(attributes.clone(), converted.select(&attributes)?);
     Ok(Read { gbuffer, windows, file })
+}
+
+/// What the network does not read and tells, where a file has it, whether what it reads is right, or where
+/// nothing is seen.
+fn for_check(attributes: &[Attribute]) -> Vec<Attribute> {
+    let reads = |attribute: Attribute| attributes.contains(&attribute);
+    let checks = [
+        (Attribute::Depth, true),
+        (Attribute::Position, reads(Attribute::Normal) || reads(Attribute::Depth)),
+        (Attribute::Normal, reads(Attribute::WorldNormal)),
+    ];
+    let others = checks.into_iter().filter(|(attribute, tells)| *tells && !reads(*attribute));
+    others.map(|(attribute, _)| attribute).collect()
+}
+
+/// Whether a file has something for a check alone that can be read, is of the same pixels, and does not say
+/// of all of them that nothing is seen.
+fn is_usable(file: &ExrImage, attributes: &[Attribute], other: Attribute, windows: &Windows) -> bool {
+    let both = [attributes, &[other]].concat();
+    file.windows(&both).is_ok_and(|both| both.data == windows.data)
+        && file.gbuffer(&[other]).is_ok_and(|other| other.planes().data().iter().any(|value| *value != 0.0))
+}
+
+/// The g-buffer without what stands for the sky in it, of which a note is made.
+fn without_sky(gbuffer: GBuffer, wanted: &Wanted<'_>) -> Result<GBuffer> {
+    let (gbuffer, skies) = sky::without_sky(gbuffer, wanted.space.sign_before())?;
+    for sky in skies {
+        note!("{}: {sky}; --trusted takes it for a surface", wanted.path.display());
+    }
+    Ok(gbuffer)
 }
 
 /// An error with the option that mends it.
@@ -67,37 +103,24 @@ fn with_option(error: ExrError) -> anyhow::Error {
     }
 }
 
-/// The g-buffer with a plane `valid`: 1 where any of its channels is not 0.
-fn with_validity(gbuffer: GBuffer) -> GBuffer {
+/// The g-buffer with a plane `valid`, if it has none: 1 where any of the channels that the network reads is
+/// not 0.
+fn with_validity(gbuffer: GBuffer, read: &[Attribute]) -> GBuffer {
+    if read.contains(&Attribute::Valid) {
+        return gbuffer;
+    }
     let planes = gbuffer.planes();
-    let seen = |pixel: usize| (0..planes.channels()).any(|c| planes.plane(c)[pixel] != 0.0);
+    // What is read comes first.
+    let channels: usize = read.iter().map(|attribute| attribute.width()).sum();
+    let seen = |pixel: usize| (0..channels).any(|c| planes.plane(c)[pixel] != 0.0);
     let valid: Vec<f32> = (0..planes.pixels()).map(|pixel| if seen(pixel) { 1.0 } else { 0.0 }).collect();
     gbuffer.with(&[Attribute::Valid], &valid)
 }
 
-/// The g-buffer with the file's depth, if that is there, is of the same pixels and is not read anyway.
-fn with_depth(gbuffer: &GBuffer, file: &ExrImage, attributes: &[Attribute], windows: &Windows) -> GBuffer {
-    let is_of_these = file.windows(&[Attribute::Depth]).is_ok_and(|depth| depth.data == windows.data);
-    let has_positions = attributes.contains(&Attribute::Position);
-    if attributes.contains(&Attribute::Depth) || !is_of_these || !has_positions {
-        return gbuffer.clone();
-    }
-    let depth: Option<Planes> = file.gbuffer(&[Attribute::Depth]).ok().map(|depth| depth.planes().clone());
-    depth.map_or_else(|| gbuffer.clone(), |depth| gbuffer.with(&[Attribute::Depth], depth.data()))
-}
-
-/// Some attributes of a g-buffer.
-fn without_depth(gbuffer: &GBuffer, attributes: &[Attribute]) -> Result<GBuffer> {
-    Ok(GBuffer::new(attributes.to_vec(), gbuffer.select(attributes)?))
-}
-
 /// Refuses a g-buffer for what cannot be right in it, and warns of what may not be.
 fn judge(found: &[Contradiction], read: &[Attribute], path: &Path) -> Result<()> {
-    // A depth that nobody reads does no harm, whatever it is.
-    let matters =
-        |one: &Contradiction| !matches!(one, Contradiction::Depth(..)) || read.contains(&Attribute::Depth);
     let (grave, light): (Vec<&Contradiction>, Vec<&Contradiction>) =
-        found.iter().partition(|one| one.is_grave() && matters(one));
+        found.iter().partition(|one| one.is_grave(read));
     for one in light {
         note!("warning: {}: {one}", path.display());
     }

@@ -3,12 +3,22 @@
 
 use super::camera::{self, Candidate, Pose, Source};
 use super::contract;
+use super::normals::{self, Normals};
 use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
 use deepshade_shaders::{Attribute, GBuffer, Planes};
 use glam::Vec3;
 
-/// How positions and normals of a file are to be taken.
+/// Attributes that are lengths.
+const LENGTHS: [Attribute; 5] = [
+    Attribute::Position,
+    Attribute::Depth,
+    Attribute::FocalDistance,
+    Attribute::Blurriness,
+    Attribute::MeanFreePath,
+];
+
+/// How positions, normals and depth of a file are to be taken.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Args {
     /// Space of positions and normals. World space is brought to that of the camera by the file's attribute
@@ -28,6 +38,9 @@ pub struct Args {
     /// How normals are written; several words with commas between them.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "signed")]
     normals: Vec<Normals>,
+    /// Which sign depth has before the camera.
+    #[arg(long, value_enum, default_value_t = DepthSign::Positive)]
+    depth: DepthSign,
     /// Metres of a unit of length: 0.001 where the file is in millimetres.
     #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = crate::arguments::positive)]
     metres_per_unit: f32,
@@ -62,17 +75,13 @@ enum Up {
     MinusY,
 }
 
-/// How normals are written.
+/// Which sign depth has before the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Normals {
-    /// As they are.
-    Signed,
-    /// From 0 to 1, which stands for -1 to 1.
-    Unsigned,
-    /// Of another length than 1, which is mended.
-    Normalised,
-    /// Of both sides of a surface; those that face away are turned.
-    Turned,
+enum DepthSign {
+    /// That of a distance.
+    Positive,
+    /// That of z in camera space.
+    Negative,
 }
 
 impl Args {
@@ -87,18 +96,60 @@ impl Args {
         Ok(())
     }
 
-    /// The g-buffer with components of normals from -1 to 1.
-    #[must_use]
-    pub fn with_signed_normals(&self, gbuffer: GBuffer) -> GBuffer {
-        if !self.normals.contains(&Normals::Unsigned) {
-            return gbuffer;
-        }
-        // Where nothing is seen renderers leave 0, or what stands for it, nearly.
-        let signed = |normal: Vec3| {
-            let signed = 2.0 * normal - 1.0;
-            if normal == Vec3::ZERO || signed.length() < 0.1 { Vec3::ZERO } else { signed }
+    /// Refuses an option that touches nothing of what the network reads.
+    ///
+    /// # Errors
+    /// If there is one.
+    pub fn check_use(&self, read: &[Attribute]) -> Result<()> {
+        const POSED: &[Attribute] = &[Attribute::Position, Attribute::Normal];
+        let used = [
+            ("--space world", POSED, self.space == Space::World),
+            ("--forward z", POSED, self.forward == Forward::Z),
+            ("--up -y", POSED, self.up == Up::MinusY),
+            ("--depth negative", &[Attribute::Depth], self.depth == DepthSign::Negative),
+            ("--metres-per-unit", &LENGTHS, self.metres_per_unit != 1.0),
+        ];
+        let normals = self.normals.iter().filter(|how| **how != Normals::Signed);
+        let normals = normals.map(|how| {
+            let word = how.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
+            (format!("--normals {word}"), how.layers())
+        });
+        let used = used.into_iter().filter(|(.., is_used)| *is_used);
+        let used = used.map(|(option, layers, _)| (option.to_owned(), layers)).chain(normals);
+        let names = |layers: &[Attribute]| {
+            layers.iter().map(|layer| format!("`{}`", layer.name())).collect::<Vec<_>>().join(", ")
         };
-        mapped(&gbuffer, Attribute::Normal, |_, normal| signed(normal))
+        for (option, layers) in used {
+            ensure!(
+                layers.iter().any(|layer| read.contains(layer)),
+                "{option} changes {}, of which the network reads nothing: it reads {}",
+                names(layers),
+                names(read)
+            );
+        }
+        Ok(())
+    }
+
+    /// The g-buffer with components of normals from -1 to 1, and with depth that is positive before the
+    /// camera.
+    #[must_use]
+    pub fn with_signs(&self, gbuffer: GBuffer) -> GBuffer {
+        let gbuffer =
+            if self.normals.contains(&Normals::Unsigned) { normals::signed(gbuffer) } else { gbuffer };
+        let depth = gbuffer.first_plane(Attribute::Depth).ok();
+        let Some(depth) = depth.filter(|_| self.depth == DepthSign::Negative) else { return gbuffer };
+        let mut planes = gbuffer.planes().clone();
+        planes.plane_mut(depth).iter_mut().for_each(|value| *value = -*value);
+        GBuffer::new(gbuffer.attributes().to_vec(), planes)
+    }
+
+    /// The sign of z before the camera in the file; none in world space.
+    pub fn sign_before(&self) -> Option<f32> {
+        match (self.space, self.forward) {
+            (Space::World, _) => None,
+            (Space::Camera, Forward::Z) => Some(1.0),
+            (Space::Camera, Forward::MinusZ) => Some(-1.0),
+        }
     }
 
     /// A g-buffer that has `valid` as networks read it: in metres and camera space.
@@ -125,28 +176,18 @@ impl Args {
         let direction = |value| pose.map_or(value, |pose| pose.direction(value));
         let gbuffer = mapped(&gbuffer, Attribute::Position, |pixel, value| at(pixel, value, &point));
         let gbuffer = mapped(&gbuffer, Attribute::Normal, |pixel, value| at(pixel, value, &direction));
-        Ok(self.with_better_normals(gbuffer))
+        Ok(normals::mended(gbuffer, &self.normals))
     }
 
     /// The g-buffer with all that is a length in metres.
     fn in_metres(&self, gbuffer: GBuffer) -> GBuffer {
-        let is_length = |attribute: Attribute| {
-            matches!(
-                attribute,
-                Attribute::Position
-                    | Attribute::Depth
-                    | Attribute::FocalDistance
-                    | Attribute::Blurriness
-                    | Attribute::MeanFreePath
-            )
-        };
         if self.metres_per_unit == 1.0 {
             return gbuffer;
         }
         let mut planes = gbuffer.planes().clone();
         let mut first = 0;
         for attribute in gbuffer.attributes() {
-            for plane in (first..first + attribute.width()).filter(|_| is_length(*attribute)) {
+            for plane in (first..first + attribute.width()).filter(|_| LENGTHS.contains(attribute)) {
                 planes.plane_mut(plane).iter_mut().for_each(|value| *value *= self.metres_per_unit);
             }
             first += attribute.width();
@@ -185,22 +226,6 @@ impl Args {
         }
         candidate
     }
-
-    fn with_better_normals(&self, gbuffer: GBuffer) -> GBuffer {
-        let gbuffer = match self.normals.contains(&Normals::Normalised) {
-            true => mapped(&gbuffer, Attribute::Normal, |_, normal| normal.normalize_or_zero()),
-            false => gbuffer,
-        };
-        if !self.normals.contains(&Normals::Turned) {
-            return gbuffer;
-        }
-        let positions = vectors(&gbuffer, Attribute::Position);
-        mapped(&gbuffer, Attribute::Normal, |at, normal| match &positions {
-            Some(positions) if normal.dot(positions[at]) > 0.0 => -normal,
-            None if normal.z < 0.0 => -normal,
-            _ => normal,
-        })
-    }
 }
 
 /// How well a pose sees positions where their pixels are, 0 to 1.
@@ -223,7 +248,7 @@ pub fn vectors(gbuffer: &GBuffer, attribute: Attribute) -> Option<Vec<Vec3>> {
 
 /// The g-buffer with other vectors for an attribute, if it has that, each made of its pixel's index and what
 /// it was.
-fn mapped(gbuffer: &GBuffer, attribute: Attribute, map: impl Fn(usize, Vec3) -> Vec3) -> GBuffer {
+pub fn mapped(gbuffer: &GBuffer, attribute: Attribute, map: impl Fn(usize, Vec3) -> Vec3) -> GBuffer {
     let Some(values) = vectors(gbuffer, attribute) else { return gbuffer.clone() };
     let first = gbuffer.first_plane(attribute).unwrap_or_default();
     let mut planes: Planes = gbuffer.planes().clone();

@@ -3,18 +3,21 @@
 use super::summary::{Kind, Line};
 
 /// Groups of methods, given by name and SSIM, of which no two differ by as much as truth's own noise: by what
-/// its halves lack of an SSIM of 1. The best is in the first group; who is alike to nobody is in none.
+/// its halves lack of an SSIM of 1. Every two that are so near are together in a group, so that groups may
+/// overlap; none is a part of another. The best come first.
 pub fn alike<'a>(scores: &[(&'a str, f64)], ceiling: f64) -> Vec<Vec<&'a str>> {
     let mut sorted: Vec<(&str, f64)> = scores.iter().copied().filter(|(_, ssim)| ssim.is_finite()).collect();
     sorted.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let mut groups: Vec<(f64, Vec<&str>)> = Vec::new();
-    for (name, ssim) in sorted {
-        match groups.last_mut() {
-            Some((best, names)) if *best - ssim < 1.0 - ceiling => names.push(name),
-            _ => groups.push((ssim, vec![name])),
+    let mut groups: Vec<Vec<&str>> = Vec::new();
+    let mut end_of_last = 0;
+    for (first, (_, best)) in sorted.iter().enumerate() {
+        let near = sorted[first..].iter().take_while(|(_, ssim)| best - ssim < 1.0 - ceiling).count();
+        if near > 1 && first + near > end_of_last {
+            end_of_last = first + near;
+            groups.push(sorted[first..end_of_last].iter().map(|(name, _)| *name).collect());
         }
     }
-    groups.into_iter().map(|(_, names)| names).filter(|names| names.len() > 1).collect()
+    groups
 }
 
 /// That in a sentence, with what makes truth's noise less; `None` where all are told apart.
@@ -46,9 +49,10 @@ mod tests {
     fn methods_that_differ_by_less_than_truths_halves_are_not_told_apart() {
         let scores = [("hbao", 0.90), ("learned", 0.95), ("gtao", 0.94), ("ssao", 0.80), ("aov", 0.925)];
         assert_eq!(alike(&scores, 0.995), Vec::<Vec<&str>>::new(), "truth is sharp enough for all");
-        assert_eq!(alike(&scores, 0.985), [["learned", "gtao"]]);
+        // `gtao` is as near to the one below it as to the one above.
+        assert_eq!(alike(&scores, 0.98), [["learned", "gtao"], ["gtao", "aov"]]);
         // A group reaches as far below its best as the noise, so that any two of it are within the noise.
-        assert_eq!(alike(&scores, 0.97), [vec!["learned", "gtao", "aov"]]);
+        assert_eq!(alike(&scores, 0.97), [vec!["learned", "gtao", "aov"], vec!["aov", "hbao"]]);
         assert_eq!(alike(&scores, 0.94), [vec!["learned", "gtao", "aov", "hbao"]]);
         assert_eq!(alike(&[("a", 0.9), ("b", 0.9)], 1.0), Vec::<Vec<&str>>::new(), "truth has no noise");
         assert_eq!(alike(&[("a", f64::NAN), ("b", 0.9)], 0.5), Vec::<Vec<&str>>::new());

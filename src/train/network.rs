@@ -7,7 +7,7 @@ use deepshade_dataset::{Radius, Recipe};
 use deepshade_infer::{ChannelOrder, Estimate, NetSpec, Reach};
 use deepshade_render::methods::estimate::Estimator;
 use deepshade_shaders::Effect;
-use deepshade_train::TrainConfig;
+use deepshade_train::{Loss, TrainConfig};
 use std::path::Path;
 
 /// Radius of the effect in the units of the network's input: positions, some ten radii away, then are about
@@ -84,7 +84,7 @@ pub fn usual_config(recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
     let reach = |share| Reach { radius: RADII, diagonal_share: share, height: recipe.resolution.height };
     let estimate = estimate(ESTIMATE).map_err(anyhow::Error::msg)?;
     match (NetSpec::corrected(recipe.effect, CHANNELS, estimate, reach(USUAL_SHARE)), recipe.radius) {
-        (Some(spec), _) => Ok(TrainConfig::new(spec, data.to_owned())),
+        (Some(spec), _) => Ok(correcting(spec, data)),
         (None, Radius::Diagonal(share)) => default_config(recipe, data, ChannelOrder::Interleaved, share),
         (None, _) => {
             bail!("the paper's networks want a recipe that states its radius as a share of the diagonal")
@@ -100,7 +100,13 @@ pub fn corrected_config(args: &Args, recipe: &Recipe, data: &Path) -> Result<Tra
         Reach { radius: RADII, diagonal_share, height: recipe.smallest.unwrap_or(recipe.resolution).height };
     let spec = NetSpec::corrected(effect, args.channels, args.estimate.clone(), reach)
         .with_context(|| format!("--network corrected: no method estimates `{effect}` for networks"))?;
-    Ok(TrainConfig::new(spec, data.to_owned()))
+    Ok(correcting(spec, data))
+}
+
+/// The defaults for a spec that corrects an estimate. An estimate is so near to truth that what is left to
+/// gain is small differences over wide areas, which the means of tiles show.
+fn correcting(spec: NetSpec, data: &Path) -> TrainConfig {
+    TrainConfig { loss: Loss::DssimL2Means, ..TrainConfig::new(spec, data.to_owned()) }
 }
 
 /// The defaults for data that a recipe makes, and a network that reaches `diagonal_share` of a scene's

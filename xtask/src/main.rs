@@ -1,7 +1,7 @@
 //! Set-up and the commands that the README and CI call: `cargo xtask demo`, `cargo xtask test`,
 //! `cargo xtask prove`, `cargo xtask crosscheck`, `cargo xtask models`, `cargo xtask book`, `cargo xtask deny`,
 //! `cargo xtask targets`, `cargo xtask faults`, `cargo xtask fuzz`, `cargo xtask package`, `cargo xtask soak`, `cargo xtask store`, `cargo xtask farm`,
-//! `cargo xtask web`.
+//! `cargo xtask unchanged`, `cargo xtask web`.
 //!
 //! Nothing but std and anyhow, but for what drives a browser (feature `browser`), so that it builds in seconds on a machine that has nothing else yet.
 
@@ -24,6 +24,7 @@ mod soak;
 mod store;
 mod targets;
 mod test;
+mod unchanged;
 mod vulkan;
 mod web;
 
@@ -74,6 +75,9 @@ Commands:
   farm [--json F] [--only slurm|ray]
                Set up Slurm with several nodes, and Ray, on this machine, and make a dataset by each while workers are killed
                and one shard always fails; measure how many tasks Slurm starts where none waits for a node
+  unchanged [--write] FILE
+               Make small data of every recipe, and every method's image of every effect on two scenes, and hold the
+               hashes of all files against those that --write noted in FILE before a rewrite, on the same machine
   web [--out DIR] [--serve] [--test [--json F]]
                Build the web page as static files, by default below the target folder: the program as WebAssembly, the
                networks, and what is shown where a browser has no WebGPU. On Debian it installs a compiler for browsers
@@ -115,6 +119,7 @@ fn run(args: &[String]) -> Result<()> {
         ("soak", rest) => soak::run(rest),
         ("store", rest) => store::run(rest),
         ("farm", rest) => farm::run(rest),
+        ("unchanged", rest) => unchanged::run(rest),
         ("web", rest) => web::run(rest),
         ("help" | "-h" | "--help", []) => {
             println!("{HELP}");

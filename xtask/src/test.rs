@@ -22,7 +22,7 @@ type Step = (&'static str, &'static [&'static str]);
 /// browser is apart: what it needs has serde_json keep the order of keys, which the program does not. Training on Vulkan
 /// leaves the CPU's own kernels out: its step compiles what is there instead, without the other features. Embree is loaded
 /// at run time and need not be there.
-const FEATURES: &str = "store,embree";
+pub const FEATURES: &str = "store,embree";
 
 const STEPS: [Step; 7] = [
     ("formatting", &["fmt", "--all", "--check"]),

@@ -25,6 +25,10 @@ const OF_EXTENT: f32 = 2e-6;
 /// How far from the edges of its triangle a ray starts, in parts of the lift: the cotangent of 18 degrees.
 const INSET: f32 = 3.0;
 
+/// How far along its triangle a start may move, in parts of the distance from the edges that is wanted: on a
+/// strip narrower than that the middle may be far away.
+const FARTHEST: f32 = 10.0;
+
 /// Where rays start at a point of a triangle, as far as it does not depend on the side.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Start {
@@ -115,7 +119,7 @@ impl Edges {
     }
 
     /// Weights of the first point on the way to the middle of the inscribed circle that is `margin` metres
-    /// from all edges, or of the middle itself.
+    /// from all edges, or of the middle itself, but no farther than [`FARTHEST`] margins away.
     fn towards_middle(&self, weights: [f32; 3], margin: f32) -> [f32; 3] {
         let perimeter: f32 = self.lengths.iter().sum();
         let middle = self.lengths.map(|length| length / perimeter);
@@ -125,7 +129,9 @@ impl Edges {
             missing / (middle[edge] - weights[edge]).max(missing)
         };
         let share = (0..3).filter(|edge| weights[*edge] < self.least(*edge, margin)).map(share);
-        let share = share.fold(0.0f32, f32::max).min(1.0);
+        let way = self.edges[2] * (middle[1] - weights[1]) - self.edges[1] * (middle[2] - weights[2]);
+        let farthest = FARTHEST * margin / way.length().max(f32::MIN_POSITIVE);
+        let share = share.fold(0.0f32, f32::max).min(1.0).min(farthest);
         [0, 1, 2].map(|corner| weights[corner] + (middle[corner] - weights[corner]) * share)
     }
 }
@@ -171,6 +177,15 @@ mod tests {
             assert!((way.length() / margin - 1.0).abs() < 1e-2, "{way}");
             assert!(way.dot(along).abs() < 2e-2 * margin, "{way} along {along}");
         }
+    }
+
+    #[test]
+    fn on_a_strip_narrower_than_the_margin_a_start_stays_near() {
+        let strip = [Vec3::ZERO, Vec3::new(10.0, 0.0, 0.0), Vec3::new(0.0, 1e-4, 0.0)];
+        let (weights, margin) = ([0.2, 0.7, 0.1], 5e-4);
+        let moved = blended(strip, away_from_edges(strip, weights, margin));
+        let way = (moved - blended(strip, weights)).length();
+        assert!(way > margin && way < 1.01 * FARTHEST * margin, "{way}");
     }
 
     #[test]

@@ -4,6 +4,8 @@ use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::procedural::Family;
 use deepshade_shaders::Planes;
 
+mod networks;
+
 const SIZE: [usize; 2] = [48, 64];
 const ATTRIBUTES: [Attribute; 4] =
     [Attribute::Position, Attribute::Normal, Attribute::Depth, Attribute::Valid];
@@ -30,7 +32,7 @@ fn changed(gbuffer: &GBuffer, change: impl Fn(usize, [Vec3; 2], f32) -> ([Vec3; 
 }
 
 fn found(gbuffer: &GBuffer) -> Vec<Contradiction> {
-    contradictions(gbuffer).expect("validity")
+    contradictions(gbuffer, &ATTRIBUTES).expect("validity")
 }
 
 /// What is found of a room's g-buffer that was changed.
@@ -92,18 +94,24 @@ fn world_space_is_told_nearly_always() {
 #[test]
 fn normals_that_are_none_are_told() {
     let unsigned = of_room(|_, [p, n], d| ([p, 0.5 * n + 0.5], d));
-    assert_eq!(unsigned, [Contradiction::UnsignedNormals]);
+    assert_eq!(unsigned, [Contradiction::UnsignedNormals(Attribute::Normal)]);
     for factor in [3.0, 0.5] {
         let ways = of_room(|_, [p, n], d| ([p, factor * n], d));
-        let is_told = matches!(ways[..], [Contradiction::NotUnit(share, length)]
+        let is_told = matches!(ways[..], [Contradiction::NotUnit(Attribute::Normal, share, length)]
             if share > 0.99 && (length - factor).abs() < 1e-3);
         assert!(is_told, "{ways:?}");
     }
     let away = of_room(|_, [p, n], d| ([p, -n], d));
-    assert!(matches!(away[..], [one @ Contradiction::FacingAway(_)] if one.is_grave()), "{away:?}");
+    assert!(
+        matches!(away[..], [one @ Contradiction::FacingAway(_)] if one.is_grave(&ATTRIBUTES)),
+        "{away:?}"
+    );
     // A camera that is rolled by a quarter has normals of the world on other axes.
     let other = of_room(|_, [p, n], d| ([p, Vec3::new(n.z, n.x, n.y)], d));
-    let is_told = matches!(other[..], [Contradiction::OtherNormals(_) | Contradiction::FacingAway(_)]);
+    let is_told = matches!(
+        other[..],
+        [Contradiction::OtherNormals(_) | Contradiction::FacingAway(_) | Contradiction::Reversed(_)]
+    );
     assert!(is_told, "{other:?}");
 }
 
@@ -113,7 +121,10 @@ fn backs_of_leaves_normal_maps_and_soft_edges_are_let_pass() {
     let backs = of_room(|at, [p, n], d| ([p, if some(at, 15) { -n } else { n }], d));
     assert_eq!(backs, []);
     let many = of_room(|at, [p, n], d| ([p, if some(at, 45) { -n } else { n }], d));
-    assert!(matches!(many[..], [one @ Contradiction::FacingAway(_)] if !one.is_grave()), "{many:?}");
+    assert!(
+        matches!(many[..], [one @ Contradiction::FacingAway(_)] if !one.is_grave(&ATTRIBUTES)),
+        "{many:?}"
+    );
     let mapped = of_room(|at, [p, n], d| {
         let bump = Vec3::new((at as f32).sin(), (at as f32 * 1.3).cos(), (at as f32 * 0.7).sin());
         ([p, (n + 0.5 * bump).normalize()], d)

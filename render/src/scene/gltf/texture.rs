@@ -40,7 +40,8 @@ impl TextureList {
         let texture = file.document.textures().nth(texture).expect("texture indices are validated");
         let sampler = texture.sampler();
         let wrap = [sampler.wrap_s(), sampler.wrap_t()].map(wrap);
-        // Rays see single texels or means of four; there are no smaller copies to choose among.
+        // Rays see single texels or means of four. There are no smaller copies to choose among, so that
+        // `minFilter` alone says nothing.
         let filter = match sampler.mag_filter() {
             Some(MagFilter::Nearest) => Filter::Nearest,
             Some(MagFilter::Linear) | None => Filter::Linear,
@@ -100,8 +101,9 @@ fn wrap(mode: WrappingMode) -> Wrap {
 fn is_read(image: &json::Image) -> bool {
     let uri = image.uri.as_deref().unwrap_or_default().to_ascii_lowercase();
     let kind = image.mime_type.as_ref().map_or("", |kind| kind.0.as_str());
-    let unread = |ending: &str| uri.ends_with(ending) || kind.ends_with(&ending[1..]);
-    !UNREAD_ENDINGS.into_iter().any(unread) && !uri.starts_with("data:image/webp")
+    let is_data = |kind: &str| uri.strip_prefix("data:image/").is_some_and(|rest| rest.starts_with(kind));
+    let unread = |ending: &str| uri.ends_with(ending) || kind.ends_with(&ending[1..]) || is_data(&ending[1..]);
+    !UNREAD_ENDINGS.into_iter().any(unread)
 }
 
 /// An image of a file, a data URI or a buffer view.

@@ -24,7 +24,8 @@ pub(super) fn read(path: &Path) -> Result<Image, SceneError> {
 
 fn decoded(bytes: &[u8]) -> Result<Image, String> {
     let damaged = |error: image::ImageError| format!("not a usable Radiance HDR image: {error}");
-    let decoder = HdrDecoder::new(with_the_first_signature(bytes)).map_err(damaged)?;
+    let (header, texels) = header(bytes);
+    let decoder = HdrDecoder::new(header.chain(texels)).map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     // Before memory is taken for what the header promises.
     check_size(width as usize, height as usize)?;
@@ -43,13 +44,22 @@ fn decoded(bytes: &[u8]) -> Result<Image, String> {
     Ok(Image { width: width as usize, height: height as usize, texels, cropped: None })
 }
 
-/// The bytes of a file of any of the signatures as if it had the first, the only one that the decoder knows.
-fn with_the_first_signature(bytes: &[u8]) -> impl Read {
-    let end = bytes.iter().position(|byte| *byte == b'\n').unwrap_or(bytes.len());
-    let (line, rest) = bytes.split_at(end);
-    let known = SIGNATURES.contains(&line.trim_ascii_end());
-    let first = if known { SIGNATURES[0] } else { line };
-    first.chain(rest)
+/// A file's header as the decoder knows it, with the first signature and line ends of one byte, and what
+/// follows. The line of the size, behind an empty one, is the header's last.
+fn header(bytes: &[u8]) -> (Vec<u8>, &[u8]) {
+    let (mut header, mut rest, mut was_empty) = (Vec::new(), bytes, false);
+    while let Some(end) = rest.iter().position(|byte| *byte == b'\n') {
+        let line = rest[..end].trim_ascii_end();
+        rest = &rest[end + 1..];
+        let is_signature = header.is_empty() && SIGNATURES.contains(&line);
+        header.extend_from_slice(if is_signature { SIGNATURES[0] } else { line });
+        header.push(b'\n');
+        if was_empty {
+            break;
+        }
+        was_empty = line.is_empty();
+    }
+    (header, rest)
 }
 
 #[cfg(test)]
@@ -94,6 +104,14 @@ mod tests {
             let error = image(&format!("{signature}\nFORMAT=32-bit_rle_rgbe\n")).expect_err(signature);
             assert!(error.contains("signature"), "{signature}: {error}");
         }
+    }
+
+    #[test]
+    fn lines_may_end_in_two_bytes_and_texels_hold_them_too() {
+        let texel = [13, 10, 13, 129];
+        let lines = "#?RADIANCE\r\nEXPOSURE=2\r\nFORMAT=32-bit_rle_rgbe\r\n\r\n-Y 1 +X 2\r\n";
+        let found = decoded(&[lines.as_bytes(), &texel, &texel].concat()).expect("an image").texels;
+        assert_eq!(found, [Vec3::new(13.0, 10.0, 13.0) / 128.0 / 2.0; 2]);
     }
 
     #[test]
