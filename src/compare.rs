@@ -20,7 +20,7 @@ pub use run::Run;
 pub use values::MethodChoice;
 
 use crate::arguments::positive;
-use crate::complete::{Additions, listeners};
+use crate::complete::Additions;
 use crate::exposure_time;
 use crate::figures::{self, Figures};
 use crate::place::Place;
@@ -39,6 +39,7 @@ use deepshade_render::method::Repeats;
 use deepshade_render::methods::Quality;
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
+use deepshade_shaders::effect::Setting;
 use deepshade_shaders::gpu::Gpu;
 use description::distinct;
 use make::OUTSIDE;
@@ -212,7 +213,7 @@ fn make_all(
             completed.scene = stage.remembered(completed.scene)?;
         }
         let medium = || ("medium".to_owned(), run.additions().heard_by(effect).medium_in_words());
-        let medium = listeners::MEDIUM.contains(&effect).then(medium);
+        let medium = effect.listens_to(Setting::Medium).then(medium);
         let added = added.iter().map(|added| ("added".to_owned(), added.clone()));
         let subject = Subject {
             scene: &completed.scene,
@@ -262,7 +263,7 @@ fn figures(report: &Report, comparison: &Comparison, planned: &[Planned]) -> Res
     let runs = &comparison.runs;
     let words = |of: &dyn Fn(&Run) -> Vec<String>| distinct(runs.iter().flat_map(of)).join(", ");
     figures.detail("added", json!(planned.first().map(|first| &first.added)));
-    if comparison.effects().iter().any(|effect| listeners::MEDIUM.contains(effect)) {
+    if comparison.effects().iter().any(|effect| effect.listens_to(Setting::Medium)) {
         figures.detail("medium", words(&|run| vec![run.additions().medium_in_words()]).into());
     }
     figures.detail("scene", words(&|run| run.scenes().iter().map(ToString::to_string).collect()).into());

@@ -15,6 +15,7 @@ use deepshade_infer::TrainedUnder;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::{Camera, Environment, Lens, Look, Medium};
 use deepshade_shaders::Effect;
+use deepshade_shaders::effect::Setting;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
@@ -75,7 +76,7 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
     let opaque = look.materials.iter().all(|material| material.mean_free_path == Vec3::ZERO);
     if let Some(metres) = additions.mean_free_path {
         look.materials.iter_mut().for_each(|material| material.mean_free_path = metres);
-    } else if opaque && listeners::MEAN_FREE_PATH.contains(&effect) {
+    } else if opaque && effect.listens_to(Setting::MeanFreePath) {
         let metres = MEAN_FREE_PATH * middle_depth(scene, &camera, wants.size) / camera.focal_length(512);
         look.materials.iter_mut().for_each(|material| material.mean_free_path = metres);
         added.push(format!("no material lets light in: all do, with mean free paths of {metres:.4} m"));
@@ -133,7 +134,7 @@ fn add_light(
     if by_sky {
         sky::add(look, wants, added);
     }
-    let dark = if wants.effect.lit_by_lamps_alone() {
+    let dark = if wants.effect.is_lit_by_lamps_alone() {
         look.lights.is_empty()
     } else {
         look.environment.is_none() && scene.scene().is_dark()
@@ -276,7 +277,7 @@ mod tests {
             let wants = wants(effect, &additions);
             let completed = complete(&scene, &camera, &wants).expect("completed");
             let lamps = completed.scene.scene().lights.len();
-            assert_eq!(lamps, usize::from(effect.lit_by_lamps_alone()), "{effect}");
+            assert_eq!(lamps, usize::from(effect.is_lit_by_lamps_alone()), "{effect}");
         }
     }
 

@@ -10,7 +10,6 @@ pub mod stage;
 use crate::learned::{self, Learned};
 use crate::methods::LEARNED;
 use anyhow::{Context, Result, ensure};
-use deepshade_dataset::truth;
 #[cfg(feature = "view")]
 use deepshade_infer::Model;
 use deepshade_render::method::Repeats;
@@ -85,7 +84,7 @@ impl Live {
         ensure!(height > 0 && width > 0, "a frame of {width} x {height} pixels shows nothing");
         let read = wanted.methods.iter().flat_map(|method| method.attributes()).copied();
         let network =
-            wanted.learned.iter().flat_map(|learned| truth::attributes(learned.spec().effect)).copied();
+            wanted.learned.iter().flat_map(|learned| learned.spec().effect.attributes()).copied();
         let mut attributes: Vec<Attribute> = read.chain(network).chain(wanted.attributes).collect();
         attributes.sort_unstable();
         attributes.dedup();
@@ -194,7 +193,7 @@ impl Live {
             return Ok(Vec::new());
         };
         let Running::Network(learned) = &self.shading[index].method else { return Ok(Vec::new()) };
-        let gbuffer = self.gbuffer_async(truth::attributes(learned.spec().effect)).await?;
+        let gbuffer = self.gbuffer_async(learned.spec().effect.attributes()).await?;
         let shaded = learned.image_async(&gbuffer, self.view.radius, Repeats::ONCE).await?;
         let queue = &self.gpu.queue;
         let shading = &mut self.shading[index];
@@ -312,7 +311,7 @@ impl Live {
             Running::Passes(..) => None,
         });
         let Some(spec) = network.filter(|spec| spec.trained.is_some()) else { return Ok(None) };
-        let gbuffer = gpu::wait(self.gbuffer_async(truth::attributes(spec.effect)))??;
+        let gbuffer = gpu::wait(self.gbuffer_async(spec.effect.attributes()))??;
         Ok(learned::outside(spec, &gbuffer, self.view.radius))
     }
 

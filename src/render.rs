@@ -26,6 +26,7 @@ use deepshade_render::path::{Estimate, Footprint, Part, Shot, Truth};
 use deepshade_render::scene::{Camera, Lens, SceneSource};
 use deepshade_render::scotopic::Scotopic;
 use deepshade_shaders::{Effect, Planes};
+use deepshade_shaders::effect::Setting;
 use picture::Exposure;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -126,7 +127,7 @@ pub fn run(args: &Args) -> Result<()> {
     let [exr, png] = files(args)?;
     check_pixels(args.height, args.width)?;
     let part = Part::named(&args.part, args.effect).map_err(anyhow::Error::msg)?;
-    listeners::check(args.effect, listeners::RADIUS, &[("--radius", args.radius.is_some())])?;
+    listeners::check(args.effect, Setting::Radius, &[("--radius", args.radius.is_some())])?;
     let size = [args.height, args.width];
     let scene = args.time.scene(&args.scene, &args.props, args.effect)?;
     let scene = TracedScene::new(scene).with_context(|| format!("scene {}", args.scene))?;

@@ -47,6 +47,7 @@ use clerk::Errand;
 use deepshade_render::methods::Quality;
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
+use deepshade_shaders::effect::Setting;
 use desk::Desk;
 use eframe::egui::{self, ViewportBuilder};
 use eframe::egui_wgpu::WgpuConfiguration;
@@ -136,7 +137,7 @@ impl Args {
 pub fn run(args: &Args) -> Result<()> {
     let began = Instant::now();
     check_size(["--height", "--width"], [args.height, args.width])?;
-    listeners::check(args.effect, listeners::RADIUS, &[("--radius", args.radius.is_some())])?;
+    listeners::check(args.effect, Setting::Radius, &[("--radius", args.radius.is_some())])?;
     let script = args.script.as_deref().map(Script::read).transpose()?;
     let outcome = Arc::new(Mutex::new(Outcome::default()));
     let state = state::State::new(args)?;

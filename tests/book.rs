@@ -2,6 +2,7 @@
 //! no command, effect or method is left out. What README.md and CONTRIBUTING.md show of commands is the program's, too.
 
 use deepshade_shaders::Effect;
+use deepshade_shaders::effect::{Definition, Setting};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -55,9 +56,11 @@ fn readme_and_book_count_the_same_effects_and_hours() {
         effects.contains(&format!("There are {count}.")) && concepts.contains(&format!("lists all {count}"))
     );
     for effect in Effect::ALL {
-        for (name, text) in [("README.md", &readme), ("effects.md", &effects)] {
-            assert!(text.contains(&format!("| `{effect}` | ")), "{name} has no row of {effect}");
-        }
+        assert!(readme.contains(&format!("| `{effect}` | ")), "README.md has no row of {effect}");
+        let Definition { meaning, lit_by, .. } = effect.definition();
+        let radius = if effect.listens_to(Setting::Radius) { "yes" } else { "no" };
+        let row = format!("| `{effect}` | {meaning} | {radius} | {} |", lit_by.words());
+        assert!(effects.contains(&row), "effects.md has no row {row}");
     }
     let hours = "raining took one core half an hour (`ao`) to two hours (`ibl`)";
     assert!(readme.contains(hours) && introduction.contains(hours));

@@ -31,10 +31,7 @@ impl Symmetry {
     /// Those that leave pairs of an effect sound: all, but none where light comes from where the camera says, as in the look
     /// of photographs (thesis 7.4), which a rolled camera would not have seen so.
     pub const fn of(effect: Effect) -> &'static [Self] {
-        match effect {
-            Effect::Real => &[Self::IDENTITY],
-            _ => &Self::ALL,
-        }
+        if effect.definition().turns { &Self::ALL } else { &[Self::IDENTITY] }
     }
 
     /// Left and right exchanged, if `mirrored`, and then so many quarter turns counter-clockwise.

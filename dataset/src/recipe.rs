@@ -9,7 +9,7 @@
 mod check;
 pub mod drawn;
 
-use crate::{DatasetError, Vary, truth};
+use crate::{DatasetError, Vary};
 use deepshade_render::scene::procedural::Split;
 use deepshade_shaders::{Attribute, Effect, names};
 use glam::Vec3;
@@ -262,9 +262,9 @@ impl Recipe {
         self.vary.as_ref().is_some_and(|vary| vary.timeline.is_some())
     }
 
-    /// The attributes of its pairs: [`truth::attributes`] of its effect, and in a timeline how things move.
+    /// The attributes of its pairs: those of its effect, and in a timeline how things move.
     pub fn attributes(&self) -> Vec<Attribute> {
-        let mut attributes = truth::attributes(self.effect).to_vec();
+        let mut attributes = self.effect.attributes().to_vec();
         if self.is_timeline() && !attributes.contains(&Attribute::Motion) {
             // The mask is the last of all.
             attributes.insert(attributes.len() - 1, Attribute::Motion);

@@ -1,44 +1,7 @@
-//! What a pair of an effect consists of: which attributes its g-buffer holds. The integrator of its target is
-//! [`deepshade_render::path::integrator`]'s.
+//! What the numbers of a pair mean, and how bright its light may be. Which attributes its g-buffer holds is in
+//! the table of effects; the integrator of its target is [`deepshade_render::path::integrator`]'s.
 
-use deepshade_shaders::{Attribute, AttributeKind, Effect, GBuffer, Planes};
-
-/// The attributes that pairs of an effect hold: what its network reads (thesis, Table 7.1), what its analytic methods
-/// read beside, and the validity mask.
-///
-/// Effects of the table are without albedo where it says so: what they compute is multiplied by the diffuse colour
-/// afterwards. Fog and full path tracing, which the thesis' networks do not do, have the surfaces' geometry, direct
-/// light and colours.
-pub const fn attributes(effect: Effect) -> &'static [Attribute] {
-    use Attribute::{
-        Blurriness, Depth, Diffuse, DiffuseLight, Emission, Glossiness, Light, MeanFreePath, Motion, Normal,
-        Position, Specular, ToCamera, Valid, WorldNormal,
-    };
-    match effect {
-        Effect::Ao => &[Position, Normal, Valid],
-        Effect::Do => &[WorldNormal, Normal, Position, Valid],
-        // The diffuse colour is for looking at the indirect light as it is added to an image.
-        Effect::Gi => &[Normal, Position, DiffuseLight, Diffuse, Valid],
-        Effect::Glossy => &[Position, Normal, Specular, Glossiness, DiffuseLight, Valid],
-        Effect::Ibl => &[WorldNormal, ToCamera, Diffuse, Specular, Glossiness, Valid],
-        Effect::Sss => &[Position, MeanFreePath, Light, Valid],
-        // The walk below the surface ends where it began in another direction, and takes on the surface's colour.
-        // What is reflected specularly does not enter.
-        Effect::Subsurface => &[Position, Normal, MeanFreePath, DiffuseLight, Diffuse, Valid],
-        Effect::Dof => &[Blurriness, Depth, Light, Valid],
-        Effect::MotionBlur => &[Motion, Light, Depth, Valid],
-        Effect::Aa => &[Depth, Light, Valid],
-        Effect::Multi => &[Normal, Position, Blurriness, Depth, Light, Valid],
-        Effect::FogDirect | Effect::FogIndirect | Effect::FogMultiple => {
-            &[Position, Normal, Depth, Light, Diffuse, Valid]
-        }
-        // Where lamps shone tells what was kept of their light.
-        Effect::Phosphor | Effect::PhosphorGi => &[Position, Normal, DiffuseLight, Diffuse, Valid],
-        Effect::Path => &[Position, Normal, Depth, Light, Diffuse, Specular, Glossiness, Emission, Valid],
-        // All that a depth image tells.
-        Effect::Real => &[Position, Normal, Valid],
-    }
-}
+use deepshade_shaders::{AttributeKind, Effect, GBuffer, Planes};
 
 /// What the numbers of a pair mean.
 pub fn units(effect: Effect) -> String {
@@ -78,16 +41,7 @@ pub fn light_within_half(gbuffer: GBuffer) -> GBuffer {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_effect_has_attributes_of_its_own_kind_and_a_mask() {
-        for effect in Effect::ALL {
-            let attributes = attributes(effect);
-            assert_eq!(attributes.last(), Some(&Attribute::Valid), "{effect}");
-            let twice = |i: usize| attributes[..i].contains(&attributes[i]);
-            assert!(!(0..attributes.len()).any(twice), "{effect}");
-        }
-    }
+    use deepshade_shaders::Attribute;
 
     #[test]
     fn only_light_is_cut_off() {

@@ -163,11 +163,8 @@ fn content_fault(pair: &Pair, effect: Effect) -> Option<String> {
 
 /// Whether an effect can have a value.
 const fn in_range(value: f32, effect: Effect) -> bool {
-    match effect {
-        Effect::Ao => value >= 0.0 && value <= 1.0,
-        // Irradiance and radiance.
-        _ => value >= 0.0 && value.is_finite(),
-    }
+    let [least, most] = effect.range();
+    value >= least && value <= most && value.is_finite()
 }
 
 /// Half floats round pi up by so much.
@@ -286,7 +283,7 @@ mod tests {
     #[test]
     fn every_attribute_has_a_range_that_damage_leaves() {
         for effect in Effect::ALL {
-            let attributes = crate::truth::attributes(effect).to_vec();
+            let attributes = effect.attributes().to_vec();
             let channels: Vec<_> = attributes.iter().flat_map(|attribute| attribute.channels()).collect();
             let sound = |channel: usize| match channels[channel].attribute {
                 Attribute::Position => [0.0, 0.0, -2.0][channels[channel].component],

@@ -63,8 +63,8 @@ impl NetSpec {
     pub fn predicting_kernels(&self) -> Option<Self> {
         let levels = self.levels();
         let kernel = if levels == 1 { 5 } else { 3 };
-        let filter = Filter { levels, kernel, black: self.effect.hides_light() };
-        let colour = if self.effect.parts_colours() { Colour::Mono } else { Colour::Rgb };
+        let filter = Filter { levels, kernel, black: self.effect.definition().hides_light };
+        let colour = if self.effect.definition().parts_colours { Colour::Mono } else { Colour::Rgb };
         let spec = Self { colour, ..self.clone() }.with_head(Head::Filter(filter));
         spec.validate().is_ok().then_some(spec)
     }

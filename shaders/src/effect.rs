@@ -1,7 +1,12 @@
 //! The one list of effects. An effect is a quantity at a pixel; a method is one way to compute it.
 
-use crate::names;
+mod definition;
+mod table;
+
+use crate::{Attribute, GBuffer, Planes, names};
+pub use definition::{Definition, DoingNothing, LitBy, Setting};
 use serde::{Deserialize, Serialize};
+use table::TABLE;
 
 /// A quantity at a pixel that methods compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -74,172 +79,54 @@ impl Effect {
         Self::Real,
     ];
 
+    /// Its row of the table.
+    pub const fn definition(self) -> &'static Definition {
+        &TABLE[self as usize]
+    }
+
     /// Its name on the command line, in recipes and in files.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Ao => "ao",
-            Self::Do => "do",
-            Self::Gi => "gi",
-            Self::Glossy => "glossy",
-            Self::Ibl => "ibl",
-            Self::Sss => "sss",
-            Self::Subsurface => "subsurface",
-            Self::Dof => "dof",
-            Self::MotionBlur => "motion-blur",
-            Self::Aa => "aa",
-            Self::Multi => "multi",
-            Self::FogDirect => "fog-direct",
-            Self::FogIndirect => "fog-indirect",
-            Self::FogMultiple => "fog-multiple",
-            Self::Phosphor => "phosphor",
-            Self::PhosphorGi => "phosphor-gi",
-            Self::Path => "path",
-            Self::Real => "real",
-        }
+        self.definition().name
     }
 
     /// Number of channels of its image.
     pub const fn channels(self) -> usize {
-        match self {
-            Self::Ao => 1,
-            _ => 3,
-        }
+        self.definition().channels
     }
 
-    /// Its value where no surface is seen, which every method's image has there; `None` for effects that reach beyond
-    /// the surface's pixel, as blur does, and have a value of their own there.
+    /// Its value where no surface is seen: see [`Definition::background`].
     pub const fn background(self) -> Option<f32> {
-        match self {
-            Self::Ao => Some(1.0),
-            Self::Do
-            | Self::Gi
-            | Self::Glossy
-            | Self::Ibl
-            | Self::Sss
-            | Self::Subsurface
-            | Self::Phosphor
-            | Self::PhosphorGi => Some(0.0),
-            Self::Dof
-            | Self::MotionBlur
-            | Self::Aa
-            | Self::Multi
-            | Self::FogDirect
-            | Self::FogIndirect
-            | Self::FogMultiple
-            | Self::Path
-            | Self::Real => None,
-        }
+        self.definition().background
     }
 
-    /// The least and the greatest number that an image can hold: shares are 0 to 1, light is never negative.
+    /// The least and the greatest number that its image can hold.
     pub const fn range(self) -> [f32; 2] {
-        match self {
-            Self::Ao => [0.0, 1.0],
-            _ => [0.0, f32::INFINITY],
-        }
-    }
-
-    /// Whether it shows direct light of a scene's lights only: what the environment and shining surfaces send
-    /// is left out.
-    pub const fn lit_by_lamps_alone(self) -> bool {
-        match self {
-            Self::Sss
-            | Self::Subsurface
-            | Self::Dof
-            | Self::MotionBlur
-            | Self::Aa
-            | Self::Multi
-            | Self::Phosphor
-            | Self::PhosphorGi => true,
-            Self::Ao
-            | Self::Do
-            | Self::Gi
-            | Self::Glossy
-            | Self::Ibl
-            | Self::FogDirect
-            | Self::FogIndirect
-            | Self::FogMultiple
-            | Self::Path
-            | Self::Real => false,
-        }
-    }
-
-    /// Whether some of the light that its image filters is hidden.
-    pub const fn hides_light(self) -> bool {
-        match self {
-            Self::Multi => true,
-            Self::Aa
-            | Self::Ao
-            | Self::Do
-            | Self::Dof
-            | Self::Gi
-            | Self::Glossy
-            | Self::Ibl
-            | Self::MotionBlur
-            | Self::Sss
-            | Self::Subsurface
-            | Self::FogDirect
-            | Self::FogIndirect
-            | Self::FogMultiple
-            | Self::Phosphor
-            | Self::PhosphorGi
-            | Self::Path
-            | Self::Real => false,
-        }
-    }
-
-    /// Whether it sends the light of one colour farther than that of another, so that the same weights of the light of a
-    /// neighbourhood cannot serve for all colours.
-    pub const fn parts_colours(self) -> bool {
-        match self {
-            Self::Sss | Self::Subsurface => true,
-            Self::Aa
-            | Self::Ao
-            | Self::Do
-            | Self::Dof
-            | Self::Gi
-            | Self::Glossy
-            | Self::Ibl
-            | Self::MotionBlur
-            | Self::Multi
-            | Self::FogDirect
-            | Self::FogIndirect
-            | Self::FogMultiple
-            | Self::Phosphor
-            | Self::PhosphorGi
-            | Self::Path
-            | Self::Real => false,
-        }
-    }
-
-    /// Whether its image is direct light, [`Attribute::Light`](crate::Attribute::Light), averaged over a neighbourhood, maybe
-    /// with some of it hidden.
-    pub const fn filters_light(self) -> bool {
-        match self {
-            Self::Sss | Self::Dof | Self::MotionBlur | Self::Aa | Self::Multi => true,
-            Self::Ao
-            | Self::Do
-            | Self::Gi
-            | Self::Glossy
-            | Self::Ibl
-            | Self::Subsurface
-            | Self::FogDirect
-            | Self::FogIndirect
-            | Self::FogMultiple
-            | Self::Phosphor
-            | Self::PhosphorGi
-            | Self::Path
-            | Self::Real => false,
-        }
+        self.definition().range
     }
 
     /// What the numbers of its image mean.
     pub const fn unit(self) -> &'static str {
-        match self {
-            Self::Ao => "open share of the hemisphere",
-            Self::Do | Self::Gi | Self::PhosphorGi => "irradiance / pi",
-            _ => "radiance",
-        }
+        self.definition().unit
+    }
+
+    /// Whether it shows light of lamps alone: see [`LitBy::Lamps`].
+    pub fn is_lit_by_lamps_alone(self) -> bool {
+        self.definition().lit_by == LitBy::Lamps
+    }
+
+    /// The image of whoever computes nothing, `[channels, height, width]`: see [`DoingNothing`].
+    pub fn doing_nothing(self, gbuffer: &GBuffer) -> Planes {
+        self.definition().doing_nothing.image(self.channels(), gbuffer)
+    }
+
+    /// What its pairs hold: see [`Definition::attributes`].
+    pub const fn attributes(self) -> &'static [Attribute] {
+        self.definition().attributes
+    }
+
+    /// Whether a setting changes it.
+    pub fn listens_to(self, setting: Setting) -> bool {
+        self.definition().listens_to.contains(&setting)
     }
 }
 
@@ -258,5 +145,47 @@ impl std::str::FromStr for Effect {
             let meant = names::did_you_mean(name, known.iter().copied());
             format!("no effect `{name}`{meant}; there are {}", known.join(", "))
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_is_its_effect_s_own_and_agrees_with_itself() {
+        for (effect, row) in Effect::ALL.into_iter().zip(&TABLE) {
+            assert_eq!(effect, row.effect);
+            assert_eq!(effect.definition().name.parse::<Effect>(), Ok(effect));
+            let twice = |i: usize| row.attributes[..i].contains(&row.attributes[i]);
+            assert!(!(0..row.attributes.len()).any(twice), "{effect}");
+            assert_eq!(row.attributes.last(), Some(&Attribute::Valid), "{effect}");
+            if let DoingNothing::As(attribute) = row.doing_nothing {
+                assert!(row.attributes.contains(&attribute), "{effect}: {attribute:?}");
+                assert_eq!(attribute.width(), row.channels, "{effect}");
+            }
+            assert!(
+                !row.filters_light || row.doing_nothing == DoingNothing::As(Attribute::Light),
+                "{effect}"
+            );
+            assert!(!row.hides_light || row.filters_light, "{effect}");
+            assert!(row.needs.is_none_or(|needed| !row.varies.contains(&needed)), "{effect}");
+        }
+    }
+
+    #[test]
+    fn doing_nothing_is_one_number_or_the_light_that_is_there() {
+        for effect in Effect::ALL {
+            let attributes = effect.attributes().to_vec();
+            let width: usize = attributes.iter().map(|attribute| attribute.width()).sum();
+            let gbuffer = GBuffer::new(attributes, Planes::filled(width, 8, 8, 0.5));
+            let value = match effect.definition().doing_nothing {
+                DoingNothing::White => 1.0,
+                DoingNothing::Black => 0.0,
+                DoingNothing::As(_) => 0.5,
+            };
+            let expected = Planes::filled(effect.channels(), 8, 8, value);
+            assert_eq!(effect.doing_nothing(&gbuffer), expected, "{effect}");
+        }
     }
 }

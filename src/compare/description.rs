@@ -10,6 +10,7 @@ use anyhow::{Context, Result, bail, ensure};
 use deepshade_dataset::Radius;
 use deepshade_render::path::sampler::MAX_SAMPLES;
 use deepshade_shaders::Effect;
+use deepshade_shaders::effect::Setting;
 use std::fmt::Debug;
 use std::path::{Component, Path, PathBuf};
 
@@ -136,8 +137,8 @@ fn check(run: &Run) -> Result<()> {
         views.iter().try_for_each(Viewpoint::check).context("`views`")?;
     }
     let effects = run.effects();
-    listeners::check_any(effects, listeners::RADIUS, &[("--radius", run.radius.is_some())])?;
-    listeners::check_any(effects, listeners::SHUTTER, &[("--shutter", run.shutter.is_some())])?;
+    listeners::check_any(effects, Setting::Radius, &[("--radius", run.radius.is_some())])?;
+    listeners::check_any(effects, Setting::Shutter, &[("--shutter", run.shutter.is_some())])?;
     run.additions().check_any(effects)?;
     check_methods(run)
 }

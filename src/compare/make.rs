@@ -3,7 +3,6 @@
 
 use super::contest::Contestant;
 use super::key::Digest;
-use crate::complete::listeners;
 use crate::radius;
 use crate::report::folder::Folder;
 use crate::report::images::{self, Lit};
@@ -17,6 +16,7 @@ use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Repeats};
 use deepshade_render::path::{Goal, Shot, Truth};
 use deepshade_shaders::{Effect, GBuffer, Planes};
+use deepshade_shaders::effect::Setting;
 use std::time::Instant;
 
 /// Name of the fact that a frame is unlike those that networks were trained on.
@@ -102,7 +102,7 @@ pub fn wanted(key: &str, contestant: &Contestant) -> Wanted {
 pub fn make(folder: &Folder, head: &Head, subject: &Subject<'_>, at: &impl Fn(&str)) -> Result<FrameRecord> {
     let Subject { scene, view, settings, .. } = *subject;
     let Settings { effect, height, width, radius, seed, repeats, .. } = settings;
-    let gbuffer = gbuffer::render(scene, &view.camera, height, width, truth::attributes(effect));
+    let gbuffer = gbuffer::render(scene, &view.camera, height, width, effect.attributes());
     ensure!(gbuffer.seen()?.contains(&true), "view `{}` sees nothing of the scene", view.name);
     let frame = Frame { scene, camera: &view.camera, gbuffer: &gbuffer, radius, seed };
     let place = folder.frame(&head.folder)?;
@@ -115,7 +115,7 @@ pub fn make(folder: &Folder, head: &Head, subject: &Subject<'_>, at: &impl Fn(&s
         None => {
             at("truth");
             FrameRecord::delete(&place)?;
-            make_truth(folder, head, subject)?
+            make_truth(folder, head, subject, &gbuffer)?
         }
     };
     record.facts.retain(|(name, _)| name != OUTSIDE);
@@ -158,7 +158,12 @@ fn outside(subject: &Subject<'_>, gbuffer: &GBuffer) -> Option<(String, String)>
 }
 
 /// Renders truth, no brighter than half floats can hold, and writes it.
-fn make_truth(folder: &Folder, head: &Head, subject: &Subject<'_>) -> Result<(FrameRecord, Planes)> {
+fn make_truth(
+    folder: &Folder,
+    head: &Head,
+    subject: &Subject<'_>,
+    gbuffer: &GBuffer,
+) -> Result<(FrameRecord, Planes)> {
     let Settings { effect, height, width, radius, goal, seed, .. } = subject.settings;
     let shot = Shot::new(subject.scene, &subject.view.camera, [height, width], radius);
     let start = Instant::now();
@@ -174,9 +179,9 @@ fn make_truth(folder: &Folder, head: &Head, subject: &Subject<'_>) -> Result<(Fr
         folder: head.folder.clone(),
         height,
         width,
-        radius: listeners::RADIUS.contains(&effect).then_some(radius),
+        radius: effect.listens_to(Setting::Radius).then_some(radius),
         facts: facts(subject, truth.estimate.samples),
-        truth: TruthRecord::new(effect, &truth, milliseconds),
+        truth: TruthRecord::new(effect, &truth, gbuffer, milliseconds),
         images: Vec::new(),
     };
     let place = folder.path.join(&head.folder);
@@ -195,7 +200,7 @@ fn facts(subject: &Subject<'_>, samples: u32) -> Vec<(String, String)> {
     let Subject { scene, view, settings, .. } = *subject;
     let position = view.camera.position;
     let radius = || ("radius", radius::in_words(settings.radius, scene.diagonal()));
-    let reach = listeners::RADIUS.contains(&settings.effect).then(radius);
+    let reach = settings.effect.listens_to(Setting::Radius).then(radius);
     [
         ("scene", scene.scene().name.clone()),
         ("triangles", scene.scene().triangle_count().to_string()),

@@ -2,23 +2,24 @@
 
 use deepshade_render::scene::Scene;
 use deepshade_shaders::Effect;
+use deepshade_shaders::effect::LitBy;
 
 /// What of a scene's light is left out, in a sentence; `None` where nothing is.
 pub fn light(effect: Effect, scene: &Scene) -> Option<String> {
     let emits = scene.emits().then_some("emissive surfaces");
     let sky = scene.environment.is_some().then_some("the environment");
     let lamps = (!scene.lights.is_empty()).then_some("lamps");
-    match effect {
-        Effect::Do | Effect::Ibl => listed([lamps, emits])
+    match effect.definition().lit_by {
+        LitBy::Environment => listed([lamps, emits])
             .map(|others| format!("{effect} has the light of the environment alone: {others} are left out")),
-        Effect::Gi | Effect::Glossy => listed([emits, sky]).map(|others| {
+        LitBy::AllInTruth => listed([emits, sky]).map(|others| {
             format!(
                 "methods of {effect} see the light of lamps alone: that of {others} is in its truth alone"
             )
         }),
-        _ if effect.lit_by_lamps_alone() => listed([emits, sky])
+        LitBy::Lamps => listed([emits, sky])
             .map(|others| format!("{effect} has the light of lamps alone: {others} light nothing in it")),
-        _ => None,
+        LitBy::Nothing | LitBy::All => None,
     }
 }
 

@@ -1,7 +1,7 @@
 //! Error against time: a line a method through its qualities, all axes logarithmic, a panel for each way to
 //! measure error. All that is drawn ran on one device.
 
-use super::rivals::{Rival, trivial_name};
+use super::rivals::Rival;
 use super::score::Evaluation;
 use crate::figures::write_atomically;
 use crate::methods::LEARNED;
@@ -58,7 +58,7 @@ pub fn write(path: &Path, effect: Effect, rivals: &[Rival], evaluation: &Evaluat
         note!("{}: not drawn, since they ran on another device: {}", path.display(), names.join(", "));
     }
     let panel = |measure: &Measure| {
-        let trivial = trivial_name(effect);
+        let trivial = effect.definition().doing_nothing.name();
         let nothing = estimates.get(format!("{}_{trivial}", measure.figure).as_str());
         let nothing = nothing.map(|estimate| (trivial, (measure.error)(estimate.mean)));
         Panel::new(measure.name, lines(measure, &drawn, estimates), nothing)

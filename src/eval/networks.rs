@@ -4,7 +4,6 @@ use super::names::{figure_name, name_of, set_figures};
 use super::outcome::Judgement;
 use super::paper::{Published, published};
 use super::results::{self, Entry};
-use super::rivals::trivial_name;
 use super::{Args, Contest, judge, page, sets, target};
 use crate::figures::{Figures, write_atomically};
 use crate::methods::{LEARNED, names_of};
@@ -64,7 +63,7 @@ pub fn run(args: &Args) -> Result<()> {
         let judgement = judge(&contest, &methods_for(effect, &args.methods), args, &gpu)?;
         let row = Row {
             published: published(&name),
-            trivial: trivial_name(effect),
+            trivial: effect.definition().doing_nothing.name(),
             name,
             weights,
             target,

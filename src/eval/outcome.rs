@@ -3,7 +3,7 @@
 
 use super::names::of_set;
 use super::paired::Pair;
-use super::rivals::{Rival, trivial_name};
+use super::rivals::Rival;
 use super::score::Evaluation;
 use super::sets::ARTISTS;
 use crate::figures::Figures;
@@ -74,7 +74,7 @@ impl Judgement {
     /// Scenes in which the network is worse than the image of whoever does nothing, set by set; none without
     /// a network.
     pub fn below_trivial(&self, effect: Effect) -> Option<Vec<String>> {
-        let [own, trivial] = [LEARNED, trivial_name(effect)].map(|name| format!("ssim_{name}"));
+        let [own, trivial] = [LEARNED, effect.definition().doing_nothing.name()].map(|name| format!("ssim_{name}"));
         let is_there = self.sets.iter().any(|set| !set.evaluation.values(&own).is_empty());
         let divided = self.is_divided();
         let below = self.sets.iter().flat_map(|set| {

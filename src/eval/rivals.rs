@@ -6,8 +6,8 @@ use deepshade_infer::Model;
 use deepshade_render::method::Method;
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::dials::{Changes, Tuning};
+use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
-use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
 
 /// A method under the name that figures have for it.
 pub struct Rival {
@@ -96,38 +96,6 @@ fn figure(name: &str) -> String {
     name.replace(['-', '.'], "_")
 }
 
-/// What is scored beside the methods: the image of whoever computes nothing, under a name that says what it is.
-pub const fn trivial_name(effect: Effect) -> &'static str {
-    match effect {
-        Effect::Ao => "white",
-        // The camera of a capture knows of no light, and fog's is none that a surface reflects.
-        Effect::Do
-        | Effect::Gi
-        | Effect::Glossy
-        | Effect::Ibl
-        | Effect::FogDirect
-        | Effect::FogIndirect
-        | Effect::FogMultiple
-        | Effect::Phosphor
-        | Effect::PhosphorGi
-        | Effect::Real => "black",
-        _ => "light",
-    }
-}
-
-/// That image: the effect's background, or direct light as it is, before the effect.
-pub fn trivial_image(effect: Effect, gbuffer: &GBuffer) -> Planes {
-    let filled = |value| Planes::filled(effect.channels(), gbuffer.height(), gbuffer.width(), value);
-    match trivial_name(effect) {
-        "white" => filled(1.0),
-        "light" => {
-            let light = if effect == Effect::Subsurface { Attribute::DiffuseLight } else { Attribute::Light };
-            gbuffer.select(&[light]).unwrap_or_else(|_| filled(0.0))
-        }
-        _ => filled(0.0),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -144,16 +112,6 @@ mod tests {
         assert_eq!(tuned(Quality::High, &Changes::default()), "bounced_z");
         assert_eq!(tuned(Quality::Low, &Changes::default()), "bounced_z_low");
         assert_eq!(tuned(Quality::High, &changes), "bounced_z_blur_radius_2_slices_thickness_0_5");
-    }
-
-    #[test]
-    fn what_is_called_light_is_of_an_attribute_that_the_effects_data_have() {
-        for effect in Effect::ALL.into_iter().filter(|effect| trivial_name(*effect) == "light") {
-            let attributes = deepshade_dataset::truth::attributes(effect).to_vec();
-            let width: usize = attributes.iter().map(|attribute| attribute.width()).sum();
-            let gbuffer = GBuffer::new(attributes, Planes::filled(width, 8, 8, 0.5));
-            assert_eq!(trivial_image(effect, &gbuffer), Planes::filled(3, 8, 8, 0.5), "{effect}");
-        }
     }
 
     #[test]

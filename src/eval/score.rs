@@ -1,6 +1,6 @@
 //! Scores of an effect's methods on the frames of a test set: overall, and by where scenes are from, their kind and scene.
 
-use super::rivals::{Rival, trivial_image, trivial_name};
+use super::rivals::Rival;
 use crate::methods::LEARNED;
 use crate::statistics::{Estimate, estimate, scene_means};
 use anyhow::{Context, Result};
@@ -190,7 +190,7 @@ fn score_frame(
         times.push((format!("ms_{name}"), shaded.milliseconds));
         evaluation.devices.insert(name.clone(), shaded.device);
     }
-    images.push((trivial_name(effect).to_owned(), shown(&trivial_image(effect, &gbuffer))));
+    images.push((effect.definition().doing_nothing.name().to_owned(), shown(&effect.doing_nothing(&gbuffer))));
     let mut of_network = None;
     for (name, image) in &images {
         let tiles = gather(image, &truth.tiles);

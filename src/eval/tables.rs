@@ -2,7 +2,7 @@
 //! the scenes in which it is worse than doing nothing.
 
 use super::outcome::{Judgement, Scored, Versus};
-use super::rivals::{Rival, trivial_name};
+use super::rivals::Rival;
 use crate::methods::LEARNED;
 use crate::statistics::Estimate;
 use crate::table;
@@ -37,7 +37,7 @@ pub fn print(effect: Effect, judgement: &Judgement) -> Result<()> {
     match judgement.below_trivial(effect) {
         Some(scenes) if !scenes.is_empty() => {
             let (count, names) = (scenes.len(), scenes.join(", "));
-            say!("\n`{LEARNED}` is behind the {} image in {count} scenes: {names}", trivial_name(effect))
+            say!("\n`{LEARNED}` is behind the {} image in {count} scenes: {names}", effect.definition().doing_nothing.name())
         }
         _ => Ok(()),
     }
@@ -66,7 +66,7 @@ fn methods(effect: Effect, rivals: &[Rival], set: &Scored) -> String {
         ]
     };
     let methods = rivals.iter().map(|rival| row(&rival.name, rival.method_name, tuned(rival)));
-    let others = [trivial_name(effect), "ceiling"].map(|name| row(name, name, String::new()));
+    let others = [effect.definition().doing_nothing.name(), "ceiling"].map(|name| row(name, name, String::new()));
     let rows: Vec<_> = [head.map(str::to_owned).to_vec()].into_iter().chain(methods).chain(others).collect();
     table::aligned(&rows)
 }

@@ -1,10 +1,9 @@
 //! What networks and other regressors are scored on: the frames of a test set, in memory.
 
-use crate::eval::rivals::trivial_image;
 use crate::statistics::{Estimate, estimate};
 use anyhow::Result;
 use deepshade_dataset::testset::gather;
-use deepshade_dataset::{SceneRecord, StagedScene, TestFrame, TestSet, truth};
+use deepshade_dataset::{SceneRecord, StagedScene, TestFrame, TestSet};
 use deepshade_render::gbuffer;
 use deepshade_render::metrics::{exposed, flip, ssim};
 use deepshade_shaders::{Effect, GBuffer, Planes};
@@ -79,7 +78,7 @@ impl Exam {
             };
             let scene = staged.shown(&record.camera, record.variation.as_ref())?;
             let (height, width) = (recipe.resolution.height, recipe.resolution.width);
-            let attributes = truth::attributes(recipe.effect);
+            let attributes = recipe.effect.attributes();
             questions.push(Question {
                 scene: scenes,
                 gbuffer: gbuffer::render(&scene, &record.camera, height, width, attributes),
@@ -133,7 +132,7 @@ impl Exam {
     /// # Errors
     /// As [`Exam::scores`].
     pub fn trivial(&self) -> Result<Scores> {
-        self.scores(|gbuffer, _| Ok(trivial_image(self.effect, gbuffer)))
+        self.scores(|gbuffer, _| Ok(self.effect.doing_nothing(gbuffer)))
     }
 
     /// What a perfect image would at least score, in words.

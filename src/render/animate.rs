@@ -22,6 +22,7 @@ use deepshade_render::screen::reprojection::Parameters;
 use deepshade_render::screen::reprojection::reference::{Two, flicker};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Attribute, Effect, Planes, lists};
+use deepshade_shaders::effect::Setting;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -288,7 +289,7 @@ fn check(args: &Args) -> Result<()> {
         args.time.shutter()
     );
     if !light {
-        listeners::check(args.effect, listeners::RADIUS, &[("--radius", args.radius.is_some())])?;
+        listeners::check(args.effect, Setting::Radius, &[("--radius", args.radius.is_some())])?;
     }
     args.time.check(if light { Effect::Aa } else { args.effect })
 }

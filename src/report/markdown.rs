@@ -20,7 +20,7 @@ pub fn text(report: &Report) -> String {
     for effect in report.effects() {
         let (frames, scenes) = (report.frames_of(effect), report.scenes_of(effect));
         let plural = if frames.len() == 1 { "" } else { "s" };
-        text.extend([String::new(), format!("## {} (`{effect}`)", title(effect)), String::new()]);
+        text.extend([String::new(), format!("## {} (`{effect}`)", effect.definition().title), String::new()]);
         text.push(format!("On {} frame{plural}:", frames.len()));
         text.push(String::new());
         let means = lines(effect, &frames);

@@ -16,7 +16,8 @@ mod times;
 use anyhow::{Context, Result, ensure};
 use deepshade_render::metrics::{Scores, exposed, exposure};
 use deepshade_render::path::Truth;
-use deepshade_shaders::{Effect, Planes};
+use deepshade_shaders::effect::DoingNothing;
+use deepshade_shaders::{Effect, GBuffer, Planes};
 use folder::{Folder, MARKDOWN};
 use record::{FrameRecord, TruthRecord};
 use std::path::PathBuf;
@@ -74,51 +75,25 @@ impl Report {
 }
 
 impl TruthRecord {
-    /// What is measured of truth of an effect that took so many milliseconds.
-    pub fn new(effect: Effect, truth: &Truth, milliseconds: f64) -> Self {
+    /// What is measured of truth of an effect that took so many milliseconds, beside doing nothing with the
+    /// frame's g-buffer.
+    pub fn new(effect: Effect, truth: &Truth, gbuffer: &GBuffer, milliseconds: f64) -> Self {
         let image = &truth.estimate.mean;
         let exposure = exposure(effect, image);
         let scores = |image: &Planes, truth: &Planes| {
             Scores::new(&exposed(image, exposure), &exposed(truth, exposure))
         };
-        let blank = effect.background().unwrap_or(0.0);
-        let blank = Planes::filled(image.channels(), image.height(), image.width(), blank);
-        let (noise, floor) = (scores(&truth.halves[0], &truth.halves[1]), scores(&blank, image));
+        let noise = scores(&truth.halves[0], &truth.halves[1]);
+        let floor = scores(&effect.doing_nothing(gbuffer), image);
         Self { exposure, milliseconds, noise, floor }
     }
 }
 
-/// What an image is called that is an effect's background everywhere.
+/// What tables call the image of whoever computes nothing.
 pub fn floor_name(effect: Effect) -> String {
-    format!("{} image", floor_colour(effect))
-}
-
-/// The colour of an effect's background.
-pub fn floor_colour(effect: Effect) -> &'static str {
-    if effect.background() == Some(1.0) { "white" } else { "black" }
-}
-
-/// An effect in words.
-pub const fn title(effect: Effect) -> &'static str {
-    match effect {
-        Effect::Ao => "Ambient occlusion",
-        Effect::Do => "Directional occlusion",
-        Effect::Gi => "Diffuse indirect light",
-        Effect::Glossy => "Indirect light in glossy surfaces",
-        Effect::Ibl => "Image-based lighting",
-        Effect::Sss => "Subsurface scattering in screen space",
-        Effect::Subsurface => "Subsurface scattering",
-        Effect::Dof => "Depth of field",
-        Effect::MotionBlur => "Motion blur",
-        Effect::Aa => "Anti-aliasing",
-        Effect::Multi => "Ambient occlusion and depth of field",
-        Effect::FogDirect => "Fog, light scattered once",
-        Effect::FogIndirect => "Fog, light from surfaces",
-        Effect::FogMultiple => "Fog, light scattered many times",
-        Effect::Phosphor => "Phosphorescence",
-        Effect::PhosphorGi => "Diffuse light of phosphorescence",
-        Effect::Path => "All light",
-        Effect::Real => "The look of photographs",
+    match effect.definition().doing_nothing {
+        DoingNothing::As(_) => "light without the effect".to_owned(),
+        one @ (DoingNothing::White | DoingNothing::Black) => format!("{} image", one.name()),
     }
 }
 

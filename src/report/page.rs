@@ -4,7 +4,7 @@ use super::folder::{DESCRIPTION, MARKDOWN};
 use super::record::{FrameRecord, TRUTH};
 use super::scatter::{self, MEASURES};
 use super::summary::{Line, lines, remarks};
-use super::{Report, colour_map, floor_name, images, times, title};
+use super::{Report, colour_map, floor_name, images, times};
 use anyhow::Result;
 use askama::Template;
 use serde::Serialize;
@@ -134,7 +134,7 @@ impl EffectPart {
         });
         Self {
             name: effect.name(),
-            title: title(effect),
+            title: effect.definition().title,
             frames: frames.len(),
             rows: means.iter().map(|line| Row::new("", line, None, device)).collect(),
             remarks: if frames.len() > 1 { remarks(effect, &frames) } else { Vec::new() },

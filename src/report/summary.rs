@@ -1,7 +1,7 @@
 //! A comparison's means, line by line: what the terminal, the page, the Markdown file and the JSON file all show.
 
 use super::record::FrameRecord;
-use super::{Report, floor_colour, floor_name, noise, times};
+use super::{Report, floor_name, noise, times};
 use crate::figures::Figures;
 use crate::table;
 use deepshade_render::method::Clock;
@@ -194,7 +194,7 @@ impl Line {
         match self.kind {
             Kind::Method => self.label.replace('-', "_"),
             Kind::Ceiling => "ceiling".to_owned(),
-            Kind::Floor => floor_colour(effect).to_owned(),
+            Kind::Floor => effect.definition().doing_nothing.name().to_owned(),
         }
     }
 }
@@ -255,7 +255,7 @@ fn frame_detail(frame: &FrameRecord) -> Value {
         "facts": pairs(&frame.facts),
         "methods": methods.collect::<serde_json::Map<_, _>>(),
         "ceiling": frame.truth.noise,
-        floor_colour(frame.effect): frame.truth.floor,
+        frame.effect.definition().doing_nothing.name(): frame.truth.floor,
     })
 }
 

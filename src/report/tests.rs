@@ -7,6 +7,7 @@ use crate::figures::Figures;
 use deepshade_render::exr_file::Metadata;
 use deepshade_render::method::Clock;
 use deepshade_render::path::Estimate;
+use deepshade_shaders::Attribute;
 use deepshade_shaders::random::random;
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -27,11 +28,16 @@ fn truth(halves: [Planes; 2]) -> Truth {
     Truth { estimate: Estimate { mean: image, variance, samples: 64 }, halves }
 }
 
+/// A g-buffer that shows nothing, of the size of the images.
+fn nothing() -> GBuffer {
+    GBuffer::new(vec![Attribute::Valid], Planes::filled(1, 24, 32, 0.0))
+}
+
 /// A frame whose images are written into a folder.
 fn frame(out: &Path, effect: Effect, name: &str, methods: &[&str]) -> FrameRecord {
     let truth = truth([wave(0.0), wave(0.1)]);
     let mean = &truth.estimate.mean;
-    let record = TruthRecord::new(effect, &truth, 1234.5);
+    let record = TruthRecord::new(EFFECT, &truth, &nothing(), 1234.5);
     let folder =
         format!("frame-{}-{effect}", name.chars().filter(char::is_ascii_alphanumeric).collect::<String>());
     let place = out.join(&folder);
@@ -95,7 +101,7 @@ fn page_of(out: &Path) -> String {
 
 #[test]
 fn noise_is_between_the_halves() {
-    let record = TruthRecord::new(EFFECT, &truth([wave(0.0), wave(0.1)]), 0.0);
+    let record = TruthRecord::new(EFFECT, &truth([wave(0.0), wave(0.1)]), &nothing(), 0.0);
     assert_eq!(record.noise, Scores::new(&wave(0.0), &wave(0.1)));
     assert!(record.floor.ssim < record.noise.ssim);
 }
@@ -125,7 +131,7 @@ fn a_perfect_image_scores_better_than_half_against_half() {
         })
     };
     let truth = truth([noisy(1), noisy(2)]);
-    let record = TruthRecord::new(EFFECT, &truth, 0.0);
+    let record = TruthRecord::new(EFFECT, &truth, &nothing(), 0.0);
     let lit = Lit { effect: EFFECT, image: &truth.estimate.mean, exposure: record.exposure };
     let perfect = lit.scores(&wave(0.0));
     assert!(perfect.ssim > record.noise.ssim && perfect.psnr > record.noise.psnr, "{perfect:?}");

@@ -41,9 +41,9 @@ impl LastLayer {
     /// What came nearer to truth in equal steps. For anti-aliasing kernels do, too, but by little, with ten
     /// times the weights.
     pub const fn best(effect: Effect) -> Self {
-        match effect {
-            Effect::Dof | Effect::MotionBlur | Effect::Multi | Effect::Sss => Self::Kernels,
-            _ => Self::Image,
+        match effect.definition().filters_light && !matches!(effect, Effect::Aa) {
+            true => Self::Kernels,
+            false => Self::Image,
         }
     }
 

@@ -9,10 +9,10 @@ use super::parameters;
 use super::state::{Arrangement, Map, State};
 use super::window::Window;
 use crate::arguments::EDGES;
-use crate::complete::listeners;
 use crate::methods::{self, TRUTH};
 use deepshade_render::methods::Quality;
 use deepshade_shaders::{Attribute, Effect};
+use deepshade_shaders::effect::Setting;
 use eframe::egui::{
     Button, Color32, ComboBox, DragValue, Grid, Key, RichText, ScrollArea, Slider, SliderClamping, Ui,
     style::ScrollStyle,
@@ -178,7 +178,7 @@ fn effect(ui: &mut Ui, window: &mut Window) {
     let hint = "less noise, by what of frames before is seen again; it follows what moves late";
     ui.checkbox(&mut show.temporal, "mixed with frames before").on_hover_text(hint);
     let (Some(picture), Some(subject)) = (&window.picture, &window.subject) else { return };
-    if listeners::RADIUS.contains(&wanted) {
+    if wanted.listens_to(Setting::Radius) {
         let mut radius = state.show.radius.unwrap_or(picture.radius);
         ui.horizontal_wrapped(|ui| {
             let range = 1e-3 * subject.diagonal..=subject.diagonal;

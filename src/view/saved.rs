@@ -5,7 +5,7 @@ use super::pictures::{Developed, rgb};
 use super::studio::{Picture, Show};
 use super::window::Window;
 use crate::compare::{Comparison, MethodChoice, Run};
-use crate::complete::{Additions, LAMP_ADDED, listeners};
+use crate::complete::{Additions, LAMP_ADDED};
 use crate::figures::write_atomically;
 use crate::methods::{LEARNED, TRUTH};
 use crate::place::Place;
@@ -14,6 +14,7 @@ use crate::views::{self, Viewpoint};
 use crate::{exposure_time, learned, samples};
 use anyhow::{Context, Result};
 use deepshade_dataset::Radius;
+use deepshade_shaders::effect::Setting;
 use deepshade_dataset::recipe::Resolution;
 use deepshade_render::exr_file::{self, Layer, Metadata};
 use deepshade_render::scene::{Camera, Lens};
@@ -175,10 +176,10 @@ fn comparison(moment: &Moment) -> Result<Comparison> {
         model: show.methods.contains(&LEARNED).then(network),
         put: (!put.is_empty()).then_some(put),
         resolution: Some(Resolution { height, width }),
-        radius: listeners::RADIUS.contains(&effect).then_some(Radius::Metres(picture.radius)),
+        radius: effect.listens_to(Setting::Radius).then_some(Radius::Metres(picture.radius)),
         ..Run::default()
     };
-    let shutter = listeners::SHUTTER.contains(&effect).then(|| args.shutter());
+    let shutter = effect.listens_to(Setting::Shutter).then(|| args.shutter());
     let run = run.with_options(
         &additions(picture, args),
         &views::Args::one(view(picture).0, args.seed),
@@ -192,12 +193,12 @@ fn comparison(moment: &Moment) -> Result<Comparison> {
 fn additions(picture: &Picture, args: &Args) -> Additions {
     let effect = picture.order.show.effect;
     let mut additions = args.additions.heard_by(effect);
-    if let Some(Lens { radius, focus }) = picture.camera.lens.filter(|_| listeners::LENS.contains(&effect)) {
+    if let Some(Lens { radius, focus }) = picture.camera.lens.filter(|_| effect.listens_to(Setting::Lens)) {
         (additions.aperture, additions.focus) = (Some(radius), Some(focus));
     }
     // Where materials differ they are the scene's own.
     let mut metres = picture.subject.animated.scene.materials.iter().map(|material| material.mean_free_path);
-    if let Some(first) = metres.next().filter(|_| listeners::MEAN_FREE_PATH.contains(&effect))
+    if let Some(first) = metres.next().filter(|_| effect.listens_to(Setting::MeanFreePath))
         && first != Vec3::ZERO
         && metres.all(|other| other == first)
     {

@@ -16,7 +16,6 @@ use crate::output::message;
 use crate::radius;
 use crate::render::picture::Exposure;
 use anyhow::{Context, Result};
-use deepshade_dataset::truth;
 use deepshade_infer::Model;
 use deepshade_render::method::{Frame, Method, Repeats};
 use deepshade_render::methods::Quality;
@@ -206,7 +205,7 @@ impl Set {
         let mut attributes = vec![Attribute::Valid];
         attributes.extend(show.inspected);
         if !on_processor.is_empty() {
-            attributes.extend_from_slice(truth::attributes(show.effect));
+            attributes.extend_from_slice(show.effect.attributes());
         }
         let mut live_names: Vec<&'static str> = opened.iter().map(|method| method.name()).collect();
         live_names.extend(learned.as_ref().map(|_| LEARNED));
@@ -261,7 +260,7 @@ impl Set {
         }
         if !self.on_processor.is_empty() {
             let scene = subject.traced(order.time, lights)?;
-            let gbuffer = self.live.gbuffer(truth::attributes(self.show.effect))?;
+            let gbuffer = self.live.gbuffer(self.show.effect.attributes())?;
             let frame =
                 Frame { scene: &scene, camera, gbuffer: &gbuffer, radius: self.radius, seed: order.number };
             for method in &self.on_processor {

@@ -20,7 +20,7 @@ const RESIDUAL_SCALE: f64 = 0.3;
 /// as itself is residual: it starts near the identity.
 pub fn first_weights(spec: &NetSpec, seed: u64) -> Weights {
     let mut weights = random_weights(spec, seed);
-    if spec.effect.filters_light() && spec.head == Head::Image {
+    if spec.effect.definition().filters_light && spec.head == Head::Image {
         pass_light(&spec.layers(), &spec.channels_of(Attribute::Light), &mut weights);
     }
     if let (Head::Correction(_), Some(last)) = (spec.head, weights.0.last_mut()) {
@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn a_network_that_filters_light_starts_with_what_it_is_given() {
-        for effect in Effect::ALL.into_iter().filter(|effect| effect.filters_light()) {
+        for effect in Effect::ALL.into_iter().filter(|effect| effect.definition().filters_light) {
             let spec = published(effect);
             let noise = parity::noise(spec.input_channels(), 64, 48, 3);
             let input = Planes::from_fn(noise.channels(), 64, 48, |c, y, x| noise.at(c, y, x).abs());

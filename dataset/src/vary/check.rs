@@ -2,33 +2,7 @@
 
 use super::{FogRange, Textures, Timeline, Vary};
 use deepshade_shaders::Effect;
-
-/// What changes how surfaces are shaded.
-const SHADING: &[&str] = &["materials", "textures", "light", "environment"];
-/// The same where lamps alone shine.
-const BY_LAMPS: &[&str] = &["materials", "textures", "light"];
-
-/// The key that an effect is nothing without, and those that change it too.
-const fn keys(effect: Effect) -> (Option<&'static str>, &'static [&'static str]) {
-    match effect {
-        Effect::Ao => (None, &[]),
-        Effect::Do => (Some("environment"), &[]),
-        Effect::Ibl => (Some("environment"), &["materials", "textures"]),
-        Effect::Gi => (None, SHADING),
-        // Materials that are drawn are of the Phong model, of which a g-buffer does not know.
-        Effect::Glossy => (None, &["textures", "light", "environment"]),
-        Effect::Aa => (None, BY_LAMPS),
-        Effect::Phosphor | Effect::PhosphorGi => {
-            (None, &["materials", "textures", "light", "timeline", "motion"])
-        }
-        Effect::Sss | Effect::Subsurface => (Some("mean_free_path"), BY_LAMPS),
-        Effect::Dof | Effect::Multi => (Some("lens"), BY_LAMPS),
-        Effect::MotionBlur => (Some("motion"), BY_LAMPS),
-        Effect::FogDirect | Effect::FogIndirect | Effect::FogMultiple => (Some("fog"), SHADING),
-        Effect::Path => (None, &["materials", "textures", "light", "environment", "fog"]),
-        Effect::Real => (Some("sensor"), &["materials", "textures", "light", "environment", "fog"]),
-    }
-}
+use deepshade_shaders::effect::Definition;
 
 /// Most procedural textures, which all stay in memory.
 const MOST_TEXTURES: usize = 512;
@@ -48,17 +22,18 @@ impl Vary {
             ("timeline", self.timeline.is_some()),
             ("sensor", self.sensor.is_some()),
         ];
-        let (needed, allowed) = keys(effect);
+        let Definition { needs, varies, .. } = effect.definition();
         for (key, is_given) in given {
-            if needed == Some(key) && !is_given {
+            if *needs == Some(key) && !is_given {
                 return Err(format!("effect `{effect}` needs the key `vary.{key}`"));
             }
-            if is_given && needed != Some(key) && !allowed.contains(&key) {
+            if is_given && *needs != Some(key) && !varies.contains(&key) {
                 return Err(format!("`vary.{key}` means nothing for effect `{effect}`"));
             }
         }
-        let keeps = matches!(effect, Effect::Phosphor | Effect::PhosphorGi);
-        if keeps && self.motion.is_some() && self.timeline.is_none() {
+        // What moves says what light was kept, where there is a past.
+        let of_a_past = *needs != Some("motion");
+        if of_a_past && self.motion.is_some() && self.timeline.is_none() {
             return Err(format!("`vary.motion` means nothing for effect `{effect}` without `vary.timeline`"));
         }
         self.check_limits()

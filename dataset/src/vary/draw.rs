@@ -61,7 +61,7 @@ pub(super) fn draw(
     let table = vary.unwrap_or(&nothing);
     let lens = table.lens.map(|range| drawn_lens(range, scene, &camera, [height, width], seed));
     let camera = Camera { lens: lens.or(camera.lens), ..camera };
-    let dark = if effect.lit_by_lamps_alone() {
+    let dark = if effect.is_lit_by_lamps_alone() {
         scene.scene().lights.is_empty()
     } else {
         table.environment.is_none() && scene.scene().is_dark()

@@ -1,9 +1,9 @@
 //! What hands and the command line have stated, which stays stated when another effect is shown.
 
-use crate::complete::listeners;
 use crate::learned;
 use crate::methods::{self, LEARNED, TRUTH};
 use deepshade_shaders::Effect;
+use deepshade_shaders::effect::Setting;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -45,7 +45,7 @@ impl Stated {
 
     /// The radius of an effect that is shown from now on, where it has one and one was stated.
     pub fn radius(&self, effect: Effect) -> Option<f32> {
-        self.radius.filter(|_| listeners::RADIUS.contains(&effect))
+        self.radius.filter(|_| effect.listens_to(Setting::Radius))
     }
 }
 
