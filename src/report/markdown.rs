@@ -3,7 +3,7 @@
 use super::folder::DESCRIPTION;
 use super::record::FrameRecord;
 use super::summary::{COLUMNS, lines, remarks};
-use super::{Report, times, title};
+use super::{Report, times};
 use crate::table;
 use deepshade_shaders::Effect;
 

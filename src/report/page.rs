@@ -152,7 +152,7 @@ impl<'a> FramePart<'a> {
             index,
             folder: &frame.folder,
             effect: frame.effect.name(),
-            title: title(frame.effect),
+            title: frame.effect.definition().title,
             name: &frame.name,
             facts: &frame.facts,
             rows: lines.iter().map(row).collect(),

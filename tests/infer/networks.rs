@@ -191,7 +191,7 @@ fn a_sky_that_depth_tells_is_none_of_the_surfaces() {
     for (effect, attributes) in [("aa", &AA[..]), ("motion-blur", &[Attribute::Motion, Attribute::Light][..])]
     {
         let shipped = Shipped::new(effect);
-        let attributes = [&attributes[..], &[Attribute::Depth]].concat();
+        let attributes = [attributes, &[Attribute::Depth]].concat();
         let attributes: Vec<Attribute> = (0..attributes.len())
             .filter(|at| !attributes[..*at].contains(&attributes[*at]))
             .map(|at| attributes[at])

@@ -145,7 +145,7 @@ pub(super) const TABLE: [Definition; 18] = [
         channels: 3,
         background: Some(0.0),
         range: LIGHT,
-        doing_nothing: DoingNothing::As(Attribute::DiffuseLight),
+        doing_nothing: DoingNothing::As(DiffuseLight),
         lit_by: LitBy::Lamps,
         filters_light: false,
         hides_light: false,

@@ -1,126 +1,150 @@
-//! Maps of MTL libraries: options, then the name of an image.
+//! Maps of MTL libraries: options, and the name of an image.
 
-use glam::{Affine2, Vec2};
+use super::files::Files;
+use super::map_options::{Options, Placement, is_option, word};
+use super::statement::readings;
+use std::path::PathBuf;
+
+/// The longest line that is looked through for the name of a file, bytes.
+const LONGEST: usize = 1024;
 
 /// An image that a material reads.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Map {
-    /// As the file has it, maybe with spaces.
-    pub file: String,
-    /// Of texture coordinates with `v` up (`-s`).
-    pub scale: Vec2,
-    /// Added to them then (`-o`).
-    pub offset: Vec2,
-    /// Whether the image ends at its edges (`-clamp on`).
-    pub is_clamped: bool,
+    /// A plain file in the scene's folder.
+    pub path: PathBuf,
+    pub placement: Placement,
     /// What normals are bent by (`-bm`).
     pub strength: f32,
+    /// Whether it holds what the image lacks, as transparency is for opacity.
+    pub is_inverse: bool,
+    /// Line of the library.
+    pub line: usize,
 }
 
 impl Map {
-    /// A map, none where no file is named; and what is odd about it.
-    pub fn parse(text: &str) -> (Option<Self>, Option<String>) {
-        let mut map = Self {
-            file: String::new(),
-            scale: Vec2::ONE,
-            offset: Vec2::ZERO,
-            is_clamped: false,
-            strength: 1.0,
+    /// The map of a line, none where there is no such file; and what is odd about it.
+    pub fn parse(line: usize, rest: &str, files: &Files) -> (Option<Self>, Vec<String>) {
+        let map = |(path, options): (PathBuf, Options)| {
+            let (placement, strength) = (options.placement, options.strength);
+            (Some(Self { path, placement, strength, is_inverse: false, line }), options.odd)
         };
-        let (mut rest, mut odd) = (text, None);
-        while let Some((option, after)) = option(rest) {
-            rest = after;
-            match option {
-                "-s" => map.scale = numbers(&mut rest, map.scale),
-                "-o" => map.offset = numbers(&mut rest, map.offset),
-                "-t" => drop(numbers(&mut rest, Vec2::ZERO)),
-                "-clamp" => map.is_clamped = word(&mut rest).eq_ignore_ascii_case("on"),
-                "-bm" => map.strength = word(&mut rest).parse().unwrap_or(map.strength),
-                "-blendu" | "-blendv" | "-boost" | "-cc" | "-imfchan" | "-texres" | "-type" => {
-                    word(&mut rest);
-                }
-                "-mm" => {
-                    word(&mut rest);
-                    word(&mut rest);
-                }
-                unknown => odd = Some(format!("the option `{unknown}` is passed over")),
-            }
+        if rest.len() > LONGEST {
+            return (None, vec![format!("a map of more than {LONGEST} bytes is left out")]);
         }
-        map.file = rest.trim().trim_matches('"').to_owned();
-        if map.file.is_empty() {
-            return (None, Some("a map without a file is passed over".to_owned()));
+        if let Some(path) = files.named(rest) {
+            return map((path, Options::default()));
         }
-        (Some(map), odd)
-    }
-
-    /// Its transform of coordinates with `v` down, as textures have them here.
-    pub fn transform(&self) -> Affine2 {
-        let down = Vec2::new(self.offset.x, 1.0 - self.scale.y - self.offset.y);
-        Affine2::from_scale_angle_translation(self.scale, 0.0, down)
-    }
-}
-
-/// The option that a text begins with: a minus and a letter.
-fn option(text: &str) -> Option<(&str, &str)> {
-    let text = text.trim_start();
-    let is_option =
-        text.strip_prefix('-').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_alphabetic()));
-    is_option.then(|| text.split_once(char::is_whitespace).unwrap_or((text, "")))
-}
-
-/// Takes the next word off a text.
-fn word<'a>(text: &mut &'a str) -> &'a str {
-    let (word, rest) = text.trim_start().split_once(char::is_whitespace).unwrap_or((text.trim_start(), ""));
-    *text = rest;
-    word
-}
-
-/// Takes one to three numbers off a text, of which the third is the depth of a solid texture. What follows
-/// them is a file's name, which may be a number, too.
-fn numbers(text: &mut &str, unless_stated: Vec2) -> Vec2 {
-    let mut numbers = unless_stated;
-    for i in 0..3 {
-        let mut rest = *text;
-        let Some(number) = word(&mut rest).parse().ok().filter(|number: &f32| number.is_finite()) else {
-            break;
+        let texts: Vec<&str> = readings(rest).collect();
+        let named = |name: &str| files.named(name);
+        if let Some(found) = texts.iter().find_map(|text| read(text, &named)) {
+            return map(found);
+        }
+        let name = without_options(texts.last().unwrap_or(&rest));
+        let called = |name: &str| files.called(name);
+        // A comment may have a path in it.
+        let Some((path, mut options)) = texts.iter().rev().find_map(|text| read(text, &called)) else {
+            let missing = format!("there is no image `{name}` in the scene's folder; the map is left out");
+            let empty = "a map without a file is passed over".to_owned();
+            return (None, vec![if name.is_empty() { empty } else { missing }]);
         };
-        if i > 0 && rest.trim().is_empty() {
-            break;
+        let instead = format!("there is no image `{name}`; `{}` is read in its place", path.display());
+        options.odd.insert(0, instead);
+        map((path, options))
+    }
+}
+
+/// What follows the options at the beginning of a text.
+fn without_options(text: &str) -> &str {
+    let (mut options, mut rest) = (Options::default(), text);
+    while options.take(&mut rest, true) {}
+    rest.trim()
+}
+
+/// The file in a text by a way to find files, and the options before and behind it. Nobody knows how many
+/// words belong to an option that nobody knows: they end where a file's name begins.
+fn read(text: &str, find: &dyn Fn(&str) -> Option<PathBuf>) -> Option<(PathBuf, Options)> {
+    let (mut options, mut rest, mut is_unknown) = (Options::default(), text.trim(), false);
+    while !rest.is_empty() {
+        rest = rest.trim_start();
+        if options.take(&mut rest, true) {
+            continue;
         }
-        *text = rest;
-        if i < 2 {
-            numbers[i] = number;
+        if let Some((path, behind)) = file_before_options(rest, find) {
+            options.take_all(behind);
+            return Some((path, options));
+        }
+        if is_option(rest) {
+            is_unknown = true;
+            options.pass_over(word(&mut rest));
+        } else if is_unknown && !rest.starts_with('#') {
+            word(&mut rest);
+        } else {
+            return None;
         }
     }
-    numbers
+    None
+}
+
+/// The file that a text is the name of, to its end or to an option behind the name, which comes with it.
+fn file_before_options<'a>(
+    text: &'a str,
+    find: &dyn Fn(&str) -> Option<PathBuf>,
+) -> Option<(PathBuf, &'a str)> {
+    if let Some(path) = find(text) {
+        return Some((path, ""));
+    }
+    let spaces = text.char_indices().filter(|(_, letter)| letter.is_whitespace());
+    let mut ends = spaces.map(|(at, _)| at).filter(|at| is_option(text[*at..].trim_start()));
+    ends.find_map(|at| find(&text[..at]).map(|path| (path, &text[at..])))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec2;
 
-    #[test]
-    fn options_are_told_from_names_with_spaces() {
-        let (map, odd) = Map::parse("-s 2 3 1 -o 0.5 -clamp on -mm 0 1 -imfchan m -bm -0.5 my wood.png");
-        let map = map.expect("a map");
-        assert_eq!((map.file.as_str(), odd), ("my wood.png", None));
-        assert_eq!((map.scale, map.offset), (Vec2::new(2.0, 3.0), Vec2::new(0.5, 0.0)));
-        assert!(map.is_clamped && map.strength == -0.5);
-        let file = |text: &str| Map::parse(text).0.map(|map| map.file);
-        assert_eq!(file("-s 2 2 7"), Some("7".to_owned()), "a name that is a number");
-        assert_eq!(file("\"a b.png\""), Some("a b.png".to_owned()));
-        assert_eq!(file("-1.png"), Some("-1.png".to_owned()));
-        assert_eq!([file(""), file("-clamp on"), file("-s 1 1 1 ")], [None, None, Some("1".to_owned())]);
-        assert!(Map::parse("-new a.png").1.is_some_and(|odd| odd.contains("`-new`")));
+    /// The file that is found among some, and its options.
+    fn found(text: &str) -> Option<(String, Options)> {
+        let names = ["my wood.png", "7", "-1.png", "-wood.png", "a #1.png", "a.png"];
+        let find = |name: &str| names.contains(&name.trim()).then(|| PathBuf::from(name.trim()));
+        read(text, &find).map(|(path, options)| (path.display().to_string(), options))
     }
 
     #[test]
-    fn transforms_are_those_of_coordinates_with_v_up() {
-        let map = Map::parse("-s 2 4 -o 0.25 0.5 a.png").0.expect("a map");
-        let up = Vec2::new(0.3, 0.2);
-        let expected = up * map.scale + map.offset;
-        let down = map.transform().transform_point2(Vec2::new(up.x, 1.0 - up.y));
-        assert!((down - Vec2::new(expected.x, 1.0 - expected.y)).length() < 1e-6, "{down}");
-        assert_eq!(Map::parse("a.png").0.expect("a map").transform(), Affine2::IDENTITY);
+    fn options_are_told_from_names_with_spaces() {
+        let text = "-s 2 3 1 -o 0.5 -clamp on -mm 0 1 -bm -0.5 my wood.png";
+        let (file, options) = found(text).expect("a map");
+        assert_eq!((file.as_str(), options.odd.len(), options.strength), ("my wood.png", 0, -0.5));
+        let placement =
+            Placement { scale: Vec2::new(2.0, 3.0), offset: Vec2::new(0.5, 0.0), is_clamped: true };
+        assert_eq!(options.placement, placement);
+        let file = |text: &str| found(text).map(|(file, _)| file);
+        assert_eq!(file("-s 2 2 7"), Some("7".to_owned()), "a name that is a number");
+        for name in ["-1.png", "-wood.png", "a #1.png"] {
+            assert_eq!(file(&format!("-s 2 2 1 {name}")), Some(name.to_owned()));
+        }
+        assert_eq!([file(""), file("-clamp on"), file("gone.png -s 2")], [None, None, None]);
+    }
+
+    #[test]
+    fn options_stand_behind_the_name_too() {
+        let (file, options) = found("-clamp on my wood.png -s 2 4 1 -o 0.5 0.25").expect("a map");
+        let placement =
+            Placement { scale: Vec2::new(2.0, 4.0), offset: Vec2::new(0.5, 0.25), is_clamped: true };
+        assert_eq!((file.as_str(), options.placement), ("my wood.png", placement));
+    }
+
+    #[test]
+    fn words_of_an_unknown_option_end_where_a_file_begins() {
+        for text in ["-new a.png", "-new 3 a.png", "-new 3 b -s 2 2 1 a.png", "a.png -new 3"] {
+            let (file, options) = found(text).expect(text);
+            assert_eq!((file.as_str(), options.odd.len()), ("a.png", 1), "{text}");
+            assert!(options.odd[0].contains("`-new`"), "{text}: {:?}", options.odd);
+            assert_eq!(options.placement.scale, Vec2::splat(if text.contains("-s") { 2.0 } else { 1.0 }));
+        }
+        for text in ["3 a.png", "-new 3 gone.png # not a.png"] {
+            assert!(found(text).is_none(), "{text}");
+        }
     }
 }

@@ -14,59 +14,47 @@ use std::sync::Arc;
 /// Alpha below which a texel of a dissolve map is a hole.
 const CUTOFF: f32 = 0.5;
 
-/// A library's materials, and where its maps are.
+/// A library's materials.
 pub(super) struct Library {
     pub path: PathBuf,
     pub materials: Vec<Stated>,
 }
 
-/// Materials and textures of some libraries in a scene's folder, in their order.
+/// Materials and textures of some libraries, in their order.
 ///
 /// # Errors
-/// If an image is missing, damaged, or outside of the folder.
-pub(super) fn convert(
-    folder: &Path,
-    libraries: &[Library],
-) -> Result<(Vec<Material>, Vec<Arc<Texture>>), SceneError> {
+/// If an image is damaged.
+pub(super) fn convert(libraries: &[Library]) -> Result<(Vec<Material>, Vec<Arc<Texture>>), SceneError> {
     let mut textures = Textures::default();
     let mut converted = Vec::new();
-    for Library { path, materials } in libraries {
-        let below = path.strip_prefix(folder).ok().and_then(Path::parent).unwrap_or(Path::new(""));
-        for stated in materials {
-            let invalid = |what| SceneError::invalid(path, format!("material `{}`: {what}", stated.name));
-            let find = |map: &Option<Map>| -> Result<Option<Found>, SceneError> {
-                let Some(map) = map.clone() else { return Ok(None) };
-                let path = file::beside(folder, below, map.file.replace('\\', "/")).map_err(invalid)?;
-                Ok(Some(Found { path, map }))
-            };
-            let (colour, alpha) = (find(&stated.diffuse_map)?, find(&stated.dissolve_map)?);
-            let (emission, normal) = (find(&stated.emission_map)?, find(&stated.normal_map)?);
-            let strength = normal.as_ref().map_or(1.0, |normal| normal.map.strength);
-            converted.push(Material {
-                base_colour_texture: textures.slot(colour, alpha, Encoding::Srgb)?,
-                emission_texture: textures.slot(emission, None, Encoding::Srgb)?,
-                normal_texture: textures.slot(normal, None, Encoding::Linear)?.map(|slot| (slot, strength)),
-                ..constants(stated)
-            });
-        }
+    for stated in libraries.iter().flat_map(|library| &library.materials) {
+        let [colour, alpha] = [&stated.diffuse_map, &stated.dissolve_map].map(Option::as_ref);
+        let [emission, normal] = [&stated.emission_map, &stated.normal_map].map(Option::as_ref);
+        let strength = normal.map_or(1.0, |normal| normal.strength);
+        converted.push(Material {
+            base_colour_texture: textures.slot(colour, alpha, Encoding::Srgb)?,
+            emission_texture: textures.slot(emission, None, Encoding::Srgb)?,
+            normal_texture: textures.slot(normal, None, Encoding::Linear)?.map(|slot| (slot, strength)),
+            ..constants(stated)
+        });
     }
     Ok((converted, textures.read))
-}
-
-/// A map with the place of its image.
-#[derive(Clone)]
-struct Found {
-    path: PathBuf,
-    map: Map,
 }
 
 /// What a texture is made of: one image's colours, another's alpha, and how it is read.
 #[derive(PartialEq)]
 struct Kind {
     colour: Option<PathBuf>,
-    alpha: Option<PathBuf>,
+    alpha: Option<Alpha>,
     encoding: Encoding,
     wrap: Wrap,
+}
+
+/// An image whose texels are opacity, or transparency.
+#[derive(PartialEq)]
+struct Alpha {
+    path: PathBuf,
+    is_inverse: bool,
 }
 
 /// The textures of a scene, each made once, of images that are read once.
@@ -81,36 +69,38 @@ impl Textures {
     /// A texture of one image's colours and another's alpha, if there is either, placed as the first of them.
     fn slot(
         &mut self,
-        colour: Option<Found>,
-        alpha: Option<Found>,
+        colour: Option<&Map>,
+        alpha: Option<&Map>,
         encoding: Encoding,
     ) -> Result<Option<TextureSlot>, SceneError> {
-        let Some(map) = colour.as_ref().or(alpha.as_ref()).map(|found| found.map.clone()) else {
-            return Ok(None);
+        let Some(Map { placement, .. }) = colour.or(alpha) else { return Ok(None) };
+        let wrap = if placement.is_clamped { Wrap::Clamp } else { Wrap::Repeat };
+        let kind = Kind {
+            colour: colour.map(|map| map.path.clone()),
+            alpha: alpha.map(|map| Alpha { path: map.path.clone(), is_inverse: map.is_inverse }),
+            encoding,
+            wrap,
         };
-        let wrap = if map.is_clamped { Wrap::Clamp } else { Wrap::Repeat };
-        let path = |found: Option<Found>| found.map(|found| found.path);
-        let kind = Kind { colour: path(colour), alpha: path(alpha), encoding, wrap };
         let index = self.known.iter().position(|known| *known == kind).unwrap_or(self.known.len());
         if index == self.known.len() {
-            let image = self.image(kind.colour.as_deref(), kind.alpha.as_deref())?;
+            let image = self.image(kind.colour.as_deref(), kind.alpha.as_ref())?;
             self.read.push(Arc::new(Texture::of(&image, encoding, [wrap; 2])));
             self.known.push(kind);
         }
         let texture = TextureId(index as u32);
-        Ok(Some(TextureSlot { texture, uv_set: 0, transform: map.transform() }))
+        Ok(Some(TextureSlot { texture, uv_set: 0, transform: placement.transform() }))
     }
 
     /// One image's colours, white without one, with another as its alpha.
-    fn image(&mut self, colour: Option<&Path>, alpha: Option<&Path>) -> Result<Image, SceneError> {
+    fn image(&mut self, colour: Option<&Path>, alpha: Option<&Alpha>) -> Result<Image, SceneError> {
         let white = Image { width: 1, height: 1, texels: [[255; 4]].into() };
         let colour = colour.map(|path| self.read_image(path)).transpose()?;
-        let Some(path) = alpha else { return Ok(colour.unwrap_or(white)) };
+        let Some(Alpha { path, is_inverse }) = alpha else { return Ok(colour.unwrap_or(white)) };
         let alpha = self.read_image(path)?;
         let [width, height] =
             colour.as_ref().map_or([alpha.width, alpha.height], |colour| [colour.width, colour.height]);
         decode::check(width, height).map_err(|what| SceneError::invalid(path, what))?;
-        Ok(with_alpha(&colour.unwrap_or(white), &alpha, width, height))
+        Ok(with_alpha(&colour.unwrap_or(white), &alpha, *is_inverse, [width, height]))
     }
 
     fn read_image(&mut self, path: &Path) -> Result<Image, SceneError> {
@@ -151,8 +141,9 @@ fn roughness(stated: &Stated) -> f32 {
     (2.0 / (exponent.max(0.0) + 2.0)).powf(0.25)
 }
 
-/// The colours of one image with the alpha of another, or its red where that is opaque throughout.
-fn with_alpha(colour: &Image, alpha: &Image, width: usize, height: usize) -> Image {
+/// The colours of one image with the alpha of another, or its red where that is opaque throughout, or what
+/// they lack of 1.
+fn with_alpha(colour: &Image, alpha: &Image, is_inverse: bool, [width, height]: [usize; 2]) -> Image {
     let channel = if alpha.texels.iter().any(|texel| texel[3] < 255) { 3 } else { 0 };
     let nearest = |image: &Image, x: usize, y: usize| {
         image.texels[y * image.height / height * image.width + x * image.width / width]
@@ -160,7 +151,8 @@ fn with_alpha(colour: &Image, alpha: &Image, width: usize, height: usize) -> Ima
     let texel = |index: usize| {
         let (x, y) = (index % width, index / width);
         let [r, g, b, _] = nearest(colour, x, y);
-        [r, g, b, nearest(alpha, x, y)[channel]]
+        let value = nearest(alpha, x, y)[channel];
+        [r, g, b, if is_inverse { 255 - value } else { value }]
     };
     Image { width, height, texels: (0..width * height).map(texel).collect() }
 }
@@ -184,8 +176,9 @@ mod tests {
     fn a_dissolve_map_becomes_alpha() {
         let colour = Image { width: 1, height: 1, texels: [[1, 2, 3, 255]].into() };
         let grey = Image { width: 2, height: 1, texels: [[10, 0, 0, 255], [20, 0, 0, 255]].into() };
-        assert_eq!(with_alpha(&colour, &grey, 2, 1).texels[..], [[1, 2, 3, 10], [1, 2, 3, 20]]);
+        assert_eq!(with_alpha(&colour, &grey, false, [2, 1]).texels[..], [[1, 2, 3, 10], [1, 2, 3, 20]]);
+        assert_eq!(with_alpha(&colour, &grey, true, [2, 1]).texels[..], [[1, 2, 3, 245], [1, 2, 3, 235]]);
         let cut = Image { width: 2, height: 1, texels: [[10, 0, 0, 0], [20, 0, 0, 255]].into() };
-        assert_eq!(with_alpha(&colour, &cut, 2, 1).texels[..], [[1, 2, 3, 0], [1, 2, 3, 255]]);
+        assert_eq!(with_alpha(&colour, &cut, false, [2, 1]).texels[..], [[1, 2, 3, 0], [1, 2, 3, 255]]);
     }
 }

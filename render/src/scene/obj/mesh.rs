@@ -81,8 +81,8 @@ impl Builder<'_> {
 /// that write them.
 fn colour_of(obj: &Obj, corner: Corner) -> Option<Vec4> {
     let colour = obj.colours.get(corner.position as usize).filter(|colour| colour.is_finite())?;
-    let linear = |value: f32| colour::srgb_decoded(value.clamp(0.0, 1.0));
-    Some(Vec4::new(linear(colour.x), linear(colour.y), linear(colour.z), colour.w.clamp(0.0, 1.0)))
+    let linear = colour::srgb_decoded;
+    Some(Vec4::new(linear(colour.x), linear(colour.y), linear(colour.z), colour.w))
 }
 
 #[cfg(test)]

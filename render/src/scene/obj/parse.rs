@@ -1,8 +1,10 @@
 //! The statements of an OBJ file: vertices, and faces in runs of one object and one material.
 
-use super::statement::{parts, statements};
+use super::colours::Colours;
+use super::statement::{is_nameless, operands, parts, statements};
 use super::warnings::Warnings;
 use glam::{Vec2, Vec3, Vec4};
+use std::collections::HashMap;
 
 /// Stands for a texture coordinate or a normal that a corner does not have.
 pub(super) const NONE: u32 = u32::MAX;
@@ -42,15 +44,15 @@ pub(super) struct Named {
 pub(super) struct Obj {
     /// As the file has them, maybe not finite.
     pub positions: Vec<Vec3>,
-    /// Of each vertex, not a number where it has none; empty where no vertex has one. As the file has them.
+    /// Of each vertex, 0 to 1, not a number where it has none; empty where no vertex has one.
     pub colours: Vec<Vec4>,
     /// `v` up.
     pub uvs: Vec<Vec2>,
     pub normals: Vec<Vec3>,
     pub runs: Vec<Run>,
-    /// Names that `usemtl` uses, each once.
+    /// Names that `usemtl` uses, each once, with what may be a comment; an empty one where it has none.
     pub materials: Vec<Named>,
-    /// What follows `mtllib`: a name, or several.
+    /// What follows `mtllib`: a name, or several, and maybe a comment.
     pub libraries: Vec<Named>,
 }
 
@@ -69,16 +71,21 @@ struct Counts {
 /// named.
 pub(super) fn parse(text: &str, most: usize, warnings: &mut Warnings) -> Result<Obj, String> {
     let counts = counts(text, most)?;
-    let mut reader = Reader { counts, warnings, obj: Obj::default(), run: Run::default() };
+    let mut reader = Reader {
+        counts,
+        warnings,
+        obj: Obj::default(),
+        run: Run::default(),
+        colours: Colours::default(),
+        known: HashMap::new(),
+    };
     for (line, statement) in statements(text) {
         let (keyword, rest) = parts(&statement);
         reader.read(line, keyword, rest)?;
     }
     reader.end_run();
     let mut obj = reader.obj;
-    if !obj.colours.is_empty() {
-        obj.colours.resize(obj.positions.len(), Vec4::NAN);
-    }
+    obj.colours = reader.colours.of_all(obj.positions.len(), reader.warnings);
     Ok(obj)
 }
 
@@ -91,7 +98,7 @@ fn counts(text: &str, most: usize) -> Result<Counts, String> {
             "v" => counts.positions += 1,
             "vt" => counts.uvs += 1,
             "vn" => counts.normals += 1,
-            "f" | "fo" => triangles += rest.split_ascii_whitespace().count().saturating_sub(2),
+            "f" | "fo" => triangles += operands(rest).split_ascii_whitespace().count().saturating_sub(2),
             _ => {}
         }
         if triangles > most {
@@ -107,28 +114,35 @@ struct Reader<'a> {
     obj: Obj,
     /// Faces since the last object, group or material.
     run: Run,
+    colours: Colours,
+    /// Places of the names in [`Obj::materials`].
+    known: HashMap<String, usize>,
 }
 
 impl Reader<'_> {
     fn read(&mut self, line: usize, keyword: &str, rest: &str) -> Result<(), String> {
         match keyword {
-            "v" => self.vertex(line, rest)?,
+            "v" => self.vertex(line, operands(rest))?,
             "vt" => {
-                let [u, v] = self.numbers(line, keyword, rest);
+                let [u, v] = self.numbers(line, keyword, operands(rest));
                 self.obj.uvs.push(Vec2::new(u, v));
             }
             "vn" => {
-                let normal = self.numbers(line, keyword, rest);
+                let normal = self.numbers(line, keyword, operands(rest));
                 self.obj.normals.push(Vec3::from(normal));
             }
-            "f" | "fo" => self.face(line, rest)?,
+            "f" | "fo" => self.face(line, operands(rest))?,
             "o" | "g" => {
                 self.end_run();
-                self.run.name = rest.to_owned();
+                self.run.name = if is_nameless(rest) { String::new() } else { rest.to_owned() };
             }
-            "usemtl" if rest.is_empty() => self.warnings.add(line, "`usemtl` without a name is passed over"),
-            "usemtl" => self.material(line, rest),
-            "mtllib" if rest.is_empty() => self.warnings.add(line, "`mtllib` without a name is passed over"),
+            "usemtl" if !is_nameless(rest) => self.material(line, rest),
+            // What that stands for is known once the libraries are.
+            "usemtl" if self.run.material.is_none() => self.material(line, ""),
+            "usemtl" => self.warnings.add(line, "`usemtl` without a name is passed over"),
+            "mtllib" if is_nameless(rest) => {
+                self.warnings.add(line, "`mtllib` without a name is passed over")
+            }
             "mtllib" => self.obj.libraries.push(Named { name: rest.to_owned(), line }),
             "l" | "p" => self.warnings.add(line, "lines and points have no surface and are left out"),
             "curv" | "curv2" | "surf" => self.warnings.add(line, "free-form geometry is left out"),
@@ -159,8 +173,7 @@ impl Reader<'_> {
             self.warnings.add(line, "what follows a vertex's position is passed over where it is no colour");
         }
         if count >= 6 {
-            self.obj.colours.resize(self.obj.positions.len(), Vec4::NAN);
-            self.obj.colours.push(Vec4::new(r, g, b, if count == 7 { a } else { 1.0 }));
+            self.colours.add(line, self.obj.positions.len(), Vec4::new(r, g, b, a));
         }
         self.obj.positions.push(Vec3::new(x, y, z));
         Ok(())
@@ -185,39 +198,49 @@ impl Reader<'_> {
     }
 
     fn face(&mut self, line: usize, rest: &str) -> Result<(), String> {
-        let begin = self.run.corners.len();
+        let (begin, mut is_whole) = (self.run.corners.len(), true);
         for word in rest.split_ascii_whitespace() {
             let unknown = || format!("line {line}: there is no vertex `{}`", short(word));
-            let corner = self.corner(word).ok_or_else(unknown)?;
+            let (corner, is_whole_corner) = self.corner(word).ok_or_else(unknown)?;
+            is_whole &= is_whole_corner;
             self.run.corners.push(corner);
         }
         let sides = self.run.corners.len() - begin;
         if sides < 3 {
             self.run.corners.truncate(begin);
             self.warnings.add(line, "faces of fewer than three corners are left out");
-        } else {
-            self.run.sides.push(sides as u32);
+            return Ok(());
+        }
+        self.run.sides.push(sides as u32);
+        if !is_whole {
+            let what = "a texture coordinate or a normal that is not there is left out of a face";
+            self.warnings.add(line, what);
         }
         Ok(())
     }
 
-    /// A corner `v`, `v/vt`, `v//vn` or `v/vt/vn`; nothing where one of them is not there.
-    fn corner(&self, word: &str) -> Option<Corner> {
+    /// A corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, nothing where its position is not there; and whether its
+    /// other elements are.
+    fn corner(&self, word: &str) -> Option<(Corner, bool)> {
         let mut indices = word.split('/');
-        let position = index(indices.next()?, self.counts.positions, self.obj.positions.len())?;
+        let position = place(number(indices.next()?)?, self.counts.positions, self.obj.positions.len())?;
         let optional = |text: Option<&str>, total: usize, above: usize| match text {
-            None | Some("") => Some(NONE),
-            Some(text) => index(text, total, above),
+            None | Some("") => Some((NONE, true)),
+            // Exporters write 0 for none.
+            Some(text) => number(text)
+                .map(|index| place(index, total, above).map_or((NONE, false), |place| (place, true))),
         };
-        let uv = optional(indices.next(), self.counts.uvs, self.obj.uvs.len())?;
-        let normal = optional(indices.next(), self.counts.normals, self.obj.normals.len())?;
-        indices.next().is_none().then_some(Corner { position, uv, normal })
+        let (uv, has_uv) = optional(indices.next(), self.counts.uvs, self.obj.uvs.len())?;
+        let (normal, has_normal) = optional(indices.next(), self.counts.normals, self.obj.normals.len())?;
+        indices.next().is_none().then_some((Corner { position, uv, normal }, has_uv && has_normal))
     }
 
     fn material(&mut self, line: usize, name: &str) {
-        let known = self.obj.materials.iter().position(|material| material.name == name);
-        let material = known.unwrap_or(self.obj.materials.len());
+        let next = self.obj.materials.len();
+        let known = self.known.get(name).copied();
+        let material = known.unwrap_or(next);
         if known.is_none() {
+            self.known.insert(name.to_owned(), next);
             self.obj.materials.push(Named { name: name.to_owned(), line });
         }
         if self.run.material != Some(material) {
@@ -236,10 +259,13 @@ impl Reader<'_> {
     }
 }
 
+fn number(text: &str) -> Option<i64> {
+    text.parse().ok()
+}
+
 /// The place of an element that counts from 1, or, where negative, back from the last one above the line.
-fn index(text: &str, total: usize, above: usize) -> Option<u32> {
-    let index: i64 = text.parse().ok()?;
-    let place = if index < 0 { above as i64 + index } else { index - 1 };
+fn place(index: i64, total: usize, above: usize) -> Option<u32> {
+    let place = if index < 0 { (above as i64).checked_add(index)? } else { index - 1 };
     let last = if index < 0 { above } else { total };
     (0..last as i64).contains(&place).then_some(place).and_then(|place| u32::try_from(place).ok())
 }

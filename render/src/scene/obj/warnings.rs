@@ -5,7 +5,7 @@ use std::path::Path;
 /// The most sentences about a file; a damaged one must not fill the memory with them.
 const MOST: usize = 32;
 
-/// Sentences about a file in the order of their first lines.
+/// Sentences about a file in the order in which they were said.
 #[derive(Debug, Default)]
 pub(super) struct Warnings {
     kinds: Vec<Kind>,
@@ -33,6 +33,11 @@ impl Warnings {
         } else {
             self.others += 1;
         }
+    }
+
+    /// Says something of a line that must not be lost among others.
+    pub fn keep(&mut self, line: usize, what: String) {
+        self.kinds.push(Kind { what, first: line, more: 0 });
     }
 
     /// The sentences, with the file that they are about.
@@ -69,5 +74,9 @@ mod tests {
         (1..100).for_each(|line| warnings.add(line, format!("odd {line}")));
         let said = warnings.about(Path::new("a.obj"));
         assert_eq!((said.len(), said[MOST].as_str()), (MOST + 1, "a.obj: 67 more lines are passed over"));
+        let mut warnings = Warnings::default();
+        (1..100).for_each(|line| warnings.add(line, format!("odd {line}")));
+        warnings.keep(100, "missed".to_owned());
+        assert_eq!(warnings.about(Path::new("a.obj"))[MOST], "a.obj: line 100: missed");
     }
 }

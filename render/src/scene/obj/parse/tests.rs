@@ -28,12 +28,39 @@ fn faces_in_range_pass() {
 
 #[test]
 fn faces_out_of_range_are_named_with_their_line() {
-    let words =
-        ["0", "4", "-4", "1/1", "1//2", "1//1/1", "/1", "x", "6148914691236517206", "1//6148914691236517206"];
-    for word in words {
+    for word in ["0", "4", "-4", "1//1/1", "/1", "x", "1/x", "6148914691236517206", "-9223372036854775808"] {
         let error = refusal(&format!("{CORNERS}f 1 2 {word}"), 9);
         assert_eq!(error, format!("line 5: there is no vertex `{word}`"));
     }
+}
+
+#[test]
+fn coordinates_and_normals_that_are_not_there_are_none() {
+    for word in ["1/0/0", "1/1", "1//2", "1//-2", "1/-1/1", "1//6148914691236517206"] {
+        let (obj, warnings) = read(&format!("{CORNERS}f 1/ 2 {word}\n"));
+        let corner = obj.runs[0].corners[2];
+        let normal = if word.ends_with("/1") && word != "1/1" { 0 } else { NONE };
+        assert_eq!(corner, Corner { position: 0, uv: NONE, normal }, "{word}");
+        let what = "a texture coordinate or a normal that is not there is left out of a face";
+        assert_eq!(warnings, [format!("a: line 5: {what}")], "{word}");
+    }
+}
+
+#[test]
+fn comments_need_no_space_before_them() {
+    let (obj, warnings) = read("v 0 0 0# a\nv 1 0 0 #b\nv 0 1 0#\nvt 1 0#c\nf 1 2 3#front \\\nf 1 2 3\n");
+    assert_eq!((obj.positions.len(), obj.runs[0].sides.as_slice()), (3, &[3, 3][..]));
+    assert!(warnings.is_empty(), "{warnings:?}");
+}
+
+#[test]
+fn names_keep_what_may_be_a_comment() {
+    let (obj, _) =
+        read(&format!("mtllib a #1.mtl\n{CORNERS}usemtl m #1\no box #2\nf 1 2 3\nusemtl # none\n"));
+    assert_eq!((obj.libraries[0].name.as_str(), obj.runs[0].name.as_str()), ("a #1.mtl", "box #2"));
+    assert_eq!(obj.materials, [Named { name: "m #1".to_owned(), line: 6 }]);
+    let (obj, warnings) = read(&format!("{CORNERS}usemtl # none\nf 1 2 3\n"));
+    assert_eq!((obj.materials[0].name.as_str(), warnings.len()), ("", 0), "the libraries' only one");
 }
 
 #[test]
