@@ -83,8 +83,7 @@ impl Live {
         let [height, width] = wanted.size;
         ensure!(height > 0 && width > 0, "a frame of {width} x {height} pixels shows nothing");
         let read = wanted.methods.iter().flat_map(|method| method.attributes()).copied();
-        let network =
-            wanted.learned.iter().flat_map(|learned| learned.spec().effect.attributes()).copied();
+        let network = wanted.learned.iter().flat_map(|learned| learned.spec().effect.attributes()).copied();
         let mut attributes: Vec<Attribute> = read.chain(network).chain(wanted.attributes).collect();
         attributes.sort_unstable();
         attributes.dedup();

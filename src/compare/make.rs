@@ -15,8 +15,8 @@ use deepshade_render::exr_file::Metadata;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Repeats};
 use deepshade_render::path::{Goal, Shot, Truth};
-use deepshade_shaders::{Effect, GBuffer, Planes};
 use deepshade_shaders::effect::Setting;
+use deepshade_shaders::{Effect, GBuffer, Planes};
 use std::time::Instant;
 
 /// Name of the fact that a frame is unlike those that networks were trained on.

@@ -74,7 +74,8 @@ impl Judgement {
     /// Scenes in which the network is worse than the image of whoever does nothing, set by set; none without
     /// a network.
     pub fn below_trivial(&self, effect: Effect) -> Option<Vec<String>> {
-        let [own, trivial] = [LEARNED, effect.definition().doing_nothing.name()].map(|name| format!("ssim_{name}"));
+        let [own, trivial] =
+            [LEARNED, effect.definition().doing_nothing.name()].map(|name| format!("ssim_{name}"));
         let is_there = self.sets.iter().any(|set| !set.evaluation.values(&own).is_empty());
         let divided = self.is_divided();
         let below = self.sets.iter().flat_map(|set| {

@@ -190,7 +190,8 @@ fn score_frame(
         times.push((format!("ms_{name}"), shaded.milliseconds));
         evaluation.devices.insert(name.clone(), shaded.device);
     }
-    images.push((effect.definition().doing_nothing.name().to_owned(), shown(&effect.doing_nothing(&gbuffer))));
+    images
+        .push((effect.definition().doing_nothing.name().to_owned(), shown(&effect.doing_nothing(&gbuffer))));
     let mut of_network = None;
     for (name, image) in &images {
         let tiles = gather(image, &truth.tiles);

@@ -37,7 +37,10 @@ pub fn print(effect: Effect, judgement: &Judgement) -> Result<()> {
     match judgement.below_trivial(effect) {
         Some(scenes) if !scenes.is_empty() => {
             let (count, names) = (scenes.len(), scenes.join(", "));
-            say!("\n`{LEARNED}` is behind the {} image in {count} scenes: {names}", effect.definition().doing_nothing.name())
+            say!(
+                "\n`{LEARNED}` is behind the {} image in {count} scenes: {names}",
+                effect.definition().doing_nothing.name()
+            )
         }
         _ => Ok(()),
     }
@@ -66,7 +69,8 @@ fn methods(effect: Effect, rivals: &[Rival], set: &Scored) -> String {
         ]
     };
     let methods = rivals.iter().map(|rival| row(&rival.name, rival.method_name, tuned(rival)));
-    let others = [effect.definition().doing_nothing.name(), "ceiling"].map(|name| row(name, name, String::new()));
+    let others =
+        [effect.definition().doing_nothing.name(), "ceiling"].map(|name| row(name, name, String::new()));
     let rows: Vec<_> = [head.map(str::to_owned).to_vec()].into_iter().chain(methods).chain(others).collect();
     table::aligned(&rows)
 }

@@ -20,9 +20,9 @@ use deepshade_render::metrics::{exposed, exposure};
 use deepshade_render::screen::ScreenMethod;
 use deepshade_render::screen::reprojection::Parameters;
 use deepshade_render::screen::reprojection::reference::{Two, flicker};
+use deepshade_shaders::effect::Setting;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Attribute, Effect, Planes, lists};
-use deepshade_shaders::effect::Setting;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 

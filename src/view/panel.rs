@@ -11,8 +11,8 @@ use super::window::Window;
 use crate::arguments::EDGES;
 use crate::methods::{self, TRUTH};
 use deepshade_render::methods::Quality;
-use deepshade_shaders::{Attribute, Effect};
 use deepshade_shaders::effect::Setting;
+use deepshade_shaders::{Attribute, Effect};
 use eframe::egui::{
     Button, Color32, ComboBox, DragValue, Grid, Key, RichText, ScrollArea, Slider, SliderClamping, Ui,
     style::ScrollStyle,

@@ -102,7 +102,8 @@ fn is_read(image: &json::Image) -> bool {
     let uri = image.uri.as_deref().unwrap_or_default().to_ascii_lowercase();
     let kind = image.mime_type.as_ref().map_or("", |kind| kind.0.as_str());
     let is_data = |kind: &str| uri.strip_prefix("data:image/").is_some_and(|rest| rest.starts_with(kind));
-    let unread = |ending: &str| uri.ends_with(ending) || kind.ends_with(&ending[1..]) || is_data(&ending[1..]);
+    let unread =
+        |ending: &str| uri.ends_with(ending) || kind.ends_with(&ending[1..]) || is_data(&ending[1..]);
     !UNREAD_ENDINGS.into_iter().any(unread)
 }
 
