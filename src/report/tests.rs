@@ -334,7 +334,7 @@ fn figures_bear_the_names_that_scripts_ask_for() {
     let two = [Effect::Ao, Effect::Aa].map(|effect| frame(folder.path(), effect, "a", &["hbao"]));
     let json = figures(&report(two.to_vec()));
     for name in
-        ["ssim_ao_hbao", "ms_aa_hbao", "flip_ao_white", "flip_aa_black", "ssim_aa_ceiling", "ms_ao_truth"]
+        ["ssim_ao_hbao", "ms_aa_hbao", "flip_ao_white", "flip_aa_light", "ssim_aa_ceiling", "ms_ao_truth"]
     {
         assert!(json["figures"][name].is_number(), "{name}: {json}");
     }

@@ -97,8 +97,8 @@ fn make_data(program: &Program, made: &Path) -> Result<()> {
 /// Truth, methods and networks of every effect.
 fn make_images(program: &Program, made: &Path) -> Result<()> {
     let out = made.join("compare").display().to_string();
-    let mut args =
-        vec!["compare", "--effect", EFFECTS, "--out", &out, "--spp", "16", "--width", "64", "--height", "48"];
+    let mut args = vec!["compare", "--effect", EFFECTS, "--out", &out, "--quality", "low", "--spp", "16"];
+    args.extend(["--width", "64", "--height", "48"]);
     args.extend(SCENES.iter().flat_map(|scene| ["--scene", *scene]));
     program.run(&args)
 }

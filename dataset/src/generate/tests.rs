@@ -407,5 +407,9 @@ fn of_each_effect_there_is_a_version_of_its_own() {
     let older = text.replace(&stated(Effect::Subsurface), &stated(Effect::Ao));
     std::fs::write(&path, older).expect("written");
     let error = Dataset::open(&out).expect_err("refused").to_string();
-    assert!(error.contains("data of version 3") && error.contains('4'), "{error}");
+    let [theirs, ours] = [Effect::Ao, Effect::Subsurface].map(data_version);
+    assert!(
+        error.contains(&format!("data of version {theirs}")) && error.contains(&ours.to_string()),
+        "{error}"
+    );
 }
