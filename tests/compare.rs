@@ -61,7 +61,7 @@ fn a_mean_free_path_that_is_stated_scatters_farther() {
     let folder = tempfile::tempdir().expect("a folder");
     let blurred = |metres: &str| {
         let line = format!("--effect sss --methods separable --quality low --mean-free-path {metres}");
-        compared(folder.path(), &line).0["ssim_black"].as_f64().expect("a number")
+        compared(folder.path(), &line).0["ssim_light"].as_f64().expect("a number")
     };
     assert_ne!(blurred("0.001"), blurred("0.3"), "truth is another");
 }

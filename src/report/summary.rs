@@ -202,7 +202,7 @@ impl Line {
 impl Report {
     /// Sets `ssim_<method>`, `psnr_<method>`, `flip_<method>`, `relmse_<method>` and `ms_<method>`, means over
     /// frames, with underscores for hyphens; the same of truth's noise (`ssim_ceiling`, ...) and of the image of background
-    /// (`ssim_white` or `ssim_black`, ...); and every frame's own as a detail. Of several effects each figure has the
+    /// (`ssim_white`, `ssim_black` or `ssim_light`, ...); and every frame's own as a detail. Of several effects each figure has the
     /// effect's name in it: `ssim_gi_<method>`. A frame's detail names the device of each time, and the detail `remarks` has
     /// what tables say of an effect.
     pub fn set_figures(&self, figures: &mut Figures) {
