@@ -48,7 +48,8 @@ use serde_json::json;
 use std::cell::Cell;
 use std::path::PathBuf;
 
-/// Methods are timed as the median of so many runs: of fewer where the adapter is software, where one takes seconds.
+/// Methods are timed as the median of so many runs: of fewer where the adapter is software, where one takes
+/// seconds.
 fn repeats(gpu: &Gpu) -> Repeats {
     if gpu.is_software() { Repeats { warm_up: 1, timed: 3 } } else { Repeats { warm_up: 2, timed: 11 } }
 }

@@ -47,7 +47,8 @@ use std::path::{Path, PathBuf};
     test sets METRIC_METHOD_NAME; where NAME is also a quality's, as in testset-medium, what has qualities \
     has its own before that: ssim_gtao_high_medium. paired_METRIC is how far the network is above the best, \
     by SSIM, of the methods that take at least as long on the same device, or above the slowest where none \
-    does, frame by frame (where no method ran on that device, above the best of all); paired_METRIC_low and _high are the ends of its 95 % interval; details.paired_against says which \
+    does, frame by frame (where no method ran on that device, above the best of all); paired_METRIC_low \
+    and _high are the ends of its 95 % interval; details.paired_against says which \
     method that is. scenes_below_trivial counts the scenes in which the network is worse than the image of \
     whoever does nothing.")]
 pub struct Args {

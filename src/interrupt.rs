@@ -2,8 +2,8 @@
 //! the code that shells give it, 130 or 143.
 //!
 //! Nothing has to be put in order first. Whatever is written is written so that a kill at any moment does no harm
-//! (`shaders::atomic_file`, the journal, checkpoints); the same command goes on from there. A training keeps more than that:
-//! it is asked to end after the step that it is at, and ended by the second signal.
+//! (`shaders::atomic_file`, the journal, checkpoints); the same command goes on from there. A training keeps
+//! more than that: it is asked to end after the step that it is at, and ended by the second signal.
 
 use std::error::Error;
 use std::fmt::{self, Display, Formatter};
@@ -45,8 +45,8 @@ impl Interrupted {
     }
 }
 
-/// From now on the first signal asks work to end soon; where it says that it will not, and the second time, it ends the
-/// program as it does without this.
+/// From now on the first signal asks work to end soon; where it says that it will not, and the second time,
+/// it ends the program as it does without this.
 #[cfg_attr(not(feature = "train"), allow(dead_code, reason = "training alone is asked"))]
 pub fn ask_first(ask: impl Fn() -> bool + Send + 'static) {
     *ASKED.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(ask));

@@ -8,8 +8,8 @@ use etcetera::BaseStrategy;
 use std::path::PathBuf;
 
 /// A network from buffers to buffers with its fastest kernels for images of about `[height, width]`, in 32-bit floats where
-/// no kernel in half floats works. What cannot be remembered is measured again next time. On software adapters nothing is
-/// measured: they have kernels made for them, and measuring all others takes minutes.
+/// no kernel in half floats works. What cannot be remembered is measured again next time. On software
+/// adapters nothing is measured: they have kernels made for them, and measuring all others takes minutes.
 ///
 /// # Errors
 /// If the device refuses the network; [`ForwardError::NoKernel`] if no kernel works there.

@@ -79,8 +79,8 @@ pub fn effect(folder: &Path) -> Result<Effect> {
     Ok(network(folder, None)?.spec.effect)
 }
 
-/// The environment that the model of an effect in a folder knows by heart; `None` where there is no such model, or that is not
-/// known.
+/// The environment that the model of an effect in a folder knows by heart; `None` where there is no such
+/// model, or that is not known.
 #[cfg(feature = "view")]
 pub fn environment(folder: &Path, effect: Effect) -> Option<TrainedUnder> {
     let spec = Model::load(folder).ok()?.spec;
@@ -150,7 +150,8 @@ impl Learned {
         Self::on(engine::card(gpu), model)
     }
 
-    /// Prepares the network for the device, whatever it is, so that times of several methods are of one device.
+    /// Prepares the network for the device, whatever it is, so that times of several methods are of one
+    /// device.
     ///
     /// # Errors
     /// If the device refuses.

@@ -408,7 +408,8 @@ mod tests {
             let far = pairs.filter(|(a, b)| (*a - *b).abs() > 0.02).count();
             assert!(far * 50 < one.image.data().len(), "{far} pixels are others on {}", other.device);
         }
-        // Where the adapter is software the processor is faster, so that only what is stated keeps them together.
+        // Where the adapter is software the processor is faster, so that only what is stated keeps them
+        // together.
         let on_processor = fastest.iter().filter(|shaded| shaded.device != gpu.info.name).count();
         assert_eq!(on_processor, if gpu.is_software() { 2 } else { 0 });
     }

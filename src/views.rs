@@ -51,8 +51,8 @@ pub enum Choice {
     Stated(Vec<Viewpoint>),
 }
 
-/// Which views; without any of these, the file's own cameras, or where it has none one sampled view of a place that
-/// people stand in, such as a room, and one from outside of all else.
+/// Which views; without any of these, the file's own cameras, or where it has none one sampled view of a
+/// place that people stand in, such as a room, and one from outside of all else.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
@@ -183,8 +183,8 @@ pub fn views(
     Ok(views)
 }
 
-/// The view of a scene that brings none: a sampled one of a place, where one is fit for use, else one from outside. All
-/// families are places.
+/// The view of a scene that brings none: a sampled one of a place, where one is fit for use, else one from
+/// outside. All families are places.
 fn first(source: &SceneSource, scene: &TracedScene, size: [usize; 2], seed: u32) -> Result<View> {
     let place = matches!(source, SceneSource::Procedural(..)) || is_place(scene);
     let sampled = place.then(|| sampled(scene, size, seed, 0));

@@ -1,5 +1,5 @@
-//! What the numbers of a pair mean, and how bright its light may be. Which attributes its g-buffer holds is in
-//! the table of effects; the integrator of its target is [`deepshade_render::path::integrator`]'s.
+//! What the numbers of a pair mean, and how bright its light may be. Which attributes its g-buffer holds is
+//! in the table of effects; the integrator of its target is [`deepshade_render::path::integrator`]'s.
 
 use deepshade_shaders::{AttributeKind, Effect, GBuffer, Planes};
 

@@ -164,7 +164,8 @@ impl<M: ScreenMethod + ?Sized> Method for M {
     }
 }
 
-/// As [`Method::shade`], in passes whatever the adapter is, so that times of several methods are of one device.
+/// As [`Method::shade`], in passes whatever the adapter is, so that times of several methods are of one
+/// device.
 ///
 /// # Errors
 /// If the frame lacks something or the GPU fails.

@@ -3,8 +3,8 @@
 /// How alike two names must be, from 0 to 1, for one to be taken for the other mistyped.
 const ALIKE: f64 = 0.75;
 
-/// The known name that is most like one that is not known, by Jaro's similarity (JASA 84(406), 1989); none where
-/// nothing is like it. Capitals and the kind of dash mean nothing.
+/// The known name that is most like one that is not known, by Jaro's similarity (JASA 84(406), 1989); none
+/// where nothing is like it. Capitals and the kind of dash mean nothing.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let plain = |name: &str| name.to_lowercase().replace('_', "-");
     let wanted = plain(name);

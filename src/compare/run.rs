@@ -39,8 +39,8 @@ pub struct Run {
     pub qualities: Option<Vec<Quality>>,
     /// Folder or address of the network of `learned`; by default models/EFFECT.
     pub model: Option<Place>,
-    /// Which views of each scene; by default the cameras of its file, or where it has none one sampled view of
-    /// a place, and one from outside of anything else.
+    /// Which views of each scene; by default the cameras of its file, or where it has none one sampled view
+    /// of a place, and one from outside of anything else.
     pub views: Option<Choice>,
     /// What is put into each scene.
     pub put: Option<Vec<Prop>>,

@@ -71,7 +71,8 @@ pub fn write(path: &Path, effect: Effect, rivals: &[Rival], evaluation: &Evaluat
     write_atomically(path, svg.as_bytes())
 }
 
-/// The device that curves are of, by what each method ran on: the network's, without one that of most methods.
+/// The device that curves are of, by what each method ran on: the network's, without one that of most
+/// methods.
 fn device(devices: &BTreeMap<String, String>) -> Option<&str> {
     let count = |device: &String| devices.values().filter(|other| *other == device).count();
     let most = || devices.values().max_by_key(|device| count(device));

@@ -46,7 +46,8 @@ fn frame_name(frame: &FrameRecord) -> &str {
     &frame.name
 }
 
-/// A table of groups of frames, whose names are a column where there is a name for it, with the times of a device.
+/// A table of groups of frames, whose names are a column where there is a name for it, with the times of a
+/// device.
 fn table(
     effect: Effect,
     column: Option<&str>,

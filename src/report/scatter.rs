@@ -57,8 +57,8 @@ struct Axis {
 /// A rectangle that something is drawn in: left, top, right, bottom.
 type Room = [f64; 4];
 
-/// The plot of some lines' times on the device that most of them have theirs from; nothing where no method has both time
-/// and error.
+/// The plot of some lines' times on the device that most of them have theirs from; nothing where no method
+/// has both time and error.
 pub fn svg(lines: &[Line], measure: &Measure) -> Option<String> {
     let device = times::device(lines)?;
     let points = points(lines, measure, device);

@@ -130,8 +130,8 @@ pub fn behind_nothing<'a>(frames: &[&'a FrameRecord]) -> Vec<&'a str> {
     sums.into_iter().filter(|(_, sum)| *sum < 0.0).map(|(label, _)| label).collect()
 }
 
-/// What is to be said of the lines of some frames of an effect: whose times they have, who is not told apart, and who is
-/// behind doing nothing.
+/// What is to be said of the lines of some frames of an effect: whose times they have, who is not told apart,
+/// and who is behind doing nothing.
 pub fn remarks(effect: Effect, frames: &[&FrameRecord]) -> Vec<String> {
     let lines = lines(effect, frames);
     times::said(&lines).into_iter().chain(noise::said(&lines)).chain(said_behind(effect, frames)).collect()
@@ -176,7 +176,8 @@ impl Line {
         self.milliseconds.filter(|_| there)
     }
 
-    /// Its numbers as [`COLUMNS`] name them, with as many digits as tables show; the time if it is of a device.
+    /// Its numbers as [`COLUMNS`] name them, with as many digits as tables show; the time if it is of a
+    /// device.
     pub fn cells(&self, device: Option<&str>) -> [String; 5] {
         let Scores { ssim, psnr, flip, relative_mse } = self.scores;
         let milliseconds = self.time_on(device).map_or_else(String::new, |value| format!("{value:.2}"));
@@ -202,9 +203,9 @@ impl Line {
 impl Report {
     /// Sets `ssim_<method>`, `psnr_<method>`, `flip_<method>`, `relmse_<method>` and `ms_<method>`, means over
     /// frames, with underscores for hyphens; the same of truth's noise (`ssim_ceiling`, ...) and of the image of background
-    /// (`ssim_white`, `ssim_black` or `ssim_light`, ...); and every frame's own as a detail. Of several effects each figure has the
-    /// effect's name in it: `ssim_gi_<method>`. A frame's detail names the device of each time, and the detail `remarks` has
-    /// what tables say of an effect.
+    /// (`ssim_white`, `ssim_black` or `ssim_light`, ...); and every frame's own as a detail. Of several
+    /// effects each figure has the effect's name in it: `ssim_gi_<method>`. A frame's detail names the device
+    /// of each time, and the detail `remarks` has what tables say of an effect.
     pub fn set_figures(&self, figures: &mut Figures) {
         let effects = self.effects();
         for effect in &effects {

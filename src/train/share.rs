@@ -7,8 +7,8 @@ use deepshade_shaders::lists;
 /// The most scenes whose diagonals are looked at.
 const MOST: usize = 16;
 
-/// Which share of a scene's diagonal `metres` are: of the median diagonal of a recipe's scenes, of which at most
-/// [`MOST`] are looked at.
+/// Which share of a scene's diagonal `metres` are: of the median diagonal of a recipe's scenes, of which at
+/// most [`MOST`] are looked at.
 ///
 /// # Errors
 /// If a scene cannot be read, or all are captures, which have none.

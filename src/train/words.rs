@@ -13,8 +13,8 @@ pub fn beginning(config: &TrainConfig, data: &Path) -> String {
     format!("training a network for {effect} on {data}: {weights} weights, crops of {} pixels", config.crop)
 }
 
-/// What is to be said of pairs held apart that show too little to judge a network by; nothing where they are of
-/// several scenes.
+/// What is to be said of pairs held apart that show too little to judge a network by; nothing where they are
+/// of several scenes.
 pub fn held_apart(pairs: &[PairRecord]) -> Option<String> {
     let of = |part: Part| -> HashSet<_> {
         pairs.iter().filter(|pair| pair.part == part).map(|pair| &pair.scene.source).collect()

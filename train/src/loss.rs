@@ -13,8 +13,8 @@
 //! covariance are left as they are: the noise's mean is 0, and it has nothing to do with the prediction.
 //!
 //! Neither sees a tile that is a hundredth too dark throughout, which eyes do, and FLIP. The mean absolute
-//! difference of tiles' means does: a tile's mean has a 64th of the noise's variance, and where truth is the same
-//! in every sample, as in the open, it has none.
+//! difference of tiles' means does: a tile's mean has a 64th of the noise's variance, and where truth is the
+//! same in every sample, as in the open, it has none.
 
 use burn::tensor::Tensor;
 use burn::tensor::module::avg_pool2d;

@@ -62,7 +62,8 @@ pub struct HalfPair {
     height: usize,
     width: usize,
     gbuffer: Vec<f16>,
-    /// What the g-buffer's planes were divided by, powers of two: half floats do not hold a position 100 km away.
+    /// What the g-buffer's planes were divided by, powers of two: half floats do not hold a position 100 km
+    /// away.
     divisors: Vec<f32>,
     target: Vec<f16>,
     deviation: Option<Vec<f16>>,

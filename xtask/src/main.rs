@@ -76,8 +76,8 @@ Commands:
                Set up Slurm with several nodes, and Ray, on this machine, and make a dataset by each while workers are killed
                and one shard always fails; measure how many tasks Slurm starts where none waits for a node
   unchanged [--write] FILE
-               Make small data of every recipe, and every method's image of every effect on two scenes, and hold the
-               hashes of all files against those that --write noted in FILE before a rewrite, on the same machine
+               Make small data of every recipe, and every method's image of every effect on two scenes, and hold
+               the hashes of all files against those that --write noted in FILE, on the same machine
   web [--out DIR] [--serve] [--test [--json F]]
                Build the web page as static files, by default below the target folder: the program as WebAssembly, the
                networks, and what is shown where a browser has no WebGPU. On Debian it installs a compiler for browsers

@@ -1,6 +1,6 @@
-//! `cargo xtask unchanged`: what a rewrite must leave as it is. It makes small data of every recipe, and truth,
-//! methods and networks of every effect on two scenes, and notes a hash of each file. The proof of a change that
-//! only moves code is that all hashes stay, on the same machine and adapter.
+//! `cargo xtask unchanged`: what a rewrite must leave as it is. It makes small data of every recipe, and
+//! truth, methods and networks of every effect on two scenes, and notes a hash of each file. The proof of a
+//! change that only moves code is that all hashes stay, on the same machine and adapter.
 
 mod recipe;
 

@@ -1,5 +1,6 @@
-//! Images that materials read, from the bytes of PNG, JPEG, BMP and TGA files, within what memory holds. What a header promises is looked
-//! at first, of all images of a scene together: a file of some kilobytes may stand for a gigabyte of one colour.
+//! Images that materials read, from the bytes of PNG, JPEG, BMP and TGA files, within what memory holds. What
+//! a header promises is looked at first, of all images of a scene together: a file of some kilobytes may
+//! stand for a gigabyte of one colour.
 
 use crate::memory;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
@@ -77,8 +78,9 @@ impl<'a> Encoded<'a> {
     }
 }
 
-/// Whether bytes begin as a TGA file does, which has no mark of its own: a colour map or none, a kind of image
-/// that there is, a size, and a depth that there is (Truevision TGA File Format Specification 2.0, "Field 1" to 5).
+/// Whether bytes begin as a TGA file does, which has no mark of its own: a colour map or none, a kind of
+/// image that there is, a size, and a depth that there is (Truevision TGA File Format Specification 2.0,
+/// "Field 1" to 5).
 fn is_tga(bytes: &[u8]) -> bool {
     let Some(header) = bytes.first_chunk::<18>() else { return false };
     let edge = |at: usize| u16::from_le_bytes([header[at], header[at + 1]]);

@@ -72,7 +72,8 @@ pub struct Scene {
     pub glow: Option<Arc<Glow>>,
     /// Cameras that the file brings, with their names.
     pub cameras: Vec<(String, Camera)>,
-    /// What of the file was passed over or put right, each a sentence that names the file and the line or the thing.
+    /// What of the file was passed over or put right, each a sentence that names the file and the line or the
+    /// thing.
     pub warnings: Vec<String>,
 }
 

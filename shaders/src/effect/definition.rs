@@ -27,8 +27,8 @@ pub struct Definition {
     pub doing_nothing: DoingNothing,
     /// Which light it shows.
     pub lit_by: LitBy,
-    /// Whether its image is direct light, [`Attribute::Light`], averaged over a neighbourhood, maybe with some
-    /// of it hidden.
+    /// Whether its image is direct light, [`Attribute::Light`], averaged over a neighbourhood, maybe with
+    /// some of it hidden.
     pub filters_light: bool,
     /// Whether some of the light that its image filters is hidden.
     pub hides_light: bool,
@@ -39,9 +39,9 @@ pub struct Definition {
     pub listens_to: &'static [Setting],
     /// Whether its pairs stay sound when they are turned and mirrored.
     pub turns: bool,
-    /// What its pairs hold: what its network reads (thesis, Table 7.1), what its analytic methods read beside,
-    /// and the validity mask, which is the last. Effects of the thesis' table are without albedo where it says
-    /// so: what they compute is multiplied by the diffuse colour afterwards.
+    /// What its pairs hold: what its network reads (thesis, Table 7.1), what its analytic methods read
+    /// beside, and the validity mask, which is the last. Effects of the thesis' table are without albedo
+    /// where it says so: what they compute is multiplied by the diffuse colour afterwards.
     pub attributes: &'static [Attribute],
     /// The key of a recipe's table `vary` that the effect is nothing without.
     pub needs: Option<&'static str>,

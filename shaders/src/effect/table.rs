@@ -1,5 +1,5 @@
-//! The table of effects: all that tells one from another, a row each. A new effect is a row here, a variant of
-//! [`Effect`] and an integrator of its truth.
+//! The table of effects: all that tells one from another, a row each. A new effect is a row here, a variant
+//! of [`Effect`] and an integrator of its truth.
 
 use super::Effect;
 use super::definition::Setting::{Environment, Lens, Medium, Phosphor, Radius, Shutter};

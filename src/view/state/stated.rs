@@ -30,9 +30,9 @@ impl Stated {
         self.radius = radius;
     }
 
-    /// The methods of an effect that is shown from now on: those that were stated for it, else those that it has
-    /// of what was stated last. Nothing where none was. The trained network is among them only where there
-    /// `is_network`.
+    /// The methods of an effect that is shown from now on: those that were stated for it, else those that it
+    /// has of what was stated last. Nothing where none was. The trained network is among them only where
+    /// there `is_network`.
     pub fn methods(&self, effect: Effect, is_network: bool) -> Option<Vec<&'static str>> {
         let can_be = |name: &&'static str| *name != LEARNED || is_network;
         if let Some(methods) = self.methods.get(&effect) {

@@ -132,9 +132,9 @@ fn constants(stated: &Stated) -> Material {
     }
 }
 
-/// Perceptual roughness from a Phong exponent n: the microfacet width alpha is sqrt(2 / (n + 2)) (Walter et al.
-/// 2007, "Microfacet Models for Refraction"), and glTF's roughness its square root. No highlight is as rough as
-/// can be.
+/// Perceptual roughness from a Phong exponent n: the microfacet width alpha is sqrt(2 / (n + 2)) (Walter et
+/// al. 2007, "Microfacet Models for Refraction"), and glTF's roughness its square root. No highlight is as
+/// rough as can be.
 fn roughness(stated: &Stated) -> f32 {
     let has_highlight = stated.specular.is_some_and(|specular| specular.max_element() > 0.0);
     let exponent = stated.exponent.filter(|_| has_highlight).unwrap_or(0.0);

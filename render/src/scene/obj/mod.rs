@@ -1,10 +1,10 @@
 //! Wavefront OBJ with MTL materials. Source: "Object Files (.obj)" and "MTL material format", Alias|Wavefront
 //! Advanced Visualizer manual.
 //!
-//! What is wrong in one line does not lose the scene: what has a meaning is read, the rest is passed over with
-//! a warning, and a library or an image that is not there is left out with one. A face with a corner that
-//! there is not, a vertex without a position and a damaged image refuse the file, since they are what damage
-//! looks like.
+//! What is wrong in one line does not lose the scene: what has a meaning is read, the rest is passed over
+//! with a warning, and a library or an image that is not there is left out with one. A face with a corner
+//! that there is not, a vertex without a position and a damaged image refuse the file, since they are what
+//! damage looks like.
 
 mod colours;
 mod files;

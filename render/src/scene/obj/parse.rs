@@ -67,8 +67,8 @@ struct Counts {
 /// Reads a file of at most so many triangles.
 ///
 /// # Errors
-/// If a face has a corner that there is not, a vertex has no position, or there are more triangles; the line is
-/// named.
+/// If a face has a corner that there is not, a vertex has no position, or there are more triangles; the line
+/// is named.
 pub(super) fn parse(text: &str, most: usize, warnings: &mut Warnings) -> Result<Obj, String> {
     let counts = counts(text, most)?;
     let mut reader = Reader {
@@ -155,8 +155,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// A vertex: position; a weight, which polygons do not have, where one number follows; a colour where three
-    /// or more do.
+    /// A vertex: position; a weight, which polygons do not have, where one number follows; a colour where
+    /// three or more do.
     fn vertex(&mut self, line: usize, rest: &str) -> Result<(), String> {
         let mut numbers = [f32::NAN; 7];
         let mut count = 0;

@@ -24,8 +24,8 @@ pub(super) fn operands(rest: &str) -> &str {
 /// The most number signs of a name that are looked at.
 const MOST_SIGNS: usize = 8;
 
-/// What a name may be: the whole, as names may have a number sign (`Material #1`), or what stands before a word
-/// that begins with one, the shortest last.
+/// What a name may be: the whole, as names may have a number sign (`Material #1`), or what stands before a
+/// word that begins with one, the shortest last.
 pub(super) fn readings(name: &str) -> impl Iterator<Item = &str> {
     let is_first = |at: &usize| name[..*at].chars().next_back().is_none_or(char::is_whitespace);
     let signs = name.rmatch_indices('#').map(|(at, _)| at).filter(is_first).take(MOST_SIGNS);

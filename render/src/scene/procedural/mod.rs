@@ -1,10 +1,11 @@
 //! Seeded families of scenes: every seed of a family is another scene of its kind, the same on every run.
 //!
-//! Twelve families are for training and five, of other natures, for testing only; one of each is a table with neutral
-//! things, of which synthetic captures are made. Scenes are in metres, compact, and rich
-//! in corners, contacts and thin things, since those are what ambient occlusion is about. Counts and choices rest on
-//! whole numbers; positions use the platform's sine and cosine, so they may differ in the last bit between systems.
-//! Beside them there are patterns for textures and skies, since the project stands without anybody's files.
+//! Twelve families are for training and five, of other natures, for testing only; one of each is a table with
+//! neutral things, of which synthetic captures are made. Scenes are in metres, compact, and rich in corners,
+//! contacts and thin things, since those are what ambient occlusion is about. Counts and choices rest on
+//! whole numbers; positions use the platform's sine and cosine, so they may differ in the last bit between
+//! systems. Beside them there are patterns for textures and skies, since the project stands without anybody's
+//! files.
 
 mod blobs;
 mod bridge;
