@@ -137,6 +137,14 @@ mod tests {
     use super::*;
 
     #[test]
+    fn every_row_of_the_table_of_effects_is_among_what_is_made() {
+        let table = include_str!("../../shaders/src/effect/table.rs");
+        let name = |line: &'static str| line.trim().strip_prefix("name: \"")?.strip_suffix("\",");
+        let names: Vec<&str> = table.lines().filter_map(name).collect();
+        assert_eq!(names.join(","), EFFECTS);
+    }
+
+    #[test]
     fn what_changed_came_or_went_is_named() {
         let before = parse("01 a.exr\n02 b c.exr\n03 d.exr\n").expect("hashes");
         assert_eq!(before["b c.exr"], "02");
