@@ -72,7 +72,8 @@ pub struct Args {
     #[arg(long)]
     model: Option<Place>,
     /// Folder or address of the test set; by default all in the model's folder, `testset` and `testset-NAME`,
-    /// each by itself and, but for `testset-artists`, together.
+    /// each by itself and, but for `testset-artists`, together. A model without one has those of the model
+    /// beside it that bears the name of the effect.
     #[arg(long)]
     testset: Option<Place>,
     /// All networks of the folder `models` that have a test set, beside the figures of the paper's Table 7.1.
@@ -282,7 +283,7 @@ fn contest(args: &Args) -> Result<Contest> {
             kept.push(testset.clone());
             vec![testset.to_path_buf()]
         }
-        None => sets::folders(&folder),
+        None => sets::folders(&folder, effect),
     };
     let sets = sets::open(&folders, effect, args.scenes.as_deref())?;
     let name = names::figure_name(Path::new(&place.to_string()));

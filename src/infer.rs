@@ -33,8 +33,7 @@ use std::path::{Path, PathBuf};
     0 or, in a file without that layer, where all inputs are 0; nor, in any file, where one of the inputs or \
     the depth is not finite, a length is 65504 or at least 1e9, or a normal has no length. A number that \
     fills much of the image and is a hundred times all others is taken for the sky, with a note. The \
-    README's section `Your own g-buffers` states unit, sign \
-    and space of every layer that a network may read."
+    book's chapter on your own g-buffer states unit, sign and space of every layer that a network may read."
 )]
 pub struct Args {
     /// Folder or address of the network.

@@ -55,7 +55,7 @@ pub struct Args {
     #[arg(long)]
     scene: SceneSource,
     /// What is computed: ao, do, gi, glossy, ibl, sss, subsurface, dof, motion-blur, aa, multi, fog-direct,
-    /// fog-indirect, fog-multiple, phosphor, phosphor-gi, real or path; the README says what each of them is.
+    /// fog-indirect, fog-multiple, phosphor, phosphor-gi, real or path; the book says what each is.
     #[arg(long, default_value = "path")]
     effect: Effect,
     /// Which of the effect's light: of path emitted, direct, first-indirect (after one bounce) or rest.

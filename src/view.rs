@@ -109,7 +109,8 @@ pub struct Args {
     /// An EXR file whose layers are seen beside the methods.
     #[arg(long)]
     exr: Option<PathBuf>,
-    /// Does what this file says, a line a step, instead of waiting for hands: see the README.
+    /// Does what this file says, a line a step, instead of waiting for hands; the chapter
+    /// on the window in the book lists them.
     #[arg(long)]
     script: Option<PathBuf>,
     /// Writes the figures here as JSON when the window closes.

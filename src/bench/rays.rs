@@ -32,7 +32,7 @@ use std::time::Instant;
     ratio_primary, ratio_ao and ratio_diffuse in the JSON file are our rate over Embree's, single rays against single \
     rays (rtcIntersect1, rtcOccluded1), one thread. ratio_*_bundles are bundles of 64 rays that start together against \
     Embree's single rays; Embree's packets are not measured.\n\n\
-    The default scene is procedural, so that everybody has it. The figures in the README are of Sponza, which does not \
+    The default scene is procedural, so that everybody has it. The figures in the book are of Sponza, which does not \
     come with the program; those of different scenes cannot be compared. Ambient occlusion rays are as long as \
     15 % of the scene's diagonal.")]
 pub struct Args {

@@ -11,6 +11,7 @@ use crate::statistics::Estimate;
 use crate::{learned, table};
 use anyhow::{Context, Result, bail, ensure};
 use deepshade_dataset::TestSet;
+use deepshade_infer::Model;
 use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
 use serde_json::json;
@@ -51,10 +52,9 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let gpu = Gpu::new()?;
     let mut rows = Vec::new();
-    for (folder, sets) in networks(args)? {
+    for Tested { folder, model, sets } in networks(args)? {
         let name = name_of(&folder);
         note!("{name}");
-        let model = learned::network(&folder, None)?;
         let effect = model.spec.effect;
         let sets = sets::open(&sets, effect, args.scenes.as_deref())?;
         let (weights, target) = (model.spec.weight_count(), target(&sets).to_owned());
@@ -108,20 +108,31 @@ fn methods_for(effect: Effect, asked: &[String]) -> Vec<String> {
     std::iter::once(LEARNED.to_owned()).chain(asked.iter().filter(is_rival).cloned()).collect()
 }
 
-/// The folders of networks, each with those of its test sets; networks without one are named and left out.
-fn networks(args: &Args) -> Result<Vec<(PathBuf, Vec<PathBuf>)>> {
+/// A network that has test sets.
+struct Tested {
+    /// The network's folder.
+    folder: PathBuf,
+    /// The network.
+    model: Model,
+    /// The folders of its test sets.
+    sets: Vec<PathBuf>,
+}
+
+/// The networks, each with its test sets; networks without one are named and left out.
+fn networks(args: &Args) -> Result<Vec<Tested>> {
     let entries = std::fs::read_dir(MODELS).with_context(|| format!("no folder `{MODELS}` here"))?;
     let mut folders: Vec<PathBuf> = entries.map(|entry| Ok(entry?.path())).collect::<Result<_>>()?;
     folders.retain(|folder| folder.join("net.json").is_file());
     folders.sort();
     let mut found = Vec::new();
     for folder in folders {
+        let model = learned::network(&folder, None)?;
         let sets = match &args.testsets {
             Some(sets) => vec![sets.join(name_of(&folder))],
-            None => sets::folders(&folder),
+            None => sets::folders(&folder, model.spec.effect),
         };
         match sets.iter().find(|set| !TestSet::is_in(set)) {
-            None => found.push((folder, sets)),
+            None => found.push(Tested { folder, model, sets }),
             Some(set) => note!("{}: left out, there is no test set in {}", folder.display(), set.display()),
         }
     }

@@ -31,15 +31,23 @@ impl NamedSet {
     }
 }
 
-/// The folders of test sets in a network's folder, by name; where there is none, the one where it would be.
-pub fn folders(model: &Path) -> Vec<PathBuf> {
+/// The folders of a network's test sets, by name: those in its own folder, else those of the network that has
+/// the name of its effect and lies beside it. Where there is none, the one where it would be.
+pub fn folders(model: &Path, effect: Effect) -> Vec<PathBuf> {
+    let beside = model.parent().map(|models| models.join(effect.name()));
+    let found = [Some(model.to_owned()), beside].into_iter().flatten().map(|folder| inside(&folder));
+    found.into_iter().find(|folders| !folders.is_empty()).unwrap_or_else(|| vec![model.join(USUAL)])
+}
+
+/// The folders of test sets in a folder, by name.
+fn inside(model: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(model).into_iter().flatten();
     let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
     let mut names: Vec<String> = names.filter(|name| suffix(name).is_some()).collect();
     names.sort();
     let mut folders: Vec<PathBuf> = names.iter().map(|name| model.join(name)).collect();
     folders.retain(|folder| TestSet::is_in(folder));
-    if folders.is_empty() { vec![model.join(USUAL)] } else { folders }
+    folders
 }
 
 /// What the name of a test set's folder says of it: nothing of `testset`, `small` of `testset-small`.
@@ -141,6 +149,7 @@ mod tests {
     #[test]
     fn a_network_s_sets_are_found_by_name() {
         let model = tempfile::tempdir().expect("a folder");
+        let folders = |model: &Path| folders(model, Effect::Ao);
         assert_eq!(folders(model.path()), [model.path().join("testset")], "where it would be");
         assert_eq!(folders(&model.path().join("gone")), [model.path().join("gone/testset")]);
         for (folder, whole) in
@@ -155,9 +164,24 @@ mod tests {
     }
 
     #[test]
+    fn a_network_without_sets_has_those_of_its_effect_s_network() {
+        let models = tempfile::tempdir().expect("a folder");
+        let path = |folder: &str| models.path().join(folder);
+        std::fs::create_dir_all(path("ao/testset-small")).expect("made");
+        std::fs::write(path("ao/testset-small/testset.json"), "{}").expect("written");
+        std::fs::create_dir(path("small")).expect("made");
+        assert_eq!(folders(&path("small"), Effect::Ao), [path("ao/testset-small")]);
+        assert_eq!(folders(&path("small"), Effect::Gi), [path("small/testset")], "another effect");
+        std::fs::create_dir(path("small/testset")).expect("made");
+        std::fs::write(path("small/testset/testset.json"), "{}").expect("written");
+        assert_eq!(folders(&path("small"), Effect::Ao), [path("small/testset")], "its own come first");
+    }
+
+    #[test]
     fn a_set_that_is_not_there_is_named() {
         let model = tempfile::tempdir().expect("a folder");
-        let error = open(&folders(model.path()), Effect::Sss, None).err().expect("none").to_string();
+        let error =
+            open(&folders(model.path(), Effect::Sss), Effect::Sss, None).err().expect("none").to_string();
         assert!(error.contains("no test set in") && error.contains("sss-test.toml"), "{error}");
     }
 }

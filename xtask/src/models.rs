@@ -41,15 +41,17 @@ const RADII: [(&str, &str); 3] = [
     ("testset-large", "ao-large-radius-test"),
 ];
 
-/// A network of the thesis' Table 7.1 each, cheap ones first. One core trains some 60 crops of 128 x 128 pixels a
-/// second for networks with 16 first kernels, 28 where these predict kernels, 40 for `ibl`, 200 for `ao`, 500 for `aa`,
-/// and makes a pair with 64 samples in five seconds: half an hour for data and about that for training; three quarters
-/// as much for runs of half and a quarter of the steps. Networks that predict kernels, but for `sss`, have batches for a GPU: an H100
-/// trains 700 crops a second of each of the three at once, seven minutes, and two cores need an hour and a half for each. `sss`, which has
-/// them for each colour, was given half the rate that it had with the paper's last layer; others were not tried. `ibl` has more steps than
-/// the others, two hours, and gained little by them. Indirect
-/// light, most of which is dark, wants a lower rate: at 0.004 the weights grew without bound, to where structural similarity has
-/// no gradient.
+/// The shipped networks, cheap ones first.
+///
+/// One core trains some 60 crops of 128 x 128 pixels a second of networks with 16 first kernels, 28 where these
+/// predict kernels, 40 of `ibl`, 500 of `aa`. It makes a pair with 64 samples in five seconds. So data take half an
+/// hour, training about as long, and the runs of half and a quarter of the steps three quarters of that.
+///
+/// `dof`, `motion-blur` and `multi` have batches for a GPU. An H100 trains 700 crops a second of each of the three at
+/// once, seven minutes. Two cores need an hour and a half for each.
+///
+/// Indirect light, most of which is dark, wants a lower rate. At 0.004 the weights grew without bound, to where
+/// structural similarity has no gradient.
 const BUDGETS: [Budget; 13] = [
     Budget { name: "aa", steps: 16_000, batch: 8, crop: 128, rate: "0.005", share: None, streamed: None },
     Budget { name: "dof", steps: 10_000, batch: 32, crop: 128, rate: "0.003", share: None, streamed: None },
@@ -84,16 +86,19 @@ const BUDGETS: [Budget; 13] = [
         share: Some("0.04"),
         streamed: None,
     },
-    Budget { name: "ao", streamed: Some(&["corrected", "24", "gtao:high"]), ..CORRECTED },
+    Budget { name: "ao", steps: 11_000, streamed: Some(&["corrected", "24", "gtao:high"]), ..CORRECTED },
     Budget { name: "ao-small", streamed: Some(&["corrected", "12", "gtao:low"]), ..CORRECTED },
     Budget { name: "ao-paper", streamed: Some(&["paper", "24", "gtao:high"]), ..CORRECTED },
     Budget { name: "ibl", steps: 64_000, batch: 4, crop: 128, rate: "0.005", share: None, streamed: None },
 ];
 
-/// What networks on views without end have in common: some two hours on two cores, most of them for the
-/// views.
+/// What networks on views without end have in common. Two cores train some nine crops a second of `ao`, fourteen
+/// of `ao-small`, while they render the views: an hour and a half, and three quarters of an hour.
 const CORRECTED: Budget =
-    Budget { name: "", steps: 20_000, batch: 4, crop: 256, rate: "0.002", share: None, streamed: None };
+    Budget { name: "", steps: 8_000, batch: 4, crop: 256, rate: "0.002", share: None, streamed: None };
+
+/// How often a view is used on average. With the default, 8, rendering was half of the time.
+const USES: &str = "32";
 
 /// What the command line says.
 struct Args {
@@ -178,7 +183,7 @@ fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
     ]
 }
 
-/// The steps of a network on views without end: its model's folder gets a test set for each radius.
+/// The steps of a network on views without end, which is tested at each radius.
 fn streamed_steps(budget: &Budget, network: &[&str], work: &Path) -> Vec<(&'static str, Command)> {
     let Budget { name, steps, batch, crop, rate, .. } = budget;
     let recipe = |name: &str| format!("dataset/recipes/{name}.toml");
@@ -190,13 +195,14 @@ fn streamed_steps(budget: &Budget, network: &[&str], work: &Path) -> Vec<(&'stat
     let options = ["--network", "--channels", "--estimate"];
     let which: Vec<&str> =
         options.into_iter().zip(network).flat_map(|(option, value)| [option, *value]).collect();
-    let train = ["train", "--recipe", &recipe(STREAM), "--out", &run];
+    let train = ["train", "--recipe", &recipe(STREAM), "--uses", USES, "--out", &run];
     let mut all = vec![
         ("training", deepshade(&[&train[..], &which, &words].concat())),
         ("export", deepshade(&["export", "--run", &run, "--out", &model])),
     ];
+    // Those of all networks on these views: `eval` finds them there.
     for (folder, test) in RADII {
-        let testset = format!("{model}/{folder}");
+        let testset = format!("models/{STREAM}/{folder}");
         all.push(("test set", deepshade(&["dataset", "testset", &recipe(test), "--out", &testset])));
     }
     let evaluation = ["eval", "--model", &model, "--methods", "learned,gtao,hbao", "--json", &metrics];

@@ -100,6 +100,11 @@ pub fn measured(card: &str, metrics: &[(String, String)]) -> Option<String> {
     Some(format!("{before}{MEASURED}\n\n{}\n{LIMITS}{after}", measurements(metrics)))
 }
 
+/// What the weights were before the first step, in words. Which network's is the matter of whoever trained.
+fn first_weights(config: &TrainConfig) -> &'static str {
+    if config.start.is_some() { "the weights of an earlier run" } else { "random weights" }
+}
+
 /// The card as Markdown.
 pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> String {
     let spec = &config.spec;
@@ -118,6 +123,7 @@ pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> Str
         ("Default radius", format!("{} of the scene's diagonal", spec.reach.diagonal_share)),
         ("Data", facts.recipe.clone()),
         ("Data hash", format!("`{}` (BLAKE3 of {hashed})", config.data_hash)),
+        ("Begun with", first_weights(config).to_owned()),
         ("Seed", config.seed.to_string()),
         ("Loss", config.loss.to_string()),
         ("Optimiser", config.optimiser.to_string()),
