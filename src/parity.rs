@@ -1,8 +1,12 @@
 //! `deepshade parity`: whether the forms of a network agree: burn, the plain reference, WGSL, the CPU engine, and the
 //! exported file in onnxruntime.
 //!
-//! Each is compared element by element with onnxruntime's CPU provider, and that one with the reference, on random
-//! images; WGSL in every kind of kernels that the device runs; first with random weights, in both orders of channels, then with a model's own.
+//! Each is compared element by element with onnxruntime's CPU provider, and that one with the reference; WGSL in
+//! every kind of kernels that the device runs. Random weights are compared on noise, in both orders of channels. A
+//! model's own are compared on noise and on a frame, in half floats on the frame alone: noise is none of the images
+//! that it was trained on, and drives its features beyond what half floats resolve.
+
+mod frame;
 
 use crate::arguments::Size;
 use crate::place::Place;
@@ -21,13 +25,17 @@ use std::path::{Path, PathBuf};
 const EXPLANATION: &str = "largest differences from onnxruntime's image of a pixel and channel; reference: plain Rust, \
     wgsl and wgsl_gpu: kernels for software adapters and for graphics cards, wgsl_half: those in half floats";
 
+/// The kernels in half floats, as figures name them.
+const HALF: &str = "wgsl_half";
+
 /// Checks that burn, the reference, WGSL, the CPU engine and onnxruntime agree.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  \
     deepshade parity --model models/ao --sizes 256x256,768x512,203x117 --json parity.json\n\n\
-    Random weights are tried in both orders in which channels of two resolutions may follow each other: contiguous (all \
-    of the coarser, then all of the finer) and interleaved (group by group). Each form may differ by 1e-4 of the image's root mean \
-    square or of 1, whichever is greater, half floats by 2.5e-3 of its largest magnitude or of 1.")]
+    Random weights are tried on noise, in both orders in which channels of two resolutions may follow each other: \
+    contiguous (all of the coarser, then all of the finer) and interleaved (group by group). A network is tried on \
+    noise and on a frame of a room, in half floats on the frame alone. Each form may differ by 1e-4 of the image's \
+    root mean square or of 1, whichever is greater, half floats by 2.5e-3 of its largest magnitude or of 1.")]
 pub struct Args {
     /// Folder or address of a network; without it, random weights only.
     #[arg(long)]
@@ -68,12 +76,18 @@ pub fn run(args: &Args) -> Result<()> {
             let file = folder.path().join(ONNX_FILE);
             std::fs::write(&file, onnx::encode(&model)).with_context(|| file.display().to_string())?;
             let order = format!("{order:?}").to_lowercase();
-            check.sizes(&format!("random {}, {order}", spec.effect), &model, &file, &args.sizes)?;
+            let name = format!("random {}, {order}", spec.effect);
+            check.sizes(
+                &Subject { name, model: &model, file },
+                &args.sizes,
+                &[Image::Noise { half: true }],
+            )?;
         }
     }
     if let (Some(model), Some(folder)) = (&model, &place) {
         let name = folder.display().to_string();
-        check.sizes(&name, model, &folder.join(ONNX_FILE), &args.sizes)?;
+        let subject = Subject { name: name.clone(), model, file: folder.join(ONNX_FILE) };
+        check.sizes(&subject, &args.sizes, &[Image::Noise { half: false }, Image::Frame])?;
         check.stored(&name, model, &Parity::load(folder, &model.spec)?);
     }
 
@@ -134,51 +148,107 @@ struct Wgsl {
     tolerance: Tolerance,
 }
 
+/// A network with the file that it was exported to.
+struct Subject<'a> {
+    /// What lines call it.
+    name: String,
+    model: &'a Model,
+    /// The exported file.
+    file: PathBuf,
+}
+
+/// What is put into a network.
+#[derive(Clone, Copy)]
+enum Image {
+    /// Numbers of rms 1; into half floats too where that is said.
+    Noise { half: bool },
+    /// What the network reads of a room.
+    Frame,
+}
+
+impl Image {
+    fn input(self, spec: &NetSpec, size: [usize; 2]) -> Result<Planes> {
+        match self {
+            Self::Noise { .. } => Ok(parity::noise(spec.input_channels(), size[0], size[1], 2)),
+            Self::Frame => frame::input(spec, size),
+        }
+    }
+
+    /// What follows a network's name in a line.
+    const fn words(self) -> &'static str {
+        match self {
+            Self::Noise { .. } => "",
+            Self::Frame => " of a room",
+        }
+    }
+}
+
 impl Check<'_> {
-    /// Compares all forms of a network on a random image of each size.
-    fn sizes(&mut self, name: &str, model: &Model, file: &Path, sizes: &[Size]) -> Result<()> {
-        let mut session = self.onnxruntime.session(file, rayon::current_num_threads())?;
-        let kernels = kernels(&self.gpu, model)?;
+    /// Compares all forms of a network on images of each size.
+    fn sizes(&mut self, subject: &Subject<'_>, sizes: &[Size], images: &[Image]) -> Result<()> {
+        let mut session = self.onnxruntime.session(&subject.file, rayon::current_num_threads())?;
+        let kernels = kernels(&self.gpu, subject.model)?;
         for Size { width, height } in sizes {
-            let what = format!("{name}, {width}x{height}");
-            note!("{what}");
-            let input = parity::noise(model.spec.input_channels(), *height, *width, 2);
-            let oracle = session.image(&input)?;
-            let plain = reference::forward(&model.spec, &model.weights, &input);
-            let cpu = cpu::Network::new(&model.spec, &model.weights)?.run(&input)?;
-            let burn = deepshade_train::forward_burn(&model.spec, &model.weights, &input);
-            let mut comparisons = vec![
-                ("reference", Comparison::new(&oracle, &plain)),
-                ("onnxruntime", Comparison::new(&plain, &oracle)),
-                ("cpu", Comparison::new(&oracle, &cpu)),
-                ("burn", Comparison::new(&oracle, &burn)),
-            ];
-            for Wgsl { form, network, tolerance } in &kernels {
-                let (made, _) = network.run_timed(&self.gpu.queue, &input, 0, 1)?;
-                comparisons.push((form, Comparison::within(&oracle, &made, *tolerance)));
-            }
-            // How far onnxruntime is from the reference is what the reference's column says.
-            let columns = comparisons.iter().filter(|(form, _)| *form != "onnxruntime");
-            let line = columns.map(|(form, comparison)| format!("{form} {:.1e}", comparison.max_abs));
-            self.lines.push(format!("{what}: {}", line.collect::<Vec<_>>().join(", ")));
-            for (form, comparison) in &comparisons {
-                let max_abs = self.max_abs.entry(form).or_default();
-                *max_abs = max_abs.max(comparison.max_abs);
-            }
-            if !comparisons.iter().all(|(_, comparison)| comparison.agrees()) {
-                self.explain(&what, model, file, &kernels, &input)?;
+            for image in images {
+                let what = format!("{}, {width}x{height}{}", subject.name, image.words());
+                note!("{what}");
+                let input = image.input(&subject.model.spec, [*height, *width])?;
+                let in_half = !matches!(image, Image::Noise { half: false });
+                let kernels: Vec<&Wgsl> =
+                    kernels.iter().filter(|kernel| in_half || kernel.form != HALF).collect();
+                let oracle = session.image(&input)?;
+                let comparisons = self.comparisons(subject.model, &kernels, &input, &oracle)?;
+                self.take(&what, &comparisons);
+                if !comparisons.iter().all(|(_, comparison)| comparison.agrees()) {
+                    self.explain(&what, subject, &kernels, &input)?;
+                }
             }
         }
         Ok(())
+    }
+
+    /// How far each form is from onnxruntime's image.
+    fn comparisons(
+        &self,
+        model: &Model,
+        kernels: &[&Wgsl],
+        input: &Planes,
+        oracle: &Planes,
+    ) -> Result<Vec<(&'static str, Comparison)>> {
+        let plain = reference::forward(&model.spec, &model.weights, input);
+        let cpu = cpu::Network::new(&model.spec, &model.weights)?.run(input)?;
+        let burn = deepshade_train::forward_burn(&model.spec, &model.weights, input);
+        let mut comparisons = vec![
+            ("reference", Comparison::new(oracle, &plain)),
+            ("onnxruntime", Comparison::new(&plain, oracle)),
+            ("cpu", Comparison::new(oracle, &cpu)),
+            ("burn", Comparison::new(oracle, &burn)),
+        ];
+        for Wgsl { form, network, tolerance } in kernels {
+            let (made, _) = network.run_timed(&self.gpu.queue, input, 0, 1)?;
+            comparisons.push((form, Comparison::within(oracle, &made, *tolerance)));
+        }
+        Ok(comparisons)
+    }
+
+    /// Keeps what comparisons came to.
+    fn take(&mut self, what: &str, comparisons: &[(&'static str, Comparison)]) {
+        // How far onnxruntime is from the reference is what the reference's column says.
+        let columns = comparisons.iter().filter(|(form, _)| *form != "onnxruntime");
+        let line = columns.map(|(form, comparison)| format!("{form} {:.1e}", comparison.max_abs));
+        self.lines.push(format!("{what}: {}", line.collect::<Vec<_>>().join(", ")));
+        for (form, comparison) in comparisons {
+            let max_abs = self.max_abs.entry(form).or_default();
+            *max_abs = max_abs.max(comparison.max_abs);
+        }
     }
 
     /// Names the first layer in which each form differs from the reference.
     fn explain(
         &mut self,
         what: &str,
-        model: &Model,
-        file: &Path,
-        kernels: &[Wgsl],
+        Subject { model, file, .. }: &Subject<'_>,
+        kernels: &[&Wgsl],
         input: &Planes,
     ) -> Result<()> {
         let known = self.faults.len();
@@ -238,7 +308,7 @@ fn kernels(gpu: &Gpu, model: &Model) -> Result<Vec<Wgsl>> {
     let mut kinds: Vec<_> = software.into_iter().collect();
     kinds.push(("wgsl_gpu", for_cards(), Precision::F32, TOLERANCE));
     if gpu.device.features().contains(wgpu::Features::SHADER_F16) {
-        kinds.push(("wgsl_half", for_cards(), Precision::F16, HALF_TOLERANCE));
+        kinds.push((HALF, for_cards(), Precision::F16, HALF_TOLERANCE));
     }
     let made = |(form, variant, precision, tolerance)| {
         let options = Options { variant: Some(variant), precision, ..Options::default() };

@@ -143,7 +143,7 @@ fn method_in_words(figure: &str) -> String {
 /// A network's row of the README's table, of what its evaluation came to.
 fn networks_row(name: &str, folder: &Path, network: &Value) -> String {
     let key = name.replace('-', "_");
-    let figure = |name: &str| network["figures"][name].as_f64().unwrap_or_else(|| panic!("no {name}"));
+    let figure = |name: &str| network["figures"][name].as_f64().expect("a figure");
     let with_interval = |name: &str| {
         let end = |end: usize| network["confidence_95"][name][end].as_f64().expect("an interval");
         format!("{:.3} [{:.3}, {:.3}]", figure(name), end(0), end(1))

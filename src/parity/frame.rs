@@ -1,0 +1,38 @@
+//! What a network reads of a frame: of a procedural room, with all that the effect needs.
+
+use crate::complete::{Additions, Completed, Wants, complete};
+use crate::learned::{Learned, reads};
+use crate::radius::{self, Space};
+use anyhow::Result;
+use deepshade_dataset::views::sample_view;
+use deepshade_infer::NetSpec;
+use deepshade_render::bvh::TracedScene;
+use deepshade_render::gbuffer;
+use deepshade_render::scene::procedural::Family;
+use deepshade_shaders::Planes;
+
+/// The room, and its view.
+const SEED: u32 = 7;
+
+/// The input of the network's first run, `[input channels, height, width]`, at the network's own radius.
+///
+/// # Errors
+/// If no view of the room can be found, or the frame lacks something that the network reads.
+pub fn input(spec: &NetSpec, size: [usize; 2]) -> Result<Planes> {
+    let room = TracedScene::new(Family::Room.scene(u64::from(SEED)))?;
+    let camera = sample_view(&room, size, SEED, u64::from(SEED), 0)?;
+    let additions = Additions::default();
+    let wants = Wants {
+        effect: spec.effect,
+        size,
+        additions: &additions,
+        seed: SEED,
+        learned: spec.environment.as_ref(),
+        animated: false,
+        time: 0.0,
+    };
+    let Completed { scene, camera, .. } = complete(&room, &camera, &wants)?;
+    let gbuffer = gbuffer::render(&scene, &camera, size[0], size[1], &reads(spec)?);
+    let radius = radius::wanted(None, Some(spec.reach), &[], Space::seen(&scene, &camera, size));
+    Ok(Learned::input(spec, &gbuffer, radius)?)
+}
