@@ -1,36 +1,45 @@
 //! All WGSL sources.
 //!
-//! A shader is a prelude of constants and uniform structs, both derived from Rust, the shared files that it lists,
-//! and the pass, joined as text. Adding a shader is one entry in one of the tables below this module, and one in
-//! [`uniforms`] if it needs a new struct. The kernels of a network's layers on GPUs are put together in [`convolution`],
-//! those of its head in [`head`].
+//! A shader is a file of `shaders/wgsl` and what that file says that it needs ([`import`]), behind constants
+//! and uniform structs, both derived from Rust. Adding one is a line in one of the tables below this module,
+//! and an entry in [`uniforms`] if it needs a new struct. The kernels of a network's layers on GPUs are put
+//! together in [`convolution`], those of its head in [`head`]. Which line of which file a line of a source
+//! is, [`place`] tells.
 
 pub mod convolution;
 pub mod head;
+mod import;
+mod place;
 pub mod uniforms;
 
+pub(crate) use place::located;
+
+use import::Product;
 use std::fmt::Write;
-use uniforms::Layout;
+use std::sync::OnceLock;
 
 /// Width and height of the workgroups that cover images: `TILE` in every shader.
 pub const TILE: u32 = 8;
 
-/// A WGSL source: a file of `shaders/wgsl` and what is put in front of it.
-#[derive(Clone, Copy, Debug)]
+/// A WGSL source: a file of `shaders/wgsl` with all that it imports.
+#[derive(Debug)]
 pub struct Shader {
     /// A name that no other shader has; also the label of its pass.
     pub name: &'static str,
-    /// Whole-number constants of the prelude with their defaults, besides `TILE`.
-    pub constants: &'static [(&'static str, u32)],
-    /// Uniform structs that it uses.
-    pub uniforms: &'static [Layout],
-    /// Files of `shaders/wgsl/shared` that it uses, in order.
-    pub shared: &'static [&'static str],
-    /// Its own text.
-    pub text: &'static str,
+    /// The file, as others would import it.
+    file: &'static str,
+    product: OnceLock<Product>,
 }
 
 impl Shader {
+    const fn new(name: &'static str, file: &'static str) -> Self {
+        Self { name, file, product: OnceLock::new() }
+    }
+
+    fn product(&self) -> &Product {
+        self.product.get_or_init(|| Product::of(&[self.file]))
+    }
+
     /// The whole source, with the constants' defaults.
     pub fn source(&self) -> String {
         self.specialised(&[])
@@ -41,42 +50,33 @@ impl Shader {
     /// # Panics
     /// If the shader has no constant of such a name.
     pub fn specialised(&self, values: &[(&str, u32)]) -> String {
+        self.prelude(values) + &self.product().text
+    }
+
+    fn prelude(&self, values: &[(&str, u32)]) -> String {
+        let constants = &self.product().constants;
         for (name, _) in values {
-            let known = self.constants.iter().any(|(constant, _)| constant == name);
+            let known = constants.iter().any(|constant| constant.name == *name);
             assert!(known, "shader `{}` has no constant `{name}`", self.name);
         }
         let value = |name: &str| values.iter().find(|(other, _)| *other == name).map(|(_, value)| *value);
-        let mut source = format!("const TILE = {TILE}u;\n");
-        for (name, default) in self.constants {
-            let value = value(name).unwrap_or(*default);
-            writeln!(source, "const {name} = {value}u;").expect("writing to a string");
+        let mut prelude = format!("const TILE = {TILE}u;\n");
+        for constant in constants {
+            let value = value(constant.name).unwrap_or(constant.default);
+            writeln!(prelude, "const {} = {value}u;", constant.name).expect("writing to a string");
         }
-        for layout in self.uniforms {
-            source.push_str(&layout.declaration());
-        }
-        for part in self.shared.iter().chain([&self.text]) {
-            source.push('\n');
-            source.push_str(part);
-        }
-        source
+        prelude + &self.product().declarations()
     }
 }
 
-/// Writes a table: for each entry a static of that name, and `TABLE`.
-macro_rules! table {
-    ($($(#[$doc:meta])* $name:ident: $label:literal, file $file:literal,
-       constants [$($constant:ident = $default:expr),*], uniforms [$($uniform:ident),*], shared [$($shared:literal),*];)*) => {
+/// Writes a table: for each entry a static of that name, with a label and a file, and one of all.
+macro_rules! shaders {
+    (table $table:ident; $($(#[$doc:meta])* $name:ident: $label:literal, $file:literal;)*) => {
         $($(#[$doc])*
-        pub static $name: Shader = Shader {
-            name: $label,
-            constants: &[$((stringify!($constant), $default)),*],
-            uniforms: &[$(uniforms::$uniform::LAYOUT),*],
-            shared: &[$(include_str!(concat!("../../wgsl/shared/", $shared, ".wgsl"))),*],
-            text: include_str!(concat!("../../wgsl/", $file, ".wgsl")),
-        };)*
+        pub static $name: Shader = Shader::new($label, $file);)*
 
         /// Every shader of this table.
-        pub static TABLE: &[&Shader] = &[$(&$name),*];
+        pub(super) static $table: &[&Shader] = &[$(&$name),*];
     };
 }
 
@@ -91,74 +91,39 @@ mod post;
 mod surfels;
 mod volume;
 
-pub use ceilings::{COPY, FMA};
-pub use indirect::{PREFILTERED_SHADE, SSGI_LIGHT};
-pub use lpv::{
-    LPV_APPLY, LPV_BEGIN, LPV_BEGIN_EMITTED, LPV_BORDER, LPV_CLEAR, LPV_FRESH, LPV_INJECT, LPV_LINKS,
-    LPV_LIT, LPV_MARCH, LPV_MEDIA, LPV_NEST, LPV_PROPAGATE, LPV_REFLECT, LPV_SHINE, LPV_SHINE_KEPT,
-    LPV_SHINE_MEDIUM,
-};
-pub use nets::{NET_BOTTOM, NET_DOWN, NET_FIRST, NET_IMAGE, NET_ONLY, NET_PLAIN, NET_UP};
-pub use occlusion::{BLUR, GTAO_OCCLUSION, HBAO_OCCLUSION, SSDO_LIGHT};
-pub use phosphor::{
-    PHOSPHOR_CELLS, PHOSPHOR_FIND, PHOSPHOR_FIT, PHOSPHOR_GLASSNER, PHOSPHOR_GLASSNER_DIMMED, PHOSPHOR_SHINE,
-    PHOSPHOR_SHOW, PHOSPHOR_STEP, PHOSPHOR_STEP_DIMMED,
-};
-pub use post::{
-    FXAA_LUMA, FXAA_SMOOTH, GATHER_AREAS, GATHER_GATHER, RECONSTRUCTION_GATHER, RECONSTRUCTION_NEIGHBOURS,
-    RECONSTRUCTION_TILES, RING_GATHER_COMBINE, RING_GATHER_GATHER, RING_GATHER_NEIGHBOURS,
-    RING_GATHER_SHRINK, RING_GATHER_TILES, SEPARABLE_BLUR, SUBSURFACE_ENTER, SUBSURFACE_LEAVE,
-};
-
-pub use surfels::{
-    AOV_FACETS, AOV_OCCLUSION, AOV_PARENTS, AOV_TRACE, BOUNCED_FILTER, BOUNCED_GLOSSY_FILTER,
-    BOUNCED_GLOSSY_TRACE, BOUNCED_LIGHT, BOUNCED_SKY, BOUNCED_TRACE, GLOSS, SURFEL_BLOCKED, SURFEL_BODIES,
-    SURFEL_GIVEN, SURFEL_GLOSSY, SURFEL_INDIRECT, SURFEL_LIGHT, SURFEL_OCCLUSION, SURFEL_OPEN,
-    SURFEL_OPENNESS, SURFEL_REFLECT, SURFEL_SCATTER, SURFELS_BEGIN, SURFELS_DIMMED, SURFELS_GIVE_BACK,
-    SURFELS_IN_WATTS, SURFELS_KEEP, SURFELS_KEEP_DIMMED, SURFELS_LEAVES, SURFELS_LIT_LEAVES, SURFELS_MEASURE,
-    SURFELS_PARENTS, SURFELS_PLACE, SURFELS_RECEIVED, SURFELS_REFLECTED, SURFELS_SUM, SURFELS_TOTAL,
-    SURFELS_VERTICES,
-};
-pub use volume::{
-    EPIPOLAR_BOUNDS, EPIPOLAR_GATHER, EPIPOLAR_LINES, EPIPOLAR_MARCH, EPIPOLAR_SUMS, EPIPOLAR_TRACE,
-    FOG_MARCH, FROXEL_APPLY, FROXEL_INTEGRATE, FROXEL_SCATTER, VOLUME_SHELL_ADD, VOLUME_SHELL_DIRECT,
-    VOLUME_SHELL_EXPAND, VOLUME_SHELL_INTERVALS, VOLUME_SHELL_PAPER_INTERVALS, VOLUME_SHELL_PAPER_SPLAT,
-    VOLUME_SHELL_REDUCE, VOLUME_SHELL_SPLAT,
-};
+pub use ceilings::*;
+pub use indirect::*;
+pub use lpv::*;
+pub use nets::*;
+pub use occlusion::*;
+pub use phosphor::*;
+pub use post::*;
+pub use surfels::*;
+pub use volume::*;
 
 /// Every shader.
 pub fn all() -> impl Iterator<Item = &'static Shader> {
-    [
-        ceilings::TABLE,
-        frame::TABLE,
-        indirect::TABLE,
-        lpv::TABLE,
-        nets::TABLE,
-        occlusion::TABLE,
-        phosphor::TABLE,
-        post::TABLE,
-        surfels::TABLE,
-        volume::TABLE,
-    ]
-    .into_iter()
-    .flatten()
-    .copied()
+    [CEILINGS, frame::FRAME, INDIRECT, LPV, NETS, OCCLUSION, PHOSPHOR, POST, SURFELS, VOLUME]
+        .into_iter()
+        .flatten()
+        .copied()
 }
 
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
     use naga::valid::{Capabilities, ValidationFlags, Validator};
-    use uniforms::Field;
+    use uniforms::{Field, Layout};
 
     pub(crate) fn parse(source: &str) -> Result<naga::Module, String> {
-        let module = naga::front::wgsl::parse_str(source).map_err(|e| e.emit_to_string(source))?;
+        let module =
+            naga::front::wgsl::parse_str(source).map_err(|e| located(&e.emit_to_string(source), source))?;
         Validator::new(
             ValidationFlags::all(),
             Capabilities::SHADER_FLOAT16 | Capabilities::SHADER_FLOAT16_IN_FLOAT32,
         )
         .validate(&module)
-        .map_err(|e| e.emit_to_string(source))?;
+        .map_err(|e| located(&e.emit_to_string(source), source))?;
         Ok(module)
     }
 
@@ -203,7 +168,7 @@ pub(crate) mod tests {
                 &[naga::ShaderStage::Vertex, naga::ShaderStage::Fragment],
             ];
             assert!(one_pass.contains(&&stages[..]), "{}: {stages:?}", shader.name);
-            for layout in shader.uniforms {
+            for layout in &shader.product().uniforms {
                 assert_eq!(agrees(layout, &module), Ok(()), "{}", shader.name);
             }
         }
@@ -237,16 +202,32 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn an_error_is_said_with_its_place_in_a_file() {
+        let (source, wrong) = (BLUR.source(), "fn surface_valid(index: u32) -> bool {");
+        assert!(source.contains(wrong));
+        let said =
+            parse(&source.replace(wrong, "fn surface_valid(index: u32) -> boot {")).expect_err("wrong");
+        let text = include_str!("../wgsl/shared/surface_valid.wgsl");
+        let line = text.lines().position(|line| line == wrong).expect("the line") + 1;
+        assert!(said.contains(&format!("shaders/wgsl/shared/surface_valid.wgsl:{line}\n")), "{said}");
+    }
+
+    #[test]
+    fn every_file_is_part_of_something() {
+        let attributes = frame::attributes_source(&[crate::Attribute::Depth]);
+        let sources: Vec<String> = all().map(Shader::source).chain([attributes]).collect();
+        let sources = [sources, convolution::tests::sources(), head::tests::sources()].concat();
+        assert!(sources.iter().all(|source| !source.lines().any(|line| line.trim_start().starts_with('#'))));
+        let parts: std::collections::BTreeSet<&str> =
+            sources.iter().flat_map(|source| place::files(source)).collect();
+        assert_eq!(parts.into_iter().collect::<Vec<_>>(), import::files().collect::<Vec<_>>());
+    }
+
+    #[test]
     fn constants_take_other_values() {
-        static SHADER: Shader = Shader {
-            name: "test",
-            constants: &[("SIZE", 3), ("GROUPS", 1)],
-            uniforms: &[],
-            shared: &["fn shared_part() {}\n"],
-            text: "fn own() { shared_part(); }\n",
-        };
-        let source = SHADER.specialised(&[("GROUPS", 4)]);
-        assert!(source.contains("const SIZE = 3u;\n") && source.contains("const GROUPS = 4u;\n"), "{source}");
+        let source = LPV_SHINE_KEPT.specialised(&[("UNIT", 4)]);
+        assert!(source.starts_with("const TILE = 8u;\n"), "{source}");
+        assert!(source.contains("const HEIGHT = 8u;\n") && source.contains("const UNIT = 4u;\n"), "{source}");
         assert!(parse(&source).is_ok());
     }
 

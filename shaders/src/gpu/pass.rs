@@ -1,6 +1,7 @@
 //! A compute pass: a shader, what is bound to it, and how many workgroups run.
 
 use super::{GpuError, PipelineCache, catch};
+use crate::wgsl::located;
 
 /// What every label begins with.
 const LABEL: &str = "deepshade.";
@@ -59,7 +60,7 @@ impl Pass {
                 cache: cache.and_then(PipelineCache::get),
             })
         })
-        .map_err(|what| GpuError::Shader { label: label.clone(), what })?;
+        .map_err(|what| GpuError::Shader { label: label.clone(), what: located(&what, wgsl) })?;
         Ok(Self { label, pipeline })
     }
 

@@ -2,6 +2,7 @@
 //! large.
 
 use super::{GpuError, catch};
+use crate::wgsl::located;
 
 /// Format of depth buffers.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -63,7 +64,7 @@ impl RasterPass {
                 cache: None,
             })
         })
-        .map_err(|what| GpuError::Shader { label: label.clone(), what })?;
+        .map_err(|what| GpuError::Shader { label: label.clone(), what: located(&what, wgsl) })?;
         Ok(Self { label, pipeline })
     }
 

@@ -129,6 +129,17 @@ fn absurd_sizes_are_errors_with_a_name() {
 }
 
 #[test]
+fn what_is_wrong_with_a_shader_is_said_with_its_place_in_a_file() {
+    let Gpu { device, .. } = gpu();
+    let (source, right) = (wgsl::BLUR.source(), "fn surface_valid(index: u32) -> bool {");
+    assert!(source.contains(right));
+    let wrong = source.replace(right, "fn surface_valid(index: u32) -> boot {");
+    let error = Pass::new(&device, "wrong", &wrong).expect_err("no such type").to_string();
+    assert!(error.contains("wgsl:") && error.contains("shaders/wgsl/shared/surface_valid.wgsl:"), "{error}");
+    assert!(Pass::new(&device, "right", &source).is_ok());
+}
+
+#[test]
 fn workgroups_cover_the_image() {
     assert_eq!(groups(43, 61, 8), [8, 6, 1]);
     assert_eq!(groups(8, 16, 8), [2, 1, 1]);
@@ -144,7 +155,7 @@ fn random_numbers_are_the_same_on_both_sides() {
          fn main(@builtin(global_invocation_id) id: vec3u) {{
              numbers[id.y * 16u + id.x] = random(id.xy, 4000000000u, 3u);
          }}",
-        wgsl::HBAO_OCCLUSION.shared[0],
+        include_str!("../../wgsl/shared/random.wgsl"),
     );
     let numbers = empty::<f32>(&device, "numbers", 16 * 16).expect("room");
     let pass = Pass::new(&device, "random", &source).expect("valid");

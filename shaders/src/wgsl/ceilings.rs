@@ -2,9 +2,10 @@
 
 use super::Shader;
 
-table! {
+shaders! {
+    table CEILINGS;
     /// Memory's speed: a copy.
-    COPY: "ceilings.copy", file "ceilings/copy", constants [], uniforms [], shared [];
+    COPY: "ceilings.copy", "ceilings/copy";
     /// Arithmetic's speed: multiplications with additions.
-    FMA: "ceilings.fma", file "ceilings/fma", constants [TURNS = 256], uniforms [], shared [];
+    FMA: "ceilings.fma", "ceilings/fma";
 }

@@ -1,11 +1,11 @@
 //! The kernels of a network's layers on GPUs: one template, `shaders/wgsl/convolution`, and what a layer's shape and a
 //! device's taste make of it.
 //!
-//! A kernel is a prelude of constants, how it stages, how it reads, how many outputs it makes at a time and where it
-//! writes them, joined as text.
+//! A kernel is a prelude of constants, and files by what it is like: how it stages, how it reads, how many
+//! outputs it makes at a time and where it writes them.
 
 use super::head::target;
-use super::uniforms::NetLayer;
+use super::import::Product;
 use std::fmt::Write;
 
 /// Width and height of the workgroups, invocations.
@@ -108,28 +108,19 @@ pub enum Writing {
     Texture(&'static str),
 }
 
-/// The file of `shaders/wgsl` of that name.
-macro_rules! file {
-    ($name:literal) => {
-        include_str!(concat!("../../wgsl/", $name, ".wgsl"))
-    };
-}
-
 impl Convolution {
     /// The whole source.
     pub fn source(&self) -> String {
-        let parts = [
-            self.prelude(),
-            file!("convolution/layer").to_owned(),
-            file!("shared/net_window").to_owned(),
-            if self.shape.staged { file!("convolution/staged") } else { file!("convolution/direct") }
-                .to_owned(),
-            self.reading_source(),
-            self.outputs(),
-            self.writing.source().to_owned(),
-            file!("convolution/main").to_owned(),
-        ];
-        parts.join("\n")
+        let staging = if self.shape.staged { "convolution/staged" } else { "convolution/direct" };
+        let outputs = match self.shape.outputs {
+            1 => "convolution/outputs_1",
+            4 => "convolution/outputs_4",
+            8 => "convolution/outputs_8",
+            _ => "convolution/outputs_16",
+        };
+        let files = [vec![staging, outputs, "convolution/main"], self.reading_files(), self.writing.files()];
+        let product = Product::of(&files.concat());
+        self.prelude() + &product.declarations() + &self.inputs() + &product.text
     }
 
     /// Bytes of memory that a workgroup shares.
@@ -166,53 +157,43 @@ impl Convolution {
         if let Writing::Texture(format) = self.writing {
             prelude.push_str(&target(format));
         }
-        prelude + &NetLayer::LAYOUT.declaration()
+        prelude
     }
 
-    fn reading_source(&self) -> String {
-        let source = self.reading.source(self.folded.is_some());
-        if self.arena { source } else { source.replace("var<storage, read_write>", "var<storage, read>") }
-    }
-
-    fn outputs(&self) -> String {
-        match self.shape.outputs {
-            1 => file!("convolution/outputs_1").to_owned(),
-            4 => [file!("convolution/four_outputs"), file!("convolution/outputs_4")].join("\n"),
-            8 => [file!("convolution/four_outputs"), file!("convolution/outputs_8")].join("\n"),
-            _ => [file!("convolution/four_outputs"), file!("convolution/outputs_16")].join("\n"),
+    fn reading_files(&self) -> Vec<&'static str> {
+        let texel = if self.folded.is_some() { "shared/net_folded" } else { "shared/net_input" };
+        match self.reading {
+            Reading::Planes => vec!["convolution/single", texel, "shared/net_planes"],
+            Reading::Textures(_) => vec!["convolution/single", texel],
+            Reading::Map => vec!["convolution/single", "convolution/read_map"],
+            Reading::Joined => vec!["convolution/read_joined"],
         }
     }
-}
 
-impl Reading {
-    fn source(&self, folded: bool) -> String {
-        let texel = if folded { file!("shared/net_folded") } else { file!("shared/net_input") };
-        let parts = match self {
-            Self::Planes | Self::Textures(_) => vec![self.input(), texel.to_owned()],
-            Self::Map => vec![file!("convolution/read_map").to_owned()],
-            Self::Joined => return file!("convolution/read_joined").to_owned(),
-        };
-        [parts, vec![file!("convolution/single").to_owned()]].concat().join("\n")
+    /// What is bound to be read, but for planes.
+    fn inputs(&self) -> String {
+        match &self.reading {
+            Reading::Planes => String::new(),
+            Reading::Textures(textures) => texture_channels(textures),
+            Reading::Map => self.map_binding(4, "source"),
+            Reading::Joined => self.map_binding(4, "coarse") + &self.map_binding(5, "skip"),
+        }
     }
 
-    /// `input_channels`, four channels of a pixel of the network's input: from textures or, else, from planes.
-    pub(super) fn input(&self) -> String {
-        match self {
-            Self::Textures(textures) => texture_channels(textures),
-            _ => file!("shared/net_planes").to_owned(),
-        }
+    fn map_binding(&self, binding: u32, name: &str) -> String {
+        let access = if self.arena { "read_write" } else { "read" };
+        format!("@group(0) @binding({binding}) var<storage, {access}> {name}: array<Texel>;\n")
     }
 }
 
 impl Writing {
-    fn source(self) -> String {
-        let parts: &[&str] = match self {
-            Self::Map => &[file!("convolution/write_map"), file!("convolution/write_no_means")],
-            Self::MapAndMeans => &[file!("convolution/write_map"), file!("convolution/write_means")],
-            Self::Planes => &[file!("convolution/write_planes"), file!("convolution/write_no_means")],
-            Self::Texture(_) => &[file!("convolution/write_texture"), file!("convolution/write_no_means")],
-        };
-        parts.join("\n")
+    fn files(self) -> Vec<&'static str> {
+        match self {
+            Self::Map => vec!["convolution/write_map", "convolution/write_no_means"],
+            Self::MapAndMeans => vec!["convolution/write_map", "convolution/write_means"],
+            Self::Planes => vec!["convolution/write_planes", "convolution/write_no_means"],
+            Self::Texture(_) => vec!["convolution/write_texture", "convolution/write_no_means"],
+        }
     }
 }
 
@@ -220,7 +201,7 @@ impl Writing {
 pub const FIRST_TEXTURE: u32 = 6;
 
 /// `input_channels`, as `shaders/wgsl/shared/net_planes.wgsl` has it for a buffer: four channels of a pixel.
-fn texture_channels(textures: &[Vec<TextureChannel>]) -> String {
+pub(super) fn texture_channels(textures: &[Vec<TextureChannel>]) -> String {
     let mut source = "// The network's input as textures.\n\n".to_owned();
     let mut channels = Vec::new();
     for (binding, texture) in (FIRST_TEXTURE..).zip(textures) {
@@ -239,4 +220,4 @@ fn texture_channels(textures: &[Vec<TextureChannel>]) -> String {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

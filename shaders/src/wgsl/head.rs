@@ -1,9 +1,10 @@
 //! The passes of networks on GPUs whose image is not what their last block makes as it is: the pyramid of
-//! what the head works on, and the image. Every one reads a [`NetLayer`] of its level's frame.
+//! what the head works on, and the image. Every one reads a
+//! [`NetLayer`](super::uniforms::NetLayer) of its level's frame.
 
 use super::TILE;
-use super::convolution::{Reading, Writing};
-use super::uniforms::NetLayer;
+use super::convolution::{Reading, Writing, texture_channels};
+use super::import::Product;
 use std::fmt::Write;
 
 /// How the image is made.
@@ -89,14 +90,16 @@ impl Head {
             ("ESTIMATE", estimate),
             ("PLANES", self.estimates() + levels),
         ];
-        [prelude(&constants), reading.input(), include_str!("../../wgsl/head/light.wgsl").to_owned()]
-            .join("\n")
+        match reading {
+            Reading::Textures(textures) => joined(&constants, &texture_channels(textures), &["head/light"]),
+            _ => joined(&constants, "", &["shared/net_planes", "head/light"]),
+        }
     }
 
     /// The pass that writes a coarser level.
     pub fn halve(&self, level: u32) -> String {
         let constants = [("CHANNELS", self.channels), ("LEVEL", level), ("ESTIMATES", self.estimates())];
-        [&prelude(&constants), include_str!("../../wgsl/head/halve.wgsl")].join("\n")
+        joined(&constants, "", &["head/halve"])
     }
 
     /// The pass that makes the image, in planes or in a texture.
@@ -111,21 +114,19 @@ impl Head {
             ("SQUARE", self.square),
         ];
         let (target, write) = match writing {
-            Writing::Texture(format) => (target(format), include_str!("../../wgsl/head/write_texture.wgsl")),
-            _ => (String::new(), include_str!("../../wgsl/head/write_planes.wgsl")),
+            Writing::Texture(format) => (target(format), "head/write_texture"),
+            _ => (String::new(), "head/write_planes"),
         };
         let (range, kind) = match self.kind {
-            HeadKind::Unfold => (String::new(), include_str!("../../wgsl/head/unfold.wgsl")),
-            HeadKind::Filter { .. } => (String::new(), include_str!("../../wgsl/head/filter.wgsl")),
+            HeadKind::Unfold => (String::new(), "head/unfold"),
+            HeadKind::Filter { .. } => (String::new(), "head/filter"),
             HeadKind::Correction { range: [least, most], .. } => {
                 // No shader knows infinity. All digits: the fewest that name the largest `f32` are beyond it.
                 let [least, most] = [least, most.min(f32::MAX)].map(f64::from);
-                let range = format!("const LEAST = {least:?};\nconst MOST = {most:?};\n");
-                (range, include_str!("../../wgsl/head/correction.wgsl"))
+                (format!("const LEAST = {least:?};\nconst MOST = {most:?};\n"), "head/correction")
             }
         };
-        let shared = include_str!("../../wgsl/head/pyramid.wgsl");
-        [&prelude(&constants), &range, &target, shared, kind, write].join("\n")
+        joined(&constants, &(range + &target), &[kind, write])
     }
 }
 
@@ -134,24 +135,24 @@ pub(super) fn target(format: &str) -> String {
     format!("alias Target = texture_storage_2d<{format}, write>;\n")
 }
 
-fn prelude(constants: &[(&str, u32)]) -> String {
-    let mut prelude = String::new();
+/// Files behind constants and declarations.
+fn joined(constants: &[(&str, u32)], declared: &str, files: &[&'static str]) -> String {
+    let product = Product::of(files);
+    let mut source = String::new();
     for (name, value) in [("TILE", TILE)].iter().chain(constants) {
-        writeln!(prelude, "const {name} = {value}u;").expect("writing to a string");
+        writeln!(source, "const {name} = {value}u;").expect("writing to a string");
     }
-    prelude + &NetLayer::LAYOUT.declaration()
+    source + &product.declarations() + declared + &product.text
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::wgsl::convolution::{Scale, TextureChannel};
     use crate::wgsl::tests::{agrees, parse};
+    use crate::wgsl::uniforms::NetLayer;
 
-    #[test]
-    fn every_pass_is_valid_and_reads_the_layer_as_rust_wrote_it() {
-        let channel = |component| TextureChannel { component, scale: Scale::Light, exponent: 0 };
-        let textures = Reading::Textures(vec![vec![channel(Some(1))], vec![channel(None)]]);
+    fn heads() -> Vec<Head> {
         let kinds = [
             HeadKind::Filter { black: false },
             HeadKind::Filter { black: true },
@@ -159,23 +160,35 @@ mod tests {
             HeadKind::Correction { estimate: 0, range: [0.0, f32::INFINITY] },
             HeadKind::Unfold,
         ];
+        let mut heads = Vec::new();
         for (levels, kernel, channels, square) in [(1, 5, 1, 1), (5, 1, 3, 2), (0, 3, 1, 4)] {
-            for kind in
-                kinds.into_iter().filter(|kind| levels > 0 || !matches!(kind, HeadKind::Filter { .. }))
-            {
-                let head = Head { kind, levels, kernel, channels, first: 1, square };
-                let sources = [
-                    head.light(&Reading::Planes),
-                    head.light(&textures),
-                    head.halve(1),
-                    head.image(Writing::Planes),
-                    head.image(Writing::Texture("rgba16float")),
-                ];
-                for source in sources {
-                    let module = parse(&source).map_err(|e| format!("{head:?}: {e}")).expect("valid");
-                    assert_eq!(agrees(&NetLayer::LAYOUT, &module), Ok(()), "{head:?}");
-                }
-            }
+            let fits = |kind: &HeadKind| levels > 0 || !matches!(kind, HeadKind::Filter { .. });
+            let head = |kind| Head { kind, levels, kernel, channels, first: 1, square };
+            heads.extend(kinds.into_iter().filter(fits).map(head));
+        }
+        heads
+    }
+
+    pub(crate) fn sources() -> Vec<String> {
+        let channel = |component| TextureChannel { component, scale: Scale::Light, exponent: 0 };
+        let textures = Reading::Textures(vec![vec![channel(Some(1))], vec![channel(None)]]);
+        let passes = |head: Head| {
+            [
+                head.light(&Reading::Planes),
+                head.light(&textures),
+                head.halve(1),
+                head.image(Writing::Planes),
+                head.image(Writing::Texture("rgba16float")),
+            ]
+        };
+        heads().into_iter().flat_map(passes).collect()
+    }
+
+    #[test]
+    fn every_pass_is_valid_and_reads_the_layer_as_rust_wrote_it() {
+        for source in sources() {
+            let module = parse(&source).map_err(|e| format!("{e}\n{source}")).expect("valid");
+            assert_eq!(agrees(&NetLayer::LAYOUT, &module), Ok(()), "{source}");
         }
     }
 }

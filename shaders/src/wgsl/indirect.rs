@@ -1,12 +1,11 @@
 //! Indirect light and light from the environment.
 
-use super::{Shader, uniforms};
+use super::Shader;
 
-table! {
+shaders! {
+    table INDIRECT;
     /// Light of one diffuse bounce by visibility bitmasks before its blur.
-    SSGI_LIGHT: "ssgi.light", file "methods/ssgi/light",
-        constants [], uniforms [Slices], shared ["random", "surface", "surface_valid", "bounded", "slices"];
+    SSGI_LIGHT: "ssgi.light", "methods/ssgi/light";
     /// Light from a prefiltered environment.
-    PREFILTERED_SHADE: "prefiltered.shade", file "methods/prefiltered/shade",
-        constants [LEVELS = 14, EXPONENTS = 26, ANGLES = 32], uniforms [Prefiltered], shared ["environment"];
+    PREFILTERED_SHADE: "prefiltered.shade", "methods/prefiltered/shade";
 }

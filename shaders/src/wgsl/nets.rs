@@ -1,27 +1,21 @@
 //! The layers of networks on software adapters, and the yardstick that they are held against.
 
-use super::{Shader, uniforms};
+use super::Shader;
 
-table! {
+shaders! {
+    table NETS;
     /// A network's first layer.
-    NET_FIRST: "net.first", file "net/feature_map_pooled", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_features", "net_layer", "net_window", "net_planes", "net_input", "net_single", "net_pool"];
+    NET_FIRST: "net.first", "net/first";
     /// A network's further layers on the way down.
-    NET_DOWN: "net.down", file "net/feature_map_pooled", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_features", "net_layer", "net_pooled", "net_single", "net_pool"];
+    NET_DOWN: "net.down", "net/down";
     /// A network's coarsest layer.
-    NET_BOTTOM: "net.bottom", file "net/feature_map", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_features", "net_layer", "net_pooled", "net_single"];
+    NET_BOTTOM: "net.bottom", "net/bottom";
     /// A network's layers on the way up.
-    NET_UP: "net.up", file "net/feature_map", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_features", "net_layer", "net_joined"];
+    NET_UP: "net.up", "net/up";
     /// A network's last layer.
-    NET_IMAGE: "net.image", file "net/image", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_image", "net_layer", "net_window", "net_joined"];
+    NET_IMAGE: "net.image", "net/last";
     /// The first layer of a network of one level.
-    NET_ONLY: "net.only", file "net/feature_map", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_features", "net_layer", "net_window", "net_planes", "net_input", "net_single"];
+    NET_ONLY: "net.only", "net/only";
     /// The last layer of a network of one level.
-    NET_PLAIN: "net.plain", file "net/image", constants [KERNEL = 3], uniforms [NetLayer],
-        shared ["net_image", "net_layer", "net_window", "net_pooled", "net_single"];
+    NET_PLAIN: "net.plain", "net/plain";
 }

@@ -1,18 +1,15 @@
 //! Ambient and directional occlusion.
 
-use super::{Shader, uniforms};
+use super::Shader;
 
-table! {
+shaders! {
+    table OCCLUSION;
     /// Horizon-based ambient occlusion before its blur.
-    HBAO_OCCLUSION: "hbao.occlusion", file "methods/hbao/occlusion",
-        constants [], uniforms [Hbao], shared ["random", "surface", "surface_valid", "bounded"];
+    HBAO_OCCLUSION: "hbao.occlusion", "methods/hbao/occlusion";
     /// One direction of the blur of images of `CHANNELS` channels whose samples were random.
-    BLUR: "blur.smooth", file "methods/blur/smooth",
-        constants [CHANNELS = 1], uniforms [Blur], shared ["surface", "surface_valid", "bounded"];
+    BLUR: "blur.smooth", "methods/blur/smooth";
     /// Ambient occlusion by visibility bitmasks before its blur.
-    GTAO_OCCLUSION: "gtao.occlusion", file "methods/gtao/occlusion",
-        constants [], uniforms [Slices], shared ["random", "surface", "surface_valid", "bounded", "slices"];
+    GTAO_OCCLUSION: "gtao.occlusion", "methods/gtao/occlusion";
     /// Directional occlusion before its blur.
-    SSDO_LIGHT: "ssdo.light", file "methods/ssdo/light",
-        constants [], uniforms [Ssdo], shared ["random", "surface", "surface_valid", "bounded", "environment"];
+    SSDO_LIGHT: "ssdo.light", "methods/ssdo/light";
 }

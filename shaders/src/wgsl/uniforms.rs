@@ -36,7 +36,8 @@ impl Layout {
 #[allow(non_camel_case_types, reason = "the name that WGSL has for it")]
 pub(crate) type vec4f = [f32; 4];
 
-/// Declares uniform structs with their layouts. A field's type is `f32`, `u32`, `i32` or `vec4f`, each the same in WGSL.
+/// Declares uniform structs with their layouts, and a list of these. A field's type is `f32`, `u32`, `i32`
+/// or `vec4f`, each the same in WGSL.
 macro_rules! uniforms {
     ($($(#[$doc:meta])* $name:ident { $($(#[$field_doc:meta])* $field:ident: $kind:ident,)* })*) => {
         $($(#[$doc])*
@@ -58,6 +59,9 @@ macro_rules! uniforms {
                 }),*],
             };
         })*
+
+        /// How each of them lies in memory.
+        pub(super) const LAYOUTS: &[Layout] = &[$($name::LAYOUT),*];
     };
 }
 
@@ -83,3 +87,15 @@ pub use volume::{
     Epipolar, FogMarch, Froxels, Intervals, Iteration, LightGrid, Marching, MediumRecord, OfLamp,
     Propagation, Pyramid, SplatPart, VolumeShell,
 };
+
+/// How all of them lie in memory.
+pub(super) const ALL: &[&[Layout]] = &[
+    frame::LAYOUTS,
+    indirect::LAYOUTS,
+    nets::LAYOUTS,
+    occlusion::LAYOUTS,
+    phosphor::LAYOUTS,
+    post::LAYOUTS,
+    surfels::LAYOUTS,
+    volume::LAYOUTS,
+];

@@ -1,83 +1,43 @@
 //! Light in participating media.
 
-use super::{Shader, uniforms};
+use super::Shader;
 
-table! {
+shaders! {
+    table VOLUME;
     /// The transmittance interval map.
-    VOLUME_SHELL_INTERVALS: "volume-shell.intervals", file "methods/volume_shell/intervals",
-        constants [SAMPLES = 16, MEDIUM = 2], uniforms [Intervals, FrameView, MediumRecord],
-        shared ["surface_distance", "random", "bounded", "view", "medium_span", "medium", "transmittance", "intervals_encode_wide"];
+    VOLUME_SHELL_INTERVALS: "volume-shell.intervals", "methods/volume_shell/intervals_wide";
     /// The same, with samples kept as in the paper.
-    VOLUME_SHELL_PAPER_INTERVALS: "volume-shell.paper_intervals", file "methods/volume_shell/intervals",
-        constants [SAMPLES = 16, MEDIUM = 2], uniforms [Intervals, FrameView, MediumRecord],
-        shared ["surface_distance", "random", "bounded", "view", "medium_span", "medium", "transmittance", "intervals_encode_paper"];
+    VOLUME_SHELL_PAPER_INTERVALS: "volume-shell.paper_intervals", "methods/volume_shell/intervals_paper";
     /// Light that surfels scatter into the intervals of rays, of a level.
-    VOLUME_SHELL_SPLAT: "volume-shell.splat", file "methods/volume_shell/splat",
-        constants [SAMPLES = 16, MEDIUM = 2, HEIGHT = 8, PARTS = 16, LOOKUPS = 4, GREY = 0,
-                   ATTENUATED = 1, TOUCHED_ONLY = 1, SILHOUETTES = 1],
-        uniforms [SplatLevel, SplatPart, VolumeShell, FrameView, MediumRecord],
-        shared ["random", "bounded", "view", "packing", "interleaved", "surfel", "surfel_record", "surfel_tree",
-                "surfel_walk", "surfel_facing", "surfel_sent", "medium_span", "medium", "colours", "phase", "transmittance",
-                "intervals_decode", "intervals_decode_wide"];
+    VOLUME_SHELL_SPLAT: "volume-shell.splat", "methods/volume_shell/splat_wide";
     /// The same onto samples that are kept as in the paper.
-    VOLUME_SHELL_PAPER_SPLAT: "volume-shell.paper_splat", file "methods/volume_shell/splat",
-        constants [SAMPLES = 16, MEDIUM = 2, HEIGHT = 8, PARTS = 16, LOOKUPS = 4, GREY = 0,
-                   ATTENUATED = 1, TOUCHED_ONLY = 1, SILHOUETTES = 1],
-        uniforms [SplatLevel, SplatPart, VolumeShell, FrameView, MediumRecord],
-        shared ["random", "bounded", "view", "packing", "interleaved", "surfel", "surfel_record", "surfel_tree",
-                "surfel_walk", "surfel_facing", "surfel_sent", "medium_span", "medium", "colours", "phase", "transmittance",
-                "intervals_decode", "intervals_decode_paper"];
+    VOLUME_SHELL_PAPER_SPLAT: "volume-shell.paper_splat", "methods/volume_shell/splat_paper";
     /// Light of the lamps that the intervals of rays scatter.
-    VOLUME_SHELL_DIRECT: "volume-shell.direct", file "methods/volume_shell/direct",
-        constants [SAMPLES = 16, MEDIUM = 2, LIGHTS = 1, GREY = 0], uniforms [VolumeShell, FrameView, MediumRecord, LightRecord],
-        shared ["view", "lights", "shadow", "medium_span", "medium", "colours", "light_dimmed", "phase", "single_scattering", "transmittance",
-                "intervals_decode", "intervals_decode_wide"];
+    VOLUME_SHELL_DIRECT: "volume-shell.direct", "methods/volume_shell/direct";
     /// A coarser level of a Gaussian pyramid.
-    VOLUME_SHELL_REDUCE: "volume-shell.reduce", file "methods/volume_shell/reduce", constants [], uniforms [Pyramid],
-        shared [];
+    VOLUME_SHELL_REDUCE: "volume-shell.reduce", "methods/volume_shell/reduce";
     /// A coarser level of a Gaussian pyramid in the size of a finer one.
-    VOLUME_SHELL_EXPAND: "volume-shell.expand", file "methods/volume_shell/expand", constants [], uniforms [Pyramid],
-        shared [];
+    VOLUME_SHELL_EXPAND: "volume-shell.expand", "methods/volume_shell/expand";
     /// What froxels scatter of the lamps' light.
-    FROXEL_SCATTER: "froxel.scatter", file "methods/froxel/scatter", constants [LIGHTS = 1, MEDIUM = 2, GREY = 0],
-        uniforms [Froxels, FrameView, LightRecord, MediumRecord],
-        shared ["bounded", "view", "lights", "shadow", "medium_span", "medium", "colours", "light_dimmed", "phase",
-                "single_scattering", "froxel_index", "growing", "froxels"];
+    FROXEL_SCATTER: "froxel.scatter", "methods/froxel/scatter";
     /// Sums of columns of froxels.
-    FROXEL_INTEGRATE: "froxel.integrate", file "methods/froxel/integrate", constants [],
-        uniforms [Froxels, MediumRecord], shared ["bounded", "mean_decay", "froxel_index"];
+    FROXEL_INTEGRATE: "froxel.integrate", "methods/froxel/integrate";
     /// Fog in front of pixels, from froxels.
-    FROXEL_APPLY: "froxel.apply", file "methods/froxel/apply", constants [MEDIUM = 2],
-        uniforms [Froxels, FrameView, MediumRecord], shared ["surface_distance", "view", "medium_span", "froxel_index", "growing", "froxels"];
+    FROXEL_APPLY: "froxel.apply", "methods/froxel/apply";
     /// Single scattering by steps along view rays.
-    FOG_MARCH: "fog-march.march", file "methods/fog_march/march", constants [MEDIUM = 2, GREY = 0],
-        uniforms [FogMarch, OfLamp, FrameView, LightRecord, MediumRecord],
-        shared ["surface_distance", "random", "bounded", "view", "lights", "shadow", "medium_span", "medium", "colours", "light_dimmed", "phase",
-                "single_scattering", "mean_decay", "fog_steps"];
+    FOG_MARCH: "fog-march.march", "methods/fog_march/march";
     /// Where a lamp's epipolar slices leave the image.
-    EPIPOLAR_LINES: "epipolar.lines", file "methods/epipolar/lines", constants [],
-        uniforms [Epipolar, OfLamp, FrameView, LightRecord], shared ["view", "lamp_axis", "epipolar_lines"];
+    EPIPOLAR_LINES: "epipolar.lines", "methods/epipolar/lines";
     /// From which to which light ray view rays are in the medium.
-    EPIPOLAR_BOUNDS: "epipolar.bounds", file "methods/epipolar/bounds", constants [MEDIUM = 2],
-        uniforms [Epipolar, OfLamp, FrameView, LightRecord, MediumRecord],
-        shared ["surface_distance", "view", "lamp_axis", "medium_span", "growing", "epipolar_rays", "epipolar_view"];
+    EPIPOLAR_BOUNDS: "epipolar.bounds", "methods/epipolar/bounds";
     /// Where the light rays of slices end.
-    EPIPOLAR_TRACE: "epipolar.trace", file "methods/epipolar/trace", constants [],
-        uniforms [Epipolar, OfLamp, FrameView, LightRecord],
-        shared ["view", "shadow", "lamp_axis", "epipolar_lines", "growing", "epipolar_rays"];
+    EPIPOLAR_TRACE: "epipolar.trace", "methods/epipolar/trace";
     /// Partial sums over light rays.
-    EPIPOLAR_SUMS: "epipolar.sums", file "methods/epipolar/sums", constants [], uniforms [Epipolar], shared [];
+    EPIPOLAR_SUMS: "epipolar.sums", "methods/epipolar/sums";
     /// Fog in front of pixels, from partial sums.
-    EPIPOLAR_GATHER: "epipolar.gather", file "methods/epipolar/gather", constants [MEDIUM = 2, GREY = 0],
-        uniforms [Epipolar, OfLamp, FrameView, LightRecord, MediumRecord],
-        shared ["surface_distance", "view", "lights", "lamp_axis", "medium_span", "medium", "colours", "light_dimmed", "phase", "epipolar_lines",
-                "growing", "epipolar_rays", "epipolar_view"];
+    EPIPOLAR_GATHER: "epipolar.gather", "methods/epipolar/gather";
     /// Fog in front of pixels whose view rays cross few light rays.
-    EPIPOLAR_MARCH: "epipolar.march", file "methods/epipolar/march", constants [MEDIUM = 2, GREY = 0],
-        uniforms [Epipolar, OfLamp, FrameView, LightRecord, MediumRecord],
-        shared ["surface_distance", "random", "bounded", "view", "lights", "shadow", "lamp_axis", "medium_span", "medium", "colours", "light_dimmed",
-                "phase", "single_scattering", "mean_decay", "fog_steps", "epipolar_lines", "growing", "epipolar_rays", "epipolar_view"];
+    EPIPOLAR_MARCH: "epipolar.march", "methods/epipolar/march";
     /// The sum of all levels.
-    VOLUME_SHELL_ADD: "volume-shell.add", file "methods/volume_shell/add", constants [], uniforms [LevelSum],
-        shared [];
+    VOLUME_SHELL_ADD: "volume-shell.add", "methods/volume_shell/add";
 }

@@ -1,5 +1,7 @@
 // Multiplies and adds: eight vectors of four sums, none of which waits for another, TURNS times.
 
+#constant TURNS = 256
+
 @group(0) @binding(0) var<storage, read_write> made: array<vec4<f32>>;
 
 @compute @workgroup_size(64)

@@ -1,5 +1,7 @@
 // An invocation reads what it needs by itself and leaves it to the caches to bring it once.
 
+#import convolution/layer
+
 fn stage(inputs: Inputs, index: u32) {}
 
 fn seen(inputs: Inputs, invocation: u32, row: u32, column: u32) -> vec4<f32> {

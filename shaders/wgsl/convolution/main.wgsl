@@ -2,6 +2,9 @@
 // an array indexed by a loop's counter would lie in memory. A row of what the pixels see is read once: the lower row of
 // pixels sees in one row of the kernel what the upper one sees in the next.
 
+#import convolution/layer
+#import shared/net_window
+
 alias Sums = array<Sum, 8>;
 
 // What PIXELS_X pixels of a row see: SEEN vectors, at most 4 + 7 - 1.

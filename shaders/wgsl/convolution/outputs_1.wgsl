@@ -1,5 +1,7 @@
 // One output at a time: of an image of one channel.
 
+#import convolution/layer
+
 alias Sum = f32;
 alias Weight = vec4<f32>;
 

@@ -1,5 +1,8 @@
 // Sixteen outputs at a time.
 
+#import convolution/four_outputs
+#import convolution/layer
+
 alias Sum = mat4x4<f32>;
 
 struct Weight {

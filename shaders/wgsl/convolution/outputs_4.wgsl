@@ -1,5 +1,8 @@
 // Four outputs at a time.
 
+#import convolution/four_outputs
+#import convolution/layer
+
 alias Sum = vec4<f32>;
 alias Weight = mat4x4<f32>;
 

@@ -1,5 +1,8 @@
 // Eight outputs at a time.
 
+#import convolution/four_outputs
+#import convolution/layer
+
 alias Sum = mat2x4<f32>;
 
 struct Weight {

@@ -1,8 +1,8 @@
 // Reads the concatenation of two images that is never stored: the coarser level, doubled bilinearly on the way (pixel
 // centres at halves, the edge continued outwards), and the same level's layer on the way down.
+// Rust binds `coarse` and `skip`.
 
-@group(0) @binding(4) var<storage, read_write> coarse: array<Texel>;
-@group(0) @binding(5) var<storage, read_write> skip: array<Texel>;
+#import convolution/layer
 
 fn coarse_texel(block: u32, at: vec2<i32>) -> vec4<f32> {
     let size = vec2(layer.width, layer.height) / 2u;

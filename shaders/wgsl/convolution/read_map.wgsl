@@ -1,6 +1,6 @@
-// Reads a map of the same frame: what the layer above has pooled, or all of it.
+// Reads a map of the same frame: what the layer above has pooled, or all of it. Rust binds `source`.
 
-@group(0) @binding(4) var<storage, read_write> source: array<Texel>;
+#import convolution/layer
 
 fn texel(block: u32, at: vec2<i32>) -> vec4<f32> {
     if (!inside(at)) {

@@ -1,5 +1,7 @@
 // A workgroup brings the four inputs that its tile of pixels sees, and their weights, into its own memory.
 
+#import convolution/layer
+
 const STAGE_X = WORKGROUP * PIXELS_X + KERNEL - 1u;
 const STAGE_Y = WORKGROUP * PIXELS_Y + KERNEL - 1u;
 // Columns of the stage with the same remainder lie together, so that invocations side by side, which are PIXELS_X

@@ -1,5 +1,7 @@
 // Keeps what the layer makes.
 
+#import convolution/layer
+
 @group(0) @binding(3) var<storage, read_write> made: array<Texel>;
 
 fn activate(sums: ptr<function, Sums>) {

@@ -1,5 +1,7 @@
 // Keeps the means of 2x2 pixels too, which the level below reads. An invocation has whole squares.
 
+#import convolution/layer
+
 @group(0) @binding(5) var<storage, read_write> means: array<Texel>;
 
 fn store_mean_vector(at: vec2<i32>, block: u32, value: vec4<f32>) {

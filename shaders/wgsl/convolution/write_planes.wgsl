@@ -1,5 +1,7 @@
 // Writes the network's image into a buffer, planar `[channels, image_height, image_width]`.
 
+#import shared/net_window
+
 const AT_ONCE = min(OUTPUTS, 4u);
 
 @group(0) @binding(3) var<storage, read_write> made: array<f32>;

@@ -1,5 +1,7 @@
 // Writes the network's image into a texture: channels that it has not are 0, and opaque.
 
+#import shared/net_window
+
 @group(0) @binding(3) var made: Target;
 
 fn activate(sums: ptr<function, Sums>) {}

@@ -1,5 +1,8 @@
 // A shadow map: depths alone.
 
+#import shared/view
+#uniform FrameView
+
 @group(0) @binding(0) var<uniform> view: FrameView;
 
 @vertex

@@ -1,5 +1,9 @@
 // A shadow map of surfaces with holes: where alpha is below the material's limit nothing stops the light.
 
+#import shared/view
+#uniform FrameView
+#uniform MaterialRecord
+
 @group(0) @binding(0) var<uniform> view: FrameView;
 @group(1) @binding(0) var<uniform> material: MaterialRecord;
 @group(1) @binding(1) var base_texture: texture_2d<f32>;

@@ -2,6 +2,13 @@
 // [3, height, width] (thesis 7.3.1). The exact one is render/src/path/direct.rs, but for blended surfaces: here they throw a
 // full shadow from half opacity on and none below, there they dim.
 
+#import shared/lights
+#import shared/seen
+#import shared/shadow
+#uniform FrameView
+#uniform LightRecord
+#constant LIGHTS = 1
+
 const PI = 3.14159265;
 const NARROWEST_ALPHA = 0.02;
 

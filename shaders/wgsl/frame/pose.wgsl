@@ -2,6 +2,8 @@
 // and 3.7.3); and how far each goes while the shutter is open. What was its place becomes its place before.
 // The plain version is render/src/scene/gltf.
 
+#uniform Pose
+
 @group(0) @binding(0) var<uniform> pose: Pose;
 // A vertex: position, normal, tangent with sign, 10 numbers.
 @group(0) @binding(1) var<storage, read> rest: array<f32>;

@@ -1,6 +1,12 @@
 // A reflective shadow map (Dachsbacher and Stamminger 2005): where one light's rays meet the scene, and the power that
 // each texel's surface reflects diffusely. Planes [9, height, width]: position in world space, normal, flux in watts.
 
+#import shared/lights
+#import shared/seen
+#import shared/view
+#uniform Chosen
+#uniform LightRecord
+
 @group(0) @binding(6) var<storage, read> lights: array<LightRecord>;
 @group(0) @binding(7) var<storage, read> pictures: array<u32>;
 @group(0) @binding(8) var<uniform> which: Chosen;

@@ -1,6 +1,9 @@
 // Temporal reprojection of any image, planes [CHANNELS, height, width]: what the frame before made of the surface that a
 // pixel shows, mixed with what this one makes. The plain version is render/src/screen/reprojection/reference.rs.
 
+#uniform Reprojection
+#constant CHANNELS = 1
+
 @group(0) @binding(0) var<uniform> mixing: Reprojection;
 @group(0) @binding(1) var<storage, read> current: array<f32>;
 @group(0) @binding(2) var<storage, read> history: array<f32>;

@@ -2,6 +2,10 @@
 // before, x to the right and y up, pixels; of its depth, metres, and of the depth that it had then. All 0 where nothing is
 // seen; what was behind the eye had a depth of 0 and moved by 0.
 
+#import shared/seen
+#import shared/view
+#uniform FrameView
+
 // From where the frame before was seen.
 @group(0) @binding(6) var<uniform> before: FrameView;
 @group(0) @binding(7) var<storage, read_write> since_before: array<f32>;

@@ -1,6 +1,11 @@
 // The g-buffer's raster pass: what the materials say of the nearest surface of each pixel, in eight words. Positions
 // follow from the depth buffer. The same as render/src/intersection.rs and scene/material.rs compute for a ray.
 
+#import shared/packing
+#import shared/view
+#uniform FrameView
+#uniform MaterialRecord
+
 @group(0) @binding(0) var<uniform> view: FrameView;
 @group(1) @binding(0) var<uniform> material: MaterialRecord;
 @group(1) @binding(1) var base_texture: texture_2d<f32>;

@@ -1,6 +1,11 @@
 // An image of fewer pixels in full size: each pixel takes the mean of the four around it there, of those that show the same
 // surface (Kopf et al. 2007, "Joint Bilateral Upsampling").
 
+#import shared/surface
+#import shared/surface_valid
+#uniform Upsampling
+#constant CHANNELS = 1
+
 @group(0) @binding(0) var<uniform> settings: Upsampling;
 // Of the smaller image, as `shared/surface` has those of the full one.
 @group(0) @binding(4) var<storage, read> small_positions: array<f32>;

@@ -1,5 +1,7 @@
 // Two images of one effect on the screen, one to the left of a border and one to the right, in the colours of a screen.
 
+#uniform Wipe
+
 @group(0) @binding(0) var<storage, read> left: array<f32>;
 @group(0) @binding(1) var<storage, read> right: array<f32>;
 @group(0) @binding(2) var<uniform> wipe: Wipe;

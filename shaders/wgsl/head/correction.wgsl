@@ -1,6 +1,8 @@
 // The image of a network that corrects an estimate: a bias of each channel and a weighted sum of how far
 // pixels of a pyramid are from the estimate, within the effect's range. Of what a tile keeps.
 
+#import head/pyramid
+
 fn image_at(pixel: vec2<u32>) -> vec4<f32> {
     let whole = level_at(0u, 0u, pixel);
     let begun = texel(whole, vec2<i32>(pixel));

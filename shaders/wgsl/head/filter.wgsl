@@ -1,6 +1,8 @@
 // The image of a network that predicts kernels (Bako et al. 2017, over several resolutions after Vogels et
 // al. 2018): the light, weighted by the softmax of what the last block makes. Of what a tile keeps.
 
+#import head/pyramid
+
 // What is subtracted before powers are taken, so that none overflows.
 fn largest(pixel: vec2<u32>) -> f32 {
     var most = made_by_net(0u, pixel);

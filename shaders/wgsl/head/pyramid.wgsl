@@ -1,6 +1,8 @@
 // What heads read: what the last block makes, and a pyramid of an input at pixels between those of its
 // levels.
 
+#uniform NetLayer
+
 @group(0) @binding(0) var<uniform> layer: NetLayer;
 // Planar, of the tile's frame on the last block's level: `layer.channels` rows of `layer.stride` columns.
 @group(0) @binding(1) var<storage, read> kernels: array<f32>;

@@ -1,5 +1,8 @@
 // A layer that keeps what it makes.
 
+#import shared/net_features
+#import shared/net_layer
+
 @compute @workgroup_size(TILE, TILE)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let corner = 2 * vec2<i32>(id.xy);

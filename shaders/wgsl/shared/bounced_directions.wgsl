@@ -1,5 +1,8 @@
 // What directions pixels look into are made of, other ones for neighbours.
 
+#import shared/interleaved
+#import shared/random
+
 // The pixels of a square of 4 x 4 share one spiral of directions.
 const SQUARE = 2u;
 const IN_SQUARE = 16u;

@@ -1,5 +1,9 @@
 // Surfaces that reflect light to the eye by a lobe, and look into directions that are spread by it.
 
+#import shared/lobe
+#import shared/surface
+#import shared/tangents
+
 alias Reflector = Lobe;
 
 // Less is rounding.

@@ -1,5 +1,8 @@
 // The radiance that surfels send, on the side that is met.
 
+#import shared/bounced_none
+#import shared/packing
+
 // Of the front and of the back, as `surfels/light` has written it.
 @group(0) @binding(1) var<storage, read> sent: array<vec2u>;
 

@@ -1,5 +1,8 @@
 // Surfaces that receive light by its cosine, and look into directions that are spread by it.
 
+#import shared/surface
+#import shared/tangents
+
 struct Reflector {
     normal: vec3f,
 }

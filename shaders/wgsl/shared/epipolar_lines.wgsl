@@ -2,6 +2,9 @@
 // line through its middle comes in: if not all places are such where lines leave, those that are follow each other. Passes bind `epipolar` and `lines`: how many lines leave before each place of the border,
 // then the least and the largest `gamma` that is seen.
 
+#import shared/lamp_axis
+#import shared/view
+
 fn border() -> u32 {
     return 2u * (epipolar.width + epipolar.height);
 }

@@ -1,6 +1,9 @@
 // Light rays of a lamp, the same in all slices: denser towards the line from the eye to the lamp, since view rays near it cross
 // none that are farther away. Passes bind `epipolar`. The plain version is render/src/methods/epipolar/{geometry,spacing}.rs.
 
+#import shared/growing
+#import shared/lamp_axis
+
 // The direction of a view ray in its half-plane: along the axis, and away from it.
 fn in_half_plane(direction: vec3f, axis: Axis) -> vec2f {
     let along = dot(direction, axis.direction);

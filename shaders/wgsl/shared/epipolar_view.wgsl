@@ -1,5 +1,11 @@
 // View rays in rectified coordinates. Passes bind `valid_plane` and `position_planes`, `[3, height, width]`, camera space, metres.
 
+#import shared/epipolar_rays
+#import shared/lamp_axis
+#import shared/medium_span
+#import shared/surface_distance
+#import shared/view
+
 // View rays that pass a lamp nearer than this, metres, or than this part of its distance, are its light rays.
 const LEAST_ASIDE = vec2f(1e-4, 1e-5);
 

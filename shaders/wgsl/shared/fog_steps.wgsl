@@ -1,6 +1,12 @@
 // Steps along a view ray, each of which looks into a lamp's shadow maps. The plain version is
 // render/src/methods/fog_march/reference.rs.
 
+#import shared/lights
+#import shared/mean_decay
+#import shared/medium
+#import shared/single_scattering
+#uniform LightRecord
+
 // Nearer to a lamp than this, metres, or than this part of its distance to the eye, it counts as that near: it is infinitely
 // bright there.
 const NEAREST = vec2f(1e-4, 1e-5);

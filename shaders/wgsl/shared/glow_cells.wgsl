@@ -1,6 +1,9 @@
 // What the cells of a medium that keeps light send: render/src/methods/phosphor/cells.rs. Passes bind `paints`, `lattice` and
 // `states`.
 
+#constant PAINT = 0
+#constant STATES = 1
+
 // What the cells around a point send, trilinear between their middles.
 fn sent_at(point: vec3f) -> vec3f {
     let at = (point - lattice.low.xyz) / (lattice.high.xyz - lattice.low.xyz) * lattice.cells.xyz - 0.5;

@@ -1,6 +1,14 @@
 // States moved on, a share of each with what rounding leaves of its changes. Passes bind `paints`, `time` and `states`, [2, ..,
 // STATES]: shares, and then what rounding has left.
 
+#import shared/glow_time
+#constant EULER = 0
+#constant FIRST_PIECE = 0
+#constant PIECES = 1
+#constant PIECES_AT_ONCE = 1
+#constant SCHEDULES = 1
+#constant STATES = 1
+
 // Light before the beginning, which is an equilibrium by any scheme.
 const FOR_LONG = 1e12;
 

@@ -1,5 +1,10 @@
 // A point of a triangle as light falls on it: render/src/path/phosphor.rs.
 
+#import shared/glow_corners
+#import shared/lights
+#import shared/shadow
+#uniform LightRecord
+
 struct Place {
     position: vec3f,
     geometric: vec3f,

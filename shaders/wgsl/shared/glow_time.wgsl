@@ -2,6 +2,10 @@
 // states begin anew (1), for each lamp its schedule, and PIECES times how long no lamp is switched, seconds, and for each
 // schedule whether its lamps are on (1).
 
+#uniform PaintState
+#constant LIGHTS = 1
+#constant SCHEDULES = 1
+
 // Rates above this are taken for this.
 const FASTEST = 1e30;
 

@@ -1,6 +1,8 @@
 // The interleaved framebuffer (thesis 4.2.2): on level l each square of 2^l x 2^l pixels gives one pixel to each of as
 // many sub-buffers, a random one. Nothing is moved: the pixel of a place in a sub-buffer is computed.
 
+#import shared/random
+
 // A number below 4^level for each, all different: a bijection for each key.
 fn permuted(number: u32, level: u32, key: u32) -> u32 {
     let mask = (1u << (2u * level)) - 1u;

@@ -1,5 +1,8 @@
 // What the intervals of a pixel's ray scatter: filled in by `read_intervals`, of which there is one an encoding.
 
+#import shared/colours
+#constant SAMPLES = 16
+
 const INTERVALS = SAMPLES - 1u;
 
 // Where, metres from the eye, in order.

@@ -1,5 +1,10 @@
 // Of each interval its length times scattering coefficient and transmittance at its end (Nalbach, Ritschel and Seidel 2014,
 // 4.2).
+#import shared/colours
+#import shared/intervals_decode
+#import shared/transmittance
+#constant SAMPLES = 16
+
 fn read_intervals(words: array<u32, SAMPLES / 2u>, ray: vec4f, steps: u32) {
     var packed = words;
     let step = (ray.y - ray.x) / f32(steps);

@@ -1,5 +1,10 @@
 // Of each interval the albedo times the transmittance to the eye that falls within it, in its middle: no density is looked
 // up, and none is missed.
+#import shared/colours
+#import shared/intervals_decode
+#import shared/transmittance
+#constant SAMPLES = 16
+
 fn read_intervals(words: array<u32, SAMPLES / 2u>, ray: vec4f, steps: u32) {
     var packed = words;
     let albedo = colours(medium.scattering.rgb) / max(colours(medium.extinction.rgb), vec3f(1e-30));

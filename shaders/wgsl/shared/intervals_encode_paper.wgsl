@@ -1,6 +1,8 @@
 // Samples of a ray as the paper keeps them: 8 bits each for the steps since the one before, and as many for density there
 // over the ray's largest, which takes the place of the first sample's, over the medium's.
 
+#constant SAMPLES = 16
+
 var<private> packed: array<u32, SAMPLES / 2u>;
 var<private> found: array<f32, SAMPLES>;
 // Steps in front of the sample before, as whoever adds them up finds it.

@@ -1,5 +1,7 @@
 // Samples of a ray as 16-bit shares of its way through the medium.
 
+#constant SAMPLES = 16
+
 var<private> packed: array<u32, SAMPLES / 2u>;
 
 // Keeps a sample that lies at a part of a step.

@@ -1,6 +1,8 @@
 // Where a lamp is as the eye sees it: half-planes through that line hold view rays and light rays alike (Baran et al. 2010, section
 // 3). Passes bind `lights`, `view`, and of which lamp they are.
 
+#uniform OfLamp
+
 const DISTANT = 2.0;
 
 @group(0) @binding(13) var<uniform> of_lamp: OfLamp;

@@ -1,5 +1,10 @@
 // What of a lamp's light the medium lets through to a point.
 
+#import shared/colours
+#import shared/lights
+#import shared/medium
+#uniform MediumRecord
+
 @group(0) @binding(11) var<uniform> medium: MediumRecord;
 @group(0) @binding(12) var densities: texture_3d<f32>;
 

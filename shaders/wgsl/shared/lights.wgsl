@@ -1,5 +1,7 @@
 // What lights without an extent send to a point, as render/src/path/lights/arrival.rs has it.
 
+#uniform LightRecord
+
 const POINT = 0.0;
 const SPOT = 1.0;
 const DIRECTIONAL = 2.0;

@@ -1,6 +1,9 @@
 // What the medium in a cell of a density scatters of light that the scene sends by itself, watts; a grid's medium scatters
 // alike in all directions. Passes bind `grid` and `medium`.
 
+#import shared/lpv_grid
+#import shared/lpv_medium
+
 // [3, cells]: flux and energy times lengths of ways, watts times cells
 @group(0) @binding(9) var<storage, read> emitted: array<vec4f>;
 

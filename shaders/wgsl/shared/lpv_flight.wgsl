@@ -1,5 +1,9 @@
 // What a cell does to light that sets out from it: render/src/lpv/flight.rs. FACTORS says how collisions are counted.
 
+#import shared/lpv_lattice
+#import shared/lpv_lobe
+#constant FACTORS = 0
+
 const PLACED = 0u;
 const EXPONENTIAL = 1u;
 const LINEAR = 2u;

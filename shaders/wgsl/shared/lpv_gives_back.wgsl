@@ -1,5 +1,9 @@
 // What both sides of surfels give back of light that they kept, W/m²/sr.
 
+#import shared/packing
+#import shared/surfel_record
+#constant UNIT = 128
+
 // As give_back.wgsl writes it, in 2^(128 - UNIT) W/m²/sr.
 @group(0) @binding(4) var<storage, read> kept: array<vec2u>;
 

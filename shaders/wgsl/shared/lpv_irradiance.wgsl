@@ -2,6 +2,10 @@
 // times lengths of ways, watts times cells, first as the medium shows it. Where NESTED is 1 cells at the border are not looked
 // at: what a coarser grid hands over in them is not all of their light.
 
+#import shared/lpv_grid
+#constant LOOKUP = 0
+#constant NESTED = 1
+
 struct Fluence {
     // Of red, green and blue in columns, watts for each square metre.
     flux: mat3x3f,

@@ -2,6 +2,10 @@
 // them, and, if SCATTERED is 1, light that was scattered. What is shown is of the last of the former and of scattered
 // light, and by surfaces of the last of all: render/src/lpv/propagation.rs.
 
+#import shared/lpv_grid
+#constant SCATTERED = 1
+#constant UNSCATTERED = 2
+
 const KINDS = UNSCATTERED + SCATTERED;
 
 // Where a lobe is in [kinds, 3, cells].

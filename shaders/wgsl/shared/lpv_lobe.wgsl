@@ -1,5 +1,8 @@
 // How light is spread over directions: render/src/lpv/lobe.rs. LOBES says how.
 
+#import shared/lpv_lattice
+#constant LOBES = 0
+
 const SQUARED = 0u;
 const TWO_BANDS = 1u;
 const THREE_BANDS = 2u;

@@ -2,6 +2,8 @@
 // of it as keeps the mean flux (similarity: van de Hulst 1980). What is scattered nearly ahead counts then as not scattered;
 // where light is wanted that was not, all of the medium is there (SIMILAR is 0).
 
+#constant SIMILAR = 1
+
 fn reduction() -> f32 {
     return select(0.0, medium.scattering.w, SIMILAR == 1u);
 }

@@ -2,6 +2,10 @@
 // coarser one: render/src/lpv/grid.rs. NESTED says whether the grid is in a coarser one, FINER whether one is in it. Passes
 // bind `grid` and `finer`.
 
+#uniform LightGrid
+#constant FINER = 1
+#constant NESTED = 1
+
 const FADES = vec2f(2.0, 4.0);
 
 fn share_in(nested: LightGrid, point: vec3f) -> f32 {

@@ -1,6 +1,9 @@
 // What of a cell lies in the medium's box, and eight points of it: render/src/lpv/injection.rs. Passes bind `grid` and
 // `medium`.
 
+#import shared/medium_span
+#constant MEDIUM = 2
+
 // The first of Gauss' two points along an edge, and from there to the second, as shares of it.
 const GAUSS = vec2f(0.21132487, 0.57735026);
 

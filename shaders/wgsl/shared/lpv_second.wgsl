@@ -1,6 +1,12 @@
 // Second moments of light, which three bands alone have (LOBES): render/src/lpv/moments.rs. In a state they come last, [kinds,
 // 5, cells], of red, green and blue in one. Passes bind `state`.
 
+#import shared/lpv_grid
+#import shared/lpv_kinds
+#import shared/lpv_lobe
+#constant LOBES = 0
+#constant SCATTERED = 1
+
 const SECONDS = 5u;
 // Mean cosine, and mean of Legendre's second polynomial, of light that a matte surface sends.
 const MATTE = 2.0 / 3.0;

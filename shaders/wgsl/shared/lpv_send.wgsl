@@ -3,6 +3,8 @@
 // that their order does not matter: render/src/lpv/injection.rs. Passes bind `grid` and `light`, [cells, 3, 4, 2]: flux
 // and energy of each colour, watts over the area of a cell's face, so that what they hold does not hang on the scene's size.
 
+#import shared/lpv_grid
+
 // Mean cosine of light that a matte surface sends.
 const DIRECTED = 2.0 / 3.0;
 

@@ -1,5 +1,7 @@
 // What a material says of a point, as render/src/scene/material.rs has it.
 
+#uniform MaterialRecord
+
 const GLOSS_PHONG = 1.0;
 const GLOSS_NONE = 2.0;
 const DIELECTRIC_SPECULAR = 0.04;

@@ -1,5 +1,8 @@
 // How dense it is there: render/src/scene/medium.rs. Passes bind `medium` and `densities`.
 
+#import shared/medium_span
+#constant MEDIUM = 2
+
 fn density_of_cell(cell: vec3i) -> f32 {
     return textureLoad(densities, clamp(cell, vec3i(0), vec3i(medium.cells.xyz) - 1), 0).r;
 }

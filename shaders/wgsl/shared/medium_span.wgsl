@@ -1,5 +1,7 @@
 // Where what fills the space between surfaces is: render/src/scene/medium.rs. Passes bind `medium`.
 
+#constant MEDIUM = 2
+
 // What `MEDIUM` is: a constant, since lavapipe compiles shaders anew where uniforms alone decide on a branch.
 const EVERYWHERE = 0u;
 const GRID = 2u;

@@ -1,5 +1,7 @@
 // How surfaces move in the image while the shutter is open.
 
+#uniform Reconstruction
+
 @group(0) @binding(0) var<uniform> settings: Reconstruction;
 // Planes [2, height, width]: direction, from x to the right towards y up, and length in pixels.
 @group(0) @binding(3) var<storage, read> motion_planes: array<f32>;

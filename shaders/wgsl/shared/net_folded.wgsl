@@ -2,6 +2,9 @@
 // of four channels of each. The input is continued at bottom and right by its last row and column up to the
 // layer's frame.
 
+#import convolution/layer
+#import shared/net_window
+
 fn texel(block: u32, at: vec2<i32>) -> vec4<f32> {
     let square = i32(block / BLOCKS);
     let last = vec2(i32(layer.image_width), i32(layer.image_height)) - 1;

@@ -6,6 +6,9 @@
 //     3/4 m0 + 1/4 m1, 1/4 m0 + 3/4 m1, 3/4 m1 + 1/4 m2, 1/4 m1 + 3/4 m2, ...
 // Where RADIUS is odd a kernel begins with the first of these, where it is even with the second.
 
+#import shared/net_layer
+#constant KERNEL = 3
+
 @group(0) @binding(4) var coarse: texture_2d_array<f32>;
 @group(0) @binding(5) var skip: texture_2d_array<f32>;
 

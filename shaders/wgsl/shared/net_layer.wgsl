@@ -8,6 +8,9 @@
 // written out for the largest kernel, and what KERNEL makes superfluous falls away: an array indexed by a loop's
 // counter would lie in memory instead of registers, which takes twice the time on lavapipe.
 
+#uniform NetLayer
+#constant KERNEL = 3
+
 const RADIUS = i32(KERNEL / 2u);
 
 // What 2 pixels of a row see: KERNEL + 1 texels.

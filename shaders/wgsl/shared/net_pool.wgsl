@@ -1,5 +1,7 @@
 // The 2x2 mean of the pixels, which the level below reads.
 
+#import shared/net_layer
+
 @group(0) @binding(5) var pool: texture_storage_2d_array<rgba32float, write>;
 
 fn store_mean(corner: vec2<i32>, output: u32, sums: Sums) {

@@ -1,5 +1,7 @@
 // Reads the layer above, which has pooled its image already.
 
+#import shared/net_layer
+
 @group(0) @binding(4) var pooled: texture_2d_array<f32>;
 
 fn texel(block: u32, at: vec2<i32>) -> vec4<f32> {

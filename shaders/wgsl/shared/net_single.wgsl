@@ -1,5 +1,8 @@
 // Convolves a single image, that of `texel`.
 
+#import shared/net_layer
+#constant KERNEL = 3
+
 fn convolved(corner: vec2<i32>, output: u32) -> Sums {
     var sums = begin(output);
     let first = reads[output].first;

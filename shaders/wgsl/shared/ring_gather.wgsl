@@ -1,5 +1,8 @@
 // Circles of confusion of the picture's pixels.
 
+#import shared/picture
+#uniform RingGather
+
 @group(0) @binding(0) var<uniform> gather: RingGather;
 @group(0) @binding(3) var<storage, read> depth_plane: array<f32>;
 @group(0) @binding(4) var<storage, read> blurriness_plane: array<f32>;

@@ -1,5 +1,11 @@
 // What is known of the surface at a pixel: the raster pass' words, unpacked.
 
+#import shared/material
+#import shared/packing
+#import shared/view
+#uniform FrameView
+#uniform MaterialRecord
+
 @group(0) @binding(0) var<uniform> view: FrameView;
 @group(0) @binding(1) var first_words: texture_2d<u32>;
 @group(0) @binding(2) var second_words: texture_2d<u32>;

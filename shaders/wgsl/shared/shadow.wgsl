@@ -2,6 +2,9 @@
 // around it, each lit or not (Reeves, Salesin and Cook 1987). The point is lifted off its surface, so that surfaces do
 // not shade themselves: by what a texel covers there, more where light grazes.
 
+#import shared/view
+#uniform LightRecord
+
 const CUBE = 6u;
 
 fn map_of(light: LightRecord, point: vec3f) -> u32 {

@@ -1,5 +1,11 @@
 // What a medium scatters of a lamp's light at one point.
 
+#import shared/light_dimmed
+#import shared/lights
+#import shared/phase
+#import shared/shadow
+#uniform LightRecord
+
 const PI = 3.14159265;
 
 // Radiance that a metre of density 1 sends against `direction`, over its scattering coefficient. What is nearer to a lamp

@@ -3,6 +3,12 @@
 // function `sent(index: u32, toward: vec3f) -> vec3f`, what the surface at a pixel sends to a receiver; `toward` is from
 // the receiver to it.
 
+#import shared/bounded
+#import shared/random
+#import shared/surface
+#import shared/surface_valid
+#uniform Slices
+
 @group(0) @binding(0) var<uniform> slices: Slices;
 
 const PI = 3.14159265;

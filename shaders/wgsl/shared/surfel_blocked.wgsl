@@ -1,6 +1,13 @@
 // What a surfel takes from a point of the environment's light, irradiance over pi: the radiance from behind its middle
 // times its form factor.
 
+#import shared/environment
+#import shared/environment_height
+#import shared/surfel_form_factor
+#import shared/surfel_receiver
+#import shared/view
+#uniform FrameView
+
 @group(0) @binding(8) var<uniform> view: FrameView;
 // Each direction's texel its mean radiance.
 @group(0) @binding(9) var<storage, read> environment: array<vec4f>;

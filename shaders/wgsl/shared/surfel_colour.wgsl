@@ -1,5 +1,7 @@
 // Sums of colours.
 
+#constant CHANNELS = 3
+
 fn nothing() -> vec3f {
     return vec3f(0.0);
 }

@@ -2,6 +2,14 @@
 // as at the eye's: radiance over that colour. It is as much wider as what the surfel stands for looks large, whose
 // light comes from all of it.
 
+#import shared/gloss
+#import shared/lobe
+#import shared/surface
+#import shared/surfel
+#import shared/surfel_facing
+#import shared/surfel_record
+#import shared/surfel_sent
+
 struct Receiver {
     position: vec3f,
     // Metres; 0 where nothing is seen.

@@ -1,5 +1,8 @@
 // What a surfel does to ambient occlusion: its form factor.
 
+#import shared/surfel_form_factor
+#import shared/surfel_receiver
+
 fn nothing() -> f32 {
     return 0.0;
 }

@@ -1,6 +1,10 @@
 // Which surfel stands for a part of which patch. Passes bind `totals` and `starts`, where the surfels of
 // each patch begin among all that are wanted.
 
+#import shared/random
+#import shared/surfel
+#constant HEIGHT = 8
+
 // Where the surfels that are wanted begin of which the one of that index stands for all.
 fn share_begin(index: u32) -> u32 {
     let room = LEAF << (2u * HEIGHT);

@@ -1,5 +1,9 @@
 // How many surfels a patch gets, and where they lie.
 
+#import shared/patch_corners
+#import shared/surfel
+#import shared/surfel_patch_record
+
 // A patch gets no more surfels; each is larger then.
 const MOST = 4096.0;
 // How far a surfel's chance has to rise above its threshold until it is as large as it gets, as a share.

@@ -1,5 +1,8 @@
 // What surfels do something to: the surface seen at a pixel, as far as the effect reaches.
 
+#import shared/surface
+#import shared/surface_valid
+
 struct Receiver {
     position: vec3f,
     normal: vec3f,

@@ -1,6 +1,8 @@
 // Surfels: disks that stand for a scene's surface (thesis 4.2.1), in camera space, metres; 16 bytes each, since there
 // may be a million. The same in Rust is render/src/surfels/surfel.rs.
 
+#import shared/packing
+
 struct Surfel {
     // Where its middle is.
     place: vec3f,

@@ -2,6 +2,10 @@
 // for red, green and blue apart, by the profile of Christensen and Burley 2015 at its distance times its area; and that
 // share. What lies on the point's side of the body apart from what lies on the other.
 
+#import shared/packing
+#import shared/surface
+#import shared/surfel_record
+
 // [4, height, width]: how far light goes below the surface, metres, red, green and blue; the object.
 @group(0) @binding(3) var<storage, read> bodies: array<f32>;
 // Light that falls on surfels, as white ones reflect it; the object that they are part of.

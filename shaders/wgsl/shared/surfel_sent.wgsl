@@ -1,5 +1,8 @@
 // What surfels send: radiance on the side of the normal and on the other, as `surfels/light` has written it.
 
+#import shared/packing
+#import shared/surfel_record
+
 @group(0) @binding(8) var<storage, read> sent: array<vec2u>;
 
 // The radiance that a surfel sends against a way to it.

@@ -1,6 +1,8 @@
 // A walk through the tree over surfels, from left to right, to the leaves that may matter to a `Query`: those whose
 // nodes, and all above, it `reaches`. Both are the pass's.
 
+#import shared/surfel
+
 // A place in the walk.
 struct Walk {
     height: u32,

@@ -1,5 +1,7 @@
 // How transmittance to the eye is divided into intervals.
 
+#constant SAMPLES = 16
+
 // What passes so much density times length by the mean extinction of the colours.
 fn mean_transmittance(passed: f32) -> f32 {
     return exp(-dot(medium.extinction.rgb, vec3f(1.0 / 3.0)) * passed);

@@ -2,6 +2,8 @@
 // axes; depth is along the axis of sight, and depth buffers hold near / depth (perspective) or 1 - depth / far
 // (parallel), so that what is near is large.
 
+#uniform FrameView
+
 fn to_view(offset: vec3f, view: FrameView) -> vec3f {
     return vec3f(dot(offset, view.right.xyz), dot(offset, view.up.xyz), dot(offset, view.back.xyz));
 }

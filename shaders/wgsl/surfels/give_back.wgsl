@@ -1,6 +1,15 @@
 // What surfels send of light that their patches kept (thesis, equation 8.3), in 2^(128 - UNIT) W/m²/sr: packed radiance ends at
 // 2^-24, and what is kept for long is fainter. What the inside of a closed body gives back stays in it.
 
+#import shared/packing
+#import shared/surfel
+#import shared/surfel_order
+#import shared/surfel_record
+#uniform PaintState
+#constant PAINT_STATES = 1
+#constant STATES = 1
+#constant UNIT = 128
+
 @group(0) @binding(0) var<uniform> paints: array<PaintState, PAINT_STATES>;
 // As keep.wgsl has them.
 @group(0) @binding(1) var<storage, read> painted: array<u32>;

@@ -1,5 +1,7 @@
 // An image of what surfels send, in W/m²/sr: give_back.wgsl has it in another unit.
 
+#constant UNIT = 128
+
 @group(0) @binding(0) var<storage, read_write> image: array<f32>;
 
 @compute @workgroup_size(64)

@@ -1,6 +1,17 @@
 // Light that patches keep: their states, moved on by a stretch of time under the lamps as they are now, at their middles. The
 // plain version is render/src/path/phosphor/afterglow.rs.
 
+#import shared/glow_change
+#import shared/glow_place
+#import shared/glow_time
+#import shared/surfel_patch_record
+#uniform FrameView
+#uniform LightRecord
+#uniform PaintState
+#constant LIGHTS = 1
+#constant PAINT_STATES = 1
+#constant SCHEDULES = 1
+
 @group(0) @binding(0) var<uniform> paints: array<PaintState, PAINT_STATES>;
 @group(0) @binding(1) var<storage, read> patches: array<Patch>;
 // Of each patch its paint, counted from 1; 0 where no light is kept.

@@ -1,5 +1,9 @@
 // The box around the surfels of each leaf, and how far the one that reaches farthest does.
 
+#import shared/surfel
+#import shared/surfel_record
+#import shared/surfel_tree
+
 @group(0) @binding(0) var<storage, read> totals: Totals;
 @group(0) @binding(1) var<storage, read> surfels: array<Surfel>;
 @group(0) @binding(2) var<storage, read_write> nodes: array<Node>;

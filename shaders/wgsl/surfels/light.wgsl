@@ -1,6 +1,17 @@
 // Direct light of surfels, with shadows by the lights' maps (thesis 4.3, "One-bounce Indirect Illumination"), in a
 // buffer of its own: `sent_of` says what is kept of it.
 
+#import shared/lights
+#import shared/shadow
+#import shared/surfel
+#import shared/surfel_order
+#import shared/surfel_patch_record
+#import shared/surfel_record
+#import shared/view
+#uniform FrameView
+#uniform LightRecord
+#constant LIGHTS = 1
+
 @group(0) @binding(0) var<uniform> view: FrameView;
 @group(0) @binding(1) var<storage, read> patches: array<Patch>;
 @group(0) @binding(2) var<storage, read> starts: array<u32>;

@@ -3,6 +3,13 @@
 // a surfel one in so many has one, which grows too. So nothing pops up, and the mean of the surfels' area is the
 // patches'. The paper's two passes, fine surfels and discarding (thesis 4.2.1), in one.
 
+#import shared/surfel
+#import shared/surfel_patch
+#import shared/surfel_patch_record
+#uniform FrameView
+#uniform Surfels
+#constant HEIGHT = 8
+
 @group(0) @binding(0) var<uniform> settings: Surfels;
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<storage, read> vertices: array<f32>;

@@ -1,5 +1,9 @@
 // The box around the four nodes below each of one height.
 
+#import shared/surfel
+#import shared/surfel_tree
+#uniform TreeLevel
+
 @group(0) @binding(0) var<uniform> level: TreeLevel;
 @group(0) @binding(1) var<storage, read> totals: Totals;
 @group(0) @binding(2) var<storage, read_write> nodes: array<Node>;

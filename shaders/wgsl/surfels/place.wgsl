@@ -2,6 +2,14 @@
 // Unreasonable Effectiveness of Quasirandom Sequences"), so that surfels stay where they are when more are added. The
 // triangle's corners are moved inwards by a surfel's radius, so that disks do not stand over its edges (thesis 4.2.1).
 
+#import shared/random
+#import shared/surfel
+#import shared/surfel_order
+#import shared/surfel_patch
+#import shared/surfel_patch_record
+#import shared/surfel_record
+#uniform Surfels
+
 @group(0) @binding(0) var<uniform> settings: Surfels;
 @group(0) @binding(1) var<storage, read> vertices: array<f32>;
 @group(0) @binding(2) var<storage, read> patches: array<Patch>;

@@ -1,5 +1,8 @@
 // Turns sums into where each begins, and says how many there are in all.
 
+#import shared/surfel
+#constant HEIGHT = 8
+
 @group(0) @binding(0) var<storage, read_write> sums: array<u32>;
 @group(0) @binding(1) var<storage, read_write> totals: Totals;
 

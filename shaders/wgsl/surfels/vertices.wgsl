@@ -1,6 +1,9 @@
 // Where vertices are in camera space, without what else is known of them. Passes over a scene's surface bind all places
 // at once; what is drawn may be more than a binding holds, so that this pass runs over a part of it at a time.
 
+#import shared/view
+#uniform FrameView
+
 @group(0) @binding(0) var<uniform> view: FrameView;
 @group(0) @binding(1) var<storage, read> posed: array<f32>;
 @group(0) @binding(2) var<storage, read_write> vertices: array<f32>;

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::wgsl::tests::{agrees, parse};
+use crate::wgsl::uniforms::NetLayer;
 
 /// Every kernel that a network may ask for.
 fn all() -> Vec<Convolution> {
@@ -43,6 +44,10 @@ fn all() -> Vec<Convolution> {
         }
     }
     all
+}
+
+pub(crate) fn sources() -> Vec<String> {
+    all().iter().map(Convolution::source).collect()
 }
 
 #[test]

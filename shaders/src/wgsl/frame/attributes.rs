@@ -2,7 +2,6 @@
 
 use crate::Attribute;
 use crate::wgsl::Shader;
-use crate::wgsl::uniforms::{FrameView, MaterialRecord};
 use std::fmt::Write;
 
 /// Most attributes that one pass writes: WebGPU guarantees eight storage buffers, and two are read.
@@ -12,18 +11,7 @@ pub const ATTRIBUTES_A_PASS: usize = 6;
 const FIRST_OUTPUT: usize = 6;
 
 /// Everything but what is generated.
-static ATTRIBUTES: Shader = Shader {
-    name: "frame.attributes",
-    constants: &[],
-    uniforms: &[FrameView::LAYOUT, MaterialRecord::LAYOUT],
-    shared: &[
-        include_str!("../../../wgsl/shared/view.wgsl"),
-        include_str!("../../../wgsl/shared/packing.wgsl"),
-        include_str!("../../../wgsl/shared/material.wgsl"),
-        include_str!("../../../wgsl/shared/seen.wgsl"),
-    ],
-    text: include_str!("../../../wgsl/frame/attributes.wgsl"),
-};
+static ATTRIBUTES: Shader = Shader::new("frame.attributes", "frame/attributes");
 
 /// The source of a pass that writes these attributes, the first into binding 6, the next into 7, and so on.
 ///
@@ -31,7 +19,7 @@ static ATTRIBUTES: Shader = Shader {
 /// If there are more than [`ATTRIBUTES_A_PASS`], or light is among them, which has a pass of its own.
 pub fn attributes_source(attributes: &[Attribute]) -> String {
     assert!(attributes.len() <= ATTRIBUTES_A_PASS, "{} attributes in one pass", attributes.len());
-    let mut source = ATTRIBUTES.source();
+    let mut source = ATTRIBUTES.prelude(&[]);
     let mut body = String::new();
     for (index, attribute) in attributes.iter().enumerate() {
         let binding = FIRST_OUTPUT + index;
@@ -53,7 +41,7 @@ pub fn attributes_source(attributes: &[Attribute]) -> String {
     }
     write!(source, "\nfn write_all(seen: Seen, pixel: u32, pixels: u32) {{\n{body}}}\n")
         .expect("writing to a string");
-    source
+    source + &ATTRIBUTES.product().text
 }
 
 /// The expression of an attribute of `seen`.

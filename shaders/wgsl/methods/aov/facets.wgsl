@@ -1,5 +1,12 @@
 // Facets from patches, and the box around those of each leaf of the tree over them.
 
+#import shared/facet
+#import shared/patch_corners
+#import shared/surfel
+#import shared/surfel_patch_record
+#import shared/surfel_tree
+#constant HEIGHT = 10
+
 @group(0) @binding(0) var<storage, read> vertices: array<f32>;
 @group(0) @binding(1) var<storage, read> patches: array<Patch>;
 @group(0) @binding(2) var<storage, read_write> facets: array<Facet>;

@@ -1,6 +1,19 @@
 // What facets occlude of a pixel's hemisphere, added up (McGuire 2010), one slice of the facets after the other. A
 // slice is below one node of the tree over them: few enough that no driver's bound of loops cuts the walk short.
 
+#import shared/facet
+#import shared/facet_form_factor
+#import shared/surface
+#import shared/surface_valid
+#import shared/surfel
+#import shared/surfel_patch_record
+#import shared/surfel_tree
+#import shared/surfel_walk
+#uniform FacetSlice
+#uniform FacetSum
+#constant HEIGHT = 10
+#constant SLICE = 4
+
 @group(0) @binding(0) var<uniform> image_size: FacetSum;
 @group(0) @binding(4) var<uniform> slice: FacetSlice;
 @group(0) @binding(5) var<storage, read> facets: array<Facet>;

@@ -2,6 +2,22 @@
 // within reach hides the sky there. Of the nearest it matters only that there is one, so that the first that is met
 // ends the walk. As with what facets occlude, one slice of them comes after the other.
 
+#import shared/bounced_directions
+#import shared/bounced_matte
+#import shared/facet
+#import shared/packing
+#import shared/random
+#import shared/surface
+#import shared/surface_valid
+#import shared/surfel
+#import shared/surfel_patch_record
+#import shared/surfel_tree
+#import shared/surfel_walk
+#uniform FacetRays
+#uniform FacetSlice
+#constant HEIGHT = 10
+#constant SLICE = 4
+
 @group(0) @binding(0) var<uniform> rays: FacetRays;
 @group(0) @binding(4) var<uniform> slice: FacetSlice;
 @group(0) @binding(5) var<storage, read> facets: array<Facet>;

@@ -1,6 +1,12 @@
 // One direction of the blur that removes the noise of random samples: a Gaussian that fades with the distance from the
 // pixel's tangent plane. The plain version is render/src/methods/blur.rs.
 
+#import shared/bounded
+#import shared/surface
+#import shared/surface_valid
+#uniform Blur
+#constant CHANNELS = 1
+
 @group(0) @binding(0) var<uniform> blur: Blur;
 // [CHANNELS, height, width]
 @group(0) @binding(4) var<storage, read> noisy: array<f32>;

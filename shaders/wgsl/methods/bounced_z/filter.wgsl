@@ -1,6 +1,11 @@
 // Reconstruction (thesis 6.2.3): what a pixel's surface makes of what arrives at it and at its neighbours, each weighed
 // by the density that the pixel would have drawn its direction with over that which the neighbour has drawn it with.
 
+#import shared/bounded
+#import shared/packing
+#import shared/surface
+#uniform BounceWindow
+
 @group(0) @binding(0) var<uniform> window: BounceWindow;
 // Octahedral, two snorm16: [directions, height, width].
 @group(0) @binding(4) var<storage, read> directions: array<u32>;

@@ -2,6 +2,19 @@
 // surfel of the finest level that has one. As with splats, level l has one of 4^l surfels, another one for each pixel
 // of a square. Rays walk a tree over the surfels. The plain version is render/src/methods/bounced_z/reference.rs.
 
+#import shared/bounced_directions
+#import shared/bounced_none
+#import shared/bounded
+#import shared/interleaved
+#import shared/packing
+#import shared/surface
+#import shared/surfel
+#import shared/surfel_record
+#import shared/surfel_tree
+#import shared/surfel_walk
+#uniform Bounces
+#constant HEIGHT = 8
+
 @group(0) @binding(0) var<uniform> bounces: Bounces;
 @group(0) @binding(4) var<storage, read> totals: Totals;
 @group(0) @binding(5) var<storage, read> surfels: array<Surfel>;

@@ -1,5 +1,11 @@
 // Between which values of `gamma` view rays are in the medium. None is negative, so that their bits are in order.
 
+#import shared/epipolar_view
+#uniform Epipolar
+#uniform FrameView
+#uniform LightRecord
+#uniform MediumRecord
+
 @group(0) @binding(0) var<uniform> epipolar: Epipolar;
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<uniform> medium: MediumRecord;

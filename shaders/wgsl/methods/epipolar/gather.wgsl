@@ -1,6 +1,17 @@
 // Fog in front of pixels: each asks the lines beside it for the lit light rays between its view ray's ends, node by node (Baran et
 // al. 2010, Figure 6), and multiplies them with the integrand, which is a quadratic function within a node.
 
+#import shared/epipolar_lines
+#import shared/epipolar_rays
+#import shared/epipolar_view
+#import shared/lamp_axis
+#import shared/light_dimmed
+#import shared/lights
+#import shared/phase
+#uniform Epipolar
+#uniform FrameView
+#uniform LightRecord
+
 @group(0) @binding(0) var<uniform> epipolar: Epipolar;
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<storage, read> lights: array<LightRecord>;

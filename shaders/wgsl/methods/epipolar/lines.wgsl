@@ -1,6 +1,12 @@
 // How many epipolar lines leave the image before each place of its border, so that neighbours are never more than a pixel
 // apart (Baran et al. 2010, section 8; the paper's inverse hyperbolic sine is what these steps add up to). One workgroup.
 
+#import shared/epipolar_lines
+#import shared/lamp_axis
+#uniform Epipolar
+#uniform FrameView
+#uniform LightRecord
+
 @group(0) @binding(0) var<uniform> epipolar: Epipolar;
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<storage, read> lights: array<LightRecord>;

@@ -1,6 +1,15 @@
 // Fog in front of pixels whose view rays cross few light rays, those around the epipole (Baran et al. 2010, section 8): by
 // steps.
 
+#import shared/bounded
+#import shared/epipolar_lines
+#import shared/epipolar_view
+#import shared/fog_steps
+#import shared/random
+#uniform Epipolar
+#uniform FrameView
+#uniform LightRecord
+
 @group(0) @binding(0) var<uniform> epipolar: Epipolar;
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<storage, read> lights: array<LightRecord>;

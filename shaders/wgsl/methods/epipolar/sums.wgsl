@@ -6,6 +6,8 @@
 // What is summed is 1, the place and its square, with which a node gives the sum of a quadratic function. Places are odd numbers
 // of half light rays from the beginning of 64, so that sums are whole numbers of 13 and 19 bits.
 
+#uniform Epipolar
+
 @group(0) @binding(0) var<uniform> epipolar: Epipolar;
 // [lines, light rays]
 @group(0) @binding(1) var<storage, read> ends: array<f32>;

@@ -1,6 +1,15 @@
 // Where the light rays of slices end: the rectified shadow map (Baran et al. 2010, section 3), as values of `beta`. Light rays
 // that nothing stops end at 2.
 
+#import shared/epipolar_lines
+#import shared/epipolar_rays
+#import shared/lamp_axis
+#import shared/shadow
+#import shared/view
+#uniform Epipolar
+#uniform FrameView
+#uniform LightRecord
+
 @group(0) @binding(0) var<uniform> epipolar: Epipolar;
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<storage, read> lights: array<LightRecord>;

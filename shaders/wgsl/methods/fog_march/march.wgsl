@@ -1,6 +1,17 @@
 // Single scattering of one lamp's light by steps along every view ray, each of which looks into its shadow maps. The plain version is
 // render/src/methods/fog_march/reference.rs.
 
+#import shared/bounded
+#import shared/fog_steps
+#import shared/medium_span
+#import shared/random
+#import shared/surface_distance
+#import shared/view
+#uniform FogMarch
+#uniform FrameView
+#uniform LightRecord
+#uniform OfLamp
+
 @group(0) @binding(0) var<uniform> marching: FogMarch;
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<storage, read> lights: array<LightRecord>;

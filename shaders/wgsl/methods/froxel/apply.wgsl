@@ -1,6 +1,14 @@
 // The fog in front of each pixel: sums of columns of froxels, between where columns are lit and the ends of slices
 // (Wronski 2014, pass 4). The plain version is render/src/methods/froxel/reference.rs.
 
+#import shared/froxel_index
+#import shared/froxels
+#import shared/surface_distance
+#import shared/view
+#uniform FrameView
+#uniform Froxels
+#uniform MediumRecord
+
 @group(0) @binding(0) var<uniform> froxels: Froxels;
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<uniform> medium: MediumRecord;

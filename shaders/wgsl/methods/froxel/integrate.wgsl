@@ -2,6 +2,12 @@
 // "Physically Based and Unified Volumetric Rendering in Frostbite"): of each what it and those before it send. The plain
 // version is render/src/methods/froxel/reference.rs.
 
+#import shared/bounded
+#import shared/froxel_index
+#import shared/mean_decay
+#uniform Froxels
+#uniform MediumRecord
+
 @group(0) @binding(0) var<uniform> froxels: Froxels;
 @group(0) @binding(1) var<uniform> medium: MediumRecord;
 @group(0) @binding(2) var<storage, read> scattered: array<vec4f>;

@@ -1,6 +1,17 @@
 // What each froxel scatters of the lamps' light (Wronski 2014, "Volumetric Fog", pass 2). The plain version is
 // render/src/methods/froxel/reference.rs.
 
+#import shared/bounded
+#import shared/froxel_index
+#import shared/froxels
+#import shared/medium
+#import shared/single_scattering
+#import shared/view
+#uniform FrameView
+#uniform Froxels
+#uniform LightRecord
+#constant LIGHTS = 1
+
 @group(0) @binding(0) var<uniform> froxels: Froxels;
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<storage, read> lights: array<LightRecord>;

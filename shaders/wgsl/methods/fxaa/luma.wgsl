@@ -1,6 +1,9 @@
 // Luma of every pixel for fast approximate anti-aliasing (Lottes 2011): the square root of luminance, which grows about
 // as seen brightness does. The plain version is render/src/methods/fxaa/reference.rs.
 
+#import shared/picture
+#uniform Fxaa
+
 @group(0) @binding(0) var<uniform> fxaa: Fxaa;
 @group(0) @binding(3) var<storage, read_write> luma: array<f32>;
 

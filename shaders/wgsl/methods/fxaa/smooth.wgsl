@@ -2,6 +2,10 @@
 // pixel is blended with its neighbour across the edge by how much of it lies beyond.
 // The plain version is render/src/methods/fxaa/reference.rs; both do the same, line by line.
 
+#import shared/bounded
+#import shared/picture
+#uniform Fxaa
+
 @group(0) @binding(0) var<uniform> fxaa: Fxaa;
 @group(0) @binding(3) var<storage, read> luma: array<f32>;
 // Lengths of the search's steps, pixels.

@@ -1,6 +1,10 @@
 // The area of the surface that each pixel shows, square metres; 0 where none is seen.
 // The plain version is render/src/methods/gather/reference.rs.
 
+#import shared/picture
+#import shared/translucent
+#uniform Gather
+
 @group(0) @binding(0) var<uniform> settings: Gather;
 @group(0) @binding(5) var<storage, read_write> areas: array<f32>;
 

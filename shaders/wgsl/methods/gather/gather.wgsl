@@ -1,6 +1,12 @@
 // Subsurface scattering gathered from pixels chosen by the profile, one invocation a pixel.
 // The plain version is render/src/methods/gather/reference.rs; both do the same, line by line.
 
+#import shared/bounded
+#import shared/picture
+#import shared/random
+#import shared/translucent
+#uniform Gather
+
 @group(0) @binding(0) var<uniform> settings: Gather;
 @group(0) @binding(5) var<storage, read> areas: array<f32>;
 @group(0) @binding(6) var<storage, read_write> scattered: array<f32>;

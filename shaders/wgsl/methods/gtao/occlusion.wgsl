@@ -1,6 +1,9 @@
 // Ambient occlusion by visibility bitmasks before its blur, one invocation a pixel.
 // The plain version is render/src/methods/gtao/reference.rs.
 
+#import shared/slices
+#import shared/surface_valid
+
 @group(0) @binding(4) var<storage, read_write> openness: array<f32>;
 
 // Only what is covered counts.

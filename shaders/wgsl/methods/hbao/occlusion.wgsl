@@ -1,6 +1,12 @@
 // Horizon-based ambient occlusion before its blur, one invocation a pixel (Bavoil, Sainz and Dimitrov 2008).
 // The plain version is render/src/methods/hbao/reference.rs; both do the same, line by line.
 
+#import shared/bounded
+#import shared/random
+#import shared/surface
+#import shared/surface_valid
+#uniform Hbao
+
 @group(0) @binding(0) var<uniform> hbao: Hbao;
 @group(0) @binding(4) var<storage, read_write> openness: array<f32>;
 

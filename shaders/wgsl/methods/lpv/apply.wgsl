@@ -2,6 +2,22 @@
 // (Kopf et al. 2007), and the surface behind it, lit by the grid's light. That of a finer grid is added to what is there of
 // the coarser ones.
 
+#import shared/lpv_irradiance
+#import shared/lpv_nested
+#import shared/medium
+#import shared/surface
+#import shared/surface_valid
+#import shared/view
+#uniform FrameView
+#uniform LightGrid
+#uniform Marching
+#uniform MediumRecord
+#constant LIT = 1
+#constant NESTED = 1
+#constant SCALE = 1
+#constant SCATTERED = 1
+#constant SCATTERS = 1
+
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(4) var<uniform> view: FrameView;
 @group(0) @binding(5) var<storage, read> shown: array<vec4f>;

@@ -3,6 +3,26 @@
 // has a mean cosine, light goes on along it. So it is with light that the scene sends by itself, which a grid has
 // brought there.
 
+#import shared/light_dimmed
+#import shared/lights
+#import shared/lpv_flight
+#import shared/lpv_grid
+#import shared/lpv_kinds
+#import shared/lpv_lattice
+#import shared/lpv_lobe
+#import shared/lpv_medium
+#import shared/lpv_part
+#import shared/lpv_reflectance
+#import shared/lpv_second
+#import shared/medium
+#import shared/shadow
+#uniform FrameView
+#uniform LightGrid
+#uniform LightRecord
+#constant FACTORS = 0
+#constant LIGHTS = 1
+#constant UNSCATTERED = 2
+
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 // [cells, 4]: as links.wgsl writes it
 @group(0) @binding(1) var<storage, read> links: array<vec4u>;

@@ -1,6 +1,20 @@
 // Light that a coarser grid hands to a finer one: in the cells along the finer one's border all that goes through them in all
 // iterations, before the first: render/src/lpv/cascade.rs.
 
+#import shared/lpv_flight
+#import shared/lpv_grid
+#import shared/lpv_kinds
+#import shared/lpv_lattice
+#import shared/lpv_lobe
+#import shared/lpv_medium
+#import shared/lpv_second
+#uniform LightGrid
+#uniform MediumRecord
+#constant FACTORS = 0
+#constant SCATTERED = 1
+#constant STEADY = 1
+#constant UNSCATTERED = 2
+
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<uniform> outside: LightGrid;
 @group(0) @binding(2) var<uniform> medium: MediumRecord;

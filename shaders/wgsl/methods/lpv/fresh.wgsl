@@ -1,6 +1,20 @@
 // Light that surfaces send, before the first iteration; nothing is shown yet. Where it is STEADY each iteration adds it anew, and
 // of what lies half a way from the middle of its cell only what passes so far sets out from there; it is shown on the way.
 
+#import shared/lpv_fixed
+#import shared/lpv_flight
+#import shared/lpv_grid
+#import shared/lpv_kinds
+#import shared/lpv_lobe
+#import shared/lpv_medium
+#import shared/lpv_second
+#uniform LightGrid
+#uniform MediumRecord
+#constant FIRST = 1
+#constant SCATTERED = 1
+#constant STEADY = 1
+#constant UNSCATTERED = 2
+
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 // [cells, 3, 4, 2]: flux and energy of each colour, as lpv_send.wgsl has them
 @group(0) @binding(1) var<storage, read> sums: array<u32>;

@@ -1,5 +1,16 @@
 // Surfels as light that they reflect of the lamps, and as blockers: render/src/lpv/injection.rs.
 
+#import shared/lpv_grid
+#import shared/lpv_send
+#import shared/packing
+#import shared/surfel
+#import shared/surfel_order
+#import shared/surfel_patch_record
+#import shared/surfel_record
+#import shared/view
+#uniform FrameView
+#uniform LightGrid
+
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<storage, read> totals: Totals;

@@ -1,5 +1,10 @@
 // What passes between cells and the neighbours of which each link counts one: render/src/lpv/blockers.rs.
 
+#import shared/lpv_fixed
+#import shared/lpv_grid
+#import shared/lpv_lattice
+#uniform LightGrid
+
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<storage, read> sums: array<u32>;
 // [cells, 4]: a byte a link, then one each for red, green and blue of what surfaces around the cell reflect

@@ -1,5 +1,14 @@
 // Surfaces lit by the grid, irradiance over pi; that of a finer grid is added to what is there of the coarser ones.
 
+#import shared/lpv_irradiance
+#import shared/lpv_nested
+#import shared/surface
+#import shared/surface_valid
+#import shared/view
+#uniform FrameView
+#uniform LightGrid
+#constant NESTED = 1
+
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(4) var<uniform> view: FrameView;
 @group(0) @binding(5) var<storage, read> shown: array<vec4f>;

@@ -1,6 +1,22 @@
 // What the medium in front of pixels scatters to the eye of the grid's light, by a march; of one pixel of SCALE x
 // SCALE, since it hardly changes from pixel to pixel. That of a finer grid is added to what is there of the coarser ones.
 
+#import shared/bounded
+#import shared/lpv_irradiance
+#import shared/lpv_nested
+#import shared/mean_decay
+#import shared/medium
+#import shared/medium_span
+#import shared/random
+#import shared/surface_distance
+#import shared/view
+#uniform FrameView
+#uniform LightGrid
+#uniform Marching
+#uniform MediumRecord
+#constant NESTED = 1
+#constant SCALE = 1
+
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<uniform> march: Marching;
 @group(0) @binding(2) var<uniform> medium: MediumRecord;

@@ -1,5 +1,15 @@
 // What the medium in each cell does to light that sets out from it: render/src/lpv/flight.rs.
 
+#import shared/lpv_flight
+#import shared/lpv_grid
+#import shared/lpv_lattice
+#import shared/lpv_medium
+#import shared/lpv_part
+#import shared/medium
+#uniform LightGrid
+#uniform MediumRecord
+#constant FACTORS = 0
+
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<storage, read> table: array<f32>;
 // [cells, 3]: of each colour extinction on the part of the way to a neighbour that lies in the cell, per distance of

@@ -1,6 +1,28 @@
 // One iteration of propagation (Billeter et al. 2012, equation 3): each cell gathers what its 26 neighbours send to it,
 // after what blocks and what the medium does on the way. The plain version is render/src/lpv/propagation.rs.
 
+#import shared/lpv_flight
+#import shared/lpv_grid
+#import shared/lpv_kinds
+#import shared/lpv_lattice
+#import shared/lpv_lobe
+#import shared/lpv_medium
+#import shared/lpv_reflectance
+#import shared/lpv_second
+#uniform Iteration
+#uniform LightGrid
+#uniform MediumRecord
+#uniform Propagation
+#constant BORDERS = 1
+#constant FACTORS = 0
+#constant FIRST = 1
+#constant LOBES = 0
+#constant NESTED = 1
+#constant SCATTERED = 1
+#constant SHOWS = 1
+#constant STEADY = 1
+#constant UNSCATTERED = 2
+
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<uniform> medium: MediumRecord;
 // [cells, 4]: as links.wgsl writes it

@@ -1,6 +1,16 @@
 // Light that surfels reflect of what others emit, which a grid has brought to them. What the back of a closed body's
 // surface would get is in it.
 
+#import shared/lpv_irradiance
+#import shared/lpv_send
+#import shared/surfel
+#import shared/surfel_order
+#import shared/surfel_patch_record
+#import shared/surfel_record
+#import shared/view
+#uniform FrameView
+#uniform LightGrid
+
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<storage, read> totals: Totals;

@@ -1,5 +1,12 @@
 // Light that surfels send by themselves: what they emit or give back.
 
+#import shared/lpv_send
+#import shared/surfel
+#import shared/surfel_record
+#import shared/view
+#uniform FrameView
+#uniform LightGrid
+
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<storage, read> totals: Totals;

@@ -1,6 +1,17 @@
 // Light that the medium in each cell gives back of what it kept, alike in all directions: as much radiance where nothing is seen
 // through it as a surface of its paint has: render/src/lpv/injection.rs.
 
+#import shared/glow_cells
+#import shared/lpv_grid
+#import shared/lpv_part
+#import shared/lpv_send
+#import shared/medium
+#uniform GlowCells
+#uniform LightGrid
+#uniform MediumRecord
+#uniform PaintState
+#constant PAINT_STATES = 1
+
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<uniform> paints: array<PaintState, PAINT_STATES>;
 @group(0) @binding(2) var<uniform> lattice: GlowCells;

@@ -1,6 +1,20 @@
 // States of a medium's cells (thesis, Figure 8.17), moved on by a stretch of time under the lamps as they are now: all light of
 // theirs that goes through a cell's middle, dimmed on its way, whatever its direction.
 
+#import shared/glow_change
+#import shared/glow_time
+#import shared/light_dimmed
+#import shared/lights
+#import shared/shadow
+#uniform FrameView
+#uniform GlowCells
+#uniform LightRecord
+#uniform PaintState
+#constant LIGHTS = 1
+#constant PAINT = 0
+#constant PAINT_STATES = 1
+#constant SCHEDULES = 1
+
 @group(0) @binding(0) var<uniform> paints: array<PaintState, PAINT_STATES>;
 @group(0) @binding(1) var<uniform> lattice: GlowCells;
 @group(0) @binding(2) var<storage, read> time: array<f32>;

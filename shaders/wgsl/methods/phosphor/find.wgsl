@@ -1,6 +1,15 @@
 // The tile of each pixel and where in it: the nearest tile of the pixel's object to where its surface is, by the tree of
 // `fit`. What is farther away than rounding puts it is no tile of that surface.
 
+#import shared/glow_corners
+#import shared/glow_tile
+#import shared/view
+#uniform FrameView
+#uniform GlowTile
+#constant FAN = 8
+#constant LEVELS = 1
+#constant TILES = 1
+
 @group(0) @binding(0) var<uniform> view: FrameView;
 // Of each level, leaves first: its first node, its number of nodes.
 @group(0) @binding(1) var<uniform> levels: array<vec4u, LEVELS>;

@@ -1,6 +1,13 @@
 // Boxes around tiles as they are posed in this frame: the tree by which a pixel finds its tile. A node is of FAN tiles, or of
 // FAN nodes of the level below; lows and highs lie one after the other.
 
+#import shared/glow_corners
+#import shared/glow_tile
+#uniform GlowLevel
+#uniform GlowTile
+#constant FAN = 8
+#constant LEAVES = 1
+
 @group(0) @binding(0) var<uniform> level: GlowLevel;
 @group(0) @binding(1) var<storage, read> tiles: array<GlowTile>;
 @group(0) @binding(2) var<storage, read> posed: array<f32>;

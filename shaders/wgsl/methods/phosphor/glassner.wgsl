@@ -1,6 +1,22 @@
 // Phosphorescence as an integral over the past (Glassner 1995), at each pixel: moments drawn by the decay, and at each of them
 // the light of the lamps that shone then. The plain version is render/src/methods/phosphor/glassner.rs.
 
+#import shared/bounded
+#import shared/glow_place
+#import shared/glow_tile
+#import shared/glow_time
+#import shared/random
+#uniform FrameView
+#uniform GlowSamples
+#uniform GlowStretch
+#uniform GlowTile
+#uniform LightRecord
+#uniform PaintState
+#constant LIGHTS = 1
+#constant PAINT_STATES = 1
+#constant PIECES = 1
+#constant STATES = 1
+
 @group(0) @binding(0) var<uniform> settings: GlowSamples;
 @group(0) @binding(1) var<uniform> paints: array<PaintState, PAINT_STATES>;
 @group(0) @binding(2) var<storage, read> tiles: array<GlowTile>;

@@ -1,6 +1,18 @@
 // What a medium's cells give back before the surface of each pixel, by a march, and what passes of the surface's own light. A
 // cloud that nothing is seen through looks like a surface of its paint.
 
+#import shared/glow_cells
+#import shared/mean_decay
+#import shared/medium
+#import shared/medium_span
+#import shared/surface_distance
+#import shared/view
+#uniform FrameView
+#uniform GlowCells
+#uniform MediumRecord
+#uniform PaintState
+#constant PAINT_STATES = 1
+
 @group(0) @binding(0) var<uniform> paints: array<PaintState, PAINT_STATES>;
 @group(0) @binding(1) var<uniform> lattice: GlowCells;
 @group(0) @binding(2) var<uniform> view: FrameView;

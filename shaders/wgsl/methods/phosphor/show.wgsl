@@ -1,5 +1,11 @@
 // What texels give back at each pixel (thesis, equation 8.3), linear between the three around it.
 
+#import shared/glow_tile
+#uniform GlowTile
+#uniform PaintState
+#constant PAINT_STATES = 1
+#constant STATES = 1
+
 @group(0) @binding(0) var<uniform> paints: array<PaintState, PAINT_STATES>;
 @group(0) @binding(1) var<storage, read> tiles: array<GlowTile>;
 @group(0) @binding(2) var<storage, read> found: array<vec4f>;

@@ -1,6 +1,18 @@
 // States of all texels, moved on by a stretch of time under the lamps as they are now. The plain version is
 // render/src/methods/phosphor/reference.rs.
 
+#import shared/glow_change
+#import shared/glow_place
+#import shared/glow_tile
+#import shared/glow_time
+#uniform FrameView
+#uniform GlowTile
+#uniform LightRecord
+#uniform PaintState
+#constant LIGHTS = 1
+#constant PAINT_STATES = 1
+#constant SCHEDULES = 1
+
 @group(0) @binding(0) var<uniform> paints: array<PaintState, PAINT_STATES>;
 @group(0) @binding(1) var<storage, read> tiles: array<GlowTile>;
 // [texels]: the tile that each is part of

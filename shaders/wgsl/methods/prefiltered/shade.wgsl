@@ -1,6 +1,12 @@
 // Light from a prefiltered environment, one invocation a pixel (Kautz et al. 2000; McAllister et al. 2002).
 // The plain version is render/src/methods/prefiltered/reference.rs; both do the same, line by line.
 
+#import shared/environment
+#uniform Prefiltered
+#constant ANGLES = 32
+#constant EXPONENTS = 26
+#constant LEVELS = 14
+
 @group(0) @binding(0) var<uniform> image: Prefiltered;
 // Attributes, [channels, height, width].
 @group(0) @binding(1) var<storage, read> world_normal: array<f32>;

@@ -1,6 +1,11 @@
 // What a pixel shows while the shutter is open: what its own surface leaves bare as it moves, and what passes in front.
 // The plain version is render/src/methods/reconstruction/reference.rs; both do the same, line by line.
 
+#import shared/bounded
+#import shared/motion
+#import shared/picture
+#import shared/random
+
 @group(0) @binding(4) var<storage, read> depth_plane: array<f32>;
 @group(0) @binding(5) var<storage, read> longest_around: array<vec3f>;
 @group(0) @binding(6) var<storage, read_write> image: array<f32>;

@@ -1,6 +1,8 @@
 // Half of the longest movement of each tile of pixels (McGuire et al. 2012, TileMax).
 // The plain version is render/src/methods/reconstruction/reference.rs.
 
+#import shared/motion
+
 @group(0) @binding(2) var<storage, read> valid_plane: array<f32>;
 // Pixels, y down, and the length.
 @group(0) @binding(4) var<storage, read_write> longest_of_tiles: array<vec3f>;

@@ -2,6 +2,9 @@
 // and stays what it is as far as it is in focus and nothing in front spreads over it.
 // The plain version is render/src/methods/ring_gather/reference.rs.
 
+#import shared/picture
+#import shared/ring_gather
+
 @group(0) @binding(5) var<storage, read> low: array<vec4f>;
 @group(0) @binding(6) var<storage, read> behind: array<vec4f>;
 @group(0) @binding(7) var<storage, read> before: array<vec4f>;

@@ -2,6 +2,8 @@
 // lies in front and spreads over it. One invocation a gathered pixel.
 // The plain version is render/src/methods/ring_gather/reference.rs; both do the same, line by line.
 
+#uniform RingGather
+
 @group(0) @binding(0) var<uniform> gather: RingGather;
 @group(0) @binding(1) var<storage, read> low: array<vec4f>;
 @group(0) @binding(2) var<storage, read> largest_around: array<f32>;

@@ -2,6 +2,9 @@
 // of the plane in focus. Of several pixels that become one, the nearest gives the radius, and those like it the colour.
 // The plain version is render/src/methods/ring_gather/reference.rs.
 
+#import shared/picture
+#import shared/ring_gather
+
 // Radiance and radius, pixels of the image.
 @group(0) @binding(5) var<storage, read_write> low: array<vec4f>;
 

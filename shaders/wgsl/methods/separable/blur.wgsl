@@ -2,6 +2,12 @@
 // The plain version is render/src/methods/separable/reference.rs; both do the same, line by line.
 // The light that is blurred is the shared file's: of the picture first, then what the first pass wrote.
 
+#import shared/bounded
+#import shared/picture
+#import shared/translucent
+#uniform Separable
+#constant MOST_TAPS = 25
+
 @group(0) @binding(0) var<uniform> settings: Separable;
 // Distances, in mean free paths, and the share of the profile that each stands for on one side.
 @group(0) @binding(5) var<uniform> taps: array<vec4f, MOST_TAPS>;

@@ -1,6 +1,13 @@
 // Directional occlusion before its blur, one invocation a pixel (Ritschel, Grosch and Seidel 2009, section 3).
 // The plain version is render/src/methods/ssdo/reference.rs; both do the same, line by line.
 
+#import shared/bounded
+#import shared/environment
+#import shared/random
+#import shared/surface
+#import shared/surface_valid
+#uniform Ssdo
+
 @group(0) @binding(0) var<uniform> ssdo: Ssdo;
 // One map of ssdo.environment_height rows.
 @group(0) @binding(4) var<storage, read> environment: array<vec4f>;

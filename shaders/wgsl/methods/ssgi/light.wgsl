@@ -1,6 +1,10 @@
 // Light of one diffuse bounce by visibility bitmasks before its blur, one invocation a pixel.
 // The plain version is render/src/methods/ssgi/reference.rs.
 
+#import shared/slices
+#import shared/surface
+#import shared/surface_valid
+
 // Direct light reflected diffusely, radiance, [3, height, width].
 @group(0) @binding(4) var<storage, read> diffuse_light: array<f32>;
 // Irradiance over pi, [3, height, width].

@@ -1,6 +1,8 @@
 // What a method of scattering in screen space is given in place of a picture and mean free paths: the light that falls
 // on each surface, as a white one reflects it, and the lengths of its profiles. Planes [3, height, width].
 
+#import shared/diffusion_length
+
 @group(0) @binding(0) var<storage, read> diffuse_light: array<f32>;
 @group(0) @binding(1) var<storage, read> diffuse: array<f32>;
 @group(0) @binding(2) var<storage, read> mean_free_path: array<f32>;

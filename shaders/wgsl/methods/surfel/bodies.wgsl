@@ -1,6 +1,9 @@
 // What scatters below each pixel: the length of the profile for each colour, 0 where light does not enter, and the
 // object; and a mask that tells bodies apart, 0 where no light enters.
 
+#import shared/diffusion_length
+#uniform LevelSum
+
 @group(0) @binding(0) var<uniform> image_size: LevelSum;
 @group(0) @binding(1) var<storage, read> valid_plane: array<f32>;
 @group(0) @binding(2) var<storage, read> mean_free_path_planes: array<f32>;

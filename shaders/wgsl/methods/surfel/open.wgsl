@@ -1,5 +1,11 @@
 // Directional occlusion from the light that is blocked: what arrives at an open surface less that.
 
+#import shared/environment
+#import shared/environment_height
+#import shared/view
+#uniform FrameView
+#uniform LevelSum
+
 @group(0) @binding(0) var<uniform> image_size: LevelSum;
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<storage, read> normal_planes: array<f32>;

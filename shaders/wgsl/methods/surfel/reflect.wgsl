@@ -1,6 +1,11 @@
 // What a glossy surface reflects to the eye: what its lobe would if it were white, in its colour. Surfaces of one plane
 // may be blurred into each other as long as they are white.
 
+#import shared/gloss
+#import shared/lobe
+#import shared/surface
+#uniform LevelSum
+
 @group(0) @binding(0) var<uniform> image_size: LevelSum;
 // [3, height, width]
 @group(0) @binding(4) var<storage, read_write> image: array<f32>;

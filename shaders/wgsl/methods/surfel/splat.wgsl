@@ -3,6 +3,15 @@
 // leaves out those that do not reach it, so the work is that of splats, without blending, in an order that is always
 // the same.
 
+#import shared/bounded
+#import shared/interleaved
+#import shared/surfel
+#import shared/surfel_record
+#import shared/surfel_tree
+#import shared/surfel_walk
+#uniform SplatLevel
+#constant HEIGHT = 8
+
 @group(0) @binding(0) var<uniform> level: SplatLevel;
 @group(0) @binding(4) var<storage, read> totals: Totals;
 @group(0) @binding(5) var<storage, read> surfels: array<Surfel>;

@@ -2,6 +2,16 @@
 // light, with shadows by their maps and dimmed on its way, the intervals of a ray scatter to the eye. The plain version is
 // render/src/methods/volume_shell/direct.rs.
 
+#import shared/intervals_decode
+#import shared/intervals_decode_wide
+#import shared/single_scattering
+#import shared/view
+#uniform FrameView
+#uniform LightRecord
+#uniform VolumeShell
+#constant LIGHTS = 1
+#constant SAMPLES = 16
+
 @group(0) @binding(0) var<uniform> volume: VolumeShell;
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<storage, read> lights: array<LightRecord>;

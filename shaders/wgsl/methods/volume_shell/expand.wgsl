@@ -1,5 +1,7 @@
 // A level of a Gaussian pyramid brought to the size of the one below, between the middles of its texels.
 
+#uniform Pyramid
+
 @group(0) @binding(0) var<uniform> sizes: Pyramid;
 // [coarse_height, coarse_width, 4]
 @group(0) @binding(1) var<storage, read> coarse: array<vec4f>;

@@ -2,6 +2,18 @@
 // the transmittance to the eye falls by equal parts of all that it falls by. How a ray's samples are kept is
 // shared/intervals_encode_*. The plain version is render/src/methods/volume_shell/intervals.rs.
 
+#import shared/bounded
+#import shared/medium
+#import shared/medium_span
+#import shared/random
+#import shared/surface_distance
+#import shared/transmittance
+#import shared/view
+#uniform FrameView
+#uniform Intervals
+#uniform MediumRecord
+#constant SAMPLES = 16
+
 @group(0) @binding(0) var<uniform> marching: Intervals;
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<uniform> medium: MediumRecord;

@@ -1,6 +1,8 @@
 // A level of a Gaussian pyramid from the one below (Burt and Adelson 1983), half as wide and high. The plain version is
 // render/src/methods/volume_shell/pyramid.rs.
 
+#uniform Pyramid
+
 @group(0) @binding(0) var<uniform> sizes: Pyramid;
 // [fine_height, fine_width, 4]
 @group(0) @binding(1) var<storage, read> fine: array<vec4f>;

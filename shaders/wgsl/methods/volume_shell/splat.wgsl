@@ -2,6 +2,31 @@
 // methods/surfel/splat: each pixel of a sub-buffer adds up what the surfels scatter to it that this sub-buffer gets. The plain
 // version is render/src/methods/volume_shell/reference.rs.
 
+#import shared/bounded
+#import shared/interleaved
+#import shared/intervals_decode
+#import shared/medium
+#import shared/phase
+#import shared/surfel
+#import shared/surfel_facing
+#import shared/surfel_record
+#import shared/surfel_sent
+#import shared/surfel_tree
+#import shared/surfel_walk
+#import shared/transmittance
+#import shared/view
+#uniform FrameView
+#uniform MediumRecord
+#uniform SplatLevel
+#uniform SplatPart
+#uniform VolumeShell
+#constant ATTENUATED = 1
+#constant LOOKUPS = 4
+#constant PARTS = 16
+#constant SAMPLES = 16
+#constant SILHOUETTES = 1
+#constant TOUCHED_ONLY = 1
+
 @group(0) @binding(0) var<uniform> level: SplatLevel;
 @group(0) @binding(1) var<uniform> volume: VolumeShell;
 @group(0) @binding(2) var<uniform> view: FrameView;
