@@ -26,13 +26,10 @@ use std::time::Instant;
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  deepshade bench rays --scene sponza.gltf --json rays.json\n\n\
     In the JSON file mrays_* are millions of single rays a second on one thread, mrays_*_bundles those in \
-    bundles of 64 \
-    rays that start together, and *_all_threads the same on all threads.\n\n\
+    bundles of 64 rays that start together, and *_all_threads the same on all threads.\n\n\
     The default scene is procedural, so that everybody has it. The figures in the book are of Sponza, which \
-    does not \
-    come with the program; those of different scenes cannot be compared. Ambient occlusion rays are as long \
-    as \
-    15 % of the scene's diagonal.")]
+    does not come with the program; those of different scenes cannot be compared. Ambient occlusion rays are \
+    as long as 15 % of the scene's diagonal.")]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
     #[arg(long, default_value = "colonnade:1")]

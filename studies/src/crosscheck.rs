@@ -42,6 +42,7 @@ const REPLICATES: u32 = 32;
 
 /// Checks truth against Mitsuba 3; `cargo xtask crosscheck` sets it up and calls this.
 #[derive(clap::Args)]
+#[command(after_help = "Example:\n  deepshade-studies crosscheck --python python3 --only room.gi")]
 pub struct Args {
     /// A Python that has Mitsuba 3.
     #[arg(long)]
