@@ -10,11 +10,13 @@ use std::fmt::Arguments;
 use std::io::{self, ErrorKind, Write};
 
 /// Prints a line, as `println!` does; gives a `Result`.
+#[macro_export]
 macro_rules! say {
     ($($text:tt)*) => { $crate::output::line(format_args!($($text)*)) };
 }
 
 /// Prints a line on stderr while work goes on. Whether anybody reads it does not matter.
+#[macro_export]
 macro_rules! note {
     ($($text:tt)*) => { $crate::output::aside(format_args!($($text)*)) };
 }
@@ -40,7 +42,7 @@ pub fn aside(text: Arguments<'_>) {
 }
 
 /// An error with its causes, but for what it states already: a cause as a whole, or the name of a file that it is of.
-pub fn message(error: &anyhow::Error) -> String {
+pub(crate) fn message(error: &anyhow::Error) -> String {
     let mut message = error.to_string();
     for cause in error.chain().skip(1).map(ToString::to_string) {
         if message.contains(&cause) {
@@ -54,7 +56,7 @@ pub fn message(error: &anyhow::Error) -> String {
 }
 
 /// Whether an error says no more than that nobody reads what is written.
-pub fn nobody_reads(error: &anyhow::Error) -> bool {
+pub(crate) fn nobody_reads(error: &anyhow::Error) -> bool {
     let broken = |cause: &io::Error| cause.kind() == ErrorKind::BrokenPipe;
     error.chain().any(|cause| cause.downcast_ref().is_some_and(broken))
 }

@@ -1,22 +1,16 @@
 //! What the book promises: its summary lists its chapters, what it links to is there, its commands are the program's, and
 //! no command, effect or method is left out. What README.md and CONTRIBUTING.md show of commands is the program's, too.
 
+#[path = "book/shown.rs"]
+mod shown;
+
 use deepshade_shaders::Effect;
 use deepshade_shaders::effect::{Definition, Setting};
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use shown::{Program, chapters, commands, files, lines, row, source, text};
+use std::collections::BTreeSet;
 use std::process::Command;
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_deepshade");
-
-/// Where the chapters lie.
-fn source() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("book/src")
-}
-
-fn text(file: &str) -> String {
-    std::fs::read_to_string(source().join(file)).expect(file)
-}
+const PROGRAM: Program = Program { name: "deepshade", path: env!("CARGO_BIN_EXE_deepshade") };
 
 /// A count below twenty in words.
 fn in_words(count: usize) -> &'static str {
@@ -63,37 +57,6 @@ fn readme_and_book_count_the_same_effects() {
     }
 }
 
-/// Names of all files below a folder, relative to the chapters.
-fn files(folder: &Path) -> BTreeSet<String> {
-    let mut names = BTreeSet::new();
-    for path in std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()) {
-        if path.is_dir() {
-            names.extend(files(&path));
-        } else {
-            names.insert(path.strip_prefix(source()).expect("below it").to_string_lossy().into_owned());
-        }
-    }
-    names
-}
-
-fn chapters() -> BTreeMap<String, String> {
-    let chapters = files(&source()).into_iter().filter(|name| name.ends_with(".md") && name != "SUMMARY.md");
-    chapters.map(|name| (name.clone(), text(&name))).collect()
-}
-
-/// Lines of a chapter, each with the language of the code block that it is in; none in prose.
-fn lines(chapter: &str) -> Vec<(Option<&str>, &str)> {
-    let mut block = None;
-    let mut lines = Vec::new();
-    for line in chapter.lines() {
-        match line.trim_start().strip_prefix("```") {
-            Some(language) => block = if block.is_some() { None } else { Some(language) },
-            None => lines.push((block, line)),
-        }
-    }
-    lines
-}
-
 /// What a chapter's prose refers to, and what it includes, but for other sites and places within the chapter.
 fn references(chapter: &str) -> Vec<&str> {
     let between = |line, start, end| -> Vec<&str> {
@@ -114,82 +77,15 @@ fn broken(name: &str, chapter: &str) -> Vec<String> {
     missing.map(|place| format!("{name}: {place}")).collect()
 }
 
-/// Commands of a chapter's shell blocks, their continued lines joined, without comments.
-fn commands(chapter: &str) -> Vec<String> {
-    let shell = lines(chapter).into_iter().filter(|(block, _)| *block == Some("sh"));
-    let joined = shell.map(|(_, line)| format!("{line}\n")).collect::<String>().replace("\\\n", " ");
-    let bare = joined.lines().map(|line| line.split('#').next().unwrap_or(line).split_whitespace());
-    bare.map(|words| words.collect::<Vec<_>>().join(" ")).filter(|line| !line.is_empty()).collect()
-}
-
-/// The program's own words on a command, such as `bench net`.
-fn help(words: &[&str]) -> String {
-    let output = Command::new(PROGRAM).args(words).arg("--help").output().expect("starts");
-    assert!(output.status.success(), "{} --help", words.join(" "));
-    String::from_utf8(output.stdout).expect("text")
-}
-
-/// The commands that a help lists, and not `help`.
-fn verbs(help: &str) -> Vec<&str> {
-    let rows = help.lines().skip_while(|line| *line != "Commands:").skip(1);
-    let rows = rows.take_while(|line| !line.is_empty()).filter(|line| !line.starts_with("   "));
-    rows.filter_map(|row| row.split_whitespace().next()).filter(|verb| *verb != "help").collect()
-}
-
-/// The options that a help lists.
-fn options(help: &str) -> BTreeSet<&str> {
-    let rows = help.lines().take_while(|line| !line.starts_with("Example")).map(str::trim_start);
-    let rows = rows.filter(|row| row.starts_with('-'));
-    rows.filter_map(|row| row.split_whitespace().find(|word| word.starts_with("--"))).collect()
-}
-
-/// What of a line the program does not know, if it is one of the program's.
-fn unknown(line: &str) -> Vec<String> {
-    let mut words = line.split_whitespace().peekable();
-    if words.next() != Some("deepshade") {
-        return Vec::new();
-    }
-    let mut path = Vec::new();
-    let mut page = help(&path);
-    while !verbs(&page).is_empty() {
-        let Some(verb) = words.next_if(|word| verbs(&page).contains(word)) else {
-            return vec![format!("`{line}`: no such command")];
-        };
-        path.push(verb);
-        page = help(&path);
-    }
-    let known = options(&page);
-    let asked = words.filter(|word| word.starts_with("--"));
-    asked.filter(|option| !known.contains(option)).map(|option| format!("`{line}`: no {option}")).collect()
-}
-
-/// All commands, those below others too, such as `bench net`.
-fn all_verbs() -> Vec<String> {
-    let mut all = Vec::new();
-    for verb in verbs(&help(&[])) {
-        let page = help(&[verb]);
-        match verbs(&page)[..] {
-            [] => all.push(verb.to_owned()),
-            ref below => all.extend(below.iter().map(|name| format!("{verb} {name}"))),
-        }
-    }
-    all
-}
-
 /// The methods of an effect, as the program lists them for somebody who asks for one that it has not.
 fn methods(effect: Effect) -> Vec<String> {
     let folder = tempfile::tempdir().expect("a folder");
     let args = ["compare", "--scene", "stairs:1", "--methods", "nobody's", "--out", "report", "--effect"];
-    let mut command = Command::new(PROGRAM);
+    let mut command = Command::new(PROGRAM.path);
     let output = command.args(args).arg(effect.name()).current_dir(folder.path()).output().expect("starts");
     let message = String::from_utf8(output.stderr).expect("text");
     let (_, list) = message.trim_end().split_once("there are ").expect("a list");
     list.split(", ").map(str::to_owned).collect()
-}
-
-/// The row of a table that begins with a name.
-fn row<'a>(chapter: &'a str, name: &str) -> Option<&'a str> {
-    chapter.lines().find(|line| line.starts_with(&format!("| `{name}` |")))
 }
 
 #[test]
@@ -223,14 +119,15 @@ fn every_command_and_option_in_the_book_and_beside_it_is_the_programs() {
     let commands: BTreeSet<String> =
         chapters().values().chain(&beside).flat_map(|text| commands(text)).collect();
     assert!(commands.iter().filter(|line| line.starts_with("deepshade ")).count() > 30);
-    let faults: Vec<String> = commands.iter().flat_map(|line| unknown(line)).collect();
+    let faults: Vec<String> = commands.iter().flat_map(|line| PROGRAM.unknown(line)).collect();
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
 #[test]
 fn every_command_has_its_row_in_the_chapter_of_commands() {
     let chapter = text("commands.md");
-    let missing: Vec<String> = all_verbs().into_iter().filter(|verb| row(&chapter, verb).is_none()).collect();
+    let missing: Vec<String> =
+        PROGRAM.all_verbs().into_iter().filter(|verb| row(&chapter, verb).is_none()).collect();
     assert!(missing.is_empty(), "{missing:?}");
 }
 
@@ -258,7 +155,7 @@ fn what_is_wrong_in_a_book_is_found() {
     let chapter = "[a](no-such-chapter.md) [b](https://example.org)\n```sh\ndeepshade paint\ndeepshade bench \\\n  net --colour red  \
                    # --layers\ndeepshade bench net --layers\n```\n";
     assert_eq!(broken("concepts.md", chapter), ["concepts.md: no-such-chapter.md"]);
-    let faults: Vec<String> = commands(chapter).iter().flat_map(|line| unknown(line)).collect();
+    let faults: Vec<String> = commands(chapter).iter().flat_map(|line| PROGRAM.unknown(line)).collect();
     assert_eq!(faults.len(), 2, "{faults:?}");
     assert!(faults[0].contains("`deepshade paint`") && faults[1].ends_with("no --colour"), "{faults:?}");
 }

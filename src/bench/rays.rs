@@ -1,17 +1,15 @@
-//! `deepshade bench rays`: rays a second through a scene, one thread and all, beside Embree on the very same rays,
-//! traversal alone.
+//! `deepshade bench rays`: rays a second through a scene, one thread and all, traversal alone.
 //!
-//! Embree traces single rays (`rtcIntersect1`, `rtcOccluded1`), and `ratio_primary`, `ratio_ao` and `ratio_diffuse` are of
-//! our single rays. Rays that the program traces in bundles are measured so too, and called so; Embree's packets and
-//! streams, their counterpart, are not.
+//! Rays that the program traces in bundles are measured in bundles, too, and called so. Studies set another
+//! library's ray tracer beside ours on the very same rays ([`run_beside`]).
 //!
-//! Materials are made opaque, since what a texture lets through is no question of traversal. Rays are made beforehand;
-//! all ways to trace them take turns, so that what else the machine does falls on all of them.
+//! Materials are made opaque, since what a texture lets through is no question of traversal. Rays are made
+//! beforehand; all ways to trace them take turns, so that what else the machine does falls on all of them.
 
 mod contest;
-#[cfg(feature = "embree")]
-mod embree;
 mod sets;
+
+pub use sets::Ray;
 
 use crate::{figures::Figures, views};
 use anyhow::{Result, ensure};
@@ -20,21 +18,18 @@ use deepshade_dataset::progress;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::{AlphaMode, Scene, SceneSource};
 use serde_json::json;
-use sets::{Ray, RaySet};
+use sets::RaySet;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Measures rays a second through a scene, beside Embree where the program is built with the cargo feature `embree`.
+/// Measures rays a second through a scene, traversal alone.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  deepshade bench rays --scene sponza.gltf --json rays.json\n\n\
-    Beside Embree 3 (Debian 12: apt-get install libembree-dev), which is loaded at run time:\n  \
-    cargo run --release --features embree -- bench rays --scene sponza.gltf\n\n\
-    ratio_primary, ratio_ao and ratio_diffuse in the JSON file are our rate over Embree's, single rays against single \
-    rays (rtcIntersect1, rtcOccluded1), one thread. ratio_*_bundles are bundles of 64 rays that start together against \
-    Embree's single rays; Embree's packets are not measured.\n\n\
-    The default scene is procedural, so that everybody has it. The figures in the book are of Sponza, which does not \
-    come with the program; those of different scenes cannot be compared. Ambient occlusion rays are as long as \
-    15 % of the scene's diagonal.")]
+    In the JSON file mrays_* are millions of single rays a second on one thread, mrays_*_bundles those in \
+    bundles of 64 rays that start together, and *_all_threads the same on all threads.\n\n\
+    The default scene is procedural, so that everybody has it. The figures in the book are of Sponza, which \
+    does not come with the program; those of different scenes cannot be compared. Ambient occlusion rays are \
+    as long as 15 % of the scene's diagonal.")]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
     #[arg(long, default_value = "colonnade:1")]
@@ -54,6 +49,9 @@ pub struct Args {
 
 /// Another library's ray tracer.
 pub trait Rival: Sync {
+    /// What people call it.
+    fn name(&self) -> &'static str;
+
     /// Seconds that its hierarchy took.
     fn build_seconds(&self) -> f64;
 
@@ -74,14 +72,29 @@ pub trait Rival: Sync {
     }
 }
 
+/// What makes a rival of a scene.
+pub type RivalOf<'a> = &'a dyn Fn(&Scene) -> Result<Box<dyn Rival>>;
+
 /// Measures and prints.
 ///
 /// # Errors
 /// If the scene cannot be read or nothing of it is seen.
 pub fn run(args: &Args) -> Result<()> {
+    measure(args, "bench rays", None)
+}
+
+/// As `deepshade bench rays`, with figures of a command of that name, beside a rival on the very same rays.
+///
+/// # Errors
+/// If the scene cannot be read, nothing of it is seen, or there is no rival.
+pub fn run_beside(args: &Args, command: &str, rival: RivalOf<'_>) -> Result<()> {
+    measure(args, command, Some(rival))
+}
+
+fn measure(args: &Args, command: &str, rival: Option<RivalOf<'_>>) -> Result<()> {
     let scene = opaque(args.scene.scene(0.0)?);
+    let rival = rival.map(|rival| rival(&scene)).transpose()?;
     let triangles = scene.triangle_count();
-    let rival = rival(&scene);
     let start = Instant::now();
     let scene = TracedScene::new(scene)?;
     let build_seconds = start.elapsed().as_secs_f64();
@@ -91,24 +104,23 @@ pub fn run(args: &Args) -> Result<()> {
     ensure!(sets.iter().all(|set| !set.rays.is_empty()), "the views of {} see nothing", args.scene);
     let runs = usize::from(args.runs);
     let bar = progress::bar("rounds", sets.len() * runs, 0);
-    let contest = Contest { scene: &scene, rival: rival.as_deref().ok(), runs, finished: &|| bar.inc(1) };
+    let contest = Contest { scene: &scene, rival: rival.as_deref(), runs, finished: &|| bar.inc(1) };
     let outcomes: Vec<(&RaySet, Outcome)> = sets.iter().map(|set| (set, contest.of(set))).collect();
     bar.finish_and_clear();
 
     let diagonal = scene.diagonal();
-    let mut figures = Figures::new("bench rays");
+    let mut figures = Figures::new(command);
     for (set, outcome) in &outcomes {
         outcome.write(set.kind, &mut figures);
     }
     figures.set("build_seconds", build_seconds);
-    if let Ok(rival) = &rival {
-        figures.set("build_seconds_embree", rival.build_seconds());
+    if let Some(rival) = &rival {
+        figures.set(&format!("build_seconds_{}", rival.name().to_lowercase()), rival.build_seconds());
+        figures.detail("rival", rival.name().into());
     }
     figures.set("triangles", triangles as f64);
     figures.set("diagonal", f64::from(diagonal));
     figures.detail("scene", args.scene.to_string().into());
-    let who = rival.as_ref().map_or_else(ToString::to_string, |_| "Embree".to_owned());
-    figures.detail("rival", who.into());
     figures.detail("size", json!({ "views": views.len(), "size": size, "runs": args.runs }));
     figures.write(args.json.as_deref())?;
 
@@ -116,9 +128,8 @@ pub fn run(args: &Args) -> Result<()> {
         "scene     {} ({triangles} triangles, diagonal {diagonal:.2} m, built in {build_seconds:.2} s)",
         args.scene
     )?;
-    match &rival {
-        Ok(rival) => say!("Embree    built in {:.2} s", rival.build_seconds())?,
-        Err(error) => say!("Embree    not measured: {error}")?,
+    if let Some(rival) = &rival {
+        say!("{:<9} built in {:.2} s", rival.name(), rival.build_seconds())?;
     }
     outcomes.iter().try_for_each(|(set, outcome)| outcome.print(set))
 }
@@ -129,16 +140,4 @@ fn opaque(mut scene: Scene) -> Scene {
         material.alpha = AlphaMode::Opaque;
     }
     scene
-}
-
-/// Embree over the same triangles.
-#[cfg(feature = "embree")]
-fn rival(scene: &Scene) -> Result<Box<dyn Rival>> {
-    Ok(Box::new(embree::Embree::new(scene)?))
-}
-
-/// Nobody.
-#[cfg(not(feature = "embree"))]
-fn rival(_: &Scene) -> Result<Box<dyn Rival>> {
-    anyhow::bail!("the program is built without the cargo feature `embree`")
 }

@@ -1,6 +1,6 @@
-//! `deepshade farm cost`: what datasets take on so many workers, before anybody pays for them. A few pairs of each recipe are made
-//! here, put together and timed; what a scheduler and a store take is said, or assumed, and which of them is printed; a simulation
-//! ([`super::model`]) puts it together.
+//! `deepshade farm cost`: what datasets take on so many workers, before anybody pays for them. A few pairs of
+//! each recipe are made here, put together and timed; what a scheduler and a store take is said, or assumed,
+//! and which of them is printed; a simulation ([`super::model`]) puts it together.
 
 use super::model::{Farm, Limit, NO_STORE, Outcome, Parts, Store};
 use super::words;
@@ -19,8 +19,9 @@ use std::time::Instant;
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  deepshade farm cost dataset/recipes/ao.toml\n  \
     deepshade farm cost dataset/recipes/*[a-z].toml --pairs 61000 --workers 1,100,1000,10000 --price 0.05\n\n\
-    Pairs of each recipe are made here to time them, on one core, which takes seconds to minutes. `deepshade bench farm` \
-    holds the same simulation against farms that run, `deepshade bench store` measures a store, `cargo xtask farm` Slurm.")]
+    Pairs of each recipe are made here to time them, on one core, which takes seconds to minutes. \
+    `deepshade-studies farm` holds the same simulation against farms that run, `deepshade-studies store` \
+    measures a store, `cargo xtask farm` Slurm.")]
 pub struct Args {
     /// The recipes, TOML files.
     #[arg(required = true)]
@@ -56,9 +57,9 @@ type Assumed = (&'static str, &'static str, f32, &'static str);
 const LAUNCH: Assumed =
     ("launch", "s a task", 0.05, "`cargo xtask farm` measures Slurm's where no task waits for a node");
 const STORE_MEGABYTES: Assumed =
-    ("store", "MB/s", 1000.0, "`deepshade bench store` measures what one machine gets");
+    ("store", "MB/s", 1000.0, "`deepshade-studies store` measures what one machine gets");
 const STORE_REQUESTS: Assumed =
-    ("store", "requests/s", 3500.0, "`deepshade bench store` measures what one machine gets");
+    ("store", "requests/s", 3500.0, "`deepshade-studies store` measures what one machine gets");
 
 /// Pairs of shards that are made to be timed: the difference between the two tells a pair from a start.
 const PROBES: [usize; 2] = [1, 3];
@@ -70,6 +71,7 @@ const SPOTS: usize = 3;
 /// # Errors
 /// If a recipe is at fault or its pairs cannot be made.
 pub fn run(args: &Args) -> Result<()> {
+    let own = std::env::current_exe().context("where this program is")?;
     let mut figures = Figures::new("farm cost");
     let mut lines = Vec::new();
     let mut stated = |said: Option<f32>, (name, unit, assumed, how): Assumed| {
@@ -91,7 +93,7 @@ pub fn run(args: &Args) -> Result<()> {
         let recipe = Recipe::load(path)?;
         let pairs = args.pairs.map_or(recipe.scene_count() * recipe.views_per_scene, |pairs| pairs as usize);
         note!("{}: a few pairs are timed", path.display());
-        let parts = Parts { launch, store, ..measured(path, &recipe)? };
+        let parts = Parts { launch, store, ..measured(&own, path, &recipe)? };
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         figures.set(&format!("seconds_a_pair_{name}"), parts.pair);
         figures.set(&format!("merge_seconds_a_pair_{name}"), parts.merge);
@@ -141,11 +143,12 @@ fn together(all: &[(usize, Parts)], workers: usize, tasks: usize) -> (f64, f64, 
     (sum(|one| one.seconds), sum(|one| one.worked), longest.map_or(Limit::Workers, |one| one.limit))
 }
 
-/// What a recipe's pairs take on one core of this machine, in a folder of it, and what putting them together takes.
+/// What a recipe's pairs take on one core of this machine, made by a program `deepshade` in a folder of it,
+/// and what putting them together takes.
 ///
 /// # Errors
 /// If the recipe has too few pairs, or they cannot be made.
-pub fn measured(path: &Path, recipe: &Recipe) -> Result<Parts> {
+pub fn measured(own: &Path, path: &Path, recipe: &Recipe) -> Result<Parts> {
     let all = recipe.scene_count() * recipe.views_per_scene;
     ensure!(all >= PROBES[1], "{}: {all} pairs are too few to be timed", path.display());
     let folder = tempfile::tempdir().context("a temporary folder")?;
@@ -159,7 +162,7 @@ pub fn measured(path: &Path, recipe: &Recipe) -> Result<Parts> {
         let json = out.with_extension("json");
         let arguments: [&Path; 6] =
             [path, "--out".as_ref(), &out, "--shard".as_ref(), shard.as_ref(), "--json".as_ref()];
-        program(&["dataset", "generate"], &[&arguments[..], &[&json]].concat())?;
+        program(own, &["dataset", "generate"], &[&arguments[..], &[&json]].concat())?;
         let seconds = start.elapsed().as_secs_f64();
         // Where there are few, the same shard is at several spots, and is put together once.
         if pairs == PROBES[1] && shards.iter().all(|(known, _)| *known != number) {
@@ -212,12 +215,11 @@ impl Probe {
     }
 }
 
-/// Runs this program with one thread.
+/// Runs a program `deepshade` with one thread.
 ///
 /// # Errors
 /// If it fails, with what it said.
-pub fn program(verb: &[&str], args: &[&Path]) -> Result<()> {
-    let own = std::env::current_exe().context("where this program is")?;
+pub fn program(own: &Path, verb: &[&str], args: &[&Path]) -> Result<()> {
     let mut command = Command::new(own);
     command.args(verb).args(args).env("RAYON_NUM_THREADS", "1").stdin(Stdio::null());
     let output = command.output().with_context(|| verb.join(" "))?;

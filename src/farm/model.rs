@@ -1,5 +1,6 @@
-//! How long a farm takes and what holds it up, by a simulation of its tasks: a scheduler that starts one after the other, workers
-//! that render, a store that takes what they made. Its numbers are measured or said ([`super::cost`], `bench farm`).
+//! How long a farm takes and what holds it up, by a simulation of its tasks: a scheduler that starts one
+//! after the other, workers that render, a store that takes what they made. Its numbers are measured or said
+//! ([`super::cost`], `deepshade-studies farm`).
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

@@ -70,6 +70,30 @@ pub struct Seen<'a> {
     pub learned: Option<&'a TrainedUnder>,
 }
 
+/// A scene by itself, with what effects need and nothing put into it, as a camera sees it.
+///
+/// # Errors
+/// If the scene cannot be read, or there is no such camera or view.
+pub fn plain(
+    source: &SceneSource,
+    viewpoint: &Viewpoint,
+    effects: &[Effect],
+    size: [usize; 2],
+) -> Result<Staged> {
+    let seen = Seen {
+        source,
+        time: 0.0,
+        effects,
+        size,
+        props: &props::Args::default(),
+        viewpoint,
+        additions: &Additions::default(),
+        seed: 0,
+        learned: None,
+    };
+    Args::default().stage(&seen)
+}
+
 impl Args {
     /// Frames of the sequence.
     pub fn frames(&self) -> u32 {
@@ -144,8 +168,8 @@ impl Staged {
         frame as f32 / self.fps
     }
 
-    /// A frame's moment in the animation, which begins again when it is over; but not where surfaces keep light, whose time goes
-    /// on.
+    /// A frame's moment in the animation, which begins again when it is over; but not where surfaces keep
+    /// light, whose time goes on.
     pub fn time(&self, frame: u32, first: f32) -> f32 {
         let time = first + self.seconds(frame);
         match self.animated.span().filter(|_| self.animated.scene.glow.is_none()) {

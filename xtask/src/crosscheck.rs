@@ -17,7 +17,7 @@ const OLDEST_LLVM: u32 = 16;
 /// What has it on Debian and Ubuntu.
 const LLVM_PACKAGE: &str = "libllvm19";
 
-/// Sets up Mitsuba and runs `deepshade crosscheck` with the arguments.
+/// Sets up Mitsuba and runs `deepshade-studies crosscheck` with the arguments.
 ///
 /// # Errors
 /// If Mitsuba cannot be installed, or the program does not build or finds a disagreement.
@@ -25,7 +25,8 @@ pub fn run(args: &[String]) -> Result<()> {
     let python = python::environment("mitsuba", &MITSUBA)?;
     let llvm = llvm()?;
     let python = python.display().to_string();
-    let mut check = cargo(&["run", "--release", "--locked", "--", "crosscheck", "--python", &python]);
+    let build = ["run", "--release", "--locked", "--package", "deepshade-studies", "--"];
+    let mut check = cargo(&[&build[..], &["crosscheck", "--python", &python]].concat());
     if let Some(llvm) = llvm {
         check.env("DRJIT_LIBLLVM_PATH", llvm);
     }

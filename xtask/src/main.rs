@@ -45,7 +45,7 @@ Commands:
                Set up Mitsuba 3 in a Python environment below the target folder, render the same scenes with it and
                with deepshade, and compare every effect pixel by pixel; some minutes. --only takes the cases whose
                name holds NAME (room, room.gi, .ao), --samples is of a pixel, 512 by default; other arguments, too, go
-               to `deepshade crosscheck`, whose --help lists them
+               to `deepshade-studies crosscheck`, whose --help lists them
   models [--only NAME] [--work DIR] [--device cpu|gpu]
                Make every network in `models` from nothing: data, training, export, test set, evaluation, parity, and
                what more steps would bring, from trainings of half and a quarter of them; hours.

@@ -3,7 +3,8 @@
 //! Each step takes up what an interrupted run left, so the command is simply given again.
 
 use crate::{
-    command::{self, cargo, command, root},
+    command::{self, cargo, root},
+    program::{Program, WITH_STUDIES},
     vulkan,
 };
 use anyhow::{Context, Result, bail, ensure};
@@ -120,7 +121,7 @@ pub fn run(args: &[String]) -> Result<()> {
         BUDGETS.iter().filter(|budget| args.only.as_deref().is_none_or(|only| only == budget.name)).collect();
     ensure!(!chosen.is_empty(), "no network of that name; there are {}", names());
     vulkan::ensure()?;
-    command::run(&mut cargo(&[&["build", "--release", "--locked"], args.features].concat()))?;
+    command::run(&mut cargo(&[&WITH_STUDIES[..], args.features].concat()))?;
     let mut report = String::new();
     for budget in chosen {
         for (step, mut command) in steps(budget, &args.work) {
@@ -148,7 +149,8 @@ fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
     let folder = |of: &str| work.join(of).join(name).display().to_string();
     let (data, run, testset) = (folder("data"), folder("runs"), folder("testsets"));
     let (model, metrics) = (format!("models/{name}"), format!("{testset}.json"));
-    let deepshade = |words: &[&str]| command(&program(), words);
+    let deepshade = |words: &[&str]| Program::built().command(words);
+    let studies = |words: &[&str]| Program::studies().command(words);
     let [batch, crop] = [batch, crop].map(u32::to_string);
     // No early stop: the rate falls until the last step.
     let budget = ["--batch", &batch, "--crop", &crop, "--rate", rate, "--patience", "0"];
@@ -179,7 +181,7 @@ fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
         // What runs of fewer steps end with says what more would bring.
         ("half", training(&half, steps / 2)),
         ("quarter", training(&quarter, steps / 4)),
-        ("forecast", deepshade(&[&["forecast", &run, &half, &quarter][..], &forecast].concat())),
+        ("forecast", studies(&[&["forecast", &run, &half, &quarter][..], &forecast].concat())),
     ]
 }
 
@@ -189,7 +191,7 @@ fn streamed_steps(budget: &Budget, network: &[&str], work: &Path) -> Vec<(&'stat
     let recipe = |name: &str| format!("dataset/recipes/{name}.toml");
     let run = work.join("runs").join(name).display().to_string();
     let (model, metrics) = (format!("models/{name}"), format!("{run}.json"));
-    let deepshade = |words: &[&str]| command(&program(), words);
+    let deepshade = |words: &[&str]| Program::built().command(words);
     let [steps, batch, crop] = [steps, batch, crop].map(u32::to_string);
     let words = ["--steps", &steps, "--batch", &batch, "--crop", &crop, "--rate", rate, "--patience", "0"];
     let options = ["--network", "--channels", "--estimate"];
@@ -212,12 +214,6 @@ fn streamed_steps(budget: &Budget, network: &[&str], work: &Path) -> Vec<(&'stat
         ("parity", deepshade(&["parity", "--model", &model])),
     ]);
     all
-}
-
-/// The program that was built.
-fn program() -> String {
-    let name = format!("deepshade{}", std::env::consts::EXE_SUFFIX);
-    command::target().join("release").join(name).display().to_string()
 }
 
 fn parse(args: &[String]) -> Result<Args> {
@@ -273,7 +269,7 @@ mod tests {
 
     #[test]
     fn a_quarter_of_the_steps_is_validated_often_enough_for_a_forecast() {
-        // `deepshade train` validates every 500 steps by default, and `deepshade forecast` wants four validations of a run.
+        // `deepshade train` validates every 500 steps by default, and `deepshade-studies forecast` wants four validations of a run.
         for Budget { name, steps, .. } in &BUDGETS {
             assert!(steps / 4 / 500 >= 4, "{name}");
         }

@@ -7,6 +7,10 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+/// Arguments of cargo's that build the program and that of studies; features come behind them.
+pub const WITH_STUDIES: [&str; 7] =
+    ["build", "--release", "--locked", "--package", "deepshade", "--package", "deepshade-studies"];
+
 /// What temporary files are called until they are whole (`shaders::atomic_file`).
 const TEMPORARY_PREFIX: &str = ".deepshade-";
 
@@ -34,7 +38,16 @@ impl Program {
 
     /// The one that was built last, with whatever features.
     pub fn built() -> Self {
-        Self(target().join("release").join(format!("deepshade{}", std::env::consts::EXE_SUFFIX)))
+        Self::named("deepshade")
+    }
+
+    /// That of studies, which was built last.
+    pub fn studies() -> Self {
+        Self::named("deepshade-studies")
+    }
+
+    fn named(name: &str) -> Self {
+        Self(target().join("release").join(format!("{name}{}", std::env::consts::EXE_SUFFIX)))
     }
 
     /// Where it is.

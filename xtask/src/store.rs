@@ -6,7 +6,7 @@ mod server;
 
 use crate::command::{self, cargo, command, succeeds};
 use crate::figures::{figure, json_argument, to_json, write};
-use crate::program::{Program, contents, message, work_folder};
+use crate::program::{Program, WITH_STUDIES, contents, message, work_folder};
 use anyhow::{Context, Result, bail, ensure};
 use server::{BUCKET, KEY, SECRET, Server};
 use std::collections::BTreeMap;
@@ -27,7 +27,7 @@ pub fn run(args: &[String]) -> Result<()> {
         bail!("do not understand `{}`: cargo xtask store [--json F]", rest.join(" "));
     }
     let server = server::program()?;
-    command::run(&mut cargo(&["build", "--release", "--locked", "--features", "store"]))?;
+    command::run(&mut cargo(&[&WITH_STUDIES[..], &["--features", "store"]].concat()))?;
     let program = Program::built();
     let folder = work_folder("store")?;
     let server = Server::start(&server, &folder.join("objects"))?;
@@ -74,8 +74,13 @@ impl Bench {
 
     /// The program with an empty cache of that name.
     fn command(&self, cache: &str, line: &str) -> Command {
+        self.command_of(&self.program, cache, line)
+    }
+
+    /// A program with an empty cache of that name.
+    fn command_of(&self, program: &Program, cache: &str, line: &str) -> Command {
         let words: Vec<&str> = line.split(' ').collect();
-        let mut command = self.program.command(&words);
+        let mut command = program.command(&words);
         command
             .env("DEEPSHADE_CACHE", self.folder.join(cache))
             .env("AWS_ENDPOINT", format!("http://127.0.0.1:{}", self.server.port))
@@ -260,10 +265,12 @@ fn unconditional(bench: &Bench) -> Result<()> {
     Ok(())
 }
 
-/// What the server takes, by the program's own measurement.
+/// What the server takes, as a study measures it.
 fn rates(bench: &Bench) -> Result<Vec<(String, f64)>> {
     let json = bench.local("rates.json");
-    bench.run("unused", &format!("bench store s3://bucket/probe --json {json}"))?;
+    let line = format!("store s3://bucket/probe --json {json}");
+    let output = bench.command_of(&Program::studies(), "unused", &line).output()?;
+    ensure!(output.status.success(), "`{line}`: {}", message(&output));
     let text = std::fs::read_to_string(&json)?;
     let names = ["megabytes_per_second_written", "megabytes_per_second_read", "requests_per_second"];
     names.into_iter().map(|name| Ok((name.to_owned(), figure(&text, name)?))).collect()

@@ -1,7 +1,9 @@
-//! The same rays traced in several ways: one by one, in bundles where the program does so, and one by one by a rival.
+//! The same rays traced in several ways: one by one, in bundles where the program does so, and one by one by
+//! a rival.
 //!
-//! A rival's rate is always that of single rays. So [`Outcome`]'s `ratio_<kind>` sets single rays beside single rays;
-//! what bundles gain over a rival's single rays is `ratio_<kind>_bundles`, which says nothing of the two hierarchies.
+//! A rival's rate is always that of single rays. So [`Outcome`]'s `ratio_<kind>` sets single rays beside
+//! single rays; what bundles gain over a rival's single rays is `ratio_<kind>_bundles`, which says nothing of
+//! the two hierarchies.
 
 use super::Rival;
 use super::sets::{Bundle, Kind, Ray, RaySet};
@@ -47,13 +49,15 @@ pub struct Outcome {
     rival: Option<Against>,
 }
 
-/// A rival's rates, and the share of rays for which it finds something else.
+/// Who a rival is, its rates, and the share of rays for which it finds something else.
 struct Against {
+    name: &'static str,
     rates: Rates,
     disagree: f64,
 }
 
-/// A way to trace a part of the rays, from its first to its last; the number that comes out stands for the hits.
+/// A way to trace a part of the rays, from its first to its last; the number that comes out stands for the
+/// hits.
 type Way<'a> = Box<dyn Fn(Range<usize>) -> u32 + Sync + 'a>;
 
 impl Contest<'_> {
@@ -69,7 +73,10 @@ impl Contest<'_> {
         let mut rates = self.rates(&ways, set.rays.len()).into_iter();
         let single = rates.next().expect("one by one comes first");
         let bundles = if set.bundles.is_empty() { None } else { rates.next() };
-        let against = |(rival, rates)| Against { rates, disagree: self.disagreement(rival, set) };
+        let against = |(rival, rates): (&dyn Rival, Rates)| {
+            let disagree = self.disagreement(rival, set);
+            Against { name: rival.name(), rates, disagree }
+        };
         Outcome { single, bundles, rival: self.rival.zip(rates.next()).map(against) }
     }
 
@@ -146,15 +153,15 @@ fn first_triangles(scene: &TracedScene) -> Vec<u32> {
     scene.scene().meshes.iter().scan(0, count).collect()
 }
 
-/// The bundles that stand for a part of the rays: every bundle for one part, whatever the parts. All bundles but those
-/// at an image's edges are full, so that parts of as many rays have as many bundles, or one more.
+/// The bundles that stand for a part of the rays: every bundle for one part, whatever the parts. All bundles
+/// but those at an image's edges are full, so that parts of as many rays have as many bundles, or one more.
 fn bundles_of(part: Range<usize>, rays: usize, bundles: usize) -> Range<usize> {
     let place = |ray: usize| (ray * bundles + rays / 2) / rays;
     place(part.start)..place(part.end)
 }
 
-/// Whether two hits are one: the same triangle, or another at the same distance, as where two share an edge or lie in
-/// one another.
+/// Whether two hits are one: the same triangle, or another at the same distance, as where two share an edge
+/// or lie in one another.
 fn same(ours: Option<Hit>, theirs: Option<(f32, u32)>, firsts: &[u32]) -> bool {
     let (ours, (distance, triangle)) = match (ours, theirs) {
         (None, None) => return true,
@@ -190,13 +197,16 @@ impl Outcome {
     /// Sets a kind's figures.
     pub fn write(&self, kind: Kind, figures: &mut Figures) {
         let name = kind.name();
-        let rival = self.rival.as_ref().map(|rival| rival.rates);
-        for (way, rates) in [("", Some(self.single)), ("_bundles", self.bundles), ("_embree", rival)] {
-            let Some(rates) = rates else { continue };
+        let mut ways = vec![(String::new(), self.single)];
+        ways.extend(self.bundles.map(|rates| ("_bundles".to_owned(), rates)));
+        ways.extend(
+            self.rival.as_ref().map(|rival| (format!("_{}", rival.name.to_lowercase()), rival.rates)),
+        );
+        for (way, rates) in ways {
             figures.set(&format!("mrays_{name}{way}"), rates.one_thread);
             figures.set(&format!("mrays_{name}{way}_all_threads"), rates.all_threads);
         }
-        let Some(Against { rates: theirs, disagree }) = &self.rival else { return };
+        let Some(Against { rates: theirs, disagree, .. }) = &self.rival else { return };
         figures.set(&format!("ratio_{name}"), self.single.one_thread / theirs.one_thread);
         if let Some(bundles) = self.bundles {
             figures.set(&format!("ratio_{name}_bundles"), bundles.one_thread / theirs.one_thread);
@@ -211,15 +221,16 @@ impl Outcome {
         if let Some(bundles) = self.bundles {
             self.line(&format!("in bundles of {BUNDLE}, as the program traces them"), bundles)?;
         }
-        let Some(Against { rates, disagree }) = &self.rival else { return Ok(()) };
-        self.line("Embree, single rays", *rates)?;
-        say!("          {:.5} % of the rays meet something else in Embree", 100.0 * disagree)
+        let Some(Against { name, rates, disagree }) = &self.rival else { return Ok(()) };
+        self.line(&format!("{name}, single rays"), *rates)?;
+        say!("          {:.5} % of the rays meet something else in {name}", 100.0 * disagree)
     }
 
     /// A way's rates, and what part they are of the rival's single rays.
     fn line(&self, way: &str, Rates { one_thread, all_threads }: Rates) -> Result<()> {
-        let part =
-            |rival: &Against| format!(", {:.2} of Embree's single rays", one_thread / rival.rates.one_thread);
+        let part = |rival: &Against| {
+            format!(", {:.2} of {}'s single rays", one_thread / rival.rates.one_thread, rival.name)
+        };
         let part = self.rival.as_ref().map(part).unwrap_or_default();
         say!("          {one_thread:6.2} Mrays/s, all threads {all_threads:6.2}  {way}{part}")
     }

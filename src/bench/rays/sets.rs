@@ -1,5 +1,5 @@
-//! The rays: those of a camera, those that ask for ambient occlusion, and those that leave a surface after one diffuse
-//! bounce.
+//! The rays: those of a camera, those that ask for ambient occlusion, and those that leave a surface after
+//! one diffuse bounce.
 
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::bvh::bundle::BUNDLE;
@@ -40,9 +40,11 @@ impl Kind {
 /// A ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
+    /// Where it starts.
     pub origin: Vec3,
     /// A unit vector.
     pub direction: Vec3,
+    /// How far it goes.
     pub reach: f32,
 }
 

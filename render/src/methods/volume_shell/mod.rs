@@ -76,7 +76,7 @@ pub type VolumeShell = Compiled<Parameters>;
 impl Parameters {
     /// Those of a quality. On `colonnade:1` in clouds (48x32, truth of 512 samples) low and ultra come to a relative mean squared
     /// error of 0.027 and 0.034 where truth's own noise is 0.06: what is left there is light that something should hide. In an
-    /// empty box a smaller threshold helps (`bench volume-shell`).
+    /// empty box a smaller threshold helps (`deepshade-studies volume-shell`).
     pub fn of(quality: Quality) -> Self {
         let (scale, threshold, steps, points) = match quality {
             Quality::Low => (0.060, 0.06, 64, 2),

@@ -3,8 +3,8 @@ use super::*;
 use deepshade_render::scene::{Camera, Material, Scene};
 use glam::Vec3;
 
-/// About two quarters of a wall, of two triangles and of one, before a camera, none of whose rays meets an edge: there,
-/// triangles are a matter of rounding.
+/// About two quarters of a wall, of two triangles and of one, before a camera, none of whose rays meets an
+/// edge: there, triangles are a matter of rounding.
 fn scene() -> TracedScene {
     let mesh = |corners: &[[f32; 2]], triangles: &[[u32; 3]]| Mesh {
         positions: corners.iter().map(|[x, y]| Vec3::new(*x, *y, -2.0)).collect(),
@@ -43,6 +43,10 @@ impl<'a> Mirror<'a> {
 }
 
 impl Rival for Mirror<'_> {
+    fn name(&self) -> &'static str {
+        "Mirror"
+    }
+
     fn build_seconds(&self) -> f64 {
         0.0
     }
@@ -127,7 +131,7 @@ fn bundles_meet_what_single_rays_do() {
 #[test]
 fn ratios_are_of_single_rays_and_bundles_are_called_so() {
     let rates = |one_thread| Rates { one_thread, all_threads: 2.0 * one_thread };
-    let rival = Against { rates: rates(4.0), disagree: 0.25 };
+    let rival = Against { name: "Embree", rates: rates(4.0), disagree: 0.25 };
     let outcome = Outcome { single: rates(3.0), bundles: Some(rates(8.0)), rival: Some(rival) };
     let mut figures = Figures::new("bench rays");
     outcome.write(Kind::Ao, &mut figures);

@@ -1,0 +1,138 @@
+//! Shallow regressors on patches beside the deep network (thesis 7.5.5, Figure 7.17): perceptrons on 11x11
+//! and 21x21 pixels, random forests on 21x21.
+
+use super::exam::{Exam, SIMILARITY, Scores};
+use super::kernels::{TIMED, milliseconds};
+use super::lab::{Lab, scores};
+use super::table::{Row, Table};
+use anyhow::Result;
+use deepshade::shared::plot::{Line, Plot};
+use deepshade_infer::NetSpec;
+use deepshade_shaders::lists::median;
+use deepshade_shaders::{GBuffer, Planes};
+use deepshade_train::regressors::forest::Growth;
+use deepshade_train::regressors::mlp::Schedule;
+use deepshade_train::regressors::{Forest, Frames, Mlp};
+use std::time::Instant;
+
+/// Edges of the perceptrons' patches, pixels.
+const PERCEPTRONS: [usize; 2] = [11, 21];
+/// Edge of the forests' patches, pixels.
+const FOREST: usize = 21;
+/// Trees of the forests; each forest has the trees of those before it.
+const TREES: [usize; 3] = [1, 5, 10];
+/// Pairs that patches are from, at most, spread over all that there are.
+const MOST_FRAMES: usize = 200;
+/// Patches of a perceptron's step.
+const PATCHES: usize = 256;
+/// Runs of which the median time counts, after one more.
+const TIMED_RUNS: usize = 5;
+
+/// Trains the network and its rivals on the same pairs.
+///
+/// # Errors
+/// If data, training or testing fail.
+pub fn run(lab: &Lab) -> Result<Table> {
+    let data = lab.base_data()?;
+    let settings = lab.settings(&data)?;
+    let network = lab.network("base", &settings)?;
+    let exam = lab.base_exam()?;
+    let spec = &settings.spec;
+    let seed = settings.seed;
+    let mut results = Results { exam: &exam, spec, rows: Vec::new(), lines: Vec::new() };
+    let scores = scores(&exam, &network)?;
+    results.add(["ssim_unet", "deep network"], scores, milliseconds(&network)?, network.seconds);
+    let frames = Frames::read(&data.dataset, spec, MOST_FRAMES)?;
+    for edge in PERCEPTRONS {
+        note!("perceptron on {edge} x {edge} pixels");
+        let start = Instant::now();
+        let steps = lab.size.perceptron_steps;
+        let mlp = Mlp::train(&frames, edge, Schedule { steps, batch: PATCHES, seed })?;
+        let names = [format!("ssim_mlp{edge}"), format!("perceptron {edge}x{edge}")];
+        results.measure(names, start.elapsed().as_secs_f64(), |input| Ok(mlp.image(input)))?;
+    }
+    note!("random forest of {} trees on {FOREST} x {FOREST} pixels", TREES[TREES.len() - 1]);
+    let start = Instant::now();
+    let growth = Growth { trees: TREES[TREES.len() - 1], examples: lab.size.forest_examples, seed };
+    let forest = Forest::grow(&frames, FOREST, growth)?;
+    let seconds = start.elapsed().as_secs_f64();
+    for trees in TREES {
+        let names = [format!("ssim_forest{trees}"), format!("random forest of {trees}")];
+        // Trees are grown side by side, each taking as long.
+        let share = seconds * trees as f64 / growth.trees as f64;
+        results.measure(names, share, |input| Ok(forest.image(input, trees)?))?;
+    }
+    let trivial = exam.trivial()?;
+    results.rows.push(Row::new(
+        "ssim_trivial",
+        "nothing",
+        &[&trivial.similarity()[..], &[trivial.dssim()]].concat(),
+    ));
+    let more = [("DSSIM", 4), ("ms at 256x256", 2), ("training s", 1)];
+    Ok(Table {
+        title: "Deep network, perceptrons and random forests",
+        rows_are: "regressor",
+        columns: [&SIMILARITY[..], &more].concat(),
+        rows: results.rows,
+        plot: Plot {
+            x: "ms at 256x256 on the processor",
+            is_logarithmic: true,
+            y: "DSSIM on test scenes",
+            lines: results.lines,
+            level: Some(("doing nothing", trivial.dssim())),
+        },
+    })
+}
+
+/// What was measured so far.
+struct Results<'a> {
+    exam: &'a Exam,
+    spec: &'a NetSpec,
+    rows: Vec<Row>,
+    lines: Vec<Line>,
+}
+
+impl Results<'_> {
+    /// Scores and times a regressor that makes images of what a network reads.
+    fn measure(
+        &mut self,
+        names: [String; 2],
+        training: f64,
+        image: impl Fn(&Planes) -> Result<Planes>,
+    ) -> Result<()> {
+        let scores = self.exam.scores(|gbuffer, radius| {
+            let mut made = image(&input(self.spec, gbuffer, radius)?)?;
+            self.spec.set_background(gbuffer, &mut made)?;
+            Ok(made)
+        })?;
+        let (gbuffer, radius) = self.exam.first();
+        let timed = repeated(&input(self.spec, gbuffer, radius)?);
+        image(&timed)?;
+        let mut times = Vec::new();
+        for _ in 0..TIMED_RUNS {
+            let start = Instant::now();
+            image(&timed)?;
+            times.push(1e3 * start.elapsed().as_secs_f64());
+        }
+        self.add(names, scores, median(times), training);
+        Ok(())
+    }
+
+    fn add(&mut self, names: [impl Into<String>; 2], scores: Scores, milliseconds: f64, training: f64) {
+        let [figure, label] = names.map(Into::into);
+        let values = [&scores.similarity()[..], &[scores.dssim(), milliseconds, training]].concat();
+        self.lines.push(Line::dotted(label.clone(), vec![(milliseconds, scores.dssim())]));
+        self.rows.push(Row::new(figure, label, &values));
+    }
+}
+
+/// What a network would read.
+fn input(spec: &NetSpec, gbuffer: &GBuffer, radius: f32) -> Result<Planes> {
+    Ok(spec.input(gbuffer, spec.scaling(gbuffer, radius)?, 0)?)
+}
+
+/// An image of 256 x 256 pixels of another one, repeated or cut: the time of trees depends on what they read.
+fn repeated(input: &Planes) -> Planes {
+    let (height, width) = (input.height(), input.width());
+    Planes::from_fn(input.channels(), TIMED, TIMED, |channel, y, x| input.at(channel, y % height, x % width))
+}

@@ -1,0 +1,120 @@
+//! A frame of a scene on the GPU, with all that shading by surfels reads.
+
+use super::Args;
+use crate::stages;
+use anyhow::{Result, bail};
+use deepshade::shared::arguments::Size;
+use deepshade::shared::stage::{self, Staged};
+use deepshade_render::methods::Quality;
+use deepshade_render::methods::surfel::{self, occlusion::SurfelOcclusion};
+use deepshade_render::raster::frame::{Frame, Settings, Stage};
+use deepshade_render::screen::{Inputs, Plan, View};
+use deepshade_render::surfels::{self, Surfel, patches, reference};
+use deepshade_shaders::gpu::{self, Gpu, GpuError};
+use deepshade_shaders::{Attribute, Effect};
+use std::f64::consts::PI;
+
+/// How far effects reach, over the scene's diagonal.
+const RADIUS: f32 = 0.05;
+/// So far that no surfel is left out, over the scene's diagonal.
+const EVERYWHERE: f32 = 10.0;
+/// Edge of shadow maps, texels.
+const SHADOW_SIZE: usize = 1024;
+
+/// The scene that is measured, with what the effects need, as a camera sees it that is the same for all
+/// sizes.
+///
+/// # Errors
+/// If the scene cannot be read.
+pub fn staged(args: &Args, effects: &[Effect]) -> Result<Staged> {
+    let Some(Size { width, height }) = args.sizes.first() else { bail!("--sizes names no size") };
+    stage::plain(&args.scene, &args.viewpoint, effects, [*height, *width])
+}
+
+/// The frame.
+pub struct Subject<'a> {
+    gpu: &'a Gpu,
+    staged: &'a Staged,
+    frame: Frame,
+    /// From where it is seen.
+    pub view: View,
+}
+
+impl<'a> Subject<'a> {
+    /// Makes it; effects reach `radius` metres, or as far as they do by default.
+    ///
+    /// # Errors
+    /// If the device has no room.
+    pub fn new(
+        gpu: &'a Gpu,
+        staged: &'a Staged,
+        radius: Option<f32>,
+        Size { width, height }: Size,
+        attributes: &[Attribute],
+    ) -> Result<Self, GpuError> {
+        let mut attributes = attributes.to_vec();
+        // The frame shows light; areas, memory and sweeps are of ambient occlusion.
+        attributes.extend([Attribute::Light, Attribute::Position, Attribute::Normal, Attribute::Valid]);
+        attributes.sort_unstable();
+        attributes.dedup();
+        let settings = Settings { height, width, attributes, shadow_size: Some(SHADOW_SIZE) };
+        let mut frame = Frame::new(gpu, &staged.animated, &settings)?;
+        frame.set(&gpu.queue, 0.0, 0.0, &staged.camera);
+        gpu::submit(&gpu.device, &gpu.queue, "bench.surfel", |encoder| {
+            Stage::ALL.into_iter().for_each(|stage| frame.encode(stage, encoder, None));
+        })?;
+        let radius = radius.unwrap_or(RADIUS * staged.diagonal);
+        let view = View { height, width, camera: staged.camera, radius, seed: 0 };
+        Ok(Self { gpu, staged, frame, view })
+    }
+
+    /// What methods read.
+    pub fn inputs(&self) -> Inputs<'_> {
+        let environment = self.staged.animated.scene.environment.as_deref();
+        Inputs { gbuffer: self.frame.gbuffer(), environment, world: Some(self.frame.world()) }
+    }
+
+    /// Of the scene.
+    pub fn triangles(&self) -> usize {
+        self.staged.animated.scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum()
+    }
+
+    /// Parts of its surface that surfels are laid out on.
+    pub fn patches(&self) -> usize {
+        self.frame.world().patches().len()
+    }
+
+    /// By how much the areas of all surfels together miss that of the surface, as a share of it. For that
+    /// nothing is left out for being out of view.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn area_error(&self, quality: Quality) -> Result<f64, GpuError> {
+        let view = View { radius: EVERYWHERE * self.staged.diagonal, ..self.view };
+        let usual = surfel::Parameters::of(quality);
+        let near = usual.surfels.near * self.view.radius / view.radius;
+        let parameters =
+            surfel::Parameters { surfels: surfels::Parameters { near, ..usual.surfels }, ..usual };
+        let method = SurfelOcclusion::new(self.gpu, parameters.into())?;
+        let plan = Plan::new(&method, &self.inputs(), &view)?;
+        let found = self.surfel_area(&plan)?;
+        let scene = &self.staged.animated.scene;
+        let vertices = reference::vertices(scene.meshes.iter(), &view.camera);
+        Ok(found / patches::covered_area(self.frame.world().patches(), &vertices) - 1.0)
+    }
+
+    /// The area of all surfels that a plan's passes lay out, m².
+    fn surfel_area(&self, plan: &Plan) -> Result<f64, GpuError> {
+        let Gpu { device, queue, .. } = self.gpu;
+        let laying = plan.steps().iter().take_while(|step| stages::Stage::is_laying(step));
+        let laying: Vec<_> = laying.collect();
+        gpu::submit(device, queue, "bench.surfel", |encoder| {
+            laying.iter().for_each(|step| step.step.encode(encoder, "surfels", None));
+        })?;
+        let [count, _] = stages::surfels(self.gpu, plan)?;
+        let Some(made) = laying.last().and_then(|step| step.writes.last()) else { return Ok(0.0) };
+        let bytes = u64::from(count) * size_of::<Surfel>() as u64;
+        let made: Vec<Surfel> = gpu::read_part(device, queue, made, 0, bytes)?;
+        Ok(made.iter().map(|surfel| PI * f64::from(surfel.radius()).powi(2)).sum())
+    }
+}
