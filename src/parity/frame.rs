@@ -9,7 +9,7 @@ use deepshade_infer::NetSpec;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::scene::procedural::Family;
-use deepshade_shaders::Planes;
+use deepshade_shaders::{Attribute, Planes};
 
 /// The room, and its view.
 const SEED: u32 = 7;
@@ -32,7 +32,11 @@ pub fn input(spec: &NetSpec, size: [usize; 2]) -> Result<Planes> {
         time: 0.0,
     };
     let Completed { scene, camera, .. } = complete(&room, &camera, &wants)?;
-    let gbuffer = gbuffer::render(&scene, &camera, size[0], size[1], &reads(spec)?);
+    let mut attributes = reads(spec)?;
+    if !attributes.contains(&Attribute::Valid) {
+        attributes.push(Attribute::Valid);
+    }
+    let gbuffer = gbuffer::render(&scene, &camera, size[0], size[1], &attributes);
     let radius = radius::wanted(None, Some(spec.reach), &[], Space::seen(&scene, &camera, size));
     Ok(Learned::input(spec, &gbuffer, radius)?)
 }
