@@ -129,8 +129,8 @@ impl Card {
     }
 
     fn estimates(&self, gbuffer: &GpuGBuffer, view: &View) -> Result<Vec<Estimate>, MethodError> {
-        let estimate = |method: &Box<dyn ScreenMethod>| Estimate::new(method.as_ref(), gbuffer, view);
-        self.methods.iter().map(estimate).collect::<Result<_, GpuError>>().map_err(refused)
+        let estimates = self.methods.iter().map(|method| Estimate::new(method.as_ref(), gbuffer, view));
+        estimates.collect::<Result<_, GpuError>>().map_err(refused)
     }
 }
 
