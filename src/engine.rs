@@ -30,7 +30,7 @@ pub struct Engine {
 /// A network on images of one size.
 enum Runner {
     Cpu(Box<cpu::Plan>),
-    Wgsl(Gpu, Arc<forward::Runner>),
+    Wgsl(Box<Gpu>, Arc<forward::Runner>),
 }
 
 impl Engine {
@@ -126,7 +126,8 @@ impl Engine {
         if let Some((gpu, model)) = &self.card {
             match kernels::fastest(gpu, model, Precision::F32, [height, width]) {
                 Ok(network) => {
-                    return Ok(Runner::Wgsl(gpu.clone(), Arc::new(network.runner(height, width)?)));
+                    let passes = network.runner(height, width)?;
+                    return Ok(Runner::Wgsl(Box::new(gpu.clone()), Arc::new(passes)));
                 }
                 Err(error @ ForwardError::NoKernel { .. }) => {
                     note!("{error}; the processor runs the network")
