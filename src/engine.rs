@@ -7,6 +7,7 @@ use deepshade_render::processor_name;
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::{Gpu, Timing};
 use std::cell::RefCell;
+use std::sync::Arc;
 use web_time::Instant;
 
 /// The adapter where networks are fastest on it: the processor is faster where the adapter is software, as
@@ -29,7 +30,7 @@ pub struct Engine {
 /// A network on images of one size.
 enum Runner {
     Cpu(Box<cpu::Plan>),
-    Wgsl(Box<(Gpu, forward::Runner)>),
+    Wgsl(Box<Gpu>, Arc<forward::Runner>),
 }
 
 impl Engine {
@@ -51,7 +52,7 @@ impl Engine {
     /// What ran the last image.
     pub fn device(&self) -> String {
         match &*self.runner.borrow() {
-            Some((_, Runner::Wgsl(card))) => card.0.info.name.clone(),
+            Some((_, Runner::Wgsl(gpu, _))) => gpu.info.name.clone(),
             _ => processor_name().unwrap_or_else(|| "unknown processor".to_owned()),
         }
     }
@@ -60,7 +61,7 @@ impl Engine {
     #[cfg(feature = "train")]
     pub fn name(&self) -> &'static str {
         match &*self.runner.borrow() {
-            Some((_, Runner::Wgsl(_))) => "wgsl",
+            Some((_, Runner::Wgsl(..))) => "wgsl",
             _ => "cpu",
         }
     }
@@ -92,21 +93,41 @@ impl Engine {
         timed: usize,
     ) -> Result<(Planes, Timing), ForwardError> {
         let size = [input.height(), input.width()];
-        let last = self.runner.take().filter(|(last, _)| *last == size);
-        let mut runner = last.map_or_else(|| self.runner(size), |(_, runner)| Ok(runner))?;
+        let mut runner = self.runner(size)?;
         let made = match &mut runner {
-            Runner::Wgsl(card) => card.1.run_timed_async(&card.0.queue, input, warm_up, timed).await,
+            Runner::Wgsl(gpu, passes) => passes.run_timed_async(&gpu.queue, input, warm_up, timed).await,
             Runner::Cpu(plan) => run_on_cpu(plan, input, warm_up, timed),
         };
         self.runner.replace(Some((size, runner)));
         made
     }
 
-    fn runner(&self, [height, width]: [usize; 2]) -> Result<Runner, ForwardError> {
+    /// The network's passes on images of a size; none where the processor runs it.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn on_card(&self, size: [usize; 2]) -> Result<Option<Arc<forward::Runner>>, ForwardError> {
+        let runner = self.runner(size)?;
+        let passes = match &runner {
+            Runner::Wgsl(_, passes) => Some(Arc::clone(passes)),
+            Runner::Cpu(_) => None,
+        };
+        self.runner.replace(Some((size, runner)));
+        Ok(passes)
+    }
+
+    /// What runs images of a size, taken from what ran the last image where that was as large.
+    fn runner(&self, size: [usize; 2]) -> Result<Runner, ForwardError> {
+        let last = self.runner.take().filter(|(last, _)| *last == size);
+        last.map_or_else(|| self.new_runner(size), |(_, runner)| Ok(runner))
+    }
+
+    fn new_runner(&self, [height, width]: [usize; 2]) -> Result<Runner, ForwardError> {
         if let Some((gpu, model)) = &self.card {
             match kernels::fastest(gpu, model, Precision::F32, [height, width]) {
                 Ok(network) => {
-                    return Ok(Runner::Wgsl(Box::new((gpu.clone(), network.runner(height, width)?))));
+                    let passes = network.runner(height, width)?;
+                    return Ok(Runner::Wgsl(Box::new(gpu.clone()), Arc::new(passes)));
                 }
                 Err(error @ ForwardError::NoKernel { .. }) => {
                     note!("{error}; the processor runs the network")

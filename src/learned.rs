@@ -1,12 +1,15 @@
 //! The method `learned`: a trained network, run by `infer`.
 
+mod card;
 mod estimates;
+mod recorded;
 #[cfg(feature = "train")]
 pub mod run;
 
 use crate::engine::{self, Engine};
 use crate::methods::LEARNED;
 use anyhow::{Result, ensure};
+use card::Card;
 #[cfg(feature = "view")]
 use deepshade_infer::TrainedUnder;
 use deepshade_infer::forward::ForwardError;
@@ -14,12 +17,15 @@ use deepshade_infer::model::{SPEC, WEIGHTS};
 use deepshade_infer::{Model, NetSpec};
 use deepshade_render::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
 use deepshade_render::methods::estimate::Estimator;
+use deepshade_render::screen::{GpuGBuffer, View};
 #[cfg(feature = "train")]
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
 use estimates::Estimates;
 use std::path::{Path, PathBuf};
+
+pub use recorded::Recorded;
 
 /// The folder in which an effect's network lies unless another one is named: below `models` here, else among those that were
 /// installed with the program.
@@ -138,7 +144,10 @@ pub fn outside(spec: &NetSpec, gbuffer: &GBuffer, radius: f32) -> Option<String>
 /// A trained network on a device.
 pub struct Learned {
     engine: Engine,
+    /// What it reads where the processor runs it.
     estimates: Estimates,
+    /// What runs around it where an adapter does.
+    card: Option<Card>,
 }
 
 impl Learned {
@@ -168,8 +177,9 @@ impl Learned {
     }
 
     fn on(gpu: Option<&Gpu>, model: &Model) -> Result<Self, MethodError> {
-        let estimates = Estimates::new(gpu, &model.spec)?;
-        Ok(Self { engine: Engine::new(gpu, model).map_err(failed)?, estimates })
+        let card = gpu.map(|gpu| Card::new(gpu, &model.spec)).transpose()?;
+        let estimates = Estimates::new(&model.spec)?;
+        Ok(Self { engine: Engine::new(gpu, model).map_err(failed)?, estimates, card })
     }
 
     /// What the first of a network's runs reads of a g-buffer, with what methods estimate for it on the
@@ -180,7 +190,7 @@ impl Learned {
     #[cfg(feature = "train")]
     pub fn input(spec: &NetSpec, gbuffer: &GBuffer, radius: f32) -> Result<Planes, MethodError> {
         let missing = |source: MissingAttribute| MethodError::Missing { method: LEARNED, source };
-        let (estimated, _) = Estimates::new(None, spec)?.of(gbuffer, radius, Repeats::ONCE)?;
+        let (estimated, _) = Estimates::new(spec)?.of(gbuffer, radius, Repeats::ONCE)?;
         let prepared = spec.prepared(estimated.as_ref().unwrap_or(gbuffer), radius).map_err(missing)?;
         let scaling = spec.scaling(&prepared, radius).map_err(missing)?;
         spec.input(&prepared, scaling, 0).map_err(missing)
@@ -212,25 +222,63 @@ impl Learned {
         radius: f32,
         repeats: Repeats,
     ) -> Result<Shaded, MethodError> {
+        let runner = self.engine.on_card([gbuffer.height(), gbuffer.width()]).map_err(failed)?;
+        match self.card.as_ref().zip(runner) {
+            Some((card, runner)) => card.image(runner, gbuffer, radius, repeats).await,
+            None => self.image_by_processor(gbuffer, radius, repeats).await,
+        }
+    }
+
+    /// As [`Learned::image_async`], where the processor runs the network.
+    async fn image_by_processor(
+        &self,
+        gbuffer: &GBuffer,
+        radius: f32,
+        repeats: Repeats,
+    ) -> Result<Shaded, MethodError> {
         let missing = |source: MissingAttribute| MethodError::Missing { method: LEARNED, source };
         let spec = self.spec();
         let Repeats { warm_up, timed } = repeats;
-        let (estimated, mut milliseconds) = self.estimates.of(gbuffer, radius, repeats)?;
+        let (estimated, of_estimates) = self.estimates.of(gbuffer, radius, repeats)?;
         let prepare = || spec.prepared(estimated.as_ref().unwrap_or(gbuffer), radius).map_err(missing);
-        let (prepared, time) = estimates::timed(prepare, repeats)?;
-        let (mut runs, mut clock) = (Vec::new(), Clock::Gpu);
+        let (prepared, of_preparing) = estimates::timed(prepare, repeats)?;
+        let mut milliseconds = of_estimates + of_preparing;
+        let mut runs = Vec::new();
         let scaling = spec.scaling(&prepared, radius).map_err(missing)?;
         for run in 0..spec.runs() {
             let input = spec.input(&prepared, scaling, run).map_err(missing)?;
             let (image, timing) = self.engine.run_async(&input, warm_up, timed).await.map_err(failed)?;
             runs.push(image);
             milliseconds += timing.milliseconds;
-            clock = if timing.by_gpu { clock } else { Clock::Cpu };
         }
-        milliseconds += time;
         let mut image = spec.image(&runs, scaling);
         spec.set_background(gbuffer, &mut image).map_err(missing)?;
-        Ok(Shaded { image, milliseconds, clock, device: self.engine.device() })
+        Ok(Shaded { image, milliseconds, clock: Clock::Cpu, device: self.engine.device() })
+    }
+
+    /// All that its image of a frame takes, to be recorded with the frame, from a g-buffer on its adapter into
+    /// `image`, `[effect's channels, height, width]`. None where it reads light, of which a frame has to be
+    /// exposed first, or the processor runs it.
+    ///
+    /// # Errors
+    /// If the g-buffer lacks something or the device fails.
+    pub fn record(
+        &self,
+        gbuffer: &GpuGBuffer,
+        view: &View,
+        image: &wgpu::Buffer,
+    ) -> Result<Option<Recorded>, MethodError> {
+        let Some(card) = self.card.as_ref().filter(|_| !self.spec().reads_light()) else { return Ok(None) };
+        let runner = self.engine.on_card([view.height, view.width]).map_err(failed)?;
+        let scaling = self.spec().scaling_of_lengths(view.radius);
+        runner.map(|runner| card.record(runner, gbuffer, view, scaling, image)).transpose()
+    }
+
+    /// Tells what was recorded of another frame.
+    pub fn look(&self, recorded: &Recorded, view: &View) {
+        if let Some(card) = &self.card {
+            card.look(recorded, view, self.spec().scaling_of_lengths(view.radius));
+        }
     }
 }
 

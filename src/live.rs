@@ -7,12 +7,12 @@
 pub mod pilot;
 pub mod stage;
 
-use crate::learned::{self, Learned};
+use crate::learned::{self, Learned, Recorded};
 use crate::methods::LEARNED;
 use anyhow::{Context, Result, ensure};
 #[cfg(feature = "view")]
 use deepshade_infer::Model;
-use deepshade_render::method::Repeats;
+use deepshade_render::method::{MethodError, Repeats};
 use deepshade_render::raster::Frame;
 use deepshade_render::raster::frame::{Settings, Stage};
 use deepshade_render::raster::since::Since;
@@ -20,7 +20,7 @@ use deepshade_render::raster::since::Since;
 use deepshade_render::scene::Light;
 use deepshade_render::scene::{AnimatedScene, Camera};
 use deepshade_render::screen::reprojection::{Parameters, Reprojection};
-use deepshade_render::screen::{Inputs, Plan, ScreenMethod, View};
+use deepshade_render::screen::{GpuGBuffer, Inputs, Plan, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, Gpu, GpuError, PassClock, Stamps};
 use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
 use std::sync::Arc;
@@ -69,13 +69,14 @@ struct Shading {
 enum Running {
     /// In passes that are recorded with the frame.
     Passes(Box<dyn ScreenMethod>, Box<Plan>),
-    /// By itself, once the frame's g-buffer has been read back.
-    Network(Box<Learned>),
+    /// A network: recorded with the frame, or, where it cannot be, by itself once the frame's g-buffer has
+    /// been read back.
+    Network(Box<Learned>, Option<Box<Recorded>>),
 }
 
 impl Live {
-    /// Prepares everything; on the GPU nothing is allocated afterwards, but for what carries a network's input and image there
-    /// and back.
+    /// Prepares everything; on the GPU nothing is allocated afterwards, but for what carries a g-buffer and
+    /// the image of a network there and back that is not recorded with the frame.
     ///
     /// # Errors
     /// If the device refuses or has no room.
@@ -102,10 +103,11 @@ impl Live {
             let plan = Plan::new(&method, &inputs, &view).with_context(|| format!("method `{name}`"))?;
             running.push(Running::Passes(method, Box::new(plan)));
         }
-        running.extend(wanted.learned.map(|learned| Running::Network(Box::new(learned))));
+        running.extend(wanted.learned.map(|learned| Running::Network(Box::new(learned), None)));
         let since = Since::new(&gpu.device, &frame)?;
         let shade = |method| Shading::new(gpu, wanted.size, method, wanted.temporal.then_some(&since));
-        let shading: Vec<Shading> = running.into_iter().map(shade).collect::<Result<_, GpuError>>()?;
+        let mut shading: Vec<Shading> = running.into_iter().map(shade).collect::<Result<_, GpuError>>()?;
+        shading.iter_mut().try_for_each(|shading| shading.record(frame.gbuffer(), &view))?;
         let mut live =
             Self { gpu: gpu.clone(), frame, since, shading, clock: None, view, shutter: wanted.shutter };
         let of_network = live.shading.iter().filter(|shading| !shading.is_recorded());
@@ -145,11 +147,16 @@ impl Live {
     #[cfg(feature = "view")]
     pub fn train(&mut self, model: &Model) -> Result<bool> {
         for shading in &mut self.shading {
-            let Running::Network(learned) = &mut shading.method else { continue };
+            let was_recorded = shading.is_recorded();
+            let Running::Network(learned, _) = &mut shading.method else { continue };
             if *learned.spec() != model.spec {
                 return Ok(false);
             }
             **learned = Learned::new(&self.gpu, model)?;
+            shading.record(self.frame.gbuffer(), &self.view)?;
+            if shading.is_recorded() != was_recorded {
+                return Ok(false);
+            }
         }
         Ok(true)
     }
@@ -171,8 +178,10 @@ impl Live {
         self.view = View { camera: *camera, seed, ..self.view };
         self.frame.set(&self.gpu.queue, time, self.shutter, camera);
         for shading in &self.shading {
-            if let Running::Passes(method, plan) = &shading.method {
-                plan.look(&self.gpu.queue, method, &self.view);
+            match &shading.method {
+                Running::Passes(method, plan) => plan.look(&self.gpu.queue, method, &self.view),
+                Running::Network(learned, Some(recorded)) => learned.look(recorded, &self.view),
+                Running::Network(_, None) => {}
             }
         }
         let times = match self.clock.take() {
@@ -183,15 +192,14 @@ impl Live {
         Ok(times.map(|times| times.into_iter().chain(network).collect()))
     }
 
-    /// Runs the trained network, if there is one, on the g-buffer of the frame, and gives its milliseconds, and by the wall
-    /// clock those of sending its image there and mixing it with the ones before.
+    /// Runs the trained network, if there is one that was not recorded, on the g-buffer of the frame, and gives
+    /// its milliseconds, and by the wall clock those of sending its image there and mixing it with the ones
+    /// before.
     async fn run_network(&mut self) -> Result<Vec<f64>> {
-        let Some(index) =
-            self.shading.iter().position(|shading| matches!(shading.method, Running::Network(_)))
-        else {
+        let Some(index) = self.shading.iter().position(|shading| !shading.is_recorded()) else {
             return Ok(Vec::new());
         };
-        let Running::Network(learned) = &self.shading[index].method else { return Ok(Vec::new()) };
+        let Running::Network(learned, None) = &self.shading[index].method else { return Ok(Vec::new()) };
         let gbuffer = self.gbuffer_async(learned.spec().effect.attributes()).await?;
         let shaded = learned.image_async(&gbuffer, self.view.radius, Repeats::ONCE).await?;
         let queue = &self.gpu.queue;
@@ -306,7 +314,7 @@ impl Live {
     /// If the device fails.
     pub fn outside(&self) -> Result<Option<String>> {
         let network = self.shading.iter().find_map(|shading| match &shading.method {
-            Running::Network(learned) => Some(learned.spec()),
+            Running::Network(learned, _) => Some(learned.spec()),
             Running::Passes(..) => None,
         });
         let Some(spec) = network.filter(|spec| spec.trained.is_some()) else { return Ok(None) };
@@ -352,14 +360,14 @@ impl Running {
     fn name(&self) -> &'static str {
         match self {
             Self::Passes(method, _) => method.name(),
-            Self::Network(_) => LEARNED,
+            Self::Network(..) => LEARNED,
         }
     }
 
     fn effect(&self) -> Effect {
         match self {
             Self::Passes(method, _) => method.effect(),
-            Self::Network(learned) => learned.spec().effect,
+            Self::Network(learned, _) => learned.spec().effect,
         }
     }
 }
@@ -370,7 +378,7 @@ impl Shading {
         let pixels = size[0] * size[1];
         let output = match &method {
             Running::Passes(_, plan) => plan.output().clone(),
-            Running::Network(_) => gpu::empty::<f32>(device, "live.learned", channels * pixels)?,
+            Running::Network(..) => gpu::empty::<f32>(device, "live.learned", channels * pixels)?,
         };
         let temporal = since.map(|since| {
             Reprojection::new(device, size, since.planes(), &output, channels, Parameters::default())
@@ -379,13 +387,25 @@ impl Shading {
         Ok(Self { method, output, temporal })
     }
 
+    /// Records a network's passes, where they can be, for every frame of a g-buffer.
+    fn record(&mut self, gbuffer: &GpuGBuffer, view: &View) -> Result<(), MethodError> {
+        if let Running::Network(learned, recorded) = &mut self.method {
+            *recorded = learned.record(gbuffer, view, &self.output)?.map(Box::new);
+        }
+        Ok(())
+    }
+
     /// Whether it runs in passes that are recorded with the frame.
     const fn is_recorded(&self) -> bool {
-        matches!(self.method, Running::Passes(..))
+        matches!(self.method, Running::Passes(..) | Running::Network(_, Some(_)))
     }
 
     fn encode_method(&self, encoder: &mut wgpu::CommandEncoder, stamps: Option<&Stamps<'_>>) {
-        let Running::Passes(method, plan) = &self.method else { return };
+        let (method, plan) = match &self.method {
+            Running::Passes(method, plan) => (method, plan),
+            Running::Network(_, Some(recorded)) => return recorded.encode(encoder, stamps),
+            Running::Network(_, None) => return,
+        };
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some(method.name()),
             timestamp_writes: stamps.map(Stamps::of_compute),
@@ -395,36 +415,4 @@ impl Shading {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::methods;
-    use deepshade_render::methods::Quality;
-    use deepshade_render::scene::SceneSource;
-    use glam::Vec3;
-
-    /// Shadow maps of a frame that a method alone looks at, which does not ask for direct light.
-    fn shadow_maps(effect: Effect, method: &str) -> usize {
-        let gpu = Gpu::new().expect("an adapter");
-        let source: SceneSource = "room:1".parse().expect("a scene");
-        let animated = AnimatedScene::load(&source, 0.0).expect("a scene");
-        let method = methods::open_screen(effect, method, &gpu, Quality::Low).expect("a method");
-        let wanted = Wanted {
-            size: [16, 24],
-            methods: vec![method],
-            learned: None,
-            attributes: vec![Attribute::Valid],
-            temporal: false,
-            radius: 1.0,
-            shutter: 0.0,
-        };
-        let camera = Camera::look_at(Vec3::new(1.0, 1.5, 1.0), Vec3::new(0.0, 1.0, 0.0));
-        Live::new(&gpu, &animated, &camera, wanted).expect("a frame").frame.world().maps_to_draw()
-    }
-
-    #[test]
-    fn lamps_cast_shadows_for_whoever_asks_for_their_light() {
-        assert!(shadow_maps(Effect::Phosphor, "glassner") > 0);
-        assert!(shadow_maps(Effect::Gi, "surfel") > 0);
-        assert_eq!(shadow_maps(Effect::Ao, "gtao"), 0);
-    }
-}
+mod tests;

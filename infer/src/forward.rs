@@ -15,12 +15,18 @@
 //! [`Variant`] is the choice between them and between the shapes of the first set's kernels; [`Tuning`] makes it by
 //! measuring. [`Network`] is what depends on the device, [`Plan`] what depends on the image's size, [`Recording`] what
 //! depends on the caller's buffers or textures; recording that again makes nothing anew.
+//!
+//! Where a g-buffer lies in buffers, [`InputPasses`] make the network's input of them, and [`ImagePass`] the
+//! effect's image of what the network made, so that all of it goes into one command encoder.
 
 mod arena;
 mod convenience;
 mod files;
 mod fit;
+mod frame_recording;
 mod head;
+mod image_pass;
+mod input_passes;
 mod io;
 pub mod kernel;
 mod limits;
@@ -41,6 +47,9 @@ mod variant;
 pub use convenience::{Runner, run, run_layers};
 pub use deepshade_shaders::wgsl::convolution::Shape;
 pub use files::{File, wgsl_files};
+pub use frame_recording::{FrameRecording, FrameScale};
+pub use image_pass::{ImageBuffers, ImagePass};
+pub use input_passes::{InputPasses, InputSource};
 pub use io::{Input, InputKind, Output, OutputKind};
 pub use network::{Network, Options};
 pub use plan::{Bytes, Plan};
@@ -50,6 +59,7 @@ pub use tuning::Tuning;
 pub use variant::{Precision, Variant};
 
 use crate::parity::Tolerance;
+use deepshade_shaders::MissingAttribute;
 use deepshade_shaders::gpu::GpuError;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -118,6 +128,9 @@ pub enum ForwardError {
         /// Channels of the input.
         found: usize,
     },
+    /// A g-buffer without something that the network reads.
+    #[error(transparent)]
+    Missing(#[from] MissingAttribute),
     /// A set of kernels that cannot do what is asked for.
     #[error("{0}")]
     Variant(&'static str),

@@ -2,7 +2,8 @@
 //! and background are dealt with, for training and for every way of running.
 //!
 //! A renderer that keeps its g-buffer on the GPU does the same there, before and after
-//! [`Plan::encode`](crate::Plan::encode).
+//! [`Plan::encode`](crate::Plan::encode): with [`InputPasses`](crate::forward::InputPasses) and
+//! [`ImagePass`](crate::forward::ImagePass), or in passes of its own.
 
 mod made;
 
@@ -40,13 +41,26 @@ impl NetSpec {
     /// # Errors
     /// If the g-buffer lacks light that the network reads.
     pub fn scaling(&self, gbuffer: &GBuffer, radius: f32) -> Result<Scaling, MissingAttribute> {
-        let lights: Vec<Attribute> =
-            self.inputs.iter().copied().filter(|input| unit(*input).scale == Scale::Light).collect();
+        let lights: Vec<Attribute> = self.lights().collect();
         let light = match lights.is_empty() {
             true => 1.0,
             false => self.brightness() * exposure::of_values(gbuffer.select(&lights)?.data().iter().copied()),
         };
-        Ok(Scaling { length: self.reach.position_scale(radius), light })
+        Ok(Scaling { light, ..self.scaling_of_lengths(radius) })
+    }
+
+    /// As [`NetSpec::scaling`], of any frame, for a network that [reads no light](NetSpec::reads_light).
+    pub fn scaling_of_lengths(&self, radius: f32) -> Scaling {
+        Scaling { length: self.reach.position_scale(radius), light: 1.0 }
+    }
+
+    /// Whether it reads light, so that frames have to be exposed alike.
+    pub fn reads_light(&self) -> bool {
+        self.lights().next().is_some()
+    }
+
+    fn lights(&self) -> impl Iterator<Item = Attribute> {
+        self.inputs.iter().copied().filter(|input| unit(*input).scale == Scale::Light)
     }
 
     /// How bright light is to the network. Light of one bounce is some six times fainter than that which it comes from (the
@@ -239,6 +253,8 @@ mod tests {
         assert_eq!((wide.at(0, 0, 0), wide.at(1, 0, 0)), (0.5, 1.5), "the circle, their ratio, stays");
         let ao = NetSpec::ao(ChannelOrder::Interleaved, REACH);
         assert_eq!(ao.scaling(&frame(9.0), 4.0), Ok(lengths(0.5)), "no light is read");
+        assert_eq!(ao.scaling_of_lengths(4.0), lengths(0.5));
+        assert!(spec.reads_light() && !ao.reads_light());
         let brighter = NetSpec { effect: Effect::Gi, ..spec.clone() };
         let light = brighter.scaling(&frame(0.5), 2.0).map(|scaling| scaling.light);
         assert_eq!(light, Ok(8.0 * dim.light), "to make an image of fainter light");

@@ -3,12 +3,14 @@
 //! A shader is a file of `shaders/wgsl` and what that file says that it needs ([`import`]), behind constants
 //! and uniform structs, both derived from Rust. Adding one is a line in one of the tables below this module,
 //! and an entry in [`uniforms`] if it needs a new struct. The kernels of a network's layers on GPUs are put
-//! together in [`convolution`], those of its head in [`head`]. Which line of which file a line of a source
-//! is, [`place`] tells.
+//! together in [`convolution`], those of its head in [`head`], what makes its input and its image of a frame
+//! in [`net_input`] and [`net_image`]. Which line of which file a line of a source is, [`place`] tells.
 
 pub mod convolution;
 pub mod head;
 mod import;
+pub mod net_image;
+pub mod net_input;
 mod place;
 pub mod uniforms;
 
@@ -216,7 +218,9 @@ pub(crate) mod tests {
     fn every_file_is_part_of_something() {
         let attributes = frame::attributes_source(&[crate::Attribute::Depth]);
         let sources: Vec<String> = all().map(Shader::source).chain([attributes]).collect();
-        let sources = [sources, convolution::tests::sources(), head::tests::sources()].concat();
+        let nets = [convolution::tests::sources(), head::tests::sources()];
+        let frames = [net_input::tests::sources(), net_image::tests::sources()];
+        let sources = [sources, nets.concat(), frames.concat()].concat();
         assert!(sources.iter().all(|source| !source.lines().any(|line| line.trim_start().starts_with('#'))));
         let parts: std::collections::BTreeSet<&str> =
             sources.iter().flat_map(|source| place::files(source)).collect();

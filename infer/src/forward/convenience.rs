@@ -108,6 +108,21 @@ impl Network {
 }
 
 impl Runner {
+    /// Where a run reads, `[input channels, height, width]`.
+    pub const fn input(&self) -> &wgpu::Buffer {
+        &self.input
+    }
+
+    /// Where a run writes, `[output channels, height, width]`.
+    pub const fn output(&self) -> &wgpu::Buffer {
+        &self.output
+    }
+
+    /// Records a run on what lies in [`Runner::input`].
+    pub fn encode(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.recording.encode(encoder);
+    }
+
     /// The network's image of an input, and how long its passes take, by the clock that [`gpu::time`] has on this
     /// device: the median of `timed` runs after `warm_up` others, without the way between main memory and the GPU.
     ///

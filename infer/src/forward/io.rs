@@ -160,7 +160,7 @@ impl Output<'_> {
     }
 }
 
-/// What a network reads of each of its textures.
+/// What a network reads of each of its textures, or of the buffers of its attributes.
 pub(super) fn texture_channels(spec: &NetSpec) -> Vec<Vec<TextureChannel>> {
     let read = |channel: Channel, component| {
         let unit = channel_unit(&channel);
@@ -175,7 +175,8 @@ pub(super) fn texture_channels(spec: &NetSpec) -> Vec<Vec<TextureChannel>> {
     spec.inputs.iter().map(channels).collect()
 }
 
-fn check_buffer(
+/// Checks that a buffer has room for so many planes.
+pub(super) fn check_buffer(
     label: &str,
     buffer: &wgpu::Buffer,
     channels: usize,
@@ -196,6 +197,7 @@ fn check_texture(label: &str, view: &wgpu::TextureView, size: [usize; 2]) -> Res
     }
 }
 
-fn refused(label: &str, what: String) -> ForwardError {
+/// Something of the caller's that will not do.
+pub(super) fn refused(label: &str, what: String) -> ForwardError {
     GpuError::Refused { label: format!("deepshade.net.{label}"), what }.into()
 }

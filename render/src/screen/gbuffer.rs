@@ -26,7 +26,7 @@ pub enum UploadError {
 
 impl UploadError {
     /// The error as a method reports it.
-    pub(crate) fn of_method(self, method: &'static str) -> MethodError {
+    pub fn of_method(self, method: &'static str) -> MethodError {
         match self {
             Self::Missing(source) => MethodError::Missing { method, source },
             Self::Gpu(source) => MethodError::Gpu { method, source },

@@ -27,6 +27,19 @@ impl<'a> Stamps<'a> {
         }
     }
 
+    /// For the first or last of several compute passes that are timed together.
+    pub fn of_one_compute(
+        &self,
+        is_first: bool,
+        is_last: bool,
+    ) -> Option<wgpu::ComputePassTimestampWrites<'a>> {
+        (is_first || is_last).then(|| wgpu::ComputePassTimestampWrites {
+            query_set: self.queries,
+            beginning_of_pass_write_index: is_first.then_some(self.first),
+            end_of_pass_write_index: is_last.then_some(self.first + 1),
+        })
+    }
+
     /// For a raster pass.
     pub fn of_raster(&self) -> wgpu::RenderPassTimestampWrites<'a> {
         wgpu::RenderPassTimestampWrites {

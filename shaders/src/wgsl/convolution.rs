@@ -55,10 +55,10 @@ pub enum Reading {
     Joined,
 }
 
-/// A channel of the network's input that a texture holds.
+/// A channel of the network's input that a texture holds, or a buffer of an attribute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TextureChannel {
-    /// Which of the texture's components; `None` for that of the colour channel that the run makes.
+    /// Which of the components; `None` for that of the colour channel that the run makes.
     pub component: Option<usize>,
     /// What it is multiplied by.
     pub scale: Scale,
@@ -78,20 +78,26 @@ pub enum Scale {
 }
 
 impl TextureChannel {
+    /// What the channel is multiplied by in WGSL, followed by the sign of that; the frame's factors are
+    /// fields of a uniform of that name.
+    pub(super) fn factor(self, told: &str) -> String {
+        let power =
+            if self.exponent == 0 { String::new() } else { format!("{:?} * ", 2f32.powi(self.exponent)) };
+        let scale = match self.scale {
+            Scale::One => String::new(),
+            Scale::Length => format!("{told}.length_scale * "),
+            Scale::Light => format!("{told}.light_scale * "),
+        };
+        power + &scale
+    }
+
     /// The channel's value in WGSL, given what loads the texel.
     fn value(self, load: &str) -> String {
         let component = match self.component {
             Some(component) => format!(".{}", ["x", "y", "z", "w"][component]),
             None => "[layer.run]".to_owned(),
         };
-        let power =
-            if self.exponent == 0 { String::new() } else { format!("{:?} * ", 2f32.powi(self.exponent)) };
-        let scale = match self.scale {
-            Scale::One => "",
-            Scale::Length => "layer.length_scale * ",
-            Scale::Light => "layer.light_scale * ",
-        };
-        format!("{power}{scale}{load}{component}")
+        format!("{}{load}{component}", self.factor("layer"))
     }
 }
 

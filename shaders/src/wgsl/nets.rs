@@ -18,4 +18,8 @@ shaders! {
     NET_ONLY: "net.only", "net/only";
     /// The last layer of a network of one level.
     NET_PLAIN: "net.plain", "net/plain";
+    /// Sums over squares of 4 pixels, of a g-buffer.
+    NET_SQUARES_FIRST: "net.squares_first", "net/squares_first";
+    /// Sums over squares of four of the squares before.
+    NET_SQUARES: "net.squares", "net/squares";
 }

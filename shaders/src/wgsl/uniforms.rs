@@ -76,7 +76,7 @@ mod volume;
 
 pub use frame::{Chosen, FrameView, LightRecord, MaterialRecord, Pose, Reprojection, Upsampling, Wipe};
 pub use indirect::Prefiltered;
-pub use nets::NetLayer;
+pub use nets::{NetFrame, NetLayer};
 pub use occlusion::{Blur, Hbao, Slices, Ssdo};
 pub use phosphor::{GlowCells, GlowLevel, GlowSamples, GlowStretch, GlowTile, PaintState};
 pub use post::{Fxaa, Gather, Reconstruction, RingGather, Separable};

@@ -40,4 +40,22 @@ uniforms! {
         /// Which colour channel a mono network's run makes, where its input is read from textures.
         run: u32,
     }
+
+    /// What the passes before and after a network read about a frame.
+    NetFrame {
+        /// Columns of the image.
+        width: u32,
+        /// Rows of the image.
+        height: u32,
+        /// Distance in pixels, at depth 1, of two points one unit apart.
+        focal_length: f32,
+        /// How far the effect reaches, metres.
+        radius: f32,
+        /// Factor of lengths in the network's input.
+        length_scale: f32,
+        /// Factor of light in the network's input; its image is divided by it.
+        light_scale: f32,
+        /// Which colour channel a mono network's run makes.
+        run: u32,
+    }
 }

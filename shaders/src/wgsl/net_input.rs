@@ -1,0 +1,176 @@
+//! The passes that write a network's input, put together for what the network reads: a buffer an attribute,
+//! and what is made of positions and the effect's radius.
+
+use super::TILE;
+use super::convolution::TextureChannel;
+use super::import::Product;
+use crate::Attribute;
+use std::fmt::Write;
+
+/// Binding of what a pass writes.
+pub const WRITTEN: u32 = 1;
+/// Binding of the sums over squares of pixels, which [`NET_SQUARES`](super::NET_SQUARES) writes.
+pub const SQUARES: u32 = 2;
+/// Binding of the g-buffer's `valid`.
+pub const VALID: u32 = 3;
+/// Binding of the first of the other attributes.
+pub const FIRST_ATTRIBUTE: u32 = 4;
+
+/// A channel of a network's input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InputChannel {
+    /// One of an attribute, scaled.
+    Of(Attribute, TextureChannel),
+    /// [`Attribute::Relief`] at one of its scales, from 0.
+    Relief(u32),
+    /// [`Attribute::PixelRadius`].
+    PixelRadius,
+    /// [`Attribute::Border`].
+    Border,
+}
+
+/// A pass that writes some channels of a network's input, one after the other.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InputPass {
+    /// Index of the first channel that it writes.
+    pub first: u32,
+    /// The channels.
+    pub channels: Vec<InputChannel>,
+}
+
+impl InputPass {
+    /// The attributes that it reads besides `valid`: bound to [`FIRST_ATTRIBUTE`] and on.
+    pub fn attributes(&self) -> Vec<Attribute> {
+        let mut attributes = Vec::new();
+        for channel in &self.channels {
+            let attribute = match channel {
+                InputChannel::Of(attribute, _) => *attribute,
+                InputChannel::Relief(_) | InputChannel::PixelRadius | InputChannel::Border => {
+                    Attribute::Position
+                }
+            };
+            if attribute != Attribute::Valid && !attributes.contains(&attribute) {
+                attributes.push(attribute);
+            }
+        }
+        attributes
+    }
+
+    /// Whether it reads sums over squares of pixels.
+    pub fn reads_squares(&self) -> bool {
+        self.channels.iter().any(|channel| matches!(channel, InputChannel::Relief(_)))
+    }
+
+    /// How many storage buffers it binds.
+    pub fn buffers(&self) -> usize {
+        2 + usize::from(self.reads_squares()) + self.attributes().len()
+    }
+
+    /// The whole source. It reads a [`NetFrame`](super::uniforms::NetFrame) in binding 0.
+    pub fn source(&self) -> String {
+        let product = Product::of(&self.files());
+        let mut source = format!("const TILE = {TILE}u;\n") + &product.declarations();
+        for (binding, attribute) in (FIRST_ATTRIBUTE..).zip(self.attributes()) {
+            let planes = planes(attribute);
+            writeln!(source, "@group(0) @binding({binding}) var<storage, read> {planes}: array<f32>;")
+                .expect("writing to a string");
+        }
+        source + &self.writes() + &product.text
+    }
+
+    fn files(&self) -> Vec<&'static str> {
+        let mut files = vec!["net/input"];
+        if self.reads_squares() {
+            files.push("shared/net_relief");
+        }
+        if self.channels.iter().any(|c| matches!(c, InputChannel::PixelRadius | InputChannel::Border)) {
+            files.push("shared/net_pixel_radius");
+        }
+        files
+    }
+
+    /// The function that writes the channels of a pixel.
+    fn writes(&self) -> String {
+        let mut body = "    let seen = surface_valid(pixel);\n".to_owned();
+        if !self.channels.iter().all(|channel| matches!(channel, InputChannel::Of(..))) {
+            let position = planes(Attribute::Position);
+            writeln!(body, "    let depth = select(0.0, -{position}[pixel + 2u * pixels], seen);")
+                .expect("writing to a string");
+        }
+        for (index, channel) in (self.first..).zip(&self.channels) {
+            let value = channel.value();
+            writeln!(body, "    input[pixel + {index}u * pixels] = select(0.0, {value}, seen);")
+                .expect("writing to a string");
+        }
+        format!("\nfn write_channels(at: vec2u, pixel: u32, pixels: u32) {{\n{body}}}\n")
+    }
+}
+
+impl InputChannel {
+    /// Its value in WGSL where a surface is seen.
+    fn value(self) -> String {
+        match self {
+            Self::Of(attribute, channel) => {
+                let plane = channel.component.map_or_else(|| "frame.run".to_owned(), |c| format!("{c}u"));
+                format!("{}{}[pixel + {plane} * pixels]", channel.factor("frame"), planes(attribute))
+            }
+            Self::Relief(level) => format!("relief({level}u, at, depth)"),
+            Self::PixelRadius => "pixel_radius(depth)".to_owned(),
+            Self::Border => "border(at, depth)".to_owned(),
+        }
+    }
+}
+
+/// What an attribute's buffer is called.
+fn planes(attribute: Attribute) -> String {
+    match attribute {
+        // As `shared/surface_valid` has it.
+        Attribute::Valid => "valid_plane".to_owned(),
+        _ => format!("{}_planes", attribute.name()),
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::wgsl::convolution::Scale;
+    use crate::wgsl::tests::{agrees, parse};
+    use crate::wgsl::uniforms::NetFrame;
+
+    fn passes() -> Vec<InputPass> {
+        let channel = |component, scale, exponent| TextureChannel { component, scale, exponent };
+        let of = |attribute, component, scale| InputChannel::Of(attribute, channel(component, scale, -3));
+        let light = [
+            of(Attribute::Light, None, Scale::Light),
+            of(Attribute::Position, Some(2), Scale::Length),
+            of(Attribute::Valid, Some(0), Scale::One),
+        ];
+        let made = [InputChannel::Relief(2), InputChannel::PixelRadius, InputChannel::Border];
+        [&light[..], &made[..1], &made[1..], &[&light[..], &made].concat()]
+            .map(|channels| InputPass { first: 5, channels: channels.to_vec() })
+            .to_vec()
+    }
+
+    pub(crate) fn sources() -> Vec<String> {
+        passes().iter().map(InputPass::source).collect()
+    }
+
+    #[test]
+    fn every_pass_is_valid_and_binds_what_it_counts() {
+        for pass in passes() {
+            let source = pass.source();
+            let module = parse(&source).map_err(|e| format!("{e}\n{source}")).expect("valid");
+            assert_eq!(agrees(&NetFrame::LAYOUT, &module), Ok(()), "{source}");
+            let is_storage = |space| matches!(space, naga::AddressSpace::Storage { .. });
+            let bound = module.global_variables.iter().filter(|(_, variable)| is_storage(variable.space));
+            assert_eq!(bound.count(), pass.buffers(), "{source}");
+        }
+    }
+
+    #[test]
+    fn positions_are_bound_once_and_valid_in_its_own_place() {
+        let all = &passes()[3];
+        assert_eq!(all.attributes(), [Attribute::Light, Attribute::Position]);
+        assert_eq!(all.buffers(), 5);
+    }
+}

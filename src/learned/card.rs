@@ -1,0 +1,169 @@
+//! What runs before and after a trained network on a card, compiled once.
+
+use super::estimates::estimator;
+use super::recorded::{Estimate, Recorded, Run};
+use super::{LEARNED, failed};
+use crate::methods::open_screen;
+use deepshade_infer::forward::{FrameScale, ImageBuffers, ImagePass, InputPasses, InputSource, Runner};
+use deepshade_infer::{NetSpec, Scaling};
+use deepshade_render::method::{Clock, MethodError, Repeats, Shaded};
+use deepshade_render::methods::Quality;
+use deepshade_render::methods::estimate::Estimator;
+use deepshade_render::scene::Camera;
+use deepshade_render::screen::{GpuGBuffer, ScreenMethod, View};
+use deepshade_shaders::gpu::{self, Gpu, GpuError};
+use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes};
+use glam::Vec3;
+use std::sync::Arc;
+
+/// The passes around a network on an adapter.
+pub struct Card {
+    gpu: Gpu,
+    spec: NetSpec,
+    estimators: Vec<Estimator>,
+    /// Their passes.
+    methods: Vec<Box<dyn ScreenMethod>>,
+    input: InputPasses,
+    image: ImagePass,
+}
+
+impl Card {
+    /// Compiles them.
+    ///
+    /// # Errors
+    /// If there is no method that the network's spec names, or the adapter refuses.
+    pub fn new(gpu: &Gpu, spec: &NetSpec) -> Result<Self, MethodError> {
+        let estimators = spec.estimates.iter().map(estimator).collect::<Result<_, _>>()?;
+        let methods = spec.estimates.iter().map(|estimate| passes(gpu, spec, estimate));
+        Ok(Self {
+            gpu: gpu.clone(),
+            spec: spec.clone(),
+            estimators,
+            methods: methods.collect::<Result<_, _>>()?,
+            input: InputPasses::new(&gpu.device, spec).map_err(failed)?,
+            image: ImagePass::new(&gpu.device, spec).map_err(failed)?,
+        })
+    }
+
+    /// What the network makes of a g-buffer. The time is that of all its passes, without sending the g-buffer
+    /// to the card and the image back.
+    ///
+    /// # Errors
+    /// If the g-buffer lacks something or the device fails.
+    pub async fn image(
+        &self,
+        runner: Arc<Runner>,
+        gbuffer: &GBuffer,
+        radius: f32,
+        repeats: Repeats,
+    ) -> Result<Shaded, MethodError> {
+        let Gpu { device, queue, .. } = &self.gpu;
+        let seen =
+            GpuGBuffer::upload(device, gbuffer, &self.reads()).map_err(|error| error.of_method(LEARNED))?;
+        let (view, channels) = (view(gbuffer, radius), self.spec.effect.channels());
+        let missing = |source: MissingAttribute| MethodError::Missing { method: LEARNED, source };
+        let scaling = self.spec.scaling(gbuffer, radius).map_err(missing)?;
+        let image = gpu::empty::<f32>(device, "learned.image", channels * view.height * view.width);
+        let image = image.map_err(refused)?;
+        let recorded = self.record(runner, &seen, &view, scaling, &image)?;
+        let Repeats { warm_up, timed } = repeats;
+        let record = |encoder: &mut wgpu::CommandEncoder| recorded.encode(encoder, None);
+        let timing =
+            gpu::time_async(device, queue, LEARNED, warm_up, timed, record).await.map_err(refused)?;
+        let data = gpu::read_async(device, queue, &image).await.map_err(refused)?;
+        Ok(Shaded {
+            image: Planes::from_data(channels, view.height, view.width, data),
+            milliseconds: timing.milliseconds,
+            clock: if timing.by_gpu { Clock::Gpu } else { Clock::Cpu },
+            device: self.gpu.info.name.clone(),
+        })
+    }
+
+    /// All passes from a g-buffer on the card to an image, `[effect's channels, height, width]`, there.
+    ///
+    /// # Errors
+    /// If the g-buffer lacks something or the device fails.
+    pub fn record(
+        &self,
+        runner: Arc<Runner>,
+        gbuffer: &GpuGBuffer,
+        view: &View,
+        scaling: Scaling,
+        image: &wgpu::Buffer,
+    ) -> Result<Recorded, MethodError> {
+        let estimates = self.estimates(gbuffer, view)?;
+        let mut attributes: Vec<(Attribute, &wgpu::Buffer)> =
+            gbuffer.attributes().map(|attribute| (attribute, gbuffer.buffer(attribute))).collect();
+        for (estimator, estimate) in self.estimators.iter().zip(&estimates) {
+            attributes.extend(estimator.makes().iter().copied().zip(estimate.images()));
+        }
+        let (size, frame) = ([view.height, view.width], scale(view, scaling));
+        let (valid, made) = (gbuffer.buffer(Attribute::Valid), runner.output());
+        let run = |run| {
+            let source = InputSource { size, attributes: &attributes, run, frame };
+            let buffers = ImageBuffers { size, valid, made, image, run };
+            Ok(Run {
+                input: self.input.bind(&source, runner.input()).map_err(failed)?,
+                image: self.image.bind(&buffers, frame).map_err(failed)?,
+            })
+        };
+        let runs = (0..self.spec.runs()).map(run).collect::<Result<_, MethodError>>()?;
+        Ok(Recorded { estimates, runs, runner: Arc::clone(&runner) })
+    }
+
+    /// Tells recorded passes of another frame.
+    pub fn look(&self, recorded: &Recorded, view: &View, scaling: Scaling) {
+        recorded.set(&self.gpu.queue, &self.methods, view, scale(view, scaling));
+    }
+
+    /// What is read of a g-buffer, by the methods that estimate, too.
+    fn reads(&self) -> Vec<Attribute> {
+        let mut reads = self.input.reads();
+        reads.retain(|attribute| !Attribute::MADE.contains(attribute));
+        for attribute in self.methods.iter().flat_map(|method| method.attributes()) {
+            if !reads.contains(attribute) {
+                reads.push(*attribute);
+            }
+        }
+        reads
+    }
+
+    fn estimates(&self, gbuffer: &GpuGBuffer, view: &View) -> Result<Vec<Estimate>, MethodError> {
+        let estimates = self.methods.iter().map(|method| Estimate::new(method.as_ref(), gbuffer, view));
+        estimates.collect::<Result<_, GpuError>>().map_err(refused)
+    }
+}
+
+/// The passes of a method that estimates.
+fn passes(
+    gpu: &Gpu,
+    spec: &NetSpec,
+    estimate: &deepshade_infer::Estimate,
+) -> Result<Box<dyn ScreenMethod>, MethodError> {
+    let other = |what: String| MethodError::Other { method: LEARNED, what };
+    let quality = Quality::ALL.into_iter().find(|quality| quality.name() == estimate.quality);
+    let quality = quality.ok_or_else(|| other(format!("no quality `{}`", estimate.quality)))?;
+    open_screen(spec.effect, &estimate.method, gpu, quality).map_err(|error| other(format!("{error:#}")))
+}
+
+/// From where a g-buffer is seen whose camera is not known, as far as its positions say. Where it has none
+/// nobody wants to know.
+fn view(gbuffer: &GBuffer, radius: f32) -> View {
+    let (height, width) = (gbuffer.height(), gbuffer.width());
+    let focal_length = gbuffer.focal_length().unwrap_or(1.0);
+    let vertical_fov = 2.0 * (0.5 * height as f32 / focal_length).atan();
+    let camera = Camera { vertical_fov, ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z) };
+    View { height, width, camera, radius, seed: 0 }
+}
+
+/// What pixels, lengths and light are to the network.
+fn scale(view: &View, scaling: Scaling) -> FrameScale {
+    FrameScale { focal_length: view.focal_length(), radius: view.radius, scaling }
+}
+
+const fn refused(source: GpuError) -> MethodError {
+    MethodError::Gpu { method: LEARNED, source }
+}
+
+#[cfg(test)]
+mod tests;

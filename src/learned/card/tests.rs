@@ -1,0 +1,110 @@
+//! One encoder makes what the processor makes step by step.
+
+use super::*;
+use crate::engine::Engine;
+use crate::learned::Learned;
+use crate::learned::estimates::SEED;
+use deepshade_infer::{ChannelOrder, Model, Reach, Weights};
+use deepshade_render::bvh::TracedScene;
+use deepshade_render::gbuffer;
+use deepshade_render::scene::SceneSource;
+use deepshade_shaders::Effect;
+
+const REACH: Reach = Reach { radius: 0.5, diagonal_share: 0.05, height: 64 };
+const SIZE: [usize; 2] = [40, 56];
+
+fn stairs() -> GBuffer {
+    let stairs: SceneSource = "stairs:7".parse().expect("a family");
+    let scene = TracedScene::new(stairs.scene(0.0).expect("a scene")).expect("a scene");
+    let camera = Camera::look_at(Vec3::new(0.3, 1.0, 1.0), Vec3::new(0.0, 0.4, -4.0));
+    gbuffer::render(&scene, &camera, SIZE[0], SIZE[1], &Attribute::ALL)
+}
+
+/// A network with weights that nobody has trained.
+fn random(spec: NetSpec) -> Model {
+    Model { weights: Weights::random(&spec, 3), spec }
+}
+
+/// The network that corrects gtao's estimate.
+fn corrected() -> Model {
+    let estimate = deepshade_infer::Estimate { method: "gtao".to_owned(), quality: "low".to_owned() };
+    random(NetSpec::corrected(Effect::Ao, 8, estimate, REACH).expect("it has one"))
+}
+
+/// What the passes estimate, plane after plane.
+fn estimated_by_card(gpu: &Gpu, gbuffer: &GBuffer, radius: f32) -> Vec<f32> {
+    let card = Card::new(gpu, &corrected().spec).expect("compiles");
+    let seen = GpuGBuffer::upload(&gpu.device, gbuffer, &card.reads()).expect("room");
+    let estimate = &card.estimates(&seen, &view(gbuffer, radius)).expect("compiles")[0];
+    gpu::submit(&gpu.device, &gpu.queue, "estimate", |encoder| estimate.encode(encoder, None)).expect("runs");
+    let read = |buffer: &wgpu::Buffer| gpu::read::<f32>(&gpu.device, &gpu.queue, buffer).expect("read");
+    estimate.images().map(read).concat()
+}
+
+/// The largest difference of two images, over 1 and the number.
+fn difference(expected: &Planes, made: &Planes) -> f32 {
+    let both = expected.data().iter().zip(made.data());
+    both.map(|(a, b)| (a - b).abs() / (1.0 + a.abs())).fold(0.0, f32::max)
+}
+
+#[test]
+fn passes_and_processor_estimate_the_same() {
+    let gpu = Gpu::new().expect("an adapter");
+    let gbuffer = stairs();
+    let passes = estimated_by_card(&gpu, &gbuffer, 0.5);
+    let estimator = Estimator::named("gtao", "low").expect("known");
+    let vectors = estimator.on_processor(&gbuffer, 0.5, SEED).expect("runs");
+    assert_eq!(passes.len(), 2 * SIZE[0] * SIZE[1]);
+    let far = passes.iter().zip(&vectors).filter(|(a, b)| (*a - *b).abs() > 0.02).count();
+    assert!(far * 50 < passes.len(), "{far} of {} numbers", passes.len());
+    let (image, raw) = passes.split_at(SIZE[0] * SIZE[1]);
+    assert!(image.iter().zip(raw).any(|(image, raw)| (image - raw).abs() > 0.02), "one is blurred");
+}
+
+#[test]
+fn an_estimate_is_corrected_in_one_encoder_as_on_the_processor() {
+    let gpu = Gpu::new().expect("an adapter");
+    let (gbuffer, model) = (stairs(), corrected());
+    let learned = Learned::on_adapter(&gpu, &model).expect("compiles");
+    let shaded = learned.image(&gbuffer, 0.5, Repeats::ONCE).expect("runs");
+    // Of the same estimates, of which a few pixels are not the same to the last bit on every device.
+    let estimates = [Attribute::Openness, Attribute::RawOpenness];
+    let with = gbuffer.with(&estimates, &estimated_by_card(&gpu, &gbuffer, 0.5));
+    let engine = Engine::new(None, &model).expect("prepared");
+    let by_processor = |radius: f32| {
+        let spec = &model.spec;
+        let prepared = spec.prepared(&with, radius).expect("positions are there");
+        let scaling = spec.scaling(&prepared, radius).expect("everything is there");
+        let input = spec.input(&prepared, scaling, 0).expect("everything is there");
+        let mut image = spec.image(&[engine.run(&input, 0, 1).expect("runs").0], scaling);
+        spec.set_background(&gbuffer, &mut image).expect("has a mask");
+        image
+    };
+    let off = difference(&by_processor(0.5), &shaded.image);
+    assert!(off < 2e-3, "{off}");
+    assert!(difference(&by_processor(2.0), &shaded.image) > 1e-2, "another radius makes another image");
+    assert!(shaded.milliseconds > 0.0 && shaded.device == gpu.info.name);
+}
+
+#[test]
+fn runs_of_a_mono_network_make_their_colours_in_one_encoder() {
+    let gpu = Gpu::new().expect("an adapter");
+    let spec = NetSpec::published(Effect::Gi, ChannelOrder::Interleaved, REACH).expect("it has one");
+    let (gbuffer, model) = (stairs(), random(spec));
+    let image = |learned: &Learned| learned.image(&gbuffer, 0.5, Repeats::ONCE).expect("runs").image;
+    let by_card = image(&Learned::on_adapter(&gpu, &model).expect("compiles"));
+    let by_processor = image(&Learned::on_processor(&model).expect("prepared"));
+    let off = difference(&by_processor, &by_card);
+    assert!(off < 2e-3, "{off}");
+    let [red, green] = [0, 1].map(|channel| by_card.plane(channel));
+    assert!(red.iter().zip(green).any(|(red, green)| (red - green).abs() > 1e-2), "colours differ");
+}
+
+#[test]
+fn what_a_g_buffer_lacks_is_named() {
+    let gpu = Gpu::new().expect("an adapter");
+    let blind = GBuffer::new(vec![Attribute::Valid], Planes::filled(1, 8, 8, 1.0));
+    let learned = Learned::on_adapter(&gpu, &corrected()).expect("compiles");
+    let refused = learned.image(&blind, 0.5, Repeats::ONCE).expect_err("no positions");
+    assert!(matches!(refused, MethodError::Missing { .. }), "{refused}");
+}
