@@ -256,9 +256,9 @@ impl Learned {
         Ok(Shaded { image, milliseconds, clock: Clock::Cpu, device: self.engine.device() })
     }
 
-    /// All that its image of a frame takes, to be recorded with the frame, from a g-buffer on its adapter into
-    /// `image`, `[effect's channels, height, width]`. None where it reads light, of which a frame has to be
-    /// exposed first, or the processor runs it.
+    /// All that its image of a frame takes, to be recorded with the frame, from a g-buffer on its adapter
+    /// into `image`, `[effect's channels, height, width]`. None where it reads light, of which a frame has to
+    /// be exposed first, or the processor runs it.
     ///
     /// # Errors
     /// If the g-buffer lacks something or the device fails.

@@ -192,9 +192,9 @@ impl Live {
         Ok(times.map(|times| times.into_iter().chain(network).collect()))
     }
 
-    /// Runs the trained network, if there is one that was not recorded, on the g-buffer of the frame, and gives
-    /// its milliseconds, and by the wall clock those of sending its image there and mixing it with the ones
-    /// before.
+    /// Runs the trained network, if there is one that was not recorded, on the g-buffer of the frame, and
+    /// gives its milliseconds, and by the wall clock those of sending its image there and mixing it with the
+    /// ones before.
     async fn run_network(&mut self) -> Result<Vec<f64>> {
         let Some(index) = self.shading.iter().position(|shading| !shading.is_recorded()) else {
             return Ok(Vec::new());

@@ -1,10 +1,10 @@
 //! `deepshade parity`: whether the forms of a network agree: burn, the plain reference, WGSL, the CPU engine, and the
 //! exported file in onnxruntime.
 //!
-//! Each is compared element by element with onnxruntime's CPU provider, and that one with the reference; WGSL in
-//! every kind of kernels that the device runs. Random weights are compared on noise, in both orders of channels. A
-//! model's own are compared on noise and on a frame, in half floats on the frame alone: noise is none of the images
-//! that it was trained on, and drives its features beyond what half floats resolve.
+//! Each is compared element by element with onnxruntime's CPU provider, and that one with the reference; WGSL
+//! in every kind of kernels that the device runs. Random weights are compared on noise, in both orders of
+//! channels. A model's own are compared on noise and on a frame, in half floats on the frame alone: noise is
+//! none of the images that it was trained on, and drives its features beyond what half floats resolve.
 
 mod frame;
 
@@ -32,10 +32,11 @@ const HALF: &str = "wgsl_half";
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  \
     deepshade parity --model models/ao --sizes 256x256,768x512,203x117 --json parity.json\n\n\
-    Random weights are tried on noise, in both orders in which channels of two resolutions may follow each other: \
-    contiguous (all of the coarser, then all of the finer) and interleaved (group by group). A network is tried on \
-    noise and on a frame of a room, in half floats on the frame alone. Each form may differ by 1e-4 of the image's \
-    root mean square or of 1, whichever is greater, half floats by 2.5e-3 of its largest magnitude or of 1.")]
+    Random weights are tried on noise, in both orders in which channels of two resolutions may follow each \
+    other: contiguous (all of the coarser, then all of the finer) and interleaved (group by group). A network is \
+    tried on noise and on a frame of a room, in half floats on the frame alone. Each form may differ by 1e-4 of \
+    the image's root mean square or of 1, whichever is greater, half floats by 2.5e-3 of its largest magnitude \
+    or of 1.")]
 pub struct Args {
     /// Folder or address of a network; without it, random weights only.
     #[arg(long)]

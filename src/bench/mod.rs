@@ -1,5 +1,5 @@
-//! `deepshade bench`: speed. Networks are measured beside their rivals in the same run; rays, training and making
-//! datasets by themselves.
+//! `deepshade bench`: speed. Networks are measured beside their rivals in the same run; rays, training and
+//! making datasets by themselves.
 
 mod dataset;
 mod frame;

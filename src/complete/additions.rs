@@ -48,9 +48,9 @@ pub struct Additions {
     /// rows) of what is in the middle of the picture.
     #[arg(long, value_parser = colour)]
     pub mean_free_path: Option<Vec3>,
-    /// What glows: a file (.toml) that says which materials keep light, and when lamps shine; the book's chapter on
-    /// phosphorescent materials has one. By default all surfaces do, as the preset blue, after a second of light
-    /// that ends at second 0. --time is the moment that is seen.
+    /// What glows: a file (.toml) that says which materials keep light, and when lamps shine; the book's
+    /// chapter on phosphorescent materials has one. By default all surfaces do, as the preset blue, after a
+    /// second of light that ends at second 0. --time is the moment that is seen.
     #[arg(long)]
     pub phosphor: Option<PathBuf>,
 }

@@ -42,17 +42,18 @@ const RADII: [(&str, &str); 3] = [
     ("testset-large", "ao-large-radius-test"),
 ];
 
-/// The shipped networks, cheap ones first.
+/// The shipped networks, cheap ones first, and `ao-small` and `ao-paper`, which are not shipped yet.
 ///
-/// One core trains some 60 crops of 128 x 128 pixels a second of networks with 16 first kernels, 28 where these
-/// predict kernels, 40 of `ibl`, 500 of `aa`. It makes a pair with 64 samples in five seconds. So data take half an
-/// hour, training about as long, and the runs of half and a quarter of the steps three quarters of that.
+/// One core trains some 60 crops of 128 x 128 pixels a second of networks with 16 first kernels, 28 where
+/// these predict kernels, 40 of `ibl`, 500 of `aa`. It makes a pair with 64 samples in five seconds. So data
+/// take half an hour, training about as long, and the runs of half and a quarter of the steps three quarters
+/// of that.
 ///
-/// `dof`, `motion-blur` and `multi` have batches for a GPU. An H100 trains 700 crops a second of each of the three at
-/// once, seven minutes. Two cores need an hour and a half for each.
+/// `dof`, `motion-blur` and `multi` have batches for a GPU. An H100 trains 700 crops a second of each of the
+/// three at once, seven minutes. Two cores need an hour and a half for each.
 ///
-/// Indirect light, most of which is dark, wants a lower rate. At 0.004 the weights grew without bound, to where
-/// structural similarity has no gradient.
+/// Indirect light, most of which is dark, wants a lower rate. At 0.004 the weights grew without bound, to
+/// where structural similarity has no gradient.
 const BUDGETS: [Budget; 13] = [
     Budget { name: "aa", steps: 16_000, batch: 8, crop: 128, rate: "0.005", share: None, streamed: None },
     Budget { name: "dof", steps: 10_000, batch: 32, crop: 128, rate: "0.003", share: None, streamed: None },
@@ -93,8 +94,8 @@ const BUDGETS: [Budget; 13] = [
     Budget { name: "ibl", steps: 64_000, batch: 4, crop: 128, rate: "0.005", share: None, streamed: None },
 ];
 
-/// What networks on views without end have in common. Two cores train some nine crops a second of `ao`, fourteen
-/// of `ao-small`, while they render the views: an hour and a half, and three quarters of an hour.
+/// What networks on views without end have in common. Two cores train some nine crops a second of `ao`,
+/// fourteen of `ao-small`, while they render the views: an hour and a half, and three quarters of an hour.
 const CORRECTED: Budget =
     Budget { name: "", steps: 8_000, batch: 4, crop: 256, rate: "0.002", share: None, streamed: None };
 
@@ -269,7 +270,8 @@ mod tests {
 
     #[test]
     fn a_quarter_of_the_steps_is_validated_often_enough_for_a_forecast() {
-        // `deepshade train` validates every 500 steps by default, and `deepshade-studies forecast` wants four validations of a run.
+        // `deepshade train` validates every 500 steps by default, and `deepshade-studies forecast` wants four
+        // validations of a run.
         for Budget { name, steps, .. } in &BUDGETS {
             assert!(steps / 4 / 500 >= 4, "{name}");
         }

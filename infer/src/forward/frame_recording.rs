@@ -14,8 +14,8 @@ pub struct FrameScale {
     pub focal_length: f32,
     /// How far the effect is to reach, metres.
     pub radius: f32,
-    /// What lengths and light are multiplied by: [`NetSpec::scaling`](crate::NetSpec::scaling), or an exposure
-    /// of the caller's.
+    /// What lengths and light are multiplied by: [`NetSpec::scaling`](crate::NetSpec::scaling), or an
+    /// exposure of the caller's.
     pub scaling: Scaling,
 }
 

@@ -33,8 +33,8 @@ pub struct InputPasses {
 pub struct InputSource<'a> {
     /// Rows and columns.
     pub size: [usize; 2],
-    /// Storage buffers of the attributes, each planar `[attribute.width(), height, width]` f32: at least those
-    /// of [`InputPasses::reads`].
+    /// Storage buffers of the attributes, each planar `[attribute.width(), height, width]` f32: at least
+    /// those of [`InputPasses::reads`].
     pub attributes: &'a [(Attribute, &'a Buffer)],
     /// Which of [`NetSpec::runs`], and so which colour channel a mono network reads.
     pub run: usize,
@@ -46,7 +46,8 @@ impl InputPasses {
     /// Compiles them for a network.
     ///
     /// # Errors
-    /// If the spec is not valid, the device allows fewer than four storage buffers in a shader, or it refuses.
+    /// If the spec is not valid, the device allows fewer than four storage buffers in a shader, or it
+    /// refuses.
     pub fn new(device: &Device, spec: &NetSpec) -> Result<Self, ForwardError> {
         let (name, allowed) =
             ("max_storage_buffers_per_shader_stage", device.limits().max_storage_buffers_per_shader_stage);
@@ -65,8 +66,8 @@ impl InputPasses {
         Ok(Self { device: device.clone(), spec: spec.clone(), squares, parts })
     }
 
-    /// The attributes whose buffers it reads, `valid` among them. `openness` and `raw_openness` are to be there
-    /// like any other, made by the methods that [`NetSpec::estimates`] names.
+    /// The attributes whose buffers it reads, `valid` among them. `openness` and `raw_openness` are to be
+    /// there like any other, made by the methods that [`NetSpec::estimates`] names.
     pub fn reads(&self) -> Vec<Attribute> {
         let mut reads = vec![Attribute::Valid];
         for attribute in self.parts.iter().flat_map(|(part, _)| part.attributes()) {

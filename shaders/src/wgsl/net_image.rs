@@ -15,8 +15,8 @@ pub struct FinishedImage {
 }
 
 impl FinishedImage {
-    /// The whole source. It reads a [`NetFrame`](super::uniforms::NetFrame) in binding 0, what the run made in
-    /// 1 and the g-buffer's `valid` in 3, and writes the image in 2.
+    /// The whole source. It reads a [`NetFrame`](super::uniforms::NetFrame) in binding 0, what the run made
+    /// in 1 and the g-buffer's `valid` in 3, and writes the image in 2.
     pub fn source(&self) -> String {
         let product = Product::of(&["net/finished"]);
         // No shader knows infinity. All digits: the fewest that name the largest `f32` are beyond it.

@@ -17,6 +17,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let seen = surface_valid(pixel);
     for (var channel = 0u; channel < CHANNELS; channel++) {
         let value = clamp(made[pixel + channel * pixels] / frame.light_scale, LEAST, MOST);
-        image[pixel + (frame.run * CHANNELS + channel) * pixels] = select(value, BACKGROUND, HAS_BACKGROUND && !seen);
+        let at = pixel + (frame.run * CHANNELS + channel) * pixels;
+        image[at] = select(value, BACKGROUND, HAS_BACKGROUND && !seen);
     }
 }

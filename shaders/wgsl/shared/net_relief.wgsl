@@ -2,7 +2,8 @@
 
 #import shared/net_squares
 
-// The sums of a level at a pixel, between the middles of four squares; beyond the outermost these are the same.
+// The sums of a level at a pixel, between the middles of four squares. Beyond the outermost these are the
+// same.
 fn squares_at(level: u32, at: vec2u) -> vec2f {
     let place = (vec2f(at) + 0.5) / f32(square_side(level)) - 0.5;
     let before = vec2i(floor(place));
@@ -23,8 +24,8 @@ fn squares_at(level: u32, at: vec2u) -> vec2f {
     return mix(left, right, share.x);
 }
 
-// A depth against its mean, over the radius, compressed to between -1 and 1; 0 where nothing is seen. Else the
-// pixel's own square has a weight.
+// A depth against its mean, over the radius, compressed to between -1 and 1; 0 where nothing is seen. Where
+// something is, the pixel's own square has a weight.
 fn relief(level: u32, at: vec2u, depth: f32) -> f32 {
     if (!(depth > 0.0)) {
         return 0.0;
