@@ -33,10 +33,10 @@ const HALF: &str = "wgsl_half";
 #[command(after_help = "Example:\n  \
     deepshade parity --model models/ao --sizes 256x256,768x512,203x117 --json parity.json\n\n\
     Random weights are tried on noise, in both orders in which channels of two resolutions may follow each \
-    other: contiguous (all of the coarser, then all of the finer) and interleaved (group by group). A network is \
-    tried on noise and on a frame of a room, in half floats on the frame alone. Each form may differ by 1e-4 of \
-    the image's root mean square or of 1, whichever is greater, half floats by 2.5e-3 of its largest magnitude \
-    or of 1.")]
+    other: contiguous (all of the coarser, then all of the finer) and interleaved (group by group). A \
+    network is tried on noise and on a frame of a room, in half floats on the frame alone. Each form may differ by \
+    1e-4 of the image's root mean square or of 1, whichever is greater, half floats by 2.5e-3 of its largest \
+    magnitude or of 1.")]
 pub struct Args {
     /// Folder or address of a network; without it, random weights only.
     #[arg(long)]
