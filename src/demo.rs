@@ -49,7 +49,7 @@ pub struct Args {
     #[arg(long, default_value_t = 2.0, value_parser = crate::train::minutes)]
     minutes: f64,
     /// Samples a pixel of truth, rounded up to a multiple of 8.
-    #[arg(long, default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     samples: u32,
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]

@@ -377,11 +377,11 @@ fn methods_within_truths_noise_are_named_in_tables_and_on_the_page() {
         let report = report(vec![one.clone()]);
         [report.to_string(), markdown::text(&report), page::render(&report).expect("a page")]
     };
-    for text in said(0.98) {
+    for text in said(0.92) {
         assert!(text.contains(" 0.020 of SSIM: learned and hbao;") && text.contains("--error"), "{text}");
     }
-    for text in said(0.995) {
-        assert!(!text.contains("0.005 of SSIM"), "{text}");
+    for text in said(0.97) {
+        assert!(!text.contains("of SSIM: learned and hbao"), "{text}");
     }
 }
 
