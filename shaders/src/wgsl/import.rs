@@ -3,9 +3,11 @@
 //! - `#import shared/surface`: another file, whose text comes before theirs, and once only.
 //! - `#uniform Slices`: a struct of [`uniforms`], declared as Rust has it.
 //! - `#constant HEIGHT = 8`: a whole number, which Rust may set otherwise.
+//! - `#template`: something that Rust writes, without which it is no shader.
 
 use super::place::Place;
 use super::uniforms::{self, Layout};
+use std::collections::BTreeSet;
 
 include!(concat!(env!("OUT_DIR"), "/wgsl_files.rs"));
 
@@ -19,9 +21,36 @@ struct Library {
 static LIBRARY: Library = Library { files: FILES, layouts: uniforms::ALL };
 
 /// Every file of `shaders/wgsl`, in order.
-#[cfg(test)]
 pub(super) fn files() -> impl Iterator<Item = &'static str> {
     FILES.iter().map(|(file, _)| *file)
+}
+
+/// Files that no other imports.
+pub(super) fn roots() -> impl Iterator<Item = &'static str> {
+    let imports = FILES.iter().flat_map(|(_, text)| text.lines().filter_map(Directive::parse));
+    let imported: BTreeSet<_> = imports.filter_map(|directive| directive.imported()).collect();
+    files().filter(move |file| !imported.contains(file))
+}
+
+/// Whether there is such a file.
+pub(super) const fn is_file(file: &str) -> bool {
+    let mut index = 0;
+    while index < FILES.len() {
+        if is_same(FILES[index].0.as_bytes(), file.as_bytes()) {
+            return true;
+        }
+        index += 1;
+    }
+    false
+}
+
+/// Whether two texts are the same: constants cannot compare slices.
+const fn is_same(one: &[u8], other: &[u8]) -> bool {
+    let mut index = 0;
+    while index < one.len() && index < other.len() && one[index] == other[index] {
+        index += 1;
+    }
+    index == one.len() && index == other.len()
 }
 
 impl Library {
@@ -60,6 +89,7 @@ pub(super) struct Product {
     /// Their texts.
     pub text: String,
     files: Vec<&'static str>,
+    is_template: bool,
 }
 
 impl Product {
@@ -69,6 +99,11 @@ impl Product {
     /// If there is no such file, or one imports what there is not. A test puts together all that there are.
     pub(super) fn of(files: &[&'static str]) -> Self {
         Self::joined(&LIBRARY, files).expect("what WGSL files import is there")
+    }
+
+    /// Whether it is a shader as it is.
+    pub(super) fn is_whole(&self) -> bool {
+        !self.is_template && ["@compute", "@vertex"].iter().any(|stage| self.text.contains(stage))
     }
 
     /// The uniform structs in WGSL.
@@ -103,6 +138,7 @@ impl Product {
                     library.check(other, open).map_err(placed)?;
                     self.add(library, other, open)?;
                 }
+                Directive::Template => self.is_template = true,
                 Directive::Uniform(name) => self.declare(library, name).map_err(placed)?,
                 Directive::Constant(name, default) => {
                     self.state(Constant { name, default, place }).map_err(placed)?;
@@ -143,13 +179,19 @@ enum Directive {
     Import(&'static str),
     Uniform(&'static str),
     Constant(&'static str, u32),
+    Template,
 }
 
 impl Directive {
+    const fn imported(&self) -> Option<&'static str> {
+        if let Self::Import(file) = self { Some(*file) } else { None }
+    }
+
     fn parse(line: &'static str) -> Option<Self> {
         let words: Vec<&str> = line.split_whitespace().collect();
         match words[..] {
             ["#import", file] => Some(Self::Import(file)),
+            ["#template"] => Some(Self::Template),
             ["#uniform", name] => Some(Self::Uniform(name)),
             ["#constant", name, "=", default] => Some(Self::Constant(name, default.parse().ok()?)),
             _ => None,

@@ -2,6 +2,7 @@
 // that of the means; levels lie one after the other, planar `[CHANNELS, height, width]`,
 // after ESTIMATES planes of the finest level's frame.
 
+#template
 #uniform NetLayer
 
 @group(0) @binding(0) var<uniform> layer: NetLayer;

@@ -1,6 +1,7 @@
 // The finest level of the pyramid that a head reads, and before it the estimate where there is one: channels
 // of the network's input, continued at bottom and right by their last row and column up to the frame.
 
+#template
 #uniform NetLayer
 
 @group(0) @binding(0) var<uniform> layer: NetLayer;

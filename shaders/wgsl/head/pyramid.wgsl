@@ -1,6 +1,7 @@
 // What heads read: what the last block makes, and a pyramid of an input at pixels between those of its
 // levels.
 
+#template
 #uniform NetLayer
 
 @group(0) @binding(0) var<uniform> layer: NetLayer;

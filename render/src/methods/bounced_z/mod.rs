@@ -35,18 +35,18 @@ pub mod occlusion;
 pub mod passes;
 pub mod reference;
 pub mod reflector;
-pub mod technique;
 #[cfg(test)]
 mod tests;
 
 pub use reflector::{Matte, Reflector};
-pub use technique::{BouncedEffect, BouncedZ};
 
+use super::disks::{ByDisks, DiskEffect};
 use super::surfel::{MOST_LEVELS, shells};
 use super::{Quality, blur};
-use crate::screen::View;
+use crate::screen::{MethodStep, Resources, View};
 use crate::surfels;
 use deepshade_shaders::Effect;
+use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::uniforms;
 
 /// How much larger than its own is the radius of a surfel that rays meet.
@@ -101,16 +101,6 @@ impl Parameters {
         }
     }
 
-    /// These with numbers that make no sense brought into their range.
-    fn sane(self) -> Self {
-        Self {
-            threshold: self.threshold.clamp(1e-6, 1.0),
-            levels: self.levels.clamp(1, MOST_LEVELS),
-            directions: self.directions.clamp(1, MOST_DIRECTIONS),
-            ..self
-        }
-    }
-
     /// What the rays read.
     pub fn bounces(&self, view: &View) -> uniforms::Bounces {
         uniforms::Bounces {
@@ -123,6 +113,32 @@ impl Parameters {
             cover: COVER,
             reach: view.radius,
         }
+    }
+}
+
+impl ByDisks for Parameters {
+    const NAME: &'static str = "bounced-z";
+    type Passes = passes::Rays;
+
+    fn sane(self) -> Self {
+        Self {
+            threshold: self.threshold.clamp(1e-6, 1.0),
+            levels: self.levels.clamp(1, MOST_LEVELS),
+            directions: self.directions.clamp(1, MOST_DIRECTIONS),
+            ..self
+        }
+    }
+
+    fn surfels(&self) -> &surfels::Parameters {
+        &self.surfels
+    }
+
+    fn uniforms(&self, effect: Effect, view: &View) -> Vec<Vec<u8>> {
+        passes::uniforms(self, effect, view)
+    }
+
+    fn steps(&self, effect: &DiskEffect<Self>, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        passes::steps(effect, self.directions, to)
     }
 }
 

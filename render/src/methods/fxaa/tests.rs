@@ -101,7 +101,7 @@ fn a_brighter_picture_gives_the_same_brighter() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let fxaa = Fxaa::new(&gpu, Parameters::default()).expect("valid shaders");
+    let fxaa = ScreenMethod::new(&gpu, Parameters::default());
     let blurry = Parameters { subpixel: 1.0, contrast: 0.05, ..Parameters::of(Quality::Low) };
     for (height, width, parameters) in [
         (HEIGHT, WIDTH, Parameters::default()),
@@ -128,7 +128,7 @@ fn the_method_is_nearer_to_truth_than_the_sharp_picture() {
     let gbuffer = gbuffer::render(&scene, &view.camera, 48, 64, &[Attribute::Light, Attribute::Valid]);
     let truth = path::render(Effect::Aa, &shot, Sampling::one(64, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let fxaa = Fxaa::new(&gpu, Parameters::default()).expect("valid shaders");
+    let fxaa = ScreenMethod::new(&gpu, Parameters::default());
     let image = crate::methods::proving::on_gpu(&fxaa, &gbuffer, None, &view);
     let sharp = gbuffer.select(&[Attribute::Light]).expect("light");
     let error = |image: &Planes| crate::metrics::relative_mse(image, &truth);

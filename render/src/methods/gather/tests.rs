@@ -112,7 +112,7 @@ fn without_a_mean_free_path_the_picture_stays_bit_for_bit() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = Gather::new(&gpu, Parameters::default()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::default());
     for (height, width, samples) in [(HEIGHT, WIDTH, 128), (HEIGHT, WIDTH, 5), (1, 1, 16), (17, 5, 512)] {
         let view = view(height, width, 1.0);
         prove_twin(
@@ -160,7 +160,7 @@ fn many_samples_become_truth() {
     let shot = Shot::new(&scene, &view.camera, [48, 64], 1.0);
     let truth = path::render(Effect::Sss, &shot, Sampling::one(1, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = Gather::new(&gpu, Parameters::default()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::default());
     let gbuffer = gbuffer::render(&scene, &view.camera, 48, 64, method.attributes());
     let sharp = relative_mse(&gbuffer.select(&[Attribute::Light]).expect("light"), &truth);
     let errors = [8, 64, 512, 4096].map(|samples| {
@@ -177,7 +177,7 @@ fn the_method_is_nearer_to_truth_than_the_sharp_picture() {
     let shot = Shot::new(&scene, &view.camera, [48, 64], 1.0);
     let truth = path::render(Effect::Sss, &shot, Sampling::one(1, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = Gather::new(&gpu, Parameters::default()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::default());
     let error = |samples: u32| {
         relative_mse(&on_gpu(&method.with(Parameters { samples }), &gbuffer, None, &view), &truth)
     };

@@ -131,7 +131,7 @@ fn directions_turn_from_right_to_up() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = Reconstruction::new(&gpu, Parameters::default()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::default());
     let coarse = Parameters { samples: 3, longest: 0.05, depth_extent: 0.5 };
     for (height, width, parameters) in [
         (HEIGHT, WIDTH, Parameters::default()),
@@ -159,7 +159,7 @@ fn the_method_is_nearer_to_truth_than_the_sharp_picture() {
     let shot = Shot::new(&scene, &view.camera, [48, 64], 1.0);
     let truth = path::render(Effect::MotionBlur, &shot, Sampling::one(64, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = Reconstruction::new(&gpu, Parameters::default()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::default());
     let sharp = gbuffer.select(&[Attribute::Light]).expect("light");
     let image = on_gpu(&method, &gbuffer, None, &view);
     let (with, without) = (relative_mse(&image, &truth), relative_mse(&sharp, &truth));

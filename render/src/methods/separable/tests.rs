@@ -119,7 +119,7 @@ fn light_does_not_leap_between_surfaces_far_apart() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = Separable::new(&gpu, Parameters::default()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::default());
     let coarse = Parameters { taps: 3, reach: 2.0, follow: 0.0 };
     for (height, width, parameters) in [
         (HEIGHT, WIDTH, Parameters::default()),
@@ -145,7 +145,7 @@ fn the_method_is_nearer_to_truth_than_the_sharp_picture() {
     let shot = Shot::new(&scene, &view.camera, [48, 64], 1.0);
     let truth = path::render(Effect::Sss, &shot, Sampling::one(1, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = Separable::new(&gpu, Parameters::default()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::default());
     let sharp = gbuffer.select(&[Attribute::Light]).expect("light");
     let image = on_gpu(&method, &gbuffer, None, &view);
     let (with, without) = (relative_mse(&image, &truth), relative_mse(&sharp, &truth));

@@ -2,9 +2,7 @@
 //! what is known to go through, bodies apart, and the passes against the plain version.
 
 use super::super::reference::{Receiver, Shade, sums};
-use super::super::scattering::{
-    SUPPORT, Scattering, Side, SurfelScattering, given, met_from_within, scattered, shape,
-};
+use super::super::scattering::{SCATTERING, SUPPORT, Side, given, met_from_within, scattered, shape};
 use super::*;
 use crate::bvh::TracedScene;
 use crate::gbuffer;
@@ -13,7 +11,6 @@ use crate::methods::separable::kernel;
 use crate::path::proving::quad;
 use crate::path::{self, Sampling, Shot};
 use crate::scene::{Light, Material, MaterialId};
-use crate::screen::ScreenMethod;
 use deepshade_shaders::random::random;
 use deepshade_shaders::{Attribute, Effect, GBuffer};
 use std::f32::consts::PI;
@@ -73,7 +70,7 @@ fn plain((scene, view, gbuffer): &Seen, parameters: &Parameters) -> Planes {
     Scattering::plain(&plain, disks).expect("attributes")
 }
 
-fn image(method: &impl ScreenMethod, (scene, view, gbuffer): &Seen) -> Planes {
+fn image(method: &ScreenMethod, (scene, view, gbuffer): &Seen) -> Planes {
     let frame = Frame { scene, camera: &view.camera, gbuffer, radius: view.radius, seed: view.seed };
     Method::shade(method, &frame, Repeats::ONCE).expect("an image").image
 }
@@ -291,9 +288,9 @@ fn without_surfels_or_ways_below_light_stays_where_it_is() {
     let is_light = |image: &Planes, gbuffer: &GBuffer| {
         image.data() == gbuffer.select(&[Attribute::DiffuseLight]).expect("light").data()
     };
-    assert!(is_light(&Scattering::plain(&plain, vec![]).expect("attributes"), gbuffer));
+    assert!(is_light(&(SCATTERING.plain)(&plain, &[]).expect("attributes"), gbuffer));
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = SurfelScattering::new(&gpu, parameters(0.03, 3).into()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Disks::new(parameters(0.03, 3), SCATTERING));
     let mut opaque = blocks(TWO);
     opaque.materials[0].mean_free_path = Vec3::ZERO;
     let opaque = looked_at(opaque, from_above(), [SIZE; 2], 0.1);
@@ -327,7 +324,7 @@ fn the_passes_scatter_as_the_plain_version_does() {
     let mut scene = blocks(ONE);
     scene.materials[0].mean_free_path = Vec3::new(0.01, 0.004, 0.0);
     let seen = looked_at(scene, camera, [43, 61], 0.2);
-    let method = SurfelScattering::new(&gpu, parameters.into()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Disks::new(parameters, SCATTERING));
     prove_twin(&method, &seen, tolerance);
     // A lamp behind a slab: all light comes from the far side.
     let position = Vec3::new(0.02, 0.01, -0.04);
