@@ -1,24 +1,19 @@
 //! Puts a product together from WGSL files, which say in their first lines what they need:
 //!
 //! - `#import shared/surface`: another file, whose text comes before theirs, and once only.
-//! - `#uniform Slices`: a struct of [`uniforms`], declared as Rust has it.
 //! - `#constant HEIGHT = 8`: a whole number, which Rust may set otherwise.
 //! - `#template`: something that Rust writes, without which it is no shader.
 
 use super::place::Place;
-use super::uniforms::{self, Layout};
 use std::collections::BTreeSet;
 
 include!(concat!(env!("OUT_DIR"), "/wgsl_files.rs"));
 
-/// What there is to import.
-struct Library {
-    /// Names and texts.
-    files: &'static [(&'static str, &'static str)],
-    layouts: &'static [&'static [Layout]],
-}
+/// What there is to import: names and texts.
+#[derive(Clone, Copy)]
+struct Library(&'static [(&'static str, &'static str)]);
 
-static LIBRARY: Library = Library { files: FILES, layouts: uniforms::ALL };
+const LIBRARY: Library = Library(FILES);
 
 /// Every file of `shaders/wgsl`, in order.
 pub(super) fn files() -> impl Iterator<Item = &'static str> {
@@ -54,13 +49,13 @@ const fn is_same(one: &[u8], other: &[u8]) -> bool {
 }
 
 impl Library {
-    fn text(&self, file: &str) -> Result<&'static str, String> {
-        let found = self.files.iter().find(|(name, _)| *name == file);
+    fn text(self, file: &str) -> Result<&'static str, String> {
+        let found = self.0.iter().find(|(name, _)| *name == file);
         found.map(|(_, text)| *text).ok_or_else(|| format!("no file `{file}`"))
     }
 
     /// Whether a file can be imported by the last of `open`, each of which imports the next one.
-    fn check(&self, file: &str, open: &[&str]) -> Result<(), String> {
+    fn check(self, file: &str, open: &[&str]) -> Result<(), String> {
         if open.contains(&file) {
             return Err(format!("`{file}` imports itself: {} > {file}", open.join(" > ")));
         }
@@ -84,8 +79,6 @@ pub(super) struct Constant {
 pub(super) struct Product {
     /// What they state as constants.
     pub constants: Vec<Constant>,
-    /// Uniform structs that they use.
-    pub uniforms: Vec<Layout>,
     /// Their texts.
     pub text: String,
     files: Vec<&'static str>,
@@ -98,7 +91,7 @@ impl Product {
     /// # Panics
     /// If there is no such file, or one imports what there is not. A test puts together all that there are.
     pub(super) fn of(files: &[&'static str]) -> Self {
-        Self::joined(&LIBRARY, files).expect("what WGSL files import is there")
+        Self::joined(LIBRARY, files).expect("what WGSL files import is there")
     }
 
     /// Whether it is a shader as it is.
@@ -106,12 +99,7 @@ impl Product {
         !self.is_template && ["@compute", "@vertex"].iter().any(|stage| self.text.contains(stage))
     }
 
-    /// The uniform structs in WGSL.
-    pub(super) fn declarations(&self) -> String {
-        self.uniforms.iter().map(Layout::declaration).collect()
-    }
-
-    fn joined(library: &Library, files: &[&'static str]) -> Result<Self, String> {
+    fn joined(library: Library, files: &[&'static str]) -> Result<Self, String> {
         let mut product = Self::default();
         for file in files {
             product.add(library, file, &mut Vec::new())?;
@@ -122,7 +110,7 @@ impl Product {
     /// Adds a file, unless it is there; `open` are those that import it, the first one first.
     fn add(
         &mut self,
-        library: &Library,
+        library: Library,
         file: &'static str,
         open: &mut Vec<&'static str>,
     ) -> Result<(), String> {
@@ -139,7 +127,6 @@ impl Product {
                     self.add(library, other, open)?;
                 }
                 Directive::Template => self.is_template = true,
-                Directive::Uniform(name) => self.declare(library, name).map_err(placed)?,
                 Directive::Constant(name, default) => {
                     self.state(Constant { name, default, place }).map_err(placed)?;
                 }
@@ -149,15 +136,6 @@ impl Product {
         self.files.push(file);
         self.text += "\n";
         self.text += &own;
-        Ok(())
-    }
-
-    fn declare(&mut self, library: &Library, name: &str) -> Result<(), String> {
-        let layout = library.layouts.iter().copied().flatten().find(|layout| layout.name == name);
-        let layout = layout.ok_or_else(|| format!("no uniform struct `{name}`"))?;
-        if !self.uniforms.iter().any(|other| other.name == name) {
-            self.uniforms.push(*layout);
-        }
         Ok(())
     }
 
@@ -177,7 +155,6 @@ impl Product {
 /// What a file says that it needs.
 enum Directive {
     Import(&'static str),
-    Uniform(&'static str),
     Constant(&'static str, u32),
     Template,
 }
@@ -192,7 +169,6 @@ impl Directive {
         match words[..] {
             ["#import", file] => Some(Self::Import(file)),
             ["#template"] => Some(Self::Template),
-            ["#uniform", name] => Some(Self::Uniform(name)),
             ["#constant", name, "=", default] => Some(Self::Constant(name, default.parse().ok()?)),
             _ => None,
         }

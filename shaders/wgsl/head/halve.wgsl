@@ -3,7 +3,7 @@
 // after ESTIMATES planes of the finest level's frame.
 
 #template
-#uniform NetLayer
+#import uniforms/net_layer
 
 @group(0) @binding(0) var<uniform> layer: NetLayer;
 @group(0) @binding(3) var<storage, read_write> pyramid: array<f32>;

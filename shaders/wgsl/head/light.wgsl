@@ -2,7 +2,7 @@
 // of the network's input, continued at bottom and right by their last row and column up to the frame.
 
 #template
-#uniform NetLayer
+#import uniforms/net_layer
 
 @group(0) @binding(0) var<uniform> layer: NetLayer;
 @group(0) @binding(3) var<storage, read_write> pyramid: array<f32>;

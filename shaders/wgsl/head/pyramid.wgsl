@@ -2,7 +2,7 @@
 // levels.
 
 #template
-#uniform NetLayer
+#import uniforms/net_layer
 
 @group(0) @binding(0) var<uniform> layer: NetLayer;
 // Planar, of the tile's frame on the last block's level: `layer.channels` rows of `layer.stride` columns.

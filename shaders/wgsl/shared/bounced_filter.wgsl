@@ -4,7 +4,24 @@
 #import shared/bounded
 #import shared/packing
 #import shared/surface
-#uniform BounceWindow
+
+/// What `methods/bounced_z/filter` reads.
+struct BounceWindow {
+    /// Columns of the image.
+    width: u32,
+    /// Rows of the image.
+    height: u32,
+    /// Directions of a pixel.
+    directions: u32,
+    /// Pixels on every side that are filtered together.
+    radius: i32,
+    /// The Gaussian's exponent of a distance of one pixel.
+    falloff: f32,
+    /// Factor, one over metres, of a distance from the tangent plane before it is squared into the exponent.
+    sharpness: f32,
+    /// What is where no surface is seen.
+    background: f32,
+}
 
 @group(0) @binding(0) var<uniform> window: BounceWindow;
 // Octahedral, two snorm16: [directions, height, width].

@@ -12,8 +12,27 @@
 #import shared/surfel_record
 #import shared/surfel_tree
 #import shared/surfel_walk
-#uniform Bounces
 #constant HEIGHT = 8
+
+/// What `methods/bounced_z/trace` reads.
+struct Bounces {
+    /// Columns of the image.
+    width: u32,
+    /// Rows of the image.
+    height: u32,
+    /// Directions of a pixel.
+    directions: u32,
+    /// Levels of the interleaved framebuffer.
+    levels: u32,
+    /// Chooses directions, and which pixel meets which surfels.
+    seed: u32,
+    /// Where the shell of the finest level ends, over a surfel's radius.
+    shell: f32,
+    /// How much larger than its own is the radius that rays meet.
+    cover: f32,
+    /// How far the effect reaches, metres.
+    reach: f32,
+}
 
 @group(0) @binding(0) var<uniform> bounces: Bounces;
 @group(0) @binding(4) var<storage, read> totals: Totals;

@@ -6,16 +6,40 @@
 #import shared/glow_tile
 #import shared/glow_time
 #import shared/random
-#uniform FrameView
-#uniform GlowSamples
-#uniform GlowStretch
-#uniform GlowTile
-#uniform LightRecord
-#uniform PaintState
+#import uniforms/frame_view
+#import uniforms/glow_tile
+#import uniforms/light_record
+#import uniforms/paint_state
 #constant LIGHTS = 1
 #constant PAINT_STATES = 1
 #constant PIECES = 1
 #constant STATES = 1
+
+/// A stretch of the past in `methods/phosphor/glassner`.
+struct GlowStretch {
+    /// From how many seconds ago on.
+    since: f32,
+    /// Up to how many.
+    until: f32,
+    /// Whether what it gives is added to the image (1).
+    adds: u32,
+    /// The first of the samples that are drawn.
+    first: u32,
+    /// How many are drawn.
+    count: u32,
+}
+
+/// What `methods/phosphor/glassner` reads.
+struct GlowSamples {
+    /// Columns of the image.
+    width: u32,
+    /// Rows of the image.
+    height: u32,
+    /// Moments that are drawn of each state.
+    samples: u32,
+    /// Chooses them.
+    seed: u32,
+}
 
 @group(0) @binding(0) var<uniform> settings: GlowSamples;
 @group(0) @binding(1) var<uniform> paints: array<PaintState, PAINT_STATES>;

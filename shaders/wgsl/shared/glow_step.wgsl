@@ -5,10 +5,10 @@
 #import shared/glow_place
 #import shared/glow_tile
 #import shared/glow_time
-#uniform FrameView
-#uniform GlowTile
-#uniform LightRecord
-#uniform PaintState
+#import uniforms/frame_view
+#import uniforms/glow_tile
+#import uniforms/light_record
+#import uniforms/paint_state
 #constant LIGHTS = 1
 #constant PAINT_STATES = 1
 #constant SCHEDULES = 1

@@ -9,10 +9,21 @@
 #import shared/surface_distance
 #import shared/transmittance
 #import shared/view
-#uniform FrameView
-#uniform Intervals
-#uniform MediumRecord
+#import uniforms/frame_view
+#import uniforms/medium_record
 #constant SAMPLES = 16
+
+/// What `methods/volume_shell/intervals` reads.
+struct Intervals {
+    /// Columns of the image.
+    width: u32,
+    /// Rows of the image.
+    height: u32,
+    /// Points of a ray's way through the medium at which density is looked up.
+    steps: u32,
+    /// Chooses random offsets.
+    seed: u32,
+}
 
 @group(0) @binding(0) var<uniform> marching: Intervals;
 @group(0) @binding(1) var<uniform> view: FrameView;

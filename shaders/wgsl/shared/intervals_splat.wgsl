@@ -15,17 +15,22 @@
 #import shared/surfel_walk
 #import shared/transmittance
 #import shared/view
-#uniform FrameView
-#uniform MediumRecord
-#uniform SplatLevel
-#uniform SplatPart
-#uniform VolumeShell
+#import uniforms/frame_view
+#import uniforms/medium_record
+#import uniforms/splat_level
+#import uniforms/volume_shell
 #constant ATTENUATED = 1
 #constant LOOKUPS = 4
 #constant PARTS = 16
 #constant SAMPLES = 16
 #constant SILHOUETTES = 1
 #constant TOUCHED_ONLY = 1
+
+/// The leaves of one run of `methods/volume_shell/splat`.
+struct SplatPart {
+    /// Which part of them.
+    index: u32,
+}
 
 @group(0) @binding(0) var<uniform> level: SplatLevel;
 @group(0) @binding(1) var<uniform> volume: VolumeShell;

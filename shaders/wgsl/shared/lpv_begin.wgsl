@@ -16,9 +16,9 @@
 #import shared/lpv_second
 #import shared/medium
 #import shared/shadow
-#uniform FrameView
-#uniform LightGrid
-#uniform LightRecord
+#import uniforms/frame_view
+#import uniforms/light_grid
+#import uniforms/light_record
 #constant FACTORS = 0
 #constant LIGHTS = 1
 #constant UNSCATTERED = 2

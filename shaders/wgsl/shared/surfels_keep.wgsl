@@ -5,9 +5,9 @@
 #import shared/glow_place
 #import shared/glow_time
 #import shared/surfel_patch_record
-#uniform FrameView
-#uniform LightRecord
-#uniform PaintState
+#import uniforms/frame_view
+#import uniforms/light_record
+#import uniforms/paint_state
 #constant LIGHTS = 1
 #constant PAINT_STATES = 1
 #constant SCHEDULES = 1

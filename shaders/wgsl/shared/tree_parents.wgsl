@@ -2,7 +2,12 @@
 
 #import shared/surfel
 #import shared/surfel_tree
-#uniform TreeLevel
+
+/// A level of the tree over surfels.
+struct TreeLevel {
+    /// 0 for leaves.
+    height: u32,
+}
 
 @group(0) @binding(0) var<uniform> level: TreeLevel;
 @group(0) @binding(1) var<storage, read> totals: Totals;

@@ -7,10 +7,21 @@
 #import shared/random
 #import shared/surface_distance
 #import shared/view
-#uniform FogMarch
-#uniform FrameView
-#uniform LightRecord
-#uniform OfLamp
+#import uniforms/frame_view
+#import uniforms/light_record
+#import uniforms/of_lamp
+
+/// What `methods/fog_march/march` reads.
+struct FogMarch {
+    /// Columns of the image.
+    width: u32,
+    /// Rows of the image.
+    height: u32,
+    /// Steps along each view ray.
+    steps: u32,
+    /// Chooses by how much they are shifted.
+    seed: u32,
+}
 
 @group(0) @binding(0) var<uniform> marching: FogMarch;
 @group(0) @binding(1) var<uniform> view: FrameView;

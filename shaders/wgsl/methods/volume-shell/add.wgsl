@@ -1,7 +1,7 @@
 // Adds up the levels. What is smooth is light over how much there is that scatters it, so that a silhouette before fog stays
 // sharp.
 
-#uniform LevelSum
+#import uniforms/level_sum
 
 @group(0) @binding(0) var<uniform> level: LevelSum;
 // [height, width, 4]: light, and how much of what the ray scatters there is: of each pixel, and with those around it.

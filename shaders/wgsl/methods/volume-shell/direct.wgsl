@@ -6,9 +6,9 @@
 #import shared/intervals_decode_wide
 #import shared/single_scattering
 #import shared/view
-#uniform FrameView
-#uniform LightRecord
-#uniform VolumeShell
+#import uniforms/frame_view
+#import uniforms/light_record
+#import uniforms/volume_shell
 #constant LIGHTS = 1
 #constant SAMPLES = 16
 

@@ -1,6 +1,6 @@
 // A level of a Gaussian pyramid brought to the size of the one below, between the middles of its texels.
 
-#uniform Pyramid
+#import uniforms/pyramid
 
 @group(0) @binding(0) var<uniform> sizes: Pyramid;
 // [coarse_height, coarse_width, 4]

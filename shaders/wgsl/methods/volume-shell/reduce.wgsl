@@ -1,7 +1,7 @@
 // A level of a Gaussian pyramid from the one below (Burt and Adelson 1983), half as wide and high. The plain version is
 // render/src/methods/volume_shell/pyramid.rs.
 
-#uniform Pyramid
+#import uniforms/pyramid
 
 @group(0) @binding(0) var<uniform> sizes: Pyramid;
 // [fine_height, fine_width, 4]
