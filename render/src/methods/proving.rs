@@ -7,7 +7,7 @@ pub mod receiver;
 use crate::bvh::TracedScene;
 use crate::gbuffer;
 use crate::methods::picture::every_pixel;
-use crate::methods::{gtao, ring_gather};
+use crate::methods::{Quality, gtao, ring_gather};
 use crate::path::sampler::{cosine_hemisphere, frame};
 use crate::scene::procedural::Family;
 use crate::scene::{Camera, Environment, Lens, Material, Mesh, Scene};
@@ -320,8 +320,8 @@ pub fn prove_comparator(right: &Planes, tolerance: Tolerance) {
 fn a_pass_between_that_is_wrong_is_found_out() {
     let gpu = gpu::Gpu::new().expect("an adapter; lavapipe will do");
     let tolerance = Tolerance { usual: 1e-4, worst: 0.05 };
-    let gtao = ScreenMethod::new(&gpu, gtao::Parameters::default());
-    let ring_gather = ScreenMethod::new(&gpu, ring_gather::Parameters::default());
+    let gtao = ScreenMethod::new(&gpu, gtao::Parameters::of(Quality::High));
+    let ring_gather = ScreenMethod::new(&gpu, ring_gather::Parameters::of(Quality::High));
     let gbuffer = lit_still_life(43, 61);
     let view = view(43, 61, 1.0);
     for (method, buffers) in [(&gtao as &ScreenMethod, 3), (&ring_gather, 6)] {

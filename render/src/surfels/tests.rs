@@ -2,13 +2,13 @@
 
 use super::patches::{area_of, of_scene};
 use super::reference::{self, Disk, roulette};
-use super::{Cloud, HEIGHT, LEAF, MOST, Parameters, Passes, Patch, Surfel, Tree, cloud};
+use super::{Cloud, HEIGHT, LEAF, MOST, Parameters, Patch, Surfel, Tree, cloud};
 use crate::methods::proving;
 use crate::raster::World;
 use crate::raster::view::perspective;
 use crate::scene::procedural::Family;
 use crate::scene::{Material, Mesh, Scene};
-use crate::screen::{MethodStep, View};
+use crate::screen::{Device, MethodStep, View};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::wgsl::uniforms;
 use glam::{Mat3, Vec3};

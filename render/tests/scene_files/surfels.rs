@@ -4,7 +4,7 @@ use crate::build::{Builder, write};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::methods::disks::Disks;
-use deepshade_render::methods::surfel;
+use deepshade_render::methods::{Quality, surfel};
 use deepshade_render::raster::World;
 use deepshade_render::scene::{AnimatedScene, Camera, Scene, SceneSource};
 use deepshade_render::screen::{Device, GpuGBuffer, Inputs, MethodStep, Plan, ScreenMethod, View};
@@ -169,8 +169,10 @@ fn a_frame_is_shaded_as_the_same_scene_that_stays() {
     let view = view(0.5);
     let gbuffer = gbuffer::render(&traced, &view.camera, HEIGHT, WIDTH, &ATTRIBUTES);
     let there = GpuGBuffer::upload(&gpu.device, &gbuffer, &ATTRIBUTES).expect("attributes");
-    let method =
-        ScreenMethod::new(&gpu, Disks::new(surfel::Parameters::default(), surfel::occlusion::OCCLUSION));
+    let method = ScreenMethod::new(
+        &gpu,
+        Disks::new(surfel::Parameters::of(Quality::High), surfel::occlusion::OCCLUSION),
+    );
     let image = |world: &World| -> Vec<f32> {
         let inputs = Inputs { gbuffer: &there, environment: None, world: Some(world) };
         let plan = Plan::new(&method, &inputs, &view).expect("room");

@@ -76,12 +76,6 @@ pub struct Parameters {
     pub filter: blur::Parameters,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
 impl Parameters {
     /// Those of a quality: more directions, smaller surfels, and more of their effect on every pixel. On the six scenes of
     /// `dataset/recipes/gi-rivals.toml` low, medium and high come to a relative mean squared error of 0.172, 0.099 and 0.067.

@@ -285,13 +285,13 @@ fn the_filter_removes_noise() {
 fn the_passes_make_what_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let coarse = surfels::Parameters { scale: 0.05, near: 0.25 };
-    let mut method = ScreenMethod::new(&gpu, Disks::new(Parameters::default(), OCCLUSION));
+    let mut method = ScreenMethod::new(&gpu, Disks::new(Parameters::of(Quality::High), OCCLUSION));
     for (family, [height, width], levels, directions) in [
         (Family::StillLife, [27, 35], 4, 3),
         (Family::Room, [24, 32], 1, 16),
         (Family::Shelves, [21, 43], 6, 1),
     ] {
-        let parameters = Parameters { surfels: coarse, levels, directions, ..Parameters::default() };
+        let parameters = Parameters { surfels: coarse, levels, directions, ..Parameters::of(Quality::High) };
         method = method.with(Disks::new(parameters, OCCLUSION));
         // A ray that just meets a disk in one may just miss it in the other: 0.0047 on an H100.
         prove_twin(&method, &seen(family, height, width), Tolerance { usual: 5e-3, worst: 0.1 });
@@ -302,7 +302,7 @@ fn the_passes_make_what_the_plain_version_does() {
 fn the_passes_light_as_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let surfels = surfels::Parameters { scale: 0.03, near: 0.25 };
-    let parameters = Parameters { surfels, levels: 4, ..Parameters::default() };
+    let parameters = Parameters { surfels, levels: 4, ..Parameters::of(Quality::High) };
     let method = ScreenMethod::new(&gpu, Disks::new(parameters, INDIRECT));
     // Shadow maps end within a texel of where shadows do; radiance has nine bits.
     prove_twin(&method, &corner(), Tolerance { usual: 5e-3, worst: 0.1 });
@@ -312,7 +312,7 @@ fn the_passes_light_as_the_plain_version_does() {
 fn where_nothing_is_met_all_is_open() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let (scene, view, gbuffer) = seen(Family::StillLife, 24, 32);
-    let method = ScreenMethod::new(&gpu, Disks::new(Parameters::default(), OCCLUSION));
+    let method = ScreenMethod::new(&gpu, Disks::new(Parameters::of(Quality::High), OCCLUSION));
     let frame = Frame { scene: &scene, camera: &view.camera, gbuffer: &gbuffer, radius: 0.0, seed: 1 };
     let image = method.shade(&frame, Repeats::ONCE).expect("an image").image;
     assert!(image.data().iter().all(|open| (open - 1.0).abs() < 1e-6), "an effect that reaches nowhere");

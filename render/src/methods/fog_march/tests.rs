@@ -3,6 +3,7 @@
 use super::*;
 use crate::methods::proving::Tolerance;
 use crate::methods::proving::beyond::{foggy, prove_twin};
+use crate::screen::ScreenMethod;
 use deepshade_shaders::gpu::Gpu;
 
 #[test]

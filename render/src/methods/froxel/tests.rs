@@ -4,7 +4,7 @@
 use super::*;
 use crate::methods::proving::Tolerance;
 use crate::methods::proving::beyond::{foggy, prove_twin};
-use crate::screen::View;
+use crate::screen::{ScreenMethod, View};
 use deepshade_shaders::gpu::Gpu;
 
 #[test]

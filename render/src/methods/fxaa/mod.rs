@@ -47,12 +47,6 @@ pub struct Parameters {
     pub subpixel: f32,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
 impl Technique for Parameters {
     fn about(&self) -> About {
         About::on_screen("fxaa", Effect::Aa, &[Attribute::Light, Attribute::Valid])

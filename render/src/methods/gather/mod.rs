@@ -32,12 +32,6 @@ pub struct Parameters {
     pub samples: u32,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
 impl Technique for Parameters {
     fn about(&self) -> About {
         About::on_screen(

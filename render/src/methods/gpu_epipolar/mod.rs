@@ -31,7 +31,7 @@ use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, 
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::uniforms;
-use deepshade_shaders::{Attribute, Effect, MissingAttribute};
+use deepshade_shaders::{Effect, MissingAttribute};
 
 /// Light rays of a tree.
 const LEAVES: usize = 64;

@@ -5,7 +5,7 @@ use super::*;
 use crate::method::{Frame, Method, Repeats};
 use crate::methods::proving::Tolerance;
 use crate::methods::proving::beyond::{foggy, prove_twin};
-use crate::screen::View;
+use crate::screen::{ScreenMethod, View};
 use deepshade_shaders::gpu::Gpu;
 
 #[test]

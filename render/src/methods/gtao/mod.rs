@@ -35,12 +35,6 @@ pub struct Parameters {
     pub blur: blur::Parameters,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
 impl Parameters {
     /// Those of a quality: more slices and steps leave less noise to the blur, and miss less.
     ///

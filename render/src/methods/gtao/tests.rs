@@ -97,7 +97,7 @@ fn a_sphere_on_a_plane_has_its_integral() {
 #[test]
 fn openness_is_in_range_and_one_where_nothing_is_seen() {
     let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
-    let openness = openness(&surface, &Parameters::default(), 1.0);
+    let openness = openness(&surface, &Parameters::of(Quality::High), 1.0);
     assert!(openness.data().iter().all(|value| (0.0..=1.0).contains(value)));
     let sky: Vec<usize> = (0..HEIGHT * WIDTH).filter(|i| surface.valid.data()[*i] == 0.0).collect();
     assert!(sky.len() > 100 && sky.iter().all(|i| openness.data()[*i] == 1.0));
@@ -108,7 +108,7 @@ fn openness_is_in_range_and_one_where_nothing_is_seen() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let gtao = ScreenMethod::new(&gpu, Parameters::default());
+    let gtao = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     for (height, width, quality, radius) in [
         (HEIGHT, WIDTH, Quality::High, 1.0),
         (HEIGHT, WIDTH, Quality::Low, 30.0),
@@ -126,10 +126,10 @@ fn gpu_and_reference_agree_at_every_pixel() {
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
     let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
-    let right = openness(&surface, &Parameters::default(), 1.0);
+    let right = openness(&surface, &Parameters::of(Quality::High), 1.0);
     prove_comparator(&right, TOLERANCE);
     let view = View { seed: 12, ..view(HEIGHT, WIDTH, 1.0) };
-    let reseeded = seen_openness(&surface, &Parameters::default(), &view);
+    let reseeded = seen_openness(&surface, &Parameters::of(Quality::High), &view);
     assert!(agree(&right, &reseeded, TOLERANCE).is_err(), "another seed");
 }
 
@@ -138,7 +138,7 @@ fn the_method_is_nearer_to_truth_than_white() {
     let (scene, radius) = (corner(), 1.0);
     let camera = Camera::look_at(Vec3::new(4.0, 3.0, 5.0), Vec3::splat(0.8));
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let gtao = ScreenMethod::new(&gpu, Parameters::default());
+    let gtao = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     let gbuffer = gbuffer::render(&scene, &camera, HEIGHT, WIDTH, gtao.attributes());
     let shot = Shot::new(&scene, &camera, [HEIGHT, WIDTH], radius);
     let truth = path::render(Effect::Ao, &shot, Sampling::one(256, 1)).mean;

@@ -54,24 +54,10 @@ pub struct Parameters {
     pub blur_sharpness: f32,
 }
 
-impl Default for Parameters {
-    /// 16 directions of 24 steps as in the thesis (7.4); the rest is what `deepshade tune` found best on validation views
-    /// of `dataset/recipes/ao-thesis.toml`.
-    fn default() -> Self {
-        Self {
-            radius_scale: 1.2,
-            bias: 0.15,
-            strength: 1.3,
-            directions: 16,
-            steps: 24,
-            blur_radius: 4,
-            blur_sharpness: 1024.0,
-        }
-    }
-}
-
 impl Parameters {
-    /// Those of a quality: fewer directions and steps are faster, more leave less noise to the blur.
+    /// Those of a quality: fewer directions and steps are faster, more leave less noise to the blur. The thesis has 16
+    /// directions of 24 steps (7.4); the rest is what `deepshade tune` found best on validation views of
+    /// `dataset/recipes/ao-thesis.toml`.
     pub fn of(quality: Quality) -> Self {
         let (directions, steps) = match quality {
             Quality::Low => (4, 6),
@@ -79,7 +65,15 @@ impl Parameters {
             Quality::High => (16, 24),
             Quality::Ultra => (32, 48),
         };
-        Self { directions, steps, ..Self::default() }
+        Self {
+            radius_scale: 1.2,
+            bias: 0.15,
+            strength: 1.3,
+            directions,
+            steps,
+            blur_radius: 4,
+            blur_sharpness: 1024.0,
+        }
     }
 }
 

@@ -78,12 +78,6 @@ pub struct Parameters {
     pub scheme: Scheme,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
 impl Parameters {
     /// More time is more cells, and iterations for light to cross them three times: after one crossing of a closed room in fog
     /// half of the light is still on its way.

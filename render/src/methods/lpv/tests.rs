@@ -22,7 +22,7 @@ use crate::method::{Frame, Method, Repeats};
 use crate::methods::proving::Tolerance;
 use crate::methods::proving::beyond::{corner, foggy, prove_twin};
 use crate::scene::{Camera, Density, Medium, Scene};
-use crate::screen::{self, GpuGBuffer, PlainInputs, Plan, ScreenMethod};
+use crate::screen::{self, GpuGBuffer, Inputs, PlainInputs, Plan, ScreenMethod};
 use deepshade_shaders::GBuffer;
 use deepshade_shaders::gpu::{self, Gpu};
 use glam::{Vec3, Vec4};

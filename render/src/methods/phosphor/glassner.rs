@@ -22,7 +22,7 @@ use bytemuck::bytes_of;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::random::random;
 use deepshade_shaders::wgsl::uniforms::GlowSamples;
-use deepshade_shaders::{Attribute, Effect, MissingAttribute};
+use deepshade_shaders::{Effect, MissingAttribute};
 use glam::{Vec2, Vec3};
 
 /// What can be set.

@@ -14,7 +14,7 @@ use crate::scene::glow::tests::glow;
 use crate::scene::glow::{Glow, Start};
 use crate::scene::medium::Weather;
 use crate::scene::{Bounds, Camera, Density, Light, Look, Material, MaterialId, Medium, Mesh, Scene};
-use crate::screen::{self, GpuGBuffer, Plan};
+use crate::screen::{self, GpuGBuffer, Inputs, Plan, ScreenMethod};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{GBuffer, Planes};
 use glam::{Vec2, Vec3};

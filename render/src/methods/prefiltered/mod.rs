@@ -50,12 +50,6 @@ pub struct Parameters {
     pub height: usize,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
 impl Parameters {
     /// Those of a quality: finer maps take longer to filter, once for an environment, and mirror more sharply. A frame
     /// takes the same time. On training scenes, whose surfaces are hardly ever mirrors, 64 rows are as good as 512.

@@ -8,6 +8,7 @@ use crate::path::bsdf::Phong;
 use crate::path::proving::{integral, spotted, with_environment};
 use crate::path::{self, Sampling, Shot};
 use crate::scene::procedural::sky;
+use crate::screen::ScreenMethod;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{GBuffer, Planes};
 use std::f32::consts::{FRAC_1_PI, PI};
@@ -180,7 +181,7 @@ fn the_method_is_nearer_to_truth_than_light_from_everywhere() {
     let shot = Shot::new(&scene, &view.camera, [view.height, view.width], view.radius);
     let truth = path::render(Effect::Ibl, &shot, Sampling::one(256, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let prefiltered = ScreenMethod::new(&gpu, Parameters::default());
+    let prefiltered = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     let error =
         |environment| mean_difference(&on_gpu(&prefiltered, &gbuffer, Some(environment), &view), &truth);
     let (found, even) = (error(&environment), error(&even));

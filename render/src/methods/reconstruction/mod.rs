@@ -44,12 +44,6 @@ pub struct Parameters {
     pub depth_extent: f32,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
 impl Technique for Parameters {
     fn about(&self) -> About {
         About::on_screen(

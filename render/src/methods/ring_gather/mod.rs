@@ -46,12 +46,6 @@ pub struct Parameters {
     pub softness: f32,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
 impl Technique for Parameters {
     fn about(&self) -> About {
         About::on_screen(

@@ -145,12 +145,12 @@ fn what_is_not_seen_is_far_away() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = ScreenMethod::new(&gpu, Parameters::default());
+    let method = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     let coarse = Parameters { scale: 3, rings: 1, softness: 2.5, ..unbounded(Quality::Low) };
     for (height, width, parameters) in [
-        (HEIGHT, WIDTH, Parameters::default()),
+        (HEIGHT, WIDTH, Parameters::of(Quality::High)),
         (HEIGHT, WIDTH, coarse),
-        (1, 1, Parameters::default()),
+        (1, 1, Parameters::of(Quality::High)),
         (17, 5, unbounded(Quality::Ultra)),
     ] {
         let view = view(height, width, 1.0);
@@ -164,7 +164,7 @@ fn gpu_and_reference_agree_at_every_pixel() {
 
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
-    prove_comparator(&blurred(&lit_still_life(HEIGHT, WIDTH), &Parameters::default()), TOLERANCE);
+    prove_comparator(&blurred(&lit_still_life(HEIGHT, WIDTH), &Parameters::of(Quality::High)), TOLERANCE);
 }
 
 #[test]

@@ -12,7 +12,6 @@ use crate::gbuffer;
 use crate::method::{Frame, Method, MethodError, Repeats};
 use crate::methods::{
     Quality, epipolar, epipolar_sampling, fog_march, froxel, gpu_epipolar, min_max, ray_march,
-    single_scattering,
 };
 use crate::metrics::{exposed, exposure, relative_mse};
 use crate::path::proving::{floor, quad};

@@ -48,12 +48,6 @@ pub struct Parameters {
     pub blur: blur::Parameters,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
 impl Parameters {
     /// Those of a quality: more directions and points leave less noise to the blur, miss less, and can tell a finer map.
     ///

@@ -93,9 +93,9 @@ fn light_comes_from_where_the_camera_in_the_world_says() {
 #[test]
 fn it_is_black_without_an_environment_and_in_the_sky() {
     let gbuffer = still_life(HEIGHT, WIDTH);
-    let image = seen(&gbuffer, None, &Parameters::default(), &view(HEIGHT, WIDTH, 1.0));
+    let image = seen(&gbuffer, None, &Parameters::of(Quality::High), &view(HEIGHT, WIDTH, 1.0));
     assert!(image.data().iter().all(|value| *value == 0.0));
-    let image = shade(&gbuffer, &spotted(), &Parameters::default(), 1.0);
+    let image = shade(&gbuffer, &spotted(), &Parameters::of(Quality::High), 1.0);
     let mask = gbuffer.seen().expect("a mask");
     assert!((0..HEIGHT * WIDTH).all(|i| mask[i] == (image.plane(0)[i] > 0.0)));
     assert!(image.data().iter().all(|value| value.is_finite()));
@@ -104,7 +104,7 @@ fn it_is_black_without_an_environment_and_in_the_sky() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let ssdo = ScreenMethod::new(&gpu, Parameters::default());
+    let ssdo = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     let environment = spotted().rotated(0.7);
     for (height, width, quality, radius) in [
         (HEIGHT, WIDTH, Quality::High, 1.0),
@@ -123,9 +123,10 @@ fn gpu_and_reference_agree_at_every_pixel() {
 
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
-    let right = shade(&still_life(HEIGHT, WIDTH), &spotted(), &Parameters::default(), 1.0);
+    let right = shade(&still_life(HEIGHT, WIDTH), &spotted(), &Parameters::of(Quality::High), 1.0);
     prove_comparator(&right, TOLERANCE);
-    let turned = shade(&still_life(HEIGHT, WIDTH), &spotted().rotated(0.3), &Parameters::default(), 1.0);
+    let turned =
+        shade(&still_life(HEIGHT, WIDTH), &spotted().rotated(0.3), &Parameters::of(Quality::High), 1.0);
     assert!(agree(&right, &turned, TOLERANCE).is_err(), "a turned environment");
 }
 
@@ -140,7 +141,7 @@ fn the_method_is_nearer_to_truth_than_light_that_nothing_blocks() {
     let (scene, radius) = (with_environment(corner(), dusk()), 1.0);
     let camera = Camera::look_at(Vec3::new(4.0, 3.0, 5.0), Vec3::splat(0.8));
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let ssdo = ScreenMethod::new(&gpu, Parameters::default());
+    let ssdo = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     let gbuffer = gbuffer::render(&scene, &camera, HEIGHT, WIDTH, ssdo.attributes());
     let image = |radius| {
         let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: 3 };

@@ -115,7 +115,7 @@ fn nothing_is_sent_along_a_plane_or_to_the_sky() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let ssgi = ScreenMethod::new(&gpu, Parameters::default());
+    let ssgi = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     for (height, width, quality, radius) in [
         (HEIGHT, WIDTH, Quality::High, 1.0),
         (HEIGHT, WIDTH, Quality::Low, 30.0),
@@ -135,7 +135,7 @@ fn the_comparator_rejects_what_is_wrong() {
         let gbuffer = coloured(HEIGHT, WIDTH);
         let view = View { seed, ..view(HEIGHT, WIDTH, 2.0) };
         let inputs = PlainInputs { gbuffer: &gbuffer, environment: None, scene: None };
-        let written = Parameters::default().reference(&inputs, &view).expect("all attributes");
+        let written = Parameters::of(Quality::High).reference(&inputs, &view).expect("all attributes");
         Planes::from_data(3, HEIGHT, WIDTH, written[2].clone())
     };
     prove_comparator(&shade(11), TOLERANCE);
@@ -165,7 +165,7 @@ fn at_corner(parameters: Parameters) -> [Planes; 2] {
 
 #[test]
 fn the_method_is_nearer_to_truth_than_black() {
-    let [found, truth] = at_corner(Parameters::default());
+    let [found, truth] = at_corner(Parameters::of(Quality::High));
     let black = mean_difference(&Planes::filled(3, HEIGHT, WIDTH, 0.0), &truth);
     let found = mean_difference(&found, &truth);
     assert!(black > 0.03 && found < 0.3 * black, "black {black}, ssgi {found}");

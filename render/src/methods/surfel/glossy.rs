@@ -16,7 +16,7 @@ use crate::methods::lobe::{self, Gloss, Lobe};
 use crate::surfels::reference::Disk;
 use crate::surfels::{Lit, Tree};
 use deepshade_shaders::wgsl::Shader;
-use deepshade_shaders::{Attribute, Effect, MissingAttribute, Planes};
+use deepshade_shaders::{Effect, MissingAttribute, Planes};
 use glam::Vec3;
 use std::f32::consts::PI;
 

@@ -64,12 +64,6 @@ pub const MOST_LEVELS: u32 = 8;
 /// A level is blurred no farther than this, pixels.
 const MOST_BLUR: u32 = 32;
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
 impl Parameters {
     /// Those of a quality: smaller surfels, and more of their effect on every pixel. On the six scenes of
     /// `dataset/recipes/gi-rivals.toml` low, medium and high come to a relative mean squared error of 0.279, 0.231 and 0.235:

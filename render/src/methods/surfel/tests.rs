@@ -174,13 +174,13 @@ fn the_passes_make_of_their_surfels_what_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
     let tolerance = Tolerance { usual: 2e-3, worst: 0.1 };
-    let mut method = ScreenMethod::new(&gpu, Disks::new(Parameters::default(), occlusion::OCCLUSION));
+    let mut method = ScreenMethod::new(&gpu, Disks::new(Parameters::of(Quality::High), occlusion::OCCLUSION));
     for (family, [height, width], levels, threshold) in [
         (Family::StillLife, [43, 61], 4, 0.06),
         (Family::Room, [64, 48], 1, 0.2),
         (Family::Shelves, [37, 83], 6, 0.1),
     ] {
-        let parameters = Parameters { surfels: coarse, levels, threshold, ..Parameters::default() };
+        let parameters = Parameters { surfels: coarse, levels, threshold, ..Parameters::of(Quality::High) };
         method = method.with(Disks::new(parameters, occlusion::OCCLUSION));
         let seen = seen(family, height, width);
         let (image, disks) = shaded_by_surfels(&method, &seen);
@@ -200,7 +200,7 @@ fn an_effect_that_reaches_nowhere_does_nothing() {
     let (scene, view, gbuffer) = corner();
     let frame = Frame { scene: &scene, camera: &view.camera, gbuffer: &gbuffer, radius: 0.0, seed: 1 };
     let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
-    let parameters = Parameters { surfels: coarse, ..Parameters::default() };
+    let parameters = Parameters { surfels: coarse, ..Parameters::of(Quality::High) };
     let open = ScreenMethod::new(&gpu, Disks::new(parameters, occlusion::OCCLUSION));
     let image = Method::shade(&open, &frame, Repeats::ONCE).expect("an image").image;
     assert!(image.data().iter().all(|open| *open == 1.0));
@@ -258,7 +258,7 @@ fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
 fn the_passes_light_as_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
-    let parameters = Parameters { surfels: coarse, levels: 4, ..Parameters::default() };
+    let parameters = Parameters { surfels: coarse, levels: 4, ..Parameters::of(Quality::High) };
     let method = ScreenMethod::new(&gpu, Disks::new(parameters, INDIRECT));
     // Shadow maps end within a texel of where shadows do; radiance has nine bits.
     prove_twin(&method, &corner(), Tolerance { usual: 5e-3, worst: 0.1 });

@@ -63,12 +63,6 @@ pub struct Parameters {
     pub improvements: Improvements,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
 impl Parameters {
     /// Those of a quality. On `colonnade:1` in clouds (48x32, truth of 512 samples) low and ultra come to a relative mean squared
     /// error of 0.027 and 0.034 where truth's own noise is 0.06: what is left there is light that something should hide. In an
@@ -103,7 +97,7 @@ impl Parameters {
             surfels: self.surfels,
             threshold: self.threshold,
             levels: self.levels,
-            ..surfel::Parameters::default()
+            ..surfel::Parameters::of(Quality::High)
         }
     }
 

@@ -66,7 +66,7 @@ fn coarse() -> Parameters {
         surfels: surfels::Parameters { scale: 0.1, near: 0.25 },
         levels: 3,
         steps: 64,
-        ..Parameters::default()
+        ..Parameters::of(Quality::High)
     }
 }
 

@@ -37,25 +37,25 @@ fn it_and_the_reference_agree_at_every_pixel() {
         }
     }
     let (_, view, gbuffer) = everything(37, 50);
-    prove_twin_on_processor(&Parameters::default(), &gbuffer, &view, TOLERANCE);
+    prove_twin_on_processor(&Parameters::of(Quality::High), &gbuffer, &view, TOLERANCE);
 }
 
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
     let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
-    let (parameters, view_of_right) = (Parameters::default(), view(HEIGHT, WIDTH, 1.0));
+    let (parameters, view_of_right) = (Parameters::of(Quality::High), view(HEIGHT, WIDTH, 1.0));
     let noisy = reference::occlude(&surface, &parameters.march(&view_of_right));
     let [.., right] = blurred(&parameters, &surface, &view_of_right, noisy);
     prove_comparator(&right, TOLERANCE);
     let reseeded = View { seed: 12, ..view(HEIGHT, WIDTH, 1.0) };
-    let reseeded = image(&surface, &Parameters::default(), &reseeded);
+    let reseeded = image(&surface, &Parameters::of(Quality::High), &reseeded);
     assert!(agree(&right, &reseeded, TOLERANCE).is_err(), "another seed");
 }
 
 #[test]
 fn threads_do_not_matter() {
     let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
-    let (parameters, view) = (Parameters::default(), view(HEIGHT, WIDTH, 1.0));
+    let (parameters, view) = (Parameters::of(Quality::High), view(HEIGHT, WIDTH, 1.0));
     let [one, two] = [1, 2].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| on_processor(&parameters, &surface, &view))
@@ -82,7 +82,7 @@ fn a_floor_beside_a_wall_has_its_integral() {
     let receiver = beside_wall();
     let surface = Surface::of(&receiver.gbuffer()).expect("all attributes");
     let view = view(surface.height, surface.width, receiver.radius);
-    let mut parameters = Parameters::default();
+    let mut parameters = Parameters::of(Quality::High);
     (parameters.slices.slices, parameters.slices.steps, parameters.blur.radius) = (64, 1000, 0);
     parameters.slices.thickness = 0.25;
     let open = image(&surface, &parameters, &view);

@@ -14,7 +14,7 @@ use deepshade_shaders::{Effect, GBuffer};
 const COARSE: surfels::Parameters = surfels::Parameters { scale: 0.03, near: 0.25 };
 
 fn parameters() -> Parameters {
-    Parameters { surfels: COARSE, levels: 4, ..Parameters::default() }
+    Parameters { surfels: COARSE, levels: 4, ..Parameters::of(Quality::High) }
 }
 
 fn method() -> ScreenMethod {
