@@ -1,4 +1,5 @@
-//! Lists the files of `wgsl`, so that the program holds their text, and collects the structs that they share with Rust.
+//! Lists the files of `wgsl`, so that the program holds their text, and collects the structs that they share
+//! with Rust.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

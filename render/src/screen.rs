@@ -1,10 +1,10 @@
-//! Methods that shade the screen in passes on the GPU: they compute an effect from what the camera sees, some also from
-//! the scene behind it, and each has a plain version on the CPU that it is checked against.
+//! Methods that shade the screen in passes on the GPU: they compute an effect from what the camera sees, some
+//! also from the scene behind it, and each has a plain version on the CPU that it is checked against.
 //!
-//! A [`Technique`] says which attributes it reads and which passes it has; on a device it is a [`ScreenMethod`]. A
-//! [`Plan`] is those passes bound to a
-//! g-buffer on the GPU, whoever made that: the frame loop, which renders it there, or [`Method::shade`], which sends one
-//! over. A plan is made once for a size of image; from frame to frame only its uniforms change.
+//! A [`Technique`] says which attributes it reads and which passes it has; on a device it is a
+//! [`ScreenMethod`]. A [`Plan`] is those passes bound to a g-buffer on the GPU, whoever made that: the frame
+//! loop, which renders it there, or [`Method::shade`], which sends one over. A plan is made once for a size
+//! of image; from frame to frame only its uniforms change.
 
 mod device;
 mod gbuffer;
@@ -184,8 +184,8 @@ impl ScreenMethod {
         Ok(Shaded { image, milliseconds: timing.milliseconds, clock, device })
     }
 
-    /// What it reads of a frame's g-buffer: one that looks beyond the screen knows the scene, so that what the
-    /// g-buffer does not hold is rendered for it.
+    /// What it reads of a frame's g-buffer: one that looks beyond the screen knows the scene, so that what
+    /// the g-buffer does not hold is rendered for it.
     fn seen<'a>(&self, frame: &Frame<'a>) -> Cow<'a, GBuffer> {
         let (gbuffer, About { attributes, looks_beyond, .. }) = (frame.gbuffer, self.about());
         if !looks_beyond || attributes.iter().all(|attribute| gbuffer.attributes().contains(attribute)) {

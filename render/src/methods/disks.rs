@@ -1,6 +1,6 @@
-//! Methods that shade by the disks that a scene is laid out as ([`crate::surfels`]): [`surfel`](super::surfel), which adds
-//! up what all of them do, and [`bounced_z`](super::bounced_z), which takes the nearest. Each has several effects, a
-//! [`DiskEffect`] each.
+//! Methods that shade by the disks that a scene is laid out as ([`crate::surfels`]):
+//! [`surfel`](super::surfel), which adds up what all of them do, and [`bounced_z`](super::bounced_z), which
+//! takes the nearest. Each has several effects, a [`DiskEffect`] each.
 
 use super::Surface;
 use crate::bvh::TracedScene;

@@ -22,8 +22,8 @@ pub struct Gloss {
     glossiness: Planes,
 }
 
-/// The pass that gathers it for other passes, and what it writes, `[height, width]` of four: specular colour, and glossiness, which
-/// is -1 where no surface is seen.
+/// The pass that gathers it for other passes, and what it writes, `[height, width]` of four: specular colour,
+/// and glossiness, which is -1 where no surface is seen.
 ///
 /// # Errors
 /// If the device has no room, or refuses the pass.
@@ -76,8 +76,8 @@ impl Lobe {
         Self { facets: self.facets.widened(by), ..self }
     }
 
-    /// A direction, camera space, that a place on a disk leads to; its radius squared, and its angle, turns. May be
-    /// below the surface.
+    /// A direction, camera space, that a place on a disk leads to; its radius squared, and its angle, turns.
+    /// May be below the surface.
     pub fn direction(&self, place: Vec2) -> Vec3 {
         self.to_camera * self.facets.sample(self.viewer, Vec2::new(place.y, place.x))
     }

@@ -1,6 +1,6 @@
 //! Methods that march through the g-buffer from every pixel, in random directions, and blur the noise:
-//! [`gtao`](super::gtao), [`hbao`](super::hbao), [`ssdo`](super::ssdo) and [`ssgi`](super::ssgi). Such a method is what
-//! [`Marched`] asks for; its passes, its image in plain Rust and its dials follow.
+//! [`gtao`](super::gtao), [`hbao`](super::hbao), [`ssdo`](super::ssdo) and [`ssgi`](super::ssgi). Such a
+//! method is what [`Marched`] asks for; its passes, its image in plain Rust and its dials follow.
 
 use super::{Surface, blur, images};
 use crate::scene::Environment;
@@ -46,8 +46,8 @@ pub trait Marched: Debug + Send + Sync {
         march: &Self::March,
     ) -> Result<Planes, MissingAttribute>;
 
-    /// What all passes write, as [`blurred`] has it, by vector instructions of the processor, of methods that have such
-    /// a version.
+    /// What all passes write, as [`blurred`] has it, by vector instructions of the processor, of methods that
+    /// have such a version.
     fn on_processor(&self, _surface: &Surface, _view: &View) -> Option<[Planes; 3]> {
         None
     }

@@ -50,16 +50,16 @@ pub trait Technique: Debug + Send + Sync {
     /// If the device refuses a pass or a binding, or has no room for what lies between the passes.
     fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError>;
 
-    /// What its passes write, in the order of [`MethodStep::writes`], computed slowly and plainly on the CPU. The
-    /// last of it is the image.
+    /// What its passes write, in the order of [`MethodStep::writes`], computed slowly and plainly on the CPU.
+    /// The last of it is the image.
     ///
     /// # Errors
     /// If the g-buffer lacks an attribute.
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute>;
 
-    /// What its passes write, as [`reference`](Self::reference) has it, by vector instructions of the processor,
-    /// of methods that have such a version. [`Method::shade`](crate::method::Method::shade) takes it where the
-    /// device is the processor anyway.
+    /// What its passes write, as [`reference`](Self::reference) has it, by vector instructions of the
+    /// processor, of methods that have such a version. [`Method::shade`](crate::method::Method::shade) takes
+    /// it where the device is the processor anyway.
     ///
     /// # Errors
     /// If the g-buffer lacks an attribute.

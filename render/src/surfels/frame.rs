@@ -1,4 +1,5 @@
-//! Everything that lays out a frame's surfels, in order: the surfels, their light where it is wanted, their tree.
+//! Everything that lays out a frame's surfels, in order: the surfels, their light where it is wanted, their
+//! tree.
 
 use super::cloud::{self, Cloud, Tree};
 use super::light::{self, Lit};
@@ -17,8 +18,8 @@ pub fn uniforms(parameters: &Parameters, view: &View) -> impl Iterator<Item = Ve
     first.into_iter().chain(cloud::tree_levels().map(|level| bytes_of(&level).to_vec()))
 }
 
-/// The surfels of a scene, and the passes that lay them out, light them and put a tree over those that matter;
-/// `uniforms` are the [`UNIFORMS`].
+/// The surfels of a scene, and the passes that lay them out, light them and put a tree over those that
+/// matter; `uniforms` are the [`UNIFORMS`].
 ///
 /// # Errors
 /// If the device has no room, or refuses a pass.

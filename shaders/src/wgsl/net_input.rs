@@ -9,7 +9,7 @@ use std::fmt::Write;
 
 /// Binding of what a pass writes.
 pub const WRITTEN: u32 = 1;
-/// Binding of the sums over squares of pixels, which [`NET_SQUARES`](super::NET_SQUARES) writes.
+/// Binding of the sums over squares of pixels, which `net/squares` writes.
 pub const SQUARES: u32 = 2;
 /// Binding of the g-buffer's `valid`.
 pub const VALID: u32 = 3;

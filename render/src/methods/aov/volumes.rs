@@ -2,7 +2,6 @@
 
 use super::facets;
 use super::reference;
-use crate::bvh::TracedScene;
 use crate::methods::Surface;
 use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::bytes_of;
@@ -51,10 +50,9 @@ impl Technique for Volumes {
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
         let surface = Surface::of(inputs.gbuffer)?;
-        let shaded = |scene: &TracedScene| {
+        inputs.image_of_scene(|scene| {
             let facets = reference::facets(scene.scene(), &view.camera);
-            reference::openness(&surface, &facets, view.radius).data().to_vec()
-        };
-        Ok(inputs.image_of_scene(shaded))
+            Ok(reference::openness(&surface, &facets, view.radius))
+        })
     }
 }

@@ -54,8 +54,7 @@ impl Technique for Direct {
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
-        let shaded = |scene| shade(inputs.gbuffer, scene, &self.0, view);
-        inputs.image_of_scene(shaded)
+        inputs.image_of_scene(|scene| shade(inputs.gbuffer, scene, &self.0, view))
     }
 }
 

@@ -145,7 +145,6 @@ impl Technique for Parameters {
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
-        let shaded = |scene| reference::shade(inputs.gbuffer, scene, self, view);
-        inputs.image_of_scene(shaded)
+        inputs.image_of_scene(|scene| reference::shade(inputs.gbuffer, scene, self, view))
     }
 }
